@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a step declares, and what it is given when it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+from msgspec import Struct
+from numpy.typing import NDArray
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+class Writer(Protocol):
+    """Writes the files of one artifact; nothing else opens a file for writing in RUNS."""
+
+    def arrays(self, name: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """An .npz with those members, same bytes for the same arrays."""
+
+    def json(self, name: str, value: object) -> None:
+        """Indented JSON with sorted keys; NaN is refused."""
+
+    def text(self, name: str, value: str) -> None: ...
+
+    def bytes(self, name: str, value: bytes) -> None: ...
+
+    def path(self, name: str) -> AbstractContextManager[Path]:
+        """A temporary path to let a library write to; made durable and renamed at the end of the `with`."""
+
+
+class Context(Protocol):
+    """What a stage's function gets."""
+
+    settings: Mapping[str, Any]  # decoded sections by name: those in the stage's `uses` and its own; an absent section is None
+    inputs: Mapping[str, Path]  # folder of each input artifact that exists, by stage name
+    source: Path  # folder of the package (stages with `external` only)
+    out: Writer
+
+    @property
+    def parameters(self) -> Any:
+        """The stage's own section, an instance of its `parameters`."""
+
+    def progress(self, items: Iterable[Item], label: str, total: int | None = None) -> Iterable[Item]:
+        """The same items, shown as a bar on a terminal and as log lines else."""
+
+    def map(self, function: Callable[[Item], Result], items: Sequence[Item], label: str) -> list[Result]:
+        """In order, over the executor (`--jobs`, `--scheduler`); `function` must pickle. Same results whichever executor."""
+
+    def warn(self, message: str) -> None:
+        """A sentence for the log, the manifest and summary.json."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A step, declared once.
+
+    name: as on the command line ("mosaic-optical"); also its folder in RUNS/<dive> and its section in dive.toml.
+    inputs: stages it needs. optional: stages it uses when they are part of this dive's chain.
+    uses: sections of dive.toml it reads besides its own, dotted where nested ("camera.top").
+    parameters: msgspec Struct (frozen, keyword only, unknown fields forbidden, all fields with defaults).
+    version: raised when the function's result changes for the same input.
+    external: for stages that read files of the package: from the settings and the package's folder to those files.
+    applies: None, or a function from the settings to None (applies) or the reason why this dive cannot have it.
+    """
+
+    name: str
+    summary: str
+    inputs: tuple[str, ...]
+    parameters: type[Struct]
+    version: int
+    run: Callable[[Context], None]
+    uses: tuple[str, ...] = ()
+    optional: tuple[str, ...] = ()
+    external: Callable[[Mapping[str, Any], Path], list[Path]] | None = None
+    applies: Callable[[Mapping[str, Any]], str | None] | None = None
+
+
+def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """The members of an .npz, read whole."""
+    with np.load(path, allow_pickle=False) as file:
+        return {name: file[name] for name in file.files}

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The camera of ROS's camera_info: a pinhole with the plumb_bob distortion. Pixel centres are OpenCV's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """fx, fy, cx, cy in pixels; k1, k2, p1, p2, k3 without unit, in OpenCV's order."""
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    k1: float = 0.0
+    k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    k3: float = 0.0
+
+    def matrix(self) -> Array:
+        return np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1]])
+
+    def distortion(self) -> Array:
+        return np.array([self.k1, self.k2, self.p1, self.p2, self.k3])
+
+    def parameters(self) -> Array:
+        """(9,) fx, fy, cx, cy, k1, k2, p1, p2, k3: the order of the native module."""
+        return np.array([self.fx, self.fy, self.cx, self.cy, self.k1, self.k2, self.p1, self.p2, self.k3])
+
+    def project(self, points: ArrayLike) -> Array:
+        """Pixels (n, 2) of points (n, 3) in the camera frame; NaN behind the camera."""
+        p = np.atleast_2d(np.asarray(points, float))
+        front = p[:, 2] > 1e-9
+        xy = np.full((len(p), 2), np.nan)
+        xy[front] = p[front, :2] / p[front, 2:]
+        return self.distort(xy)
+
+    def distort(self, xy: ArrayLike) -> Array:
+        """Pixels (n, 2) of ideal coordinates x/z, y/z (n, 2)."""
+        x, y = np.asarray(xy, float).T
+        r2 = x * x + y * y
+        radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
+        u = x * radial + 2 * self.p1 * x * y + self.p2 * (r2 + 2 * x * x)
+        v = y * radial + self.p1 * (r2 + 2 * y * y) + 2 * self.p2 * x * y
+        return np.stack([self.fx * u + self.cx, self.fy * v + self.cy], axis=1)
+
+    def undistort(self, pixels: ArrayLike, iterations: int = 12) -> Array:
+        """Ideal coordinates x/z, y/z (n, 2) of pixels (n, 2), by fixed-point iteration."""
+        p = np.atleast_2d(np.asarray(pixels, float))
+        want = (p - [self.cx, self.cy]) / [self.fx, self.fy]
+        x, y = want.T.copy()
+        for _ in range(iterations):
+            r2 = x * x + y * y
+            radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
+            dx = 2 * self.p1 * x * y + self.p2 * (r2 + 2 * x * x)
+            dy = self.p1 * (r2 + 2 * y * y) + 2 * self.p2 * x * y
+            x, y = (want[:, 0] - dx) / radial, (want[:, 1] - dy) / radial
+        return np.stack([x, y], axis=1)
+
+    def rays(self, pixels: ArrayLike) -> Array:
+        """Unit directions (n, 3) in the camera frame of pixels (n, 2)."""
+        xy = self.undistort(pixels)
+        ray = np.hstack([xy, np.ones((len(xy), 1))])
+        return np.asarray(ray / np.linalg.norm(ray, axis=1, keepdims=True))

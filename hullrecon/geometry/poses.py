@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Rigid motions in batches. `Poses` holds T_a_b of n frames b in one frame a: p_a = R p_b + t.
+
+Quaternions are x y z w. Small rotations are perturbed on the right, R Exp(w), everywhere in hullrecon (native included).
+A 6-vector of a motion is (translation, rotation): `log` gives (t, w) with R = Exp(w), not the coupled logarithm of SE(3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Poses:
+    """T_a_b of n frames. quaternion (n, 4) x y z w, unit; translation (n, 3), metres."""
+
+    quaternion: Array
+    translation: Array
+
+    def __len__(self) -> int:
+        return len(self.quaternion)
+
+    def __getitem__(self, index: Any) -> Poses:
+        """Rows by slice, mask or index array; an integer gives a batch of one."""
+        rows = np.atleast_1d(np.arange(len(self))[index])
+        return Poses(self.quaternion[rows], self.translation[rows])
+
+    def __matmul__(self, other: Poses) -> Poses:
+        """Composition: T_a_b @ T_b_c = T_a_c; a batch of one broadcasts."""
+        rotation = self.rotation * other.rotation
+        return Poses(rotation.as_quat(), self.apply(other.translation))
+
+    @property
+    def rotation(self) -> Rotation:
+        return Rotation.from_quat(self.quaternion)
+
+    def matrix(self) -> Array:
+        """(n, 4, 4)."""
+        out = np.tile(np.eye(4), (len(self), 1, 1))
+        out[:, :3, :3], out[:, :3, 3] = self.rotation.as_matrix(), self.translation
+        return out
+
+    def apply(self, points: ArrayLike) -> Array:
+        """Points (n, 3) in b, one a pose (or a batch of one on either side), to a."""
+        return np.asarray(self.rotation.apply(np.asarray(points, float)) + self.translation)
+
+    def inverse(self) -> Poses:
+        back = self.rotation.inv()
+        return Poses(back.as_quat(), -back.apply(self.translation))
+
+    def log(self) -> Array:
+        """(n, 6): translation, rotation vector."""
+        return np.hstack([self.translation, self.rotation.as_rotvec()])
+
+
+def identity(n: int = 1) -> Poses:
+    return Poses(np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)), np.zeros((n, 3)))
+
+
+def exp(vectors: ArrayLike) -> Poses:
+    """Poses of (n, 6) translation, rotation vector: the inverse of `Poses.log`."""
+    v = np.atleast_2d(np.asarray(vectors, float))
+    return Poses(Rotation.from_rotvec(v[:, 3:]).as_quat(), v[:, :3].copy())
+
+
+def from_matrix(matrices: ArrayLike) -> Poses:
+    """Poses of (n, 4, 4) or (4, 4)."""
+    m = np.asarray(matrices, float).reshape(-1, 4, 4)
+    return Poses(Rotation.from_matrix(m[:, :3, :3]).as_quat(), m[:, :3, 3].copy())
+
+
+def from_rpy(translation: ArrayLike, roll_pitch_yaw_rad: ArrayLike) -> Poses:
+    """R = Rz(yaw) Ry(pitch) Rx(roll); both (n, 3) or (3,)."""
+    rpy = np.atleast_2d(np.asarray(roll_pitch_yaw_rad, float))
+    return Poses(Rotation.from_euler("xyz", rpy).as_quat(), np.atleast_2d(np.asarray(translation, float)).copy())
+
+
+def from_mount(mount: ArrayLike) -> Poses:
+    """One pose of dive.toml's six numbers: x, y, z in metres, roll, pitch, yaw in degrees."""
+    m = np.asarray(mount, float)
+    return from_rpy(m[:3], np.radians(m[3:]))
+
+
+def roll_pitch_yaw(rotation: Rotation) -> Array:
+    """(n, 3) radians."""
+    return np.atleast_2d(rotation.as_euler("xyz"))
+
+
+def tray(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
+    """T_v_s = Trans(origin) Ry(theta) for (n,) angles."""
+    angle = np.atleast_1d(np.asarray(angle_rad, float))
+    return Poses(
+        Rotation.from_euler("y", angle).as_quat().reshape(-1, 4), np.tile(np.asarray(origin_m, float), (len(angle), 1))
+    )
+
+
+def interpolate(t_ns: NDArray[np.int64], poses: Poses, wanted_ns: NDArray[np.int64]) -> Poses:
+    """Linear in translation, slerp in rotation; outside the span the nearest end is held."""
+    at = np.clip(wanted_ns, t_ns[0], t_ns[-1])
+    right = np.clip(np.searchsorted(t_ns, at, side="right"), 1, max(1, len(t_ns) - 1))
+    if len(t_ns) == 1:
+        return poses[np.zeros(len(at), int)]
+    left = right - 1
+    share = (at - t_ns[left]) / np.maximum(1, t_ns[right] - t_ns[left])
+    a, b = poses[left], poses[right]
+    turn = (a.rotation.inv() * b.rotation).as_rotvec() * share[:, None]
+    rotation = a.rotation * Rotation.from_rotvec(turn)
+    return Poses(rotation.as_quat(), a.translation + share[:, None] * (b.translation - a.translation))

@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The typed face of the C++ module; nothing else imports hullrecon._native.
+
+Conventions of `Problem`: quaternions x y z w; motions are 7 numbers, x y z qx qy qz qw. Tangent of a motion: (translation,
+rotation) with the rotation perturbed on the right and the translation added in the parent frame. Tangent of a pose block:
+(translation 3, rotation 3, tray 1). The hull frame of a Problem may be shifted from M to the middle of the survey by the
+caller; the mesh is given in that frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from dataclasses import field as default
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+def _floats(*shape: int) -> Array:
+    return default(default_factory=lambda: np.zeros(shape))
+
+
+def _ints(*shape: int) -> Ints:
+    return default(default_factory=lambda: np.zeros(shape, np.int32))
+
+
+@dataclass
+class Problem:
+    """Unknowns (start values) and factors as tables. m differs from table to table; empty tables are left out.
+
+    Unknowns: pose (n, 8) x y z qx qy qz qw tray; landmark (L, 3) in g; T_g_M, T_s_ct, T_ct_cb, T_s_d (7,);
+    navigation (6,) = DVL scale error, heading drift rad/s, roll bias, pitch bias rad, depth bias m, tray play rad; deviation (F,) m,
+   
+    normal offsets at the nodes of the deviation field; intrinsics_top, intrinsics_bottom (9,) fx fy cx cy k1 k2 p1 p2 k3.
+    `constant` names the blocks held: any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top",
+    "intrinsics_bottom", "tray" (every pose's tray angle).
+    """
+
+    pose: Array
+    landmark: Array = _floats(0, 3)
+    T_g_M: Array = default(default_factory=lambda: np.array([0, 0, 0, 0, 0, 0, 1.0]))
+    T_s_ct: Array = default(default_factory=lambda: np.array([0, 0, 0, 0, 0, 0, 1.0]))
+    T_ct_cb: Array = default(default_factory=lambda: np.array([0, 0, 0, 0, 0, 0, 1.0]))
+    T_s_d: Array = default(default_factory=lambda: np.array([0, 0, 0, 0, 0, 0, 1.0]))
+    navigation: Array = _floats(6)
+    deviation: Array = _floats(0)
+    intrinsics_top: Array = default(default_factory=lambda: np.array([1.0, 1, 0, 0, 0, 0, 0, 0, 0]))
+    intrinsics_bottom: Array = default(default_factory=lambda: np.array([1.0, 1, 0, 0, 0, 0, 0, 0, 0]))
+    constant: tuple[str, ...] = ()
+
+    # the drawing
+    vertices: Array = _floats(0, 3)
+    faces: Ints = _ints(0, 3)
+    tray_origin: Array = _floats(3)  # in vehicle
+    pressure_origin: Array = _floats(3)  # in vehicle
+
+    # full priors: residual = sqrt_information (6, 6) @ log(prior^-1 . x) (translation, rotation), O 4.8
+    prior_pose_node: Ints = _ints(0)
+    prior_pose: Array = _floats(0, 7)
+    prior_pose_sqrt: Array = _floats(0, 6, 6)
+    prior_T_g_M: Array | None = None  # (7,)
+    prior_T_g_M_sqrt: Array | None = None  # (6, 6)
+    prior_T_s_ct: Array | None = None
+    prior_T_s_ct_sqrt: Array | None = None
+    prior_T_ct_cb: Array | None = None
+    prior_T_ct_cb_sqrt: Array | None = None
+    prior_T_s_d: Array | None = None
+    prior_T_s_d_sqrt: Array | None = None
+    prior_navigation_sigma: Array = default(default_factory=lambda: np.ones(6))  # about zero
+    prior_intrinsics_sigma: Array = default(default_factory=lambda: np.ones(9))  # about the start, when not constant
+
+    # depth, roll, pitch (O 4.9): z of the pressure sensor + depth bias, roll + roll bias, pitch + pitch bias
+    attitude_node: Ints = _ints(0)
+    attitude_measured: Array = _floats(0, 3)  # depth, roll, pitch
+    attitude_sigma: Array = _floats(0, 3)
+
+    # tray (O 4.10): (theta + play * direction - measured) / sigma
+    tray_node: Ints = _ints(0)
+    tray_measured: Array = _floats(0)
+    tray_direction: Array = _floats(0)
+    tray_sigma: Array = _floats(0)
+
+    # odometry (O 4.11): sqrt_information @ (log(z^-1 T_i^-1 T_j) with the systematic part of z taken off; see factors.h)
+    odometry_first: Ints = _ints(0)
+    odometry_second: Ints = _ints(0)
+    odometry_measured: Array = _floats(0, 7)
+    odometry_sqrt: Array = _floats(0, 6, 6)
+    odometry_by_navigation: Array = _floats(0, 6, 2)  # by DVL scale error, heading drift
+    odometry_by_mount: Array = _floats(0, 6, 3)  # by the rotation of T_s_d away from odometry_mount
+    odometry_by_tray: Array = _floats(0, 6)  # by the mean tray angle of the two nodes away from odometry_tray
+    odometry_tray: Array = _floats(0)  # rad, mean tray angle that dead reckoning used
+    odometry_mount: Array = default(default_factory=lambda: np.array([0, 0, 0, 0, 0, 0, 1.0]))  # T_s_d that it used
+
+    # stereo (O 4.12) and mono (O 4.13), raw pixels through the full camera model
+    stereo_node: Ints = _ints(0)
+    stereo_landmark: Ints = _ints(0)
+    stereo_pixel: Array = _floats(0, 4)  # top u v, bottom u v
+    mono_node: Ints = _ints(0)
+    mono_landmark: Ints = _ints(0)
+    mono_camera: Ints = _ints(0)  # 0 top, 1 bottom
+    mono_pixel: Array = _floats(0, 2)
+    sigma_px: float = 1.0
+
+    # ray-cast ranges (O 4.14): (predicted - measured) / sigma; predicted is the distance to the drawing moved outward by
+    # the field: cast - field / cos(incidence)
+    range_node: Ints = _ints(0)
+    range_offset: Array = _floats(0, 7)  # vehicle at the ping in vehicle at the node
+    range_tray_offset: Array = _floats(0)
+    range_beam: Array = _floats(0, 3)  # unit, in dvl
+    range_measured: Array = _floats(0)
+    range_sigma: Array = _floats(0)
+    range_field_index: Ints = _ints(0, 4)  # nodes of the field, with their weights; (m, 4) or empty without a field
+    range_field_weight: Array = _floats(0, 4)
+
+    # surface (O 4.4, 4.5, 4.7): signed distance of the landmark to the drawing minus the field
+    surface_landmark: Ints = _ints(0)
+    surface_weight: Array = _floats(0)  # multiplies the mixture's cost
+    surface_field_index: Ints = _ints(0, 4)
+    surface_field_weight: Array = _floats(0, 4)
+
+    # prior of the field: rows of a sparse whitening operator, CSR
+    field_prior_start: Ints = _ints(0)  # (rows + 1,)
+    field_prior_index: Ints = _ints(0)
+    field_prior_value: Array = _floats(0)
+
+
+@dataclass(frozen=True)
+class Options:
+    """Of `solve`. method: naive | geva | maxmix. Huber thresholds in sigmas; inf switches one off."""
+
+    method: str = "maxmix"
+    sigma_on: float = 0.02  # m, label 1
+    sigma_off: float = 1.0  # m, label 0
+    huber_pixel: float = 1.345
+    huber_range: float = 1.345
+    max_iterations: int = 100
+    function_tolerance: float = 1e-6
+    gradient_tolerance: float = 1e-10
+    parameter_tolerance: float = 1e-8
+    initial_radius: float = 1e4
+    threads: int = 1
+    labels_in_solve: bool = True  # False: labels are held during the solve (the outer loop of hard EM refreshes them)
+
+
+@dataclass(frozen=True)
+class IterationRecord:
+    """One row an iteration (k,): what the solver did, for tables and plots. cost_by_factor: name -> (k,)."""
+
+    cost: Array
+    cost_change: Array
+    step_norm: Array
+    gradient_norm: Array
+    radius: Array
+    accepted: NDArray[np.bool_]
+    seconds: Array
+    cost_by_factor: dict[str, Array]
+    on_surface: NDArray[np.int64]  # landmarks labelled 1
+    label_changes: NDArray[np.int64]
+    rays_missed: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Result:
+    """The unknowns at the end, in the shapes of Problem; label (m,) of each surface row (1 = on), distance (m,) signed to the
+    drawing (without the field); ray_hit (m,) bool; message from the solver; seconds by part."""
+
+    unknowns: dict[str, Array]
+    label: Ints
+    distance: Array
+    ray_hit: NDArray[np.bool_]
+    iterations: IterationRecord
+    converged: bool
+    message: str
+    seconds: dict[str, float]
