@@ -97,9 +97,7 @@ def roll_pitch_yaw(rotation: Rotation) -> Array:
 def tray(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
     """T_v_s = Trans(origin) Ry(theta) for (n,) angles."""
     angle = np.atleast_1d(np.asarray(angle_rad, float))
-    return Poses(
-        Rotation.from_euler("y", angle).as_quat().reshape(-1, 4), np.tile(np.asarray(origin_m, float), (len(angle), 1))
-    )
+    return Poses(Rotation.from_euler("y", angle[:, None]).as_quat(), np.tile(np.asarray(origin_m, float), (len(angle), 1)))
 
 
 def interpolate(t_ns: NDArray[np.int64], poses: Poses, wanted_ns: NDArray[np.int64]) -> Poses:
