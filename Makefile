@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+#
+#   make demo    set up, run the sample dive, print where its report lies
+#   make test    set up, run all tests
+#   make check   lint, types, imports and format (what CI checks besides)
+#
+# Set-up needs `make` and `git` alone; everything else it installs (pipelines/setup.sh says how) or names.
+
+SHELL := /bin/bash
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+DEMO ?= sample_data/demo
+RUNS ?= out
+JOBS ?= 2
+NATIVE := $(shell find native -type f 2>/dev/null)
+
+export OPENBLAS_NUM_THREADS = 1
+export OMP_NUM_THREADS = 1
+
+.PHONY: setup demo test check lint types imports format sanitize clean
+.DELETE_ON_ERROR:
+
+setup: $(VENV)/.installed
+
+$(VENV)/.packages: requirements.lock pipelines/setup.sh
+	@PYTHON=$(PYTHON) bash pipelines/setup.sh packages $(VENV)
+	@touch $@
+
+$(VENV)/.installed: $(VENV)/.packages pyproject.toml $(NATIVE)
+	@bash pipelines/setup.sh install $(VENV)
+	@touch $@
+
+demo: setup
+	@$(BIN)/hullrecon run $(DEMO) --runs $(RUNS) --jobs $(JOBS)
+	@echo "Open the report: $(abspath $(RUNS))/$(notdir $(DEMO))/deliver/report/index.html"
+
+test: setup
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile -q
+
+check: lint types imports format
+
+lint: setup
+	$(BIN)/ruff check .
+
+types: setup
+	$(BIN)/mypy
+
+imports: setup
+	PYTHONPATH=. $(BIN)/lint-imports
+
+format: setup
+	$(BIN)/ruff format --check .
+	$(BIN)/clang-format --dry-run -Werror $(filter %.h %.cpp,$(NATIVE))
+
+# The native tests once more with the address and undefined-behaviour sanitizers.
+sanitize: setup
+	$(BIN)/cmake -S native -B build/sanitize -G Ninja -DCMAKE_MAKE_PROGRAM=$(abspath $(BIN))/ninja \
+		-DCMAKE_BUILD_TYPE=RelWithDebInfo -DHULLRECON_SANITIZE=ON
+	$(BIN)/cmake --build build/sanitize -j $(JOBS)
+	$(BIN)/ctest --test-dir build/sanitize --output-on-failure
+
+clean:
+	rm -rf build $(VENV) .mypy_cache .ruff_cache .pytest_cache

@@ -1,0 +1,168 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Model-assisted bundle adjustment of a dive (O ch. 4, METHODS 5): the story from dead reckoning to the adjusted dive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon import native
+from hullrecon.adjustment import play, registration, selection
+from hullrecon.adjustment.assembly import Selection, assemble, cell_share, read_back
+from hullrecon.adjustment.deviation import grid_over
+from hullrecon.adjustment.model import Measurements, return_points
+from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.state import State, Weights
+from hullrecon.errors import StageError
+
+Array = NDArray[np.float64]
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Adjusted:
+    """The end of the story. start and problem: the last round's problem before and after; result: the last solve's."""
+
+    state: State
+    weights: Weights
+    chosen: Selection
+    center: Array
+    start: native.Problem
+    problem: native.Problem
+    result: native.Result
+    registration: registration.Registration | None
+
+
+def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
+    """Solve in rounds: each settles outliers and sigmas for the next. Raises StageError when nothing usable comes out."""
+    state, registered = _start(m, options, say)
+    center = registered.center if registered else np.zeros(3)
+    weights = _first_weights(m, options)
+    most_px = 40.0  # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
+    outcome = None
+    for k in range(options.rounds):
+        state = replace(state, landmark=selection.relocate(m, state)) if k < 2 else state
+        chosen = _usable(m, selection.select(m, state, most_px))
+        weights = replace(weights, surface=_surface_weights(m, state, chosen, options))
+        problem = assemble(m, state, weights, chosen, center, options.as_published)
+        result = native.solve(problem, _native_options(options, last=k == options.rounds - 1))
+        outcome = (problem, result, chosen, weights)
+        state = read_back(state, result.unknowns, chosen, center)
+        weights = _settled_weights(m, state, chosen, weights, options)
+        most_px = max(2.0, options.outlier_sigmas * weights.pixel)
+        say(_round_in_words(k, result, chosen, weights))
+    assert outcome is not None
+    problem, result, chosen, used = outcome
+    return Adjusted(state, used, chosen, center, problem, _at(problem, result), result, registered)
+
+
+def _start(m: Measurements, options: AdjustOptions, say: Say) -> tuple[State, registration.Registration | None]:
+    rig, nodes = m.rig, m.trajectory.poses()
+    empty = np.full((selection.landmark_count(m), 3), np.nan)
+    state = State(
+        nodes=nodes,
+        tray=m.trajectory.tray.copy(),
+        landmark=empty,
+        T_g_M=None,
+        T_s_ct=rig.T_s_ct.nominal if rig.T_s_ct and m.tracks is not None else None,
+        T_ct_cb=rig.T_ct_cb.nominal if rig.T_ct_cb and m.tracks is not None else None,
+        T_s_d=rig.T_s_d.nominal,
+        navigation=np.zeros(6),
+        grid=None,
+        field=np.zeros(0),
+    )
+    if m.drawing is None:
+        return state, None
+    points = _register_points(m, state)
+    found = registration.register(points, m.drawing, rig.sigma_range)
+    say(f"registered {len(points)} points to the drawing, {100 * found.fitness:.0f} % within three sigma")
+    grid = None
+    if not options.as_published:
+        at = m.drawing.chart.to_chart(found.hull_from.inverse().apply(points))[:, :2]
+        grid = grid_over(at[np.isfinite(at).all(1)], m.drawing.deviation_length)
+    return replace(state, T_g_M=found.hull_from, grid=grid, field=np.zeros(grid.size if grid else 0)), found
+
+
+def _register_points(m: Measurements, state: State) -> Array:
+    """What is laid onto the drawing: DVL returns, or stereo landmarks where no ranges were carried, in g."""
+    if m.returns is not None and (~m.returns.flagged).sum() >= 30:
+        points, _ = return_points(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
+        return points[~m.returns.flagged]
+    landmarks = selection.relocate(m, state)
+    landmarks = landmarks[np.isfinite(landmarks[:, 0])]
+    if len(landmarks) < 30:
+        raise StageError(
+            "nothing to lay onto the drawing: fewer than 30 DVL returns and landmarks",
+            remedy="check topics.dvl and the cameras, or remove [hull] to run without a drawing",
+        )
+    return landmarks
+
+
+def _first_weights(m: Measurements, options: AdjustOptions) -> Weights:
+    return Weights(
+        pixel=m.rig.sigma_px,
+        tray=m.rig.tray_sigma,
+        range_sigma=m.rig.sigma_range,
+        surface=np.ones(selection.landmark_count(m)),
+        tray_direction=np.zeros(len(m.trajectory.t_ns)) if options.as_published else m.attitude.tray_direction,
+    )
+
+
+def _surface_weights(m: Measurements, state: State, chosen: Selection, options: AdjustOptions) -> Array:
+    """Full weight as published. With the field, landmarks of one cell a tenth of its length wide share one observation's
+    weight: what the field does not follow within a cell (plate edges, weld seams) is common to them."""
+    if m.drawing is None or options.as_published or not len(chosen.landmarks):
+        return np.ones(len(state.landmark))
+    along, girth = m.drawing.deviation_length
+    return cell_share(m, state, chosen.landmarks, (0.1 * along, 0.1 * girth))
+
+
+def _usable(m: Measurements, chosen: Selection) -> Selection:
+    if m.tracks is not None and len(chosen.landmarks) < 20:
+        raise StageError(
+            f"only {len(chosen.landmarks)} landmarks agree with the navigation",
+            remedy="check camera mounts and time offsets, or lower matches' thresholds",
+        )
+    return chosen
+
+
+def _native_options(options: AdjustOptions, last: bool) -> native.Options:
+    return native.Options(
+        method=options.method,
+        sigma_on=options.sigma_on,
+        sigma_off=options.sigma_off,
+        max_iterations=options.max_iterations,
+        function_tolerance=options.function_tolerance if last else 10 * options.function_tolerance,
+        threads=options.threads,
+    )
+
+
+def _settled_weights(m: Measurements, state: State, chosen: Selection, weights: Weights, options: AdjustOptions) -> Weights:
+    """Sigmas from the residuals, sides of the tray's play from the adjusted angles."""
+    if options.as_published:
+        return weights
+    pixel = selection.pixel_sigma(m, state, chosen, options.least_pixel_sigma) if m.tracks is not None else weights.pixel
+    if m.tracks is None:
+        return weights
+    side = play.sides(m.trajectory.tray - state.tray, weights.tray_direction)
+    excess = m.trajectory.tray - state.tray - state.navigation[5] * side
+    excess -= np.median(excess)
+    tray = float(np.clip(1.4826 * np.median(np.abs(excess)), np.radians(0.02), m.rig.tray_sigma))
+    return replace(weights, pixel=pixel, tray_direction=side, tray=tray)
+
+
+def _at(problem: native.Problem, result: native.Result) -> native.Problem:
+    """The same factors at the solution."""
+    return replace(problem, **result.unknowns)
+
+
+def _round_in_words(k: int, result: native.Result, chosen: Selection, weights: Weights) -> str:
+    record = result.iterations
+    return (
+        f"round {k + 1}: {len(record.cost)} iterations, cost {record.cost[0]:.6g} to {record.cost[-1]:.6g}, "
+        f"{len(chosen.landmarks)} landmarks, {int((result.label == 1).sum())} on the hull, pixel sigma now {weights.pixel:.2f}"
+    )

@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The adjusted dive as a sparse COLMAP model: a rigid rig, frames, images, points with their tracks.
+
+COLMAP's pixel centres lie at 0.5, 0.5, OpenCV's at 0, 0: half a pixel is added to principal points and observations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.records import Tracks
+from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.poses import Poses
+
+Array = NDArray[np.float64]
+TOP, BOTTOM = 1, 2  # camera ids; the rig has id 1
+
+
+@dataclass(frozen=True)
+class SparseModel:
+    """hull_from_top: T_M_ct at the nodes (T_g_ct without a drawing); T_ct_cb None for a mono rig. position (L, 3), NaN where a
+    landmark is not in the model. top, bottom (m,) bool: observations that entered. stamps (n, 2): ns by camera, -1 for none."""
+
+    tracks: Tracks
+    top: NDArray[np.bool_]
+    bottom: NDArray[np.bool_]
+    hull_from_top: Poses
+    T_ct_cb: Poses | None
+    cameras: tuple[Camera, Camera | None]
+    stamps: NDArray[np.int64]
+    position: Array
+
+
+def write_model(model: SparseModel, folder: Path) -> None:
+    """cameras.bin, rigs.bin, frames.bin, images.bin and points3D.bin into an existing folder."""
+    reconstruction = build(model)
+    reconstruction.write_binary(str(folder))
+
+
+def build(model: SparseModel) -> Any:
+    """A pycolmap.Reconstruction."""
+    import pycolmap
+
+    reconstruction = pycolmap.Reconstruction()
+    _add_rig(reconstruction, model)
+    observations = _observations(model)
+    _add_images(reconstruction, model, observations)
+    _add_points(reconstruction, model, observations)
+    reconstruction.update_point_3d_errors()
+    return reconstruction
+
+
+def _rigid(pose: Poses) -> Any:
+    import pycolmap
+
+    return pycolmap.Rigid3d(pycolmap.Rotation3d(pose.quaternion[0]), pose.translation[0])
+
+
+def _add_rig(reconstruction: Any, model: SparseModel) -> None:
+    import pycolmap
+
+    rig = pycolmap.Rig(rig_id=1)
+    for number, camera in zip((TOP, BOTTOM), model.cameras, strict=True):
+        if camera is None or (number == BOTTOM and model.T_ct_cb is None):
+            continue
+        reconstruction.add_camera(_camera(number, camera))
+        sensor = pycolmap.sensor_t(pycolmap.SensorType.CAMERA, number)
+        if number == TOP:
+            rig.add_ref_sensor(sensor)
+        else:
+            assert model.T_ct_cb is not None
+            rig.add_sensor(sensor, _rigid(model.T_ct_cb.inverse()))
+    reconstruction.add_rig(rig)
+
+
+def _camera(number: int, camera: Camera) -> Any:
+    import pycolmap
+
+    values = camera.parameters()
+    values[2:4] += 0.5
+    name, params = "OPENCV", values[:8]
+    if camera.k3 != 0.0:
+        name, params = "FULL_OPENCV", np.r_[values[:8], values[8], 0, 0, 0]
+    return pycolmap.Camera(camera_id=number, model=name, width=camera.width, height=camera.height, params=params)
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """Observations sorted by (image, landmark): image id, landmark, pixel, number within the image."""
+
+    image: NDArray[np.int64]
+    landmark: NDArray[np.int64]
+    pixel: Array
+    place: NDArray[np.int64]
+
+
+def _observations(model: SparseModel) -> _Seen:
+    tracks, known = model.tracks, np.isfinite(model.position[:, 0])
+    top, bottom = (use & known[tracks.landmark] for use in (model.top, model.bottom))
+    image = np.r_[2 * tracks.node[top] + TOP, 2 * tracks.node[bottom] + BOTTOM]
+    landmark = np.r_[tracks.landmark[top], tracks.landmark[bottom]]
+    pixel = np.vstack([tracks.top[top], tracks.bottom[bottom]]) + 0.5
+    order = np.lexsort((landmark, image))
+    image, landmark, pixel = image[order], landmark[order], pixel[order]
+    first = np.r_[0, np.flatnonzero(np.diff(image)) + 1] if len(image) else np.zeros(0, int)
+    start = np.repeat(first, np.diff(np.r_[first, len(image)]))
+    return _Seen(image, landmark, pixel, np.arange(len(image)) - start)
+
+
+def _add_images(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
+    """One frame a node that has an image; an image without observations is kept: its pose is known all the same."""
+    import pycolmap
+
+    for node in np.flatnonzero((model.stamps >= 0).any(1)):
+        ids = [(2 * int(node) + k, k, int(model.stamps[node, k - 1])) for k in (TOP, BOTTOM) if model.stamps[node, k - 1] >= 0]
+        ids = [entry for entry in ids if reconstruction.exists_camera(entry[1])]
+        frame = pycolmap.Frame(frame_id=int(node) + 1, rig_id=1)
+        for image_id, camera_id, _ in ids:
+            frame.add_data_id(pycolmap.data_t(pycolmap.sensor_t(pycolmap.SensorType.CAMERA, camera_id), image_id))
+        frame.rig_from_world = _rigid(model.hull_from_top[int(node)].inverse())
+        reconstruction.add_frame(frame)
+        for image_id, camera_id, stamp in ids:
+            rows = slice(*np.searchsorted(seen.image, [image_id, image_id + 1]))
+            name = f"camera_{'top' if camera_id == TOP else 'bottom'}/{stamp}.jpg"
+            image = pycolmap.Image(name=name, keypoints=seen.pixel[rows], camera_id=camera_id, image_id=image_id)
+            image.frame_id = int(node) + 1
+            reconstruction.add_image(image)
+        reconstruction.register_frame(int(node) + 1)
+
+
+def _add_points(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
+    import pycolmap
+
+    order = np.lexsort((seen.image, seen.landmark))
+    landmark, image, place = seen.landmark[order], seen.image[order].tolist(), seen.place[order].tolist()
+    edges = np.r_[0, np.flatnonzero(np.diff(landmark)) + 1, len(landmark)].tolist()
+    for low, high in zip(edges[:-1], edges[1:], strict=True):
+        number = int(landmark[low])
+        elements = [pycolmap.TrackElement(i, p) for i, p in zip(image[low:high], place[low:high], strict=True)]
+        point = pycolmap.Point3D(
+            xyz=model.position[number], color=model.tracks.color[number], track=pycolmap.Track(elements=elements)
+        )
+        reconstruction.add_point3D_with_id(number + 1, point)

@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Options of the adjustment: the section [adjust] of dive.toml."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+Positive = Annotated[float, Meta(gt=0)]
+
+
+class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """How the dive is adjusted. `as_published` keeps O's weighting, for comparison with O: no deviation field, every surface
+    factor at full weight, no systematic errors of navigation, sigmas as in dive.toml."""
+
+    method: Annotated[
+        Literal["naive", "geva", "maxmix"], Meta(description="surface factors: none, all, or by hidden label")
+    ] = "maxmix"
+    as_published: Annotated[bool, Meta(description="O's weighting, without deviation field")] = False
+    sigma_on: Annotated[Positive, Meta(description="m, sigma of a landmark on the hull (O 4.2.3)")] = 0.02
+    sigma_off: Annotated[Positive, Meta(description="m, sigma of a landmark off the hull (O 4.2.3)")] = 1.0
+    rounds: Annotated[int, Meta(ge=1, le=10, description="solves between which outliers and sigmas are settled")] = 3
+    max_iterations: Annotated[int, Meta(ge=1, le=1000, description="iterations of one solve at most")] = 60
+    function_tolerance: Annotated[Positive, Meta(description="relative change of cost that ends a solve")] = 1e-6
+    least_pixel_sigma: Annotated[Positive, Meta(description="px, floor of the estimated pixel sigma")] = 0.15
+    outlier_sigmas: Annotated[Positive, Meta(description="observations beyond this many sigmas are left out")] = 5.0
+    threads: Annotated[int, Meta(ge=1, le=64, description="threads of the solve; one gives the same bytes each time")] = 1

@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Directions that the geometry does not resolve, said in words."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_AXES = (("along the hull", 0), ("across the hull", 1), ("vertically", 2))
+
+
+def weak_directions(
+    covariance_in_hull: Array, least_sigma_m: float = 0.05, least_sigma_deg: float = 0.5
+) -> list[dict[str, object]]:
+    """Eigenvectors of T_g_M's covariance (6, 6: translation and rotation in M's axes) beyond the given sigmas, worst first.
+
+    Each: `kind` position or attitude, `direction` unit vector in M, `sigma` (m or rad) and a `sentence`.
+    """
+    found: list[dict[str, object]] = []
+    for kind, block, least in (
+        ("position", slice(0, 3), least_sigma_m),
+        ("attitude", slice(3, 6), np.radians(least_sigma_deg)),
+    ):
+        values, vectors = np.linalg.eigh(covariance_in_hull[block, block])
+        for k in np.argsort(values)[::-1]:
+            sigma = float(np.sqrt(max(values[k], 0)))
+            if sigma >= least:
+                direction = vectors[:, k] * np.sign(vectors[np.argmax(np.abs(vectors[:, k])), k])
+                found.append(
+                    {
+                        "kind": kind,
+                        "direction": direction.tolist(),
+                        "sigma": sigma,
+                        "sentence": _sentence(kind, direction, sigma),
+                    }
+                )
+    return found
+
+
+def _sentence(kind: str, direction: Array, sigma: float) -> str:
+    words = max(_AXES, key=lambda axis: abs(direction[axis[1]]))[0]
+    if kind == "position":
+        return f"The position {words} is uncertain by {sigma:.2f} m (one sigma): the hull's form does not resolve it better."
+    return f"The rotation about the axis {words} is uncertain by {np.degrees(sigma):.2f} degrees (one sigma)."
