@@ -14,7 +14,9 @@ from dataclasses import dataclass
 from dataclasses import field as default
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from hullrecon.errors import InputError
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -32,12 +34,15 @@ def _ints(*shape: int) -> Ints:
 class Problem:
     """Unknowns (start values) and factors as tables. m differs from table to table; empty tables are left out.
 
-    Unknowns: pose (n, 8) x y z qx qy qz qw tray; landmark (L, 3) in g; T_g_M, T_s_ct, T_ct_cb, T_s_d (7,);
-    navigation (6,) = DVL scale error, heading drift rad/s, roll bias, pitch bias rad, depth bias m, tray play rad; deviation (F,) m,
-   
-    normal offsets at the nodes of the deviation field; intrinsics_top, intrinsics_bottom (9,) fx fy cx cy k1 k2 p1 p2 k3.
+    Unknowns:
+      pose (n, 8)          T_g_v and the tray's angle: x y z qx qy qz qw tray
+      landmark (L, 3)      in g
+      T_g_M, T_s_ct, T_ct_cb, T_s_d (7,)
+      navigation (6,)      DVL scale error, heading drift rad/s, roll bias rad, pitch bias rad, depth bias m, tray play rad
+      deviation (F,)       m, normal offsets (outward positive) at the nodes of the deviation field; empty: no field
+      intrinsics_top, intrinsics_bottom (9,)   fx fy cx cy k1 k2 p1 p2 k3
     `constant` names the blocks held: any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top",
-    "intrinsics_bottom", "tray" (every pose's tray angle).
+    "intrinsics_bottom", "tray" (every pose's tray angle). The prior of a held block is left out.
     """
 
     pose: Array
@@ -176,3 +181,52 @@ class Result:
     converged: bool
     message: str
     seconds: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Closest:
+    """distance (n,) m, positive outside by the angle-weighted pseudonormal of the closest feature (face, edge or vertex);
+    point (n, 3) on the mesh; gradient (n, 3) unit, of the signed distance (the pseudonormal where the distance is nothing);
+    face (n,)."""
+
+    distance: Array
+    point: Array
+    gradient: Array
+    face: Ints
+
+
+@dataclass(frozen=True)
+class Hits:
+    """range (n,) m, inf on a miss; face (n,), -1 on a miss; normal (n, 3) unit, outward by the corners' order, 0 on a miss."""
+
+    range: Array
+    face: Ints
+    normal: Array
+
+
+class MeshIndex:
+    """Closest point and ray cast against a mesh: vertices (n, 3) m, faces (m, 3) int32, counter-clockwise from outside.
+
+    Corners at equal coordinates count as one. `threads`: 0 = all cores; the answer does not depend on it.
+    Raises InputError for shapes, indices or numbers that cannot be."""
+
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, threads: int = 0) -> None:
+        corners = np.asarray(faces)
+        if corners.dtype.kind not in "iu":
+            raise InputError("faces must be integers", where="faces")
+        from hullrecon import _native  # type: ignore[attr-defined]  # compiled; loads the solver's libraries
+
+        self._index = _native.MeshIndex(np.asarray(vertices, float), corners)
+        self._threads = threads
+
+    def __len__(self) -> int:
+        """Number of faces."""
+        return len(self._index)
+
+    def closest(self, points: ArrayLike) -> Closest:
+        """Of points (n, 3)."""
+        return Closest(*self._index.closest(np.asarray(points, float), self._threads))
+
+    def cast(self, origins: ArrayLike, directions: ArrayLike) -> Hits:
+        """First crossing of rays (n, 3), (n, 3), either side of a face; directions need not be unit, ranges are metres."""
+        return Hits(*self._index.cast(np.asarray(origins, float), np.asarray(directions, float), self._threads))

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// One triangle: closest point with the feature it lies on, and the ray's crossing.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+namespace hullrecon {
+
+using Vec3 = Eigen::Vector3d;
+
+struct Triangle {
+  Vec3 a, b, c;
+};
+
+// Where on the triangle: its inside, the edge that starts at corner 0, 1, 2 (ab, bc, ca), or corner 0, 1, 2.
+enum class Feature { Face, Edge0, Edge1, Edge2, Corner0, Corner1, Corner2 };
+
+struct OnTriangle {
+  Vec3 point;
+  Feature feature;
+};
+
+// By the Voronoi regions of the features (Ericson, Real-Time Collision Detection, 5.1.5). A sliver of no area has no Face.
+OnTriangle closest_on_triangle(const Vec3& p, const Triangle& t);
+
+// Range along the direction, in its lengths; either side counts. Empty: no crossing ahead, or a triangle of no area.
+std::optional<double> cross(const Vec3& origin, const Vec3& direction, const Triangle& t);
+
+}  // namespace hullrecon
