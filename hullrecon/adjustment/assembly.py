@@ -120,7 +120,8 @@ def _camera_tables(
     problem: Problem, m: Measurements, state: State, weights: Weights, chosen: Selection, held: list[str]
 ) -> None:
     tracks, rig = m.tracks, m.rig
-    assert tracks is not None and rig.top is not None and rig.T_s_ct is not None and state.T_s_ct is not None
+    if tracks is None or rig.top is None or rig.T_s_ct is None or state.T_s_ct is None:
+        raise ValueError("tracks need a camera with a mount")
     _set_motion(problem, "T_s_ct", state.T_s_ct, rig.T_s_ct, held)
     if rig.T_ct_cb is not None and rig.bottom is not None and state.T_ct_cb is not None:
         _set_motion(problem, "T_ct_cb", state.T_ct_cb, rig.T_ct_cb, held)
@@ -204,7 +205,8 @@ def _hits(problem: Problem, m: Measurements, state: State, chosen: Selection) ->
 
 def cell_share(m: Measurements, state: State, landmarks: NDArray[np.int64], cell: tuple[float, float]) -> Array:
     """Weight of each landmark's surface factor so that those of one cell of the chart (metres) weigh as one observation."""
-    assert m.drawing is not None and state.T_g_M is not None
+    if m.drawing is None or state.T_g_M is None:
+        raise ValueError("cells need a drawing")
     at = m.drawing.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[landmarks]))[:, :2]
     _, owner = np.unique(np.floor(np.nan_to_num(at) / np.array(cell)).astype(np.int64), axis=0, return_inverse=True)
     weight = np.ones(len(state.landmark))

@@ -8,6 +8,7 @@ COLMAP's pixel centres lie at 0.5, 0.5, OpenCV's at 0, 0: half a pixel is added 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -140,7 +141,7 @@ def _add_points(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
     order = np.lexsort((seen.image, seen.landmark))
     landmark, image, place = seen.landmark[order], seen.image[order].tolist(), seen.place[order].tolist()
     edges = np.r_[0, np.flatnonzero(np.diff(landmark)) + 1, len(landmark)].tolist()
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         number = int(landmark[low])
         elements = [pycolmap.TrackElement(i, p) for i, p in zip(image[low:high], place[low:high], strict=True)]
         point = pycolmap.Point3D(

@@ -22,7 +22,7 @@ def sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0) -> Arra
     if high - low < 3 * sigma or len(excess) < 10:
         return prior_direction
     fit = np.stack([(excess - low) ** 2, (excess - high) ** 2], axis=1) / (2 * sigma**2)
-    path = _viterbi(np.minimum(fit, 25.0), flip_cost)
+    path = _viterbi(np.minimum(fit, 1.5 * flip_cost), flip_cost)
     return np.where(path == 1, 1.0, -1.0)
 
 

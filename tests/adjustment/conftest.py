@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A small stereo rig over a flat patch, with truth."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hullrecon.adjustment.model import Mount, Rig
+from hullrecon.dive.records import Tracks
+from hullrecon.geometry import poses
+from hullrecon.geometry.cameras import Camera
+
+CAMERA = Camera(640, 512, 650.0, 651.0, 320.0, 250.0, -0.06, 0.03, 0.001, -0.0005)
+
+
+def observe(camera, hull_from_camera, points, nodes, landmarks):
+    """Pixels (m, 2) of landmarks from nodes, NaN outside the image."""
+    pixel = camera.project(hull_from_camera.inverse()[nodes].apply(points[landmarks]))
+    inside = (pixel >= 0).all(1) & (pixel <= [camera.width - 1, camera.height - 1]).all(1)
+    pixel[~inside] = np.nan
+    return pixel
+
+
+@pytest.fixture
+def scene():
+    """20 nodes a decimetre apart looking down on 400 landmarks a metre below, a vertical stereo rig, no noise."""
+    rng = np.random.default_rng(3)
+    n, count = 20, 400
+    nodes = poses.from_rpy(np.c_[0.1 * np.arange(n), np.zeros(n), np.zeros(n)], 0.02 * rng.standard_normal((n, 3)))
+    points = np.c_[rng.uniform(-0.3, 2.2, count), rng.uniform(-0.3, 0.3, count), rng.uniform(0.95, 1.1, count)]
+    T_s_ct, T_ct_cb = poses.from_mount([0.01, 0, 0, 0, 0, 0]), poses.from_mount([0.001, 0.1, 0, 0.1, -0.2, 0.1])
+    rig = Rig(
+        tray_origin=np.array([0.4, 0.0, 0.1]),
+        tray_sigma=0.01,
+        pressure_origin=np.zeros(3),
+        T_s_d=Mount(poses.identity(), np.eye(6)),
+        T_s_ct=Mount(T_s_ct, np.eye(6)),
+        T_ct_cb=Mount(T_ct_cb, None),
+        top=CAMERA,
+        bottom=CAMERA,
+        sigma_px=1.0,
+        sigma_range=0.01,
+        navigation_sigma=np.ones(6),
+    )
+    tray = np.full(n, 0.05)
+    top = nodes @ poses.tray(rig.tray_origin, tray) @ T_s_ct
+    bottom = top @ T_ct_cb
+    landmark, node = np.repeat(np.arange(count), n), np.tile(np.arange(n), count)
+    pixels = [observe(CAMERA, pose, points, node, landmark) for pose in (top, bottom)]
+    seen = np.isfinite(pixels[0][:, 0]) | np.isfinite(pixels[1][:, 0])
+    color = np.full((count, 3), 90, np.uint8)
+    tracks = Tracks(landmark[seen], node[seen], pixels[0][seen], pixels[1][seen], color)
+    return SimpleNamespace(nodes=nodes, tray=tray, points=points, rig=rig, top=top, bottom=bottom, tracks=tracks)

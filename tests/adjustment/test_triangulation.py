@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+
+from hullrecon.adjustment.triangulation import camera_poses, reprojection_errors, triangulate
+from hullrecon.dive.records import Tracks
+
+
+def test_landmarks_are_found_where_they_are(scene):
+    position, _ = triangulate(scene.tracks, len(scene.points), scene.top, scene.bottom, scene.rig)
+    seen = np.isfinite(position[:, 0])
+    assert seen.mean() > 0.9
+    np.testing.assert_allclose(position[seen], scene.points[seen], atol=1e-6)
+
+
+def test_a_single_ray_gives_no_landmark(scene):
+    t = scene.tracks
+    first = np.flatnonzero(np.isfinite(t.top[:, 0]))[:1]
+    alone = Tracks(t.landmark[first], t.node[first], t.top[first], np.full((1, 2), np.nan), t.color)
+    position, spread = triangulate(alone, len(scene.points), scene.top, scene.bottom, scene.rig)
+    assert np.isnan(position).all()
+    assert spread[t.landmark[first[0]]] == 0.0
+
+
+def test_two_rays_spread_by_the_angle_between_them(scene):
+    t = scene.tracks
+    row = np.flatnonzero(np.isfinite(t.top[:, 0]) & np.isfinite(t.bottom[:, 0]))[:1]
+    pair = Tracks(t.landmark[row], t.node[row], t.top[row], t.bottom[row], t.color)
+    _, spread = triangulate(pair, len(scene.points), scene.top, scene.bottom, scene.rig)
+    node, number = t.node[row[0]], t.landmark[row[0]]
+    rays = [scene.points[number] - pose.translation[node] for pose in (scene.top, scene.bottom)]
+    angle = np.arccos(rays[0] @ rays[1] / np.linalg.norm(rays[0]) / np.linalg.norm(rays[1]))
+    np.testing.assert_allclose(spread[number], angle, rtol=1e-6)
+
+
+def test_the_camera_hangs_on_the_tray(scene):
+    top, bottom = camera_poses(scene.nodes, scene.tray, scene.rig, scene.rig.T_s_ct.nominal, scene.rig.T_ct_cb.nominal)
+    np.testing.assert_allclose(top.matrix(), scene.top.matrix(), atol=1e-12)
+    np.testing.assert_allclose(bottom.matrix(), scene.bottom.matrix(), atol=1e-12)
+
+
+def test_reprojection_errors_are_pixel_distances(scene):
+    t = scene.tracks
+    moved = Tracks(t.landmark, t.node, t.top + np.array([3.0, 4.0]), t.bottom, t.color)
+    top, bottom = reprojection_errors(moved, scene.points, scene.top, scene.bottom, scene.rig)
+    np.testing.assert_allclose(top[np.isfinite(top)], 5.0, atol=1e-6)
+    np.testing.assert_allclose(bottom[np.isfinite(bottom)], 0.0, atol=1e-6)
