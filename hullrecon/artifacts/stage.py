@@ -40,8 +40,11 @@ class Context(Protocol):
 
     settings: Mapping[str, Any]  # decoded sections by name: those in the stage's `uses` and its own; an absent section is None
     inputs: Mapping[str, Path]  # folder of each input artifact that exists, by stage name
-    source: Path  # folder of the package (stages with `external` only)
     out: Writer
+
+    @property
+    def source(self) -> Path:
+        """Folder of the package (stages with `external` only)."""
 
     @property
     def parameters(self) -> Any:
