@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Turns what msgspec says about a configuration into a sentence with the key's path, its value and the nearest known key."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, get_args
+
+import msgspec
+from msgspec import Struct
+
+from hullrecon.errors import UsageError
+
+
+def in_words(message: str, raw: Any, kind: type, prefix: str, more: Sequence[str], file: str) -> UsageError:
+    """The UsageError for a msgspec message about `raw` decoded as `kind`; `more` are further known keys of the top level."""
+    text, _, place = message.partition(" - at `")
+    path = re.findall(r"[^.\[\]]+|\[\d+\]", place.rstrip("`").removeprefix("$").lstrip("."))
+    dotted = _join([prefix, *path])
+    unknown = re.search(r"unknown field `(.*)`", text)
+    if unknown:
+        return _unknown(unknown[1], dotted, kind, prefix, more, file)
+    missing = re.search(r"missing required field `(.*)`", text)
+    if missing:
+        return UsageError(f"{_join([dotted, missing[1]])} is missing", where=file, remedy="this key has no default")
+    wanted = text.replace("`", "").replace("Expected", "expected").replace("Object", "table").replace("object", "table")
+    return UsageError(f"{dotted or 'the file'} = {_show(_look_up(raw, path))}: {wanted}", where=file)
+
+
+def refuse_not_finite(raw: Any, file: str, path: str = "") -> None:
+    """TOML allows nan and inf; no key of ours does."""
+    if isinstance(raw, float) and not math.isfinite(raw):
+        raise UsageError(f"{path} = {raw}: expected a finite number", where=file)
+    members = raw.items() if isinstance(raw, dict) else enumerate(raw) if isinstance(raw, list) else ()
+    for key, value in members:
+        refuse_not_finite(value, file, f"{path}[{key}]" if isinstance(raw, list) else _join([path, str(key)]))
+
+
+def known_keys(kind: type, prefix: str = "") -> Iterator[str]:
+    """Every dotted key of a struct, its sections included."""
+    for field in msgspec.structs.fields(kind):
+        dotted = _join([prefix, field.encode_name])
+        yield dotted
+        for part in (field.type, *get_args(field.type)):
+            if isinstance(part, type) and issubclass(part, Struct):
+                yield from known_keys(part, dotted)
+
+
+def _unknown(key: str, section: str, kind: type, prefix: str, more: Sequence[str], file: str) -> UsageError:
+    dotted = _join([section, key])
+    known = [*known_keys(kind, prefix), *more]
+    beside = [name for name in known if name.rpartition(".")[0] == section]
+    nearest = [name for name in beside if name.startswith(dotted)] or difflib.get_close_matches(dotted, beside, 1, 0.75)
+    nearest = nearest or _same_last_name(key, known) or difflib.get_close_matches(dotted, beside or known, 1, 0.0)
+    return UsageError(f"unknown key {dotted}", where=file, remedy=f"the nearest known key is {nearest[0]}" if nearest else "")
+
+
+def _same_last_name(key: str, known: Sequence[str]) -> list[str]:
+    """A key that is right but stands in the wrong section."""
+    return [name for name in known if name.rpartition(".")[2] == key][:1]
+
+
+def _join(parts: Sequence[str]) -> str:
+    return re.sub(r"\.(?=\[)", "", ".".join(part for part in parts if part and part != "$"))
+
+
+def _look_up(raw: Any, path: Sequence[str]) -> Any:
+    for part in path:
+        if part.startswith("[") and isinstance(raw, list):
+            raw = raw[int(part[1:-1])]
+        elif isinstance(raw, Mapping):
+            raw = raw.get(part, "?")
+    return raw
+
+
+def _show(value: Any) -> str:
+    text = "a table" if isinstance(value, Mapping) else repr(value)
+    return text if len(text) < 60 else text[:57] + "..."

@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Reads dive.toml strictly: an unknown key, a wrong type or a value out of bounds is an error that names key and value."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, TypeVar
+
+import msgspec
+from msgspec import Struct
+
+from hullrecon.dive.complaints import in_words, refuse_not_finite
+from hullrecon.dive.config import DiveConfig
+from hullrecon.errors import InputError, UsageError
+
+FILE = "dive.toml"
+Kind = TypeVar("Kind")
+
+
+@dataclass(frozen=True)
+class LoadedConfig:
+    """A decoded dive.toml. sections: structs by dotted name ("dvl", "camera.top", a step's name), None when absent; given: the
+    dotted keys that the file or an override set, everything else is a default."""
+
+    package: Path
+    config: DiveConfig
+    sections: Mapping[str, Any]
+    given: frozenset[str]
+
+    def value(self, dotted: str) -> Any:
+        """The section or key of that dotted name, "camera.top" or "imu.frame"; None where a section on the way is absent."""
+        if dotted in self.sections:
+            return self.sections[dotted]
+        parent, _, key = dotted.rpartition(".")
+        section = self.value(parent) if parent else None
+        if isinstance(section, Struct) and key not in section.__struct_fields__:
+            raise KeyError(dotted)
+        return None if section is None else getattr(section, key)
+
+
+def load_config(
+    package: Path, step_sections: Mapping[str, type[Struct]] = MappingProxyType({}), overrides: Sequence[str] = ()
+) -> LoadedConfig:
+    """dive.toml of a package folder, with `a.b=value` overrides applied before decoding.
+
+    Raises InputError when there is no dive.toml, UsageError for anything wrong inside it or in an override.
+    """
+    raw = _read(package)
+    for text in overrides:
+        _apply(raw, text)
+    given = frozenset(_leaves(raw))
+    steps = {name: raw.pop(name, {}) for name in step_sections}
+    refuse_not_finite({**raw, **steps}, FILE)
+    config = _decode(raw, DiveConfig, "", list(step_sections))
+    sections: dict[str, Any] = {name: getattr(config, name) for name in config.__struct_fields__ if name != "camera"}
+    sections |= {"camera.top": config.camera.top, "camera.bottom": config.camera.bottom}
+    sections |= {name: _decode(steps[name], kind, name, []) for name, kind in step_sections.items()}
+    _check_whole(config)
+    return LoadedConfig(package, config, MappingProxyType(sections), given)
+
+
+def _read(package: Path) -> dict[str, Any]:
+    path = package / FILE
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError):
+        advice = f"give the folder that holds {FILE}; `hullrecon init LOG` writes one from a log"
+        raise InputError(f"no {FILE} here", where=str(package), remedy=advice) from None
+    except OSError as error:
+        raise InputError(f"{FILE} cannot be read: {error.strerror}", where=str(path)) from None
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"{FILE} is not valid TOML: {error}", where=str(path)) from None
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{FILE} is not UTF-8: byte {error.start}", where=str(path)) from None
+
+
+def _apply(raw: dict[str, Any], text: str) -> None:
+    """One `a.b=value` into the raw tables; the value is TOML, a bare word is a string."""
+    key, equals, value = text.partition("=")
+    parts = [part.strip() for part in key.split(".")]
+    if not equals or not all(parts):
+        raise UsageError(f"--set {text} is not of the form section.key=value")
+    try:
+        decoded = tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        decoded = value.strip()
+    tables = raw
+    for part in parts[:-1]:
+        tables = tables.setdefault(part, {})
+        if not isinstance(tables, dict):
+            raise UsageError(f"--set {text}: {part} is a value, not a section")
+    tables[parts[-1]] = decoded
+
+
+def _decode(raw: Mapping[str, Any], kind: type[Kind], prefix: str, more: Sequence[str]) -> Kind:
+    try:
+        return msgspec.convert(raw, kind)
+    except msgspec.ValidationError as error:
+        raise in_words(str(error), raw, kind, prefix, more, FILE) from None
+
+
+def _leaves(raw: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+    for key, value in raw.items():
+        if isinstance(value, dict):
+            yield from _leaves(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}"
+
+
+def _check_whole(config: DiveConfig) -> None:
+    """What no single field can say."""
+    if config.camera.bottom is not None and config.camera.top is None:
+        raise UsageError("[camera.bottom] without [camera.top]", where=FILE, remedy="a mono rig has camera.top only")
+    lengths = [reduce(lambda s, x: s + x * x, beam, 0.0) ** 0.5 for beam in config.dvl.beams or ()]
+    if any(abs(length - 1) > 0.02 for length in lengths):
+        raise UsageError("dvl.beams are not unit vectors", where=FILE, remedy="give each beam as x, y, z of length 1")

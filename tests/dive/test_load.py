@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from hullrecon.dive.load import load_config
+from hullrecon.errors import InputError, UsageError
+
+PLAIN = '[dive]\nname = "x"\n[logs]\nfiles = ["logs"]\n'
+
+
+class Features(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    clahe: float = 3.0
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    (tmp_path / "dive.toml").write_text(PLAIN)
+    return tmp_path
+
+
+def refusal(package: Path, *overrides: str) -> str:
+    with pytest.raises(UsageError) as caught:
+        load_config(package, {"features": Features}, overrides)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_the_smallest_file_gives_every_section_its_defaults(package):
+    loaded = load_config(package, {"features": Features})
+    assert loaded.config.pressure.density == 1025.0
+    assert loaded.sections["hull"] is None
+    assert loaded.sections["camera.top"] is None
+    assert loaded.sections["features"] == Features()
+    assert loaded.given == {"dive.name", "logs.files"}
+
+
+def test_a_value_is_found_by_its_dotted_name(package):
+    (package / "dive.toml").write_text(PLAIN + '[imu]\nframe = "enu"\n[camera.top]\ncalibration = "a.yaml"\ntime_offset = 2\n')
+    loaded = load_config(package, {"features": Features})
+    assert loaded.value("imu.frame") == "enu"
+    assert loaded.value("camera.top.time_offset") == 2.0
+    assert loaded.value("camera.bottom.time_offset") is None
+    assert loaded.value("hull.mesh") is None
+    assert loaded.value("features.clahe") == 3.0
+
+
+def test_a_dotted_name_that_no_section_has_is_a_key_error(package):
+    with pytest.raises(KeyError, match=r"imu\.fram"):
+        load_config(package).value("imu.fram")
+
+
+def test_an_override_is_read_as_toml_and_a_bare_word_as_text(package):
+    loaded = load_config(package, {"features": Features}, ["features.clahe=4", "imu.frame=enu", "dvl.mount=[1,2,3,4,5,6]"])
+    assert loaded.value("features").clahe == 4.0
+    assert loaded.value("imu").frame == "enu"
+    assert loaded.value("dvl").mount == (1, 2, 3, 4, 5, 6)
+    assert "imu.frame" in loaded.given
+
+
+@pytest.mark.parametrize(
+    ("override", "nearest"),
+    [
+        ("imu.fram=1", "imu.frame"),
+        ("hull.frame=1", "hull.frame_spacing"),
+        ("mount=1", "dvl.mount"),
+        ("camera.tp=1", "camera.top"),
+        ("camera.top.sigma=1", "camera.top.sigma_px"),
+        ("features.clah=1", "features.clahe"),
+        ("feature.clahe=1", "features"),
+    ],
+)
+def test_an_unknown_key_names_the_nearest_known_one(package, override, nearest):
+    more = () if not override.startswith("hull") else ('hull.mesh="a.stl"',)
+    more += ('camera.top.calibration="a"',) if override.startswith("camera.top") else ()
+    line = refusal(package, *more, override)
+    assert (
+        f"unknown key {override.partition('=')[0].removesuffix('.clahe') if 'feature.' in override else override[:-2]}" in line
+    )
+    assert line.endswith(f"the nearest known key is {nearest}")
+    assert "dive.toml" in line
+
+
+@pytest.mark.parametrize(
+    ("override", "key", "value"),
+    [
+        ("pressure.density=-3", "pressure.density", "-3"),
+        ('pressure.density="salt"', "pressure.density", "'salt'"),
+        ("dvl.mount=[1,2]", "dvl.mount", "[1, 2]"),
+        ('dvl.mount=[1,2,3,4,5,"a"]', "dvl.mount[5]", "'a'"),
+        ("imu.frame=up", "imu.frame", "'up'"),
+        ("dive=2", "dive", "2"),
+        ("features.clahe=true", "features.clahe", "True"),
+        ("pressure.gravity=nan", "pressure.gravity", "nan"),
+        ("dvl.beams=[[inf,0,0]]", "dvl.beams[0][0]", "inf"),
+    ],
+)
+def test_a_wrong_value_names_its_key_and_shows_itself(package, override, key, value):
+    assert f"{key} = {value}: expected" in refusal(package, override).replace("Invalid enum value", "expected")
+
+
+def test_a_missing_key_is_named_with_its_section(package):
+    assert "hull.mesh is missing" in refusal(package, 'hull.units="m"')
+
+
+def test_beams_that_are_not_of_unit_length_are_refused(package):
+    assert "dvl.beams" in refusal(package, "dvl.beams=[[1.0, 1.0, 0.0]]")
+
+
+def test_a_lower_camera_without_an_upper_one_is_refused(package):
+    assert "camera.bottom" in refusal(package, 'camera.bottom.calibration="a"')
+
+
+@pytest.mark.parametrize("text", ["imu.frame", "=3", "a..b=1", "dive.name.x=1"])
+def test_an_override_without_a_key_and_a_value_is_refused(package, text):
+    assert "--set" in refusal(package, text)
+
+
+def test_a_folder_without_a_dive_toml_is_an_input_error(tmp_path):
+    with pytest.raises(InputError, match=r"no dive\.toml"):
+        load_config(tmp_path)
+    with pytest.raises(InputError, match=r"no dive\.toml"):
+        load_config(tmp_path / "absent")
+
+
+@pytest.mark.parametrize("content", [b"[dive", b"\xff\xfe\x00", b"a = 1\na = 2\n"])
+def test_a_file_that_is_not_toml_is_a_usage_error(tmp_path, content):
+    (tmp_path / "dive.toml").write_bytes(content)
+    with pytest.raises(UsageError, match=r"TOML|UTF-8"):
+        load_config(tmp_path)
