@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Nearest points in batches."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:
+    """Distances and rows (m, count) of the points (n, k) nearest to each wanted (m, k), nearest first.
+
+    Where fewer lie within reach the distance is inf and the row n.
+    """
+    from scipy.spatial import cKDTree
+
+    distance, row = cKDTree(points).query(wanted, k=[*range(1, count + 1)], distance_upper_bound=reach)
+    return np.asarray(distance, np.float64), np.asarray(row, np.int64)
+
+
+def count_within(points: Array, wanted: Array, reach: float) -> Ints:
+    """How many points (n, k) lie within reach of each wanted (m, k)."""
+    from scipy.spatial import cKDTree
+
+    return np.asarray(cKDTree(points).query_ball_point(wanted, reach, return_length=True), np.int64)

@@ -1,0 +1,115 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""From returns on the chart to a triangulated surface with its sigma (METHODS 7)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.records import Surface
+from hullrecon.errors import StageError
+from hullrecon.geometry.chart import Chart
+from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.neighbours import count_within, nearest
+from hullrecon.geometry.refinement import refine
+from hullrecon.surface.gaussian import fit_robust, most_likely
+from hullrecon.surface.kernels import Kernel
+from hullrecon.surface.lattice import supported_lattice
+from hullrecon.surface.linear import interpolate, scatter
+from hullrecon.surface.options import SurfaceOptions
+from hullrecon.surface.thinning import Observations, cell_means
+
+Array = NDArray[np.float64]
+Facts = dict[str, object]
+LEARNING = 700  # observations that the marginal likelihood looks at: dense factors of that size take 10 ms
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """Inliers in the chart's frame. point (n, 3); noise (n,) m, white; pose_sigma (n,) m, what neighbours share; is_return (n,)
+    bool: a DVL return, else a landmark."""
+
+    point: Array
+    noise: Array
+    pose_sigma: Array
+    is_return: NDArray[np.bool_]
+
+
+def build_surface(cloud: Cloud, chart: Chart, options: SurfaceOptions) -> tuple[Surface, Facts]:
+    """The surface (deviation NaN) and what was found on the way, for surface.json.
+
+    Offsets from the chart's base surface are regressed; so the mean, far from returns, is the base surface.
+    """
+    charted = chart.to_chart(cloud.point)
+    known = np.asarray(np.isfinite(charted).all(axis=1))
+    if not (known & cloud.is_return).any():
+        raise StageError(
+            "no DVL return lies on the chart", where="surface", remedy="check hull.pose, dvl.mount and tray.origin"
+        )
+    charted, cloud = charted[known], _take(cloud, known)
+    grid = supported_lattice(charted[cloud.is_return, :2], options.grid, options.reach)
+    if not len(grid.faces):
+        raise StageError("the returns are too sparse for a surface", where="surface", remedy="raise surface.reach")
+    estimate = _by_process if options.method == "gp" else _by_triangles
+    offset, sigma, facts = estimate(charted, cloud, grid.vertices[:, :2], options)
+    mesh, values = refine(grid, options.edge, np.stack([offset, sigma], axis=1))
+    shared = _nearest(charted[:, :2], cloud.pose_sigma, mesh.vertices[:, :2])
+    support = count_within(charted[cloud.is_return, :2], mesh.vertices[:, :2], options.reach)
+    surface = _placed(mesh, values[:, 0], np.hypot(values[:, 1], shared), np.maximum(support, 1), chart)
+    return surface, {**facts, "vertices": len(surface.vertices), "faces": len(surface.faces)}
+
+
+def _by_process(charted: Array, cloud: Cloud, wanted: Array, options: SurfaceOptions) -> tuple[Array, Array, Facts]:
+    seen = cell_means(charted[:, :2], charted[:, 2], np.hypot(cloud.noise, options.roughness), options.voxel)
+    kernel, scale = Kernel(options.kernel, (options.length_along, options.length_girth), options.sigma), 1.0
+    middle = float(np.median(seen.offset))
+    if options.fit:
+        few = _sample(seen)
+        limit = (4 * options.voxel, 60.0)
+        kernel, scale = most_likely(kernel, few.at, few.offset - middle, few.noise, limit)
+    result = fit_robust(kernel, seen.at, seen.offset - middle, seen.noise * scale)
+    facts: Facts = {
+        "method": "gp", "kernel": kernel.form, "lengths_m": [round(x, 4) for x in kernel.length], "sigma_m": kernel.sigma,
+        "noise_scale": scale, "observations": len(seen.at), "log_likelihood": result.log_likelihood, "mean_offset_m": middle,
+    }  # fmt: skip
+    return middle + result.mean(wanted), result.sigma(wanted), facts
+
+
+def _by_triangles(charted: Array, cloud: Cloud, wanted: Array, options: SurfaceOptions) -> tuple[Array, Array, Facts]:
+    seen = cell_means(charted[:, :2], charted[:, 2], cloud.noise, 0.25 * options.voxel)
+    sigma = scatter(seen.at, seen.offset)
+    facts: Facts = {"method": "linear", "observations": len(seen.at), "scatter_m": sigma}
+    return interpolate(seen.at, seen.offset, wanted), np.full(len(wanted), sigma), facts
+
+
+def _sample(seen: Observations) -> Observations:
+    """A compact part around the middle, not a thinned one: short lengths show in near neighbours only."""
+    far = np.linalg.norm((seen.at - np.median(seen.at, axis=0)) / np.maximum(np.std(seen.at, axis=0), 1e-9), axis=1)
+    part = np.sort(np.argsort(far, kind="stable")[:LEARNING])
+    return Observations(seen.at[part], seen.offset[part], seen.noise[part], seen.count[part])
+
+
+def _placed(mesh: Mesh, offset: Array, sigma: Array, support: NDArray[np.int64], chart: Chart) -> Surface:
+    """The chart's mesh moved into space; faces that the chart cannot place are dropped, orientation follows the normals."""
+    base, normal = chart.from_chart(mesh.vertices[:, :2])
+    vertices = base + normal * offset[:, None]
+    placed = np.asarray(np.isfinite(vertices).all(axis=1))
+    used, renumbered = np.unique(mesh.faces[placed[mesh.faces].all(axis=1)], return_inverse=True)
+    faces = renumbered.reshape(-1, 3)
+    vertices, normal = vertices[used], normal[used]
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    inward = np.einsum("ni,ni->n", np.cross(b - a, c - a), normal[faces[:, 0]]) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    nothing = np.full(len(used), np.nan)
+    return Surface(vertices, faces.astype(np.int32), nothing, sigma[used], support[used])
+
+
+def _take(cloud: Cloud, which: NDArray[np.bool_]) -> Cloud:
+    return Cloud(cloud.point[which], cloud.noise[which], cloud.pose_sigma[which], cloud.is_return[which])
+
+
+def _nearest(at: Array, values: Array, wanted: Array) -> Array:
+    return np.asarray(values[nearest(at, wanted, 1)[1][:, 0]])

@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Exact Gaussian process regression with sparse kernels (O 3.2.2.2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from hullrecon.surface.factor import Factor, NotPositiveDefiniteError, factor
+from hullrecon.surface.kernels import Kernel
+
+Array = NDArray[np.float64]
+CHUNK = 2000  # columns of a variance solved at once: bounds memory at n x 2000
+
+
+@dataclass(frozen=True)
+class Regression:
+    """A fitted field of offsets. at (n, 2) chart points; noise (n,) m, one sigma of each observation, 1/sqrt(beta) in O."""
+
+    kernel: Kernel
+    at: Array
+    noise: Array
+    weights: Array
+    factor: Factor
+    log_likelihood: float
+
+    def mean(self, wanted: Array) -> Array:
+        """(O 3.2) at (m, 2)."""
+        return np.asarray(self.kernel.matrix(wanted, self.at) @ self.weights)
+
+    def sigma(self, wanted: Array, noise: float = 0.0) -> Array:
+        """(O 3.3) at (m, 2): one sigma of the surface; with the noise of a return, one sigma of the next return."""
+        parts = [self._explained(wanted[i : i + CHUNK]) for i in range(0, len(wanted), CHUNK)]
+        variance = np.concatenate([np.zeros(0), *parts])
+        return np.asarray(np.sqrt(np.maximum(0.0, self.kernel.sigma**2 - variance) + noise**2))
+
+    def _explained(self, wanted: Array) -> Array:
+        cross = self.kernel.matrix(self.at, wanted).toarray()
+        return np.asarray(np.einsum("nm,nm->m", cross, self.factor.solve(cross)))
+
+
+def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
+    """Condition a zero-mean field on values (n,) m at (n, 2) with noise (n,) m.
+
+    Raises NotPositiveDefiniteError when the kernel is no covariance on these points, even if noise would hide it.
+    """
+    covariance = kernel.matrix(at, at)
+    if kernel.form == "radial":
+        _require_covariance(kernel, covariance)
+    solver = factor(covariance + sparse.diags_array(noise**2).tocsr())
+    weights = solver.solve(values)
+    likelihood = -0.5 * (values @ weights + solver.log_determinant + len(values) * np.log(2 * np.pi))
+    return Regression(kernel, at, noise, weights, solver, float(likelihood))
+
+
+def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array, threshold: float = 2.0, rounds: int = 3) -> Regression:
+    """As `fit`; observations farther from the surface than `threshold` sigmas lose weight as Huber's do."""
+    result = fit(kernel, at, values, noise)
+    for _ in range(rounds):
+        off = np.abs(values - result.mean(at)) / noise
+        result = fit(kernel, at, values, noise * np.sqrt(np.maximum(1.0, off / threshold)))
+    return result
+
+
+def most_likely(start: Kernel, at: Array, values: Array, noise: Array, limit: tuple[float, float]) -> tuple[Kernel, float]:
+    """Lengths and sigma of the field, and a factor on the noise, by marginal likelihood; lengths stay within `limit` m."""
+    from scipy.optimize import minimize
+
+    low = np.log([limit[0], limit[0], 1e-3, 0.3])
+    high = np.log([limit[1], limit[1], 1.0, 10.0])
+
+    def read(x: Array) -> tuple[Kernel, float]:
+        along, girth, sigma, factor_ = np.exp(np.clip(x, low, high))
+        return replace(start, length=(float(along), float(girth)), sigma=float(sigma)), float(factor_)
+
+    def cost(x: Array) -> float:
+        kernel, factor_ = read(x)
+        try:
+            return -fit(kernel, at, values, noise * factor_).log_likelihood + float(np.sum((x - np.clip(x, low, high)) ** 2))
+        except NotPositiveDefiniteError:
+            return np.inf
+
+    first = np.clip(np.log([*start.length, start.sigma, 1.0]), low, high)
+    simplex = np.vstack([first, first + 0.7 * np.where(first + 0.7 * np.eye(4) > high, -1, 1) * np.eye(4)])
+    found = minimize(
+        cost, first, method="Nelder-Mead", options={"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 120}
+    )
+    return read(found.x)
+
+
+def _require_covariance(kernel: Kernel, matrix: sparse.csr_array) -> None:
+    from scipy.sparse.linalg import eigsh
+
+    n = matrix.shape[0]
+    small = n <= 400
+    least = np.linalg.eigvalsh(matrix.toarray())[0] if small else eigsh(matrix, k=1, which="SA", tol=1e-4, v0=np.ones(n))[0][0]
+    if least < -1e-9 * n * kernel.sigma**2:
+        raise NotPositiveDefiniteError(
+            f"the radial kernel is no covariance on these points (least eigenvalue {least:.2g} m2)",
+            where="surface",
+            remedy="use the product or the wendland kernel",
+        )

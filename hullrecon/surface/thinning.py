@@ -1,0 +1,33 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Means over square cells of the chart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Observations:
+    """at (n, 2) chart metres; offset (n,) m from the base surface; noise (n,) m; count (n,) returns behind each."""
+
+    at: Array
+    offset: Array
+    noise: Array
+    count: NDArray[np.int64]
+
+
+def cell_means(at: Array, offset: Array, noise: Array, cell_m: float) -> Observations:
+    """Weighted means over the cells of a grid, in the grid's order; noise (n,) is white, so means have less of it."""
+    corner = np.floor(at / cell_m).astype(np.int64)
+    _, cell = np.unique(corner, axis=0, return_inverse=True)
+    cell = cell.reshape(-1)
+    weight = noise**-2.0
+    total = np.bincount(cell, weight)
+    mean = [np.bincount(cell, weight * values) / total for values in (at[:, 0], at[:, 1], offset)]
+    return Observations(np.stack(mean[:2], axis=1), mean[2], np.sqrt(1 / total), np.bincount(cell))
