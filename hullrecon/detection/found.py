@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The hull as found: the base surface refined and moved to what was seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.detection.background import Background
+from hullrecon.detection.fusion import fuse_shapes
+from hullrecon.detection.heights import Heights, local_heights
+from hullrecon.detection.landmarks import Measured
+from hullrecon.detection.mesh import affordable_edge, refine_near, vertex_normals
+from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.views import Sightings, Views, sightings
+from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.meshes import Mesh
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Found:
+    """Vertex by vertex (n): where it is now (mesh) and on the base; normal (n, 3) of the base; hull (n,) m, the smooth offset of
+    the hull from the base, and its sigma; height (n,) m above that hull, 0 where not measured; sigma (n,) m of the height;
+    measured (n,) bool; agreement (n,) share of landmarks that agree; shapes (n,) views whose shapes show it (O Algorithm 5);
+    seen: by which views."""
+
+    mesh: Mesh
+    base: Mesh
+    normal: Array
+    hull: Array
+    hull_sigma: Array
+    height: Array
+    sigma: Array
+    measured: NDArray[np.bool_]
+    agreement: Array
+    shapes: Ints
+    seen: Sightings
+
+    @property
+    def deviation(self) -> Array:
+        """(n,) m from the base, outward positive."""
+        return self.hull + self.height
+
+
+def find_hull(base: Mesh, measured: Measured, background: Background, views: Views, options: DetectOptions) -> Found:
+    """Refine the base where landmarks are, finely at structures; move it to the landmarks; see what saw it."""
+    hull_at_foot, _ = background.at(measured.foot)
+    height = measured.offset - hull_at_foot
+    edge = affordable_edge(measured.foot, options.edge, options.most_vertices)
+    mesh = refine_near(base, measured.foot, edge, options.reach)
+    normal = vertex_normals(mesh)
+    high = np.abs(_regress(mesh, normal, measured, height, options).value) >= options.threshold
+    mesh = refine_near(mesh, mesh.vertices[high], min(edge, options.fine_edge), 2 * options.fine_edge)
+    normal = vertex_normals(mesh)
+    heights = _regress(mesh, normal, measured, height, options)
+    hull, hull_sigma = background.at(mesh.vertices)
+    known = np.isfinite(heights.value)
+    moved = mesh.vertices + normal * (hull + np.where(known, heights.value, 0.0))[:, None]
+    rays_to = moved if options.fusion == "heights" else mesh.vertices
+    fused = fuse_shapes(views, measured.position, height, rays_to, options)
+    raised = np.where(known, heights.value, 0.0)
+    if options.fusion == "rays":
+        taken = fused.count > 0
+        moved = np.where(taken[:, None], fused.vertex, mesh.vertices + normal * hull[:, None])
+        raised = np.where(taken, np.einsum("ni,ni->n", moved - mesh.vertices, normal) - hull, 0.0)
+    shape = Mesh(moved, mesh.faces)
+    seen = sightings(views, moved, vertex_normals(shape), Scene(shape))
+    sigma = np.where(known, heights.sigma, options.threshold)
+    return Found(shape, mesh, normal, hull, hull_sigma, raised, sigma, known, heights.agreement, fused.count, seen)
+
+
+def _regress(mesh: Mesh, normal: Array, measured: Measured, height: Array, options: DetectOptions) -> Heights:
+    return local_heights(
+        mesh.vertices, normal, measured.foot, height, measured.sigma, options.neighbours, options.reach
+    )

@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Heights at vertices by robust local regression of landmarks: smooth on the hull, sharp at the edges of structures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.neighbours import nearest
+
+Array = NDArray[np.float64]
+CHUNK = 20_000  # vertices at once: bounds memory
+SLOPE_SIGMA = 0.5  # prior of the height's slope, about zero: keeps thin neighbourhoods from extrapolating
+LEAST_SCALE_M = 0.003  # landmarks nearer to each other than this are never outliers
+MOST_SCALE_M = 0.012  # nor is a step an inlier because a neighbourhood straddles it
+
+
+@dataclass(frozen=True)
+class Heights:
+    """value (n,) m; sigma (n,) m; count (n,) landmarks within reach; agreement (n,) share of their weight that agrees."""
+
+    value: Array
+    sigma: Array
+    count: NDArray[np.int64]
+    agreement: Array
+
+
+def local_heights(
+    at: Array, normal: Array, feet: Array, height: Array, sigma: Array, neighbours: int, reach_m: float
+) -> Heights:
+    """Heights at vertices (n, 3) with outward normals (n, 3) from landmarks' feet (m, 3), heights (m,) and sigmas (m,) m.
+
+    Around each vertex: the median of the nearest few, then a plane refitted with Tukey's weights about it, so that the side of a
+    step on which the vertex lies decides. NaN where fewer than three landmarks are within reach.
+    """
+    parts = [
+        _heights(at[i : i + CHUNK], normal[i : i + CHUNK], feet, height, sigma, neighbours, reach_m)
+        for i in range(0, len(at), CHUNK)
+    ]
+    columns = list(zip(*parts, strict=True)) or [[np.zeros(0)]] * 4
+    value, error, count, agreement = (np.concatenate(column) for column in columns)
+    return Heights(value, error, count.astype(np.int64), agreement)
+
+
+def _heights(
+    at: Array, normal: Array, feet: Array, height: Array, sigma: Array, neighbours: int, reach_m: float
+) -> tuple[Array, Array, Array, Array]:
+    distance, row = nearest(feet, at, min(neighbours, len(feet)), reach_m)
+    near = np.isfinite(distance)
+    row = np.where(near, row, 0)
+    count = near.sum(axis=1)
+    width = np.where(near, distance, 0.0).max(axis=1, initial=1e-3, keepdims=True) * 1.05
+    weight = np.where(near, (1 - np.minimum(1, distance / width) ** 2) ** 2 / (sigma[row] ** 2 + LEAST_SCALE_M**2), 0.0)
+    h = np.where(near, height[row], np.nan)
+    start = _median(h[:, :7])
+    scale = np.clip(1.4826 * _median(np.abs(h - start[:, None])), LEAST_SCALE_M, MOST_SCALE_M)
+    east, north = _tangents(normal)
+    gap = feet[row] - at[:, None, :]
+    plane = np.stack([np.ones_like(distance), np.einsum("nki,ni->nk", gap, east), np.einsum("nki,ni->nk", gap, north)], axis=2)
+    fit = np.stack([np.nan_to_num(start), np.zeros(len(at)), np.zeros(len(at))], axis=1)
+    h = np.nan_to_num(h)
+    for _ in range(4):
+        off = (h - np.einsum("nkj,nj->nk", plane, fit)) / (4.0 * scale[:, None])
+        robust = weight * np.maximum(0.0, 1 - off**2) ** 2
+        fit, inverse = _plane(plane, h, robust, fit)
+    spread = np.sqrt(np.einsum("nk,nk->n", robust, (h - np.einsum("nkj,nj->nk", plane, fit)) ** 2) / (robust.sum(axis=1) + 1e-12))
+    effective = robust.sum(axis=1) ** 2 / (np.einsum("nk,nk->n", robust, robust) + 1e-12)
+    error = np.hypot(np.sqrt(inverse), spread / np.sqrt(np.maximum(1.0, effective)))
+    agreement = (weight * (np.abs(off) < 1)).sum(axis=1) / (weight.sum(axis=1) + 1e-12)
+    known = count >= 3
+    return np.where(known, fit[:, 0], np.nan), np.where(known, error, np.nan), count.astype(float), np.where(known, agreement, 0.0)
+
+
+def _plane(plane: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:
+    """Weighted least squares of height and slope (n, 3), and the variance of the height (n,); as before where nothing weighs."""
+    normal_matrix = np.einsum("nki,nk,nkj->nij", plane, weight, plane, optimize=True)
+    normal_matrix[:, [1, 2], [1, 2]] += 1 / SLOPE_SIGMA**2
+    normal_matrix[:, 0, 0] += 1e-6
+    right = np.einsum("nki,nk,nk->ni", plane, weight, h, optimize=True)
+    inverse = np.linalg.inv(normal_matrix)
+    fit = np.einsum("nij,nj->ni", inverse, right)
+    empty = weight.sum(axis=1) <= 0
+    fit[empty] = before[empty]
+    return fit, np.where(empty, MOST_SCALE_M**2, inverse[:, 0, 0])
+
+
+def _median(values: Array) -> Array:
+    """Median along the rows, NaN left out; NaN where all are."""
+    ranked = np.sort(values, axis=1)
+    count = np.isfinite(values).sum(axis=1)
+    rows = np.arange(len(values))
+    low, high = np.maximum(count - 1, 0) // 2, count // 2
+    return np.asarray(0.5 * (ranked[rows, low] + ranked[rows, np.minimum(high, values.shape[1] - 1)]))
+
+
+def _tangents(normal: Array) -> tuple[Array, Array]:
+    """Two unit vectors (n, 3) each, square to the normals and to each other."""
+    helper = np.where(np.abs(normal[:, :1]) < 0.7, np.array([[1.0, 0, 0]]), np.array([[0, 1.0, 0]]))
+    east = np.cross(helper, normal)
+    east /= np.maximum(np.linalg.norm(east, axis=1, keepdims=True), 1e-12)
+    return east, np.cross(normal, east)

@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Objects on the hull: regions of the as-found mesh that are certain, measured in the hull's frame."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.detection.found import Found
+from hullrecon.detection.landmarks import Measured
+from hullrecon.detection.mesh import vertex_areas
+from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.outline import outline
+from hullrecon.detection.regions import Region, find_regions, weighted_quantile
+from hullrecon.detection.significance import height_sigma, p_value, roughness
+from hullrecon.detection.views import Views, in_frame, seen_from
+from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.chart import Chart
+from hullrecon.geometry.neighbours import nearest
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+IMAGES = 6  # named with each object
+NEAR_CORE_M = 0.02  # a landmark so near to the core lies on it
+
+
+@dataclass(frozen=True)
+class HullObject:
+    """One structure, as OUTPUTS has it: lengths in m, points in the frame of the surface. deviation: None without a drawing."""
+
+    center: list[float]
+    normal: list[float]
+    height: float
+    height_sigma: float
+    deviation: float | None
+    extent: list[float]
+    area: float
+    volume: float
+    views: int
+    p_value: float
+    images: list[str]
+    outline: list[list[float]]
+
+    def as_json(self) -> dict[str, object]:
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Rejected:
+    """A region that was not reported, and why."""
+
+    center: list[float]
+    height: float
+    reason: str
+
+    def as_json(self) -> dict[str, object]:
+        return asdict(self)
+
+
+def find_objects(
+    found: Found, measured: Measured, height: Array, views: Views, chart: Chart, options: DetectOptions, drawn: bool
+) -> tuple[list[HullObject], list[Rejected]]:
+    """Objects, the highest first, and the regions that were not certain enough.
+
+    measured with its heights (m,) above the hull are the landmarks; drawn: the base surface is the ship's drawing.
+    """
+    area = vertex_areas(found.base)
+    rough = roughness(found)
+    scene = Scene(found.mesh)
+    objects, rejected = [], []
+    for region in find_regions(found, options):
+        center = _center(found, region, area)
+        seen = _seen_by(found, region, views, scene)
+        sigma = height_sigma(found, region)
+        places = float(area[found.measured].sum() / max(area[region.foot].sum(), 1e-9))
+        chance = p_value(region.height, sigma, rough, places)
+        doubt = _doubt(found, region, area, measured, height, len(seen), chance, options)
+        if doubt:
+            rejected.append(Rejected(_rounded(found.mesh.vertices[center]), round(region.height, 5), doubt))
+            continue
+        objects.append(_object(found, region, area, center, sigma, chance, views, seen, chart, drawn))
+    return objects, rejected
+
+
+def _doubt(
+    found: Found, region: Region, area: Array, measured: Measured, height: Array, seen: int, chance: float, options: DetectOptions
+) -> str:
+    """Why the region is not an object, or nothing."""
+    on, agree = _witnesses(found, region, measured, height)
+    shapes = int(np.percentile(found.shapes[region.core], 75))
+    core = float(area[region.core].sum())
+    checks = (
+        (abs(region.height) < options.least_height, f"only {abs(region.height):.3f} m off the hull around it"),
+        (core < options.least_area, f"only {1e4 * core:.0f} cm2 above half its height"),
+        (on < options.least_landmarks, f"only {on} landmarks"),
+        (agree < options.least_agreement, f"only {100 * agree:.0f} % of its landmarks agree"),
+        (min(seen, shapes) < options.least_views, f"only {min(seen, shapes)} images show it"),
+        (chance > options.significance, f"bare hull does so with probability {chance:.2g}"),
+    )
+    return next((reason for failed, reason in checks if failed), "")
+
+
+def _witnesses(found: Found, region: Region, measured: Measured, height: Array) -> tuple[int, float]:
+    """Landmarks on the core that stand off as it does, and their share of all landmarks there."""
+    distance, row = nearest(found.base.vertices[region.core], measured.foot, 1, NEAR_CORE_M)
+    near = np.isfinite(distance[:, 0])
+    surface = found.height[region.core[row[near, 0]]] - region.level
+    off = height[near] - region.level
+    agrees = region.side * off > 0.5 * np.abs(surface)
+    return int(agrees.sum()), float(agrees.mean()) if near.any() else 0.0
+
+
+def _center(found: Found, region: Region, area: Array) -> int:
+    """The vertex on the visible surface nearest to the middle of the highest part."""
+    above = region.side * (found.height[region.core] - region.level)
+    top = region.core[above >= 0.8 * abs(region.height)]
+    top = top if len(top) else region.core
+    middle = np.average(found.base.vertices[top], axis=0, weights=np.maximum(area[top], 1e-12))
+    return int(top[np.argmin(np.linalg.norm(found.base.vertices[top] - middle, axis=1))])
+
+
+def _seen_by(found: Found, region: Region, views: Views, scene: Scene) -> Ints:
+    """Views that saw more than half of the core, the best (nearest to the image's middle) first."""
+    share, offset = [], []
+    for view in range(len(views)):
+        rows = in_frame(views, view, found.mesh.vertices, region.core)
+        clear, _, _ = seen_from(views.T_x_c.translation[view], rows, found.mesh.vertices, found.normal, scene)
+        share.append(len(clear) / len(region.core))
+        middle = views.T_x_c[view].inverse().apply(found.mesh.vertices[region.core].mean(axis=0)[None])[0]
+        offset.append(np.hypot(middle[0], middle[1]) / max(middle[2], 1e-6))
+    seen = np.flatnonzero(np.array(share) > 0.5)
+    return seen[np.argsort(np.array(offset)[seen], kind="stable")]
+
+
+def _object(
+    found: Found, region: Region, area: Array, center: int, sigma: float, chance: float, views: Views, seen: Ints, chart: Chart,
+    drawn: bool,
+) -> HullObject:  # fmt: skip
+    foot, core = region.foot, region.core
+    normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
+    normal /= np.linalg.norm(normal)
+    line = outline(found.mesh, foot)
+    deviation = region.side * weighted_quantile(region.side * found.deviation[core], area[core], 0.98)
+    above = found.height[foot] - region.level
+    return HullObject(
+        center=_rounded(_top(found, region, center)),
+        normal=_rounded(normal),
+        height=round(region.height, 5),
+        height_sigma=round(sigma, 5),
+        deviation=round(deviation, 5) if drawn else None,
+        extent=_rounded(_extent(found.base.vertices[foot], normal, chart)),
+        area=round(float(area[foot].sum()), 6),
+        volume=round(float((above * area[foot]).sum()), 7),
+        views=len(seen),
+        p_value=float(f"{chance:.3g}"),
+        images=[views.name[view] for view in seen[:IMAGES]],
+        outline=[_rounded(point) for point in line],
+    )
+
+
+def _top(found: Found, region: Region, center: int) -> Array:
+    """The center's foot on the base, lifted to the region's height."""
+    lift = found.hull[center] + region.level + region.height
+    return np.asarray(found.base.vertices[center] + found.normal[center] * lift)
+
+
+def _extent(points: Array, normal: Array, chart: Chart) -> Array:
+    """Size (2,) along the hull and around the girth."""
+    middle = points.mean(axis=0)
+    at = chart.to_chart(middle[None])[0, :2]
+    ends, _ = chart.from_chart(at + np.array([[-0.05, 0], [0.05, 0]]))
+    along = ends[1] - ends[0] if np.isfinite(ends).all() else np.array([1.0, 0, 0])
+    along = along - normal * (along @ normal)
+    along /= np.linalg.norm(along)
+    flat = (points - middle) @ np.stack([along, np.cross(normal, along)], axis=1)
+    return np.asarray(np.percentile(flat, 99, axis=0) - np.percentile(flat, 1, axis=0))
+
+
+def _rounded(values: Array) -> list[float]:
+    return [round(float(v), 5) for v in values]

@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where the hull as found stands off the hull: regions of the mesh, each a candidate for one object."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.detection.found import Found
+from hullrecon.detection.mesh import vertex_areas
+from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.shapes import dbscan
+from hullrecon.geometry.neighbours import nearest
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+TOP_SHARE = 0.97  # of the footprint lies below what is called the top: one vertex in thirty may be wrong
+FOOT_SHARE = 0.25  # of the height, where the footprint ends
+RING_GAP_M = 0.04  # the ring of hull begins so far from the footprint, beyond what edges blur
+
+
+@dataclass(frozen=True)
+class Region:
+    """One structure. side +1 raised, -1 sunken; foot, core, ring: vertices of the footprint, of its part above half height, and
+    of the hull around it; level m, the hull around it; height m above that, signed."""
+
+    side: float
+    foot: Ints
+    core: Ints
+    ring: Ints
+    level: float
+    height: float
+
+
+def find_regions(found: Found, options: DetectOptions) -> list[Region]:
+    """Raised and sunken regions of measured vertices, the highest first; parts nearer than `cluster_reach` are one."""
+    area = vertex_areas(found.base)
+    off = found.measured & (np.abs(found.height) >= options.threshold)
+    regions = []
+    for side in (1.0, -1.0):
+        rows = np.flatnonzero(off & (side * found.height > 0))
+        label = dbscan(found.base.vertices[rows], options.cluster_reach, options.cluster_points)
+        for cluster in range(int(label.max(initial=-1)) + 1):
+            region = _region(found, area, off, rows[label == cluster], side, options)
+            if region is not None:
+                regions.append(region)
+    return sorted(regions, key=lambda r: (-abs(r.height), int(r.foot[0])))
+
+
+def _region(
+    found: Found, area: Array, off: NDArray[np.bool_], seed: Ints, side: float, options: DetectOptions
+) -> Region | None:
+    """None when no hull was measured around it to count the height from."""
+    at = found.base.vertices
+    width = float(np.clip(0.5 * np.sqrt(area[seed].sum()), 0.08, 0.25))
+    distance = nearest(at[seed], at, 1, RING_GAP_M + width)[0][:, 0]
+    ring = np.flatnonzero(np.isfinite(distance) & (distance > RING_GAP_M) & found.measured & ~off)
+    if len(ring) < 10:
+        return None
+    level = weighted_quantile(found.height[ring], area[ring], 0.5)
+    above = side * (found.height - level)
+    height = weighted_quantile(above[seed], area[seed], TOP_SHARE)
+    near = found.measured & np.isfinite(distance) & (distance <= options.cluster_reach)
+    foot = np.flatnonzero(near & (above >= FOOT_SHARE * height))
+    core = foot[above[foot] >= 0.5 * height]
+    return Region(side, foot, core, ring, level, side * height) if len(core) else None
+
+
+def weighted_quantile(values: Array, weight: Array, share: float) -> float:
+    """The value below which that share of the weight lies."""
+    order = np.argsort(values, kind="stable")
+    total = np.cumsum(weight[order])
+    at = np.searchsorted(total, share * total[-1])
+    return float(values[order][min(int(at), len(values) - 1)])

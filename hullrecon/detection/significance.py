@@ -1,0 +1,36 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How likely hull without a structure is to look like one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.detection.found import Found
+from hullrecon.detection.regions import Region
+
+Array = NDArray[np.float64]
+
+
+def roughness(found: Found) -> float:
+    """One robust sigma of the measured heights: what hull and noise do without structures, m."""
+    height = found.height[found.measured]
+    return float(1.4826 * np.median(np.abs(height - np.median(height)))) if len(height) else 0.0
+
+
+def height_sigma(found: Found, region: Region) -> float:
+    """One sigma of a region's height: of a vertex at its top and of the ring's level. Neighbouring vertices share landmarks, so
+    the top counts as one vertex and the ring as one for each of its eight sides at most."""
+    top = float(np.median(found.sigma[region.core]))
+    ring = found.height[region.ring]
+    level = 1.4826 * float(np.median(np.abs(ring - np.median(ring)))) / np.sqrt(min(8, len(ring)))
+    return float(np.hypot(top, level))
+
+
+def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) -> float:
+    """Two-sided probability that the highest of so many places of bare hull reaches this height."""
+    from scipy.stats import norm
+
+    score = abs(height_m) / max(np.hypot(sigma_m, roughness_m), 1e-6)
+    return float(-np.expm1(max(1.0, places) * np.log1p(-min(2 * norm.sf(score), 1 - 1e-16))))

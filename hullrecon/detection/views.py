@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The camera's views of the hull: where it stood, and what lay in its image."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.poses import Poses
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+GRAZING = 0.2  # cosine of the steepest incidence at which a surface still shows texture
+CLEARANCE_M = 0.005  # a surface this little in front does not hide
+
+
+@dataclass(frozen=True)
+class Views:
+    """Images of the top camera. T_x_c (n) in the frame of the surface; node (n,); name (n,) of the image; farthest m, how far
+    away surfaces were seen."""
+
+    T_x_c: Poses
+    node: Ints
+    name: tuple[str, ...]
+    camera: Camera
+    farthest_m: float
+
+    def __len__(self) -> int:
+        return len(self.node)
+
+
+@dataclass(frozen=True)
+class Sightings:
+    """What the views saw of n surface points: views (n,) images; distance (n,) m and cosine (n,) of the incidence of the best
+    (nearest) one, NaN where unseen."""
+
+    views: Ints
+    distance: Array
+    cosine: Array
+
+
+def in_frame(views: Views, view: int, points: Array, near: Ints) -> Ints:
+    """Those of the rows `near` of points that project into that view's image."""
+    T_c_x = views.T_x_c[view].inverse()
+    pixel = views.camera.project(T_c_x.apply(points[near]))
+    size = np.array([views.camera.width, views.camera.height]) - 0.5
+    return np.asarray(near[((pixel > -0.5) & (pixel < size)).all(axis=1)])
+
+
+def each_view(views: Views, points: Array) -> Iterator[tuple[int, Ints]]:
+    """View by view the rows of points (n, 3) in its image and within reach, hidden ones included."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(points)
+    for view in range(len(views)):
+        center = views.T_x_c.translation[view]
+        near = np.array(tree.query_ball_point(center, views.farthest_m, return_sorted=True), np.int64)
+        if len(near):
+            yield view, in_frame(views, view, points, near)
+
+
+def sightings(views: Views, points: Array, normals: Array, scene: Scene) -> Sightings:
+    """Which views saw the points (n, 3) with normals (n, 3): in the image, facing it, nothing of the scene in between."""
+    count = np.zeros(len(points), np.int64)
+    best, cosine = np.full(len(points), np.inf), np.full(len(points), np.nan)
+    for view, rows in each_view(views, points):
+        rows, distance, facing = seen_from(views.T_x_c.translation[view], rows, points, normals, scene)
+        count[rows] += 1
+        closer = distance < best[rows]
+        best[rows[closer]], cosine[rows[closer]] = distance[closer], facing[closer]
+    return Sightings(count, np.where(np.isfinite(best), best, np.nan), cosine)
+
+
+def seen_from(center: Array, rows: Ints, points: Array, normals: Array, scene: Scene) -> tuple[Ints, Array, Array]:
+    """Those rows that face the center (3,) and are not hidden, their distances and cosines of incidence."""
+    ray = points[rows] - center
+    distance = np.linalg.norm(ray, axis=1)
+    facing = -np.einsum("ni,ni->n", ray, normals[rows]) / np.maximum(distance, 1e-9)
+    front = facing > GRAZING
+    rows, ray, distance, facing = rows[front], ray[front], distance[front], facing[front]
+    clear = scene.cast(center, ray / distance[:, None]) > distance - CLEARANCE_M
+    return rows[clear], distance[clear], facing[clear]
