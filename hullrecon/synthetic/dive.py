@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A whole simulated dive, before it is written down."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.meshes import Mesh
+from hullrecon.synthetic import instruments, sonar
+from hullrecon.synthetic.as_built import AsBuilt, build
+from hullrecon.synthetic.forms import hull_of
+from hullrecon.synthetic.motion import Motion
+from hullrecon.synthetic.planting import plant
+from hullrecon.synthetic.rays import Rays
+from hullrecon.synthetic.rendering import Lens, Scene, lens, photograph
+from hullrecon.synthetic.rig import LAMP_IN_TOP, SONAR_ORIGIN, TRAY_ORIGIN, Rig, rig_of
+from hullrecon.synthetic.sheet import Sheet, cut_sheet, girth_at
+from hullrecon.synthetic.spec import DiveSpec, Item
+from hullrecon.synthetic.survey import legs_of, swim
+from hullrecon.synthetic.texture import paint_atlas
+
+Array = NDArray[np.float64]
+Window = tuple[float, float]
+BELOW_M, BEYOND_M = 3.0, 2.6  # skin kept around the legs, for the sonar
+
+
+@dataclass(frozen=True)
+class Dive:
+    """The world and the vehicle's way through it. seen_along, seen_girth: the window of the chart that the cameras see.
+    frame_s (n,): when the cameras fire (and, without cameras, when truth is written)."""
+
+    spec: DiveSpec
+    drawing: Mesh
+    sheet: Sheet
+    items: tuple[Item, ...]
+    built: AsBuilt
+    hull: Rays
+    rig: Rig
+    motion: Motion
+    seen_along: Window
+    seen_girth: Window
+    frame_s: Array
+
+
+def simulate_dive(spec: DiveSpec) -> Dive:
+    """Hull, items, path and rig of a dive; the sensors are asked afterwards."""
+    drawing = hull_of(spec)
+    middle = spec.along_m if spec.along_m is not None else (1 - spec.entrance) * spec.length_m
+    half = 0.5 * spec.leg_length_m
+    surface_z = spec.draught_m - spec.top_m
+    depth = (spec.legs - 1) * spec.leg_spacing_m
+    top_z = min(float(drawing.vertices[:, 2].max()), surface_z + 2.0) - 1e-3
+    sheet = cut_sheet(drawing, (middle - half - BEYOND_M, middle + half + BEYOND_M), top_z, depth + 2.0 + BELOW_M)
+    top = girth_at(sheet, middle, surface_z)
+    corners = legs_of(spec, middle, top)
+    items = plant(spec, (middle - half + 0.1, middle + half - 0.1), (top - depth - 0.2, top + 0.2))
+    motion = swim(spec, sheet, corners)
+    built = build(spec, sheet, items)
+    frame_s = instruments.ticks(motion, _frame_rate(spec), spec.random("frames"), 0.45)
+    seen_along, seen_girth = (middle - half - 0.9, middle + half + 0.9), (top - depth - 0.9, top + 0.9)
+    hull = Rays(built.mesh)
+    return Dive(spec, drawing, sheet, items, built, hull, rig_of(spec), motion, seen_along, seen_girth, frame_s)
+
+
+def photographs(dive: Dive) -> Iterator[tuple[NDArray[np.uint8], NDArray[np.uint8] | None]]:
+    """RGB images of the top and the bottom camera, frame by frame."""
+    spec, rig = dive.spec, dive.rig
+    scene, random = _scene(dive), spec.random("camera")
+    top = lens(rig.camera_top)
+    bottom = lens(rig.camera_bottom) if rig.camera_bottom is not None else None
+    T_M_ct = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s, rig.T_s_ct, TRAY_ORIGIN))
+    for k in range(len(dive.frame_s)):
+        lamp = T_M_ct[k].apply(LAMP_IN_TOP[None])[0]
+        first = photograph(scene, top, T_M_ct[k], lamp, random)
+        yield first, _second(scene, bottom, dive, k, lamp, random)
+
+
+def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
+    """Times of the sonar's pings, and their images (beams, ranges)."""
+    random = dive.spec.random("sonar")
+    t = instruments.ticks(dive.motion, 2.0, random, 0.3)
+    at = dive.motion.on_tray(t, dive.rig.T_u_o, SONAR_ORIGIN, dive.motion.sonar_tray)
+    T_M_o, fan = dive.motion.in_hull(at), sonar.fan()
+    return t, (sonar.ping(T_M_o[k], dive.hull, dive.built, fan, random) for k in range(len(t)))
+
+
+def _second(
+    scene: Scene, bottom: Lens | None, dive: Dive, k: int, lamp: Array, random: np.random.Generator
+) -> NDArray[np.uint8] | None:
+    if bottom is None:
+        return None
+    T_s_cb = dive.rig.T_s_ct @ dive.rig.T_ct_cb
+    at = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s[k : k + 1], T_s_cb, TRAY_ORIGIN))
+    return photograph(scene, bottom, at, lamp, random)
+
+
+def _scene(dive: Dive) -> Scene:
+    spec = dive.spec
+    texel = max(0.001, 0.75 * spec.standoff_m / dive.rig.camera_top.fx)
+    atlas = paint_atlas(spec, dive.items, dive.seen_along, dive.seen_girth, texel)
+    return Scene(dive.built, dive.hull, dive.sheet, atlas, 2.0 / spec.visibility_m)
+
+
+def _frame_rate(spec: DiveSpec) -> float:
+    """Frames a second that show a point of the steel about `views` times in one leg."""
+    footprint = spec.standoff_m * spec.image_width / (1.03 * spec.image_width)
+    return spec.views * spec.speed / footprint

@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Ray casts against a triangle mesh, in coordinates about the mesh's own middle (float32 is too coarse far from it)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.meshes import Mesh
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Hits:
+    """range_m (n,) inf where nothing was hit; face (n,); weight (n, 3) barycentric weights of the face's corners."""
+
+    range_m: Floats
+    face: NDArray[np.int64]
+    weight: Floats
+
+    @property
+    def hit(self) -> NDArray[np.bool_]:
+        return np.asarray(np.isfinite(self.range_m))
+
+
+class Rays:
+    """A mesh to cast rays at. `middle` is taken off every origin."""
+
+    def __init__(self, mesh: Mesh) -> None:
+        import open3d as o3d
+
+        self.middle: Array = mesh.vertices.mean(0)
+        self._tensor = cast(Any, o3d.core.Tensor)
+        self._scene = cast(Any, o3d.t.geometry.RaycastingScene(nthreads=2))
+        self._scene.add_triangles(
+            self._tensor(np.ascontiguousarray(mesh.vertices - self.middle, np.float32)),
+            self._tensor(np.ascontiguousarray(mesh.faces, np.uint32)),
+        )
+
+    def cast(self, origins: Array, directions: NDArray[Any]) -> Hits:
+        """The nearest hits of rays from origins (n, 3) or (3,) along unit directions (n, 3), in the mesh's frame."""
+        answer = self._scene.cast_rays(self._pack(origins, directions))
+        uv = answer["primitive_uvs"].numpy()
+        weight = np.stack([1 - uv[:, 0] - uv[:, 1], uv[:, 0], uv[:, 1]], axis=1)
+        face = answer["primitive_ids"].numpy().astype(np.int64)
+        return Hits(answer["t_hit"].numpy(), np.where(face == 0xFFFFFFFF, 0, face), weight)
+
+    def blocked(self, origins: Array, directions: NDArray[Any], reach_m: NDArray[Any]) -> NDArray[np.bool_]:
+        """Whether something stands within `reach_m` (n,) along each ray."""
+        answer = self._scene.cast_rays(self._pack(origins, directions))["t_hit"].numpy()
+        return np.asarray(answer < reach_m)
+
+    def _pack(self, origins: Array, directions: NDArray[Any]) -> Any:
+        rows = np.empty((len(directions), 6), np.float32)
+        rows[:, :3], rows[:, 3:] = origins - self.middle, directions
+        return self._tensor(rows)

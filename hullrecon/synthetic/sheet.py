@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The surveyed part of a hull as a regular grid in (along, girth): sections of the drawing, cut by arc length from the keel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.errors import InputError
+from hullrecon.geometry.meshes import Mesh
+from hullrecon.synthetic.rays import Rays
+
+Array = NDArray[np.float64]
+GAP_M = 0.6  # a wider gap between neighbouring rays' hits ends a section: an edge, not a facet
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """point (a, g, 3) on the drawing and outward unit normal (a, g, 3), in M, at evenly spaced along_m and girth_m."""
+
+    along_m: Array
+    girth_m: Array
+    point: Array
+    normal: Array
+
+    def sample(self, grid: Array, along_m: Array, girth_m: Array) -> Array:
+        """Values (n, k) of a grid (a, g, k) by bilinear interpolation; outside, the edge's."""
+        i, p = _place(self.along_m, along_m)
+        j, q = _place(self.girth_m, girth_m)
+        p, q = p[:, None], q[:, None]
+        low = (1 - p) * grid[i, j] + p * grid[i + 1, j]
+        high = (1 - p) * grid[i, j + 1] + p * grid[i + 1, j + 1]
+        return np.asarray((1 - q) * low + q * high)
+
+    def smoothed(self, width_m: float) -> Sheet:
+        """The same with facets ironed out over that width: what a vehicle follows."""
+        from scipy.ndimage import gaussian_filter
+
+        sigma = width_m / (self.along_m[1] - self.along_m[0])
+        blur = np.stack([gaussian_filter(self.normal[..., k], sigma, mode="nearest") for k in range(3)], -1)
+        return Sheet(self.along_m, self.girth_m, self.point, blur / np.linalg.norm(blur, axis=2, keepdims=True))
+
+
+def cut_sheet(drawing: Mesh, span_m: tuple[float, float], top_z_m: float, girth_m: float, step_m: float = 0.03) -> Sheet:
+    """Sections of the drawing between two positions along it, from the height `top_z_m` down over that much girth, past the
+    keel if need be. Raises InputError where the drawing has no skin there."""
+    along = np.arange(np.floor(span_m[0] / step_m), np.ceil(span_m[1] / step_m) + 1) * step_m
+    sections = _sections(drawing, along)
+    low, high = _common_girth(sections, top_z_m)
+    low = max(low, high - girth_m)
+    girth = np.arange(np.ceil(low / step_m), np.floor(high / step_m) + 1) * step_m
+    if len(girth) < 10:
+        raise InputError("the hull has too little skin where the dive is", remedy="move `along_m`, or dive deeper with `top_m`")
+    point = np.stack([np.stack([np.interp(girth, arc, line[:, k]) for k in range(3)], -1) for arc, line in sections])
+    return Sheet(along, girth, point, _normals(point))
+
+
+def girth_at(sheet: Sheet, along_m: float, z_m: float) -> float:
+    """The girth at which the sheet passes that height (M's z) on its port side."""
+    row = sheet.point[int(np.argmin(np.abs(sheet.along_m - along_m)))]
+    port = sheet.girth_m >= 0
+    return float(np.interp(z_m, row[port, 2], sheet.girth_m[port]))
+
+
+def _sections(drawing: Mesh, along: Array, rays: int = 3000) -> list[tuple[Array, Array]]:
+    """Each section as (arc length from the point under the spine, points): rays from far outside towards a spine within."""
+    caster = Rays(drawing)
+    high = drawing.vertices[:, 2].max()
+    spine = np.array([0.0, 1e-3 * high, 0.55 * high])
+    angle = np.linspace(-1.25, 2.5, rays)
+    out = np.stack([np.zeros(rays), np.sin(angle), -np.cos(angle)], 1)
+    far = 2.0 * float(np.abs(drawing.vertices[:, 1:]).max())
+    return [_section(caster, spine + np.array([x, 0.0, 0.0]), out, far, angle) for x in along]
+
+
+def _section(caster: Rays, spine: Array, out: Array, far: float, angle: Array) -> tuple[Array, Array]:
+    hits = caster.cast(spine + far * out, -out)
+    good = hits.hit & (hits.range_m < far)
+    if good.sum() < 2:
+        raise InputError("the hull has no section", where=f"x = {spine[0]:.2f} m", remedy="move `along_m`")
+    line = spine + (far - hits.range_m[good, None].astype(float)) * out[good]
+    middle = int(np.argmin(np.abs(angle[good])))
+    jump = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    gap = np.flatnonzero(jump > GAP_M)
+    first, last = int(np.max(gap[gap < middle], initial=-1)) + 1, int(np.min(gap[gap >= middle], initial=len(jump)))
+    arc = np.concatenate([[0.0], np.cumsum(jump[first:last])])
+    return arc - arc[middle - first], line[first : last + 1]
+
+
+def _common_girth(sections: list[tuple[Array, Array]], top_z_m: float) -> tuple[float, float]:
+    """The girth that every section has, up to the height asked for."""
+    low = max(float(arc[0]) for arc, _ in sections)
+    port = [(arc[arc >= 0], line[arc >= 0]) for arc, line in sections]
+    high = min(float(np.interp(top_z_m, line[:, 2], arc)) for arc, line in port)
+    return low, high
+
+
+def _normals(point: Array) -> Array:
+    along, girth = np.gradient(point, axis=0), np.gradient(point, axis=1)
+    normal = np.cross(girth, along)
+    return np.asarray(normal / np.linalg.norm(normal, axis=2, keepdims=True))
+
+
+def _place(axis: Array, value: Array) -> tuple[NDArray[np.int64], Array]:
+    at = np.clip((value - axis[0]) / (axis[1] - axis[0]), 0, len(axis) - 1 - 1e-9)
+    cell = np.floor(at).astype(np.int64)
+    return cell, at - cell
