@@ -1,0 +1,23 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Residuals by factor, in sigmas: a healthy factor has an RMS near one, and few beyond three."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hullrecon import native
+
+
+def by_factor(evaluation: native.Evaluation) -> dict[str, dict[str, float]]:
+    """For each factor of a problem: count of residuals, RMS, robust sigma (1.4826 MAD) and share beyond three."""
+    return {name: _figures(np.asarray(values).ravel()) for name, values in evaluation.residuals.items() if np.size(values)}
+
+
+def _figures(values: np.ndarray) -> dict[str, float]:
+    return {
+        "count": float(len(values)),
+        "rms": float(np.sqrt(np.mean(values**2))),
+        "robust_sigma": float(1.4826 * np.median(np.abs(values - np.median(values)))),
+        "share_beyond_3": float(np.mean(np.abs(values) > 3)),
+    }
