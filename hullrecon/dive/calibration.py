@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The camera_info YAML that ROS's camera_calibration writes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hullrecon.errors import InputError
+from hullrecon.geometry.cameras import Camera
+
+PINHOLE = ("plumb_bob", "none", "rational_polynomial", "")
+
+
+def read_camera(path: Path) -> Camera:
+    """A pinhole with plumb_bob distortion. InputError for anything that is not one, naming the key."""
+    data = read_yaml(path)
+    width, height = (_whole(data, key, path) for key in ("image_width", "image_height"))
+    matrix = _numbers(data, "camera_matrix", 9, path)
+    fx, fy, cx, cy = matrix[0], matrix[4], matrix[2], matrix[5]
+    if not (0 < fx < 1e6 and 0 < fy < 1e6):
+        raise InputError(f"camera_matrix has focal lengths {fx:g} and {fy:g}", where=str(path))
+    if abs(matrix[1]) > 1e-6 * fx:
+        raise InputError(f"camera_matrix has a skew of {matrix[1]:g}, which is not modelled", where=str(path))
+    k1, k2, p1, p2, k3 = _distortion(data, path)
+    return Camera(width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3)
+
+
+def read_yaml(path: Path) -> Mapping[str, Any]:
+    """A YAML file that holds a table. InputError when it does not."""
+    from ruamel.yaml import YAML, YAMLError
+
+    try:
+        data = YAML(typ="safe", pure=True).load(path.read_text(encoding="utf-8").removeprefix("%YAML:1.0\n"))
+    except FileNotFoundError:
+        raise InputError(f"{path.name} is missing", where=str(path.parent), remedy="correct the path in dive.toml") from None
+    except OSError as error:
+        raise InputError(f"{path.name} cannot be read: {error.strerror}", where=str(path.parent)) from None
+    except (YAMLError, UnicodeDecodeError, ValueError) as error:
+        raise InputError(f"{path.name} is not YAML: {str(error).splitlines()[0]}", where=str(path.parent)) from None
+    if not isinstance(data, Mapping):
+        raise InputError(f"{path.name} holds no table", where=str(path.parent))
+    return data
+
+
+def _distortion(data: Mapping[str, Any], path: Path) -> list[float]:
+    model = str(data.get("distortion_model", "plumb_bob"))
+    if model not in PINHOLE:
+        raise InputError(f"the distortion model {model} is not read", where=str(path), remedy="calibrate with plumb_bob")
+    if "distortion_coefficients" not in data:
+        return [0.0] * 5
+    values = _numbers(data, "distortion_coefficients", None, path)
+    if any(values[5:]):
+        raise InputError(
+            "distortion beyond five coefficients is not modelled", where=str(path), remedy="calibrate with plumb_bob"
+        )
+    return (values + [0.0] * 5)[:5]
+
+
+def _numbers(data: Mapping[str, Any], key: str, count: int | None, path: Path) -> list[float]:
+    """The `data` of a matrix, or the list itself."""
+    found = data.get(key)
+    found = found.get("data") if isinstance(found, Mapping) else found
+    try:
+        values = [float(v) for v in found]  # type: ignore[union-attr]
+    except (TypeError, ValueError):
+        raise InputError(f"{key} holds no numbers", where=str(path)) from None
+    if (count is not None and len(values) != count) or not np.isfinite(values).all():
+        raise InputError(f"{key} is not {count or 'some'} finite numbers", where=str(path))
+    return values
+
+
+def _whole(data: Mapping[str, Any], key: str, path: Path) -> int:
+    value = data.get(key)
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 < value < 100_000:
+        raise InputError(f"{key} is {value!r}, not a number of pixels", where=str(path))
+    return value

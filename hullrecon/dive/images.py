@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Images of a dive by index: their bytes lie in the ingest artifact or, for plain files, in the package."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.records import ImageIndex, from_arrays
+from hullrecon.errors import InputError
+
+CAMERAS = ("camera_top", "camera_bottom")
+
+
+@dataclass(frozen=True)
+class ImageStore:
+    """The images of one camera ("camera_top" or "camera_bottom"). Opens nothing until read; pickles to its paths.
+
+    ingest: the ingest artifact. package: the package's folder, needed where images are plain files.
+    """
+
+    ingest: Path
+    package: Path | None
+    camera: str
+
+    @property
+    def index(self) -> ImageIndex:
+        path = self.ingest / f"images_{self.camera}.npz"
+        return _index(path, path.stat().st_mtime_ns)
+
+    def __len__(self) -> int:
+        return len(self.index.t_ns)
+
+    def bytes(self, i: int) -> bytes:
+        """The encoded image, as it was logged. Raises InputError when its file is gone."""
+        index = self.index
+        file = str(index.file[i])
+        path = self.ingest / f"images_{self.camera}.bin"
+        if file:
+            if self.package is None:
+                raise InputError(f"image {file} lies in the package", remedy="give the package's folder")
+            path = self.package / file
+        try:
+            with path.open("rb") as stream:
+                stream.seek(0 if file else int(index.offset[i]))
+                return stream.read() if file else stream.read(int(index.size[i]))
+        except OSError as error:
+            raise InputError(f"an image cannot be read: {error.strerror}", where=str(path)) from error
+
+    def read(self, i: int) -> NDArray[np.uint8] | None:
+        """Image (h, w, 3) RGB; None for one that ingest found unusable or that does not decode."""
+        return decode(self.bytes(i)) if self.index.usable[i] else None
+
+
+def decode(encoded: bytes) -> NDArray[np.uint8] | None:
+    """Image (h, w, 3) uint8 RGB of JPEG, PNG or any format of OpenCV's, as stored (no EXIF rotation); None if it is none."""
+    import cv2
+
+    if not encoded:
+        return None
+    flags = cv2.IMREAD_COLOR_RGB | cv2.IMREAD_IGNORE_ORIENTATION
+    try:
+        image = cv2.imdecode(np.frombuffer(encoded, np.uint8), flags)
+    except cv2.error:
+        return None
+    return None if image is None else np.asarray(image, np.uint8)
+
+
+@lru_cache(maxsize=8)
+def _index(path: Path, mtime_ns: int) -> ImageIndex:
+    """The index, kept; `mtime_ns` lets a rewritten artifact be read anew."""
+    with np.load(path, allow_pickle=False) as arrays:
+        return from_arrays(ImageIndex, arrays)

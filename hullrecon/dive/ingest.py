@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The whole package to records: what the ingest step keeps, and what `check` tells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive import sensors, words
+from hullrecon.dive.calibration import read_camera
+from hullrecon.dive.gather import Gathered, Watch, gather
+from hullrecon.dive.hull import read_hull
+from hullrecon.dive.image_sink import ImageSink
+from hullrecon.dive.readers.open import open_log
+from hullrecon.dive.records import ImageIndex
+from hullrecon.dive.samples import ImageSample
+from hullrecon.dive.timeline import NS, put_in_order
+from hullrecon.errors import InputError
+from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.meshes import Mesh
+
+OpenFile = Callable[[str], BinaryIO]  # a file for the images of that camera
+
+
+@dataclass(frozen=True)
+class Request:
+    """What ingest needs of dive.toml. topics: topic by sensor; joints: servo by record ("tray", "sonar_tray"); calibration
+    and offset_ns by camera ("camera_top", "camera_bottom"); beams (b, 3) or None."""
+
+    logs: tuple[str, ...]
+    topics: Mapping[str, str]
+    joints: Mapping[str, str]
+    imu_frame: str
+    pressure: sensors.PressureModel
+    beams: NDArray[np.float64] | None
+    sigma_velocity: float
+    calibration: Mapping[str, str]
+    offset_ns: Mapping[str, int]
+    mesh: str | None
+    units: str
+
+
+@dataclass
+class Ingested:
+    """records by name ("dvl", "imu", "pressure", "tray", "sonar_tray", "sonar"), images and cameras by camera, hull or None."""
+
+    records: dict[str, Any] = field(default_factory=dict)
+    images: dict[str, ImageIndex] = field(default_factory=dict)
+    cameras: dict[str, Camera] = field(default_factory=dict)
+    hull: Mesh | None = None
+    counts: dict[str, int] = field(default_factory=dict)
+    lost: list[str] = field(default_factory=list)
+    hull_words: list[str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+
+    def findings(self) -> dict[str, Any]:
+        """findings.json: sentences."""
+        spans = words.spans(self.records, self.images)
+        return {"spans": spans, "lost": self.lost, "hull": self.hull_words, "remarks": self.remarks}
+
+
+def ingest(package: Path, request: Request, open_file: OpenFile, watch: Watch = iter) -> Ingested:
+    """Reads everything once. Raises InputError for what cannot be used, with the file, topic or size that is wrong."""
+    out = Ingested()
+    logs = [open_log(package / name) for name in request.logs]
+    out.cameras = {name: read_camera(package / path) for name, path in request.calibration.items()}
+    if request.mesh is not None:
+        out.hull = read_hull(package / request.mesh, request.units, out.hull_words)
+    sinks = {
+        name: ImageSink(name, (c.width, c.height), request.offset_ns[name], package, lambda name=name: open_file(name))  # type: ignore[misc]
+        for name, c in out.cameras.items()
+    }
+
+    def take_image(sample: ImageSample, logged_ns: int) -> None:
+        if sample.camera in sinks:
+            sinks[sample.camera].take(sample, logged_ns)
+
+    found = gather(logs, {topic: sensor for sensor, topic in request.topics.items()}, take_image, watch)
+    out.remarks += found.remarks
+    out.lost = words.losses(found.losses)
+    out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
+    _check_topics(request, found)
+    _records(out, request, found)
+    for name, sink in sinks.items():
+        index = sink.finish(out.remarks)
+        if index is not None:
+            out.images[name] = index
+    return out
+
+
+def _check_topics(request: Request, found: Gathered) -> None:
+    """A topic that is named but absent is an error, unless the log is damaged: then its messages may be what was lost."""
+    held = {channel.topic for channel in found.counts}
+    for sensor, topic in sorted(request.topics.items()):
+        if topic in held:
+            continue
+        if not found.losses:
+            raise InputError(
+                f"topic {topic} is not in the log, which holds {', '.join(sorted(held)) or 'nothing'}",
+                where=f"topics.{sensor}", remedy="name the topic that the log has, or leave the key away",
+            )  # fmt: skip
+        found.remarks.append(f"{sensor}: nothing of {topic} is left in the damaged log")
+
+
+def _records(out: Ingested, request: Request, found: Gathered) -> None:
+    make: dict[str, Callable[[list[Any]], Any]] = {
+        "dvl": lambda s: sensors.dvl_pings(s, request.beams, request.sigma_velocity, out.remarks),
+        "imu": lambda s: sensors.imu_samples(s, request.imu_frame, out.remarks),
+        "pressure": lambda s: sensors.pressure_samples(s, request.pressure, out.remarks),
+        "sonar": lambda s: sensors.sonar_pings(s, out.remarks),
+    }
+    for name, build in make.items():
+        samples = _ordered(name, found.samples[name], found.logged_ns[name], out.remarks)
+        if samples:
+            out.records[name] = build(samples)
+    joints = list(zip(found.samples["joints"], found.logged_ns["joints"], strict=True))
+    for record, joint in request.joints.items():
+        mine = [(s, t) for s, t in joints if s.name == joint]  # type: ignore[union-attr]
+        samples = _ordered(f"joint {joint}", [s for s, _ in mine], [t for _, t in mine], out.remarks)
+        if samples:
+            out.records[record] = sensors.joint_samples(samples, joint, out.remarks)
+
+
+def _ordered(name: str, samples: list[Any], logged_ns: list[int], remarks: list[str]) -> list[Any]:
+    line = put_in_order(name, [s.t_ns for s in samples], logged_ns)
+    remarks += line.remarks
+    return [samples[i] for i in line.keep]
+
+
+def offset_ns(seconds: float) -> int:
+    return round(seconds * NS)

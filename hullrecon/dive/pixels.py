@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Is this image whole? Decoders forgive a lot: half a JPEG comes back as a half-gray picture."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+MARKER = re.compile(rb"\xff([\x01-\xfe])")
+START, END, SCAN = 0xD8, 0xD9, 0xDA
+RESTART = range(0xD0, 0xD8)
+
+
+def size_of(encoded: bytes) -> tuple[int, int] | None:
+    """(width, height) of an image that is whole; None for one that is not, or is none."""
+    if encoded[:2] == b"\xff\xd8" and not jpeg_is_whole(encoded):
+        return None
+    return _decoded_size(encoded)
+
+
+def jpeg_is_whole(encoded: bytes) -> bool:
+    """From its start to its end marker, with nothing but restarts (in their order) and tables inside its scans."""
+    at = 2
+    while at + 4 <= len(encoded) and encoded[at] == 0xFF:
+        code = encoded[at + 1]
+        if code == END:
+            return False  # before any scan
+        if code == 0xFF:
+            at += 1
+            continue
+        at += 2 + int.from_bytes(encoded[at + 2 : at + 4], "big")
+        if code != SCAN:
+            continue
+        following = _behind_scan(encoded, at)
+        if following is None:
+            return False
+        if encoded[following + 1] == END:
+            return True
+        at = following
+    return False
+
+
+def _behind_scan(encoded: bytes, at: int) -> int | None:
+    """Where the marker behind a scan's data stands; None when a restart is out of order or the data never ends."""
+    restart = 0
+    for match in MARKER.finditer(encoded, at):
+        code = match[1][0]
+        if code not in RESTART:
+            return match.start()
+        if code != 0xD0 + restart % 8:
+            return None
+        restart += 1
+    return None
+
+
+def _decoded_size(encoded: bytes) -> tuple[int, int] | None:
+    import cv2
+
+    if not encoded:
+        return None
+    try:
+        image = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
+    except cv2.error:
+        return None
+    return None if image is None else (int(image.shape[1]), int(image.shape[0]))

@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""One reading of one sensor, as every reader hands it on: SI units, int64 nanoseconds since 1970, NaN for what is lost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class DvlSample:
+    """velocity (3,) m/s of the instrument in `dvl`; sigma m/s (NaN: not given); ranges (b,) m along the beams; beams (b, 3)
+    unit vectors in `dvl`, None where the log does not carry them. ranges is empty where the log has none."""
+
+    t_ns: int
+    velocity: Array
+    sigma: float
+    ranges: Array
+    beams: Array | None
+
+
+@dataclass(frozen=True, slots=True)
+class ImuSample:
+    """quaternion (4,) x y z w as logged; rates (3,) rad/s, acceleration (3,) m/s2, NaN when not logged."""
+
+    t_ns: int
+    quaternion: Array
+    rates: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True, slots=True)
+class PressureSample:
+    t_ns: int
+    pascal: float  # absolute
+
+
+@dataclass(frozen=True, slots=True)
+class JointSample:
+    t_ns: int
+    name: str
+    angle: float  # rad
+
+
+@dataclass(frozen=True, slots=True)
+class ImageSample:
+    """encoded: bytes of a JPEG, PNG, ...; or file: a path relative to the package, whose bytes stay there."""
+
+    t_ns: int
+    camera: str
+    encoded: bytes
+    file: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class SonarSample:
+    """image (beams, ranges) of the logged type; directions (beams, 3) unit vectors in `sonar`; range_m (ranges,)."""
+
+    t_ns: int
+    image: NDArray[np.generic]
+    directions: Array
+    range_m: Array
+
+
+Sample = DvlSample | ImuSample | PressureSample | JointSample | ImageSample | SonarSample

@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Stamps of one sensor: their order, duplicates, jumps of the clock and gaps, each said in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Ints = NDArray[np.int64]
+NS = 1_000_000_000
+JUMP_S = 1.0  # a clock that moves that much against the logger's has jumped; logging delays stay below
+GAP_PERIODS = 5.0  # and at least GAP_S: a silence that is named
+GAP_S = 1.0
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """keep: rows in time order, each stamp once. remarks: what was wrong with the stamps."""
+
+    keep: Ints
+    remarks: list[str]
+
+
+def put_in_order(name: str, stamp_ns: ArrayLike, logged_ns: ArrayLike) -> Timeline:
+    """Rows by time; of rows with one stamp the first stays. stamp_ns, logged_ns (n,) in the order of the log."""
+    stamp, logged = np.asarray(stamp_ns, np.int64), np.asarray(logged_ns, np.int64)
+    order = np.argsort(stamp, kind="stable")
+    fresh = np.ones(len(order), bool)
+    fresh[1:] = np.diff(stamp[order]) > 0
+    remarks = clock_jumps(name, stamp, logged)
+    doubled = int(np.count_nonzero(~fresh))
+    if doubled:
+        remarks.append(f"{name}: {doubled} of {len(stamp)} stamps are duplicates; the first of each was kept")
+    backward = int(np.count_nonzero(np.diff(stamp) < 0))
+    if backward and not remarks:
+        remarks.append(f"{name}: {backward} readings stood out of order and were sorted")
+    return Timeline(order[fresh], remarks)
+
+
+def clock_jumps(name: str, stamp: Ints, logged: Ints) -> list[str]:
+    """Where the sensor's clock moves by a second or more against the logger's, or against its own last reading."""
+    moved = np.diff(stamp - logged) / NS
+    back = np.diff(stamp) / NS
+    jump = np.where(np.abs(moved) >= JUMP_S, moved, np.where(back <= -JUMP_S, back, 0.0))
+    where = np.flatnonzero(jump)
+    if not len(where):
+        return []
+    first = int(where[0])
+    more = f", and {len(where) - 1} more times" if len(where) > 1 else ""
+    return [
+        f"{name}: the clock jumps by {jump[first]:+.3f} s at {moment(int(stamp[first]))}{more}; stamps around it are doubtful"
+    ]
+
+
+def gaps(name: str, t_ns: Ints, longest: int = 5) -> list[str]:
+    """Silences longer than five periods and a second, the longest first."""
+    step = np.diff(t_ns) / NS
+    if len(step) < 2:
+        return []
+    limit = max(GAP_S, GAP_PERIODS * float(np.median(step)))
+    silent = np.flatnonzero(step > limit)
+    words = [
+        f"{name}: nothing for {step[i]:.1f} s from {moment(int(t_ns[i]))} to {moment(int(t_ns[i + 1]))}"
+        for i in sorted(silent, key=lambda i: -step[i])[:longest]
+    ]
+    return words + ([f"{name}: {len(silent) - longest} more gaps, shorter"] if len(silent) > longest else [])
+
+
+def rate_hz(t_ns: Ints) -> float:
+    """Readings a second by the median step; 0 for fewer than two."""
+    return float(NS / np.median(np.diff(t_ns))) if len(t_ns) > 1 else 0.0
+
+
+def moment(t_ns: int) -> str:
+    """A stamp as UTC to the millisecond; the bare seconds where no calendar reaches."""
+    try:
+        return datetime.fromtimestamp(t_ns // NS, UTC).strftime("%Y-%m-%dT%H:%M:%S") + f".{t_ns % NS // 1_000_000:03d}Z"
+    except (ValueError, OverflowError, OSError):
+        return f"{t_ns / NS:.3f} s"

@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""ingest: the package's logs, calibration and drawing, read once, checked, and kept as tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import msgspec
+import numpy as np
+
+from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.dive.ingest import Ingested, Request, ingest, offset_ns
+from hullrecon.dive.records import to_arrays
+from hullrecon.dive.sensors import PressureModel
+
+CAMERAS = {"camera_top": "camera.top", "camera_bottom": "camera.bottom"}
+USES = (
+    "logs", "topics", "tray.joint", "sonar.joint", "imu.frame", "pressure.density", "pressure.gravity", "pressure.atmosphere",
+    "dvl.beams", "dvl.sigma_velocity", "camera.top.calibration", "camera.top.time_offset", "camera.bottom.calibration",
+    "camera.bottom.time_offset", "hull.mesh", "hull.units",
+)  # fmt: skip
+
+
+class IngestOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """None: what is read is said by the other sections."""
+
+
+def request_of(settings: Mapping[str, Any]) -> Request:
+    """What ingest needs, from the dotted keys of `USES`."""
+    topics = {name: getattr(settings["topics"], name) for name in settings["topics"].__struct_fields__}
+    calibration = {name: settings[f"{section}.calibration"] for name, section in CAMERAS.items()}
+    joints = {"tray": settings["tray.joint"], "sonar_tray": settings["sonar.joint"]}
+    beams = settings["dvl.beams"]
+    return Request(
+        logs=settings["logs"].files,
+        topics=_present(topics),
+        joints=_present(joints),
+        imu_frame=settings["imu.frame"],
+        pressure=PressureModel(*(settings[f"pressure.{key}"] for key in ("density", "gravity", "atmosphere"))),
+        beams=None if beams is None else np.array(beams, float),
+        sigma_velocity=settings["dvl.sigma_velocity"],
+        calibration=_present(calibration),
+        offset_ns={name: offset_ns(settings[f"{section}.time_offset"] or 0.0) for name, section in CAMERAS.items()},
+        mesh=settings["hull.mesh"],
+        units=settings["hull.units"] or "m",
+    )
+
+
+def external(settings: Mapping[str, Any], package: Path) -> list[Path]:
+    """Logs, calibrations and drawing."""
+    request = request_of(settings)
+    names = [*request.logs, *request.calibration.values(), *([request.mesh] if request.mesh else [])]
+    return [Path(name) for name in names]
+
+
+def run(context: Context) -> None:
+    with ExitStack() as files:
+
+        def open_file(camera: str) -> BinaryIO:
+            path = files.enter_context(context.out.path(f"images_{camera}.bin"))
+            return files.enter_context(path.open("wb"))
+
+        found = ingest(
+            context.source, request_of(context.settings), open_file, lambda messages: context.progress(messages, "messages")
+        )
+    _write(context, found)
+    for sentence in [*found.lost, *found.remarks]:
+        context.warn(sentence)
+
+
+def _write(context: Context, found: Ingested) -> None:
+    for name, record in found.records.items():
+        if record is not None:
+            context.out.arrays(f"{name}.npz", to_arrays(record))
+    for name, index in found.images.items():
+        context.out.arrays(f"images_{name}.npz", to_arrays(index))
+    cameras = {name.removeprefix("camera_"): asdict(camera) for name, camera in found.cameras.items() if name in found.images}
+    context.out.json("cameras.json", cameras)
+    if found.hull is not None:
+        context.out.arrays("hull.npz", {"vertices": found.hull.vertices, "faces": found.hull.faces})
+    context.out.json("findings.json", found.findings())
+
+
+def _present(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in values.items() if value is not None}
+
+
+STAGE = Stage(
+    name="ingest",
+    summary="read the logs, the calibration and the drawing",
+    inputs=(),
+    parameters=IngestOptions,
+    version=1,
+    run=run,
+    uses=USES,
+    external=external,
+)
