@@ -230,3 +230,15 @@ class MeshIndex:
     def cast(self, origins: ArrayLike, directions: ArrayLike) -> Hits:
         """First crossing of rays (n, 3), (n, 3), either side of a face; directions need not be unit, ranges are metres."""
         return Hits(*self._index.cast(np.asarray(origins, float), np.asarray(directions, float), self._threads))
+
+
+def solve(problem: Problem, options: Options = Options()) -> Result:
+    """Moves the unknowns to the least cost by Levenberg-Marquardt with the landmarks eliminated (Ceres, SPARSE_SCHUR).
+
+    One thread: the same input gives the same bytes; more threads differ in the last digits. Ctrl-C is honoured between iterations.
+    Raises InputError or UsageError naming the table or option, StageError when the start cannot be evaluated.
+    """
+    from hullrecon import _native  # type: ignore[attr-defined]
+
+    got = _native.solve(problem, options)
+    return Result(**(got | {"iterations": IterationRecord(**got["iterations"])}))

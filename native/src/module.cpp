@@ -1,12 +1,15 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
 // pybind11: converts and calls, no logic.
+#include <glog/logging.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 #include "hullrecon/errors.h"
 #include "hullrecon/mesh_index.h"
 #include "hullrecon/parallel.h"
+#include "hullrecon/solve.h"
 
 namespace py = pybind11;
 
@@ -86,6 +89,151 @@ py::tuple cast(const MeshIndex& index, const Doubles& origins, const Doubles& di
   return py::make_tuple(range, face, normal);
 }
 
+template <class Number>
+Table<Number> table(const py::object& owner, const char* name, std::vector<py::object>& alive) {
+  const py::object value = owner.attr(name);
+  Table<Number> out{name};
+  if (value.is_none()) return out;
+  const py::array raw = py::array::ensure(value);
+  const char kind = raw ? raw.dtype().kind() : '?';
+  const bool integers = kind == 'i' || kind == 'u';
+  if (!(integers || (std::is_same_v<Number, double> && kind == 'f'))) {
+    throw InputError("the numbers are of the wrong type", name, "");
+  }
+  py::array_t<Number, py::array::c_style | py::array::forcecast> array(raw);
+  out.shape.assign(array.shape(), array.shape() + array.ndim());
+  out.data = array.data();
+  alive.push_back(std::move(array));
+  return out;
+}
+
+Tables read_tables(const py::object& problem, std::vector<py::object>& alive) {
+  Tables t;
+#define HULLRECON_READ(name) t.name = table<double>(problem, #name, alive);
+  HULLRECON_FLOAT_TABLES(HULLRECON_READ)
+#undef HULLRECON_READ
+#define HULLRECON_READ(name) t.name = table<int32_t>(problem, #name, alive);
+  HULLRECON_INT_TABLES(HULLRECON_READ)
+#undef HULLRECON_READ
+  t.constant = problem.attr("constant").cast<std::vector<std::string>>();
+  t.sigma_px = problem.attr("sigma_px").cast<double>();
+  return t;
+}
+
+Options read_options(const py::object& options) {
+  Options o;
+  const auto read = [&](const char* name, auto& field) {
+    try {
+      field = options.attr(name).cast<std::decay_t<decltype(field)>>();
+    } catch (const py::cast_error&) {
+      throw UsageError("it is of the wrong type", name, "");
+    }
+  };
+  read("method", o.method), read("sigma_on", o.sigma_on), read("sigma_off", o.sigma_off);
+  read("huber_pixel", o.huber_pixel), read("huber_range", o.huber_range), read("max_iterations", o.max_iterations);
+  read("function_tolerance", o.function_tolerance), read("gradient_tolerance", o.gradient_tolerance);
+  read("parameter_tolerance", o.parameter_tolerance), read("initial_radius", o.initial_radius), read("threads", o.threads);
+  read("labels_in_solve", o.labels_in_solve);
+  return o;
+}
+
+// A model with what keeps its arrays alive, checked.
+struct Held {
+  std::vector<py::object> alive;
+  Tables tables;
+  Options options;
+
+  Held(const py::object& problem, const py::object& settings)
+      : tables(read_tables(problem, alive)), options(read_options(settings)) {
+    py::gil_scoped_release free;
+    validate(tables);
+    validate(options);
+  }
+};
+
+template <class Number, class Value>
+py::array_t<Number> column(const std::vector<Value>& values) {
+  py::array_t<Number> out(static_cast<py::ssize_t>(values.size()));
+  std::copy(values.begin(), values.end(), out.mutable_data());
+  return out;
+}
+
+py::dict unknowns(const Model& model) {
+  const auto gather = [&](int64_t first, int64_t count, int width) {
+    Doubles out({static_cast<py::ssize_t>(count), static_cast<py::ssize_t>(width)});
+    for (int64_t i = 0; i < count; ++i) std::copy_n(model.blocks()[first + i].data, width, out.mutable_data(i, 0));
+    return out;
+  };
+  py::dict out;
+  out["pose"] = gather(0, model.poses(), 8);
+  out["landmark"] = gather(model.poses(), model.landmarks(), 3);
+  const auto globals = static_cast<int>(model.poses() + model.landmarks());
+  for (int b = globals; b < model.first_node(); ++b) {
+    const Block& block = model.blocks()[b];
+    out[block.name.c_str()] = py::array_t<double>(block.size, block.data);
+  }
+  const auto nodes = static_cast<int64_t>(model.blocks().size()) - model.first_node();
+  out["deviation"] = gather(model.first_node(), nodes, 1).reshape({static_cast<py::ssize_t>(nodes)});
+  return out;
+}
+
+py::dict record(const std::vector<IterationRow>& rows) {
+  const auto of = [&]<class Number>(Number, auto field) {
+    py::array_t<Number> out(static_cast<py::ssize_t>(rows.size()));
+    for (size_t i = 0; i < rows.size(); ++i) out.mutable_at(i) = rows[i].*field;
+    return out;
+  };
+  py::dict out, by;
+  out["cost"] = of(0.0, &IterationRow::cost);
+  out["cost_change"] = of(0.0, &IterationRow::cost_change);
+  out["step_norm"] = of(0.0, &IterationRow::step_norm);
+  out["gradient_norm"] = of(0.0, &IterationRow::gradient_norm);
+  out["radius"] = of(0.0, &IterationRow::radius);
+  out["accepted"] = of(false, &IterationRow::accepted);
+  out["seconds"] = of(0.0, &IterationRow::seconds);
+  for (size_t k = 0; k < kKindNames.size(); ++k) {
+    std::vector<double> cost;
+    for (const IterationRow& row : rows) cost.push_back(row.cost_by_kind[k]);
+    by[kKindNames[k]] = column<double>(cost);
+  }
+  out["cost_by_factor"] = by;
+  out["on_surface"] = of(int64_t{}, &IterationRow::on_surface);
+  out["label_changes"] = of(int64_t{}, &IterationRow::label_changes);
+  out["rays_missed"] = of(int64_t{}, &IterationRow::rays_missed);
+  return out;
+}
+
+bool interrupted() {
+  py::gil_scoped_acquire hold;
+  return PyErr_CheckSignals() != 0;
+}
+
+py::dict run_solve(const py::object& problem, const py::object& settings) {
+  const Held held(problem, settings);
+  std::unique_ptr<Model> model;
+  Solution solution;
+  try {
+    py::gil_scoped_release free;
+    model = std::make_unique<Model>(held.tables, held.options);
+    solution = solve(*model, interrupted);
+  } catch (const Interrupted&) {
+    throw py::error_already_set();
+  }
+  py::dict out, seconds;
+  out["unknowns"] = unknowns(*model);
+  out["label"] = column<int32_t>(model->labels());
+  out["distance"] = column<double>(model->association().distance());
+  std::vector<char> hit;
+  for (int64_t i = 0; i < held.tables.range_node.rows(); ++i) hit.push_back(model->association().hit(i));
+  out["ray_hit"] = column<bool>(hit);
+  out["iterations"] = record(solution.iterations);
+  out["converged"] = solution.converged;
+  out["message"] = solution.message;
+  for (const auto& [part, time] : solution.seconds) seconds[part] = time;
+  out["seconds"] = seconds;
+  return out;
+}
+
 void raise(const char* type, const Error& error) {
   const py::object kind = py::module_::import("hullrecon.errors").attr(type);
   const py::object value = kind(error.what(), py::arg("where") = error.where, py::arg("remedy") = error.remedy);
@@ -107,12 +255,14 @@ void translate(std::exception_ptr pointer) {
 }  // namespace
 
 PYBIND11_MODULE(_native, m) {
+  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres tells its warnings to stderr; what matters comes back as an error
   py::register_exception_translator(translate);
   py::class_<MeshIndex>(m, "MeshIndex")
       .def(py::init(&make_index))
       .def("closest", &closest)
       .def("cast", &cast)
       .def("__len__", &MeshIndex::faces);
+  m.def("solve", &run_solve);
 }
 
 }  // namespace hullrecon

@@ -15,11 +15,11 @@ inline int thread_count(int asked) {
   return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-// Calls work(begin, end) over [0, count) cut into at most `threads` slabs of at least 256. The first exception (by slab) is
-// rethrown.
+// Calls work(begin, end) over [0, count) cut into at most `threads` slabs of at least `grain`. The first exception (by slab)
+// is rethrown.
 template <class Work>
-void for_slabs(int64_t count, int threads, const Work& work) {
-  const int64_t slabs = std::clamp<int64_t>(count / 256, 1, thread_count(threads));
+void for_slabs(int64_t count, int threads, const Work& work, int64_t grain = 256) {
+  const int64_t slabs = std::clamp<int64_t>(count / grain, 1, thread_count(threads));
   if (slabs == 1) return work(int64_t{0}, count);
   std::vector<std::exception_ptr> failure(slabs);
   std::vector<std::thread> team;

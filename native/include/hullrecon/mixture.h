@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// Labels (O 4.2.3, 4.2.4). A landmark is on the hull (label 1, sigma_on) or off it (label 0, sigma_off), equal odds; the
+// likelier label wins. Twice the negative log likelihood, less that of label 1 at zero, of s = (h / sigma_on)^2:
+//   label 1: s          label 0: s (sigma_on / sigma_off)^2 + 2 ln(sigma_off / sigma_on)
+// and the max-mixture is the smaller: an exact loss on s, continuous, its derivative that of the winning label.
+#pragma once
+
+#include <ceres/loss_function.h>
+
+#include <cmath>
+#include <limits>
+
+namespace hullrecon {
+
+struct Mixture {
+  double sigma_on = 0.02, sigma_off = 1.0;  // m
+
+  double ratio() const { return (sigma_on / sigma_off) * (sigma_on / sigma_off); }
+  double constant() const { return 2 * std::log(sigma_off / sigma_on); }
+  // |h| at which the labels change, m: 0.05595 for O's sigmas.
+  double boundary() const { return sigma_on * std::sqrt(constant() / (1 - ratio())); }
+  bool on(double h) const { return std::abs(h) <= boundary(); }
+};
+
+enum class Label { Off, On, Free };
+
+// The mixture's cost times a weight (the share of a landmark in its correlation cell); with a held label, that label's cost.
+class MixtureLoss final : public ceres::LossFunction {
+ public:
+  MixtureLoss(const Mixture& mixture, Label label, double weight)
+      : ratio_(mixture.ratio()),
+        constant_(mixture.constant()),
+        weight_(weight),
+        change_(label == Label::Free ? constant_ / (1 - ratio_)
+                : label == Label::On ? std::numeric_limits<double>::infinity()
+                                     : -1) {}
+
+  void Evaluate(double s, double rho[3]) const override {
+    const bool on = s <= change_;
+    rho[0] = weight_ * (on ? s : s * ratio_ + constant_);
+    rho[1] = weight_ * (on ? 1.0 : ratio_);
+    rho[2] = 0;
+  }
+
+ private:
+  double ratio_, constant_, weight_, change_;
+};
+
+}  // namespace hullrecon

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+#include "hullrecon/model.h"
+
+namespace hullrecon {
+
+struct IterationRow {
+  double cost, cost_change, step_norm, gradient_norm, radius, seconds;
+  bool accepted;
+  std::array<double, kKindNames.size()> cost_by_kind;  // these and the counts: at the last accepted point
+  int64_t on_surface, label_changes, rays_missed;
+};
+
+struct Solution {
+  std::vector<IterationRow> iterations;
+  bool converged;
+  std::string message;
+  std::vector<std::pair<const char*, double>> seconds;
+};
+
+// Moves the model's unknowns to the least cost. interrupted() is asked between iterations; true throws Interrupted.
+// Throws StageError when the start cannot be evaluated or the solver fails.
+Solution solve(Model& model, const std::function<bool()>& interrupted);
+
+}  // namespace hullrecon
