@@ -1,0 +1,23 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""All plots that a survey gives, in the order of the page."""
+
+from __future__ import annotations
+
+from hullrecon.report.figures import Plot
+from hullrecon.report.plots import convergence, depth_and_standoff, deviation_histogram, labels, residuals, sigmas
+from hullrecon.report.survey import Survey
+
+
+def all_plots(survey: Survey) -> list[Plot]:
+    """Only those whose numbers are there."""
+    found = [depth_and_standoff(survey.track.t_ns, survey.trajectory.translation[:, 2], survey.dvl), sigmas(survey.track)]
+    if survey.iterations is not None and len(survey.iterations.get("cost", ())):
+        found.append(convergence(survey.iterations))
+        if {"on_surface", "label_changes"} <= set(survey.iterations) and survey.track.frame == "M":
+            found.append(labels(survey.iterations))
+    statistics = survey.adjust.get("residuals") or {}
+    if statistics.get("before") and statistics.get("after"):
+        found.append(residuals(statistics))
+    histogram = deviation_histogram(survey.solution, survey.as_found)
+    return [*found, histogram] if histogram else found
