@@ -124,7 +124,7 @@ def _gicp(points: Array, target: Array, start: Poses) -> Poses:
     return poses.from_matrix(result.transformation).inverse()
 
 
-def _prior_step(hull_from: Poses, drawing: Drawing, center: Array) -> Array:
+def prior_step(hull_from: Poses, drawing: Drawing, center: Array) -> Array:
     """(6,) error against the guess in M's axes about the centre: what `guess_sigma` whitens."""
     return ((drawing.guess @ about(center)).inverse() @ hull_from @ about(center)).log()[0]
 
@@ -133,7 +133,7 @@ def _trimmed_cost(points: Array, hull_from: Poses, drawing: Drawing, center: Arr
     """Mean square of the best 80 % of the distances over the drawing's sigma, plus the prior's share."""
     distance = np.sort(np.abs(index.closest(hull_from.inverse().apply(points)).distance))
     trimmed = distance[: max(1, int(0.8 * len(distance)))]
-    prior = _prior_step(hull_from, drawing, center) / drawing.guess_sigma
+    prior = prior_step(hull_from, drawing, center) / drawing.guess_sigma
     return float(np.mean(trimmed**2) / drawing.deviation_sigma**2 + prior @ prior / len(drawing.guess_sigma))
 
 
@@ -151,14 +151,14 @@ def fit_correlated(
     """Gauss-Newton on signed distances whose errors are range noise (robust) and the drawing's correlated deviation."""
     at = start.inverse().apply(points)
     field = matern32(np.nan_to_num(drawing.chart.to_chart(at)[:, :2]), drawing.deviation_sigma, drawing.deviation_length)
-    prior_rows = _prior_rows(drawing)
+    whitened = prior_rows(drawing)
     pose, distance, information = start, np.zeros(len(points)), np.eye(6)
     for _ in range(iterations):
-        distance, jacobian = _distances(points, pose, center, index)
+        distance, jacobian = signed_distances(points, pose, center, index)
         noise = _robust_noise(distance, sigma_range, drawing.deviation_sigma)
         weighted = cho_solve(cho_factor(field + np.diag(noise**2)), np.c_[jacobian, distance])
-        information = jacobian.T @ weighted[:, :6] + prior_rows.T @ prior_rows
-        right = jacobian.T @ weighted[:, 6] + prior_rows.T @ (_prior_step(pose, drawing, center) / drawing.guess_sigma)
+        information = jacobian.T @ weighted[:, :6] + whitened.T @ whitened
+        right = jacobian.T @ weighted[:, 6] + whitened.T @ (prior_step(pose, drawing, center) / drawing.guess_sigma)
         step = -np.linalg.solve(information, right)
         pose = perturbed(pose, center, step)
         if np.abs(step[:3]).max() < 1e-5 and np.abs(step[3:]).max() < 1e-6:
@@ -167,15 +167,15 @@ def fit_correlated(
     return Registration(pose, np.linalg.inv(information), center, distance, within)
 
 
-def _prior_rows(drawing: Drawing) -> Array:
-    """Whitened derivative of `_prior_step` by the step of `perturbed` (translation in g, rotation in M)."""
+def prior_rows(drawing: Drawing) -> Array:
+    """Whitened derivative of `prior_step` by the step of `perturbed` (translation in g, rotation in M)."""
     to_hull = drawing.guess.rotation.as_matrix()[0].T
     rows = np.zeros((6, 6))
     rows[:3, :3], rows[3:, 3:] = to_hull, np.eye(3)
     return np.asarray(rows / drawing.guess_sigma[:, None])
 
 
-def _distances(points: Array, hull_from: Poses, center: Array, index: MeshIndex) -> tuple[Array, Array]:
+def signed_distances(points: Array, hull_from: Poses, center: Array, index: MeshIndex) -> tuple[Array, Array]:
     """Signed distances (n,) and their derivatives (n, 6) by the step of `perturbed`."""
     local = hull_from.inverse().apply(points)
     nearest = index.closest(local)

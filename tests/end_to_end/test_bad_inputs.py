@@ -8,7 +8,7 @@ import re
 import time
 
 import pytest
-from conftest import edit
+from end_to_end.shell import edit
 
 
 def one_line(done, *words):

@@ -6,7 +6,7 @@ import random
 import time
 
 import pytest
-from conftest import without_run_blocks
+from end_to_end.shell import without_run_blocks
 
 
 @pytest.mark.slow

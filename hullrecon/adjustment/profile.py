@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The weak direction profiled: how sure the position along the hull really is (METHODS 5, 'Profile the weak direction').
+
+The Hessian at the optimum sees the drawing's curvature at one place; the valley is flat and not parabolic. Here the hull is
+held at steps along its weak direction while the other five freedoms and the drawing's error (as correlated noise) settle. The
+posterior over the steps gives mean and sigma.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from hullrecon.adjustment.model import Drawing
+from hullrecon.adjustment.registration import (
+    matern32,
+    perturbed,
+    prior_rows,
+    prior_step,
+    signed_distances,
+)
+from hullrecon.geometry.poses import Poses
+from hullrecon.native import MeshIndex
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Profile:
+    """step (k,) m along `direction` (3,) unit in M; cost (k,), lowest zero; mean and sigma (m) of the posterior; hull_from:
+    T_g_M at the mean; tangent (6,): how T_g_M (translation in g, rotation in M, about the centre) moves per metre of step."""
+
+    direction: Array
+    step: Array
+    cost: Array
+    mean: float
+    sigma: float
+    hull_from: Poses
+    tangent: Array
+
+
+@dataclass(frozen=True)
+class Valley:
+    """What a profile needs: points (n, 3) in g that lie on the hull, the weak direction (3,) unit in M, the drawing, the
+    survey's centre in M, the drawing's index, the Cholesky factor of the points' errors (the drawing's field and noise)."""
+
+    points: Array
+    direction: Array
+    drawing: Drawing
+    center: Array
+    index: MeshIndex
+    factor: Any
+
+
+def valley(
+    points: Array, start: Poses, direction: Array, drawing: Drawing, center: Array, index: MeshIndex, noise: float
+) -> Valley:
+    """The valley through `start` (T_g_M); `noise` is the points' own sigma in metres."""
+    at = start.inverse().apply(points)
+    field = matern32(np.nan_to_num(drawing.chart.to_chart(at)[:, :2]), drawing.deviation_sigma, drawing.deviation_length)
+    return Valley(points, direction, drawing, center, index, cho_factor(field + noise**2 * np.eye(len(points))))
+
+
+def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
+    """The posterior of a shift along the valley within +-`reach` metres of `start` (T_g_M)."""
+    steps = np.linspace(-reach, reach, count)
+    cost = np.array([cost for _, cost in _walk(v, start, steps)])
+    weight = np.exp(-(cost - cost.min()))
+    weight /= weight.sum()
+    mean = float(weight @ steps)
+    sigma = float(np.sqrt(weight @ (steps - mean) ** 2))
+    here, _ = _settle(v, _shifted(v, start, mean))
+    ahead, _ = _settle(v, _shifted(v, here, 0.5 * sigma))
+    tangent = _between(here, ahead, v.center) / max(0.5 * sigma, 1e-6)
+    return Profile(v.direction, steps, cost - cost.min(), mean, sigma, here, tangent)
+
+
+def inflated(covariance: Array, found: Profile, hull_from: Poses) -> Array:
+    """Covariance (6, 6) of T_g_M whose variance along the profiled direction is the profile's, moving along its valley."""
+    to_hull = hull_from.rotation.as_matrix()[0].T
+    along = np.r_[to_hull.T @ found.direction, np.zeros(3)]
+    lacking = found.sigma**2 - float(along @ covariance @ along)
+    if lacking <= 0:
+        return covariance
+    return np.asarray(covariance + lacking * np.outer(found.tangent, found.tangent))
+
+
+def _walk(v: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float]]:
+    """Settled poses and costs at the steps, each started from its neighbour nearer to the middle."""
+    middle = len(steps) // 2
+    found: dict[int, tuple[Poses, float]] = {}
+    for order in (range(middle, len(steps)), range(middle - 1, -1, -1)):
+        for k in order:
+            near = k - 1 if k > middle else k + 1
+            base, walked = (found[near][0], steps[k] - steps[near]) if near in found else (start, steps[k])
+            found[k] = _settle(v, _shifted(v, base, walked))
+    return [found[k] for k in range(len(steps))]
+
+
+def _shifted(v: Valley, hull_from: Poses, step: float) -> Poses:
+    in_global = hull_from.rotation.as_matrix()[0] @ v.direction
+    return perturbed(hull_from, v.center, np.r_[step * in_global, np.zeros(3)])
+
+
+def _settle(v: Valley, pose: Poses, most: int = 8) -> tuple[Poses, float]:
+    """T_g_M with its shift along the direction held and the rest at the optimum; and half the sum of squares there."""
+    whitened = prior_rows(v.drawing)
+    cost = np.inf
+    for _ in range(most):
+        distance, jacobian = signed_distances(v.points, pose, v.center, v.index)
+        solved = cho_solve(v.factor, np.c_[jacobian, distance])
+        prior = prior_step(pose, v.drawing, v.center) / v.drawing.guess_sigma
+        cost = 0.5 * float(distance @ solved[:, 6] + prior @ prior)
+        free = _across(pose.rotation.as_matrix()[0] @ v.direction)
+        information = free.T @ (jacobian.T @ solved[:, :6] + whitened.T @ whitened) @ free
+        step = -free @ np.linalg.solve(information, free.T @ (jacobian.T @ solved[:, 6] + whitened.T @ prior))
+        pose = perturbed(pose, v.center, step)
+        if np.abs(step).max() < 1e-6:
+            break
+    return pose, cost
+
+
+def _across(direction: Array) -> Array:
+    """Basis (6, 5) of the steps that do not move along a unit direction (3,) in g."""
+    basis = np.linalg.svd(direction[None])[2][1:].T
+    out = np.zeros((6, 5))
+    out[:3, :2], out[3:, 2:] = basis, np.eye(3)
+    return out
+
+
+def _between(a: Poses, b: Poses, center: Array) -> Array:
+    """The step (6,) of `perturbed` that takes T_g_M a to b."""
+    shift = b.apply(center[None])[0] - a.apply(center[None])[0]
+    return np.r_[shift, (a.rotation.inv() * b.rotation).as_rotvec()[0]]

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+from adjustment.scenes import ERROR, TRUTH, drawing, side, survey
+
+from hullrecon.adjustment.profile import inflated, profile, valley
+from hullrecon.adjustment.registration import perturbed, thin
+from hullrecon.native import MeshIndex
+
+ALONG = np.array([1.0, 0.0, 0.0])
+
+
+def profiled(fullness, span=(2.0, 11.0), sigma=0.02):
+    mesh = side(fullness)
+    points = thin(TRUTH.apply(survey(mesh, np.random.default_rng(4), span)), 0.3, 600)
+    drawn = drawing(mesh, TRUTH, 0 * ERROR)
+    drawn = drawn.__class__(**{**drawn.__dict__, "deviation_sigma": sigma})
+    center = TRUTH.inverse().apply(points).mean(0)
+    index = MeshIndex(mesh.vertices, mesh.faces)
+    return profile(valley(points, TRUTH, ALONG, drawn, center, index, 0.01), TRUTH, reach=3.0), center
+
+
+def test_a_cylinder_leaves_the_prior_s_sigma_along_itself():
+    found, _ = profiled(0.0)
+    assert found.sigma == pytest.approx(1.0, abs=0.1)
+    assert found.mean == pytest.approx(0.0, abs=0.2)
+
+
+def test_curvature_narrows_the_profile_and_truth_lies_within():
+    found, _ = profiled(1.0, sigma=0.005)
+    assert found.sigma < 0.5
+    assert abs(found.mean) < 3 * found.sigma
+
+
+def test_the_cost_is_lowest_near_the_mean():
+    found, _ = profiled(1.0, sigma=0.005)
+    assert abs(found.step[np.argmin(found.cost)] - found.mean) < 2 * found.sigma
+    assert found.cost.min() == 0.0
+
+
+def test_inflation_gives_the_profile_s_sigma_and_never_less():
+    found, _ = profiled(1.0)
+    along = np.r_[found.hull_from.rotation.as_matrix()[0] @ ALONG, np.zeros(3)]
+    wider = inflated(1e-6 * np.eye(6), found, found.hull_from)
+    assert np.sqrt(along @ wider @ along) == pytest.approx(found.sigma, rel=0.05)
+    np.testing.assert_array_equal(inflated(1e2 * np.eye(6), found, found.hull_from), 1e2 * np.eye(6))
+
+
+def test_the_tangent_follows_the_valley():
+    found, center = profiled(1.0)
+    moved = perturbed(found.hull_from, center, 0.1 * found.tangent)
+    shift = found.hull_from.inverse().apply(moved.apply(center[None]))[0] - center
+    assert shift[0] == pytest.approx(0.1, rel=0.1)
