@@ -58,7 +58,7 @@ def simulate_dive(spec: DiveSpec) -> Dive:
     sheet = cut_sheet(drawing, (middle - half - BEYOND_M, middle + half + BEYOND_M), top_z, depth + 2.0 + BELOW_M)
     top = girth_at(sheet, middle, surface_z)
     corners = legs_of(spec, middle, top)
-    items = plant(spec, (middle - half + 0.1, middle + half - 0.1), (top - depth - 0.2, top + 0.2))
+    items = plant(spec, (middle - half + 0.1, middle + half - 0.1), (top - depth - 0.1, top + 0.1))
     motion = swim(spec, sheet, corners)
     built = build(spec, sheet, items)
     frame_s = instruments.ticks(motion, _frame_rate(spec), spec.random("frames"), 0.45)

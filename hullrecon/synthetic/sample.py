@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The dive in sample_data/: `python -m hullrecon.synthetic.sample [FOLDER]` makes it again, byte for byte."""
+"""The dive in sample_data/demo: `python -m hullrecon.synthetic.sample [FOLDER]` makes it again, byte for byte."""
 
 from __future__ import annotations
 
@@ -10,19 +10,21 @@ from pathlib import Path
 from hullrecon.synthetic.package import write_package
 from hullrecon.synthetic.spec import DiveSpec
 
+# from the side into the bilge where the bow begins to narrow: curvature both ways, so that the drawing holds the dive
 SAMPLE = DiveSpec(
-    name="sample",
-    seed=7,
+    name="demo",
+    seed=8,
+    along_m=38.0,
+    top_m=1.75,
     legs=3,
-    leg_length_m=2.8,
-    leg_spacing_m=0.5,
+    leg_length_m=3.0,
+    leg_spacing_m=0.55,
     standoff_m=1.05,
-    speed=0.3,
-    views=6.5,
+    views=6.2,
     image_width=480,
     image_height=384,
     jpeg_quality=80,
-    structures=3,
+    structures=4,
     marks=1,
     barnacles=1,
     guess_along_m=0.3,
@@ -30,8 +32,7 @@ SAMPLE = DiveSpec(
 
 
 def main() -> None:
-    home = Path(__file__).resolve().parents[2] / "sample_data"
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else home
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[2] / "sample_data" / "demo"
     write_package(folder, SAMPLE)
     print(folder)
 

@@ -17,10 +17,10 @@ from hullrecon.synthetic.rig import SONAR_ELEVATION_DEG
 Array = NDArray[np.float64]
 
 BEAM_COUNT, BIN_COUNT = 96, 256
-NEAR_M, FAR_M = 0.6, 3.6
+NEAR_M, FAR_M = 0.6, 3.0
 AZIMUTH = np.radians(np.linspace(14.5, -14.5, BEAM_COUNT))
 RANGE = np.linspace(NEAR_M, FAR_M, BIN_COUNT)
-ARC_RAYS, SUB_BEAMS = 180, 2
+ARC_RAYS, SUB_BEAMS = 260, 2
 LOOKS = 3.0
 
 
@@ -60,9 +60,9 @@ def ping(T_M_o: Poses, hull: Rays, built: AsBuilt, rays: Fan, random: np.random.
     bins = np.rint((hits.range_m - NEAR_M) / (FAR_M - NEAR_M) * (BIN_COUNT - 1))
     seen = hits.hit & (bins >= 0) & (bins < BIN_COUNT)
     cell = rays.beam[seen] * BIN_COUNT + bins[seen].astype(np.int64)
-    total = np.bincount(cell, (rays.gain * (0.08 * facing + facing**2))[seen], BEAM_COUNT * BIN_COUNT)
+    total = np.bincount(cell, (rays.gain * (0.3 * facing + 0.7 * facing**2))[seen], BEAM_COUNT * BIN_COUNT)
     echo = total.reshape(BEAM_COUNT, BIN_COUNT) * RANGE / (ARC_RAYS * SUB_BEAMS / 40.0)
     speckle = random.gamma(LOOKS, 1 / LOOKS, echo.shape) * (1 + 0.05 * random.standard_normal((BEAM_COUNT, 1)))
     floor = 0.004 * random.gamma(1.0, 1.0, echo.shape)
-    loud = 255 * np.sqrt(np.abs(0.5 * echo * speckle + floor))
+    loud = 255 * np.sqrt(np.abs(0.65 * echo * speckle + floor))
     return np.asarray(np.clip(loud, 0, 255), np.uint8)

@@ -16,7 +16,7 @@ from hullrecon.synthetic.spec import DiveSpec
 
 Array = NDArray[np.float64]
 STEP_S = 0.02
-SONAR_BELOW_RAD = 0.8  # the sonar looks that much lower than the cameras, along the hull
+SONAR_BELOW = (0.72, 0.42)  # the sonar looks that much lower than the cameras (rad), less where the bilge curves away (rad/rad)
 
 
 def legs_of(spec: DiveSpec, middle_m: float, top_girth_m: float) -> Array:
@@ -53,7 +53,8 @@ def swim(spec: DiveSpec, sheet: Sheet, corners: Array) -> Motion:
     attitude[:, 2] -= attitude[0, 2]
     hull = T_g_level @ Poses(level.as_quat()[None], np.zeros((1, 3)))
     tray = with_play(encoder, np.radians(spec.play_deg))
-    return Motion(t, T_g_level.apply(smooth), attitude, encoder, tray, encoder - SONAR_BELOW_RAD, hull)
+    sonar = encoder - SONAR_BELOW[0] + SONAR_BELOW[1] * elevation
+    return Motion(t, T_g_level.apply(smooth), attitude, encoder, tray, sonar, hull)
 
 
 def _timed(corners: Array, speed: float) -> tuple[Array, Array]:
