@@ -35,7 +35,7 @@ class FieldBackground:
     def at(self, points: Array) -> tuple[Array, Array]:
         last = np.array(self.value.shape) - 1
         cell = (self.chart.to_chart(points)[:, :2] - self.origin) / self.step
-        inside = ((cell >= 0) & (cell <= last)).all(axis=1)
+        inside = np.asarray(((cell >= 0) & (cell <= last)).all(axis=1))
         cell = np.where(inside[:, None], cell, 0.0)
         low = np.minimum(cell.astype(np.int64), np.maximum(last - 1, 0))
         share, high = cell - low, np.minimum(low + 1, last)

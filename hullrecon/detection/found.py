@@ -25,8 +25,8 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Found:
-    """Vertex by vertex (n): where it is now (mesh) and on the base; normal (n, 3) of the base; hull (n,) m, the smooth offset of
-    the hull from the base, and its sigma; height (n,) m above that hull, 0 where not measured; sigma (n,) m of the height;
+    """Vertex by vertex (n): where it is now (mesh) and on the base; normal (n, 3) of the base; hull (n,) m, the smooth offset
+    of the hull from the base, and its sigma; height (n,) m above that hull, 0 where not measured; sigma (n,) m of the height;
     measured (n,) bool; agreement (n,) share of landmarks that agree; shapes (n,) views whose shapes show it (O Algorithm 5);
     seen: by which views."""
 
@@ -76,6 +76,4 @@ def find_hull(base: Mesh, measured: Measured, background: Background, views: Vie
 
 
 def _regress(mesh: Mesh, normal: Array, measured: Measured, height: Array, options: DetectOptions) -> Heights:
-    return local_heights(
-        mesh.vertices, normal, measured.foot, height, measured.sigma, options.neighbours, options.reach
-    )
+    return local_heights(mesh.vertices, normal, measured.foot, height, measured.sigma, options.neighbours, options.reach)

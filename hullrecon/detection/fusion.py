@@ -21,8 +21,8 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Fused:
-    """vertex (n, 3): running means of the rays' intersections, the prior's where there were none; count (n,): views whose shapes
-    met the ray to that vertex."""
+    """vertex (n, 3): running means of the rays' intersections, the prior's where there were none; count (n,): views whose
+    shapes met the ray to that vertex."""
 
     vertex: Array
     count: Ints
@@ -36,7 +36,7 @@ def fuse_shapes(views: Views, features: Array, deviation: Array, vertices: Array
     total, count = np.zeros_like(vertices), np.zeros(len(vertices), np.int64)
     off = np.flatnonzero(np.abs(deviation) > options.threshold)
     near = _near(vertices, features[off], 3 * options.alpha)
-    nearby = {view: rows for view, rows in each_view(views, vertices[near])} if len(near) and len(off) else {}
+    nearby = dict(each_view(views, vertices[near])) if len(near) and len(off) else {}
     for view, rows in each_view(views, features[off]) if nearby else ():
         if view not in nearby:
             continue

@@ -33,15 +33,14 @@ def local_heights(
 ) -> Heights:
     """Heights at vertices (n, 3) with outward normals (n, 3) from landmarks' feet (m, 3), heights (m,) and sigmas (m,) m.
 
-    Around each vertex: the median of the nearest few, then a plane refitted with Tukey's weights about it, so that the side of a
-    step on which the vertex lies decides. NaN where fewer than three landmarks are within reach.
+    Around each vertex: the median of the nearest few, then a plane refitted with Tukey's weights about it, so that the side of
+    a step on which the vertex lies decides. NaN where fewer than three landmarks are within reach.
     """
     parts = [
         _heights(at[i : i + CHUNK], normal[i : i + CHUNK], feet, height, sigma, neighbours, reach_m)
         for i in range(0, len(at), CHUNK)
     ]
-    columns = list(zip(*parts, strict=True)) or [[np.zeros(0)]] * 4
-    value, error, count, agreement = (np.concatenate(column) for column in columns)
+    value, error, count, agreement = (np.concatenate([np.zeros(0), *(part[k] for part in parts)]) for k in range(4))
     return Heights(value, error, count.astype(np.int64), agreement)
 
 
@@ -66,16 +65,23 @@ def _heights(
         off = (h - np.einsum("nkj,nj->nk", plane, fit)) / (4.0 * scale[:, None])
         robust = weight * np.maximum(0.0, 1 - off**2) ** 2
         fit, inverse = _plane(plane, h, robust, fit)
-    spread = np.sqrt(np.einsum("nk,nk->n", robust, (h - np.einsum("nkj,nj->nk", plane, fit)) ** 2) / (robust.sum(axis=1) + 1e-12))
+    spread = np.sqrt(
+        np.einsum("nk,nk->n", robust, (h - np.einsum("nkj,nj->nk", plane, fit)) ** 2) / (robust.sum(axis=1) + 1e-12)
+    )
     effective = robust.sum(axis=1) ** 2 / (np.einsum("nk,nk->n", robust, robust) + 1e-12)
     error = np.hypot(np.sqrt(inverse), spread / np.sqrt(np.maximum(1.0, effective)))
     agreement = (weight * (np.abs(off) < 1)).sum(axis=1) / (weight.sum(axis=1) + 1e-12)
     known = count >= 3
-    return np.where(known, fit[:, 0], np.nan), np.where(known, error, np.nan), count.astype(float), np.where(known, agreement, 0.0)
+    return (
+        np.where(known, fit[:, 0], np.nan),
+        np.where(known, error, np.nan),
+        count.astype(float),
+        np.where(known, agreement, 0.0),
+    )
 
 
 def _plane(plane: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:
-    """Weighted least squares of height and slope (n, 3), and the variance of the height (n,); as before where nothing weighs."""
+    """Weighted least squares of height and slope (n, 3), and the height's variance (n,); as before where nothing weighs."""
     normal_matrix = np.einsum("nki,nk,nkj->nij", plane, weight, plane, optimize=True)
     normal_matrix[:, [1, 2], [1, 2]] += 1 / SLOPE_SIGMA**2
     normal_matrix[:, 0, 0] += 1e-6

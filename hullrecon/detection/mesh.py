@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mesh:
     """Edges no longer than `edge_m` within `reach_m` of the points (n, 3), growing longer in proportion beyond."""
     cell = 0.5 * max(edge_m, reach_m)
-    thinned = np.unique(np.round(points / cell).astype(np.int64), axis=0) * cell
+    thinned: Array = np.unique(np.round(points / cell), axis=0) * cell
 
     def allowed(middle: Array) -> Array:
         distance, _ = nearest(thinned, middle, 1)
@@ -45,7 +45,7 @@ def vertex_normals(mesh: Mesh) -> Array:
         angle = np.arccos(np.clip(cosine, -1, 1))
         for axis in range(3):
             out[:, axis] += np.bincount(mesh.faces[:, k], angle * face[:, axis], minlength=len(out))
-    return out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-15)
+    return np.asarray(out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-15))
 
 
 def vertex_areas(mesh: Mesh) -> Array:

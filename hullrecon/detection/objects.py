@@ -86,7 +86,14 @@ def find_objects(
 
 
 def _doubt(
-    found: Found, region: Region, area: Array, measured: Measured, height: Array, seen: int, chance: float, options: DetectOptions
+    found: Found,
+    region: Region,
+    area: Array,
+    measured: Measured,
+    height: Array,
+    seen: int,
+    chance: float,
+    options: DetectOptions,
 ) -> str:
     """Why the region is not an object, or nothing."""
     on, agree = _witnesses(found, region, measured, height)
@@ -115,24 +122,31 @@ def _witnesses(found: Found, region: Region, measured: Measured, height: Array) 
 
 def _center(found: Found, region: Region, area: Array) -> int:
     """The vertex on the visible surface nearest to the middle of the highest part."""
-    above = region.side * (found.height[region.core] - region.level)
-    top = region.core[above >= 0.8 * abs(region.height)]
-    top = top if len(top) else region.core
+    top = _top_rows(found, region)
     middle = np.average(found.base.vertices[top], axis=0, weights=np.maximum(area[top], 1e-12))
     return int(top[np.argmin(np.linalg.norm(found.base.vertices[top] - middle, axis=1))])
 
 
 def _seen_by(found: Found, region: Region, views: Views, scene: Scene) -> Ints:
-    """Views that saw more than half of the core, the best (nearest to the image's middle) first."""
-    share, offset = [], []
-    for view in range(len(views)):
-        rows = in_frame(views, view, found.mesh.vertices, region.core)
+    """Views that saw more than half of the top, the best (nearest to the image's middle) first."""
+    top = _top_rows(found, region)
+    middle = views.T_x_c.inverse().apply(found.mesh.vertices[top].mean(axis=0)[None])
+    offset = np.hypot(middle[:, 0], middle[:, 1]) / np.maximum(middle[:, 2], 1e-6)
+    near = np.linalg.norm(middle, axis=1) < views.farthest_m + 0.5
+    share = np.zeros(len(views))
+    for view in np.flatnonzero(near).tolist():
+        rows = in_frame(views, view, found.mesh.vertices, top)
         clear, _, _ = seen_from(views.T_x_c.translation[view], rows, found.mesh.vertices, found.normal, scene)
-        share.append(len(clear) / len(region.core))
-        middle = views.T_x_c[view].inverse().apply(found.mesh.vertices[region.core].mean(axis=0)[None])[0]
-        offset.append(np.hypot(middle[0], middle[1]) / max(middle[2], 1e-6))
-    seen = np.flatnonzero(np.array(share) > 0.5)
-    return seen[np.argsort(np.array(offset)[seen], kind="stable")]
+        share[view] = len(clear) / len(top)
+    seen = np.flatnonzero(share > 0.5)
+    return seen[np.argsort(offset[seen], kind="stable")]
+
+
+def _top_rows(found: Found, region: Region) -> Ints:
+    """Vertices of the core above four fifths of the height."""
+    above = region.side * (found.height[region.core] - region.level)
+    top = region.core[above >= 0.8 * abs(region.height)]
+    return top if len(top) else region.core
 
 
 def _object(

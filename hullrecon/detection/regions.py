@@ -17,7 +17,7 @@ from hullrecon.geometry.neighbours import nearest
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-TOP_SHARE = 0.97  # of the footprint lies below what is called the top: one vertex in thirty may be wrong
+TOP_M2 = 0.0008  # the top is what so much of the footprint reaches: a lump's peak is not averaged away, one vertex is no peak
 FOOT_SHARE = 0.25  # of the height, where the footprint ends
 RING_GAP_M = 0.04  # the ring of hull begins so far from the footprint, beyond what edges blur
 
@@ -62,7 +62,7 @@ def _region(
         return None
     level = weighted_quantile(found.height[ring], area[ring], 0.5)
     above = side * (found.height - level)
-    height = weighted_quantile(above[seed], area[seed], TOP_SHARE)
+    height = weighted_quantile(above[seed], area[seed], 1 - min(0.5, TOP_M2 / area[seed].sum()))
     near = found.measured & np.isfinite(distance) & (distance <= options.cluster_reach)
     foot = np.flatnonzero(near & (above >= FOOT_SHARE * height))
     core = foot[above[foot] >= 0.5 * height]

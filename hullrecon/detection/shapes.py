@@ -15,7 +15,9 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-def detect_shapes(in_camera: Array, deviation: Array, threshold_m: float, reach_m: float, least: int, alpha_m: float) -> list[Mesh]:
+def detect_shapes(
+    in_camera: Array, deviation: Array, threshold_m: float, reach_m: float, least: int, alpha_m: float
+) -> list[Mesh]:
     """Shapes among a view's features, as meshes of features in the camera's frame.
 
     in_camera (n, 3) m; deviation (n,) m from the hull. Features beyond the threshold are points (f_x, f_y, |d|), clustered by
@@ -60,4 +62,4 @@ def alpha_shape(points: Array, alpha_m: float) -> NDArray[np.int32]:
     sides = [np.linalg.norm(p - q, axis=1) for p, q in ((a, b), (b, c), (c, a))]
     twice_area = np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
     radius = sides[0] * sides[1] * sides[2] / np.maximum(2 * twice_area, 1e-15)
-    return faces[radius <= alpha_m].astype(np.int32)
+    return np.asarray(faces[radius <= alpha_m], np.int32)

@@ -29,13 +29,13 @@ LEARNING = 700  # observations that the marginal likelihood looks at: dense fact
 
 @dataclass(frozen=True)
 class Cloud:
-    """Inliers in the chart's frame. point (n, 3); noise (n,) m, white; pose_sigma (n,) m, what neighbours share; is_return (n,)
-    bool: a DVL return, else a landmark."""
+    """Inliers in the chart's frame. point (n, 3); noise (n,) m, white; pose_sigma (n,) m, what neighbours share;
+    gives_support (n,) bool: the surface covers what lies around it (a DVL return; a landmark where there is no DVL)."""
 
     point: Array
     noise: Array
     pose_sigma: Array
-    is_return: NDArray[np.bool_]
+    gives_support: NDArray[np.bool_]
 
 
 def build_surface(cloud: Cloud, chart: Chart, options: SurfaceOptions) -> tuple[Surface, Facts]:
@@ -45,19 +45,17 @@ def build_surface(cloud: Cloud, chart: Chart, options: SurfaceOptions) -> tuple[
     """
     charted = chart.to_chart(cloud.point)
     known = np.asarray(np.isfinite(charted).all(axis=1))
-    if not (known & cloud.is_return).any():
-        raise StageError(
-            "no DVL return lies on the chart", where="surface", remedy="check hull.pose, dvl.mount and tray.origin"
-        )
+    if not (known & cloud.gives_support).any():
+        raise StageError("no return lies on the chart", where="surface", remedy="check hull.pose, dvl.mount and tray.origin")
     charted, cloud = charted[known], _take(cloud, known)
-    grid = supported_lattice(charted[cloud.is_return, :2], options.grid, options.reach)
+    grid = supported_lattice(charted[cloud.gives_support, :2], options.grid, options.reach)
     if not len(grid.faces):
         raise StageError("the returns are too sparse for a surface", where="surface", remedy="raise surface.reach")
     estimate = _by_process if options.method == "gp" else _by_triangles
     offset, sigma, facts = estimate(charted, cloud, grid.vertices[:, :2], options)
     mesh, values = refine(grid, options.edge, np.stack([offset, sigma], axis=1))
     shared = _nearest(charted[:, :2], cloud.pose_sigma, mesh.vertices[:, :2])
-    support = count_within(charted[cloud.is_return, :2], mesh.vertices[:, :2], options.reach)
+    support = count_within(charted[cloud.gives_support, :2], mesh.vertices[:, :2], options.reach)
     surface = _placed(mesh, values[:, 0], np.hypot(values[:, 1], shared), np.maximum(support, 1), chart)
     return surface, {**facts, "vertices": len(surface.vertices), "faces": len(surface.faces)}
 
@@ -108,7 +106,7 @@ def _placed(mesh: Mesh, offset: Array, sigma: Array, support: NDArray[np.int64],
 
 
 def _take(cloud: Cloud, which: NDArray[np.bool_]) -> Cloud:
-    return Cloud(cloud.point[which], cloud.noise[which], cloud.pose_sigma[which], cloud.is_return[which])
+    return Cloud(cloud.point[which], cloud.noise[which], cloud.pose_sigma[which], cloud.gives_support[which])
 
 
 def _nearest(at: Array, values: Array, wanted: Array) -> Array:

@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How much of the hull was seen, how well, and where the survey has holes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.detection.mesh import vertex_areas, vertex_normals
+from hullrecon.detection.views import GRAZING, Sightings
+from hullrecon.dive.records import SonarPings
+from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.chart import Chart
+from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.poses import Poses
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Facts = dict[str, object]
+CELL_M = 0.1
+BRIDGE_CELLS = 6  # gaps of up to twice as many cells inside the surveyed area count as holes
+LEAST_HOLE_M2 = 0.03
+
+
+@dataclass(frozen=True)
+class Hull:
+    """The base surface in pieces of some 0.1 m, on which seen area is summed."""
+
+    mesh: Mesh
+    normal: Array
+    area: Array
+
+
+def pieces(mesh: Mesh) -> Hull:
+    return Hull(mesh, vertex_normals(mesh), vertex_areas(mesh))
+
+
+def camera_facts(hull: Hull, seen: Sightings, focal_px: float, images: int) -> Facts:
+    """Area, metres per pixel on the surface and incidence, each at its best view."""
+    which = seen.views > 0
+    gsd = seen.distance[which] / focal_px
+    incidence = np.degrees(np.arccos(np.clip(seen.cosine[which], -1, 1)))
+    return {
+        "images": images, "area_m2": _area(hull, which), "area_twice_m2": _area(hull, seen.views > 1),
+        "gsd_m": _percentiles(gsd), "incidence_deg": _percentiles(incidence),
+        "views": _percentiles(seen.views[which].astype(np.float64)),
+    }  # fmt: skip
+
+
+def near_surface(hull: Hull, vertices: Array, reach_m: float) -> Flags:
+    """Pieces that the DVL's surface with those vertices covers."""
+    if not len(vertices):
+        return np.zeros(len(hull.area), bool)
+    return np.asarray(np.isfinite(nearest(vertices, hull.mesh.vertices, 1, reach_m)[0][:, 0]))
+
+
+def sonar_seen(hull: Hull, pings: SonarPings, T_x_o: Poses, half_elevation_rad: float, scene: Scene) -> Flags:
+    """Pieces inside any ping's fan: range, bearing and elevation fit, facing the sonar, nothing in front.
+
+    T_x_o: the sonar at each ping. z looks along the middle of the fan, x out of its plane (INPUTS).
+    """
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(hull.mesh.vertices)
+    bearing = np.arctan2(pings.directions[:, 1], pings.directions[:, 2])
+    seen = np.zeros(len(hull.area), bool)
+    for ping in range(len(T_x_o)):
+        center = T_x_o.translation[ping]
+        rows = np.array(tree.query_ball_point(center, float(pings.range_m[-1]), return_sorted=True), np.int64)
+        rows = rows[~seen[rows]]
+        local = T_x_o[ping].inverse().apply(hull.mesh.vertices[rows])
+        distance = np.maximum(np.linalg.norm(local, axis=1), 1e-9)
+        at = np.arctan2(local[:, 1], local[:, 2])
+        fits = (distance >= pings.range_m[0]) & (np.abs(np.arcsin(local[:, 0] / distance)) <= half_elevation_rad)
+        rows = rows[fits & (at >= bearing.min()) & (at <= bearing.max())]
+        ray = hull.mesh.vertices[rows] - center
+        length = np.maximum(np.linalg.norm(ray, axis=1), 1e-9)
+        clear = -np.einsum("ni,ni->n", ray, hull.normal[rows]) / length > 0.25 * GRAZING
+        clear &= scene.cast(center, ray / length[:, None]) > length - 0.02
+        seen[rows[clear]] = True
+    return seen
+
+
+def area_facts(hull: Hull, seen: Flags) -> Facts:
+    return {"area_m2": _area(hull, seen)}
+
+
+def holes(hull: Hull, seen: Flags, chart: Chart, address: Callable[[Array], str]) -> list[Facts]:
+    """Unseen patches inside the surveyed area, the largest first: address, center, area."""
+    from scipy import ndimage
+
+    if not seen.any():
+        return []
+    at = chart.to_chart(hull.mesh.vertices)[:, :2]
+    known = np.asarray(np.isfinite(at).all(axis=1))
+    low = np.floor(at[known & seen].min(axis=0) / CELL_M).astype(np.int64) - BRIDGE_CELLS
+    size = np.ceil(at[known & seen].max(axis=0) / CELL_M).astype(np.int64) + BRIDGE_CELLS + 1 - low
+    cell = np.floor(np.where(known[:, None], at, 0.0) / CELL_M).astype(np.int64) - low
+    known &= ((cell >= 0) & (cell < size)).all(axis=1)
+    image = np.zeros(tuple(size), bool)
+    image[tuple(cell[known & seen].T)] = True
+    disc = np.hypot(*np.mgrid[-BRIDGE_CELLS : BRIDGE_CELLS + 1, -BRIDGE_CELLS : BRIDGE_CELLS + 1]) <= BRIDGE_CELLS
+    closed = ndimage.binary_closing(image, disc)
+    inside = np.zeros(len(known), bool)
+    inside[known] = closed[tuple(cell[known].T)]
+    missed = np.zeros_like(image)
+    missed[tuple(cell[inside & ~seen].T)] = True
+    label, count = ndimage.label(missed & ~image)
+    number = np.where(inside & ~seen, label[tuple(np.where(inside[:, None], cell, 0).T)], 0)
+    found = [_hole(hull, np.flatnonzero(number == k), address) for k in range(1, count + 1)]
+    large = [hole for hole in found if float(str(hole["area_m2"])) >= LEAST_HOLE_M2]
+    return sorted(large, key=lambda hole: (-float(str(hole["area_m2"])), str(hole["address"])))
+
+
+def _hole(hull: Hull, rows: NDArray[np.int64], address: Callable[[Array], str]) -> Facts:
+    middle = hull.mesh.vertices[rows].mean(axis=0)
+    center = hull.mesh.vertices[rows[np.argmin(np.linalg.norm(hull.mesh.vertices[rows] - middle, axis=1))]]
+    return {
+        "address": address(center),
+        "center": [round(float(v), 3) for v in center],
+        "area_m2": round(float(hull.area[rows].sum()), 4),
+    }
+
+
+def _area(hull: Hull, which: Flags) -> float:
+    return round(float(hull.area[which].sum()), 4)
+
+
+def _percentiles(values: Array) -> Facts | None:
+    if not len(values):
+        return None
+    return {f"p{p:02d}": float(f"{np.percentile(values, p):.5g}") for p in (5, 50, 95)}

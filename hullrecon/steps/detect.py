@@ -1,0 +1,198 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is on the hull: the as-found mesh, objects, and what the survey covered."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.artifacts.stage import Context, Stage, load_arrays
+from hullrecon.detection import coverage
+from hullrecon.detection.background import Background, FieldBackground, median_background
+from hullrecon.detection.found import Found, find_hull
+from hullrecon.detection.landmarks import Measured, measure
+from hullrecon.detection.mesh import refine_near
+from hullrecon.detection.objects import find_objects
+from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.record import found_surface, surface_on_drawing
+from hullrecon.detection.views import Views, sightings
+from hullrecon.dive.records import ImageIndex, JointSamples, Solution, SonarPings, Surface, from_arrays, to_arrays
+from hullrecon.geometry import poses
+from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.chart import Chart, address, chart_from_arrays
+from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.poses import Poses
+
+Array = NDArray[np.float64]
+Facts = dict[str, object]
+PIECE_M = 0.12  # edges of the pieces on which coverage is summed
+SONAR_REACH_M = 8.0  # hull farther from the vehicle is not asked about
+
+
+@dataclass(frozen=True)
+class Dive:
+    """What the earlier steps left, in the frame x of the surface (M, or g without a drawing)."""
+
+    solution: Solution
+    T_x_g: Poses
+    T_x_v: Poses
+    base: Mesh
+    drawn: bool
+    surface: Surface
+    chart: Chart
+    frame_spacing_m: float | None
+
+    def address_of(self, point: Array) -> str:
+        """Of a point (3,) in x; g has its origin at the water surface, z down."""
+        depth = self.T_x_g.inverse().apply(point[None])[:, 2]
+        return address(self.chart, point[None], self.frame_spacing_m, depth)[0]
+
+
+def run(context: Context) -> None:
+    dive = _dive(context)
+    views = _views(context, dive)
+    facts: Facts = {"reference": "the drawing" if dive.drawn else "the DVL's own surface"}
+    measured = _measured(dive, context.parameters) if views is not None else None
+    objects: list[Facts] = []
+    if views is not None and measured is not None and len(measured) >= context.parameters.least_landmarks:
+        background = _background(dive, measured, context.parameters)
+        found = find_hull(dive.base, measured, background, views, context.parameters)
+        context.out.arrays("as_found.npz", to_arrays(found_surface(found, measured)))
+        objects, more = _objects(found, measured, background, views, dive, context.parameters)
+        facts.update(more)
+    else:
+        facts["objects"] = "no landmarks: structures are looked for with a camera"
+        _without_camera(context, dive, facts)
+    context.out.json("objects.json", {"objects": objects})
+    context.out.json("coverage.json", _coverage(context, dive, views))
+    context.out.json("detect.json", facts)
+
+
+def _dive(context: Context) -> Dive:
+    solution = from_arrays(Solution, load_arrays(context.inputs["adjust"] / "solution.npz"))
+    surface = from_arrays(Surface, load_arrays(context.inputs["surface"] / "surface.npz"))
+    chart = chart_from_arrays(load_arrays(context.inputs["surface"] / "chart.npz"))
+    path, hull = context.inputs["ingest"] / "hull.npz", context.settings["hull"]
+    drawn = path.exists() and hull is not None
+    T_x_g = _motion(solution.T_g_M).inverse() if drawn else poses.identity()
+    base = Mesh(surface.vertices, surface.faces)
+    if drawn:
+        arrays = load_arrays(path)
+        base = Mesh(arrays["vertices"], arrays["faces"])
+    T_x_v = T_x_g[np.zeros(len(solution.t_ns), np.int64)] @ solution.poses()
+    return Dive(solution, T_x_g, T_x_v, base, drawn, surface, chart, hull.frame_spacing if hull is not None else None)
+
+
+def _motion(seven: Array) -> Poses:
+    return Poses(seven[None, 3:], seven[None, :3])
+
+
+def _views(context: Context, dive: Dive) -> Views | None:
+    """The top camera's images; None without a camera or a landmark."""
+    path, solution = context.inputs["ingest"] / "cameras.json", dive.solution
+    node = np.flatnonzero(solution.image[:, 0] >= 0)
+    if not path.exists() or not len(node) or not len(solution.landmark) or not np.isfinite(solution.T_s_ct).all():
+        return None
+    camera = Camera(**json.loads(path.read_text())["top"])
+    tray = poses.tray(np.array(context.settings["tray"].origin), solution.tray[node])
+    T_x_c = dive.T_x_v[node] @ tray @ _motion(solution.T_s_ct)
+    index = from_arrays(ImageIndex, load_arrays(context.inputs["ingest"] / "images_camera_top.npz"))
+    names = tuple(f"camera_top/{t}.jpg" for t in index.t_ns[solution.image[node, 0]].tolist())
+    return Views(T_x_c, node, names, camera, _farthest(T_x_c.translation, dive.T_x_g.apply(solution.landmark), camera))
+
+
+def _farthest(centers: Array, landmarks: Array, camera: Camera) -> float:
+    """How far the corner of an image can lie: the usual distance of landmarks over the corner's cosine, and some more."""
+    known = landmarks[np.isfinite(landmarks).all(axis=1)]
+    usual = np.percentile(nearest(centers, known[:: max(1, len(known) // 5000)], 1)[0], 95)
+    corner = camera.rays(np.array([[0.0, 0], [camera.width, camera.height]]))[:, 2].min()
+    return float(1.25 * usual / max(corner, 0.3))
+
+
+def _measured(dive: Dive, options: DetectOptions) -> Measured:
+    position = dive.T_x_g.apply(dive.solution.landmark)
+    covariance = dive.solution.landmark_covariance
+    return measure(Scene(dive.base), position, covariance, dive.solution.views, options.farthest, 0.5 * options.threshold)
+
+
+def _background(dive: Dive, measured: Measured, options: DetectOptions) -> Background:
+    """The solution's deviation field where there is one, else running medians of the landmarks."""
+    s = dive.solution
+    if dive.drawn and s.field_value.size and np.isfinite(s.field_value).all():
+        return FieldBackground(dive.chart, s.field_origin, s.field_step, s.field_value, s.field_sigma)
+    return median_background(measured.foot, measured.offset, options.background)
+
+
+def _objects(
+    found: Found, measured: Measured, background: Background, views: Views, dive: Dive, options: DetectOptions
+) -> tuple[list[Facts], Facts]:
+    height = measured.offset - background.at(measured.foot)[0]
+    objects, rejected = find_objects(found, measured, height, views, dive.chart, options, dive.drawn)
+    rows: list[Facts] = [
+        {"id": k + 1, **item.as_json(), "address": dive.address_of(np.array(item.center))} for k, item in enumerate(objects)
+    ]
+    return rows, {"landmarks_used": len(measured), "not_reported": [item.as_json() for item in rejected]}
+
+
+def _without_camera(context: Context, dive: Dive, facts: Facts) -> None:
+    """The drawing moved to the DVL's surface; nothing without a drawing, where surface.ply says it all."""
+    if not dive.drawn:
+        facts["as_found"] = "no landmarks and no drawing: the surface from the DVL is what was found"
+        context.warn("as_found is absent: there is neither a camera nor a drawing")
+        return
+    context.out.arrays("as_found.npz", to_arrays(surface_on_drawing(dive.base, dive.surface, PIECE_M)))
+    facts["as_found"] = "from the DVL's surface"
+
+
+def _coverage(context: Context, dive: Dive, views: Views | None) -> Facts:
+    """Areas seen by each sensor on the base surface, and holes in what the camera (else the DVL) saw."""
+    hull = coverage.pieces(_pieces(dive))
+    scene = Scene(dive.base)
+    by_dvl = coverage.near_surface(hull, dive.surface.vertices[dive.surface.support > 0], 1.5 * PIECE_M)
+    report: Facts = {"frame": "M" if dive.drawn else "g", "dvl": coverage.area_facts(hull, by_dvl), "camera": None}
+    seen = by_dvl
+    if views is not None:
+        by_camera = sightings(views, hull.mesh.vertices, hull.normal, scene)
+        report["camera"] = coverage.camera_facts(hull, by_camera, views.camera.fx, len(views))
+        seen = by_camera.views > 0
+    report["sonar"] = _sonar(context, dive, hull, scene)
+    report["holes"] = coverage.holes(hull, seen, dive.chart, dive.address_of)
+    return report
+
+
+def _pieces(dive: Dive) -> Mesh:
+    return refine_near(dive.base, dive.surface.vertices[::7], PIECE_M, 2.0)
+
+
+def _sonar(context: Context, dive: Dive, hull: coverage.Hull, scene: Scene) -> Facts | None:
+    """None when no sonar was carried."""
+    ingest, settings = context.inputs["ingest"], context.settings["sonar"]
+    if settings is None or not (ingest / "sonar.npz").exists():
+        return None
+    pings = from_arrays(SonarPings, load_arrays(ingest / "sonar.npz"))
+    angle = np.zeros(len(pings.t_ns))
+    if (ingest / "sonar_tray.npz").exists():
+        servo = from_arrays(JointSamples, load_arrays(ingest / "sonar_tray.npz"))
+        angle = np.interp(pings.t_ns, servo.t_ns, servo.angle)
+    T_x_v = poses.interpolate(dive.solution.t_ns, dive.T_x_v, pings.t_ns)
+    T_x_o = T_x_v @ poses.tray(np.array(settings.origin), angle) @ poses.from_mount(settings.mount)
+    seen = coverage.sonar_seen(hull, pings, T_x_o, math.radians(settings.elevation_deg) / 2, scene)
+    return {"pings": len(pings.t_ns), **coverage.area_facts(hull, seen)}
+
+
+STAGE = Stage(
+    name="detect",
+    summary="find structures and remesh the hull as found",
+    inputs=("ingest", "adjust", "surface"),
+    parameters=DetectOptions,
+    version=1,
+    run=run,
+    uses=("tray", "hull", "sonar"),
+)
