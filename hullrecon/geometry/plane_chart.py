@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The chart of a dive without a drawing: the plane that fits what was seen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.errors import InputError
+
+Array = NDArray[np.float64]
+STEEP = np.cos(np.radians(30.0))  # a plane lies flat when its normal is within 30 degrees of the vertical
+
+
+@dataclass(frozen=True)
+class PlaneChart:
+    """origin (3,); axes (3, 3): rows along, girth, outward normal, in the frame of the points (g). along x girth = -normal."""
+
+    origin: Array
+    axes: Array
+
+    def to_chart(self, points: Array) -> Array:
+        return np.asarray((np.atleast_2d(points) - self.origin) @ self.axes.T)
+
+    def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
+        at = np.atleast_2d(np.asarray(along_girth, float))
+        points = self.origin + at @ self.axes[:2]
+        normals = np.tile(self.axes[2], (len(at), 1))
+        normals[~np.isfinite(at).all(axis=1)] = np.nan
+        return points, normals
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        return {"kind": np.asarray("plane"), "origin": self.origin, "axes": self.axes}
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[np.generic]]) -> PlaneChart:
+        return cls(np.asarray(arrays["origin"], float), np.asarray(arrays["axes"], float))
+
+
+def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) -> PlaneChart:
+    """The plane through points (n, 3) that are finite, without those beyond 3 robust sigma of it; see `chart_for_points`."""
+    usable = points[np.isfinite(points).all(axis=1)]
+    if len(usable) < 3:
+        raise InputError(
+            "a plane needs three points", where=f"{len(usable)} given", remedy="check that the DVL or camera saw a surface"
+        )
+    kept = usable[_near(_least_median_plane(usable))]
+    for _ in range(rounds):
+        center, directions = _principal(kept)
+        kept = usable[_near((usable - center) @ directions[2])]
+    center, directions = _principal(kept)
+    normal = directions[2] if (toward - center) @ directions[2] >= 0 else -directions[2]
+    girth = _girth_axis(normal, directions[0], up / np.linalg.norm(up))
+    return PlaneChart(center, np.stack([np.cross(normal, girth), girth, normal]))
+
+
+def _near(off: Array) -> NDArray[np.bool_]:
+    """Whether heights (n,) over a plane are within 3 robust sigma of their middle; the nearest three always are."""
+    away = np.abs(off - np.median(off))
+    return np.asarray(away <= max(3 * 1.4826 * float(np.median(away)), float(np.sort(away)[2]), 1e-9))
+
+
+def _least_median_plane(points: Array, trials: int = 200, seed: int = 0) -> Array:
+    """Heights (n,) of the points over the plane, of many through three of them, whose median height is smallest."""
+    corner = points[np.random.default_rng(seed).integers(0, len(points), (trials, 3))]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    size = np.linalg.norm(normal, axis=1)
+    normal = normal[size > 1e-12] / size[size > 1e-12, None]
+    if not len(normal):
+        return np.zeros(len(points))
+    some = points[np.linspace(0, len(points) - 1, min(len(points), 2000)).astype(int)]
+    level = np.einsum("ni,ni->n", corner[size > 1e-12, 0], normal)
+    best = int(np.argmin(np.median(np.abs(some @ normal.T - level), axis=0)))
+    return np.asarray(points @ normal[best] - level[best])
+
+
+def _principal(points: Array) -> tuple[Array, Array]:
+    """The mean (3,) and the principal directions (3, 3), longest first, with signs that do not depend on the library."""
+    center = points.mean(axis=0)
+    _, vectors = np.linalg.eigh((points - center).T @ (points - center))
+    rows = vectors.T[::-1]
+    signs = np.sign(rows[np.arange(3), np.argmax(np.abs(rows), axis=1)])
+    return center, rows * signs[:, None]
+
+
+def _girth_axis(normal: Array, longest: Array, up: Array) -> Array:
+    """Unit vector in the plane: uphill where the plane stands, across the longest direction where it lies flat."""
+    rough = up if abs(normal @ up) < STEEP else np.cross(longest, normal)
+    flat = rough - normal * (rough @ normal)
+    return np.asarray(flat / np.linalg.norm(flat))

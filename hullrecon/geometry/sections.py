@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Sections of a hull as seen from an axis inside it: where rays meet the skin, and the arc from the keel.
+
+Coordinates here are turned: x forward, y port, z up. phi is measured about the axis from straight down, port positive.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Sections:
+    """Rays of the axis (axis_y, axis_z) at `station` (k,) and `angle` (m,): radius (k, m) where the skin is met (bridged over
+    small gaps, NaN beyond the sheer), girth (k, m) from phi = 0, whole (k - 1, m - 1). reach: rays start that far out."""
+
+    axis_y: float
+    axis_z: float
+    reach: float
+    station: Array
+    angle: Array
+    radius: Array
+    girth: Array
+    whole: Bools
+
+    def rays(self, along: Array, angle: Array) -> tuple[Array, Array]:
+        """Origins outside and inward unit directions (n, 3)."""
+        outward = np.stack([np.zeros_like(angle), np.sin(angle), -np.cos(angle)], axis=1)
+        axis = np.stack([along, np.full_like(along, self.axis_y), np.full_like(along, self.axis_z)], axis=1)
+        return axis + self.reach * outward, -outward
+
+    def girth_at(self, points: Array) -> Array:
+        """Girth (n,) of points (n, 3) on the skin; NaN outside the whole cells and for points of another, inner skin."""
+        y, z = points[:, 1] - self.axis_y, points[:, 2] - self.axis_z
+        angle = np.arctan2(y, -z)
+        radius = self._blend(self.radius, points[:, 0], angle)
+        girth = self._blend(self.girth, points[:, 0], angle)
+        same = np.abs(np.hypot(y, z) - radius) <= self.slack_at(points[:, 0], angle)
+        return np.where(same & self._inside(points[:, 0], angle), girth, np.nan)
+
+    def angle_of(self, along_girth: Array) -> tuple[Array, Array]:
+        """Angle and radius (n,) of chart points (n, 2), NaN outside the whole cells."""
+        row, share = self._cell(self.station, along_girth[:, 0])
+        known = np.isfinite(along_girth).all(axis=1)
+        low, high = np.zeros(len(row), int), np.full(len(row), len(self.angle) - 1)
+        for _ in range(int(np.ceil(np.log2(len(self.angle))))):
+            middle = (low + high) // 2
+            under = self._line(row, share, middle) <= np.nan_to_num(along_girth[:, 1])
+            low, high = np.where(under, middle, low), np.where(under, high, np.maximum(middle, low + 1))
+        low = np.minimum(low, len(self.angle) - 2)
+        start, stop = self._line(row, share, low), self._line(row, share, low + 1)
+        with np.errstate(invalid="ignore"):  # beyond the sheer both ends are infinite
+            part = (along_girth[:, 1] - start) / np.where(stop > start, stop - start, 1.0)
+        fits = known & (part >= -1e-9) & (part <= 1 + 1e-9) & self.whole[row, low] & self._spanned(along_girth[:, 0])
+        angle = self.angle[low] + np.clip(part, 0, 1) * (self.angle[low + 1] - self.angle[low])
+        radius = self._blend(self.radius, along_girth[:, 0], angle)
+        return angle, np.where(fits, radius, np.nan)
+
+    def slack_at(self, along: Array, angle: Array) -> Array:
+        """(n,) m: how far the skin may be from the bilinear radius: the spread of the cell's corners, at least a tenth of a
+        step between stations (a chine or a plate's edge inside the cell)."""
+        row, _ = self._cell(self.station, along)
+        column, _ = self._cell(self.angle, angle)
+        corners = np.stack([self.radius[row + i, column + j] for i in (0, 1) for j in (0, 1)])
+        with np.errstate(invalid="ignore"):
+            return np.asarray(corners.max(axis=0) - corners.min(axis=0) + 0.1 * (self.station[1] - self.station[0]))
+
+    def _line(self, row: NDArray[np.int64], share: Array, column: NDArray[np.int64]) -> Array:
+        """Girth at the angle of a column between two stations; beyond the sheer, -inf or inf so that a search stays inside."""
+        girth = self.girth[row, column] * (1 - share) + self.girth[row + 1, column] * share
+        return np.where(np.isnan(girth), np.where(self.angle[column] < 0, -np.inf, np.inf), girth)
+
+    def _blend(self, table: Array, along: Array, angle: Array) -> Array:
+        row, a = self._cell(self.station, along)
+        column, b = self._cell(self.angle, angle)
+        lower = table[row, column] * (1 - b) + table[row, column + 1] * b
+        upper = table[row + 1, column] * (1 - b) + table[row + 1, column + 1] * b
+        return np.asarray(lower * (1 - a) + upper * a)
+
+    def _inside(self, along: Array, angle: Array) -> Bools:
+        return self.whole[self._cell(self.station, along)[0], self._cell(self.angle, angle)[0]] & self._spanned(along)
+
+    def _spanned(self, along: Array) -> Bools:
+        return np.asarray((along >= self.station[0] - 1e-9) & (along <= self.station[-1] + 1e-9))
+
+    @staticmethod
+    def _cell(nodes: Array, at: Array) -> tuple[NDArray[np.int64], Array]:
+        """Cell and share within it of an even grid; clipped to the grid, NaN to the first cell."""
+        place = np.nan_to_num((at - nodes[0]) / (nodes[1] - nodes[0]))
+        cell = np.clip(np.floor(place), 0, len(nodes) - 2).astype(np.int64)
+        return cell, np.clip(place - cell, 0.0, 1.0)
