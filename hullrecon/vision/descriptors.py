@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Comparing descriptors: everything against everything, or only a sparse list of candidates.
+
+Descriptors are RootSIFT as uint8 (features.py): unit vectors times 512, so that distances below are between unit vectors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+Ints = NDArray[np.int64]
+UNIT = 512.0
+_CHUNK = 256  # pairs whose descriptors fit the cache together
+
+
+@dataclass(frozen=True)
+class Putative:
+    """Rows of either side that are each other's best, with the distance (0 same, sqrt 2 unrelated)."""
+
+    first: Ints
+    second: Ints
+    distance: Floats
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+
+def unit(descriptors: NDArray[np.uint8]) -> Floats:
+    """(n, 128) float32 of about unit length."""
+    return np.asarray(descriptors, np.float32) / np.float32(UNIT)
+
+
+def sparse_distance(a: Floats, b: Floats, first: Ints, second: Ints) -> Floats:
+    """Distances (m,) of the candidate pairs (first into a, second into b)."""
+    out = np.empty(len(first), np.float32)
+    for start in range(0, len(first), _CHUNK):
+        rows = slice(start, start + _CHUNK)
+        gap = a[first[rows]] - b[second[rows]]
+        out[rows] = np.sqrt(np.einsum("ij,ij->i", gap, gap))
+    return out
+
+
+def best_of_candidates(first: Ints, second: Ints, distance: Floats, ratio: float, most: float) -> Putative:
+    """Mutual best within a candidate list, closer than `most`, and than `ratio` times the next of either side.
+
+    A side with a single candidate has no next one; then only `most` and the mutual choice speak.
+    """
+    if len(first) == 0:
+        return _none()
+    forward, forward_next = _best_and_next(first, distance)
+    backward, backward_next = _best_and_next(second, distance)
+    chosen = forward[np.isin(forward, backward)]
+    limit = np.minimum(forward_next[first[chosen]], backward_next[second[chosen]]) * ratio
+    chosen = np.sort(chosen[(distance[chosen] < limit) & (distance[chosen] < most)])
+    return Putative(first[chosen], second[chosen], distance[chosen])
+
+
+def best_of_all(a: Floats, b: Floats, ratio: float, most: float) -> Putative:
+    """Full search: mutual best of a (n, 128) and b (m, 128) with the ratio test on both sides."""
+    if len(a) < 2 or len(b) < 2:
+        return _none()
+    product = a @ b.T
+    squared = (a * a).sum(1)[:, None] + (b * b).sum(1)[None, :] - 2 * product
+    first = np.arange(len(a))
+    second = squared.argmin(axis=1)
+    mutual = squared.argmin(axis=0)[second] == first
+    two_a = np.partition(squared, 1, axis=1)[:, 1]
+    two_b = np.partition(squared, 1, axis=0)[1]
+    best = squared[first, second]
+    good = mutual & (best < ratio**2 * np.minimum(two_a, two_b[second])) & (best < most**2)
+    return Putative(first[good], second[good], np.sqrt(np.maximum(best[good], 0)).astype(np.float32))
+
+
+def _best_and_next(key: Ints, distance: Floats) -> tuple[Ints, Floats]:
+    """Row of the best candidate of each key, and by key the distance of the second best (inf where none)."""
+    order = np.lexsort((distance, key))
+    sorted_key = key[order]
+    start = np.concatenate([[True], sorted_key[1:] != sorted_key[:-1]])
+    following = np.full(int(key.max()) + 1, np.inf, np.float32)
+    seconds = np.flatnonzero(~start & np.concatenate([[False], start[:-1]]))
+    following[sorted_key[seconds]] = distance[order[seconds]]
+    return order[start], following
+
+
+def _none() -> Putative:
+    return Putative(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.float32))

@@ -1,0 +1,242 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Two nodes matched: search within navigation's ellipse, robust motion, then a guided search along the motion found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.vision import rigid, twoview
+from hullrecon.vision.candidates import in_ellipse
+from hullrecon.vision.descriptors import Floats, Putative, best_of_all, best_of_candidates, sparse_distance
+from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.rig import Rig
+from hullrecon.vision.transfer import Motion, transfer
+from hullrecon.vision.views import View
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+class Reason(IntEnum):
+    """Why a pair gave nothing, as stored in pairs.npz."""
+
+    MATCHED = 0
+    NO_FEATURES = 1
+    FEW_PUTATIVE = 2
+    FEW_INLIERS = 3
+    AGAINST_NAVIGATION = 4
+    SMALL_OVERLAP = 5
+
+
+WORDS = {
+    Reason.MATCHED: "matched",
+    Reason.NO_FEATURES: "too few features in one of the images",
+    Reason.FEW_PUTATIVE: "too few putative matches",
+    Reason.FEW_INLIERS: "too few inliers",
+    Reason.AGAINST_NAVIGATION: "inconsistent with navigation",
+    Reason.SMALL_OVERLAP: "overlap too small",
+}
+
+
+@dataclass(frozen=True)
+class PairMatch:
+    """first, second (m,): rows of the two views' features that show one point; distance (m,) of their descriptors.
+
+    motion: between the leading cameras, None when the pair failed; scaled: whether its translation has a measured length
+    (mono: navigation's, or one).
+    """
+
+    first: Ints
+    second: Ints
+    distance: Floats
+    putative: int
+    reason: Reason
+    motion: Motion | None = None
+    scaled: bool = True
+
+
+def match_pair(
+    rig: Rig, first: View, second: View, prior: Motion | None, options: MatchOptions, seed: tuple[int, ...], full_search: bool
+) -> PairMatch:
+    """Matches of two nodes. full_search: look everywhere when there is no prior, or when nothing is found where it points."""
+    if min(len(first), len(second)) < options.min_putative:
+        return _failed(0, Reason.NO_FEATURES)
+    tries = ([prior] if prior is not None else []) + ([None] if full_search or prior is None else [])
+    result = _failed(0, Reason.FEW_PUTATIVE)
+    for expected in tries:
+        result = _match(rig, first, second, expected, options, seed)
+        if result.reason is Reason.MATCHED:
+            break
+    if result.motion is not None and prior is not None and not agrees(result, prior, options.navigation_chi2):
+        return _failed(result.putative, Reason.AGAINST_NAVIGATION)
+    return result
+
+
+def agrees(found: PairMatch, prior: Motion, most_chi2: float) -> bool:
+    """Whether the motion lies within navigation's covariance plus its own (rotation alone where the scale is not measured)."""
+    if found.motion is None:
+        return False
+    own, wanted = found.motion.second_from_first, prior.second_from_first
+    turn = np.linalg.inv(wanted[:3, :3]) @ own[:3, :3]
+    from scipy.spatial.transform import Rotation
+
+    gap = np.concatenate([own[:3, 3] - wanted[:3, 3], Rotation.from_matrix(turn).as_rotvec()])
+    covariance = prior.covariance + found.motion.covariance
+    if not found.scaled:
+        gap, covariance = gap[3:], prior.covariance[3:, 3:]
+    return bool(gap @ np.linalg.solve(covariance, gap) <= most_chi2)
+
+
+def _match(
+    rig: Rig, first: View, second: View, prior: Motion | None, options: MatchOptions, seed: tuple[int, ...]
+) -> PairMatch:
+    """By triangulated points of both sides; where too few, of one side; without any, by two-view geometry."""
+    result = _failed(0, Reason.FEW_PUTATIVE)
+    if first.stereo.any() and second.stereo.any():
+        rows = np.flatnonzero(first.stereo)
+        rows = rows[:: max(1, len(rows) // options.seeds)] if prior is not None else rows
+        seeds = search(rig, first, second, prior, options, rows, np.flatnonzero(second.stereo))
+        result = _with_points(rig, first, second, seeds, options, seed, _three_point)
+    if result.reason is not Reason.MATCHED:
+        seeds = search(rig, first, second, prior, options, np.arange(len(first)), np.arange(len(second)))
+        if first.stereo.any() or second.stereo.any():
+            return _with_points(rig, first, second, seeds, options, seed, _resection)
+        return _without_points(rig, first, second, seeds, prior, options)
+    return result
+
+
+def search(
+    rig: Rig, first: View, second: View, prior: Motion | None, options: MatchOptions, rows: Ints, among: Ints
+) -> Putative:
+    """Mutual best descriptors of those rows: in the 99 % ellipse of each where motion and depth are known, else everywhere."""
+    if prior is None or not np.isfinite(first.depth[rows]).any():
+        found = best_of_all(first.descriptor[rows], second.descriptor[among], options.ratio, options.max_distance)
+        return Putative(rows[found.first], among[found.second], found.distance)
+    near = _within(rig, first, second, prior, options, rows, among)
+    distance = sparse_distance(first.descriptor, second.descriptor, *near)
+    return best_of_candidates(*near, distance, options.ratio, options.max_distance)
+
+
+def _within(
+    rig: Rig, first: View, second: View, motion: Motion, options: MatchOptions, rows: Ints, among: Ints
+) -> tuple[Ints, Ints]:
+    sigma = options.sigma_px / rig.focal(first.camera)
+    mean, covariance = transfer(motion, first.xy[rows], first.depth[rows], first.depth_sigma[rows], sigma)
+    known = np.flatnonzero(np.isfinite(mean).all(axis=1))
+    a, b = in_ellipse(mean[known], covariance[known], second.xy[among], options.gate_chi2)
+    return rows[known][a], among[b]
+
+
+def _with_points(rig, first, second, seeds, options, seed, solve) -> PairMatch:  # type: ignore[no-untyped-def]
+    if len(seeds) < options.min_putative:
+        return _failed(len(seeds), Reason.FEW_PUTATIVE)
+    sights = sights_of(rig, first, second, seeds)
+    tolerance = options.ransac_px / rig.focal(0)
+    start = solve(first, second, seeds, sights, tolerance, options, seed)
+    if start is None:
+        return _failed(len(seeds), Reason.FEW_INLIERS)
+    refined, covariance = rigid.refine(start, sights, tolerance)
+    motion = Motion(refined, covariance)
+    if _support(refined, sights, tolerance, len(seeds)) < options.min_inliers:
+        return _failed(len(seeds), Reason.FEW_INLIERS)
+    matched = guided(rig, first, second, motion, options)
+    if len(matched) < options.min_inliers:
+        return _failed(len(seeds), Reason.FEW_INLIERS)
+    return PairMatch(matched.first, matched.second, matched.distance, len(seeds), Reason.MATCHED, motion)
+
+
+def sights_of(rig: Rig, first: View, second: View, seeds: Putative) -> list[rigid.Sight]:
+    """Each node's points as the other node's leading camera, and its bottom camera, saw them."""
+    a, b = seeds.first, seeds.second
+    eye, down = np.eye(4), rig.from_top(1)
+    sights = [
+        rigid.Sight(first.point[a], second.xy[b], eye, False),
+        rigid.Sight(first.point[a], second.other[b], down, False),
+        rigid.Sight(second.point[b], first.xy[a], eye, True),
+        rigid.Sight(second.point[b], first.other[a], down, True),
+    ]
+    return [rigid.known(s) for s in sights]
+
+
+def _support(motion: Array, sights: list[rigid.Sight], tolerance: float, count: int) -> int:
+    """Seeds that agree with the motion in every image that tells."""
+    good, told = np.ones(count, bool), np.zeros(count, bool)
+    for sight in sights:
+        seen = np.isfinite(sight.xy[:, 0])
+        good &= ~seen | (rigid.squared_errors(motion[None], sight)[0] < tolerance**2)
+        told |= seen
+    return int((good & told).sum())
+
+
+def _three_point(first, second, seeds, sights, tolerance, options, seed):  # type: ignore[no-untyped-def]
+    return rigid.ransac(first.point[seeds.first], second.point[seeds.second], sights, tolerance, options.ransac_trials, seed)
+
+
+def _resection(first, second, seeds, sights, tolerance, options, seed):  # type: ignore[no-untyped-def]
+    """Pose from the points of the side that has more of them, seen in the other (P3P in RANSAC)."""
+    forward, backward = first.stereo[seeds.first], second.stereo[seeds.second]
+    if forward.sum() >= backward.sum():
+        return rigid.resect(
+            first.point[seeds.first[forward]], second.xy[seeds.second[forward]], tolerance, options.ransac_trials
+        )
+    motion = rigid.resect(
+        second.point[seeds.second[backward]], first.xy[seeds.first[backward]], tolerance, options.ransac_trials
+    )
+    return None if motion is None else np.linalg.inv(motion)
+
+
+def guided(rig: Rig, first: View, second: View, motion: Motion, options: MatchOptions) -> Putative:
+    """Every feature searched again where the motion puts it, then held to its epipolar line, in both cameras where both saw."""
+    floor = np.diag(np.repeat([(0.5 * options.sigma_px / rig.focal(0)) ** 2], 6))  # the motion is not better than its model
+    loose = Motion(motion.second_from_first, motion.covariance + floor)
+    near = _within(rig, first, second, loose, options, np.arange(len(first)), np.arange(len(second)))
+    near = _on_lines(rig, first, second, motion.second_from_first, options, *near)
+    distance = sparse_distance(first.descriptor, second.descriptor, *near)
+    return best_of_candidates(*near, distance, options.guided_ratio, options.max_distance)
+
+
+def _on_lines(rig: Rig, first: View, second: View, motion: Array, options: MatchOptions, a: Ints, b: Ints) -> tuple[Ints, Ints]:
+    limit = (options.verify_px / rig.focal(0)) ** 2
+    good = twoview.sampson_squared(twoview.essential_of(motion), first.xy[a], second.xy[b]) < limit
+    down = rig.from_top(1)
+    below = down @ motion @ np.linalg.inv(down)
+    seen = np.isfinite(first.other[a, 0]) & np.isfinite(second.other[b, 0])
+    error = twoview.sampson_squared(twoview.essential_of(below), first.other[a], second.other[b])
+    good &= ~seen | (np.nan_to_num(error) < limit)
+    return a[good], b[good]
+
+
+def _without_points(
+    rig: Rig, first: View, second: View, seeds: Putative, prior: Motion | None, options: MatchOptions
+) -> PairMatch:
+    if len(seeds) < options.min_putative:
+        return _failed(len(seeds), Reason.FEW_PUTATIVE)
+    found = twoview.fit(first.xy[seeds.first], second.xy[seeds.second], options.verify_px / rig.focal(0))
+    if found is None or found.inlier.sum() < options.min_inliers:
+        return _failed(len(seeds), Reason.FEW_INLIERS)
+    choices = twoview.motions_of(found, first.xy[seeds.first], second.xy[seeds.second])
+    motion = _closest(choices, prior)
+    kept = Putative(seeds.first[found.inlier], seeds.second[found.inlier], seeds.distance[found.inlier])
+    return PairMatch(kept.first, kept.second, kept.distance, len(seeds), Reason.MATCHED, motion, scaled=False)
+
+
+def _closest(choices: list[Array], prior: Motion | None) -> Motion:
+    """The motion whose rotation is closest to navigation's, with navigation's length; the first without navigation."""
+    unknown = np.eye(6)
+    if prior is None:
+        return Motion(choices[0], unknown)
+    wanted = prior.second_from_first
+    trace = [float(np.trace(wanted[:3, :3].T @ c[:3, :3])) for c in choices]
+    best = choices[int(np.argmax(trace))].copy()
+    best[:3, 3] *= np.linalg.norm(wanted[:3, 3])
+    return Motion(best, unknown)
+
+
+def _failed(putative: int, reason: Reason) -> PairMatch:
+    return PairMatch(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.float32), putative, reason)

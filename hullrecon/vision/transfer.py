@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where a feature of one image should lie in another (PCCS): point transfer through the scene's depth, with covariance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """second_from_first (4, 4) between the cameras of two nodes; covariance (6, 6) of (translation in second's axes,
+    rotation perturbed on the right, in first's axes)."""
+
+    second_from_first: Array
+    covariance: Array
+
+    def inverse(self) -> Motion:
+        """first_from_second, its covariance carried over to first order."""
+        rotation, translation = self.second_from_first[:3, :3], self.second_from_first[:3, 3]
+        back = np.eye(4)
+        back[:3, :3], back[:3, 3] = rotation.T, -rotation.T @ translation
+        by = np.zeros((6, 6))
+        by[:3, :3] = -rotation.T
+        by[:3, 3:] = -_cross(rotation.T @ translation)  # t' = -Exp(-w) R^T t = -R^T t - (R^T t) x w
+        by[3:, 3:] = -rotation  # R^T perturbed by Exp(-w) on its left is Exp(-R w) on its right
+        return Motion(back, by @ self.covariance @ by.T)
+
+
+def transfer(motion: Motion, xy: Array, depth_m: Array, depth_sigma_m: Array, pixel_sigma: float) -> tuple[Array, Array]:
+    """Unscented transform of O D.12: mean (n, 2) and covariance (n, 2, 2) in the second camera's ideal coordinates.
+
+    xy (n, 2) ideal coordinates in the first camera, depth_m (n,) along its axis, pixel_sigma in ideal units. Nine unknowns a
+    feature, kappa 0: each is moved by 3 sigma both ways. NaN where any of the nineteen points falls behind the camera.
+    """
+    spread = _motion_points(motion)
+    centre = np.hstack([xy, np.ones((len(xy), 1))])
+    moved = [_look(spread, centre * depth_m[:, None])]
+    here = motion.second_from_first[None]
+    for sign in (3.0, -3.0):
+        deeper = np.maximum(depth_m + sign * depth_sigma_m, 0.02 * depth_m)
+        moved.append(_look(here, centre * deeper[:, None]))
+        for axis in range(2):
+            shifted = centre.copy()
+            shifted[:, axis] += sign * pixel_sigma
+            moved.append(_look(here, shifted * depth_m[:, None]))
+    points = np.concatenate(moved)  # (18, n, 2), each of weight 1 / 18; the centre has weight 0
+    mean = points.mean(axis=0)
+    gap = points - mean
+    covariance = (gap[..., :, None] * gap[..., None, :]).mean(axis=0)
+    covariance[:, [0, 1], [0, 1]] += pixel_sigma**2  # that of the feature in the second image
+    return mean, covariance
+
+
+def _motion_points(motion: Motion) -> Array:
+    """(12, 4, 4): the motion moved by 3 sigma along each column of the square root of its covariance."""
+    values, vectors = np.linalg.eigh(motion.covariance)
+    columns = 3.0 * (vectors * np.sqrt(np.maximum(values, 0))).T
+    step = np.concatenate([columns, -columns])
+    out = np.tile(motion.second_from_first, (12, 1, 1))
+    out[:, :3, 3] += step[:, :3]
+    out[:, :3, :3] = motion.second_from_first[:3, :3] @ Rotation.from_rotvec(step[:, 3:]).as_matrix()
+    return out
+
+
+def _look(motions: Array, points: Array) -> Array:
+    """Ideal coordinates (s, n, 2) of points (n, 3) under each of the motions (s, 4, 4)."""
+    seen = points @ motions[:, :3, :3].swapaxes(1, 2) + motions[:, None, :3, 3]
+    depth = np.where(seen[..., 2:] > 1e-6, seen[..., 2:], np.nan)
+    return np.asarray(seen[..., :2] / depth)
+
+
+def _cross(v: Array) -> Array:
+    return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])

@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Two-view geometry without depth: essential matrix or homography, chosen by the geometric information criterion (K III-B)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class TwoView:
+    """model: which one explains the matches better. matrix (3, 3) in ideal coordinates, second from first; inlier (n,);
+    gic of both models on the same matches."""
+
+    model: Literal["essential", "homography"]
+    matrix: Array
+    inlier: Mask
+    gic_essential: float
+    gic_homography: float
+
+
+def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
+    """Both models by RANSAC on ideal coordinates (n, 2), scored on all matches; None when fewer than 8 or neither fits."""
+    import cv2
+
+    if len(first) < 8:
+        return None
+    cv2.setRNGSeed(0)
+    eye = np.eye(3)
+    essential, _ = cv2.findEssentialMat(first, second, eye, method=cv2.RANSAC, prob=0.9999, threshold=tolerance)
+    homography, _ = cv2.findHomography(first, second, cv2.RANSAC, tolerance, maxIters=2000, confidence=0.9999)
+    if essential is None or homography is None:
+        return None
+    errors = sampson_squared(essential[:3], first, second), homography_squared(homography, first, second)
+    sigma = 0.5 * tolerance
+    gic_e = criterion(errors[0] / sigma**2, dimension=3, parameters=5)
+    gic_h = criterion(errors[1] / sigma**2, dimension=2, parameters=8)
+    if gic_h < gic_e:
+        return TwoView("homography", homography, errors[1] < tolerance**2, gic_e, gic_h)
+    return TwoView("essential", essential[:3], errors[0] < tolerance**2, gic_e, gic_h)
+
+
+def criterion(whitened_squared: Array, dimension: int, parameters: int) -> float:
+    """sum e^2/sigma^2 + 2 d N + 4 P (Torr; K III-B), an outlier's share capped at 2 (4 - d) so that one cannot decide alone."""
+    capped = np.minimum(whitened_squared, 2.0 * (4 - dimension))
+    return float(capped.sum() + 2.0 * dimension * len(whitened_squared) + 4.0 * parameters)
+
+
+def sampson_squared(essential: Array, first: Array, second: Array) -> Array:
+    """(n,) squared Sampson distance in ideal coordinates; essential: x_second^T E x_first = 0."""
+    a, b = np.hstack([first, np.ones((len(first), 1))]), np.hstack([second, np.ones((len(second), 1))])
+    line_second, line_first = a @ essential.T, b @ essential
+    algebraic = (b * line_second).sum(axis=1)
+    scale = (line_second[:, :2] ** 2).sum(axis=1) + (line_first[:, :2] ** 2).sum(axis=1)
+    return np.asarray(algebraic**2 / np.maximum(scale, 1e-18))
+
+
+def homography_squared(homography: Array, first: Array, second: Array) -> Array:
+    """(n,) mean of the squared transfer errors both ways, halved: of the size of a point's error in each image."""
+    forward = _apply(homography, first) - second
+    backward = _apply(np.asarray(np.linalg.inv(homography)), second) - first
+    return np.asarray(0.25 * ((forward**2).sum(axis=1) + (backward**2).sum(axis=1)))
+
+
+def essential_of(second_from_first: Array) -> Array:
+    """[t]x R of a motion (4, 4)."""
+    t = second_from_first[:3, 3]
+    cross = np.array([[0, -t[2], t[1]], [t[2], 0, -t[0]], [-t[1], t[0], 0]])
+    return np.asarray(cross @ second_from_first[:3, :3])
+
+
+def motions_of(found: TwoView, first: Array, second: Array) -> list[Array]:
+    """Rigid motions (4, 4), translation of unit length, that the matrix may stand for; points ahead of both cameras."""
+    import cv2
+
+    a, b = first[found.inlier], second[found.inlier]
+    if found.model == "essential":
+        _, rotation, translation, _ = cv2.recoverPose(found.matrix, a, b, np.eye(3))
+        return [_motion(rotation, translation.ravel())]
+    _, rotations, translations, normals = cv2.decomposeHomographyMat(found.matrix, np.eye(3))
+    kept = cv2.filterHomographyDecompByVisibleRefpoints(rotations, normals, a[:, None], b[:, None])
+    keep = range(len(rotations)) if kept is None else kept.ravel()
+    return [_motion(rotations[k], translations[k].ravel()) for k in keep]
+
+
+def _motion(rotation: Array, translation: Array) -> Array:
+    out = np.eye(4)
+    out[:3, :3], out[:3, 3] = rotation, translation / max(float(np.linalg.norm(translation)), 1e-12)
+    return out
+
+
+def _apply(homography: Array, xy: Array) -> Array:
+    moved = np.hstack([xy, np.ones((len(xy), 1))]) @ homography.T
+    return np.asarray(moved[:, :2] / np.where(np.abs(moved[:, 2:]) < 1e-12, 1e-12, moved[:, 2:]))
