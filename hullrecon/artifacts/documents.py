@@ -22,11 +22,11 @@ class DamagedError(ValueError):
 
 def encode(value: object) -> bytes:
     """Indented UTF-8 with sorted keys and a line's end. ValueError names the place of a NaN or an infinity."""
-    plain = _plain(value)
+    shown = plain(value)
     try:
-        text = json.dumps(plain, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
+        text = json.dumps(shown, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
     except ValueError as error:
-        raise ValueError(f"not a finite number at {_not_finite(plain, '') or 'an unknown place'}") from error
+        raise ValueError(f"not a finite number at {_not_finite(shown, '') or 'an unknown place'}") from error
     return (text + "\n").encode()
 
 
@@ -53,19 +53,19 @@ def unseal(data: bytes) -> dict[str, Any]:
     return rest
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Structs, NumPy scalars and arrays as what JSON knows; keys as text so that they sort."""
     if isinstance(value, Mapping):
-        return {str(k): _plain(v) for k, v in value.items()}
+        return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(v) for v in value]
+        return [plain(v) for v in value]
     if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
+        return plain(value.tolist())
     if isinstance(value, np.generic):
         return value.item()
     if value is None or isinstance(value, str | int | float):
         return value
-    return _plain(msgspec.to_builtins(value))
+    return plain(msgspec.to_builtins(value))
 
 
 def _not_finite(value: Any, place: str) -> str | None:

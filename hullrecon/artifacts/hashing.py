@@ -25,11 +25,12 @@ def files_below(folder: Path) -> list[str]:
 
 
 class HashCache:
-    """Hashes of files as last read. `trusting` False reads every file anew; a lost or damaged cache file costs only time."""
+    """Hashes of files as last read. `trusting` False reads every file once anew; a lost cache file costs only time."""
 
     def __init__(self, store: Path | None = None, *, trusting: bool = True) -> None:
         self._store, self._trusting, self._changed = store, trusting, False
         self._known: dict[str, Any] = {}
+        self._read_here: set[str] = set()
         if store is not None and store.is_file():
             try:
                 self._known = unseal(store.read_bytes())
@@ -41,7 +42,7 @@ class HashCache:
         status = path.stat()
         mark = [status.st_size, status.st_mtime_ns, status.st_ino]
         known = self._known.get(str(path))
-        if self._trusting and known is not None and known[:3] == mark:
+        if (self._trusting or str(path) in self._read_here) and known is not None and known[:3] == mark:
             return FileRecord(known[3], status.st_size)
         record = hash_file(path)
         self._note(path, [*mark, record.sha256])
@@ -59,6 +60,7 @@ class HashCache:
             self._changed = False
 
     def _note(self, path: Path, entry: list[Any]) -> None:
+        self._read_here.add(str(path))
         if self._known.get(str(path)) != entry:
             self._known[str(path)] = entry
             self._changed = True

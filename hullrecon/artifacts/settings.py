@@ -8,8 +8,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-import msgspec
-
+from hullrecon.artifacts.documents import plain
 from hullrecon.artifacts.stage import Stage
 from hullrecon.errors import UsageError
 
@@ -41,11 +40,11 @@ def settings_for(stage: Stage, sections: Mapping[str, Any]) -> StageSettings:
 
 def resolved(settings: Mapping[str, Any]) -> dict[str, Any]:
     """The settings as plain values for the manifest. UsageError for a number that is not finite."""
-    plain: dict[str, Any] = {name: msgspec.to_builtins(section, order="sorted") for name, section in settings.items()}
-    for name, value in flatten(plain).items():
+    values: dict[str, Any] = plain(settings)
+    for name, value in flatten(values).items():
         if isinstance(value, float) and not math.isfinite(value):
             raise UsageError(f"option {name} is {value}", where="dive.toml", remedy="give a finite number")
-    return plain
+    return values
 
 
 def flatten(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -61,8 +60,11 @@ def flatten(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def _section(sections: Mapping[str, Any], dotted: str) -> Any:
-    """`camera.top` is the field `top` of section `camera`, unless a section has that very name."""
+    """`camera.top` is the field `top` of section `camera`, unless a section has that very name; None below an absent one."""
     if dotted in sections:
         return sections[dotted]
     outer, _, inner = dotted.rpartition(".")
-    return getattr(_section(sections, outer), inner, None) if outer else None
+    section = _section(sections, outer) if outer else None
+    if section is not None and not hasattr(section, inner):
+        raise RuntimeError(f"section {outer} has no option {inner}")
+    return getattr(section, inner, None)

@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What `hullrecon --help` lists: each command's place and one line about it, so that listing them imports none of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Entry:
+    """module: below this package; name: of the click command in it."""
+
+    module: str
+    name: str
+    summary: str
+
+
+ON_A_DIVE = {
+    "init": Entry("dive", "init", "write a dive.toml by looking into a log"),
+    "check": Entry("check", "check", "say what a dive package or a run's folder holds and what is wrong with it"),
+    "run": Entry("run", "run", "run the whole chain, or what is stale of it"),
+    "status": Entry("run", "status", "say which steps are fresh"),
+    "explain": Entry("run", "explain", "say why a step would run again"),
+    "clean": Entry("run", "clean", "remove artifacts"),
+}
+STEPS = {
+    "ingest": Entry("steps", "ingest", "read the logs, the calibration and the drawing"),
+    "navigate": Entry("steps", "navigate", "dead reckoning with its covariance"),
+    "features": Entry("steps", "features", "find features in every image"),
+    "matches": Entry("steps", "matches", "match images and join the matches to landmarks"),
+    "adjust": Entry("steps", "adjust", "adjust images, DVL ranges and the drawing together"),
+    "surface": Entry("steps", "surface", "make a surface of the DVL's returns"),
+    "detect": Entry("steps", "detect", "find structures and remesh the hull as found"),
+    "mosaic-optical": Entry("steps", "mosaic-optical", "the mosaic of the cameras"),
+    "mosaic-sonar": Entry("steps", "mosaic-sonar", "the mosaic of the imaging sonar"),
+    "report": Entry("steps", "report", "write the deliverables and the report"),
+}
+AROUND = {
+    "simulate": Entry("dive", "simulate", "make a dive package with truth"),
+    "evaluate": Entry("judge", "evaluate", "figures of a run against the truth of a simulated dive"),
+    "compare": Entry("judge", "compare", "several runs or methods in one table"),
+    "figures": Entry("judge", "figures", "the sources' plots from a run"),
+    "completion": Entry("completion", "completion", "the shell's completion script"),
+}
+SECTIONS = {"A dive": ON_A_DIVE, "Steps of the chain": STEPS, "Around it": AROUND}
+COMMANDS = {**ON_A_DIVE, **STEPS, **AROUND}

@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The program: the group of commands, what is said about errors, and the exit code."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from types import FrameType
+
+import click
+
+from hullrecon import __version__
+
+from .commands import COMMANDS, SECTIONS
+from .faults import exit_code_of
+from .state import State, add_common_options, common_options, configure_logging
+
+PROGRAM = "hullrecon"
+
+
+class LazyGroup(click.Group):
+    """Commands are imported when they are called; their list comes from a table."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        entry = COMMANDS.get(cmd_name)
+        if entry is None:
+            return None
+        module = import_module(f".{entry.module}", __package__)
+        command: click.Command = module.command(cmd_name) if entry.module == "steps" else getattr(module, entry.name)
+        add_common_options(command)
+        return command
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            from difflib import get_close_matches
+
+            near = get_close_matches(args[0], COMMANDS, 1)
+            ctx.fail(f"no command is called {args[0]!r}" + (f"; did you mean {near[0]!r}?" if near else ""))
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        for title, entries in SECTIONS.items():
+            with formatter.section(title):
+                formatter.write_dl([(name, entry.summary) for name, entry in entries.items()])
+
+
+def _version(context: click.Context, parameter: click.Parameter, value: bool) -> None:
+    if value and not context.resilient_parsing:
+        click.echo(f"{PROGRAM} {__version__}")
+        context.exit()
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="print the version")
+def cli() -> None:
+    """From the logs of an underwater hull inspection and the ship's drawing to the hull as found.
+
+    Exit codes: 0 done, 1 a fault of ours, 2 usage or configuration, 3 the input cannot be used, 4 a step reached no result,
+    5 the dive is locked by another run, 6 no space or no permission, 130 interrupted.
+    """
+
+
+cli.params += common_options()
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs one command and returns the exit code."""
+    # One thread for BLAS: sums must not depend on the number of cores, and worker processes take the same.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    signal.signal(signal.SIGTERM, _interrupt)
+    state = State()
+    configure_logging(state)
+    try:
+        result = cli.main(arguments, prog_name=PROGRAM, standalone_mode=False, obj=state)
+        sys.stdout.flush()
+    except BaseException as error:
+        return exit_code_of(error, state)
+    return result if isinstance(result, int) else 0
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
+
+
+if __name__ == "__main__":
+    sys.exit(main())

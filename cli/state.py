@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What holds for one call of the program: how much it says and in which form."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TextIO
+
+import click
+
+
+@dataclass
+class State:
+    """workspace: RUNS/<dive> once it is known, where the traceback of an unexpected fault goes."""
+
+    verbose: bool = False
+    quiet: bool = False
+    json: bool = False
+    log_file: Path | None = None
+    workspace: Path | None = None
+
+    def emit(self, document: object, lines: Iterable[str]) -> None:
+        """The result on standard output: the document with --json, else the lines, nothing when quiet."""
+        if self.json:
+            from hullrecon.artifacts.documents import encode
+
+            click.echo(encode(document), nl=False)
+        elif not self.quiet:
+            for line in lines:
+                click.echo(line)
+
+
+def state_of(context: click.Context | None = None) -> State:
+    """The state of this call; a plain one outside the program's own group."""
+    return (context or click.get_current_context()).find_root().ensure_object(State)
+
+
+class _Stderr(logging.StreamHandler[TextIO]):
+    """Writes to what sys.stderr is at that moment: a progress bar puts itself in its place."""
+
+    @property
+    def stream(self) -> TextIO:
+        return sys.stderr
+
+    @stream.setter
+    def stream(self, value: TextIO) -> None:
+        """sys.stderr is always the one."""
+
+
+class _Words(logging.Formatter):
+    """The message alone, a warning marked as one."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        text = super().format(record)
+        return f"{record.levelname.lower()}: {text}" if record.levelno >= logging.WARNING else text
+
+
+def configure_logging(state: State) -> None:
+    """Standard error as --quiet and --verbose ask, the log file with everything and the time."""
+    logger = logging.getLogger("hullrecon")
+    for handler in logger.handlers[:]:
+        logger.removeHandler(handler)
+        handler.close()
+    screen = _Stderr()
+    screen.setFormatter(_Words("%(message)s"))
+    screen.setLevel(logging.ERROR if state.quiet else logging.DEBUG if state.verbose else logging.INFO)
+    logger.addHandler(screen)
+    logger.setLevel(logging.DEBUG)
+    if state.log_file is not None:
+        logger.addHandler(_file_handler(state.log_file))
+
+
+def _file_handler(path: Path) -> logging.Handler:
+    from hullrecon.artifacts.disk import storage_errors
+
+    with storage_errors(path.parent):
+        handler = logging.FileHandler(path, encoding="utf-8")
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
+    return handler
+
+
+def add_common_options(command: click.Command) -> None:
+    """--verbose, --quiet, --json and --log-file on every command too, so that they may stand at either place."""
+    taken = {name for parameter in command.params for name in parameter.opts}
+    for option in common_options():
+        if not taken.intersection(option.opts):
+            command.params.append(option)
+
+
+def common_options() -> list[click.Option]:
+    file = click.Path(path_type=Path, dir_okay=False)
+    return [
+        _option("verbose", ["-v", "--verbose"], "say more", is_flag=True),
+        _option("quiet", ["-q", "--quiet"], "say nothing unless something fails", is_flag=True),
+        _option("json", ["--json"], "standard output is one JSON document", is_flag=True),
+        _option("log_file", ["--log-file"], "write the log with times to a file as well", type=file),
+    ]
+
+
+def _option(name: str, flags: list[str], text: str, **more: Any) -> click.Option:
+    return click.Option([*flags, name], help=text, expose_value=False, callback=_setter(name), **more)
+
+
+def _setter(name: str) -> Callable[[click.Context, click.Parameter, Any], Any]:
+    def store(context: click.Context, parameter: click.Parameter, value: Any) -> Any:
+        if value:
+            state = state_of(context)
+            setattr(state, name, value)
+            configure_logging(state)
+        return value
+
+    return store

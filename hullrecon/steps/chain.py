@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The registry of stages, in the order of the chain."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.util import find_spec
+from typing import cast
+
+from hullrecon.artifacts.stage import Stage
+
+NAMES = (
+    "ingest", "navigate", "features", "matches", "adjust", "surface", "detect", "mosaic-optical", "mosaic-sonar", "report",
+)  # fmt: skip
+
+
+def stage(name: str) -> Stage:
+    """The stage of that name, imported when asked for."""
+    return cast(Stage, import_module(_module(name)).STAGE)
+
+
+def stages() -> tuple[Stage, ...]:
+    """All stages; each comes after its inputs."""
+    return tuple(stage(name) for name in NAMES if find_spec(_module(name)))
+
+
+def _module(name: str) -> str:
+    return f"hullrecon.steps.{name.replace('-', '_')}"
