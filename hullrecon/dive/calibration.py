@@ -32,7 +32,8 @@ def read_camera(path: Path) -> Camera:
 
 def read_yaml(path: Path) -> Mapping[str, Any]:
     """A YAML file that holds a table. InputError when it does not."""
-    from ruamel.yaml import YAML, YAMLError
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
 
     try:
         data = YAML(typ="safe", pure=True).load(path.read_text(encoding="utf-8").removeprefix("%YAML:1.0\n"))
@@ -55,9 +56,7 @@ def _distortion(data: Mapping[str, Any], path: Path) -> list[float]:
         return [0.0] * 5
     values = _numbers(data, "distortion_coefficients", None, path)
     if any(values[5:]):
-        raise InputError(
-            "distortion beyond five coefficients is not modelled", where=str(path), remedy="calibrate with plumb_bob"
-        )
+        raise InputError("more than five distortion coefficients", where=str(path), remedy="calibrate with plumb_bob")
     return (values + [0.0] * 5)[:5]
 
 

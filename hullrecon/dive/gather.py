@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from hullrecon.dive.messages.decode import decode, type_name
 from hullrecon.dive.messages.samples import TYPES, stamp_ns
 from hullrecon.dive.readers.protocol import Channel, Log, Loss, Message
-from hullrecon.dive.readers.unpack import Damaged
+from hullrecon.dive.readers.unpack import DamagedError
 from hullrecon.dive.samples import ImageSample, Sample
 from hullrecon.errors import InputError
 
@@ -49,7 +49,7 @@ def gather(logs: Sequence[Log], topics: Mapping[str, str], take_image: TakeImage
         out.remarks += [f"{log.path.name}: {remark}" for remark in log.remarks]
     out.remarks += [f"{topic}: {n} messages could not be used: {why}" for (topic, why), n in sorted(out.undecoded.items())]
     out.remarks += [
-        f"{topic}: {n} messages have no stamp; the time of logging was used" for topic, n in sorted(out.unstamped.items())
+        f"{topic}: {n} messages have no stamp; their logging time was used" for topic, n in sorted(out.unstamped.items())
     ]
     return out
 
@@ -74,7 +74,7 @@ def _samples(message: Message, topics: Mapping[str, str], out: Gathered) -> Iter
         if stamp == 0:
             out.unstamped[channel.topic] += 1
         found = translate(fields, stamp or message.t_ns, sensor)
-    except Damaged as error:
+    except DamagedError as error:
         out.undecoded[channel.topic, str(error)] += 1
         return
     yield from ((sensor, sample) for sample in found)

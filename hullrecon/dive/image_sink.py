@@ -27,7 +27,8 @@ class ImageSink:
         self, camera: str, size: tuple[int, int], offset_ns: int, package: Path, open_file: Callable[[], BinaryIO]
     ) -> None:
         self._camera, self._size, self._offset_ns, self._package = camera, size, offset_ns, package
-        self._open_file, self._file, self._at = open_file, None, 0
+        self._open_file, self._at = open_file, 0
+        self._file: BinaryIO | None = None
         self._rows: list[tuple[int, int, str, int, int, bool]] = []
         self._sizes: Counter[tuple[int, int]] = Counter()
 
@@ -73,16 +74,14 @@ class ImageSink:
 
     def _check_size(self) -> None:
         if self._sizes and not self._sizes[self._size]:
-            (width, height), _ = self._sizes.most_common(1)[0]
+            logged = "{} x {}".format(*self._sizes.most_common(1)[0][0])
             raise InputError(
-                f"the images of {self._camera} are {width} x {height} pixels, its calibration is for {self._size[0]} x {self._size[1]}",
+                f"the images of {self._camera} have {logged} pixels, its calibration is for {self._size[0]} x {self._size[1]}",
                 remedy="give the calibration of this camera at this size",
             )
 
     def _bad(self, usable: list[bool]) -> list[str]:
-        other = sum(self._sizes.values()) - self._sizes[self._size]
+        count, other = len(usable), sum(self._sizes.values()) - self._sizes[self._size]
         broken = usable.count(False) - other
-        words = [f"{self._camera}: {broken} of {len(usable)} images are missing or damaged and are left out"] if broken else []
-        return words + (
-            [f"{self._camera}: {other} of {len(usable)} images have another size and are left out"] if other else []
-        )
+        words = [f"{self._camera}: {broken} of {count} images are missing or damaged and are left out"] if broken else []
+        return words + ([f"{self._camera}: {other} of {count} images have another size and are left out"] if other else [])

@@ -68,7 +68,7 @@ class Ingested:
 def ingest(package: Path, request: Request, open_file: OpenFile, watch: Watch = iter) -> Ingested:
     """Reads everything once. Raises InputError for what cannot be used, with the file, topic or size that is wrong."""
     out = Ingested()
-    logs = [open_log(package / name) for name in request.logs]
+    logs = [open_log(package / name, package) for name in request.logs]
     out.cameras = {name: read_camera(package / path) for name, path in request.calibration.items()}
     if request.mesh is not None:
         out.hull = read_hull(package / request.mesh, request.units, out.hull_words)
@@ -91,6 +91,8 @@ def ingest(package: Path, request: Request, open_file: OpenFile, watch: Watch = 
         index = sink.finish(out.remarks)
         if index is not None:
             out.images[name] = index
+    if not out.records and not out.images:
+        raise InputError("no sensor could be read from the logs", where=", ".join(request.logs), remedy="see `hullrecon check`")
     return out
 
 

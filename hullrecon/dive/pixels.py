@@ -44,14 +44,14 @@ def jpeg_is_whole(encoded: bytes) -> bool:
 
 def _behind_scan(encoded: bytes, at: int) -> int | None:
     """Where the marker behind a scan's data stands; None when a restart is out of order or the data never ends."""
-    restart = 0
+    restarts = 0
     for match in MARKER.finditer(encoded, at):
         code = match[1][0]
         if code not in RESTART:
             return match.start()
-        if code != 0xD0 + restart % 8:
+        if code != RESTART[restarts % 8]:
             return None
-        restart += 1
+        restarts += 1  # noqa: SIM113 (it counts restarts, not matches)
     return None
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from hullrecon.dive.messages.definitions import BUNDLED
 from hullrecon.dive.readers.protocol import Channel
-from hullrecon.dive.readers.unpack import Damaged
+from hullrecon.dive.readers.unpack import DamagedError
 
 Fields = Any  # an instance of the class that rosbags makes for a message type
 ENCODINGS = ("cdr", "ros1")
@@ -22,24 +22,24 @@ def type_name(channel: Channel) -> str:
 
 
 def decode(channel: Channel, data: bytes) -> Fields:
-    """The message's fields; Damaged for bytes that are no such message or a type whose definition nobody knows."""
+    """The message's fields; DamagedError for bytes that are no such message or a type whose definition nobody knows."""
     store = _store(channel)
     try:
         if channel.encoding == "ros1":
             return store.deserialize_ros1(data, type_name(channel))
         return store.deserialize_cdr(data, type_name(channel))
     except Exception as error:  # bytes of any content: rosbags' generated code raises whatever they lead it to
-        raise Damaged(f"a {channel.type} cannot be decoded: {type(error).__name__} {error}") from None
+        raise DamagedError(f"a {channel.type} cannot be decoded: {type(error).__name__} {error}") from None
 
 
 @lru_cache(maxsize=64)
 def _store(channel: Channel) -> Any:
     if channel.encoding not in ENCODINGS:
-        raise Damaged(f"messages in the encoding {channel.encoding!r} are not read")
+        raise DamagedError(f"messages in the encoding {channel.encoding!r} are not read")
     try:
         return _from_definition(channel) if channel.definition.strip() else _standard(channel.encoding)
     except Exception as error:  # the grammar of a damaged definition may fail anywhere
-        raise Damaged(f"the definition of {channel.type} cannot be read: {type(error).__name__} {error}") from None
+        raise DamagedError(f"the definition of {channel.type} cannot be read: {type(error).__name__} {error}") from None
 
 
 def _from_definition(channel: Channel) -> Any:

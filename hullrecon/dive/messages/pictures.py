@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.readers.unpack import Damaged
+from hullrecon.dive.readers.unpack import DamagedError
 
 CHANNELS = {
     "mono8": 1, "8uc1": 1, "bgr8": 3, "8uc3": 3, "rgb8": 3, "bgra8": 4, "8uc4": 4, "rgba8": 4, "mono16": 1, "16uc1": 1,
@@ -19,13 +19,13 @@ QUICK = 1  # PNG's compression level: images are written once, and read a few ti
 
 
 def encode_raw(message: Any) -> bytes:
-    """PNG bytes; Damaged when the pixels are not all there or the encoding is not known."""
+    """PNG bytes; DamagedError when the pixels are not all there or the encoding is not known."""
     import cv2
 
     pixels = _pixels(message)
     ok, png = cv2.imencode(".png", _to_bgr(pixels, message.encoding.lower()), [cv2.IMWRITE_PNG_COMPRESSION, QUICK])
     if not ok:
-        raise Damaged("an image cannot be encoded")
+        raise DamagedError("an image cannot be encoded")
     return bytes(png)
 
 
@@ -33,12 +33,12 @@ def _pixels(message: Any) -> NDArray[Any]:
     """Pixels (h, w) or (h, w, channels), rows freed of their padding."""
     encoding = message.encoding.lower()
     if encoding not in CHANNELS:
-        raise Damaged(f"an image in the encoding {message.encoding!r}")
+        raise DamagedError(f"an image in the encoding {message.encoding!r}")
     width = 2 if "16" in encoding and not encoding.startswith("yuv") else 1
     row = int(message.width) * CHANNELS[encoding] * width
     data = np.frombuffer(bytes(message.data), np.uint8)
     if not row or row > message.step or data.size < int(message.step) * int(message.height) or not message.height:
-        raise Damaged(f"an image of {data.size} bytes for {message.width} x {message.height} pixels")
+        raise DamagedError(f"an image of {data.size} bytes for {message.width} x {message.height} pixels")
     rows = np.ascontiguousarray(data[: int(message.step) * int(message.height)].reshape(int(message.height), -1)[:, :row])
     if width == 2:
         rows = rows.view(">u2" if message.is_bigendian else "<u2")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.messages.pictures import encode_raw
-from hullrecon.dive.readers.unpack import Damaged
+from hullrecon.dive.readers.unpack import DamagedError
 from hullrecon.dive.samples import DvlSample, ImageSample, ImuSample, JointSample, PressureSample, Sample, SonarSample
 
 Array = NDArray[np.float64]
@@ -106,14 +106,14 @@ def raw_image(message: Any, t_ns: int, role: str) -> list[Sample]:
 def projected_sonar(message: Any, t_ns: int, role: str) -> list[Sample]:
     """The pixel of range bin r and beam b lies at r * beam_count + b."""
     if int(message.image.dtype) not in DTYPES:
-        raise Damaged(f"a sonar image of data type {message.image.dtype}")
+        raise DamagedError(f"a sonar image of data type {message.image.dtype}")
     order = ">" if message.image.is_bigendian else "<"
     directions = np.array([vector(b) for b in message.beam_directions]).reshape(-1, 3)
     range_m = np.asarray(message.ranges, float)
     pixels = np.frombuffer(bytes(message.image.data), order + DTYPES[int(message.image.dtype)])
     beams = int(message.image.beam_count)
     if beams != len(directions) or pixels.size != beams * len(range_m) or not pixels.size:
-        raise Damaged(f"a sonar image of {pixels.size} pixels for {beams} beams and {len(range_m)} ranges")
+        raise DamagedError(f"a sonar image of {pixels.size} pixels for {beams} beams and {len(range_m)} ranges")
     return [SonarSample(t_ns, np.ascontiguousarray(pixels.reshape(len(range_m), beams).T), directions, range_m)]
 
 

@@ -28,7 +28,7 @@ from hullrecon.dive.readers.mcap_records import (
 )  # fmt: skip
 from hullrecon.dive.readers.mcap_summary import Summary, read_summary
 from hullrecon.dive.readers.protocol import Loss, Message
-from hullrecon.dive.readers.unpack import Damaged, fields
+from hullrecon.dive.readers.unpack import DamagedError, fields
 
 BLOCK = 1 << 20
 LIKE_A_CHUNK = re.compile(rb"\x06.{5}\x00\x00\x00", re.DOTALL)  # no chunk is longer than 2^40 bytes
@@ -43,9 +43,10 @@ class McapLog:
         self.path = path
         self.remarks: list[str] = []
         self._ledger = Ledger()
+        self._definitions = Definitions()
 
     def messages(self) -> Iterator[Message]:
-        self.remarks, self._ledger = [], Ledger()
+        self.remarks, self._ledger, self._definitions = [], Ledger(), Definitions()
         size = self.path.stat().st_size
         with self.path.open("rb") as stream:
             summary = read_summary(stream, size)
@@ -53,6 +54,8 @@ class McapLog:
                 yield from self._by_summary(stream, size, summary)
             else:
                 yield from self._from_start(stream, size)
+        if self._definitions.unknown:
+            self.remarks.append(f"{self._definitions.unknown} messages belong to topics whose definition was lost")
         self._ledger.finish(summary.counts if summary is not None else None)
 
     def losses(self) -> list[Loss]:
@@ -62,7 +65,7 @@ class McapLog:
         for note in summary.chunks:
             try:
                 found = self._open(read_chunk(stream, note.offset, size), summary.definitions)
-            except Damaged as error:
+            except DamagedError as error:
                 why = f"the chunk at byte {note.offset} is damaged: {error}"
                 self._ledger.lose(why, note.start_ns, note.end_ns, note.topics or tuple(summary.counts))
                 continue
@@ -70,7 +73,7 @@ class McapLog:
 
     def _from_start(self, stream: BinaryIO, size: int) -> Iterator[Message]:
         """Record by record; behind damage the next chunk is looked for."""
-        definitions, loose, at = Definitions(), _LooseRecords(), len(MAGIC)
+        definitions, loose, at = self._definitions, _LooseRecords(), len(MAGIC)
         while at < size:
             try:
                 opcode, length = head(stream, at, size)
@@ -82,7 +85,7 @@ class McapLog:
                 else:
                     found = _loose(stream, opcode, length, definitions)
                     loose.messages += len(found)
-            except Damaged as error:
+            except DamagedError as error:
                 loose.whole = False
                 self._ledger.gap(f"the file is damaged at byte {at}: {error}")
                 at = find_chunk(stream, at + 1, size)
@@ -140,7 +143,7 @@ def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
         for match in LIKE_A_CHUNK.finditer(block):
             try:
                 read_chunk(stream, at + match.start(), size)
-            except Damaged:
+            except DamagedError:
                 continue
             return at + match.start()
         at += BLOCK

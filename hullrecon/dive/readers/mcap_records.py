@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import BinaryIO
 
 from hullrecon.dive.readers.protocol import Channel, Message
-from hullrecon.dive.readers.unpack import Damaged, decompress, fields, text
+from hullrecon.dive.readers.unpack import DamagedError, decompress, fields, text
 
 MAGIC = b"\x89MCAP0\r\n"
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0F
@@ -36,9 +36,10 @@ class Definitions:
     def __init__(self) -> None:
         self._schemas: dict[int, tuple[str, str, str]] = {}
         self.channels: dict[int, Channel] = {}
+        self.unknown = 0  # messages of channels whose definition was lost
 
     def take(self, opcode: int, body: bytes) -> Message | None:
-        """Learns a schema or a channel; gives back a message; Damaged when the record does not hold together."""
+        """Learns a schema or a channel; gives back a message; DamagedError when the record does not hold together."""
         if opcode == SCHEMA:
             name, at = _string(body, 2)
             form, at = _string(body, at)
@@ -51,20 +52,20 @@ class Definitions:
             self.channels[number] = Channel(topic, kind, _string(body, at)[0], definition, form)
         elif opcode == MESSAGE:
             number, _, log_ns = fields("<HIQ", body)
-            if number not in self.channels:
-                raise Damaged(f"a message of the unknown channel {number}")
-            return Message(self.channels[number], log_ns, body[22:])
+            if number in self.channels:
+                return Message(self.channels[number], log_ns, body[22:])
+            self.unknown += 1
         return None
 
 
 def head(stream: BinaryIO, at: int, end: int) -> tuple[int, int]:
-    """Opcode and length of the record at byte `at`; Damaged when it is no record or reaches beyond `end`."""
+    """Opcode and length of the record at byte `at`; DamagedError when it is no record or reaches beyond `end`."""
     stream.seek(at)
     opcode, length = fields("<BQ", stream.read(HEAD))
     if opcode not in OPCODES and opcode < 0x80:
-        raise Damaged(f"no record starts at byte {at}")
+        raise DamagedError(f"no record starts at byte {at}")
     if at + HEAD + length > end:
-        raise Damaged(f"the record at byte {at} is cut off")
+        raise DamagedError(f"the record at byte {at} is cut off")
     return opcode, length
 
 
@@ -72,21 +73,21 @@ def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
     """The chunk at byte `at`; its lengths must agree with each other."""
     opcode, length = head(stream, at, end)
     if opcode != CHUNK:
-        raise Damaged(f"no chunk starts at byte {at}")
+        raise DamagedError(f"no chunk starts at byte {at}")
     body = stream.read(length)
     start_ns, end_ns, size, crc = fields("<QQQI", body)
     compression, at_size = _string(body, 28)
     (packed,) = fields("<Q", body, at_size)
     if at_size + 8 + packed != length:
-        raise Damaged("its lengths contradict each other")
+        raise DamagedError("its lengths contradict each other")
     return Chunk(start_ns, end_ns, size, crc, compression, body[at_size + 8 :])
 
 
 def messages_of(chunk: Chunk, definitions: Definitions) -> list[Message]:
-    """All messages of a whole chunk, or Damaged."""
+    """All messages of a whole chunk, or DamagedError."""
     data = decompress(chunk.packed, chunk.compression, chunk.size)
     if chunk.crc and zlib.crc32(data) != chunk.crc:
-        raise Damaged("its checksum is wrong")
+        raise DamagedError("its checksum is wrong")
     taken = (definitions.take(opcode, body) for opcode, body in records(data))
     return [message for message in taken if message is not None]
 
@@ -97,7 +98,7 @@ def records(data: bytes) -> Iterator[tuple[int, bytes]]:
     while at < len(data):
         opcode, length = fields("<BQ", data, at)
         if at + HEAD + length > len(data):
-            raise Damaged("a record reaches beyond its end")
+            raise DamagedError("a record reaches beyond its end")
         yield opcode, data[at + HEAD : at + HEAD + length]
         at += HEAD + length
 
@@ -106,5 +107,5 @@ def _string(body: bytes, at: int) -> tuple[str, int]:
     """A string with its length in front, and the byte behind it."""
     (length,) = fields("<I", body, at)
     if at + 4 + length > len(body):
-        raise Damaged("a string reaches beyond its record")
+        raise DamagedError("a string reaches beyond its record")
     return text(body[at + 4 : at + 4 + length]), at + 4 + length

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import dataclass
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from hullrecon.dive.readers.mcap_records import FOOTER, HEAD, MAGIC, Definitions, head, records
-from hullrecon.dive.readers.unpack import Damaged, fields
+from hullrecon.dive.readers.unpack import DamagedError, fields
 
 STATISTICS, CHUNK_INDEX = 0x0B, 0x08
 FOOTER_SIZE = HEAD + 20
@@ -38,34 +38,35 @@ def read_summary(stream: BinaryIO, size: int) -> Summary | None:
     """The summary, or None when there is none that can be trusted (its checksum, where it has one, must hold)."""
     try:
         return _parse(_section(stream, size))
-    except Damaged:
+    except DamagedError:
         return None
 
 
 def _section(stream: BinaryIO, size: int) -> bytes:
     at = size - FOOTER_SIZE - len(MAGIC)
     if at < len(MAGIC) or head(stream, at, size) != (FOOTER, 20):
-        raise Damaged("no footer")
+        raise DamagedError("no footer")
     start, _, crc = fields("<QQI", stream.read(20))
     if not len(MAGIC) <= start < at:
-        raise Damaged("no summary")
+        raise DamagedError("no summary")
     stream.seek(start)
     section = stream.read(at - start)
     stream.seek(at)
     if crc and zlib.crc32(stream.read(FOOTER_SIZE - 4), zlib.crc32(section)) != crc:
-        raise Damaged("its checksum is wrong")
+        raise DamagedError("its checksum is wrong")
     return section
 
 
 def _parse(section: bytes) -> Summary:
-    definitions, notes, by_channel = Definitions(), [], {}
+    definitions, notes = Definitions(), []
+    by_channel: dict[Any, Any] = {}
     for opcode, body in records(section):
         if opcode == CHUNK_INDEX:
             start, end, offset, _, length = fields("<QQQQI", body)
             notes.append((offset, start, end, [fields("<H", body, at)[0] for at in range(36, 36 + length, 10)]))
         elif opcode == STATISTICS:
             (length,) = fields("<I", body, 42)
-            by_channel = dict(fields("<HQ", body, at) for at in range(46, 46 + length, 10))
+            by_channel = dict(fields("<HQ", body, at) for at in range(46, 46 + length, 10))  # type: ignore[misc]
         else:
             definitions.take(opcode, body)
     names = {number: channel.topic for number, channel in definitions.channels.items()}

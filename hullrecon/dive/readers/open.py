@@ -1,35 +1,59 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which reader a log needs, by what lies in it, not by its name."""
+"""Which reader a log needs: by its first bytes; by its name where those are damaged."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
+from hullrecon.dive.readers import mcap_records, pd0_ensemble, rosbag1, sqlite
 from hullrecon.dive.readers.mcap import McapLog
-from hullrecon.dive.readers.mcap_records import MAGIC
+from hullrecon.dive.readers.pd0 import Pd0Log
+from hullrecon.dive.readers.plain import COLUMNS, PlainLog
 from hullrecon.dive.readers.protocol import Log
+from hullrecon.dive.readers.rosbag1 import Rosbag1Log
+from hullrecon.dive.readers.rosbag2 import METADATA, STORAGE, Rosbag2Log
+from hullrecon.dive.readers.sqlite import SqliteLog
 from hullrecon.errors import InputError
 
+BY_MAGIC: dict[bytes, Callable[[Path], Log]] = {
+    mcap_records.MAGIC: McapLog, rosbag1.MAGIC: Rosbag1Log, sqlite.MAGIC: SqliteLog, pd0_ensemble.MAGIC: Pd0Log,
+}  # fmt: skip
+BY_SUFFIX: dict[str, Callable[[Path], Log]] = {".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log}
+FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 file or a folder of CSVs"
 
-def open_log(path: Path) -> Log:
-    """The log's reader. InputError when nothing lies there, or nothing that any reader knows."""
+
+def open_log(path: Path, package: Path | None = None) -> Log:
+    """The log's reader. InputError when nothing lies there, or nothing that any reader knows.
+
+    package: the folder that paths in plain files may be relative to.
+    """
+    where = str(path.parent)
+    if path.is_dir():
+        return _open_folder(path, package)
     try:
         start = _start(path)
     except FileNotFoundError:
-        raise InputError(
-            f"the log {path.name} is missing{_beside(path)}", where=str(path.parent), remedy="correct logs.files"
-        ) from None
+        raise InputError(f"the log {path.name} is missing{_beside(path)}", where=where, remedy="correct logs.files") from None
     except OSError as error:
-        raise InputError(f"the log {path.name} cannot be read: {error.strerror}", where=str(path.parent)) from None
+        raise InputError(f"the log {path.name} cannot be read: {error.strerror}", where=where) from None
     if not start:
-        raise InputError(f"the log {path.name} is empty", where=str(path.parent))
-    if start.startswith(MAGIC):
-        return McapLog(path)
-    raise InputError(
-        f"{path.name} is no log that is read here", where=str(path.parent),
-        remedy="give an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 file or a folder of CSVs",
-    )  # fmt: skip
+        raise InputError(f"the log {path.name} is empty", where=where)
+    found = [reader for magic, reader in BY_MAGIC.items() if start.startswith(magic)]
+    found += [reader for suffix, reader in BY_SUFFIX.items() if path.suffix.lower() == suffix]
+    if not found:
+        raise InputError(f"{path.name} is no log that is read here", where=where, remedy=f"give {FORMS}")
+    return found[0](path)
+
+
+def _open_folder(path: Path, package: Path | None) -> Log:
+    names = {p.name for p in path.iterdir()}
+    if METADATA in names or any(Path(name).suffix in STORAGE for name in names):
+        return Rosbag2Log(path)
+    if any(f"{sensor}.csv" in names for sensor in COLUMNS):
+        return PlainLog(path, package)
+    raise InputError(f"the folder {path.name} holds no log that is read here", where=str(path.parent), remedy=f"give {FORMS}")
 
 
 def _start(path: Path) -> bytes:
