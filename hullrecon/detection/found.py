@@ -54,11 +54,12 @@ def find_hull(base: Mesh, measured: Measured, background: Background, views: Vie
     height = measured.offset - hull_at_foot
     edge = affordable_edge(measured.foot, options.edge, options.most_vertices)
     mesh = refine_near(base, measured.foot, edge, options.reach)
-    normal = vertex_normals(mesh)
-    high = np.abs(_regress(mesh, normal, measured, height, options).value) >= options.threshold
+    coarse = _regress(mesh.vertices, vertex_normals(mesh), measured, height, options)
+    high = np.abs(coarse.value) >= options.threshold
+    old = len(mesh.vertices)
     mesh = refine_near(mesh, mesh.vertices[high], min(edge, options.fine_edge), 2 * options.fine_edge)
     normal = vertex_normals(mesh)
-    heights = _regress(mesh, normal, measured, height, options)
+    heights = coarse.followed_by(_regress(mesh.vertices[old:], normal[old:], measured, height, options))
     hull, hull_sigma = background.at(mesh.vertices)
     known = np.isfinite(heights.value)
     moved = mesh.vertices + normal * (hull + np.where(known, heights.value, 0.0))[:, None]
@@ -75,5 +76,5 @@ def find_hull(base: Mesh, measured: Measured, background: Background, views: Vie
     return Found(shape, mesh, normal, hull, hull_sigma, raised, sigma, known, heights.agreement, fused.count, seen)
 
 
-def _regress(mesh: Mesh, normal: Array, measured: Measured, height: Array, options: DetectOptions) -> Heights:
-    return local_heights(mesh.vertices, normal, measured.foot, height, measured.sigma, options.neighbours, options.reach)
+def _regress(at: Array, normal: Array, measured: Measured, height: Array, options: DetectOptions) -> Heights:
+    return local_heights(at, normal, measured.foot, height, measured.sigma, options.neighbours, options.reach)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,9 @@ class Heights:
     sigma: Array
     count: NDArray[np.int64]
     agreement: Array
+
+    def followed_by(self, more: Heights) -> Heights:
+        return Heights(*(np.concatenate([getattr(self, f.name), getattr(more, f.name)]) for f in fields(self)))
 
 
 def local_heights(

@@ -23,7 +23,7 @@ def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mes
         distance, _ = nearest(thinned, middle, 1)
         return np.asarray(edge_m + np.maximum(0.0, distance[:, 0] - reach_m - cell))
 
-    return refine(mesh, allowed)[0] if len(points) else mesh
+    return refine(mesh, allowed, spared_m=edge_m)[0] if len(points) else mesh
 
 
 def affordable_edge(points: Array, edge_m: float, most_vertices: int) -> float:

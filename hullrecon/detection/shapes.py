@@ -4,12 +4,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.neighbours import nearest
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -38,14 +37,28 @@ def detect_shapes(
 
 
 def dbscan(points: Array, reach_m: float, least: int) -> Ints:
-    """Cluster (n,) of each point, -1 for noise; numbered in the points' order."""
+    """Cluster (n,) of each point, -1 for noise; numbered in the points' order. A point counts among its own neighbours; one on
+    the rim of two clusters goes to the nearer."""
+    label = np.full(len(points), -1, np.int64)
     if len(points) < least:
-        return np.full(len(points), -1)
-    from importlib import import_module
+        return label
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
 
-    open3d: Any = import_module("open3d")
-    cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
-    return np.asarray(cloud.cluster_dbscan(eps=reach_m, min_points=least), np.int64)
+    tree = cKDTree(points)
+    core = np.flatnonzero(tree.query_ball_point(points, reach_m, return_length=True) >= least)
+    if not len(core):
+        return label
+    pairs = cKDTree(points[core]).query_pairs(reach_m, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(core), len(core)))
+    number = connected_components(links, directed=False)[1]
+    _, first = np.unique(number, return_index=True)
+    rank = np.asarray(np.argsort(np.argsort(first))[number], np.int64)
+    distance, near = nearest(points[core], points, 1, reach_m * (1 + 1e-9))
+    joined = np.isfinite(distance[:, 0])
+    label[joined] = rank[near[joined, 0]]
+    return label
 
 
 def alpha_shape(points: Array, alpha_m: float) -> NDArray[np.int32]:

@@ -1,17 +1,16 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Closest points on a mesh and rays against it, in batches, by Open3D's Embree scene (single precision about the middle)."""
+"""Closest points on a mesh and rays against it, in batches."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes import Mesh
+from hullrecon.native import MeshIndex
 
 Array = NDArray[np.float64]
 
@@ -26,27 +25,29 @@ class Closest:
 
 
 class Scene:
-    """Answers for one mesh. Coordinates are shifted to the mesh's middle first: single precision then holds micrometres."""
+    """Answers for one mesh, exact in double precision."""
 
     def __init__(self, mesh: Mesh) -> None:
-        open3d: Any = import_module("open3d")
-        self._tensor = open3d.core.Tensor
-        self._middle = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
-        self._scene = open3d.t.geometry.RaycastingScene(nthreads=1)
-        vertices = self._tensor((mesh.vertices - self._middle).astype(np.float32))
-        self._scene.add_triangles(vertices, self._tensor(mesh.faces.astype(np.uint32)))
+        self._index = MeshIndex(mesh.vertices, mesh.faces)
+        a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+        normal = np.cross(b - a, c - a)
+        self._normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-15)
 
     def closest(self, points: Array) -> Closest:
-        """The closest point of the mesh for each of (n, 3); the sign is the closest triangle's side."""
-        answer = self._scene.compute_closest_points(self._tensor((points - self._middle).astype(np.float32)))
-        foot = answer["points"].numpy().astype(float) + self._middle
-        normal = answer["primitive_normals"].numpy().astype(float)
-        gap = points - foot
-        side = np.where(np.einsum("ni,ni->n", gap, normal) < 0, -1.0, 1.0)
-        return Closest(side * np.linalg.norm(gap, axis=1), foot, normal)
+        """The closest point of the mesh for each of (n, 3), the sign by the pseudonormal there; NaN for points not finite."""
+        known = np.asarray(np.isfinite(points).all(axis=1))
+        distance, foot, normal = (
+            np.full(len(points), np.nan),
+            np.full((len(points), 3), np.nan),
+            np.full((len(points), 3), np.nan),
+        )
+        if known.any():
+            near = self._index.closest(points[known])
+            distance[known], foot[known], normal[known] = near.distance, near.point, self._normal[near.face]
+        return Closest(distance, foot, normal)
 
     def cast(self, origins: Array, directions: Array) -> Array:
         """How far along unit directions (n, 3) from origins (n, 3) or (3,) the mesh is met, (n,) m; inf where it is not."""
-        start = np.broadcast_to(origins, directions.shape) - self._middle
-        rays = self._tensor(np.hstack([start, directions]).astype(np.float32))
-        return np.asarray(self._scene.cast_rays(rays)["t_hit"].numpy(), float)
+        if not len(directions):
+            return np.zeros(0)
+        return self._index.cast(np.broadcast_to(origins, directions.shape), directions).range

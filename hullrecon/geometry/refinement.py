@@ -15,19 +15,22 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-def refine(mesh: Mesh, longest_m: float | Callable[[Array], Array], attributes: Array | None = None) -> tuple[Mesh, Array]:
+def refine(
+    mesh: Mesh, longest_m: float | Callable[[Array], Array], attributes: Array | None = None, spared_m: float = 0.0
+) -> tuple[Mesh, Array]:
     """The mesh with edges split at their midpoints until none is longer than wanted.
 
-    longest_m: the longest edge allowed, metres; a function gives it at the edges' midpoints (n, 3), inf where the mesh may stay
-    coarse. Neighbouring faces split their common edge together, so no crack opens; with an edge a face splits its longest
-    edge too, so that triangles do not degenerate. attributes (n, k) of the vertices are averaged along; returned with the mesh.
+    longest_m: the longest edge allowed, metres; a function gives it at the edges' midpoints (n, 3), inf where the mesh may
+    stay coarse; no edge up to `spared_m` is asked about. Neighbouring faces split their common edge together, so no crack
+    opens; with an edge a face splits its longest edge too, so that triangles do not degenerate. attributes (n, k) of the
+    vertices are averaged along; returned with the mesh.
     The first vertices are the old ones, unmoved.
     """
     table = np.hstack([mesh.vertices, np.zeros((len(mesh.vertices), 0)) if attributes is None else attributes])
     faces = mesh.faces.astype(np.int64)
     while True:
         edge, of_face = _edges(faces)
-        marked = _marked(table[:, :3], edge, of_face, longest_m)
+        marked = _marked(table[:, :3], edge, of_face, longest_m, spared_m)
         if not marked.any():
             return Mesh(table[:, :3].copy(), faces.astype(np.int32)), table[:, 3:].copy()
         middle = np.full(len(edge), -1)
@@ -44,12 +47,15 @@ def _edges(faces: Ints) -> tuple[Ints, Ints]:
     return np.stack([key // size, key % size], axis=1), back.reshape(-1, 3)
 
 
-def _marked(vertices: Array, edge: Ints, of_face: Ints, longest_m: float | Callable[[Array], Array]) -> NDArray[np.bool_]:
+def _marked(
+    vertices: Array, edge: Ints, of_face: Ints, longest_m: float | Callable[[Array], Array], spared_m: float
+) -> NDArray[np.bool_]:
     """The edges to split (e,): the long ones, and the longest edge of every face that splits any."""
     ends = vertices[edge]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    allowed = longest_m(ends.mean(axis=1)) if callable(longest_m) else longest_m
-    marked = np.asarray(length > allowed)
+    marked = np.zeros(len(edge), bool)
+    asked = np.flatnonzero(length > spared_m)
+    marked[asked] = length[asked] > (longest_m(ends[asked].mean(axis=1)) if callable(longest_m) else longest_m)
     if not marked.any():
         return marked
     longest = of_face[np.arange(len(of_face)), np.argmax(length[of_face], axis=1)]

@@ -24,7 +24,7 @@ from hullrecon.surface.thinning import Observations, cell_means
 
 Array = NDArray[np.float64]
 Facts = dict[str, object]
-LEARNING = 700  # observations that the marginal likelihood looks at: dense factors of that size take 10 ms
+LEARNING = 400  # observations that the marginal likelihood looks at: a step of the search takes some 10 ms
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def _by_process(charted: Array, cloud: Cloud, wanted: Array, options: SurfaceOpt
     result = fit_robust(kernel, seen.at, seen.offset - middle, seen.noise * scale)
     facts: Facts = {
         "method": "gp", "kernel": kernel.form, "lengths_m": [round(x, 4) for x in kernel.length], "sigma_m": kernel.sigma,
-        "noise_scale": scale, "observations": len(seen.at), "log_likelihood": result.log_likelihood, "mean_offset_m": middle,
+        "noise_scale": scale, "observations": len(seen.at), "mean_offset_m": middle,
     }  # fmt: skip
     return middle + result.mean(wanted), result.sigma(wanted), facts
 
@@ -84,9 +84,10 @@ def _by_triangles(charted: Array, cloud: Cloud, wanted: Array, options: SurfaceO
 
 
 def _sample(seen: Observations) -> Observations:
-    """A compact part around the middle, not a thinned one: short lengths show in near neighbours only."""
+    """Half of them a compact part around the middle, where short lengths show, half spread evenly, where long ones do."""
     far = np.linalg.norm((seen.at - np.median(seen.at, axis=0)) / np.maximum(np.std(seen.at, axis=0), 1e-9), axis=1)
-    part = np.sort(np.argsort(far, kind="stable")[:LEARNING])
+    spread = np.linspace(0, len(far) - 1, LEARNING // 2).astype(np.int64)
+    part = np.union1d(np.argsort(far, kind="stable")[: LEARNING // 2], spread)
     return Observations(seen.at[part], seen.offset[part], seen.noise[part], seen.count[part])
 
 

@@ -26,7 +26,6 @@ class Regression:
     noise: Array
     weights: Array
     factor: Factor
-    log_likelihood: float
 
     def mean(self, wanted: Array) -> Array:
         """(O 3.2) at (m, 2)."""
@@ -52,9 +51,7 @@ def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
     if kernel.form == "radial":
         _require_covariance(kernel, covariance)
     solver = factor(covariance + sparse.diags_array(noise**2).tocsr())
-    weights = solver.solve(values)
-    likelihood = -0.5 * (values @ weights + solver.log_determinant + len(values) * np.log(2 * np.pi))
-    return Regression(kernel, at, noise, weights, solver, float(likelihood))
+    return Regression(kernel, at, noise, solver.solve(values), solver)
 
 
 def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array, threshold: float = 2.0, rounds: int = 3) -> Regression:
@@ -70,6 +67,7 @@ def most_likely(start: Kernel, at: Array, values: Array, noise: Array, limit: tu
     """Lengths and sigma of the field, and a factor on the noise, by marginal likelihood; lengths stay within `limit` m."""
     from scipy.optimize import minimize
 
+    gap = at[:, None, :] - at[None, :, :]
     low = np.log([limit[0], limit[0], 1e-3, 0.3])
     high = np.log([limit[1], limit[1], 1.0, 10.0])
 
@@ -79,10 +77,9 @@ def most_likely(start: Kernel, at: Array, values: Array, noise: Array, limit: tu
 
     def cost(x: Array) -> float:
         kernel, factor_ = read(x)
-        try:
-            return -fit(kernel, at, values, noise * factor_).log_likelihood + float(np.sum((x - np.clip(x, low, high)) ** 2))
-        except NotPositiveDefiniteError:
-            return np.inf
+        correlation = kernel.correlation((gap / np.array(kernel.length)).reshape(-1, 2)).reshape(len(at), len(at))
+        outside = float(np.sum((x - np.clip(x, low, high)) ** 2))
+        return outside - _log_likelihood(kernel.sigma**2 * correlation, values, noise * factor_)
 
     first = np.clip(np.log([*start.length, start.sigma, 1.0]), low, high)
     simplex = np.vstack([first, first + 0.7 * np.where(first + 0.7 * np.eye(4) > high, -1, 1) * np.eye(4)])
@@ -90,6 +87,18 @@ def most_likely(start: Kernel, at: Array, values: Array, noise: Array, limit: tu
         cost, first, method="Nelder-Mead", options={"initial_simplex": simplex, "xatol": 0.03, "fatol": 0.05, "maxfev": 120}
     )
     return read(found.x)
+
+
+def _log_likelihood(covariance: Array, values: Array, noise: Array) -> float:
+    """(O 3.1); minus infinity where the kernel is no covariance on these points."""
+    from scipy import linalg
+
+    try:
+        lower = linalg.cholesky(covariance + np.diag(noise**2), lower=True)
+    except linalg.LinAlgError:
+        return -np.inf
+    white = linalg.solve_triangular(lower, values, lower=True)
+    return float(-0.5 * white @ white - np.log(np.diagonal(lower)).sum() - 0.5 * len(values) * np.log(2 * np.pi))
 
 
 def _require_covariance(kernel: Kernel, matrix: sparse.csr_array) -> None:

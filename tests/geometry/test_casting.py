@@ -23,6 +23,11 @@ def test_the_closest_point_beyond_the_rim_lies_on_the_rim() -> None:
     assert np.allclose(near.distance, 0.5, atol=1e-6)
 
 
+def test_a_point_that_is_not_finite_has_no_distance() -> None:
+    near = Scene(FLOOR).closest(np.array([[40.5, 0.5, 2.1], [np.nan, 0, 0]]))
+    assert np.isfinite(near.distance).tolist() == [True, False]
+
+
 def test_a_ray_that_misses_is_infinite() -> None:
     met = Scene(FLOOR).cast(np.array([40.5, 0.2, 3.0]), np.array([[0.0, 0, -1], [0, 0, 1], [0.6, 0, -0.8]]))
     assert np.isclose(met[0], 1.0, atol=1e-6)
