@@ -106,7 +106,8 @@ def path_sigma(survey: Survey) -> tuple[float, float]:
 
 
 def mark_of(found: Mapping[str, Any], at: Array, sigma: tuple[float, float]) -> Mark:
-    words = f"Object {found['id']}: height {with_sigma(found['height'], found.get('height_sigma'), 'm')}, {found.get('address', '')}"
+    height = with_sigma(found["height"], found.get("height_sigma"), "m")
+    words = f"Object {found['id']}: height {height}, {found.get('address', '')}"
     return Mark(str(found["id"]), float(at[0]), float(at[1]), sigma, words)
 
 
@@ -123,11 +124,10 @@ def mosaic_view(name: str, mosaic: Mosaic | None) -> dict[str, Any] | None:
         return None
     import cv2
 
-    picture = cv2.imdecode(np.frombuffer(mosaic.preview, np.uint8), cv2.IMREAD_COLOR_RGB)
+    picture = np.asarray(cv2.imdecode(np.frombuffer(mosaic.preview, np.uint8), cv2.IMREAD_COLOR_RGB), np.uint8)
     if picture.shape[1] > 1800:
-        picture = cv2.resize(
-            picture, None, fx=1800 / picture.shape[1], fy=1800 / picture.shape[1], interpolation=cv2.INTER_AREA
-        )
+        factor = 1800 / picture.shape[1]
+        picture = np.asarray(cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA), np.uint8)
     return {"name": name, "src": jpeg_uri(picture, 0, 86), "document": mosaic.document, "stem": name.lower()}
 
 
@@ -156,13 +156,14 @@ def card(found: Mapping[str, Any], survey: Survey) -> dict[str, Any]:
 
 def crop_view(crop: Crop, found: Mapping[str, Any]) -> dict[str, Any]:
     seconds, rest = divmod(crop.t_ns, 10**9)
+    stamp = str(np.datetime64(seconds, "s")).replace("T", " ")
     bar = nice_below(0.35 * crop.width / crop.pixels_per_m)
     return {
         "crop": crop,
         "points": " ".join(f"{u:.1f},{v:.1f}" for u, v in crop.outline),
         "bar_px": bar * crop.pixels_per_m,
         "bar": length(bar),
-        "source": f"{crop.camera}, image {crop.row}, {str(np.datetime64(seconds, 's')).replace('T', ' ')}.{rest // 10**6:03d} UTC",
+        "source": f"{crop.camera}, image {crop.row}, {stamp}.{rest // 10**6:03d} UTC",
         "alt": f"Object {found['id']} in an image of {crop.camera}, its outline drawn.",
     }
 

@@ -127,7 +127,7 @@ def read_survey(context: Context) -> Survey:
     trajectory = _record(Trajectory, folder, "navigate", "trajectory.npz")
     assert trajectory is not None
     solution = _record(Solution, folder, "adjust", "solution.npz")
-    chart = next((load_arrays(folder[s] / "chart.npz") for s in ("adjust", "surface") if _has(folder, s, "chart.npz")), None)
+    chart = next((load_arrays(folder[s] / "chart.npz") for s in ("surface", "adjust") if _has(folder, s, "chart.npz")), None)
     objects = _document(folder, "detect", "objects.json")
     return Survey(
         dive=sections["dive"] or Dive(name="dive"),

@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""One tile of a mosaic: which views see each texel best, and their blend."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.mosaic.bands import STEEPNESS, split, weight
+from hullrecon.mosaic.grid import TexelGrid, Window
+from hullrecon.mosaic.ground import Ground, Patch, patch_of, unobstructed
+from hullrecon.mosaic.sight import Sight
+
+Array = NDArray[np.float64]
+VIEWS = 4  # at most so many a texel (O 3.2.4)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The best views of each texel, best first: view (4, h, w), -1 where fewer see it; cost (4, h, w), inf there."""
+
+    view: NDArray[np.int32]
+    cost: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Tile:
+    """value (h, w, channels) 0 to 255, variance (h, w) of the weighted intensities, views (h, w): how many were blended."""
+
+    value: NDArray[np.float32]
+    variance: NDArray[np.float32]
+    views: NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Views steeper than least_cosine to the surface are not used; slant weighs the incidence against the distance to the
+    image's best place when views are chosen."""
+
+    least_cosine: float = 0.25
+    slant: float = 0.5
+
+
+def blend_tile(
+    ground: Ground,
+    grid: TexelGrid,
+    window: Window,
+    sights: Sequence[Sight],
+    windows: Sequence[Window],
+    limits: Limits,
+    channels: int,
+) -> Tile:
+    """The story of a tile: its surface, the four best views of each texel, their weighted bands."""
+    patch = patch_of(ground, grid, window)
+    near = [k for k, w in enumerate(windows) if not w.meet(window).empty]
+    choice = choose(ground, patch, window, {k: sights[k] for k in near}, {k: windows[k] for k in near}, limits)
+    return blend(patch, choice, window, sights, windows, channels)
+
+
+def choose(
+    ground: Ground, patch: Patch, window: Window, sights: dict[int, Sight], windows: dict[int, Window], limits: Limits
+) -> Choice:
+    """Best views first by distance from the image's best place, plus the slant of the view."""
+    best = Choice(np.full((VIEWS, *window.shape), -1, np.int32), np.full((VIEWS, *window.shape), np.inf, np.float32))
+    for k, sight in sights.items():
+        part = windows[k].meet(window).within(window)
+        cost = view_cost(ground, patch, part, sight, limits)
+        _enter(best, part, k, cost)
+    return best
+
+
+def view_cost(ground: Ground, patch: Patch, part: tuple[slice, slice], sight: Sight, limits: Limits) -> NDArray[np.float32]:
+    """(h, w) of the part: lower is better, inf where the view does not see the texel."""
+    point, normal = patch.point[part].reshape(-1, 3), patch.normal[part].reshape(-1, 3)
+    cost = np.full(len(point), np.inf, np.float32)
+    rows = np.flatnonzero(np.isfinite(point[:, 0]))
+    _, ratio = sight.project(point[rows])
+    held = np.isfinite(ratio)
+    rows, ratio = rows[held], ratio[held]
+    away = sight.center - point[rows]
+    cosine = np.einsum("ni,ni->n", away, normal[rows]) / np.linalg.norm(away, axis=1)
+    facing = cosine > limits.least_cosine
+    tangent = np.sqrt(np.maximum(1 - cosine**2, 0)) / np.maximum(cosine, 1e-6)
+    doubtful = facing & (tangent > patch.hidden_from[part].ravel()[rows])
+    facing[doubtful] = unobstructed(ground, point[rows[doubtful]], normal[rows[doubtful]], sight.center)
+    cost[rows[facing]] = ratio[facing] + limits.slant * (1 - cosine[facing])
+    return cost.reshape(patch.point[part].shape[:2])
+
+
+def _enter(best: Choice, part: tuple[slice, slice], view: int, cost: NDArray[np.float32]) -> None:
+    """Insertion into the sorted list of each texel."""
+    names = np.full(cost.shape, view, np.int32)
+    for place in range(VIEWS):
+        kept_cost, kept = best.cost[place][part], best.view[place][part]
+        better = cost < kept_cost
+        cost_out, out = np.where(better, kept_cost, cost), np.where(better, kept, names)
+        best.cost[place][part] = np.where(better, cost, kept_cost)
+        best.view[place][part] = np.where(better, names, kept)
+        cost, names = cost_out, out
+
+
+def blend(
+    patch: Patch, choice: Choice, window: Window, sights: Sequence[Sight], windows: Sequence[Window], channels: int
+) -> Tile:
+    """Weighted bands, normalised a band; the variance is that of the intensities under the mean of the bands' weights."""
+    shape = window.shape
+    total = [np.zeros((*shape, channels), np.float32) for _ in STEEPNESS]
+    weights = [np.zeros(shape, np.float32) for _ in STEEPNESS]
+    moments = np.zeros((3, *shape), np.float32)  # of weight, weight x intensity, weight x intensity squared
+    count = np.zeros(shape, np.uint8)
+    for k in np.unique(choice.view[choice.view >= 0]).tolist():
+        picture = sights[k].picture()
+        if picture is None:
+            continue
+        part = windows[k].meet(window).within(window)
+        chosen = (choice.view[(slice(None), *part)] == k).any(axis=0)
+        pixel, ratio = _project(patch, part, chosen, sights[k])
+        share = [weight(ratio, s) for s in STEEPNESS]
+        for band, sums, norms, w in zip(split(picture), total, weights, share, strict=True):
+            sums[part] += w[..., None] * _sample(band, pixel)
+            norms[part] += w
+        mean = sum(share) / np.float32(len(share))
+        intensity = _sample(picture, pixel).mean(axis=2)
+        moments[(slice(None), *part)] += np.stack([mean, mean * intensity, mean * intensity**2])
+        count[part] += np.isfinite(ratio)
+    return Tile(_normalised(total, weights), _variance(moments), count)
+
+
+def _project(
+    patch: Patch, part: tuple[slice, slice], chosen: NDArray[np.bool_], sight: Sight
+) -> tuple[NDArray[np.float32], Array]:
+    """Pixels (h, w, 2) and r/R (h, w) at the chosen texels of the part; NaN at the others."""
+    pixel = np.full((*chosen.shape, 2), -1.0, np.float32)
+    ratio = np.full(chosen.shape, np.nan)
+    pixel[chosen], ratio[chosen] = sight.project(patch.point[part][chosen])
+    return pixel, ratio
+
+
+def _sample(picture: NDArray[np.float32], pixel: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Bilinear, (h, w, channels)."""
+    import cv2
+
+    taken = cv2.remap(picture, pixel, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.asarray(taken, np.float32).reshape(*pixel.shape[:2], -1)
+
+
+def _normalised(total: list[NDArray[np.float32]], weights: list[NDArray[np.float32]]) -> NDArray[np.float32]:
+    parts = [t / np.where(w > 0, w, 1)[..., None] for t, w in zip(total, weights, strict=True)]
+    return np.asarray(np.clip(sum(parts[1:], parts[0]), 0, 255), np.float32)
+
+
+def _variance(moments: NDArray[np.float32]) -> NDArray[np.float32]:
+    """NaN where nothing was blended."""
+    norm = np.where(moments[0] > 0, moments[0], np.nan)
+    return np.asarray(np.maximum(moments[2] / norm - (moments[1] / norm) ** 2, 0), np.float32)

@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""An imaging sonar's image of beams by ranges: where a point of space falls in it (O 3.2.3, METHODS 9).
+
+Frame `sonar`: z along the middle of the fan, beams in the y-z plane, x out of it. On the display u grows with the bearing and
+v towards the instrument; gamma cancels where distances are compared, so they are kept in metres.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Fan:
+    """bearing (beams,) rad, rising; beam (beams,) its number in the image; range_m (ranges,) rising; half_elevation rad."""
+
+    bearing: Array
+    beam: Array
+    range_m: Array
+    half_elevation: float
+
+    def locate(self, points: Array) -> tuple[Array, Array]:
+        """Of points (n, 3) in `sonar`: (range bin, beam number) (n, 2), and r/R (n,) on the display, NaN outside the image."""
+        x, y, z = points.T
+        level = np.hypot(y, z)
+        distance, bearing, elevation = np.hypot(level, x), np.arctan2(y, z), np.arctan2(x, level)
+        first, last = self.range_m[0], self.range_m[-1]
+        n_r = (distance - first) * (len(self.range_m) - 1) / (last - first)
+        n_b = np.interp(bearing, self.bearing, self.beam)
+        held = (
+            (distance >= first) & (distance <= last)
+            & (bearing >= self.bearing[0]) & (bearing <= self.bearing[-1])
+            & (np.abs(elevation) <= self.half_elevation)
+        )  # fmt: skip
+        return np.stack([n_r, n_b], axis=1), np.where(held, self._away(distance, bearing) / self._farthest(), np.nan)
+
+    def rays(self, bearings: int, elevations: int) -> Array:
+        """Unit vectors (bearings * elevations, 3) in `sonar` all over the aperture."""
+        psi, theta = np.meshgrid(
+            np.linspace(self.bearing[0], self.bearing[-1], bearings),
+            np.linspace(-self.half_elevation, self.half_elevation, elevations),
+        )
+        level = np.cos(theta)
+        return np.stack([np.sin(theta), level * np.sin(psi), level * np.cos(psi)], axis=-1).reshape(-1, 3)
+
+    def _best(self) -> float:
+        """Metres ahead of the instrument at v = 3h/4, where the display ends at the nearest range shown."""
+        near = self.range_m[0] * float(np.cos(np.abs(self.bearing).max()))
+        return float(self.range_m[-1] - 0.75 * (self.range_m[-1] - near))
+
+    def _away(self, distance: Array, bearing: Array) -> Array:
+        return np.hypot(distance * np.sin(bearing), distance * np.cos(bearing) - self._best())
+
+    def _farthest(self) -> float:
+        corners = [(r, b) for r in self.range_m[[0, -1]] for b in (self.bearing[0], 0.0, self.bearing[-1])]
+        return max(float(self._away(np.float64(r), np.float64(b))) for r, b in corners)  # type: ignore[arg-type]
+
+
+def fan_of(directions: Array, range_m: Array, elevation_rad: float) -> Fan:
+    """directions (beams, 3) unit vectors in `sonar`; elevation_rad: full aperture out of the fan."""
+    bearing = np.arctan2(directions[:, 1], directions[:, 2])
+    order = np.argsort(bearing, kind="stable")
+    return Fan(bearing[order], order.astype(float), range_m, 0.5 * elevation_rad)

@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The raster of a mosaic on the hull's chart: along to the right, girth up, square texels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Window:
+    """Rows and columns of a raster, the ends excluded."""
+
+    top: int
+    bottom: int
+    left: int
+    right: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return max(0, self.bottom - self.top), max(0, self.right - self.left)
+
+    @property
+    def empty(self) -> bool:
+        return 0 in self.shape
+
+    def meet(self, other: Window) -> Window:
+        """What both hold."""
+        top, left = max(self.top, other.top), max(self.left, other.left)
+        return Window(top, max(top, min(self.bottom, other.bottom)), left, max(left, min(self.right, other.right)))
+
+    def within(self, outer: Window) -> tuple[slice, slice]:
+        """Slices of this window in an array of the outer one's shape."""
+        return (
+            slice(self.top - outer.top, self.bottom - outer.top),
+            slice(self.left - outer.left, self.right - outer.left),
+        )
+
+
+@dataclass(frozen=True)
+class TexelGrid:
+    """west, north: the outer corner of the first texel, metres of along and girth; step_m: the side of a texel."""
+
+    west: float
+    north: float
+    step_m: float
+    height: int
+    width: int
+
+    @property
+    def whole(self) -> Window:
+        return Window(0, self.height, 0, self.width)
+
+    def centers(self, rows: Array, columns: Array) -> Array:
+        """(len(rows), len(columns), 2) along and girth of texel centres; rows and columns may be fractions."""
+        along = self.west + (columns + 0.5) * self.step_m
+        girth = self.north - (rows + 0.5) * self.step_m
+        return np.stack(np.broadcast_arrays(along[None, :], girth[:, None]), axis=-1)
+
+    def window_of(self, along_girth: Array, margin_m: float) -> Window:
+        """The texels around chart points (n, 2), empty when none is on the chart."""
+        good = along_girth[np.isfinite(along_girth).all(axis=1)]
+        if not len(good):
+            return Window(0, 0, 0, 0)
+        low, high = good.min(axis=0) - margin_m, good.max(axis=0) + margin_m
+        rows = np.array([self.north - high[1], self.north - low[1]]) / self.step_m
+        columns = (np.array([low[0], high[0]]) - self.west) / self.step_m
+        found = Window(int(np.floor(rows[0])), int(np.ceil(rows[1])), int(np.floor(columns[0])), int(np.ceil(columns[1])))
+        return found.meet(self.whole)
+
+    def tiles(self, size: int) -> Iterator[Window]:
+        """Square windows in row-major order; the last of a row or column stick out of the raster."""
+        for top in range(0, self.height, size):
+            for left in range(0, self.width, size):
+                yield Window(top, top + size, left, left + size)
+
+
+def grid_around(along_girth: Array, step_m: float, most_texels: float = 4e8) -> TexelGrid:
+    """The raster that holds the points (n, 2), its corner on a multiple of the step. ValueError without a finite point, or
+    when it would be larger than most_texels."""
+    good = along_girth[np.isfinite(along_girth).all(axis=1)]
+    if not len(good):
+        raise ValueError("no point lies on the chart")
+    west, south = np.floor(good.min(axis=0) / step_m) * step_m
+    east, north = np.ceil(good.max(axis=0) / step_m) * step_m
+    height, width = max(1, round((north - south) / step_m)), max(1, round((east - west) / step_m))
+    if float(height) * width > most_texels:
+        raise ValueError(f"{height} x {width} texels are too many")
+    return TexelGrid(float(west), float(north), step_m, height, width)

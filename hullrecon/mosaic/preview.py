@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The picture of a mosaic that people look at: axes in hull coordinates, a scale bar and a legend."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+INK, BACK, UNSEEN = "#1c2733", "#ffffff", "#e9edf1"
+
+
+@dataclass(frozen=True)
+class Caption:
+    """title; lines under the picture; frame_spacing_m for frame numbers along the top, None without."""
+
+    title: str
+    legend: str
+    frame: str
+    frame_spacing_m: float | None = None
+
+
+def preview_png(picture: NDArray[np.uint8], west: float, north: float, step_m: float, caption: Caption) -> bytes:
+    """picture: (h, w, 4) RGBA or (h, w, 2) gray and alpha; step_m of its pixels. Same bytes for the same input."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    height, width = picture.shape[:2]
+    tall = 11.0 * height / width
+    scale = min(1.0, 9.0 / tall)
+    figure = Figure(figsize=(max(5.0, 11.0 * scale) + 1.1, tall * scale + 1.75), dpi=160, facecolor=BACK, layout="constrained")
+    axis = figure.add_subplot()
+    axis.set_facecolor(UNSEEN)
+    extent = (west, west + width * step_m, north - height * step_m, north)
+    axis.imshow(_rgba(picture), extent=extent, interpolation="antialiased", aspect="equal")
+    axis.set_title(
+        caption.title, loc="left", fontsize=12, color=INK, fontweight="bold", pad=26 if caption.frame_spacing_m else 8
+    )
+    axis.set_xlabel(f"along the hull in {caption.frame}, forward to the right (m)\n{caption.legend}", fontsize=9, color=INK)
+    axis.set_ylabel("girth from the keel, upwards (m)", fontsize=9, color=INK)
+    axis.tick_params(labelsize=8, colors=INK)
+    axis.grid(color=INK, alpha=0.15, linewidth=0.5)
+    if caption.frame_spacing_m:
+        _frame_numbers(axis, caption.frame_spacing_m)
+    _scale_bar(axis, extent)
+    FigureCanvasAgg(figure)
+    buffer = BytesIO()
+    figure.savefig(buffer, format="png", metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def _rgba(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    return (
+        np.concatenate([np.repeat(picture[..., :1], 3, axis=2), picture[..., 1:]], axis=2) if picture.shape[2] == 2 else picture
+    )
+
+
+def _frame_numbers(axis: Any, spacing_m: float) -> None:
+    upper = axis.secondary_xaxis("top", functions=(lambda x: x / spacing_m, lambda f: f * spacing_m))
+    upper.set_xlabel("frame", fontsize=8, color=INK)
+    upper.tick_params(labelsize=8, colors=INK)
+
+
+def _scale_bar(axis: Any, extent: tuple[float, float, float, float]) -> None:
+    """A bar of 1, 2 or 5 times a power of ten, a fifth of the width at most, in the lower right corner."""
+    span = extent[1] - extent[0]
+    power = 10.0 ** math.floor(math.log10(span / 5))
+    metres = max(m * power for m in (1.0, 2.0, 5.0) if m * power <= span / 5 + 1e-12)
+    right, low = extent[1] - 0.025 * span, extent[2] + 0.04 * (extent[3] - extent[2])
+    box = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "boxstyle": "square,pad=0.25"}
+    axis.plot([right - metres, right], [low, low], color="white", linewidth=6, solid_capstyle="butt")
+    axis.plot([right - metres, right], [low, low], color="black", linewidth=3, solid_capstyle="butt")
+    text = f"{metres:g} m" if metres >= 1 else f"{100 * metres:g} cm"
+    axis.annotate(
+        text, (right - metres / 2, low), (0, 7), textcoords="offset points", ha="center", fontsize=9, color=INK, bbox=box
+    )

@@ -1,0 +1,125 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Light: what the lamp and the lens do to every image of a camera, and how bright each image is as a whole.
+
+The logarithm of an intensity is taken as the sum of the scene at the texel, a smooth field over the image that is common to a
+camera (lamp, vignetting, attenuation at the usual distance), and a number for each image. The scene is seen by several views at
+different places of their images, which tells it from the field. Back-scatter, which adds, is not modelled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Picture = NDArray[np.float32]
+FLOOR = 2.0  # gray levels: below it the logarithm is of noise
+FIELD = (24, 32)  # cells of the field, rows and columns
+SMOOTH = 2.0  # cells, sigma of the field's smoothing
+
+
+@dataclass(frozen=True)
+class Light:
+    """log_field: by camera, (rows, columns, channels); log_gain (views,): what is taken off each view's logarithm."""
+
+    log_field: tuple[Array, ...]
+    log_gain: Array
+
+    def corrected(self, picture: NDArray[np.uint8], camera: int, view: int) -> Picture:
+        """The image as an even lamp would have shown it, 0 to 255 and beyond."""
+        import cv2
+
+        size = (picture.shape[1], picture.shape[0])
+        field = cv2.resize(self.log_field[camera].astype(np.float32), size, interpolation=cv2.INTER_CUBIC)
+        factor = np.exp(-field.reshape(*picture.shape[:2], -1) - np.float32(self.log_gain[view]))
+        return np.asarray(np.asarray(picture, np.float32) * np.minimum(factor, 8), np.float32)
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Intensities of scene points in several views, one row a sample: view, texel (m,) int; cell (m,) of the field;
+    log_value (m, channels). camera (views,): which camera took the view."""
+
+    view: NDArray[np.int64]
+    texel: NDArray[np.int64]
+    cell: NDArray[np.int64]
+    log_value: Array
+    camera: NDArray[np.int64]
+
+
+def first_fields(thumbs: Sequence[NDArray[np.uint8]], camera: NDArray[np.int64]) -> list[Array]:
+    """By camera the median over its images (thumbs (h, w, c) of FIELD's shape or larger), smoothed, about a mean of zero."""
+    fields = []
+    for k in range(int(camera.max()) + 1):
+        stack = np.stack([t for t, c in zip(thumbs, camera, strict=True) if c == k])
+        level = np.log(np.maximum(stack.astype(float), FLOOR))
+        level -= level.mean(axis=(1, 2), keepdims=True)
+        fields.append(_smooth(_resized(np.median(level, axis=0)), np.ones(FIELD)))
+    return fields
+
+
+def solve_light(samples: Samples, fields: list[Array], rounds: int = 3) -> Light:
+    """Gains and fields in turns, from the first fields on; robust by medians within a texel."""
+    gain = np.zeros(len(samples.camera))
+    for _ in range(rounds):
+        residual = samples.log_value - _field_at(samples, fields)
+        gain = _gains(samples, residual.mean(axis=1), len(gain))
+        residual -= gain[samples.view][:, None]
+        residual -= _texel_mean(samples, residual)
+        fields = [f + _correction(samples, residual, k) for k, f in enumerate(fields)]
+        fields = [f - f.mean(axis=(0, 1)) for f in fields]
+    return Light(tuple(fields), gain)
+
+
+def _field_at(samples: Samples, fields: list[Array]) -> Array:
+    stack = np.stack([f.reshape(-1, f.shape[2]) for f in fields])
+    return np.asarray(stack[samples.camera[samples.view], samples.cell])
+
+
+def _texel_mean(samples: Samples, values: Array) -> Array:
+    """(m, channels): the mean over the views of each sample's texel."""
+    count = np.bincount(samples.texel)
+    sums = np.stack([np.bincount(samples.texel, v) for v in values.T], axis=1)
+    return np.asarray((sums / np.maximum(count, 1)[:, None])[samples.texel])
+
+
+def _gains(samples: Samples, values: Array, views: int, sweeps: int = 60, pull: float = 20.0) -> Array:
+    """Each view's level against the scene's mean, by sweeps; `pull` samples' worth of belief that a view is as bright as the
+    others keep a chain of views from drifting. Huber at 0.2, a fifth of the brightness: glints do not count more."""
+    gain = np.zeros(views)
+    for _ in range(sweeps):
+        level = values - gain[samples.view]
+        rest = np.clip(level - _texel_mean(samples, level[:, None])[:, 0], -0.2, 0.2)
+        step = np.bincount(samples.view, rest, minlength=views)
+        gain = gain + (step - pull * 0.02 * gain) / (np.bincount(samples.view, minlength=views) + pull)
+    return gain
+
+
+def _correction(samples: Samples, residual: Array, camera: int) -> Array:
+    rows = samples.camera[samples.view] == camera
+    cells = FIELD[0] * FIELD[1]
+    count = np.bincount(samples.cell[rows], minlength=cells).reshape(FIELD)
+    clipped = np.clip(residual[rows], -0.3, 0.3)
+    sums = np.stack([np.bincount(samples.cell[rows], v, minlength=cells) for v in clipped.T], axis=1)
+    mean = sums.reshape(*FIELD, -1) / np.maximum(count, 1)[..., None]
+    return _smooth(mean, count.astype(float))
+
+
+def _resized(level: Array) -> Array:
+    import cv2
+
+    small = cv2.resize(level.astype(np.float32), FIELD[::-1], interpolation=cv2.INTER_AREA)
+    return np.asarray(small, float).reshape(*FIELD, -1)
+
+
+def _smooth(field: Array, weight: Array) -> Array:
+    """Gaussian mean by weight; cells that nothing fell into take their neighbours' value."""
+    from scipy.ndimage import gaussian_filter
+
+    spread = gaussian_filter(weight.astype(float) + 1e-6, SMOOTH, mode="nearest")
+    layers = [gaussian_filter(layer * (weight + 1e-6), SMOOTH, mode="nearest") / spread for layer in np.moveaxis(field, 2, 0)]
+    return np.stack(layers, axis=2)

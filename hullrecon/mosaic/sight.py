@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the mosaic asks of one image, be it of a camera or of a sonar."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.poses import Poses
+from hullrecon.mosaic.ground import Ground
+
+Array = NDArray[np.float64]
+Picture = NDArray[np.float32]
+
+
+class Sight(Protocol):
+    """One image and where it was taken. center: (3,) of the instrument in the surface's frame."""
+
+    @property
+    def center(self) -> Array: ...
+
+    def project(self, points: Array) -> tuple[Array, Array]:
+        """Of points (n, 3): pixel (n, 2) in the picture, and r / R (n,), the distance from the best place in the image over
+        the largest one considered (METHODS 8, 9); NaN where the image does not hold the point."""
+
+    def outline(self, ground: Ground) -> Array:
+        """Points (n, 3) of the surface all over the image, NaN rows where it does not meet the surface."""
+
+    def picture(self) -> Picture | None:
+        """(h, w, channels), corrected, 0 to 255; None when it cannot be read."""
+
+
+@dataclass(frozen=True)
+class CameraSight:
+    """A camera's image. pose: one T_M_c (T_g_c without a drawing); load gives the corrected picture."""
+
+    pose: Poses
+    camera: Camera
+    load: Callable[[], Picture | None]
+
+    @property
+    def center(self) -> Array:
+        return np.asarray(self.pose.translation[0])
+
+    def project(self, points: Array) -> tuple[Array, Array]:
+        """The best place is the middle of the image; R is half its diagonal."""
+        rotation = self.pose.rotation.as_matrix()[0]
+        inside = (points - self.center) @ rotation
+        pixel = self.camera.project(inside)
+        x, y, z = inside.T
+        u, v = pixel.T
+        width, height = self.camera.width, self.camera.height
+        near_axis = np.maximum(np.abs(x), np.abs(y)) < self._widest() * z
+        held = near_axis & (u >= 1) & (u <= width - 2) & (v >= 1) & (v <= height - 2)
+        away = np.hypot(u - (width - 1) / 2, v - (height - 1) / 2) / (0.5 * np.hypot(width, height))
+        return pixel, np.where(held, away, np.nan)
+
+    def outline(self, ground: Ground) -> Array:
+        u, v = np.meshgrid(np.linspace(1, self.camera.width - 2, 7), np.linspace(1, self.camera.height - 2, 7))
+        rays = self.camera.rays(np.stack([u.ravel(), v.ravel()], axis=1)) @ self.pose.rotation.as_matrix()[0].T
+        gone = ground.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
+        return np.asarray(self.center + np.where(np.isfinite(gone), gone, np.nan)[:, None] * rays)
+
+    def picture(self) -> Picture | None:
+        return self.load()
+
+    def _widest(self) -> float:
+        """Tangent beyond which the distortion polynomial would fold points back into the image."""
+        c = self.camera
+        return 1.5 * max(c.cx / c.fx, (c.width - c.cx) / c.fx, c.cy / c.fy, (c.height - c.cy) / c.fy)

@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The mosaic on the surface itself: a mesh with the mosaic as its texture, as GLB."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.mosaic.grid import TexelGrid, Window
+from hullrecon.mosaic.ground import Ground, patch_of
+
+Array = NDArray[np.float64]
+UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # M has z up, glTF has y up
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """vertices (n, 3), faces (m, 3) seen from outside, uv (n, 2) with v upwards."""
+
+    vertices: Array
+    faces: NDArray[np.int64]
+    uv: Array
+
+
+def sheet_of(ground: Ground, grid: TexelGrid, alpha: NDArray[np.uint8], reduction: int, most_faces: int) -> Sheet:
+    """The seen part of the surface as a regular mesh on the chart; alpha: of the mosaic reduced by that many texels."""
+    seen = int((alpha > 0).sum()) * reduction**2 * grid.step_m**2
+    step = max(grid.step_m * reduction, np.sqrt(2 * max(seen, 1e-6) / most_faces))
+    height, width = (max(1, round(n * grid.step_m / step)) for n in (grid.height, grid.width))
+    coarse = TexelGrid(grid.west, grid.north, step, height, width)
+    patch = patch_of(ground, coarse, Window(0, height, 0, width))
+    rows, columns = ((np.arange(n) + 0.5) * step / (grid.step_m * reduction) for n in (height, width))
+    held = alpha[np.minimum(rows.astype(int), alpha.shape[0] - 1)][:, np.minimum(columns.astype(int), alpha.shape[1] - 1)] > 0
+    good = held & np.isfinite(patch.point).all(axis=2)
+    faces = _faces(good)
+    used, faces = np.unique(faces, return_inverse=True)
+    uv = np.stack(np.meshgrid(columns / alpha.shape[1], 1 - rows / alpha.shape[0]), axis=-1).reshape(-1, 2)
+    return Sheet(patch.point.reshape(-1, 3)[used], faces.reshape(-1, 3), uv[used])
+
+
+def _faces(good: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Two triangles for each cell whose four corners are good; rows run down the girth, columns along: outside is the side
+    from which along, girth and the outward normal are right-handed or not, which `glb_bytes` settles by the normals."""
+    height, width = good.shape
+    index = np.arange(height * width).reshape(height, width)
+    cell = good[:-1, :-1] & good[1:, :-1] & good[:-1, 1:] & good[1:, 1:]
+    a, b, c, d = (index[s][cell] for s in _CORNERS)
+    return np.concatenate([np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)])
+
+
+_CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
+
+
+def glb_bytes(sheet: Sheet, texture: NDArray[np.uint8], upright: bool) -> bytes:
+    """texture: (h, w, 4) RGBA or (h, w, 2). upright: the frame has z up (M); else z is down (g)."""
+    import trimesh
+    from PIL import Image
+
+    rgb = texture[..., :3] if texture.shape[2] == 4 else np.repeat(texture[..., :1], 3, axis=2)
+    encoded = BytesIO()
+    Image.fromarray(np.ascontiguousarray(rgb)).save(encoded, format="JPEG", quality=90)
+    picture = Image.open(encoded)
+    material = trimesh.visual.material.PBRMaterial(
+        baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0, doubleSided=True, name="mosaic"
+    )
+    mesh = trimesh.Trimesh(
+        sheet.vertices, sheet.faces, visual=trimesh.visual.TextureVisuals(uv=sheet.uv, material=material), process=False
+    )
+    turn = UPRIGHT if upright else np.diag([1.0, -1.0, -1.0, 1.0]) @ UPRIGHT
+    scene = trimesh.Scene()
+    scene.add_geometry(mesh, node_name="hull", geom_name="hull", transform=turn)
+    data: Any = scene.export(file_type="glb")
+    return bytes(data)

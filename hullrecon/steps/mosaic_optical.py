@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The optical mosaic on the hull's chart and on the surface."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.dive.images import ImageStore
+from hullrecon.errors import StageError
+from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.poses import Poses, from_mount, tray
+from hullrecon.mosaic.optical import optical_mosaic
+from hullrecon.mosaic.options import OpticalOptions
+from hullrecon.mosaic.shots import Station
+from hullrecon.report.track import Track
+from hullrecon.steps.features import external
+from hullrecon.steps.mosaics import Scenery, scenery, write_mosaic
+
+REMEDY = "check the alignment of the dive with its surface, or set mosaic-optical.resolution_m"
+
+
+def applies(settings: Mapping[str, Any]) -> str | None:
+    return None if settings["camera.top"] is not None else "no camera was carried"
+
+
+def run(context: Context) -> None:
+    options: OpticalOptions = context.parameters
+    place = scenery(context, options.reach_m)
+    stations = stations_of(context, place)
+    try:
+        made = optical_mosaic(place.ground, stations, options, context.progress)
+    except ValueError as error:
+        raise StageError(f"no optical mosaic: {error}", where="mosaic-optical", remedy=REMEDY) from error
+    facts = {
+        "images": sum(len(s.rows) for s in stations),
+        "ground_sample_distance_m": made.gsd_m,
+        "remarks": ["lamp, vignetting and brightness of each image evened out"] if made.lit else ["light left as it was"],
+    }
+    write_mosaic(context, place, made.store, "Optical mosaic", facts, (options.texture_px, options.faces))
+
+
+def stations_of(context: Context, place: Scenery) -> list[Station]:
+    """The cameras with their usable images and where each was taken."""
+    cameras = json.loads((context.inputs["ingest"] / "cameras.json").read_text(encoding="utf-8"))
+    top, bottom = context.settings["camera.top"], context.settings["camera.bottom"]
+    solution = place.solution
+    tray_from_camera = adjusted(solution.T_s_ct if solution else None, top.mount)
+    stations = [_station(context, place.track, 0, Camera(**cameras["top"]), tray_from_camera)]
+    if bottom is not None and "bottom" in cameras:
+        lower = tray_from_camera @ adjusted(solution.T_ct_cb if solution else None, bottom.pose_in_top)
+        stations.append(_station(context, place.track, 1, Camera(**cameras["bottom"]), lower))
+    if not any(len(s.rows) for s in stations):
+        raise StageError("no usable image has a pose", where="mosaic-optical", remedy="see the remarks of ingest and navigate")
+    return [s for s in stations if len(s.rows)]
+
+
+def adjusted(found: np.ndarray[Any, np.dtype[np.float64]] | None, nominal: Any) -> Poses:
+    """A mount as adjusted (x y z qx qy qz qw) where that is known, else dive.toml's six numbers."""
+    if found is not None and np.isfinite(found).all():
+        return Poses(found[None, 3:], found[None, :3])
+    return from_mount(nominal)
+
+
+def _station(context: Context, track: Track, side: int, camera: Camera, tray_from_camera: Poses) -> Station:
+    store = ImageStore(context.inputs["ingest"], context.source, ("camera_top", "camera_bottom")[side])
+    nodes = np.flatnonzero(track.image[:, side] >= 0)
+    nodes = nodes[store.index.usable[track.image[nodes, side]]]
+    origin = context.settings["tray"].origin if context.settings["tray"] is not None else (0.0, 0.0, 0.0)
+    poses = track.poses[nodes] @ tray(origin, track.tray[nodes]) @ tray_from_camera
+    return Station(camera, track.image[nodes, side], poses, store.read)
+
+
+STAGE = Stage(
+    name="mosaic-optical",
+    summary="blend the images on the hull's surface",
+    inputs=("ingest", "navigate", "surface"),
+    optional=("adjust", "detect"),
+    parameters=OpticalOptions,
+    version=1,
+    run=run,
+    uses=("camera.top", "camera.bottom", "tray", "logs", "hull.frame_spacing"),
+    external=external,
+    applies=applies,
+)

@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the two mosaic steps share: the surface they are laid on, and the files they leave."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from hullrecon.artifacts.stage import Context, load_arrays
+from hullrecon.dive.records import Solution, Surface, Trajectory, from_arrays
+from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.chart import chart_from_arrays
+from hullrecon.geometry.meshes import Mesh
+from hullrecon.mosaic.ground import Ground
+from hullrecon.mosaic.preview import Caption, preview_png
+from hullrecon.mosaic.raster import write_raster
+from hullrecon.mosaic.store import TileStore
+from hullrecon.mosaic.textured import glb_bytes, sheet_of
+from hullrecon.report.track import Track, track_of
+
+PERCENT = (50, 90, 95, 99)
+PREVIEW_PX = 2400
+
+
+@dataclass(frozen=True)
+class Scenery:
+    """The surface with its chart, and the vehicle over it, in one frame (M, or g without a drawing)."""
+
+    ground: Ground
+    track: Track
+    solution: Solution | None
+    surface_name: str
+
+
+def scenery(context: Context, reach_m: float) -> Scenery:
+    """The surface as found where there is one, else that of the DVL."""
+    folder = context.inputs
+    adjusted = folder["adjust"] / "solution.npz" if "adjust" in folder else None
+    solution = from_arrays(Solution, load_arrays(adjusted)) if adjusted and adjusted.exists() else None
+    trajectory = from_arrays(Trajectory, load_arrays(folder["navigate"] / "trajectory.npz"))
+    found = folder["detect"] / "as_found.npz" if "detect" in folder else None
+    name = "as found" if found and found.exists() else "from the DVL"
+    surface = from_arrays(Surface, load_arrays(found if found and found.exists() else folder["surface"] / "surface.npz"))
+    chart = chart_from_arrays(load_arrays(folder["surface"] / "chart.npz"))
+    ground = Ground(Scene(Mesh(surface.vertices, surface.faces)), chart, reach_m)
+    return Scenery(ground, track_of(trajectory, solution), solution, name)
+
+
+def write_mosaic(
+    context: Context, place: Scenery, store: TileStore, title: str, facts: Mapping[str, Any], sizes: tuple[int, int]
+) -> None:
+    """ortho.tif, variance.tif, ortho.png, mosaic.glb, mosaic.json. sizes: of the texture in pixels, of the mesh in faces."""
+    grid, frame = store.grid, place.track.frame
+    with context.out.path("ortho.tif") as path:
+        write_raster(path, store.color_tiles(), grid, store.size, store.channels + 1, "uint8", frame)
+    with context.out.path("variance.tif") as path:
+        write_raster(path, store.variance_tiles(), grid, store.size, 1, "float32", frame)
+    document = mosaic_document(store, frame, {**facts, "surface": place.surface_name})
+    legend = f"{document['caption']} Light gray: not seen."
+    spacing = context.settings["hull.frame_spacing"]
+    caption = Caption(title, legend, frame, spacing if frame == "M" else None)
+    context.out.bytes("ortho.png", preview_png(store.small, grid.west, grid.north, grid.step_m * store.reduction, caption))
+    sheet = sheet_of(place.ground, grid, store.small[..., -1], store.reduction, sizes[1])
+    if len(sheet.faces):
+        context.out.bytes("mosaic.glb", glb_bytes(sheet, store.small, upright=frame == "M"))
+    else:
+        context.warn("too little was seen for a textured mesh")
+    context.out.json("mosaic.json", document)
+
+
+def mosaic_document(store: TileStore, frame: str, facts: Mapping[str, Any]) -> dict[str, Any]:
+    """mosaic.json: what the mosaic is, for programs and for the page."""
+    grid = store.grid
+    seen = int(store.views[1:].sum())
+    area = seen * grid.step_m**2
+    spread = dict(zip((f"p{p}" for p in PERCENT), store.variance_percentiles(PERCENT), strict=True))
+    caption = (
+        f"{area:.1f} m² at {1000 * grid.step_m:.1f} mm a pixel, at most four best views a pixel, "
+        f"laid on the surface {facts['surface']}."
+    )
+    return {
+        "frame": frame,
+        "resolution_m": grid.step_m,
+        "width_px": grid.width,
+        "height_px": grid.height,
+        "origin_along_m": grid.west,
+        "origin_girth_m": grid.north,
+        "along_m": [grid.west, grid.west + grid.width * grid.step_m],
+        "girth_m": [grid.north - grid.height * grid.step_m, grid.north],
+        "area_m2": area,
+        "texels_by_views": {str(k): int(n) for k, n in enumerate(store.views)},
+        "variance_gray_levels_squared": spread if seen else {},
+        "caption": caption,
+        **facts,
+    }
