@@ -151,9 +151,16 @@ class Options:
     labels_in_solve: bool = True  # False: labels are held during the solve (the outer loop of hard EM refreshes them)
 
 
+DEFAULTS = Options()
+
+
 @dataclass(frozen=True)
 class IterationRecord:
-    """One row an iteration (k,): what the solver did, for tables and plots. cost_by_factor: name -> (k,)."""
+    """One row an iteration (k,), the start first: what the solver did, for tables and plots.
+
+    cost: at the point tried, robustified; of a step that was not accepted, cost_by_factor (name -> (k,)) and the counts are
+    those of the last accepted point. gradient_norm: largest entry. seconds: since the start.
+    """
 
     cost: Array
     cost_change: Array
@@ -232,13 +239,81 @@ class MeshIndex:
         return Hits(*self._index.cast(np.asarray(origins, float), np.asarray(directions, float), self._threads))
 
 
-def solve(problem: Problem, options: Options = Options()) -> Result:
+def solve(problem: Problem, options: Options = DEFAULTS) -> Result:
     """Moves the unknowns to the least cost by Levenberg-Marquardt with the landmarks eliminated (Ceres, SPARSE_SCHUR).
 
-    One thread: the same input gives the same bytes; more threads differ in the last digits. Ctrl-C is honoured between iterations.
+    One thread: the same input gives the same bytes; more threads differ in the last digits. Ctrl-C is honoured between
+    iterations. Tables that are NumPy arrays of the right type are read in place and never written to.
     Raises InputError or UsageError naming the table or option, StageError when the start cannot be evaluated.
     """
     from hullrecon import _native  # type: ignore[attr-defined]
 
     got = _native.solve(problem, options)
     return Result(**(got | {"iterations": IterationRecord(**got["iterations"])}))
+
+
+FACTORS = ("prior", "attitude", "tray", "odometry", "stereo", "mono", "range", "surface", "deviation")
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """All factors at the start values, whitened and linear in the tangent coordinates of the free unknowns.
+
+    residual (R,), whitened; weight (R,): square root of rho', by which the loss multiplies residual and row; factor (R,): index
+    into FACTORS; table_row (R,) in the factor's table; jacobian_*: compressed rows, start (R + 1,), column, value; width: number
+    of columns. Columns: poses 7 each (6 when "tray" is held), landmarks 3 each, then, where free, T_g_M, T_s_ct, T_ct_cb, T_s_d
+    6 each, navigation 6, intrinsics_top, intrinsics_bottom 9 each, the deviation's nodes 1 each; `columns` maps a block's name
+    ("pose 0", "landmark 3", "T_g_M", "deviation 2") to (first column, count). cost_by_factor: robustified.
+    """
+
+    residual: Array
+    weight: Array
+    factor: Ints
+    table_row: Ints
+    jacobian_start: NDArray[np.int64]
+    jacobian_column: NDArray[np.int64]
+    jacobian_value: Array
+    width: int
+    columns: dict[str, tuple[int, int]]
+    cost_by_factor: dict[str, float]
+
+
+def evaluate(problem: Problem, options: Options = DEFAULTS) -> Evaluation:
+    """Residuals and sparse Jacobian at the start values. Raises as `solve`."""
+    from hullrecon import _native  # type: ignore[attr-defined]
+
+    return Evaluation(**_native.evaluate(problem, options))
+
+
+@dataclass(frozen=True)
+class Covariance:
+    """Marginal covariances in tangent coordinates at the start values (give `solve`'s unknowns); zero where a block is held.
+
+    pose (n, 7, 7) and pose_T_g_M (n, 7, 6): with T_g_M; landmark (L, 3, 3) and landmark_T_g_M (L, 3, 6); T_g_M, T_s_ct, T_ct_cb,
+    T_s_d, navigation (6, 6); intrinsics_top, intrinsics_bottom (9, 9); deviation (F,) variances and deviation_T_g_M (F, 6).
+    """
+
+    pose: Array
+    pose_T_g_M: Array
+    landmark: Array
+    landmark_T_g_M: Array
+    T_g_M: Array
+    T_s_ct: Array
+    T_ct_cb: Array
+    T_s_d: Array
+    navigation: Array
+    intrinsics_top: Array
+    intrinsics_bottom: Array
+    deviation: Array
+    deviation_T_g_M: Array
+
+
+def covariance(problem: Problem, options: Options = DEFAULTS) -> Covariance:
+    """From the inverse of the information at the start values: Huber rows weighted by rho', surface rows by their label.
+
+    Landmarks are eliminated, the rest factored sparse, and only the entries on the factor's pattern are inverted. Raises
+    StageError naming the unknowns that nothing determines; else as `solve`.
+    """
+    from hullrecon import _native  # type: ignore[attr-defined]
+
+    return Covariance(**_native.covariance(problem, options))

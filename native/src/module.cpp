@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // pybind11: converts and calls, no logic.
 #include <glog/logging.h>
+#include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "hullrecon/covariance.h"
 #include "hullrecon/errors.h"
+#include "hullrecon/evaluate.h"
 #include "hullrecon/mesh_index.h"
 #include "hullrecon/parallel.h"
 #include "hullrecon/solve.h"
@@ -234,6 +237,49 @@ py::dict run_solve(const py::object& problem, const py::object& settings) {
   return out;
 }
 
+py::dict run_evaluate(const py::object& problem, const py::object& settings) {
+  const Held held(problem, settings);
+  std::unique_ptr<Model> model;
+  Evaluation e;
+  {
+    py::gil_scoped_release free;
+    model = std::make_unique<Model>(held.tables, held.options);
+    e = evaluate(*model);
+  }
+  py::dict out, columns, cost;
+  for (const Block& block : model->blocks()) {
+    if (block.tangent > 0) columns[block.name.c_str()] = py::make_tuple(block.column, block.tangent);
+  }
+  for (size_t k = 0; k < kKindNames.size(); ++k) cost[kKindNames[k]] = e.cost[k];
+  out["residual"] = column<double>(e.residual), out["weight"] = column<double>(e.weight);
+  out["factor"] = column<int32_t>(e.kind), out["table_row"] = column<int32_t>(e.table_row);
+  out["jacobian_start"] = column<int64_t>(e.start), out["jacobian_column"] = column<int64_t>(e.column);
+  out["jacobian_value"] = column<double>(e.value);
+  out["width"] = model->columns();
+  out["columns"] = columns, out["cost_by_factor"] = cost;
+  return out;
+}
+
+py::dict run_covariance(const py::object& problem, const py::object& settings) {
+  const Held held(problem, settings);
+  Covariance c;
+  {
+    py::gil_scoped_release free;
+    Model model(held.tables, held.options);
+    c = covariance(model);
+  }
+  const auto n = held.tables.pose.rows(), l = held.tables.landmark.rows();
+  py::dict out;
+  out["pose"] = column<double>(c.pose).reshape({n, int64_t{7}, int64_t{7}});
+  out["pose_T_g_M"] = column<double>(c.pose_hull).reshape({n, int64_t{7}, int64_t{6}});
+  out["landmark"] = column<double>(c.landmark).reshape({l, int64_t{3}, int64_t{3}});
+  out["landmark_T_g_M"] = column<double>(c.landmark_hull).reshape({l, int64_t{3}, int64_t{6}});
+  out["deviation"] = column<double>(c.deviation);
+  out["deviation_T_g_M"] = column<double>(c.deviation_hull).reshape({held.tables.deviation.rows(), int64_t{6}});
+  for (const auto& [name, block] : c.global) out[name.c_str()] = block;
+  return out;
+}
+
 void raise(const char* type, const Error& error) {
   const py::object kind = py::module_::import("hullrecon.errors").attr(type);
   const py::object value = kind(error.what(), py::arg("where") = error.where, py::arg("remedy") = error.remedy);
@@ -263,6 +309,8 @@ PYBIND11_MODULE(_native, m) {
       .def("cast", &cast)
       .def("__len__", &MeshIndex::faces);
   m.def("solve", &run_solve);
+  m.def("evaluate", &run_evaluate);
+  m.def("covariance", &run_covariance);
 }
 
 }  // namespace hullrecon

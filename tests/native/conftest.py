@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A small survey in NumPy alone: vehicle over a bumpy plate, two cameras, four beams; every measurement exact unless noise is asked."""
+"""A small survey: vehicle over a bumpy plate, two cameras, four beams; measurements are exact unless noise is asked."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def plate(n: int = 25) -> tuple[np.ndarray, np.ndarray]:
 
 
 def survey(poses: int = 8, landmarks: int = 60, seed: int = 0, pixel_noise: float = 0.0) -> Problem:
-    """The true state with its measurements. Vehicle frame z points at the plate from above; T_s_ct and T_s_d near the identity."""
+    """The true state with its measurements. The vehicle looks at the plate along its z; mounts are near the identity."""
     rng = np.random.default_rng(seed)
     t = np.linspace(0, 2 * np.pi, poses, endpoint=False)
     place = np.stack([0.5 * np.cos(t), 0.4 * np.sin(2 * t), 1.6 + 0.2 * np.sin(3 * t)], axis=1)
