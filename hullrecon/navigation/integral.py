@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Running integrals of signals sampled at uneven times, with the signal straight between its samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Integral:
+    """t_s (n,), signal (n, ...), total (n, ...): its integral from the first sample, by the trapezoid."""
+
+    t_s: Array
+    signal: Array
+    total: Array
+
+    def at(self, t_s: Array) -> Array:
+        """(m, ...) at times (m,). Beyond the ends the signal holds its last value."""
+        left = np.clip(np.searchsorted(self.t_s, t_s, side="right") - 1, 0, len(self.t_s) - 2)
+        wide = (slice(None), *[None] * (self.signal.ndim - 1))
+        step = self.t_s[left + 1] - self.t_s[left]
+        inside = np.clip(t_s - self.t_s[left], 0.0, step)
+        outside = t_s - self.t_s[left] - inside
+        start, stop = self.signal[left], self.signal[left + 1]
+        within = start * inside[wide] + (stop - start) * (0.5 * inside**2 / step)[wide]
+        return np.asarray(self.total[left] + within + np.where((outside > 0)[wide], stop, start) * outside[wide])
+
+
+def integral(t_s: Array, signal: Array) -> Integral:
+    """Of at least two samples at growing times."""
+    step = np.diff(t_s).reshape(-1, *[1] * (signal.ndim - 1))
+    pieces = 0.5 * (signal[1:] + signal[:-1]) * step
+    return Integral(t_s, signal, np.concatenate([np.zeros((1, *signal.shape[1:])), np.cumsum(pieces, axis=0)]))

@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where the sensors of navigation sit and how well they are known, as numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.poses import Poses
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """tray_origin, pressure_origin (3,) m in vehicle; T_s_d, one pose. Sigmas, one each for the whole dive: mount (6,) m and
+    rad, scale, heading drift rad/s, roll and pitch bias rad, depth bias m, tray slop rad; white: roll, pitch rad, depth m."""
+
+    tray_origin: Array
+    pressure_origin: Array
+    T_s_d: Poses
+    sigma_mount: Array
+    sigma_scale: float
+    sigma_drift: float
+    sigma_tilt_bias: float
+    sigma_depth_bias: float
+    sigma_tray: float
+    sigma_tilt: float
+    sigma_depth: float
+
+
+def cross_matrix(v: Array) -> Array:
+    """[v]x (n, 3, 3) of (n, 3): [v]x w = v x w."""
+    x, y, z = np.moveaxis(v, -1, 0)
+    zero = np.zeros_like(x)
+    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*v.shape[:-1], 3, 3)
