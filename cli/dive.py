@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""init, check and simulate: what concerns a dive package as such."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from hullrecon.errors import InputError, UsageError
+
+from .dives import CONFIGURATION, FOLDER, set_option
+from .state import state_of
+
+
+@click.command()
+@click.argument("log", type=FOLDER)
+@click.option("--out", type=FOLDER, help="the package's folder  [default: that of the log]")
+@click.option("--force", is_flag=True, help=f"replace a {CONFIGURATION} that is there")
+def init(log: Path, out: Path | None, force: bool) -> None:
+    """Write a commented dive.toml by looking into LOG."""
+    from hullrecon.artifacts.disk import storage_errors, write_file
+    from hullrecon.dive.initial import first_config
+    from hullrecon.dive.readers.open import open_log
+    from hullrecon.dive.survey import survey
+
+    found = survey(open_log(log))
+    if not found.topics:
+        raise InputError("nothing could be read of the log", where=str(log))
+    folder = out or (log.parent.parent if log.parent.name == "logs" else log.parent)
+    path = folder / CONFIGURATION
+    if path.exists() and not force:
+        raise UsageError(f"{CONFIGURATION} is there already", where=str(folder), remedy="--force replaces it")
+    with storage_errors(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    write_file(path, first_config(found, log, folder).encode())
+    lines = [*found.lines(), f"wrote {path}", f"next: read it through, then `hullrecon check {folder}`"]
+    state_of().emit({**found.document(), "wrote": str(path)}, lines)
+
+
+@click.command()
+@click.argument("package", type=FOLDER)
+@set_option
+def check(package: Path, overrides: tuple[str, ...]) -> None:
+    """Say in words what PACKAGE holds, or a bare log, and what is missing for a run."""
+    if package.is_file() or (package.is_dir() and not (package / CONFIGURATION).exists() and _is_log(package)):
+        _check_log(package)
+        return
+    from hullrecon.dive.checking import check_package
+    from hullrecon.dive.load import load_config
+    from hullrecon.steps.chain import stages
+    from hullrecon.steps.ingest import STAGE, USES, request_of
+
+    loaded = load_config(package, {stage.name: stage.parameters for stage in (*stages(), STAGE)}, overrides)
+    found = check_package(loaded, request_of({name: loaded.value(name) for name in USES}))
+    state_of().emit(found.document(), found.lines())
+
+
+def _check_log(path: Path) -> None:
+    from hullrecon.dive.readers.open import open_log
+    from hullrecon.dive.survey import survey
+
+    found = survey(open_log(path))
+    advice = "this is a log without a dive.toml: `hullrecon init` writes one beside it"
+    state_of().emit(found.document(), [*found.lines(), advice])
+
+
+def _is_log(folder: Path) -> bool:
+    from hullrecon.dive.readers.open import open_log
+
+    try:
+        open_log(folder)
+    except InputError:
+        return False
+    return True
+
+
+class _Simulate(click.Command):
+    """Its options stand in `hullrecon.synthetic.command`, which is imported when they are asked for."""
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        known = {parameter.name for parameter in self.params}
+        self.params += [option for option in _simulate_options() if option.name not in known]
+        return super().get_params(ctx)
+
+
+def _simulate_options() -> list[click.Option]:
+    from hullrecon.synthetic.command import OPTIONS
+
+    made = []
+    for option in OPTIONS:
+        flags = [f"--{option.name}/--no-{option.name}"] if option.type is bool else [f"--{option.name}"]
+        kind = click.Choice(option.choices) if option.choices else option.type
+        made.append(
+            click.Option([*flags, option.field], type=kind, default=option.default, show_default=True, help=option.help)
+        )
+    return made
+
+
+@click.command(cls=_Simulate)
+@click.argument("folder", type=FOLDER)
+def simulate(folder: Path, **options: Any) -> None:
+    """Make a dive package with truth in FOLDER."""
+    from hullrecon.synthetic.command import simulate as make
+
+    made = make(folder, **options)
+    lines = [f"wrote {folder}: {made['seconds']} s, {made['frames']} camera frames, {made['objects']} objects to be found"]
+    state_of().emit(made, lines)
