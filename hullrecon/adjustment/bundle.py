@@ -45,11 +45,12 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
     most_px = 40.0  # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
     outcome = None
     for k in range(options.rounds):
-        state = replace(state, landmark=selection.relocate(m, state)) if k < 2 else state
-        chosen = _usable(m, selection.select(m, state, most_px))
+        last = k == options.rounds - 1
+        state = replace(state, landmark=selection.relocate(m, state))
+        chosen = _chosen(m, state, most_px, options, last)
         weights = replace(weights, surface=_surface_weights(m, state, chosen, options))
         problem = assemble(m, state, weights, chosen, center, options.as_published)
-        result = native.solve(problem, _native_options(options, last=k == options.rounds - 1))
+        result = native.solve(problem, _native_options(options, last))
         outcome = (problem, result, chosen, weights)
         state = read_back(state, result.unknowns, chosen, center)
         weights = _settled_weights(m, state, chosen, weights, options)
@@ -121,13 +122,32 @@ def _surface_weights(m: Measurements, state: State, chosen: Selection, options: 
     return cell_share(m, state, chosen.landmarks, (0.1 * along, 0.1 * girth))
 
 
-def _usable(m: Measurements, chosen: Selection) -> Selection:
+def _chosen(m: Measurements, state: State, most_px: float, options: AdjustOptions, last: bool) -> Selection:
+    """Anchors before the last round, then every landmark but lonely ones off the hull."""
+    chosen = selection.select(m, state, most_px)
+    if last and m.drawing is not None and state.T_g_M is not None:
+        boundary = options.sigma_on * np.sqrt(2 * np.log(options.sigma_off / options.sigma_on))
+        off = np.abs(deviation_from_hull(m, state, state.landmark[chosen.landmarks])) > boundary
+        chosen = selection.without_lonely(m, state, chosen, off)
+    if not last:
+        chosen = selection.anchors(m, chosen, options.anchors)
     if m.tracks is not None and len(chosen.landmarks) < 20:
         raise StageError(
             f"only {len(chosen.landmarks)} landmarks agree with the navigation",
             remedy="check camera mounts and time offsets, or lower matches' thresholds",
         )
     return chosen
+
+
+def deviation_from_hull(m: Measurements, state: State, points: Array) -> Array:
+    """Signed distance (n,) of points (n, 3) in g to the hull as it is: the drawing moved by the field."""
+    if m.drawing is None or state.T_g_M is None:
+        raise ValueError("a deviation needs a drawing")
+    at = state.T_g_M.inverse().apply(points)
+    distance = native.MeshIndex(m.drawing.mesh.vertices, m.drawing.mesh.faces).closest(at).distance
+    if state.grid is None:
+        return np.asarray(distance)
+    return np.asarray(distance - state.grid.value(state.field, m.drawing.chart.to_chart(at)[:, :2]))
 
 
 def _native_options(options: AdjustOptions, last: bool) -> native.Options:

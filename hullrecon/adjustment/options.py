@@ -24,6 +24,7 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     rounds: Annotated[int, Meta(ge=1, le=10, description="solves between which outliers and sigmas are settled")] = 3
     max_iterations: Annotated[int, Meta(ge=1, le=1000, description="iterations of one solve at most")] = 60
     function_tolerance: Annotated[Positive, Meta(description="relative change of cost that ends a solve")] = 1e-6
+    anchors: Annotated[int, Meta(ge=1000, description="landmarks at most in the rounds before the last")] = 20000
     least_pixel_sigma: Annotated[Positive, Meta(description="px, floor of the estimated pixel sigma")] = 0.15
     outlier_sigmas: Annotated[Positive, Meta(description="observations beyond this many sigmas are left out")] = 5.0
     threads: Annotated[int, Meta(ge=1, le=64, description="threads of the solve; one gives the same bytes each time")] = 1

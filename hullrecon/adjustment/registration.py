@@ -10,6 +10,7 @@ over the chart, together with the package's prior. Its covariance says what the 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,7 +122,8 @@ def _gicp(points: Array, target: Array, start: Poses) -> Poses:
         register.TransformationEstimationForGeneralizedICP(),
         register.ICPConvergenceCriteria(max_iteration=40),
     )
-    return poses.from_matrix(result.transformation).inverse()
+    # its sums differ in the last digit from call to call: rounding keeps what follows repeatable
+    return poses.from_matrix(np.round(result.transformation, 6)).inverse()
 
 
 def prior_step(hull_from: Poses, drawing: Drawing, center: Array) -> Array:
@@ -146,25 +148,51 @@ def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> A
 
 
 def fit_correlated(
-    points: Array, start: Poses, drawing: Drawing, center: Array, index: MeshIndex, sigma_range: float, iterations: int = 30
+    points: Array, start: Poses, drawing: Drawing, center: Array, index: MeshIndex, sigma_range: float, iterations: int = 60
 ) -> Registration:
-    """Gauss-Newton on signed distances whose errors are range noise (robust) and the drawing's correlated deviation."""
+    """Levenberg-Marquardt on signed distances whose errors are range noise and the drawing's correlated deviation. Outliers are
+    weighed down by their distance at the start, so that the cost is one function and its descent ends."""
     at = start.inverse().apply(points)
     field = matern32(np.nan_to_num(drawing.chart.to_chart(at)[:, :2]), drawing.deviation_sigma, drawing.deviation_length)
-    whitened = prior_rows(drawing)
-    pose, distance, information = start, np.zeros(len(points)), np.eye(6)
+    noise = _robust_noise(signed_distances(points, start, center, index)[0], sigma_range, drawing.deviation_sigma)
+    problem = _Correlated(points, drawing, center, index, cho_factor(field + np.diag(noise**2)))
+    pose, damping = start, 1e-4
+    cost, right, information, distance = problem.linearised(pose)
     for _ in range(iterations):
-        distance, jacobian = signed_distances(points, pose, center, index)
-        noise = _robust_noise(distance, sigma_range, drawing.deviation_sigma)
-        weighted = cho_solve(cho_factor(field + np.diag(noise**2)), np.c_[jacobian, distance])
-        information = jacobian.T @ weighted[:, :6] + whitened.T @ whitened
-        right = jacobian.T @ weighted[:, 6] + whitened.T @ (prior_step(pose, drawing, center) / drawing.guess_sigma)
-        step = -np.linalg.solve(information, right)
-        pose = perturbed(pose, center, step)
-        if np.abs(step[:3]).max() < 1e-5 and np.abs(step[3:]).max() < 1e-6:
+        step = -np.linalg.solve(information + damping * np.diag(np.diag(information)), right)
+        trial = perturbed(pose, center, step)
+        there = problem.linearised(trial)
+        if there[0] > cost:
+            damping *= 10
+            continue
+        settled = cost - there[0] < 1e-6 * cost
+        pose, damping = trial, max(damping / 5, 1e-9)
+        cost, right, information, distance = there
+        if settled:
             break
     within = float(np.mean(np.abs(distance) < 3 * np.hypot(sigma_range, drawing.deviation_sigma)))
     return Registration(pose, np.linalg.inv(information), center, distance, within)
+
+
+@dataclass(frozen=True)
+class _Correlated:
+    """The generalised least-squares problem of `fit_correlated`; factor: Cholesky factor of the errors' covariance."""
+
+    points: Array
+    drawing: Drawing
+    center: Array
+    index: MeshIndex
+    factor: Any
+
+    def linearised(self, pose: Poses) -> tuple[float, Array, Array, Array]:
+        """Cost, gradient (6,), information (6, 6) and signed distances at T_g_M."""
+        distance, jacobian = signed_distances(self.points, pose, self.center, self.index)
+        weighted = cho_solve(self.factor, np.c_[jacobian, distance])
+        whitened = prior_rows(self.drawing)
+        prior = prior_step(pose, self.drawing, self.center) / self.drawing.guess_sigma
+        cost = 0.5 * float(distance @ weighted[:, 6] + prior @ prior)
+        right = jacobian.T @ weighted[:, 6] + whitened.T @ prior
+        return cost, right, jacobian.T @ weighted[:, :6] + whitened.T @ whitened, distance
 
 
 def prior_rows(drawing: Drawing) -> Array:

@@ -43,6 +43,40 @@ def select(m: Measurements, state: State, most_px: float) -> Selection:
     return Selection(top, bottom, returns, np.flatnonzero(used))
 
 
+def anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
+    """The landmarks seen best, at most `most`, spread evenly over the nodes that first saw them: enough to settle poses and
+    sigmas in the rounds before the last, at a fraction of its cost."""
+    if m.tracks is None or len(chosen.landmarks) <= most:
+        return chosen
+    rays = np.bincount(m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m))
+    first = np.full(landmark_count(m), np.iinfo(np.int64).max)
+    np.minimum.at(first, m.tracks.landmark, m.tracks.node)
+    node = first[chosen.landmarks]
+    order = np.lexsort((-rays[chosen.landmarks], node))
+    rank = np.arange(len(order)) - np.searchsorted(node[order], node[order])
+    kept = order[rank < max(1, most // max(1, len(np.unique(node))))]
+    return Selection(chosen.top, chosen.bottom, chosen.returns, np.sort(chosen.landmarks[kept]))
+
+
+def without_lonely(
+    m: Measurements, state: State, chosen: Selection, off: NDArray[np.bool_], reach_m: float = 0.15
+) -> Selection:
+    """Leaves out landmarks off the hull (`off`, one a chosen landmark) that at most three rays saw and that have no two fellows
+    off the hull within reach: a mismatch along the epipolar line looks like structure, but stands alone."""
+    from scipy.spatial import cKDTree
+
+    if m.tracks is None or not off.any():
+        return chosen
+    rays = np.bincount(m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m))[
+        chosen.landmarks
+    ]
+    position = state.landmark[chosen.landmarks]
+    fellows = cKDTree(position[off]).query_ball_point(position[off], reach_m, return_length=True) - 1
+    lonely = np.zeros(len(off), bool)
+    lonely[off] = (rays[off] <= 3) & (fellows < 2)
+    return Selection(chosen.top, chosen.bottom, chosen.returns, chosen.landmarks[~lonely])
+
+
 def _near_hull(m: Measurements, state: State, reach_m: float = 2.0) -> NDArray[np.bool_]:
     """Within reach of the vehicle's path at all, and of the drawing when there is one: a landmark metres off is a mismatch."""
     from scipy.spatial import cKDTree
