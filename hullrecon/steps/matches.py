@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import from_mount
 from hullrecon.vision.bench import Bench, MatchNode, MatchPairs, Node, Pair
+from hullrecon.vision.examine import Link, doubtful
 from hullrecon.vision.landmarks import Matches, build
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs import Proposal, propose
@@ -27,6 +29,7 @@ from hullrecon.vision.stereo import no_matches
 from hullrecon.vision.survey import Survey, depth_priors, survey_of
 from hullrecon.vision.views import DepthPrior
 
+Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 BLOCK = 48  # pairs that one call of a worker compares: neighbours share views
 
@@ -50,11 +53,23 @@ def run(context: Context) -> None:
     keyframes, proposal = propose(survey, usable, depth_m, bench.rig.top, options, np.ones(len(nodes), bool))
     found = _match_pairs(context, bench, survey, nodes, proposal)
     matches = _gather(proposal, found)
-    tracks = build(count, [node.stereo for node in nodes], matches, lambda k: bench.read(nodes[k].image), options.single_node)
+    links = [
+        Link(int(a), int(b), pair.motion, pair.scaled)
+        for a, b, pair in zip(proposal.first, proposal.second, found, strict=True)
+        if pair.motion is not None
+    ]
+    doubt = partial(_doubtful, bench.rig, links, options)
+    tracks = build(count, [n.stereo for n in nodes], matches, lambda k: bench.read(nodes[k].image), options.single_node, doubt)
     if not any(len(pair.first) for pair in found):
         raise StageError("no two images could be matched", where="matches", remedy=_most_frequent(found))
     context.out.arrays("tracks.npz", to_arrays(tracks))
     _write_pairs(context, proposal, found, {"keyframes": len(keyframes), "nodes": len(nodes)}, tracks)
+
+
+def _doubtful(
+    rig: Rig, links: Sequence[Link], options: MatchOptions, node: Ints, label: Ints, top: Array, bottom: Array
+) -> NDArray[np.bool_]:
+    return doubtful(rig, node, label, top, bottom, links, options)
 
 
 def _bench(context: Context) -> Bench:

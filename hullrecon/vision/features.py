@@ -23,7 +23,7 @@ class FeatureOptions(Section, frozen=True):
     clahe_clip: NotNegative = 3.0  # contrast limit; 0 leaves the image as it is
     clahe_tiles: Annotated[int, Meta(ge=1, le=64)] = 8  # tiles along each side
     max_features: Annotated[int, Meta(ge=50, le=100_000)] = 4000  # an image; the strongest are kept
-    contrast_threshold: Positive = 0.04  # OpenCV's contrastThreshold
+    contrast_threshold: Positive = 0.02  # OpenCV's contrastThreshold
     edge_threshold: Positive = 10.0
     octave_layers: Annotated[int, Meta(ge=1, le=8)] = 3
     reduction: Annotated[float, Meta(ge=1.0, le=8.0)] = 2.0  # images are shrunk by this before SIFT doubles them

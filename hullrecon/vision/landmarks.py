@@ -17,6 +17,7 @@ from hullrecon.vision.tracks import join
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -47,12 +48,17 @@ class Matches:
 
 
 def build(
-    count: Ints, stereo: Sequence[StereoMatches], matches: Matches, read: Callable[[int], NodeFeatures], single_node: bool
+    count: Ints,
+    stereo: Sequence[StereoMatches],
+    matches: Matches,
+    read: Callable[[int], NodeFeatures],
+    single_node: bool,
+    doubt: Callable[[Ints, Ints, Array, Array], Mask] | None = None,
 ) -> Tracks:
     """Tracks of all landmarks that two nodes share and, with `single_node`, of those that one stereo node saw.
 
     count (n,): features of each node's leading camera. stereo: matches of each node, rows into its cameras. read: a node's
-    features by its number.
+    features by its number. doubt: from node, landmark, top and bottom pixels to the observations that are not believed.
     """
     start = np.concatenate([[0], np.cumsum(count)])
     first, second = start[matches.first_node] + matches.first_row, start[matches.second_node] + matches.second_row
@@ -60,10 +66,14 @@ def build(
     used = np.unique(np.concatenate([first, second, alone]))
     node = np.searchsorted(start, used, side="right") - 1
     label = join(node, np.searchsorted(used, first), np.searchsorted(used, second), matches.distance)
-    keep = (label >= 0) | single_node
     label[label < 0] = label.max(initial=-1) + 1 + np.arange(int((label < 0).sum()))
-    used, node, label = used[keep], node[keep], label[keep]
     top, bottom, color = _observations(used - start[node], node, stereo, read)
+    keep = np.ones(len(used), bool) if doubt is None else ~doubt(node, label, top, bottom)
+    shared = np.bincount(label[keep], minlength=int(label.max(initial=-1)) + 1) > 1
+    both = np.isfinite(top[:, 0]) & np.isfinite(bottom[:, 0])
+    keep &= shared[label] | (both & single_node)
+    label = np.unique(label[keep], return_inverse=True)[1].astype(np.int64)
+    node, top, bottom, color = node[keep], top[keep], bottom[keep], color[keep]
     order = np.lexsort((node, label))
     return Tracks(label[order], node[order], top[order], bottom[order], _mean_color(label, color))
 

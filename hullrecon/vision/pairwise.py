@@ -98,17 +98,27 @@ def _match(
 ) -> PairMatch:
     """By triangulated points of both sides; where too few, of one side; without any, by two-view geometry."""
     result = _failed(0, Reason.FEW_PUTATIVE)
+    tolerance = options.ransac_px / rig.focal(0)
     if first.stereo.any() and second.stereo.any():
         rows = np.flatnonzero(first.stereo)
         rows = rows[:: max(1, len(rows) // options.seeds)] if prior is not None else rows
         seeds = search(rig, first, second, prior, options, rows, np.flatnonzero(second.stereo))
-        result = _with_points(rig, first, second, seeds, options, seed, _three_point)
-    if result.reason is not Reason.MATCHED:
-        seeds = search(rig, first, second, prior, options, np.arange(len(first)), np.arange(len(second)))
-        if first.stereo.any() or second.stereo.any():
-            return _with_points(rig, first, second, seeds, options, seed, _resection)
-        return _without_points(rig, first, second, seeds, prior, options)
-    return result
+        points = first.point[seeds.first], second.point[seeds.second]
+        sights = sights_of(rig, first, second, seeds)
+        start = rigid.ransac(*points, sights, tolerance, options.ransac_trials, seed) if _enough(seeds, options) else None
+        result = _with_points(rig, first, second, seeds, start, options)
+    if result.reason is Reason.MATCHED:
+        return result
+    seeds = search(rig, first, second, prior, options, np.arange(len(first)), np.arange(len(second)))
+    if not _enough(seeds, options):
+        return _failed(len(seeds), Reason.FEW_PUTATIVE)
+    if first.stereo.any() or second.stereo.any():
+        return _with_points(rig, first, second, seeds, _resection(first, second, seeds, tolerance, options), options)
+    return _without_points(rig, first, second, seeds, prior, options)
+
+
+def _enough(seeds: Putative, options: MatchOptions) -> bool:
+    return len(seeds) >= options.min_putative
 
 
 def search(
@@ -133,17 +143,14 @@ def _within(
     return rows[known][a], among[b]
 
 
-def _with_points(rig, first, second, seeds, options, seed, solve) -> PairMatch:  # type: ignore[no-untyped-def]
-    if len(seeds) < options.min_putative:
-        return _failed(len(seeds), Reason.FEW_PUTATIVE)
+def _with_points(rig: Rig, first: View, second: View, seeds: Putative, start: Array | None, options: MatchOptions) -> PairMatch:
+    """From the first guess of a motion to the matches that it guides to."""
+    if start is None:
+        return _failed(len(seeds), Reason.FEW_INLIERS if _enough(seeds, options) else Reason.FEW_PUTATIVE)
     sights = sights_of(rig, first, second, seeds)
     tolerance = options.ransac_px / rig.focal(0)
-    start = solve(first, second, seeds, sights, tolerance, options, seed)
-    if start is None:
-        return _failed(len(seeds), Reason.FEW_INLIERS)
-    refined, covariance = rigid.refine(start, sights, tolerance)
-    motion = Motion(refined, covariance)
-    if _support(refined, sights, tolerance, len(seeds)) < options.min_inliers:
+    motion = Motion(*rigid.refine(start, sights, tolerance))
+    if _support(motion.second_from_first, sights, tolerance, len(seeds)) < options.min_inliers:
         return _failed(len(seeds), Reason.FEW_INLIERS)
     matched = guided(rig, first, second, motion, options)
     if len(matched) < options.min_inliers:
@@ -154,12 +161,12 @@ def _with_points(rig, first, second, seeds, options, seed, solve) -> PairMatch: 
 def sights_of(rig: Rig, first: View, second: View, seeds: Putative) -> list[rigid.Sight]:
     """Each node's points as the other node's leading camera, and its bottom camera, saw them."""
     a, b = seeds.first, seeds.second
-    eye, down = np.eye(4), rig.from_top(1)
+    eye, down, baseline = np.eye(4), rig.from_top(1), rig.baseline_m
     sights = [
-        rigid.Sight(first.point[a], second.xy[b], eye, False),
-        rigid.Sight(first.point[a], second.other[b], down, False),
-        rigid.Sight(second.point[b], first.xy[a], eye, True),
-        rigid.Sight(second.point[b], first.other[a], down, True),
+        rigid.Sight(first.point[a], second.xy[b], eye, False, baseline),
+        rigid.Sight(first.point[a], second.other[b], down, False, baseline),
+        rigid.Sight(second.point[b], first.xy[a], eye, True, baseline),
+        rigid.Sight(second.point[b], first.other[a], down, True, baseline),
     ]
     return [rigid.known(s) for s in sights]
 
@@ -174,21 +181,14 @@ def _support(motion: Array, sights: list[rigid.Sight], tolerance: float, count: 
     return int((good & told).sum())
 
 
-def _three_point(first, second, seeds, sights, tolerance, options, seed):  # type: ignore[no-untyped-def]
-    return rigid.ransac(first.point[seeds.first], second.point[seeds.second], sights, tolerance, options.ransac_trials, seed)
-
-
-def _resection(first, second, seeds, sights, tolerance, options, seed):  # type: ignore[no-untyped-def]
+def _resection(first: View, second: View, seeds: Putative, tolerance: float, options: MatchOptions) -> Array | None:
     """Pose from the points of the side that has more of them, seen in the other (P3P in RANSAC)."""
-    forward, backward = first.stereo[seeds.first], second.stereo[seeds.second]
+    a, b, trials = seeds.first, seeds.second, options.ransac_trials
+    forward, backward = first.stereo[a], second.stereo[b]
     if forward.sum() >= backward.sum():
-        return rigid.resect(
-            first.point[seeds.first[forward]], second.xy[seeds.second[forward]], tolerance, options.ransac_trials
-        )
-    motion = rigid.resect(
-        second.point[seeds.second[backward]], first.xy[seeds.first[backward]], tolerance, options.ransac_trials
-    )
-    return None if motion is None else np.linalg.inv(motion)
+        return rigid.resect(first.point[a[forward]], second.xy[b[forward]], tolerance, trials)
+    motion = rigid.resect(second.point[b[backward]], first.xy[a[backward]], tolerance, trials)
+    return None if motion is None else np.asarray(np.linalg.inv(motion))
 
 
 def guided(rig: Rig, first: View, second: View, motion: Motion, options: MatchOptions) -> Putative:
@@ -215,14 +215,21 @@ def _on_lines(rig: Rig, first: View, second: View, motion: Array, options: Match
 def _without_points(
     rig: Rig, first: View, second: View, seeds: Putative, prior: Motion | None, options: MatchOptions
 ) -> PairMatch:
-    if len(seeds) < options.min_putative:
-        return _failed(len(seeds), Reason.FEW_PUTATIVE)
     found = twoview.fit(first.xy[seeds.first], second.xy[seeds.second], options.verify_px / rig.focal(0))
     if found is None or found.inlier.sum() < options.min_inliers:
         return _failed(len(seeds), Reason.FEW_INLIERS)
     choices = twoview.motions_of(found, first.xy[seeds.first], second.xy[seeds.second])
+    if not choices:
+        return _failed(len(seeds), Reason.FEW_INLIERS)
     motion = _closest(choices, prior)
     kept = Putative(seeds.first[found.inlier], seeds.second[found.inlier], seeds.distance[found.inlier])
+    if prior is not None and found.model == "essential":
+        near = _within(rig, first, second, prior, options, np.arange(len(first)), np.arange(len(second)))
+        near = _on_lines(rig, first, second, motion.second_from_first, options, *near)
+        more = best_of_candidates(
+            *near, sparse_distance(first.descriptor, second.descriptor, *near), options.guided_ratio, options.max_distance
+        )
+        kept = more if len(more) > len(kept) else kept
     return PairMatch(kept.first, kept.second, kept.distance, len(seeds), Reason.MATCHED, motion, scaled=False)
 
 

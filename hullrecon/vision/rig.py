@@ -31,6 +31,11 @@ class Rig:
     def stereo(self) -> bool:
         return self.bottom is not None and self.top_from_bottom is not None
 
+    @property
+    def baseline_m(self) -> float:
+        """Between the cameras; 1 for a mono rig, whose points have no length."""
+        return 1.0 if self.top_from_bottom is None else float(np.linalg.norm(self.top_from_bottom.translation[0]))
+
     def camera(self, number: int) -> Camera:
         """0 top, 1 bottom."""
         if number == 0:

@@ -7,7 +7,7 @@ Residuals live in ideal coordinates; tolerances arrive divided by the focal leng
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +23,14 @@ class Sight:
     """Points (n, 3) of one node and where another node's cameras saw them: xy (n, 2), NaN where that camera did not.
 
     camera_from_node (4, 4): the camera in the frame that the points are moved into. backward: the motion wanted carries this
-    sight's points with its inverse.
+    sight's points with its inverse. baseline_m: of the rig that triangulated the points, for their uncertainty in depth.
     """
 
     points: Array
     xy: Array
     camera_from_node: Array
     backward: bool
+    baseline_m: float
 
 
 def align(first: Array, second: Array) -> Array:
@@ -89,7 +90,7 @@ def squared_errors(motions: Array, sight: Sight) -> Array:
 
 
 def refine(motion: Array, sights: list[Sight], tolerance: float, iterations: int = 12) -> tuple[Array, Array]:
-    """Motion (4, 4) that minimises the inliers' squared errors, and its covariance (6, 6) as Motion defines it.
+    """Motion (4, 4) that minimises the inliers' errors in units of their sigma, and its covariance (6, 6) as Motion defines it.
 
     Inliers are chosen anew in the first half of the iterations, then held. The covariance takes its scale from the residuals.
     """
@@ -134,7 +135,7 @@ def _normal(motion: Array, sights: list[Sight], masks: list[Mask]) -> tuple[Arra
 
 
 def _linearised(motion: Array, sight: Sight, mask: Mask) -> tuple[Array, Array]:
-    """Residuals (n, 2) and Jacobian (n, 2, 6) of the masked rows."""
+    """Whitened residuals (n, 2) and Jacobian (n, 2, 6) of the masked rows."""
     rotation, translation = motion[:3, :3], motion[:3, 3]
     points = sight.points[mask]
     if sight.backward:
@@ -150,7 +151,22 @@ def _linearised(motion: Array, sight: Sight, mask: Mask) -> tuple[Array, Array]:
     by_point = np.zeros((len(points), 2, 3))
     by_point[:, 0, 0] = by_point[:, 1, 1] = 1 / z
     by_point[:, :, 2] = -image / z[:, None]
-    return image - sight.xy[mask], by_point @ turn @ np.concatenate([by_t, by_w], axis=2)
+    by_moved = by_point @ turn
+    whiten = _whitening(by_moved, rotation.T if sight.backward else rotation, points, sight.baseline_m)
+    residual = np.einsum("nij,nj->ni", whiten, image - sight.xy[mask])
+    return residual, whiten @ by_moved @ np.concatenate([by_t, by_w], axis=2)
+
+
+def _whitening(by_moved: Array, rotation: Array, points: Array, baseline_m: float) -> Array:
+    """(n, 2, 2) inverse root of I + u u^T: a pixel's own error, and u, that of the point's depth as seen in the image.
+
+    A triangulated depth is off by z^2 sqrt(2) / b for each unit of error in the image; unweighted, that bends wide pairs.
+    """
+    along = points / points[:, 2:] @ rotation.T * (np.sqrt(2) / baseline_m * points[:, 2:] ** 2)
+    u = np.einsum("nij,nj->ni", by_moved, along)
+    square = np.maximum((u * u).sum(axis=1), 1e-12)
+    shrink = (1 - 1 / np.sqrt(1 + square)) / square
+    return np.eye(2) - shrink[:, None, None] * u[:, :, None] * u[:, None, :]
 
 
 def _cross(v: Array) -> Array:
@@ -165,7 +181,7 @@ def known(sight: Sight) -> Sight:
     """The same sight with rows that lack a point marked as not seen."""
     blind = np.isnan(sight.points[:, 0])
     points, xy = np.where(blind[:, None], 0.0, sight.points), np.where(blind[:, None], np.nan, sight.xy)
-    return Sight(points, xy, sight.camera_from_node, sight.backward)
+    return replace(sight, points=points, xy=xy)
 
 
 def resect(points: Array, xy: Array, tolerance: float, trials: int) -> Array | None:
