@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hullrecon.synthetic import instruments
 from hullrecon.synthetic.dive import Dive, photographs, pings
+from hullrecon.synthetic.sonar import BEAM_COUNT, BIN_COUNT
 
 Array = NDArray[np.float64]
 START_NS = 1_777_887_000_000_000_000  # 2026-05-04T09:30:00Z
@@ -36,7 +37,7 @@ def record(dive: Dive) -> Streams:
     """All sensors of the dive, images last: they take the time."""
     spec, motion = dive.spec, dive.motion
     ping_s, images = pings(dive) if spec.sonar else (np.zeros(0), iter(()))
-    sonar = np.array(list(images), np.uint8).reshape(len(ping_s), -1, 256)
+    heard = np.array(list(images), np.uint8).reshape(len(ping_s), BEAM_COUNT, BIN_COUNT)
     top, bottom = _jpegs(dive)
     return Streams(
         instruments.dvl(spec, motion, dive.rig, dive.hull),
@@ -47,7 +48,7 @@ def record(dive: Dive) -> Streams:
         top,
         bottom,
         ping_s,
-        sonar,
+        heard,
     )
 
 

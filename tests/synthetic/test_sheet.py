@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hullrecon.errors import InputError
+from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.meshes import Mesh
+from hullrecon.synthetic.forms import ship_form
+from hullrecon.synthetic.sheet import Sheet, cut_sheet, girth_at
+from hullrecon.synthetic.spec import DiveSpec
+
+
+@pytest.fixture(scope="module")
+def drawing() -> Mesh:
+    return ship_form(DiveSpec())
+
+
+@pytest.fixture(scope="module")
+def sheet(drawing: Mesh) -> Sheet:
+    return cut_sheet(drawing, (24.0, 27.0), 4.0, 6.0)
+
+
+def test_every_point_lies_on_the_drawing(sheet: Sheet, drawing: Mesh) -> None:
+    distance = Scene(drawing).closest(sheet.point.reshape(-1, 3)).distance
+    assert np.abs(distance).max() < 1e-4
+
+
+def test_girth_is_arc_length(sheet: Sheet) -> None:
+    step = np.linalg.norm(np.diff(sheet.point, axis=1), axis=2)
+    np.testing.assert_allclose(step, 0.03, atol=3e-4)
+    np.testing.assert_allclose(sheet.girth_m, np.round(sheet.girth_m / 0.03) * 0.03)
+
+
+def test_normals_point_away_from_the_ship(sheet: Sheet) -> None:
+    np.testing.assert_allclose(np.linalg.norm(sheet.normal, axis=2), 1)
+    side = sheet.point[..., 2] > 2.0
+    bottom = (sheet.point[..., 2] < 1e-3) & (np.abs(sheet.point[..., 1]) < 2)
+    assert side.any()
+    assert bottom.any()
+    assert (sheet.normal[side][:, 1] > 0.99).all()
+    assert (sheet.normal[bottom][:, 2] < -0.99).all()
+
+
+def test_girth_at_a_height_is_flat_plus_bilge_plus_side(sheet: Sheet) -> None:
+    # half beam 4.5, radius 1.3: 3.2 flat, a quarter circle, then 0.7 up the side; the arc is a polygon of 28 points
+    expected = 3.2 + 0.5 * np.pi * 1.3 + 0.7
+    assert girth_at(sheet, 25.0, 2.0) == pytest.approx(expected, abs=0.01)
+
+
+def test_the_sheet_stops_at_the_height_asked_for(sheet: Sheet) -> None:
+    assert sheet.point[..., 2].max() == pytest.approx(4.0, abs=0.03)
+
+
+def test_the_sheet_has_no_more_girth_than_asked_for(sheet: Sheet) -> None:
+    assert np.ptp(sheet.girth_m) <= 6.0
+
+
+def test_sampling_is_linear_between_nodes(sheet: Sheet) -> None:
+    a, g = np.array([0.5 * (sheet.along_m[3] + sheet.along_m[4])]), np.array([sheet.girth_m[7]])
+    expected = 0.5 * (sheet.point[3, 7] + sheet.point[4, 7])
+    np.testing.assert_allclose(sheet.sample(sheet.point, a, g)[0], expected, atol=1e-9)
+
+
+def test_sampling_outside_holds_the_edge(sheet: Sheet) -> None:
+    out = sheet.sample(sheet.point, np.array([-100.0]), np.array([-100.0]))
+    np.testing.assert_allclose(out[0], sheet.point[0, 0], atol=1e-6)
+
+
+def test_smoothing_turns_facets_into_a_slow_turn_of_the_normal(sheet: Sheet) -> None:
+    jump = lambda s: np.linalg.norm(np.diff(s.normal, axis=1), axis=2).max()  # noqa: E731
+    assert jump(sheet.smoothed(0.5)) <= 0.03 / 1.3 < 0.9 * jump(sheet)  # a step over the bilge's radius
+    np.testing.assert_allclose(np.linalg.norm(sheet.smoothed(0.5).normal, axis=2), 1)
+
+
+def test_no_hull_where_the_dive_is_is_said(drawing: Mesh) -> None:
+    with pytest.raises(InputError, match="no section"):
+        cut_sheet(drawing, (80.0, 82.0), 3.0, 3.0)
+
+
+def test_too_little_skin_is_said(drawing: Mesh) -> None:
+    with pytest.raises(InputError, match="too little skin"):
+        cut_sheet(drawing, (24.0, 25.0), 3.0, 0.1)
+
+
+def test_a_half_hull_gives_its_own_side() -> None:
+    plate = np.array([[0, 0, 0], [10, 0, 0], [10, 3, 0], [0, 3, 0], [10, 3, 4], [0, 3, 4]], float)
+    mesh = Mesh(plate, np.array([[0, 2, 1], [0, 3, 2], [3, 4, 2], [3, 5, 4]], np.int32))
+    sheet = cut_sheet(mesh, (4.0, 5.0), 3.9, 20.0)
+    assert sheet.point[..., 1].min() > -0.05
+    assert np.ptp(sheet.girth_m) == pytest.approx(6.9, abs=0.1)
