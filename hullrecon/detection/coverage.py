@@ -16,7 +16,7 @@ from hullrecon.dive.records import SonarPings
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.chart import Chart
 from hullrecon.geometry.meshes import Mesh
-from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.poses import Poses
 
 Array = NDArray[np.float64]
@@ -64,14 +64,12 @@ def sonar_seen(hull: Hull, pings: SonarPings, T_x_o: Poses, half_elevation_rad: 
 
     T_x_o: the sonar at each ping. z looks along the middle of the fan, x out of its plane (INPUTS).
     """
-    from scipy.spatial import cKDTree
-
-    tree = cKDTree(hull.mesh.vertices)
+    around = Around(hull.mesh.vertices)
     bearing = np.arctan2(pings.directions[:, 1], pings.directions[:, 2])
     seen = np.zeros(len(hull.area), bool)
     for ping in range(len(T_x_o)):
         center = T_x_o.translation[ping]
-        rows = np.array(tree.query_ball_point(center, float(pings.range_m[-1]), return_sorted=True), np.int64)
+        rows = around(center, float(pings.range_m[-1]))
         rows = rows[~seen[rows]]
         local = T_x_o[ping].inverse().apply(hull.mesh.vertices[rows])
         distance = np.maximum(np.linalg.norm(local, axis=1), 1e-9)

@@ -15,12 +15,15 @@ from hullrecon.detection.heights import Heights, local_heights
 from hullrecon.detection.landmarks import Measured
 from hullrecon.detection.mesh import affordable_edge, refine_near, vertex_normals
 from hullrecon.detection.options import DetectOptions
-from hullrecon.detection.views import Sightings, Views, sightings
+from hullrecon.detection.views import Sightings, Views, sightings_by_cell
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.neighbours import nearest
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+COARSE_CELL_M, FINE_CELL_M = 0.06, 0.02  # one vertex a cell is asked who saw it: on bare hull, near structures
+SHADOW_M = 0.15  # a structure's shadow hardly reaches farther
 
 
 @dataclass(frozen=True)
@@ -71,9 +74,18 @@ def find_hull(base: Mesh, measured: Measured, background: Background, views: Vie
         moved = np.where(taken[:, None], fused.vertex, mesh.vertices + normal * hull[:, None])
         raised = np.where(taken, np.einsum("ni,ni->n", moved - mesh.vertices, normal) - hull, 0.0)
     shape = Mesh(moved, mesh.faces)
-    seen = sightings(views, moved, vertex_normals(shape), Scene(shape))
+    cell = np.where(_near_structures(mesh, raised, options), FINE_CELL_M, COARSE_CELL_M)
+    seen = sightings_by_cell(views, moved, vertex_normals(shape), Scene(shape), cell)
     sigma = np.where(known, heights.sigma, options.threshold)
     return Found(shape, mesh, normal, hull, hull_sigma, raised, sigma, known, heights.agreement, fused.count, seen)
+
+
+def _near_structures(mesh: Mesh, height: Array, options: DetectOptions) -> NDArray[np.bool_]:
+    """Vertices on structures and where these may hide the hull from a camera."""
+    off = np.abs(height) >= options.threshold
+    if not off.any():
+        return off
+    return np.asarray(np.isfinite(nearest(mesh.vertices[off], mesh.vertices, 1, SHADOW_M)[0][:, 0]))
 
 
 def _regress(at: Array, normal: Array, measured: Measured, height: Array, options: DetectOptions) -> Heights:

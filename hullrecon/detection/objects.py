@@ -19,7 +19,7 @@ from hullrecon.detection.significance import height_sigma, p_value, roughness
 from hullrecon.detection.views import Views, in_frame, seen_from
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.chart import Chart
-from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.neighbours import Around, nearest
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -70,6 +70,7 @@ def find_objects(
     area = vertex_areas(found.base)
     rough = roughness(found)
     scene = Scene(found.mesh)
+    around = Around(measured.foot)
     objects, rejected = [], []
     for region in find_regions(found, options):
         center = _center(found, region, area)
@@ -77,7 +78,7 @@ def find_objects(
         sigma = height_sigma(found, region)
         places = float(area[found.measured].sum() / max(area[region.foot].sum(), 1e-9))
         chance = p_value(region.height, sigma, rough, places)
-        doubt = _doubt(found, region, area, measured, height, len(seen), chance, options)
+        doubt = _doubt(found, region, area, _witnesses(found, region, around, measured, height), len(seen), chance, options)
         if doubt:
             rejected.append(Rejected(_rounded(found.mesh.vertices[center]), round(region.height, 5), doubt))
             continue
@@ -89,14 +90,13 @@ def _doubt(
     found: Found,
     region: Region,
     area: Array,
-    measured: Measured,
-    height: Array,
+    witnesses: tuple[int, float],
     seen: int,
     chance: float,
     options: DetectOptions,
 ) -> str:
     """Why the region is not an object, or nothing."""
-    on, agree = _witnesses(found, region, measured, height)
+    on, agree = witnesses
     shapes = int(np.percentile(found.shapes[region.core], 75))
     core = float(area[region.core].sum())
     checks = (
@@ -110,14 +110,16 @@ def _doubt(
     return next((reason for failed, reason in checks if failed), "")
 
 
-def _witnesses(found: Found, region: Region, measured: Measured, height: Array) -> tuple[int, float]:
+def _witnesses(found: Found, region: Region, around: Around, measured: Measured, height: Array) -> tuple[int, float]:
     """Landmarks on the core that stand off as it does, and their share of all landmarks there."""
-    distance, row = nearest(found.base.vertices[region.core], measured.foot, 1, NEAR_CORE_M)
-    near = np.isfinite(distance[:, 0])
-    surface = found.height[region.core[row[near, 0]]] - region.level
-    off = height[near] - region.level
+    core = found.base.vertices[region.core]
+    near = around.ball(core, NEAR_CORE_M)
+    distance, row = nearest(core, measured.foot[near], 1, NEAR_CORE_M)
+    on = np.isfinite(distance[:, 0])
+    surface = found.height[region.core[row[on, 0]]] - region.level
+    off = height[near[on]] - region.level
     agrees = region.side * off > 0.5 * np.abs(surface)
-    return int(agrees.sum()), float(agrees.mean()) if near.any() else 0.0
+    return int(agrees.sum()), float(agrees.mean()) if on.any() else 0.0
 
 
 def _center(found: Found, region: Region, area: Array) -> int:

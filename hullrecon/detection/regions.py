@@ -13,11 +13,12 @@ from hullrecon.detection.found import Found
 from hullrecon.detection.mesh import vertex_areas
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.shapes import dbscan
-from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.neighbours import Around, nearest
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 TOP_M2 = 0.0008  # the top is what so much of the footprint reaches: a lump's peak is not averaged away, one vertex is no peak
+SPECK = 0.3  # of the least area: smaller regions are noise, not candidates
 FOOT_SHARE = 0.25  # of the height, where the footprint ends
 RING_GAP_M = 0.04  # the ring of hull begins so far from the footprint, beyond what edges blur
 
@@ -40,31 +41,35 @@ def find_regions(found: Found, options: DetectOptions) -> list[Region]:
     area = vertex_areas(found.base)
     off = found.measured & (np.abs(found.height) >= options.threshold)
     regions = []
+    around = Around(found.base.vertices)
     for side in (1.0, -1.0):
         rows = np.flatnonzero(off & (side * found.height > 0))
         label = dbscan(found.base.vertices[rows], options.cluster_reach, options.cluster_points)
         for cluster in range(int(label.max(initial=-1)) + 1):
-            region = _region(found, area, off, rows[label == cluster], side, options)
+            seed = rows[label == cluster]
+            if area[seed].sum() < SPECK * options.least_area:
+                continue
+            region = _region(found, area, off, around, seed, side, options)
             if region is not None:
                 regions.append(region)
     return sorted(regions, key=lambda r: (-abs(r.height), int(r.foot[0])))
 
 
 def _region(
-    found: Found, area: Array, off: NDArray[np.bool_], seed: Ints, side: float, options: DetectOptions
+    found: Found, area: Array, off: NDArray[np.bool_], around: Around, seed: Ints, side: float, options: DetectOptions
 ) -> Region | None:
     """None when no hull was measured around it to count the height from."""
-    at = found.base.vertices
+    base = found.base.vertices
     width = float(np.clip(0.5 * np.sqrt(area[seed].sum()), 0.08, 0.25))
-    distance = nearest(at[seed], at, 1, RING_GAP_M + width)[0][:, 0]
-    ring = np.flatnonzero(np.isfinite(distance) & (distance > RING_GAP_M) & found.measured & ~off)
+    near = around.ball(base[seed], RING_GAP_M + width)
+    distance = nearest(base[seed], base[near], 1)[0][:, 0]
+    ring = near[(distance > RING_GAP_M) & (distance < RING_GAP_M + width) & found.measured[near] & ~off[near]]
     if len(ring) < 10:
         return None
     level = weighted_quantile(found.height[ring], area[ring], 0.5)
     above = side * (found.height - level)
     height = weighted_quantile(above[seed], area[seed], 1 - min(0.5, TOP_M2 / area[seed].sum()))
-    near = found.measured & np.isfinite(distance) & (distance <= options.cluster_reach)
-    foot = np.flatnonzero(near & (above >= FOOT_SHARE * height))
+    foot = near[(distance <= options.cluster_reach) & found.measured[near] & (above[near] >= FOOT_SHARE * height)]
     core = foot[above[foot] >= 0.5 * height]
     return Region(side, foot, core, ring, level, side * height) if len(core) else None
 

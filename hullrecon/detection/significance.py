@@ -30,7 +30,7 @@ def height_sigma(found: Found, region: Region) -> float:
 
 def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) -> float:
     """Two-sided probability that the highest of so many places of bare hull reaches this height."""
-    from scipy.stats import norm
+    from scipy.special import ndtr  # not scipy.stats, which takes seconds to load
 
     score = abs(height_m) / max(np.hypot(sigma_m, roughness_m), 1e-6)
-    return float(-np.expm1(max(1.0, places) * np.log1p(-min(2 * norm.sf(score), 1 - 1e-16))))
+    return float(-np.expm1(max(1.0, places) * np.log1p(-min(2 * float(ndtr(-score)), 1 - 1e-16))))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.neighbours import Around
 from hullrecon.geometry.poses import Poses
 
 Array = NDArray[np.float64]
@@ -55,12 +56,10 @@ def in_frame(views: Views, view: int, points: Array, near: Ints) -> Ints:
 
 def each_view(views: Views, points: Array) -> Iterator[tuple[int, Ints]]:
     """View by view the rows of points (n, 3) in its image and within reach, hidden ones included."""
-    from scipy.spatial import cKDTree
-
-    tree = cKDTree(points)
+    around = Around(points)
     for view in range(len(views)):
         center = views.T_x_c.translation[view]
-        near = np.array(tree.query_ball_point(center, views.farthest_m, return_sorted=True), np.int64)
+        near = around(center, views.farthest_m)
         if len(near):
             yield view, in_frame(views, view, points, near)
 
@@ -75,6 +74,15 @@ def sightings(views: Views, points: Array, normals: Array, scene: Scene) -> Sigh
         closer = distance < best[rows]
         best[rows[closer]], cosine[rows[closer]] = distance[closer], facing[closer]
     return Sightings(count, np.where(np.isfinite(best), best, np.nan), cosine)
+
+
+def sightings_by_cell(views: Views, points: Array, normals: Array, scene: Scene, cell_m: Array) -> Sightings:
+    """As `sightings`, one point answering for all that share its cell, of size cell_m (n,) at each point."""
+    key = np.column_stack([np.floor(points / cell_m[:, None]), cell_m])
+    _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    few = sightings(views, points[first], normals[first], scene)
+    cell = cell.reshape(-1)
+    return Sightings(few.views[cell], few.distance[cell], few.cosine[cell])
 
 
 def seen_from(center: Array, rows: Ints, points: Array, normals: Array, scene: Scene) -> tuple[Ints, Array, Array]:

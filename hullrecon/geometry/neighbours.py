@@ -22,6 +22,24 @@ def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> 
     return np.asarray(distance, np.float64), np.asarray(row, np.int64)
 
 
+class Around:
+    """Rows of points (n, k) around places, from one tree for many questions."""
+
+    def __init__(self, points: Array) -> None:
+        from scipy.spatial import cKDTree
+
+        self._tree = cKDTree(points)
+
+    def __call__(self, center: Array, reach: float) -> Ints:
+        """Rows within reach of one center (k,), ascending."""
+        return np.array(self._tree.query_ball_point(center, reach, return_sorted=True), np.int64)
+
+    def ball(self, points: Array, reach: float) -> Ints:
+        """Rows within reach of any of the points and more: of the ball around all of them."""
+        center = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        return self(center, float(np.linalg.norm(points - center, axis=1).max()) + reach)
+
+
 def count_within(points: Array, wanted: Array, reach: float) -> Ints:
     """How many points (n, k) lie within reach of each wanted (m, k)."""
     from scipy.spatial import cKDTree
