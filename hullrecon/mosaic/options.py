@@ -30,7 +30,8 @@ class SonarOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     """Of mosaic-sonar."""
 
     resolution_m: Metres | None = None  # a texel's side; absent: the range bins' spacing
-    most_incidence_deg: Annotated[float, Meta(gt=0, lt=90)] = 88.0  # an imaging sonar grazes the hull
+    most_incidence_deg: Annotated[float, Meta(gt=0, lt=90)] = 82.0  # an imaging sonar grazes the hull
+    aperture_share: Annotated[float, Meta(gt=0, le=1)] = 0.9  # of the elevation aperture: at its edge little comes back
     even_light: bool = True  # take the beams' pattern, the spreading loss and each ping's gain out before blending
     texture_px: Annotated[int, Meta(ge=256, le=16384)] = 4096
     faces: Annotated[int, Meta(ge=100)] = 120_000

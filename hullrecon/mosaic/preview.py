@@ -17,12 +17,14 @@ INK, BACK, UNSEEN = "#1c2733", "#ffffff", "#e9edf1"
 
 @dataclass(frozen=True)
 class Caption:
-    """title; lines under the picture; frame_spacing_m for frame numbers along the top, None without."""
+    """title; the lines under the picture; frame_spacing_m for frame numbers along the top, None without; flips: along grows to
+    the left, girth downwards, so that the hull is seen from outside."""
 
     title: str
     legend: str
     frame: str
     frame_spacing_m: float | None = None
+    flips: tuple[bool, bool] = (False, False)
 
 
 def preview_png(picture: NDArray[np.uint8], west: float, north: float, step_m: float, caption: Caption) -> bytes:
@@ -37,21 +39,30 @@ def preview_png(picture: NDArray[np.uint8], west: float, north: float, step_m: f
     axis = figure.add_subplot()
     axis.set_facecolor(UNSEEN)
     extent = (west, west + width * step_m, north - height * step_m, north)
-    axis.imshow(_rgba(picture), extent=extent, interpolation="antialiased", aspect="equal")
-    axis.set_title(
-        caption.title, loc="left", fontsize=12, color=INK, fontweight="bold", pad=26 if caption.frame_spacing_m else 8
-    )
-    axis.set_xlabel(f"along the hull in {caption.frame}, forward to the right (m)\n{caption.legend}", fontsize=9, color=INK)
+    axis.imshow(stretched(_rgba(picture)), extent=extent, interpolation="antialiased", aspect="equal")
+    side = "left" if caption.flips[0] else "right"
+    axis.set_title(caption.title, loc="left", fontsize=12, color=INK, fontweight="bold")
+    axis.set_xlabel(f"along the hull in {caption.frame}, forward to the {side} (m)\n{caption.legend}", fontsize=9, color=INK)
     axis.set_ylabel("girth from the keel, upwards (m)", fontsize=9, color=INK)
     axis.tick_params(labelsize=8, colors=INK)
-    axis.grid(color=INK, alpha=0.15, linewidth=0.5)
     if caption.frame_spacing_m:
         _frame_numbers(axis, caption.frame_spacing_m)
-    _scale_bar(axis, extent)
+    _scale_bar(axis, extent, caption.flips)
     FigureCanvasAgg(figure)
     buffer = BytesIO()
     figure.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()
+
+
+def stretched(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Brightness of the seen pixels of an RGBA picture spread over the range, one factor for all colours."""
+    seen = picture[picture[..., 3] > 0][:, :3]
+    if not len(seen):
+        return picture
+    low, high = np.percentile(seen.mean(axis=1), (0.5, 99.5))
+    out = picture.copy()
+    out[..., :3] = np.clip((picture[..., :3] - 0.8 * low) * (225 / max(high - 0.8 * low, 25)), 0, 255)
+    return out
 
 
 def _rgba(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -66,16 +77,20 @@ def _frame_numbers(axis: Any, spacing_m: float) -> None:
     upper.tick_params(labelsize=8, colors=INK)
 
 
-def _scale_bar(axis: Any, extent: tuple[float, float, float, float]) -> None:
+def _scale_bar(axis: Any, extent: tuple[float, float, float, float], flips: tuple[bool, bool]) -> None:
     """A bar of 1, 2 or 5 times a power of ten, a fifth of the width at most, in the lower right corner."""
     span = extent[1] - extent[0]
     power = 10.0 ** math.floor(math.log10(span / 5))
     metres = max(m * power for m in (1.0, 2.0, 5.0) if m * power <= span / 5 + 1e-12)
-    right, low = extent[1] - 0.025 * span, extent[2] + 0.04 * (extent[3] - extent[2])
+    middle = extent[0] + (0.025 if flips[0] else 0.975) * span + (0.5 if flips[0] else -0.5) * metres
+    low = extent[2] + (0.96 if flips[1] else 0.04) * (extent[3] - extent[2])
+    ends = [middle - metres / 2, middle + metres / 2]
+    if flips[0]:
+        axis.invert_xaxis()
+    if flips[1]:
+        axis.invert_yaxis()
     box = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "boxstyle": "square,pad=0.25"}
-    axis.plot([right - metres, right], [low, low], color="white", linewidth=6, solid_capstyle="butt")
-    axis.plot([right - metres, right], [low, low], color="black", linewidth=3, solid_capstyle="butt")
+    axis.plot(ends, [low, low], color="white", linewidth=6, solid_capstyle="butt")
+    axis.plot(ends, [low, low], color="black", linewidth=3, solid_capstyle="butt")
     text = f"{metres:g} m" if metres >= 1 else f"{100 * metres:g} cm"
-    axis.annotate(
-        text, (right - metres / 2, low), (0, 7), textcoords="offset points", ha="center", fontsize=9, color=INK, bbox=box
-    )
+    axis.annotate(text, (middle, low), (0, 7), textcoords="offset points", ha="center", fontsize=9, color=INK, bbox=box)

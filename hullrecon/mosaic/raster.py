@@ -54,6 +54,6 @@ def description(grid: TexelGrid, frame: str) -> dict[str, Any]:
         "metres_per_pixel": grid.step_m,
         "origin_along_m": grid.west,
         "origin_girth_m": grid.north,
-        "origin": "outer corner of the first pixel; along grows to the right, girth upwards",
+        "origin": "outer corner of the first pixel; along grows to the right, girth upwards: a hull is seen from inside",
         "chart_frame": frame,
     }

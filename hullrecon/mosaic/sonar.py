@@ -72,7 +72,7 @@ def sonar_mosaic(
     ground: Ground, pings: SonarPings, poses: Poses, elevation_rad: float, options: SonarOptions, progress: Progress
 ) -> SonarMosaicked:
     """poses: T_M_o at the pings; elevation_rad: the full aperture out of the fan. ValueError when no ping meets the surface."""
-    fan = fan_of(pings.directions, pings.range_m, elevation_rad)
+    fan = fan_of(pings.directions, pings.range_m, options.aperture_share * elevation_rad)
     sights = [SonarSight(poses[i], fan, image) for i, image in enumerate(pings.image)]
     footprint = footprint_of(ground, sights)
     step = options.resolution_m or round(float(np.median(np.diff(pings.range_m))), 4)
@@ -123,7 +123,7 @@ def _hull_cells(sight: SonarSight, point: Array, normal: Array, least_cosine: fl
     cosine = np.einsum("ni,ni->n", away, normal) / np.linalg.norm(away, axis=1)
     pixel, ratio = sight.project(point[cosine > least_cosine])
     near = np.rint(pixel[np.isfinite(ratio)]).astype(np.int64)
-    return near[:, 1] * sight.image.shape[1] + near[:, 0]
+    return np.asarray(near[:, 1] * sight.image.shape[1] + near[:, 0])
 
 
 def _gain(values: NDArray[np.uint8], means: Array) -> float:

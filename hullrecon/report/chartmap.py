@@ -20,10 +20,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Extent:
-    """A rectangle of the chart, metres."""
+    """A rectangle of the chart, metres. flips: drawn with along to the left, girth downwards (geometry.outside)."""
 
     along: tuple[float, float]
     girth: tuple[float, float]
+    flips: tuple[bool, bool] = (False, False)
+
+    @property
+    def drawn(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Left and right, bottom and top of a drawing."""
+        along, girth = (s[::-1] if f else s for s, f in zip((self.along, self.girth), self.flips, strict=True))
+        return (along[0], along[1]), (girth[0], girth[1])
 
     @property
     def size(self) -> tuple[float, float]:
@@ -47,11 +54,11 @@ def charted(surface: Surface, chart: Chart) -> ChartedSurface:
     return ChartedSurface(surface, at, surface.faces[np.isfinite(span) & (span < 4 * edge + 0.5)])
 
 
-def extent_of(points: Array, margin_m: float = 0.4) -> Extent:
+def extent_of(points: Array, flips: tuple[bool, bool], margin_m: float = 0.4) -> Extent:
     """Bounds of chart points (n, 2) with a margin; rows with NaN are left out."""
     good = points[np.isfinite(points).all(axis=1)]
     low, high = good.min(axis=0) - margin_m, good.max(axis=0) + margin_m
-    return Extent((float(low[0]), float(high[0])), (float(low[1]), float(high[1])))
+    return Extent((float(low[0]), float(high[0])), (float(low[1]), float(high[1])), flips)
 
 
 def seen_faces(found: ChartedSurface, least: int = 1) -> NDArray[np.int32]:
@@ -81,7 +88,7 @@ def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> b
     width, height = extent.size
     figure = Figure(figsize=(width_px / 100, width_px / 100 * height / width), dpi=100, frameon=False)
     axis = figure.add_axes((0, 0, 1, 1))
-    axis.set(xlim=extent.along, ylim=extent.girth)
+    axis.set(xlim=extent.drawn[0], ylim=extent.drawn[1])
     axis.axis("off")
     faces = seen_faces(found)
     if len(faces):
@@ -98,10 +105,11 @@ def deviation_png(found: ChartedSurface, extent: Extent, marks: list[tuple[str, 
     width, height = extent.size
     figure, axis = new_figure(7.6, min(7.0, max(2.2, 6.3 * height / width + 0.8)))
     faces = seen_faces(found)
-    axis.set(xlim=extent.along, ylim=extent.girth, aspect="equal", xlabel="along (m)", ylabel="girth from the keel (m)")
+    axis.set(xlim=extent.drawn[0], ylim=extent.drawn[1], aspect="equal", xlabel="along (m)", ylabel="girth from the keel (m)")
     if len(faces):
         value = 1000 * found.surface.deviation
-        top = max(10.0, float(np.nanpercentile(np.abs(value[faces]), 98)))
+        weight = np.where(np.isin(np.arange(len(value)), faces) & np.isfinite(value), vertex_area(found.surface), 0.0)
+        top = max(10.0, float(weighted_percentiles(np.abs(np.nan_to_num(value)), weight, (99,))[0]))
         filled = np.nan_to_num(value)
         drawn: Any = axis.tripcolor(*_safe(found.at).T, faces, filled, cmap="RdBu_r", vmin=-top, vmax=top, shading="gouraud")
         bar = figure.colorbar(drawn, ax=axis, shrink=0.9, pad=0.01, extend="both")

@@ -58,11 +58,13 @@ def plan_svg(plan: Plan, title: str) -> str:
 
 
 def _x(along: float, plan: Plan, scale: float) -> float:
-    return LEFT + (along - plan.extent.along[0]) * scale
+    share = along - plan.extent.along[0]
+    return LEFT + (plan.extent.size[0] - share if plan.extent.flips[0] else share) * scale
 
 
 def _y(girth: float, plan: Plan, scale: float, height: float) -> float:
-    return TOP + height - (girth - plan.extent.girth[0]) * scale
+    share = (girth - plan.extent.girth[0]) * scale
+    return TOP + (share if plan.extent.flips[1] else height - share)
 
 
 def _ground(plan: Plan, height: float) -> str:

@@ -26,7 +26,7 @@ def convergence(iterations: Record) -> Plot:
     step = np.arange(len(cost))
     parts = {name.split("/", 1)[-1].removeprefix("cost_by_factor_"): np.asarray(v, float)
              for name, v in iterations.items() if name.startswith(("cost_by_factor", "factor"))}  # fmt: skip
-    figure, axis = new_figure()
+    figure, axis = new_figure(5.2)
     axis.semilogy(step, np.maximum(cost, 1e-12), color=BLUE, linewidth=2, label="all factors")
     for k, (name, values) in enumerate(sorted(parts.items())):
         if (values > 0).any():
@@ -48,9 +48,9 @@ def labels(iterations: Record) -> Plot:
     """Landmarks on the hull and labels changed, by iteration (O Fig. 4.12)."""
     on, changed = (np.asarray(iterations[k], np.int64) for k in ("on_surface", "label_changes"))
     step = np.arange(len(on))
-    figure, (left, right) = new_figure(columns=2)
+    figure, (left, right) = new_figure(5.2, columns=2)
     left.plot(step, on, color=BLUE, linewidth=2)
-    left.set(xlabel="iteration", ylabel="landmarks labelled as on the hull")
+    left.set(xlabel="iteration", ylabel="landmarks on the hull")
     right.plot(step, changed, color=ORANGE, linewidth=2)
     right.set(xlabel="iteration", ylabel="labels changed")
     alt = f"{on[-1]:,} landmarks end as on the hull; {changed[-1]:,} labels changed at the last iteration."

@@ -13,6 +13,11 @@ from hullrecon.report.chartmap import vertex_area, weighted_percentiles
 from hullrecon.report.survey import Survey
 from hullrecon.report.words import count, duration, join, length, with_sigma
 
+_AXES = {
+    "M": ("along x of the ship", "along y of the ship", "along z of the ship"),
+    "g": ("in x of the level frame", "in y of the level frame", "in depth"),
+}
+
 
 def summary_lines(survey: Survey) -> list[str]:
     """At most ten sentences, the most important first."""
@@ -52,8 +57,21 @@ def weak_directions(survey: Survey) -> list[Mapping[str, Any]]:
     return list(found)
 
 
+def weak_sentences(survey: Survey, least_sigma_m: float = 0.05) -> list[str]:
+    """Of the adjustment where it has any; else each axis of the position whose median sigma is beyond the least."""
+    said = [str(w["sentence"]) for w in weak_directions(survey) if w.get("sentence")]
+    if said:
+        return said
+    words = _AXES[survey.track.frame]
+    sigma = np.median(survey.track.sigma[:, :3], axis=0)
+    return [
+        f"The position {words[k]} is uncertain by {length(sigma[k])} (one sigma)."
+        for k in np.flatnonzero(sigma > least_sigma_m)
+    ]
+
+
 def _weak(survey: Survey) -> list[str]:
-    return [str(w["sentence"]) for w in weak_directions(survey)[:2] if w.get("sentence")]
+    return weak_sentences(survey)[:2]
 
 
 def _objects(survey: Survey) -> str:

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import __version__
+from hullrecon.geometry.outside import flips
 from hullrecon.report.cards import Crop, best_crop, jpeg_uri
 from hullrecon.report.chartmap import ChartedSurface, Extent, charted, deviation_png, extent_of, ground_png
 from hullrecon.report.figures import Plot
 from hullrecon.report.plan import Mark, Plan, nice_below, plan_svg
-from hullrecon.report.story import area, summary_lines, weak_directions
+from hullrecon.report.story import area, summary_lines, weak_sentences
 from hullrecon.report.survey import Mosaic, Survey
 from hullrecon.report.words import count, length, probability, with_sigma
 
@@ -42,7 +43,7 @@ def page_view(survey: Survey, plots: Sequence[Plot], deliverables: Mapping[str, 
         "title": f"Hull survey: {survey.dive.name}",
         "date": survey.dive.date.strftime("%d %B %Y, %H:%M UTC") if survey.dive.date else "",
         "lines": summary_lines(survey),
-        "weak": weak_directions(survey),
+        "weak": weak_sentences(survey),
         "plan": plan_of(survey, on_chart) if on_chart else None,
         "deviation_map": deviation_map(survey, on_chart) if on_chart else None,
         "mosaics": [m for m in (mosaic_view("Optical", survey.optical), mosaic_view("Sonar", survey.sonar)) if m],
@@ -75,7 +76,7 @@ def chart_view(survey: Survey) -> ChartView | None:
     corners = np.vstack([path, objects, seen])
     if not np.isfinite(corners).all(axis=1).any():
         return None
-    return ChartView(extent_of(corners), path, objects, found)
+    return ChartView(extent_of(corners, flips(survey.chart, path)), path, objects, found)
 
 
 def plan_of(survey: Survey, view: ChartView) -> str:

@@ -8,11 +8,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from hullrecon.artifacts.stage import Context, load_arrays
 from hullrecon.dive.records import Solution, Surface, Trajectory, from_arrays
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.chart import chart_from_arrays
 from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.outside import flips
+from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.ground import Ground
 from hullrecon.mosaic.preview import Caption, preview_png
 from hullrecon.mosaic.raster import write_raster
@@ -58,9 +62,9 @@ def write_mosaic(
     with context.out.path("variance.tif") as path:
         write_raster(path, store.variance_tiles(), grid, store.size, 1, "float32", frame)
     document = mosaic_document(store, frame, {**facts, "surface": place.surface_name})
-    legend = f"{document['caption']} Light gray: not seen."
+    legend = f"{document['caption']} Seen from outside; contrast stretched; light gray: not seen."
     spacing = context.settings["hull.frame_spacing"]
-    caption = Caption(title, legend, frame, spacing if frame == "M" else None)
+    caption = Caption(title, legend, frame, spacing if frame == "M" else None, _seen_from_outside(place, grid))
     context.out.bytes("ortho.png", preview_png(store.small, grid.west, grid.north, grid.step_m * store.reduction, caption))
     sheet = sheet_of(place.ground, grid, store.small[..., -1], store.reduction, sizes[1])
     if len(sheet.faces):
@@ -68,6 +72,11 @@ def write_mosaic(
     else:
         context.warn("too little was seen for a textured mesh")
     context.out.json("mosaic.json", document)
+
+
+def _seen_from_outside(place: Scenery, grid: TexelGrid) -> tuple[bool, bool]:
+    rows, columns = (np.linspace(0, n - 1, 12) for n in (grid.height, grid.width))
+    return flips(place.ground.chart, grid.centers(rows, columns).reshape(-1, 2))
 
 
 def mosaic_document(store: TileStore, frame: str, facts: Mapping[str, Any]) -> dict[str, Any]:
