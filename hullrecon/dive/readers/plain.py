@@ -107,7 +107,7 @@ class PlainLog:
     def _sonar(self, row: Row) -> SonarSample:
         """Beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
         try:
-            with np.load(self._locate(row["file"]), allow_pickle=False) as arrays:
+            with self._locate(row["file"]).open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
                 image, azimuth, range_m = (np.asarray(arrays[key]) for key in ("image", "azimuth", "range"))
         except Exception as error:  # numpy and zipfile raise a dozen kinds over a damaged .npz
             raise ValueError(str(error)) from None

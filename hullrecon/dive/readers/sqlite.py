@@ -39,6 +39,9 @@ class SqliteLog:
             raise InputError(f"{self.path.name} cannot be read: {error}", where=str(self.path.parent)) from None
         finally:
             connection.close()
+        missing = bytes_missing(self.path)
+        if missing > 0:
+            self._ledger.gap(f"the database is cut off: {missing} bytes of its pages are missing")
         self._ledger.finish()
 
     def losses(self) -> list[Loss]:
@@ -64,6 +67,16 @@ class SqliteLog:
             yield from rows
             at, step = at + step, min(BATCH, step * 2)
             failed = 0 if rows else failed
+
+
+def bytes_missing(path: Path) -> int:
+    """How much shorter the file is than its header says."""
+    with path.open("rb") as stream:
+        head = stream.read(32)
+    if len(head) < 32:
+        return 0
+    size = int.from_bytes(head[16:18], "big")
+    return (65536 if size == 1 else size) * int.from_bytes(head[28:32], "big") - path.stat().st_size
 
 
 def _channels(connection: sqlite3.Connection) -> dict[int, Channel]:

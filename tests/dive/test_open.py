@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
+import pytest
+
+from hullrecon.dive.readers.open import open_log
+from hullrecon.errors import InputError
+
+
+def test_each_format_is_known_by_what_lies_in_it(kit, tmp_path):
+    entries = kit.dive()[:10]
+    kit.mcap(tmp_path / "a", entries)
+    kit.bag1(tmp_path / "b", kit.dive(ros=1)[:10])
+    kit.ros2(tmp_path / "c", entries)
+    (tmp_path / "d").mkdir()
+    (tmp_path / "d" / "imu.csv").write_text("t\n")
+    (tmp_path / "e").write_bytes(b"\x7f\x7f123")
+    kinds = [open_log(tmp_path / name).kind for name in "abcde"]
+    assert kinds == ["MCAP", "ROS 1 bag", "ROS 2 folder", "plain files", "Teledyne PD0"]
+    assert open_log(next((tmp_path / "c").glob("*.db3"))).kind == "ROS 2 database"
+
+
+def test_a_damaged_first_byte_is_made_up_for_by_the_name(kit, tmp_path):
+    path = kit.mcap(tmp_path / "a.mcap", kit.dive())
+    data = bytearray(path.read_bytes())
+    data[0] ^= 1
+    path.write_bytes(data)
+    assert len(list(open_log(path).messages())) == len(kit.dive())
+
+
+def test_a_ros2_folder_is_known_without_its_metadata(kit, tmp_path):
+    folder = kit.ros2(tmp_path / "c", kit.dive()[:10])
+    (folder / "metadata.yaml").unlink()
+    assert open_log(folder).kind == "ROS 2 folder"
+
+
+def test_a_missing_log_is_an_input_error_that_says_what_lies_there(tmp_path):
+    (tmp_path / "dive.bag").write_bytes(b"x")
+    with pytest.raises(InputError, match=r"the log dive\.mcap is missing \(there are dive\.bag\)"):
+        open_log(tmp_path / "dive.mcap")
+
+
+def test_an_empty_log_is_an_input_error(tmp_path):
+    (tmp_path / "x.mcap").touch()
+    with pytest.raises(InputError, match="is empty"):
+        open_log(tmp_path / "x.mcap")
+
+
+@pytest.mark.parametrize("name", ["x.txt", "."])
+def test_what_is_no_log_is_an_input_error_that_lists_the_formats(tmp_path: Path, name):
+    (tmp_path / "x.txt").write_text("hello")
+    with pytest.raises(InputError, match="MCAP"):
+        open_log(tmp_path / name)

@@ -1,0 +1,217 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import gzip
+import shutil
+import struct
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from hullrecon.dive.readers.pd0 import Pd0Log, earth_from_instrument, from_beams, to_sample
+from hullrecon.dive.readers.pd0_ensemble import Ensemble, ensembles, parse
+
+QUICK = settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+DEG = np.pi / 180
+
+
+def ensemble_bytes(number: int = 1, ranges=(10_00, 10_00, 10_00, 10_00), velocity=(100, 200, -300, 0), **more) -> bytes:
+    """A PD0 ensemble written by hand: leaders and bottom track, with its checksum. more: transform, heading, pitch, roll
+    (0.01 degrees), system."""
+    fixed = bytearray(59)
+    struct.pack_into("<H", fixed, 4, more.get("system", 0x0200))  # 30 degrees, faces down
+    fixed[8:10] = bytes([4, 2])
+    struct.pack_into("<H", fixed, 12, 50)
+    fixed[25] = more.get("transform", 0b01000)  # instrument coordinates
+    struct.pack_into("<H", fixed, 32, 100)
+    variable = bytearray(65)
+    struct.pack_into("<HH", variable, 0, 0x80, number)
+    variable[4:11] = bytes([26, 5, 4, 9, 30, number % 60, 25])
+    struct.pack_into("<HHhh", variable, 16, 25, more.get("heading", 0), more.get("pitch", 0), more.get("roll", 0))
+    bottom = bytearray(81)
+    struct.pack_into("<H", bottom, 0, 0x0600)
+    struct.pack_into("<4H", bottom, 16, *ranges)
+    struct.pack_into("<4h", bottom, 24, *velocity)
+    parts = [bytes(fixed), bytes(variable), bytes(bottom)]
+    offsets = np.cumsum([6 + 2 * len(parts), *map(len, parts)])
+    body = b"\x7f\x7f" + struct.pack("<HBB3H", int(offsets[-1]), 0, 3, *offsets[:-1]) + b"".join(parts)
+    return body + struct.pack("<H", sum(body) % 65536)
+
+
+def read(path):
+    log = Pd0Log(path)
+    return [m.data for m in log.messages()], log
+
+
+def test_an_ensemble_written_by_hand_reads_back():
+    ping = parse(ensemble_bytes(7, heading=9000, pitch=-250, roll=100))
+    assert ping.number == 7
+    assert ping.frame == "instrument"
+    assert ping.t_ns == 1_777_887_007_250_000_000  # 2026-05-04T09:30:07.25Z
+    assert ping.depth_m == 2.5
+    assert (ping.heading_rad, ping.pitch_rad, ping.roll_rad) == pytest.approx((90 * DEG, -2.5 * DEG, 1 * DEG))
+    assert ping.range_m == pytest.approx([10.0] * 4)
+    assert ping.bottom == pytest.approx([0.1, 0.2, -0.3, 0.0])
+    assert ping.cell_m == pytest.approx([1.0, 1.5])
+    assert ping.beam_angle_rad == pytest.approx(30 * DEG)
+
+
+def test_lost_ranges_and_velocities_are_nan():
+    ping = parse(ensemble_bytes(ranges=(0, 100, 100, 100), velocity=(-32768,) * 4))
+    assert np.isnan(ping.range_m[0])
+    assert np.isfinite(ping.range_m[1:]).all()
+    assert np.isnan(ping.bottom).all()
+
+
+def test_the_instrument_moves_against_the_bottom_and_its_z_axis_points_into_the_housing():
+    """Bottom at (0.1, 0.2, -0.3) in the instrument's axes (to beam 2, to beam 3, up): the instrument moves the other way;
+    dvl's axes are to beam 3, to beam 2, down."""
+    sample = to_sample(parse(ensemble_bytes()))
+    assert sample.velocity == pytest.approx([-0.2, -0.1, -0.3])
+
+
+def test_ranges_along_the_axis_become_ranges_along_the_beams():
+    sample = to_sample(parse(ensemble_bytes(ranges=(866, 866, 866, 0))))
+    assert sample.ranges[:3] == pytest.approx([10.0] * 3, abs=0.001)
+    assert np.isnan(sample.ranges[3])
+    assert sample.beams[2] == pytest.approx([0.5, 0, np.sqrt(0.75)])  # beam 3 is forward
+    assert sample.beams[0] == pytest.approx([0, -0.5, np.sqrt(0.75)])
+
+
+def test_earth_coordinates_are_turned_back_by_the_instruments_own_attitude():
+    """Heading east and level: the bottom passing to the west means moving east, which is forward (beam 3)."""
+    sample = to_sample(parse(ensemble_bytes(velocity=(-500, 0, 0, 0), transform=0b11100, heading=9000)))
+    assert sample.velocity == pytest.approx([0.5, 0, 0], abs=1e-9)
+
+
+def test_an_upward_instrument_is_turned_over():
+    """Facing up, rising at 0.3 m/s: the bottom sinks in earth coordinates; the instrument moves along its own z axis out."""
+    sample = to_sample(parse(ensemble_bytes(velocity=(0, 0, -300, 0), transform=0b11100, system=0x0280)))
+    assert sample.velocity == pytest.approx([0, 0, 0.3], abs=1e-9)
+
+
+def test_the_rotation_to_earth_is_a_rotation_and_pitches_beam_three_up():
+    turn = earth_from_instrument(0.3, 0.2, -0.1)
+    assert turn @ turn.T == pytest.approx(np.eye(3), abs=1e-12)
+    assert earth_from_instrument(0.0, 0.2, 0.0)[2, 1] == pytest.approx(np.sin(0.2))
+
+
+def test_beam_velocities_give_the_velocity_that_made_them_with_one_beam_lost_too():
+    angle = 30 * DEG
+    truth = np.array([0.3, -0.2, 0.1])
+    s, c = np.sin(angle), np.cos(angle)
+    beams = np.array(
+        [s * truth[0] + c * truth[2], -s * truth[0] + c * truth[2], -s * truth[1] + c * truth[2], s * truth[1] + c * truth[2]]
+    )
+    assert from_beams(beams, angle) == pytest.approx(truth)
+    for lost in range(4):
+        partial = beams.copy()
+        partial[lost] = np.nan
+        assert from_beams(partial, angle) == pytest.approx(truth)
+    assert np.isnan(from_beams(np.array([np.nan, np.nan, 0.1, 0.1]), angle)).any()
+
+
+def test_a_wrong_checksum_loses_that_ensemble_alone_and_says_where(tmp_path):
+    content = [ensemble_bytes(n) for n in range(5)]
+    content[2] = content[2][:100] + b"\x55" + content[2][101:]
+    path = tmp_path / "x.pd0"
+    path.write_bytes(b"".join(content))
+    samples, log = read(path)
+    assert [s.t_ns // 10**9 % 60 for s in samples] == [0, 1, 3, 4]
+    size = len(content[0])
+    assert f"{size} bytes from byte {2 * size}" in log.losses()[0].why
+    assert log.losses()[0].start_ns == samples[1].t_ns
+    assert log.losses()[0].end_ns == samples[2].t_ns
+
+
+def test_rubbish_between_ensembles_and_a_cut_end_are_stepped_over(tmp_path):
+    path = tmp_path / "x.pd0"
+    path.write_bytes(b"rubbish\x7f\x7f" + ensemble_bytes(1) + b"\x7f" * 50 + ensemble_bytes(2) + ensemble_bytes(3)[:-20])
+    samples, log = read(path)
+    assert len(samples) == 2
+    assert len(log.losses()) == 3
+
+
+@QUICK
+@given(st.data())
+def test_any_flipped_bit_costs_at_most_one_ensemble(tmp_path, data):
+    content = bytearray(b"".join(ensemble_bytes(n) for n in range(6)))
+    content[data.draw(st.integers(0, len(content) - 1))] ^= 1 << data.draw(st.integers(0, 7))
+    path = tmp_path / "x.pd0"
+    path.write_bytes(content)
+    samples, log = read(path)
+    assert len(samples) >= 5
+    assert len(samples) == 6 or log.losses()
+
+
+@QUICK
+@given(st.binary(min_size=1, max_size=600))
+def test_any_bytes_are_survived(tmp_path, content):
+    path = tmp_path / "x.pd0"
+    path.write_bytes(content)
+    read(path)
+
+
+def reference(text: str, key: str) -> list[np.ndarray]:
+    """Every value of a key in the independent decode."""
+    lines = [line.strip() for line in text.splitlines()]
+    return [np.array(eval(line.partition(":")[2]), float) for line in lines if line.startswith(f"{key}:")]
+
+
+def test_velocities_attitude_and_cells_equal_the_independent_decode(data):
+    folder = data / "dvl-pd0-slocum"
+    text = gzip.decompress((folder / "LA101636_20.yml.gz").read_bytes()).decode()
+    found = [e for _, _, e in ensembles((folder / "LA101636_20.PD0").read_bytes())]
+    assert len(found) == 20
+    assert all(isinstance(e, Ensemble) for e in found)
+    names = ("water_velocity_east", "water_velocity_north", "water_velocity_up", "error_velocity")
+    for column, name in enumerate(names):
+        for ping, row in zip(found, reference(text, name), strict=True):
+            np.testing.assert_array_equal(ping.water[:, column], np.where(row == -32768, np.nan, row / 1000))
+    for name, field in (("heading", "heading_rad"), ("pitch", "pitch_rad"), ("roll", "roll_rad")):
+        measured = np.degrees([getattr(e, field) for e in found]) * 100
+        np.testing.assert_allclose(measured, reference(text, name), atol=1e-9)
+    np.testing.assert_allclose([e.depth_m * 10 for e in found], reference(text, "transducer_depth"), atol=1e-9)
+    np.testing.assert_array_equal([e.number for e in found], reference(text, "ensemble_number"))
+    first = np.array(reference(text, "bin_1_distance")) / 100
+    np.testing.assert_allclose([e.cell_m[0] for e in found], first)
+    step = np.array(reference(text, "cell_length")) / 100
+    np.testing.assert_allclose([e.cell_m[1] - e.cell_m[0] for e in found], step)
+    # seconds since 1900 in the reference
+    stamps = np.array(reference(text, "internal_timestamp")) - 2_208_988_800
+    np.testing.assert_allclose([e.t_ns / 1e9 for e in found], stamps, atol=1e-3)
+
+
+def test_a_bottom_track_of_a_glider_is_read_as_its_source_prints_it(data):
+    found = [e for _, _, e in ensembles((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes())]
+    assert len(found) == 107
+    assert sum(np.isfinite(e.bottom[:3]).all() for e in found) == 51
+    ping = next(e for e in found if e.number == 58)
+    assert ping.range_m == pytest.approx([62.91, 64.32, 54.90, 74.19])
+    assert ping.bottom == pytest.approx([0.416, -0.238, -0.002, 0.010])
+    assert np.degrees([ping.heading_rad, ping.pitch_rad, ping.roll_rad]) == pytest.approx([284.39, -29.00, -2.39])
+
+
+def test_a_diving_glider_sinks_and_moves_ahead(data):
+    """Signs against physics: over the first bottom track depth grows, and a glider flies nose first."""
+    found = [e for _, _, e in ensembles((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes())]
+    tracked = [e for e in found if np.isfinite(e.bottom[:3]).all()]
+    climbing = -np.mean([e.bottom[2] for e in tracked[:20]])  # of the vehicle, upward
+    sinking = (tracked[19].depth_m - tracked[0].depth_m) / (tracked[19].t_ns - tracked[0].t_ns) * 1e9
+    assert -climbing == pytest.approx(sinking, abs=0.08)
+    assert np.median([to_sample(e).velocity[0] for e in tracked]) > 0.2
+
+
+def test_the_corrupted_file_gives_its_whole_ensembles_and_says_what_was_lost(data, tmp_path):
+    path = tmp_path / "x.PD0"
+    shutil.copy(data / "dvl-pd0-slocum" / "LB180210_3_corrupted.PD0", path)
+    samples, log = read(path)
+    assert len(samples) == 2
+    assert [loss.why for loss in log.losses()] == ["446 bytes from byte 446 on hold no whole ensemble: a checksum is wrong"]
+
+
+def test_a_current_profiler_without_bottom_track_gives_pings_that_are_all_lost(data):
+    samples, _ = read(data / "dvl-pd0-slocum" / "ADCP_CCE1T_20.000")
+    assert len(samples) == 20
+    assert all(np.isnan(s.velocity).all() and np.isnan(s.ranges).all() for s in samples)

@@ -1,0 +1,124 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from hullrecon.dive.readers.plain import PlainLog
+from hullrecon.errors import InputError
+
+QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+
+
+def read(folder, package=None):
+    log = PlainLog(folder, package)
+    return [m.data for m in log.messages()], log
+
+
+def test_a_dvl_row_has_its_velocity_and_ranges_with_empty_cells_lost(tmp_path):
+    (tmp_path / "dvl.csv").write_text("t,vx,vy,vz,range_1,range_2,range_3,range_4\n1.5,0.1,,0.3,1,2,,4\n")
+    (ping,), _ = read(tmp_path)
+    assert ping.t_ns == 1_500_000_000
+    np.testing.assert_array_equal(ping.velocity, [0.1, np.nan, 0.3])
+    np.testing.assert_array_equal(ping.ranges, [1, 2, np.nan, 4])
+    assert np.isnan(ping.sigma)
+
+
+def test_ranges_are_taken_in_the_order_of_their_numbers(tmp_path):
+    (tmp_path / "dvl.csv").write_text("range_2,range_10,t,vx,vy,vz,range_1\n2,10,0,0,0,0,1\n")
+    (ping,), _ = read(tmp_path)
+    assert ping.ranges.tolist() == [1, 2, 10]
+
+
+def test_stamps_keep_every_nanosecond_that_is_written(tmp_path):
+    (tmp_path / "pressure.csv").write_text("t,pascal\n1777887000.123456789,101325\n1.777887e9,1e5\n")
+    samples, _ = read(tmp_path)
+    assert [s.t_ns for s in samples] == [1_777_887_000_123_456_789, 1_777_887_000_000_000_000]
+
+
+def test_an_imu_without_rates_is_read(tmp_path):
+    (tmp_path / "imu.csv").write_text("t,qx,qy,qz,qw\n0,0,0,0,1\n")
+    (sample,), _ = read(tmp_path)
+    assert sample.quaternion.tolist() == [0, 0, 0, 1]
+    assert np.isnan(sample.rates).all()
+
+
+def test_an_imu_with_rates_and_accelerations_is_read(tmp_path):
+    (tmp_path / "imu.csv").write_text("t,qx,qy,qz,qw,wx,wy,wz,ax,ay,az\n0,0,0,0,1,1,2,3,4,5,6\n")
+    (sample,), _ = read(tmp_path)
+    assert sample.rates.tolist() == [1, 2, 3]
+    assert sample.acceleration.tolist() == [4, 5, 6]
+
+
+def test_joints_have_names(tmp_path):
+    (tmp_path / "joints.csv").write_text("t,name,rad\n0,tray,0.5\n0, sonar_tray ,0.25\n")
+    samples, _ = read(tmp_path)
+    assert [(s.name, s.angle) for s in samples] == [("tray", 0.5), ("sonar_tray", 0.25)]
+
+
+def test_images_are_found_beside_the_csv_or_below_the_package(tmp_path):
+    folder = tmp_path / "logs"
+    (folder / "top").mkdir(parents=True)
+    (folder / "top" / "a.jpg").write_bytes(b"a")
+    (tmp_path / "b.jpg").write_bytes(b"b")
+    (folder / "camera_top.csv").write_text("t,file\n0,top/a.jpg\n1,b.jpg\n2,gone.jpg\n")
+    samples, log = read(folder, tmp_path)
+    assert [s.file for s in samples] == ["logs/top/a.jpg", "b.jpg", "gone.jpg"]
+    assert log.image_files() == [tmp_path / "b.jpg", folder / "top" / "a.jpg"]
+
+
+def test_a_sonar_ping_has_its_beams_in_the_fan_plane(tmp_path):
+    azimuth = np.array([-0.5, 0.0, 0.5])
+    np.savez(tmp_path / "p.npz", image=np.arange(6, dtype=np.uint8).reshape(3, 2), azimuth=azimuth, range=[1.0, 2.0])
+    (tmp_path / "sonar.csv").write_text("t,file\n0,p.npz\n")
+    (ping,), _ = read(tmp_path)
+    assert ping.directions[1] == pytest.approx([0, 0, 1])
+    assert ping.directions[2] == pytest.approx([0, np.sin(0.5), np.cos(0.5)])
+    assert ping.image.tolist() == [[0, 1], [2, 3], [4, 5]]
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04rubbish", None])
+def test_a_sonar_file_that_is_damaged_or_gone_is_a_named_loss(tmp_path, content):
+    if content is not None:
+        (tmp_path / "p.npz").write_bytes(content)
+    (tmp_path / "sonar.csv").write_text("t,file\n0,p.npz\n")
+    samples, log = read(tmp_path)
+    assert samples == []
+    assert log.losses()[0].why == "lines 2 of sonar.csv cannot be read"
+
+
+def test_a_row_that_is_no_numbers_is_a_named_loss_and_the_others_stay(tmp_path):
+    (tmp_path / "pressure.csv").write_text("t,pascal\n0,1e5\n1,oops\n2\n3,1e5\n")
+    samples, log = read(tmp_path)
+    assert [s.t_ns for s in samples] == [0, 3_000_000_000]
+    (loss,) = log.losses()
+    assert (loss.topic, loss.messages) == ("pressure", 2)
+    assert "lines 3, 4 of pressure.csv" in loss.why
+
+
+def test_a_missing_column_is_an_input_error_that_names_it(tmp_path):
+    (tmp_path / "pressure.csv").write_text("time,pascal\n0,1e5\n")
+    with pytest.raises(InputError, match=r"pressure\.csv has no column t"):
+        read(tmp_path)
+
+
+def test_an_empty_table_is_an_input_error(tmp_path):
+    (tmp_path / "imu.csv").write_text("")
+    with pytest.raises(InputError, match="has no column"):
+        read(tmp_path)
+
+
+def test_a_byte_order_mark_and_spaces_do_no_harm(tmp_path):
+    (tmp_path / "pressure.csv").write_bytes(b"\xef\xbb\xbft, pascal\r\n0, 5\r\n")
+    samples, _ = read(tmp_path)
+    assert samples[0].pascal == 5.0
+
+
+@QUICK
+@given(st.binary(max_size=200))
+def test_any_bytes_below_the_header_are_survived(tmp_path, tail):
+    (tmp_path / "dvl.csv").write_bytes(b"t,vx,vy,vz,range_1\n" + tail)
+    samples, log = read(tmp_path)
+    assert all(s.ranges.shape == (1,) for s in samples)
+    assert all(loss.why for loss in log.losses())
