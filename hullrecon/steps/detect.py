@@ -58,7 +58,7 @@ class Dive:
 def run(context: Context) -> None:
     dive = _dive(context)
     views = _views(context, dive)
-    facts: Facts = {"reference": "the drawing" if dive.drawn else "the DVL's own surface"}
+    facts: Facts = {"reference": "the drawing" if dive.drawn else "the surface step's own surface"}
     measured = _measured(dive, context.parameters) if views is not None else None
     objects: list[Facts] = []
     if views is not None and measured is not None and len(measured) >= context.parameters.least_landmarks:

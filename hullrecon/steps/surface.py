@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull's surface from the DVL's returns, with the adjusted poses when there are any, dead reckoned else."""
+"""The hull's surface from the DVL's returns, with the adjusted poses when there are any, dead reckoned else; where no DVL was
+carried, from the landmarks."""
 
 from __future__ import annotations
 
@@ -39,21 +40,23 @@ class Placement:
 
 def run(context: Context) -> None:
     options: SurfaceOptions = context.parameters
-    returns = from_arrays(Returns, load_arrays(context.inputs["navigate"] / "returns.npz"))
     hull = _hull(context.inputs["ingest"])
     solution = _solution(context)
     place = _adjusted(solution, hull) if solution is not None else _dead_reckoned(context, hull)
-    origin = np.array(context.settings["tray"].origin)
-    points = return_points(returns, place.T_x_v, place.tray, origin, place.T_s_d)
-    kept = _inliers(points, returns, options)
-    chart = _chart(context, hull, points[kept])
-    cloud = _cloud(points[kept], _rows(returns, kept), place, chart, context.settings["dvl"].sigma_range)
-    if options.landmarks and solution is not None:
-        cloud = _with_landmarks(cloud, solution, hull, chart)
+    returns, points, counts = _returned(context, place, options)
+    marks, noise = _landmarks(solution, hull, options) if solution is not None else (np.zeros((0, 3)), np.zeros(0))
+    if not len(points) and not len(marks):
+        raise StageError(
+            "neither DVL returns nor landmarks", where="surface", remedy="check topics.dvl and the cameras' topics"
+        )
+    chart = _chart(context, hull, points if len(points) else marks, place)
+    cloud = _cloud(points, returns, place, chart, context.settings["dvl"].sigma_range)
+    if options.landmarks or not len(points):
+        cloud = _with_landmarks(cloud, marks, noise)
     surface, facts = build_surface(cloud, chart, options)
     if hull is not None:
         surface = replace(surface, deviation=Scene(hull).closest(surface.vertices).distance)
-    _write(context, surface, chart, {**facts, "poses": place.source, **_counts(returns, kept)})
+    _write(context, surface, chart, {**facts, "poses": place.source, **counts})
 
 
 def _hull(ingest: Path) -> Mesh | None:
@@ -96,6 +99,21 @@ def _dead_reckoned(context: Context, hull: Mesh | None) -> Placement:
     return Placement(T_x_v, covariance, track.tray, T_s_d, "dead reckoned, placed by hull.pose")
 
 
+def _returned(context: Context, place: Placement, options: SurfaceOptions) -> tuple[Returns, Array, dict[str, object]]:
+    """The returns that count, where they are, and how many were left out; none where no DVL was carried."""
+    path = context.inputs["navigate"] / "returns.npz"
+    if not path.exists():
+        nothing = np.zeros(0, np.int64)
+        blank = Returns(
+            nothing, nothing, np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3)), np.zeros(0), np.zeros(0, bool)
+        )
+        return blank, np.zeros((0, 3)), {"returns": 0}
+    returns = from_arrays(Returns, load_arrays(path))
+    points = return_points(returns, place.T_x_v, place.tray, np.array(context.settings["tray"].origin), place.T_s_d)
+    kept = _inliers(points, returns, options)
+    return _rows(returns, kept), points[kept], _counts(returns, kept)
+
+
 def _inliers(points: Array, returns: Returns, options: SurfaceOptions) -> NDArray[np.bool_]:
     """Returns that navigation did not flag and that do not stand apart."""
     kept = ~returns.flagged & np.isfinite(points).all(axis=1)
@@ -109,12 +127,12 @@ def _rows(returns: Returns, which: NDArray[np.bool_]) -> Returns:
     return from_arrays(Returns, {name: values[which] for name, values in to_arrays(returns).items()})
 
 
-def _chart(context: Context, hull: Mesh | None, points: Array) -> Chart:
+def _chart(context: Context, hull: Mesh | None, points: Array, place: Placement) -> Chart:
     """The adjustment's chart when it left one, so that all later steps speak of the same addresses."""
     path = context.inputs["adjust"] / "chart.npz" if "adjust" in context.inputs else None
     if path is not None and path.exists():
         return chart_from_arrays(load_arrays(path))
-    return chart_for_hull(hull) if hull is not None else chart_for_points(points)
+    return chart_for_hull(hull) if hull is not None else chart_for_points(points, toward=place.T_x_v.translation)
 
 
 def _cloud(points: Array, returns: Returns, place: Placement, chart: Chart, sigma_range: float) -> Cloud:
@@ -125,21 +143,25 @@ def _cloud(points: Array, returns: Returns, place: Placement, chart: Chart, sigm
     return Cloud(points, np.full(len(points), sigma_range), np.nan_to_num(shared), np.ones(len(points), bool))
 
 
-def _with_landmarks(cloud: Cloud, solution: Solution, hull: Mesh | None, chart: Chart) -> Cloud:
-    """Landmarks on the hull (any with three views without a drawing) join the returns."""
-    good = np.isfinite(solution.landmark).all(axis=1) & (solution.views >= 3)
+def _landmarks(solution: Solution, hull: Mesh | None, options: SurfaceOptions) -> tuple[Array, Array]:
+    """Places (n, 3) and sigmas (n,) m of landmarks on the hull with three views; of all such without a drawing."""
+    variance = np.linalg.eigvalsh(np.nan_to_num(solution.landmark_covariance, nan=-1.0))[:, -1]
+    good = np.isfinite(solution.landmark).all(axis=1) & (solution.views >= 3) & (variance > 0)
     good &= (solution.label == 1) if hull is not None else True
     T_x_g = _motion(solution.T_g_M).inverse() if hull is not None else poses.identity()
     points = T_x_g.apply(solution.landmark[good])
-    _, normals = chart.from_chart(chart.to_chart(points)[:, :2])
-    noise = np.sqrt(np.einsum("ni,nij,nj->n", normals, solution.landmark_covariance[good], normals))
-    known = np.isfinite(noise) & (noise > 0)
-    n = int(known.sum())
+    kept = statistical_inliers(points, options.outlier_neighbours, 2 * options.outlier_deviations)
+    return points[kept], np.sqrt(variance[good])[kept]
+
+
+def _with_landmarks(cloud: Cloud, points: Array, noise: Array) -> Cloud:
+    """Landmarks join the returns; where there are none, they support the surface themselves."""
+    n, alone = len(points), not len(cloud.point)
     return Cloud(
-        np.vstack([cloud.point, points[known]]),
-        np.concatenate([cloud.noise, noise[known]]),
-        np.concatenate([cloud.pose_sigma, np.full(n, float(np.median(cloud.pose_sigma)))]),
-        np.concatenate([cloud.gives_support, np.zeros(n, bool)]),
+        np.vstack([cloud.point, points]),
+        np.concatenate([cloud.noise, noise]),
+        np.concatenate([cloud.pose_sigma, np.full(n, 0.0 if alone else float(np.median(cloud.pose_sigma)))]),
+        np.concatenate([cloud.gives_support, np.full(n, alone)]),
     )
 
 
