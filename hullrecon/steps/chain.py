@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from importlib import import_module
-from importlib.util import find_spec
 from typing import cast
 
 from hullrecon.artifacts.stage import Stage
@@ -22,7 +21,7 @@ def stage(name: str) -> Stage:
 
 def stages() -> tuple[Stage, ...]:
     """All stages; each comes after its inputs."""
-    return tuple(stage(name) for name in NAMES if find_spec(_module(name)))
+    return tuple(stage(name) for name in NAMES)
 
 
 def _module(name: str) -> str:
