@@ -82,7 +82,7 @@ def survey(log: Log) -> Survey:
 
 
 def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
-    """Topic by sensor: those whose type fits, by name where several do. A DVL's type may be a common one: its name must tell."""
+    """Topic by sensor: those whose type fits, by name where several do; for a DVL, whose types are common ones, by both."""
     found: dict[str, str] = {}
     for sensor, parts in NAMED.items():
         fitting = [t.channel.topic for t in topics if _fits(t, TYPES[sensor])]

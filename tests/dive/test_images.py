@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import pickle
+from io import BytesIO
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hullrecon.artifacts.writer import ArtifactWriter
+from hullrecon.dive.image_sink import ImageSink
+from hullrecon.dive.images import ImageStore, decode
+from hullrecon.dive.pixels import jpeg_is_whole, size_of
+from hullrecon.dive.records import to_arrays
+from hullrecon.dive.samples import ImageSample
+from hullrecon.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def jpegs(kit) -> list[bytes]:
+    return [kit.jpeg(shade) for shade in range(6)]
+
+
+def sink(tmp_path, size=(64, 48), offset_ns=0):
+    file = BytesIO()
+    return ImageSink("camera_top", size, offset_ns, tmp_path, lambda: file), file
+
+
+def take(sink: ImageSink, *samples: ImageSample):
+    for sample in samples:
+        sink.take(sample, sample.t_ns)
+    remarks = []
+    return sink.finish(remarks), remarks
+
+
+def image(t, encoded=b"", file=""):
+    return ImageSample(t, "camera_top", encoded, file)
+
+
+def test_images_keep_their_bytes_and_are_indexed_in_time_order(tmp_path, jpegs):
+    store, file = sink(tmp_path)
+    index, remarks = take(store, image(20, jpegs[0]), image(10, jpegs[1]))
+    assert index.t_ns.tolist() == [10, 20]
+    for row, encoded in ((0, jpegs[1]), (1, jpegs[0])):
+        assert file.getvalue()[index.offset[row] : index.offset[row] + index.size[row]] == encoded
+    assert index.usable.all()
+    assert remarks == ["camera_top: 1 readings stood out of order and were sorted"]
+
+
+def test_the_cameras_time_offset_is_added(tmp_path, jpegs):
+    index, _ = take(sink(tmp_path, offset_ns=-5)[0], image(20, jpegs[0]))
+    assert index.t_ns.tolist() == [15]
+
+
+@pytest.mark.parametrize("bad", [b"", b"no image", "half", "turned"])
+def test_a_corrupt_image_among_good_ones_survives_unusable_and_is_counted(tmp_path, jpegs, bad):
+    spoilt = {"half": jpegs[1][: len(jpegs[1]) // 2], "turned": jpegs[1][:-2]}.get(bad, bad)
+    index, remarks = take(sink(tmp_path)[0], image(0, jpegs[0]), image(1, spoilt), image(2, jpegs[2]))
+    assert index.usable.tolist() == [True, False, True]
+    assert remarks == ["camera_top: 1 of 3 images are missing or damaged and are left out"]
+
+
+def test_an_image_of_another_size_among_good_ones_is_unusable_and_counted(tmp_path, kit, jpegs):
+    index, remarks = take(sink(tmp_path)[0], image(0, jpegs[0]), image(1, kit.jpeg(1, 32, 24)))
+    assert index.usable.tolist() == [True, False]
+    assert remarks == ["camera_top: 1 of 2 images have another size and are left out"]
+
+
+def test_images_of_another_size_than_the_calibration_are_refused_with_both_sizes_early(tmp_path, jpegs):
+    store, _ = sink(tmp_path, (640, 480))
+    for t in range(4):
+        store.take(image(t, jpegs[0]), t)
+    with pytest.raises(InputError, match="64 x 48 pixels, its calibration is for 640 x 480"):
+        store.take(image(4, jpegs[0]), 4)
+
+
+def test_few_images_of_another_size_are_refused_at_the_end(tmp_path, jpegs):
+    with pytest.raises(InputError, match="64 x 48"):
+        take(sink(tmp_path, (640, 480))[0], image(0, jpegs[0]))
+
+
+def test_files_stay_where_they_are(tmp_path, jpegs):
+    (tmp_path / "a.jpg").write_bytes(jpegs[0])
+    store, file = sink(tmp_path)
+    index, remarks = take(store, image(0, file="a.jpg"), image(1, file="gone.jpg"))
+    assert index.file.tolist() == ["a.jpg", "gone.jpg"]
+    assert index.usable.tolist() == [True, False]
+    assert file.getvalue() == b""
+    assert "missing or damaged" in remarks[0]
+
+
+def test_no_images_are_no_index(tmp_path):
+    assert sink(tmp_path)[0].finish([]) is None
+
+
+@pytest.fixture
+def store(tmp_path, jpegs) -> ImageStore:
+    filled, file = sink(tmp_path)
+    (tmp_path / "b.jpg").write_bytes(jpegs[2])
+    index, _ = take(filled, image(0, jpegs[0]), image(1, jpegs[1][:100]), image(2, file="b.jpg"))
+    ArtifactWriter(tmp_path).arrays("images_camera_top.npz", to_arrays(index))
+    (tmp_path / "images_camera_top.bin").write_bytes(file.getvalue())
+    return ImageStore(tmp_path, tmp_path, "camera_top")
+
+
+def test_the_store_reads_rgb_from_the_artifact_and_from_the_package(store, jpegs):
+    assert len(store) == 3
+    for row, encoded in ((0, jpegs[0]), (2, jpegs[2])):
+        bgr = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_COLOR)
+        np.testing.assert_array_equal(store.read(row), bgr[:, :, ::-1])
+
+
+def test_an_unusable_image_is_none(store):
+    assert store.read(1) is None
+
+
+def test_the_store_pickles_and_reads_the_same(store):
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(store)).read(0), store.read(0))
+
+
+def test_an_image_file_that_is_gone_is_an_input_error(store, tmp_path):
+    (tmp_path / "b.jpg").unlink()
+    with pytest.raises(InputError, match="cannot be read"):
+        store.read(2)
+    with pytest.raises(InputError, match="lies in the package"):
+        ImageStore(tmp_path, None, "camera_top").read(2)
+
+
+def test_a_gray_png_reads_as_rgb():
+    ok, png = cv2.imencode(".png", np.full((4, 5), 7, np.uint8))
+    assert ok
+    assert decode(png.tobytes()).tolist() == np.full((4, 5, 3), 7).tolist()
+
+
+@given(st.binary(max_size=100))
+def test_any_bytes_are_an_image_or_none(content):
+    assert decode(content) is None or decode(content).shape[2] == 3
+    assert size_of(b"\xff\xd8" + content) is None
+
+
+def test_a_whole_jpeg_is_whole_with_bytes_behind_it_too(jpegs):
+    assert size_of(jpegs[0]) == (64, 48)
+    assert jpeg_is_whole(jpegs[0] + b"\0\0")
+
+
+@pytest.mark.parametrize(("flag", "value"), [(cv2.IMWRITE_JPEG_PROGRESSIVE, 1), (cv2.IMWRITE_JPEG_RST_INTERVAL, 2)])
+def test_progressive_jpegs_and_restarts_are_whole(flag, value):
+    pixels = np.random.default_rng(1).integers(0, 255, (48, 64, 3), np.uint8)
+    encoded = cv2.imencode(".jpg", pixels, [flag, value])[1].tobytes()
+    assert jpeg_is_whole(encoded)
+    assert not jpeg_is_whole(encoded[:-2])
+
+
+def test_a_restart_out_of_order_is_damage():
+    pixels = np.random.default_rng(1).integers(0, 255, (48, 64, 3), np.uint8)
+    encoded = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_RST_INTERVAL, 2])[1].tobytes()
+    at = encoded.find(b"\xff\xd1")
+    assert not jpeg_is_whole(encoded[:at] + b"\xff\xd3" + encoded[at + 2 :])
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(st.data())
+def test_any_cut_of_a_jpeg_is_noticed(jpegs, data):
+    assert size_of(jpegs[0][: data.draw(st.integers(0, len(jpegs[0]) - 1))]) is None

@@ -1,0 +1,202 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import cv2
+import numpy as np
+import pytest
+
+from hullrecon.dive.messages.decode import decode
+from hullrecon.dive.messages.samples import TYPES, stamp_ns
+from hullrecon.dive.readers.protocol import Channel
+from hullrecon.dive.readers.unpack import DamagedError
+
+T = 1_777_887_000_123_456_789
+
+
+def translate(sensor: str, kind: str, message):
+    return TYPES[sensor][kind](message, T, sensor)
+
+
+def dvl(message):
+    (ping,) = translate("dvl", "marine_acoustic_msgs/msg/Dvl", message)
+    return ping
+
+
+def test_a_stamp_keeps_its_nanoseconds(kit):
+    assert stamp_ns(kit.header(T)) == T
+
+
+def test_a_ping_has_velocity_sigma_ranges_and_beams(kit):
+    ping = dvl(kit.dvl(T))
+    assert ping.velocity.tolist() == [0.1, 0.2, 0.3]
+    assert ping.sigma == pytest.approx(0.002)
+    assert ping.ranges.tolist() == [1, 2, 3, 4]
+    assert ping.beams[1] == pytest.approx([0.5, 0, np.sqrt(0.75)])
+
+
+def test_a_beam_is_lost_by_its_range_or_by_its_covariance(kit):
+    ranges = np.array([0.0, -1.0, np.nan, 4.0])
+    assert np.isnan(dvl(kit.dvl(T, range=ranges)).ranges).tolist() == [True, True, True, False]
+    covariance = np.array([0, -1, 0, 0], np.float32)
+    assert np.isnan(dvl(kit.dvl(T, range_covar=covariance)).ranges).tolist() == [False, True, False, False]
+    assert np.isnan(dvl(kit.dvl(T, beam_ranges_valid=False)).ranges).all()
+
+
+def test_a_velocity_is_lost_by_its_covariance_or_when_it_is_that_of_the_water(kit):
+    lost = np.zeros(9)
+    lost[0] = -1
+    assert np.isnan(dvl(kit.dvl(T, velocity_covar=lost)).velocity).all()
+    assert np.isnan(dvl(kit.dvl(T, velocity_mode=2)).velocity).all()
+
+
+def test_a_covariance_of_zero_says_nothing(kit):
+    assert np.isnan(dvl(kit.dvl(T, velocity_covar=np.zeros(9))).sigma)
+
+
+def test_beam_vectors_that_are_not_filled_in_are_not_taken(kit):
+    assert dvl(kit.dvl(T, beam_unit_vec=[kit.vector(0, 0, 0)] * 4)).beams is None
+
+
+def test_a_twist_is_a_ping_without_ranges(kit):
+    covariance = np.zeros(36)
+    covariance[[0, 7, 14]] = 0.0004
+    twist = kit.make("geometry_msgs/msg/Twist", linear=kit.vector(1, 2, 3), angular=kit.vector(0, 0, 0))
+    inner = kit.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=covariance)
+    message = kit.make("geometry_msgs/msg/TwistWithCovarianceStamped", header=kit.header(T), twist=inner)
+    (ping,) = translate("dvl", "geometry_msgs/msg/TwistWithCovarianceStamped", message)
+    assert ping.velocity.tolist() == [1, 2, 3]
+    assert ping.sigma == pytest.approx(0.02)
+    assert ping.ranges.shape == (0,)
+    plain = kit.make("geometry_msgs/msg/TwistStamped", header=kit.header(T), twist=twist)
+    (ping,) = translate("dvl", "geometry_msgs/msg/TwistStamped", plain)
+    assert ping.velocity.tolist() == [1, 2, 3]
+
+
+def test_a_water_linked_report_drops_what_it_calls_invalid(kit):
+    kind = "waterlinked_a50_ros_driver/msg/"
+    beams = [
+        kit.make(f"{kind}DVLBeam", id=i, velocity=0.0, distance=1.0 + i, rssi=0.0, nsd=0.0, valid=i != 2) for i in (1, 0, 2, 3)
+    ]
+    given = {"header": kit.header(T), "time": 0.0, "fom": 0.01, "altitude": 1.0, "beams": beams, "status": 0, "form": ""}
+    message = kit.make(f"{kind}DVL", velocity=kit.vector(1, 2, 3), velocity_valid=True, **given)
+    (ping,) = translate("dvl", f"{kind}DVL", message)
+    np.testing.assert_array_equal(ping.ranges, [1, 2, np.nan, 4])
+    assert ping.sigma == 0.01
+    message = kit.make(f"{kind}DVL", velocity=kit.vector(1, 2, 3), velocity_valid=False, **given)
+    assert np.isnan(translate("dvl", f"{kind}DVL", message)[0].velocity).all()
+
+
+def test_what_an_imu_says_it_does_not_measure_is_nan(kit):
+    absent = np.zeros(9)
+    absent[0] = -1
+    (sample,) = translate("imu", "sensor_msgs/msg/Imu", kit.imu(T, linear_acceleration_covariance=absent))
+    assert np.isnan(sample.acceleration).all()
+    assert sample.rates.tolist() == [0.1, 0.2, 0.3]
+    (sample,) = translate("imu", "sensor_msgs/msg/Imu", kit.imu(T, orientation_covariance=absent))
+    assert np.isnan(sample.quaternion).all()
+
+
+def test_every_joint_of_a_message_is_a_sample(kit):
+    samples = translate("joints", "sensor_msgs/msg/JointState", kit.joints(T, ["a", "b"], [0.5, 0.25]))
+    assert [(s.name, s.angle) for s in samples] == [("a", 0.5), ("b", 0.25)]
+
+
+def test_the_sonar_pixel_of_range_r_and_beam_b_lies_at_r_times_beams_plus_b(kit):
+    pixels = np.arange(6, dtype=np.uint8).reshape(3, 2)  # [ranges, beams]
+    (ping,) = translate("sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels))
+    assert ping.image.tolist() == [[0, 2, 4], [1, 3, 5]]
+    assert ping.range_m.tolist() == [1, 2, 3]
+    assert np.linalg.norm(ping.directions, axis=1) == pytest.approx([1, 1])
+
+
+def test_sonar_pixels_of_other_types_keep_their_values(kit):
+    pixels = np.arange(6, dtype="<f4").reshape(3, 2) * 100
+    (ping,) = translate("sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels, dtype=8))
+    assert ping.image.tolist() == [[0, 200, 400], [100, 300, 500]]
+
+
+def test_a_sonar_image_that_is_too_short_or_of_no_type_is_damaged(kit):
+    pixels = np.zeros((2, 2), np.uint8)
+    with pytest.raises(DamagedError, match="4 pixels for 2 beams and 3 ranges"):
+        translate("sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels))
+    with pytest.raises(DamagedError, match="data type 77"):
+        translate("sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", kit.sonar(T, pixels, dtype=77))
+
+
+def raw(kit, pixels: np.ndarray, encoding: str, **more):
+    given = {
+        "header": kit.header(T), "height": pixels.shape[0], "width": pixels.shape[1], "encoding": encoding, "is_bigendian": 0,
+        "step": pixels.nbytes // pixels.shape[0], "data": np.frombuffer(pixels.tobytes(), np.uint8), **more,
+    }  # fmt: skip
+    return kit.make("sensor_msgs/msg/Image", **given)
+
+
+def picture(kit, *arguments, **more) -> np.ndarray:
+    (sample,) = translate("camera_top", "sensor_msgs/msg/Image", raw(kit, *arguments, **more))
+    return cv2.imdecode(np.frombuffer(sample.encoded, np.uint8), cv2.IMREAD_UNCHANGED)
+
+
+COLORS = np.arange(24, dtype=np.uint8).reshape(2, 4, 3)
+
+
+@pytest.mark.parametrize(("encoding", "order"), [("bgr8", [0, 1, 2]), ("rgb8", [2, 1, 0])])
+def test_a_raw_color_image_becomes_a_png_without_loss(kit, encoding, order):
+    np.testing.assert_array_equal(picture(kit, COLORS, encoding), COLORS[:, :, order])
+
+
+def test_a_raw_gray_image_keeps_its_pixels_and_loses_its_padding(kit):
+    padded = np.arange(16, dtype=np.uint8).reshape(2, 8)
+    np.testing.assert_array_equal(picture(kit, padded, "mono8", width=5), padded[:, :5])
+
+
+def test_sixteen_bits_keep_the_upper_eight_in_either_byte_order(kit):
+    pixels = np.array([[0x1234, 0xFF00]])
+    np.testing.assert_array_equal(picture(kit, pixels.astype("<u2"), "mono16"), [[0x12, 0xFF]])
+    np.testing.assert_array_equal(picture(kit, pixels.astype(">u2"), "mono16", is_bigendian=1), [[0x12, 0xFF]])
+
+
+@pytest.mark.parametrize("encoding", ["bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8"])
+def test_a_bayer_image_of_one_gray_is_that_gray_in_color(kit, encoding):
+    np.testing.assert_array_equal(picture(kit, np.full((4, 6), 90, np.uint8), encoding), np.full((4, 6, 3), 90))
+
+
+def test_a_red_bayer_mosaic_is_red(kit):
+    pixels = np.zeros((6, 6), np.uint8)
+    pixels[0::2, 0::2] = 200  # red sites of rggb
+    found = picture(kit, pixels, "bayer_rggb8").reshape(-1, 3).mean(axis=0)
+    assert found[2] > 100
+    assert max(found[0], found[1]) < 50
+
+
+@pytest.mark.parametrize("more", [{"height": 9}, {"step": 2}, {"width": 0}])
+def test_a_raw_image_whose_pixels_are_not_there_is_damaged(kit, more):
+    message = raw(kit, COLORS, "bgr8", **more)
+    with pytest.raises(DamagedError, match="pixels"):
+        translate("camera_top", "sensor_msgs/msg/Image", message)
+
+
+def test_a_raw_image_in_an_unknown_encoding_is_damaged(kit):
+    with pytest.raises(DamagedError, match="'hsv'"):
+        translate("camera_top", "sensor_msgs/msg/Image", raw(kit, COLORS, "hsv"))
+
+
+def test_a_type_without_a_definition_is_read_by_the_bundled_one(kit):
+    kind = "marine_acoustic_msgs/msg/Dvl"
+    data = bytes(kit.stores[2].serialize_cdr(kit.dvl(T), kind))
+    assert decode(Channel("/dvl", kind, "cdr"), data).range[0] == 1.0
+    assert decode(Channel("/dvl", "marine_acoustic_msgs/Dvl", "cdr"), data).range[0] == 1.0
+
+
+@pytest.mark.parametrize(
+    "channel",
+    [
+        Channel("/x", "sensor_msgs/msg/Imu", "protobuf"),
+        Channel("/x", "nobody/msg/Knows", "cdr"),
+        Channel("/x", "sensor_msgs/msg/Imu", "cdr", "this is no definition ((("),
+        Channel("/x", "sensor_msgs/msg/Imu", "cdr", "struct {", "ros2idl"),
+        Channel("/x", "sensor_msgs/msg/Imu", "cdr"),
+        Channel("/x", "sensor_msgs/msg/Imu", "ros1"),
+    ],
+)
+def test_what_cannot_be_decoded_is_damaged_and_nothing_else(channel):
+    with pytest.raises(DamagedError):
+        decode(channel, b"\x00\x01\x00\x00short")

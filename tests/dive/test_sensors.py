@@ -1,0 +1,168 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive import sensors
+from hullrecon.dive.samples import DvlSample, ImuSample, JointSample, PressureSample, SonarSample
+from hullrecon.errors import InputError
+
+S, C = 0.5, np.sqrt(0.75)
+BEAMS = np.array([[-S, 0, C], [S, 0, C], [0, S, C], [0, -S, C]])
+
+
+def ping(t=0, velocity=(0.1, 0.2, 0.3), sigma=np.nan, ranges=(1, 2, 3, 4), beams=BEAMS):
+    return DvlSample(t, np.array(velocity, float), sigma, np.array(ranges, float), beams)
+
+
+def test_the_default_beams_are_a_thirty_degree_janus_aft_fore_starboard_port():
+    assert sensors.janus_beams() == pytest.approx(BEAMS)
+
+
+def test_pings_without_beams_get_the_default_and_say_so():
+    remarks = []
+    pings = sensors.dvl_pings([ping(beams=None)], None, 0.003, remarks)
+    assert pings.beams == pytest.approx(BEAMS)
+    assert remarks == ["dvl: the log has no beam directions; a 30 degree Janus with azimuths 180, 0, 90, -90 was assumed"]
+
+
+def test_the_beams_of_the_message_win_over_the_default_and_those_of_the_file_over_both():
+    assert sensors.dvl_pings([ping(beams=BEAMS[::-1])], None, 0.003, []).beams == pytest.approx(BEAMS[::-1])
+    given = np.roll(BEAMS, 1, axis=0)
+    assert sensors.dvl_pings([ping()], given, 0.003, []).beams == pytest.approx(given)
+
+
+def test_another_number_of_beams_in_the_file_than_in_the_log_is_refused():
+    with pytest.raises(InputError, match="names 3 beams, the log has 4"):
+        sensors.dvl_pings([ping()], BEAMS[:3], 0.003, [])
+
+
+def test_five_beams_that_nobody_describes_are_refused():
+    with pytest.raises(InputError, match=r"\[dvl\] beams"):
+        sensors.dvl_pings([ping(ranges=[1] * 5, beams=None)], None, 0.003, [])
+
+
+def test_beams_that_change_are_averaged_and_remarked():
+    remarks = []
+    tilted = BEAMS @ Rotation.from_euler("z", 0.02).as_matrix()
+    found = sensors.dvl_pings([ping(0), ping(1, beams=tilted)], None, 0.003, remarks).beams
+    assert np.linalg.norm(found, axis=1) == pytest.approx(np.ones(4))
+    assert "change during the dive" in remarks[0]
+
+
+def test_the_sigma_of_the_file_stands_where_the_message_has_none():
+    pings = sensors.dvl_pings([ping(0), ping(1, sigma=0.02), ping(2, sigma=0.0)], None, 0.003, [])
+    assert pings.velocity_sigma.tolist() == [0.003, 0.02, 0.003]
+
+
+def test_a_half_lost_velocity_and_a_senseless_one_are_lost_whole():
+    remarks = []
+    pings = sensors.dvl_pings([ping(0, (0.1, np.nan, 0)), ping(1, (300, 0, 0)), ping(2)], None, 0.003, remarks)
+    assert np.isnan(pings.velocity).all(axis=1).tolist() == [True, True, False]
+    assert "1 velocities above 15 m/s" in remarks[0]
+
+
+def test_ranges_that_are_not_positive_are_lost():
+    pings = sensors.dvl_pings([ping(ranges=(0, -1, np.inf, 2))], None, 0.003, [])
+    assert np.isnan(pings.ranges[0]).tolist() == [True, True, False, False]
+
+
+def test_pings_without_any_range_have_no_beams():
+    pings = sensors.dvl_pings([ping(ranges=(), beams=None)], None, 0.003, [])
+    assert pings.ranges.shape == (1, 0)
+    assert pings.beams.shape == (0, 3)
+
+
+def imu(t, quaternion, rates=(1, 2, 3), acceleration=(4, 5, 6)):
+    return ImuSample(t, np.array(quaternion, float), np.array(rates, float), np.array(acceleration, float))
+
+
+def test_ned_attitudes_are_taken_as_they_are():
+    found = sensors.imu_samples([imu(0, [0, 0, 0, 1])], "ned", [])
+    assert found.quaternion[0] == pytest.approx([0, 0, 0, 1])
+    assert found.angular_velocity[0].tolist() == [1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("enu_yaw_deg", "ned_yaw_deg"), [(90.0, 0.0), (0.0, 90.0), (-90.0, 180.0), (180.0, -90.0)]
+)  # east is 0 in ENU and 90 in NED
+def test_enu_headings_become_ned_headings(enu_yaw_deg, ned_yaw_deg):
+    quaternion = Rotation.from_euler("z", enu_yaw_deg, degrees=True).as_quat()
+    found = sensors.imu_samples([imu(0, quaternion)], "enu", [])
+    want = Rotation.from_euler("z", ned_yaw_deg, degrees=True)
+    assert (Rotation.from_quat(found.quaternion[0]).inv() * want).magnitude() == pytest.approx(0, abs=1e-9)
+
+
+def test_in_enu_nose_up_is_a_negative_pitch_and_becomes_a_positive_one():
+    quaternion = Rotation.from_euler("ZYX", [90, -10, 5], degrees=True).as_quat()
+    found = sensors.imu_samples([imu(0, quaternion)], "enu", [])
+    yaw, pitch, roll = Rotation.from_quat(found.quaternion[0]).as_euler("ZYX", degrees=True)
+    assert (roll, pitch, yaw) == pytest.approx((5, 10, 0), abs=1e-9)
+    assert found.angular_velocity[0].tolist() == [1, -2, -3]
+    assert found.acceleration[0].tolist() == [4, -5, -6]
+
+
+def test_readings_without_attitude_are_left_out_and_counted():
+    remarks = []
+    found = sensors.imu_samples([imu(0, [0, 0, 0, 0]), imu(1, [0, 0, 0, 1.001]), imu(2, [np.nan] * 4)], "ned", remarks)
+    assert found.t_ns.tolist() == [1]
+    assert np.linalg.norm(found.quaternion[0]) == pytest.approx(1)
+    assert "2 of 3 readings" in remarks[0]
+
+
+def test_an_imu_without_any_attitude_is_refused():
+    with pytest.raises(InputError, match="no attitude"):
+        sensors.imu_samples([imu(0, [0, 0, 0, 0])], "ned", [])
+
+
+MODEL = sensors.PressureModel(1025.0, 9.81, 101325.0)
+
+
+def test_a_hundredth_of_a_megapascal_is_a_metre_of_sea_water():
+    found = sensors.pressure_samples([PressureSample(0, 101325 + 1025 * 9.81 * 2), PressureSample(1, np.nan)], MODEL, [])
+    assert found.depth == pytest.approx([2.0])
+    assert found.t_ns.tolist() == [0]
+
+
+def test_a_gauge_pressure_or_another_unit_is_suspected():
+    remarks = []
+    sensors.pressure_samples([PressureSample(0, 1013.25)], MODEL, remarks)
+    assert "absolute and in pascal" in remarks[0]
+
+
+def test_joint_angles_in_degrees_are_suspected_and_lost_ones_left_out():
+    remarks = []
+    found = sensors.joint_samples([JointSample(0, "tray", 45.0), JointSample(1, "tray", np.nan)], "tray", remarks)
+    assert found.angle.tolist() == [45.0]
+    assert "in degrees?" in remarks[0]
+
+
+def sonar(t, image, reach=3.0):
+    image = np.asarray(image)
+    directions = np.stack([np.zeros(len(image)), np.zeros(len(image)), np.full(len(image), 2.0)], axis=1)
+    return SonarSample(t, image, directions, np.linspace(1, reach, image.shape[1]))
+
+
+def test_sonar_pings_of_another_range_are_left_out_and_counted():
+    remarks = []
+    pixels = np.zeros((2, 3), np.uint8)
+    found = sensors.sonar_pings([sonar(0, pixels), sonar(1, pixels, 5.0), sonar(2, pixels)], remarks)
+    assert found.t_ns.tolist() == [0, 2]
+    assert found.directions[0] == pytest.approx([0, 0, 1])
+    assert "1 of 3 pings" in remarks[0]
+
+
+def test_sonar_pixels_of_more_bits_are_scaled_to_eight_by_the_brightest():
+    remarks = []
+    found = sensors.sonar_pings([sonar(0, np.array([[0, 500], [1000, 250]], np.uint16))], remarks)
+    assert found.image.tolist() == [[[0, 128], [255, 64]]]
+    assert "scaled to 8 bits" in remarks[0]
+
+
+def test_black_pings_stay_black():
+    assert not sensors.sonar_pings([sonar(0, np.zeros((2, 2), np.float32))], []).image.any()
+
+
+def test_no_pings_are_no_record():
+    assert sensors.sonar_pings([], []) is None
