@@ -54,12 +54,13 @@ def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
     return Regression(kernel, at, noise, solver.solve(values), solver)
 
 
-def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array, threshold: float = 2.0, rounds: int = 3) -> Regression:
-    """As `fit`; observations farther from the surface than `threshold` sigmas lose weight as Huber's do."""
+def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array, threshold: float = 2.0, rounds: int = 4) -> Regression:
+    """As `fit`; observations farther from the surface than `threshold` sigmas lose weight by the square of how much farther, so
+    that far ones hardly count."""
     result = fit(kernel, at, values, noise)
     for _ in range(rounds):
         off = np.abs(values - result.mean(at)) / noise
-        result = fit(kernel, at, values, noise * np.sqrt(np.maximum(1.0, off / threshold)))
+        result = fit(kernel, at, values, noise * np.maximum(1.0, off / threshold))
     return result
 
 
