@@ -48,9 +48,12 @@ def optical_mosaic(ground: Ground, stations: Sequence[Station], options: Optical
 
 
 def ground_sample_distance(stations: Sequence[Station], footprint: Footprint) -> float:
-    """Median distance over focal length, metres."""
+    """Median distance over focal length, metres. ValueError when no image meets the surface."""
     focal = np.concatenate([np.full(len(s.rows), 0.5 * (s.camera.fx + s.camera.fy)) for s in stations])
-    return float(np.nanmedian(footprint.distance / focal))
+    gsd = footprint.distance / focal
+    if not np.isfinite(gsd).any():
+        raise ValueError("no image meets the surface")
+    return float(np.nanmedian(gsd))
 
 
 def texel_of(gsd_m: float, options: OpticalOptions) -> float:

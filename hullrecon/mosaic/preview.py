@@ -55,13 +55,16 @@ def preview_png(picture: NDArray[np.uint8], west: float, north: float, step_m: f
 
 
 def stretched(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Brightness of the seen pixels of an RGBA picture spread over the range, one factor for all colours."""
+    """Brightness of the seen pixels of an RGBA picture spread over the range; colour grows less, or it would glare."""
     seen = picture[picture[..., 3] > 0][:, :3]
     if not len(seen):
         return picture
     low, high = np.percentile(seen.mean(axis=1), (0.5, 99.5))
+    gain = 220 / max(high - low, 25)
+    level = picture[..., :3].mean(axis=2, keepdims=True)
+    color = (picture[..., :3] - level) * min(gain, 1.25)
     out = picture.copy()
-    out[..., :3] = np.clip((picture[..., :3] - 0.8 * low) * (225 / max(high - 0.8 * low, 25)), 0, 255)
+    out[..., :3] = np.clip(15 + (level - low) * gain + color, 0, 255)
     return out
 
 

@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A sonar that looks at the plate at a slant."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.records import SonarPings
+from hullrecon.geometry.poses import Poses
+from hullrecon.mosaic.ground import Ground
+from hullrecon.mosaic.options import SonarOptions
+from hullrecon.mosaic.sonar import LEVEL, sonar_mosaic
+
+BEARING = np.radians(np.linspace(-14, 14, 49))
+RANGES = np.linspace(0.4, 1.8, 141)
+OPTIONS = SonarOptions(tile_px=64, resolution_m=0.02)
+
+
+def still(items, label):
+    return items
+
+
+def pings_over(spots: list[float], draw: Callable[[np.ndarray], np.ndarray]) -> tuple[SonarPings, Poses]:
+    """Pings from (x, -0.8, 0.5), the fan in the y-z plane of the plate's normal, 32 degrees below the horizon; draw gives the
+    return of plate points (n, 3)."""
+    turn = Rotation.from_matrix(np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]))  # o: x up out of the fan, z ahead (girth)
+    turn = Rotation.from_euler("x", -32, degrees=True) * turn
+    poses = Poses(np.tile(turn.as_quat(), (len(spots), 1)), np.array([[x, -0.8, 0.5] for x in spots]))
+    directions = np.stack([np.zeros(49), np.sin(BEARING), np.cos(BEARING)], axis=1)
+    images = [plate_image(poses[k], draw) for k in range(len(spots))]
+    return SonarPings(np.arange(len(spots)), np.stack(images), directions, RANGES), poses
+
+
+def plate_image(pose: Poses, draw: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """What the plate returns by beam and range: the point of each arc that lies on z = 0, found on a fine fan of rays."""
+    image = np.zeros((49, 141))
+    for theta in np.linspace(-0.13, 0.13, 400):
+        ray = np.stack([np.full(49, np.sin(theta)), np.cos(theta) * np.sin(BEARING), np.cos(theta) * np.cos(BEARING)], axis=1)
+        world = pose.rotation.apply(ray)
+        gone = np.where(world[:, 2] < 0, -pose.translation[0, 2] / np.minimum(world[:, 2], -1e-9), np.inf)
+        bins = np.rint((gone - 0.4) / 0.01)
+        hit = (bins >= 0) & (bins < 141)
+        points = pose.translation[0] + np.where(hit, gone, 0)[:, None] * world
+        image[np.flatnonzero(hit), bins[hit].astype(int)] = draw(points[hit])
+    return np.clip(image, 0, 255).astype(np.uint8)
+
+
+def test_a_bright_stripe_is_mapped_to_its_place(flat_ground: Callable[..., Ground]) -> None:
+    def stripe(points: np.ndarray) -> np.ndarray:
+        return np.where(np.abs(points[:, 0] - 0.1) < 0.03, 200.0, 60.0)
+
+    pings, poses = pings_over([-0.1, 0.0, 0.1, 0.2], stripe)
+    made = sonar_mosaic(flat_ground(), pings, poses, np.radians(14), OPTIONS, still)
+    grid, gray, alpha = made.store.grid, made.store.small[..., 0].astype(float), made.store.small[..., 1]
+    along = grid.west + (np.arange(grid.width) + 0.5) * grid.step_m
+    profile = np.array([gray[:, k][alpha[:, k] > 0].mean() if (alpha[:, k] > 0).any() else np.nan for k in range(grid.width)])
+    bright = along[profile > 1.6 * np.nanmedian(profile)]
+    assert abs(bright.mean() - 0.1) < 0.02
+    assert 0.02 < np.ptp(bright) < 0.10
+
+
+def test_an_even_plate_becomes_even_whatever_the_beam_pattern(flat_ground: Callable[..., Ground]) -> None:
+    pings, poses = pings_over([-0.2, -0.1, 0.0, 0.1, 0.2], lambda points: np.full(len(points), 120.0))
+    pattern = np.exp(-((BEARING / 0.3) ** 2))[:, None] * np.linspace(1.4, 0.6, 141)
+    shaded = SonarPings(pings.t_ns, (pings.image * pattern).astype(np.uint8), pings.directions, pings.range_m)
+    made = sonar_mosaic(flat_ground(), shaded, poses, np.radians(14), OPTIONS, still)
+    inner = made.store.small[3:-3, 3:-3]
+    seen = inner[..., 0][inner[..., 1] > 0].astype(float)
+    assert made.lit
+    assert abs(np.median(seen) - LEVEL) < 0.1 * LEVEL
+    assert seen.std() < 0.15 * LEVEL
+
+
+def test_what_a_block_shadows_is_not_mapped(flat_ground: Callable[..., Ground]) -> None:
+    block = ([-0.1, -0.05, 0.0], [0.1, 0.05, 0.2])
+    pings, poses = pings_over([0.0], lambda points: np.full(len(points), 90.0))
+    free = sonar_mosaic(flat_ground(), pings, poses, np.radians(14), OPTIONS, still).store
+    made = sonar_mosaic(flat_ground(block), pings, poses, np.radians(14), OPTIONS, still).store
+    # behind the block as seen from y = -0.8 at 0.5 m height: its shadow reaches 0.05 + 0.85 * 0.2 / 0.3 m
+    assert seen_at(free, 0.0, 0.2)
+    assert not seen_at(made, 0.0, 0.2)
+
+
+def seen_at(store, along: float, girth: float) -> bool:
+    row, column = round((store.grid.north - girth) / 0.02 - 0.5), round((along - store.grid.west) / 0.02 - 0.5)
+    return bool(store.small[row, column, 1])
