@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hullrecon.dive.records import Returns, Solution, Trajectory, to_arrays
+from hullrecon.errors import InputError
+from hullrecon.evaluation.alignment import STILL
+from hullrecon.evaluation.comparison import Reckoned, Solved, compare, draw, read_reckoned, read_solved, table_rows
+from hullrecon.evaluation.returns import motion_of
+from hullrecon.evaluation.sections import cut
+from hullrecon.evaluation.truth import Truth, read_truth
+
+
+@pytest.fixture(scope="module")
+def truth(package: Path) -> Truth:
+    return read_truth(package)
+
+
+@pytest.fixture
+def start(solution: Solution, returns: Returns) -> Reckoned:
+    n = len(solution.t_ns)
+    path = solution.translation + np.outer(np.linspace(0, 0.1, n), [1, 1, 0])
+    reckoned = Trajectory(solution.t_ns, solution.quaternion, path, np.zeros((n, 6, 6)), solution.tray, solution.image)
+    return Reckoned(reckoned, returns, np.array([0.45, 0.0, 0.1]), motion_of(solution.T_s_d))
+
+
+@pytest.fixture
+def solved(solution: Solution) -> list[Solved]:
+    """geva squashes the block, naive leaves the landmarks 3 cm off the DVL's surface, maxmix does neither."""
+    flat = solution.landmark.copy()
+    flat[:, 1] = np.minimum(flat[:, 1], 2.02)
+    off = np.add(solution.landmark, [0, 0.03, 0])
+    record = {"cost": np.array([9.0, 3.0, 2.0]), "on_surface": np.array([300, 390, 400])}
+    made = {"naive": off, "geva": flat, "maxmix": solution.landmark}
+    return [
+        Solved(m, w, replace(solution, landmark=made[m]), record, 6.0)
+        for w in ("as printed", "as weighted by us")
+        for m in made
+    ]
+
+
+def test_the_table_shows_what_each_method_does(solved: list[Solved], start: Reckoned, truth: Truth) -> None:
+    figures = compare(solved, start, truth)
+    assert list(figures)[:3] == ["naive as printed", "geva as printed", "maxmix as printed"]
+    assert figures["geva as printed"]["heights"]["ratio_median"] < 0.2
+    assert figures["naive as printed"]["gap"]["median_m"] == pytest.approx(0.03, abs=1e-3)
+    assert figures["maxmix as printed"]["heights"]["ratio_median"] == pytest.approx(1, abs=0.01)
+    assert figures["maxmix as printed"]["gap"]["median_m"] == pytest.approx(0, abs=1e-3)
+
+
+def test_lengths_are_in_millimetres_and_missing_figures_a_dash(solved: list[Solved], start: Reckoned, truth: Truth) -> None:
+    figures = compare(solved, start, truth)
+    del figures["maxmix as printed"]["cameras"]
+    heads, rows = table_rows(figures)
+    gap, cameras = heads.index("to DVL, mm"), heads.index("cameras, mm")
+    assert float(rows[0][gap]) == pytest.approx(30, abs=1)
+    assert rows[2][cameras] == "-"
+    assert all(len(row) == len(heads) for row in rows)
+    assert rows[0][-1] == "3"
+
+
+def test_all_of_the_sources_figures_are_drawn(solved: list[Solved], start: Reckoned, truth: Truth) -> None:
+    names = [figure.name for figure in draw(solved, start, truth)]
+    assert names == ["cost_history", "label_frequency", "cross_sections", "structure_height", "range_residuals"]
+
+
+def test_without_returns_or_landmarks_their_figures_are_left_out(solved: list[Solved], start: Reckoned, truth: Truth) -> None:
+    bare = [replace(s, solution=replace(s.solution, landmark=np.zeros((0, 3)), label=np.zeros(0, np.int64))) for s in solved]
+    assert [f.name for f in draw(bare, replace(start, returns=None), truth)] == ["cost_history"]
+
+
+def test_dead_reckoned_residuals_are_wider_than_adjusted_ones(solved: list[Solved], start: Reckoned, truth: Truth) -> None:
+    figure = next(f for f in draw(solved, start, truth) if f.name == "range_residuals")
+    table = [line.split(",") for line in figure.csv.splitlines()]
+    spread = [np.count_nonzero([float(row[k]) for row in table[1:]]) for k in (1, 2)]
+    assert spread[0] > spread[1]
+
+
+def test_a_section_keeps_what_lies_in_its_slice(solution: Solution, truth: Truth) -> None:
+    landmarks = solution.landmark - [1, 2, 3]
+    section = cut("x", truth.structures()[0], landmarks, solution.label == 1, landmarks, STILL, truth)
+    assert len(section.off) > 20
+    np.testing.assert_allclose(section.off[:, 1], 0.1, atol=1e-9)
+    assert np.abs(section.off[:, 0]).max() <= 0.1
+    assert len(section.on) == 0  # the wall's landmarks begin half a metre away
+    assert section.steel[:, 1].max() == pytest.approx(0.1, abs=1e-5)
+    np.testing.assert_allclose(section.drawing[:, 1], -0.012, atol=1e-5)
+
+
+def save(folder: Path, **members: Any) -> None:
+    folder.mkdir(exist_ok=True)
+    for name, arrays in members.items():
+        np.savez(folder / f"{name}.npz", **arrays)
+
+
+def test_artifacts_are_read_back(solution: Solution, start: Reckoned, tmp_path: Path) -> None:
+    save(tmp_path / "adjust", solution=to_arrays(solution), iterations={"cost": np.ones(3)})
+    found = read_solved("geva", "as printed", tmp_path / "adjust", 2.5)
+    assert found.name == "geva as printed"
+    assert found.seconds == 2.5
+    for field in fields(Solution):
+        np.testing.assert_array_equal(getattr(found.solution, field.name), getattr(solution, field.name))
+    save(tmp_path / "navigate", trajectory=to_arrays(start.trajectory))
+    assert read_reckoned(tmp_path / "navigate", [0.45, 0, 0.1], start.T_s_d).returns is None
+
+
+def test_a_missing_artifact_says_what_to_run(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="hullrecon compare"):
+        read_solved("geva", "as printed", tmp_path, 0.0)

@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hullrecon.dive.records import Returns, Solution, Trajectory
+from hullrecon.evaluation.returns import adjusted_beams, motion_of, range_residuals, reckoned_beams
+from hullrecon.evaluation.truth import read_truth
+
+ORIGIN = np.array([0.45, 0.0, 0.1])
+SHIFT = motion_of(np.array([1.0, 2, 3, 0, 0, 0, 1]))
+
+
+def test_beams_end_on_the_steel(solution: Solution, returns: Returns) -> None:
+    points = adjusted_beams(solution, SHIFT, returns, ORIGIN).points()
+    assert len(points) == 40  # the flagged one is left out
+    bare = points[:, 0] > 1.5
+    np.testing.assert_allclose(points[bare, 1], 0.012, atol=1e-9)
+
+
+def test_a_residual_is_predicted_minus_measured(package: Path, solution: Solution, returns: Returns) -> None:
+    """The steel stands 12 mm proud of the drawing, so the drawing is farther than what was measured."""
+    truth = read_truth(package)
+    assert truth.drawing is not None
+    residuals = range_residuals(adjusted_beams(solution, SHIFT, returns, ORIGIN), truth.drawing)
+    assert np.median(residuals) == pytest.approx(0.012 / np.cos(0.02), abs=1e-5)
+    assert residuals.max() == pytest.approx(0.112 / np.cos(0.02), abs=1e-5)
+
+
+def test_dead_reckoning_is_placed_alike(solution: Solution, returns: Returns) -> None:
+    n = len(solution.t_ns)
+    path = Trajectory(
+        solution.t_ns, solution.quaternion, solution.translation, np.zeros((n, 6, 6)), solution.tray, solution.image
+    )
+    before = reckoned_beams(path, SHIFT, motion_of(solution.T_s_d), returns, ORIGIN)
+    np.testing.assert_allclose(before.points(), adjusted_beams(solution, SHIFT, returns, ORIGIN).points())
+
+
+def test_beams_past_the_drawing_have_no_residual(package: Path, solution: Solution, returns: Returns) -> None:
+    truth = read_truth(package)
+    assert truth.drawing is not None
+    beams = adjusted_beams(solution, motion_of(np.array([-50.0, 2, 3, 0, 0, 0, 1])), returns, ORIGIN)
+    assert len(range_residuals(beams, truth.drawing)) == 0
