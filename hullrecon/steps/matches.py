@@ -35,7 +35,7 @@ BLOCK = 48  # pairs that one call of a worker compares: neighbours share views
 
 
 def applies(settings: Mapping[str, Any]) -> str | None:
-    return None if settings["camera.top"] is not None else "no camera was carried"
+    return None if settings["camera.top.mount"] is not None else "no camera was carried"
 
 
 def run(context: Context) -> None:
@@ -74,24 +74,24 @@ def _doubtful(
 
 def _bench(context: Context) -> Bench:
     cameras = json.loads((context.inputs["ingest"] / "cameras.json").read_text(encoding="utf-8"))
-    top, lower = Camera(**cameras["top"]), context.settings["camera.bottom"]
-    if lower is None or "bottom" not in cameras:
+    top, pose_in_top = Camera(**cameras["top"]), context.settings["camera.bottom.pose_in_top"]
+    if pose_in_top is None or "bottom" not in cameras:
         return Bench(context.inputs["features"], Rig(top), False, context.parameters)
-    rig = Rig(top, Camera(**cameras["bottom"]), from_mount(lower.pose_in_top))
+    rig = Rig(top, Camera(**cameras["bottom"]), from_mount(pose_in_top))
     return Bench(context.inputs["features"], rig, True, context.parameters)
 
 
 def _survey(context: Context, trajectory: Trajectory, rig: Rig) -> tuple[Survey, list[DepthPrior | None]]:
     """The cameras' places, and the depth of the scene at each by the DVL."""
-    tray = context.settings["tray"]
-    mount = from_mount(context.settings["camera.top"].mount)
-    survey = survey_of(trajectory, tray.origin, mount, rig.top_from_bottom, np.radians(tray.sigma_deg))
+    origin, play = context.settings["tray.origin"], np.radians(context.settings["tray.sigma_deg"])
+    mount = from_mount(context.settings["camera.top.mount"])
+    survey = survey_of(trajectory, origin, mount, rig.top_from_bottom, play)
     path = context.inputs["navigate"] / "returns.npz"
     if not path.exists():
         return survey, [None] * len(survey)
     returns = from_arrays(Returns, load_arrays(path))
     dvl = from_mount(context.settings["dvl.mount"])
-    return survey, depth_priors(survey, trajectory, returns, tray.origin, dvl, context.parameters.range_margin)
+    return survey, depth_priors(survey, trajectory, returns, origin, dvl, context.parameters.range_margin)
 
 
 def _depth(node: Node) -> float:
@@ -177,6 +177,6 @@ STAGE = Stage(
     parameters=MatchOptions,
     version=1,
     run=run,
-    uses=("tray", "dvl.mount", "camera.top", "camera.bottom"),
+    uses=("tray.origin", "tray.sigma_deg", "dvl.mount", "camera.top.mount", "camera.bottom.pose_in_top"),
     applies=applies,
 )

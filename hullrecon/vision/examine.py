@@ -80,7 +80,7 @@ class _Sight:
         self._both = both
 
     def agree(self, link: Link, a: Ints, b: Ints, options: MatchOptions) -> Mask:
-        """Whether the observations lie on each other's epipolar lines and, where a depth is known, at the right place on them."""
+        """Whether the observations lie on each other's epipolar lines and, with a depth, at the right place on them."""
         motion = link.motion.second_from_first
         limit = (1.5 * options.verify_px / self._rig.focal(0)) ** 2
         good = sampson_squared(essential_of(motion), self._lead[a], self._lead[b]) < limit

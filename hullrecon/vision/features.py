@@ -83,8 +83,7 @@ def _level(gray: Bytes, options: FeatureOptions) -> Bytes:
     if options.clahe_clip == 0:
         return gray
     leveller = cv2.createCLAHE(options.clahe_clip, (options.clahe_tiles, options.clahe_tiles))
-    level: Bytes = leveller.apply(gray)
-    return level
+    return np.asarray(leveller.apply(gray)).astype(np.uint8, copy=False)
 
 
 def _reduce(gray: Bytes, reduction: float) -> tuple[Bytes, Floats]:

@@ -23,6 +23,9 @@ Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 
+FEW = 100  # with fewer seeds the first motion is rough: what it guides to is worth a second look
+
+
 class Reason(IntEnum):
     """Why a pair gave nothing, as stored in pairs.npz."""
 
@@ -153,9 +156,17 @@ def _with_points(rig: Rig, first: View, second: View, seeds: Putative, start: Ar
     if _support(motion.second_from_first, sights, tolerance, len(seeds)) < options.min_inliers:
         return _failed(len(seeds), Reason.FEW_INLIERS)
     matched = guided(rig, first, second, motion, options)
+    if len(matched) > len(seeds):
+        motion = Motion(*rigid.refine(motion.second_from_first, sights_of(rig, first, second, _thinned(matched)), tolerance, 4))
+        matched = guided(rig, first, second, motion, options) if len(seeds) < FEW else matched
     if len(matched) < options.min_inliers:
         return _failed(len(seeds), Reason.FEW_INLIERS)
     return PairMatch(matched.first, matched.second, matched.distance, len(seeds), Reason.MATCHED, motion)
+
+
+def _thinned(matched: Putative, most: int = 500) -> Putative:
+    step = max(1, len(matched) // most)
+    return Putative(matched.first[::step], matched.second[::step], matched.distance[::step])
 
 
 def sights_of(rig: Rig, first: View, second: View, seeds: Putative) -> list[rigid.Sight]:

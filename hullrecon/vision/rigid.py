@@ -166,7 +166,7 @@ def _whitening(by_moved: Array, rotation: Array, points: Array, baseline_m: floa
     u = np.einsum("nij,nj->ni", by_moved, along)
     square = np.maximum((u * u).sum(axis=1), 1e-12)
     shrink = (1 - 1 / np.sqrt(1 + square)) / square
-    return np.eye(2) - shrink[:, None, None] * u[:, :, None] * u[:, None, :]
+    return np.asarray(np.eye(2) - shrink[:, None, None] * u[:, :, None] * u[:, None, :])
 
 
 def _cross(v: Array) -> Array:

@@ -85,7 +85,8 @@ def motions_of(found: TwoView, first: Array, second: Array) -> list[Array]:
         _, rotation, translation, _ = cv2.recoverPose(found.matrix, a, b, np.eye(3))
         return [_motion(rotation, translation.ravel())]
     _, rotations, translations, normals = cv2.decomposeHomographyMat(found.matrix, np.eye(3))
-    kept = cv2.filterHomographyDecompByVisibleRefpoints(rotations, normals, a[:, None], b[:, None])
+    seen = a[:, None].astype(np.float32), b[:, None].astype(np.float32)
+    kept = cv2.filterHomographyDecompByVisibleRefpoints(rotations, normals, *seen)
     keep = range(len(rotations)) if kept is None else kept.ravel()
     return [_motion(rotations[k], translations[k].ravel()) for k in keep]
 

@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+
+from hullrecon.geometry.poses import exp
+from hullrecon.vision.features import nothing
+from hullrecon.vision.landmarks import NodeFeatures
+from hullrecon.vision.odometry import chain
+from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pairwise import WORDS, Reason, agrees, match_pair
+from hullrecon.vision.rig import Rig
+from hullrecon.vision.stereo import no_matches
+from hullrecon.vision.transfer import Motion
+from hullrecon.vision.views import DepthPrior, stereo_of_node, view_of_node
+
+OPTIONS = MatchOptions()
+PRIOR = DepthPrior(1.3, 0.2, 0.8, 2.0)
+DOUBT = np.diag([0.02**2] * 3 + [0.01**2] * 3)
+HERE, THERE = [0, 0, 0, 0, 0, 0], [0.3, 0.02, 0.05, 0.01, -0.04, 0.02]
+
+
+def stereo_view(rig, node):
+    stereo = stereo_of_node(rig, node.top, node.bottom, PRIOR, OPTIONS)
+    return view_of_node(rig, node.top, node.bottom, stereo, PRIOR, OPTIONS.sigma_px)
+
+
+def mono_view(rig, node, prior=PRIOR):
+    return view_of_node(rig, node.top, nothing(), no_matches(), prior, OPTIONS.sigma_px)
+
+
+def truth(first, second):
+    return (second.pose.inverse() @ first.pose).matrix()[0]
+
+
+def expected(first, second, off=(0.015, -0.01, 0.01, 0.005, 0.004, -0.006)):
+    return Motion((exp([off]) @ second.pose.inverse() @ first.pose).matrix()[0], DOUBT)
+
+
+@pytest.fixture
+def two(look):
+    return look(HERE, seed=1), look(THERE, seed=2)
+
+
+@pytest.mark.parametrize("informed", [True, False])
+def test_two_stereo_nodes_give_right_matches_and_their_motion(rig, two, informed):
+    first, second = two
+    prior = expected(first, second) if informed else None
+    found = match_pair(rig, stereo_view(rig, first), stereo_view(rig, second), prior, OPTIONS, (1,), False)
+    assert found.reason is Reason.MATCHED
+    assert (first.top_id[found.first] == second.top_id[found.second]).mean() > 0.99
+    assert len(found.first) > 0.85 * len(np.intersect1d(first.top_id, second.top_id))
+    gap = np.linalg.inv(found.motion.second_from_first) @ truth(first, second)
+    assert np.linalg.norm(gap[:3, 3]) < 0.003
+    assert agrees(found, Motion(truth(first, second), 1e-12 * np.eye(6)), 40.0)
+
+
+def test_one_stereo_node_and_one_mono_give_a_motion_with_its_length(rig, two):
+    first, second = two
+    for pair in ((stereo_view(rig, first), mono_view(rig, second)), (mono_view(rig, first), stereo_view(rig, second))):
+        found = match_pair(rig, *pair, expected(first, second), OPTIONS, (1,), False)
+        assert found.reason is Reason.MATCHED
+        assert found.scaled
+        np.testing.assert_allclose(found.motion.second_from_first, truth(first, second), atol=0.02)
+
+
+@pytest.mark.parametrize("informed", [True, False])
+def test_two_mono_nodes_give_a_direction_and_right_matches(rig, two, informed):
+    first, second = two
+    mono = Rig(rig.top)
+    depth, prior = (PRIOR, expected(first, second)) if informed else (None, None)
+    found = match_pair(mono, mono_view(mono, first, depth), mono_view(mono, second, depth), prior, OPTIONS, (1,), True)
+    assert found.reason is Reason.MATCHED
+    assert not found.scaled
+    assert (first.top_id[found.first] == second.top_id[found.second]).mean() > 0.97
+
+
+def test_navigation_that_points_elsewhere_is_outvoted_where_a_full_search_is_allowed(rig, two):
+    first, second = two
+    astray = expected(first, second, off=(0.4, 0.3, 0.0, 0.0, 0.0, 0.0))
+    views = stereo_view(rig, first), stereo_view(rig, second)
+    assert match_pair(rig, *views, astray, OPTIONS, (1,), True).reason is Reason.AGAINST_NAVIGATION
+    assert match_pair(rig, *views, astray, OPTIONS, (1,), False).reason in (Reason.FEW_PUTATIVE, Reason.FEW_INLIERS)
+
+
+def test_nodes_that_see_different_places_do_not_match(rig, look):
+    first, second = look(HERE), look([2.6, 0, 0, 0, 0, 0])
+    found = match_pair(rig, stereo_view(rig, first), stereo_view(rig, second), None, OPTIONS, (1,), True)
+    assert found.reason in (Reason.FEW_PUTATIVE, Reason.FEW_INLIERS)
+    assert found.motion is None
+    assert len(found.first) == 0
+
+
+def test_an_image_without_features_is_named_as_such(rig, look):
+    view, empty = stereo_view(rig, look(HERE)), view_of_node(rig, nothing(), nothing(), no_matches(), None, 0.4)
+    assert match_pair(rig, view, empty, None, OPTIONS, (1,), True).reason is Reason.NO_FEATURES
+
+
+def test_a_lookalike_point_is_kept_apart_by_its_place(rig, wall, two):
+    """Every descriptor occurs twice on the wall: only the place tells one from the other."""
+    first, second = two
+    for node in two:
+        node.top.descriptors[:] = wall.descriptors[node.top_id % 450]
+        node.bottom.descriptors[:] = wall.descriptors[node.bottom_id % 450]
+    found = match_pair(rig, stereo_view(rig, first), stereo_view(rig, second), expected(first, second), OPTIONS, (1,), False)
+    assert found.reason is Reason.MATCHED
+    assert (first.top_id[found.first] == second.top_id[found.second]).mean() > 0.98
+
+
+def test_the_same_pair_gives_the_same_matches_twice(rig, two):
+    views = [stereo_view(rig, node) for node in two]
+    first, second = (match_pair(rig, *views, None, OPTIONS, (1, 2), True) for _ in range(2))
+    np.testing.assert_array_equal(first.first, second.first)
+    np.testing.assert_array_equal(first.motion.second_from_first, second.motion.second_from_first)
+
+
+def test_a_chain_of_stereo_pairs_adds_up_to_the_path(rig, look):
+    nodes = [look([0.25 * k, 0.0, 0.02 * k, 0.0, 0.01 * k, 0.0], seed=k) for k in range(5)]
+    found = chain(rig, range(5), lambda k: NodeFeatures(nodes[k].top, nodes[k].bottom), OPTIONS)
+    path = np.eye(4)
+    for match in found:
+        path = path @ match.motion.inverse().second_from_first
+    np.testing.assert_allclose(path, nodes[4].pose.matrix()[0], atol=0.01)
+
+
+def test_every_reason_has_words():
+    assert set(WORDS) == set(Reason)
+    assert WORDS[Reason.AGAINST_NAVIGATION] == "inconsistent with navigation"
