@@ -132,7 +132,8 @@ def make_solution(landmarks: np.ndarray, label: np.ndarray, path: np.ndarray = P
     seven = lambda t, q: np.array([*t, *q], float)  # noqa: E731
     return Solution(
         t_ns=STAMPS_NS, image=np.stack([FRAMES, np.full(n, -1)], 1), quaternion=np.tile(FACING.as_quat(), (n, 1)),
-        translation=path + shift, tray=np.full(n, THETA), tray_sigma=np.full(n, 0.001), pose_covariance=np.tile(np.eye(6) * 1e-4, (n, 1, 1)),
+        translation=path + shift, tray=np.full(n, THETA), tray_sigma=np.full(n, 0.001),
+        pose_covariance=np.tile(np.eye(6) * 1e-4, (n, 1, 1)),
         landmark=landmarks + shift, landmark_covariance=np.tile(np.eye(3) * 1e-6, (m, 1, 1)), label=label.astype(np.int64),
         deviation=landmarks[:, 1], views=np.full(m, 5), color=np.zeros((m, 3), np.uint8), T_g_M=seven(shift, [0, 0, 0, 1]),
         T_s_ct=seven(CAMERA_IN_TRAY["translation"], CAMERA_IN_TRAY["quaternion"]), T_ct_cb=np.full(7, np.nan),
