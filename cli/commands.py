@@ -26,21 +26,21 @@ ON_A_DIVE = {
 }
 STEPS = {
     "ingest": Entry("steps", "ingest", "read the logs, the calibration and the drawing"),
-    "navigate": Entry("steps", "navigate", "dead reckoning with its covariance"),
+    "navigate": Entry("steps", "navigate", "reckon the vehicle's path"),
     "features": Entry("steps", "features", "find features in every image"),
     "matches": Entry("steps", "matches", "match images and join the matches to landmarks"),
     "adjust": Entry("steps", "adjust", "adjust images, DVL ranges and the drawing together"),
     "surface": Entry("steps", "surface", "make a surface of the DVL's returns"),
     "detect": Entry("steps", "detect", "find structures and remesh the hull as found"),
-    "mosaic-optical": Entry("steps", "mosaic-optical", "the mosaic of the cameras"),
-    "mosaic-sonar": Entry("steps", "mosaic-sonar", "the mosaic of the imaging sonar"),
+    "mosaic-optical": Entry("steps", "mosaic-optical", "blend the images on the hull's surface"),
+    "mosaic-sonar": Entry("steps", "mosaic-sonar", "blend the sonar's pings on the hull's surface"),
     "report": Entry("steps", "report", "write the deliverables and the report"),
 }
 AROUND = {
     "simulate": Entry("dive", "simulate", "make a dive package with truth"),
     "evaluate": Entry("judge", "evaluate", "figures of a run against the truth of a simulated dive"),
-    "compare": Entry("judge", "compare", "several runs or methods in one table"),
-    "figures": Entry("judge", "figures", "the sources' plots from a run"),
+    "compare": Entry("judge", "compare", "naive, geva and maxmix on a simulated dive, in one table"),
+    "figures": Entry("judge", "figures", "the sources' plots from what compare left"),
     "completion": Entry("completion", "completion", "the shell's completion script"),
 }
 SECTIONS = {"A dive": ON_A_DIVE, "Steps of the chain": STEPS, "Around it": AROUND}

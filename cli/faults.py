@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import os
-import sys
 import tempfile
 import time
 import traceback
@@ -30,11 +29,10 @@ def exit_code_of(error: BaseException, state: State) -> int:
         return _say(state, f"{error.format_message()} ({remedy})" if remedy else error.format_message(), "UsageError", USAGE)
     if isinstance(error, KeyboardInterrupt | click.Abort):
         return _say(state, "interrupted: what is finished is kept, run again to go on", "Interrupted", INTERRUPTED)
-    if isinstance(error, SystemExit):
+    if isinstance(
+        error, SystemExit
+    ):  # click: completion has been printed, or the reader of our output has left, as `head` does
         return error.code if isinstance(error.code, int) else UNEXPECTED
-    if isinstance(error, BrokenPipeError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader has left; nothing is to be flushed to it
-        return 0
     line = f"an unexpected fault of ours, sorry: {type(error).__name__}; please send us {_write_traceback(error, state)}"
     return _say(state, line, "Fault", UNEXPECTED)
 

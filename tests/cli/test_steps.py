@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""cli.steps: a command for each step, made from its declaration."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from hullrecon_cli.steps import command, comments, fields
+from msgspec import Struct
+
+from hullrecon.steps.chain import stages
+
+
+class Commented(Struct):
+    """# not a comment of a field"""
+
+    plain: int = 1
+    near: float = 0.5  # m, from the hull
+    word: str = "#"  # has a hash itself
+    # a line of its own
+    many: tuple[int, ...] = (1, 2)
+
+
+def test_words_come_from_the_comment_behind_the_field() -> None:
+    assert comments(Commented) == {"near": "m, from the hull", "word": "has a hash itself"}
+
+
+def test_help_gives_words_bounds_and_default_of_each_option(program) -> None:
+    text = " ".join(program("navigate", "--help").out.split())
+    assert "Count the words." in text
+    assert "--times INT how often the log is counted; at least 1, at most 9; default 1" in text
+    assert "--margin-m FLOAT of nothing, m; above 0; default 0.5" in text
+    assert "--end [badly|fault|never|well] default well" in text
+    assert "--loud / --no-loud default false" in text
+    assert "default [0.0, 1.0]" in text
+
+
+def test_a_step_runs_itself_and_what_it_needs_with_its_options(program, package: Path, runs: Path) -> None:
+    answer = program("navigate", package, "--runs", runs, "--times", "3", "--loud", "--span", "[1, 2]", "--json")
+    assert [step["name"] for step in json.loads(answer.out)["steps"]] == ["ingest", "navigate"]
+    manifest = json.loads((runs / "toy" / "navigate" / "manifest.json").read_text())
+    assert manifest["recipe"]["settings"]["navigate"] == {
+        "end": "well", "loud": True, "margin_m": 0.5, "span": [1.0, 2.0], "times": 3,
+    }  # fmt: skip
+    assert manifest["warnings"] == ["the log is loud"]
+
+
+def test_an_options_value_is_checked_as_in_dive_toml(program, package: Path, runs: Path) -> None:
+    for arguments in (["--times", "99"], ["--times", "many"], ["--margin-m", "0"], ["--end", "somehow"]):
+        answer = program("navigate", package, "--runs", runs, *arguments)
+        assert answer.code == 2, arguments
+        assert answer.err.count("\n") == 1
+
+
+def test_a_switch_can_be_turned_off(program, package: Path, runs: Path) -> None:
+    (package / "dive.toml").write_text((package / "dive.toml").read_text() + "[navigate]\nloud = true\n")
+    program("navigate", package, "--runs", runs, "--no-loud")
+    manifest = json.loads((runs / "toy" / "navigate" / "manifest.json").read_text())
+    assert manifest["recipe"]["settings"]["navigate"]["loud"] is False
+
+
+@pytest.mark.parametrize("stage", stages(), ids=lambda stage: stage.name)
+def test_every_field_of_every_step_is_an_option_that_hides_no_common_one(stage) -> None:
+    flags = [flag for parameter in command(stage.name).params for flag in (*parameter.opts, *parameter.secondary_opts)]
+    assert len(flags) == len(set(flags))
+    assert {f"--{field.name.replace('_', '-')}" for field in fields(stage)} <= set(flags)
