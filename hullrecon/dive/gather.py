@@ -29,12 +29,14 @@ class Gathered:
     counts: Counter[Channel] = field(default_factory=Counter)
     undecoded: Counter[tuple[str, str]] = field(default_factory=Counter)
     unstamped: Counter[str] = field(default_factory=Counter)
+    passed_over: Counter[Channel] = field(default_factory=Counter)
     losses: list[tuple[str, Loss]] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
 
 
 def gather(logs: Sequence[Log], topics: Mapping[str, str], take_image: TakeImage, watch: Watch = iter) -> Gathered:
-    """topics: sensor by topic. Streams; only small samples are kept. `watch` sees every message pass (progress)."""
+    """topics: sensor by topic; a sensor named there comes from that topic, not from a PD0 file or a table beside the log.
+    Streams; only small samples are kept. `watch` sees every message pass (progress)."""
     out = Gathered()
     for log in logs:
         for message in watch(log.messages()):
@@ -51,13 +53,19 @@ def gather(logs: Sequence[Log], topics: Mapping[str, str], take_image: TakeImage
     out.remarks += [
         f"{topic}: {n} messages have no stamp; their logging time was used" for topic, n in sorted(out.unstamped.items())
     ]
+    out.remarks += [
+        f"{c.type}: its {n} readings were left aside, as topics.{c.topic} is set" for c, n in out.passed_over.items()
+    ]
     return out
 
 
 def _samples(message: Message, topics: Mapping[str, str], out: Gathered) -> Iterator[tuple[str, Sample]]:
     channel = message.channel
     if not isinstance(message.data, bytes):
-        yield channel.topic, message.data
+        if channel.topic in topics.values():
+            out.passed_over[channel] += 1
+        else:
+            yield channel.topic, message.data
         return
     sensor = topics.get(channel.topic)
     if sensor is None:

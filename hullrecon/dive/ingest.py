@@ -81,11 +81,12 @@ def ingest(package: Path, request: Request, open_file: OpenFile, watch: Watch = 
         if sample.camera in sinks:
             sinks[sample.camera].take(sample, logged_ns)
 
-    found = gather(logs, {topic: sensor for sensor, topic in request.topics.items()}, take_image, watch)
+    topics = {} if all(log.gives_samples for log in logs) else request.topics
+    found = gather(logs, {topic: sensor for sensor, topic in topics.items()}, take_image, watch)
+    _check_topics(topics, found)
     out.remarks += found.remarks
     out.lost = words.losses(found.losses)
     out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
-    _check_topics(request, found)
     _records(out, request, found)
     for name, sink in sinks.items():
         index = sink.finish(out.remarks)
@@ -96,10 +97,10 @@ def ingest(package: Path, request: Request, open_file: OpenFile, watch: Watch = 
     return out
 
 
-def _check_topics(request: Request, found: Gathered) -> None:
+def _check_topics(topics: Mapping[str, str], found: Gathered) -> None:
     """A topic that is named but absent is an error, unless the log is damaged: then its messages may be what was lost."""
     held = {channel.topic for channel in found.counts}
-    for sensor, topic in sorted(request.topics.items()):
+    for sensor, topic in sorted(topics.items()):
         if topic in held:
             continue
         if not found.losses:

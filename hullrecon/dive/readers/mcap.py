@@ -38,6 +38,7 @@ class McapLog:
     """Walks the chunks that the summary names; without a usable summary, the file from its start, past every damage."""
 
     kind = "MCAP"
+    gives_samples = False
 
     def __init__(self, path: Path) -> None:
         self.path = path

@@ -30,6 +30,7 @@ class Pd0Log:
     """Ensembles whose checksum holds; what lies between them is named."""
 
     kind = "Teledyne PD0"
+    gives_samples = True
 
     def __init__(self, path: Path) -> None:
         self.path = path

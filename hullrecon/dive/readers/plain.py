@@ -31,6 +31,7 @@ class PlainLog:
     """package: files named in the CSVs are looked for beside the CSV, then below the package."""
 
     kind = "plain files"
+    gives_samples = True
 
     def __init__(self, path: Path, package: Path | None = None) -> None:
         self.path, self.package = path, package or path

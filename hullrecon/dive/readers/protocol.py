@@ -50,6 +50,7 @@ class Log(Protocol):
 
     path: Path
     kind: str  # in words, "MCAP"
+    gives_samples: bool  # its messages are samples of known sensors: no topics apply
     remarks: list[str]  # what a reader should know; filled while reading
 
     def messages(self) -> Iterator[Message]:

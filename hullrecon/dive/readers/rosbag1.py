@@ -44,6 +44,7 @@ class Rosbag1Log:
     """A bag has no checksums (bz2 and most lz4 chunks apart): damage shows where lengths or types no longer fit."""
 
     kind = "ROS 1 bag"
+    gives_samples = False
 
     def __init__(self, path: Path) -> None:
         self.path = path

@@ -23,6 +23,7 @@ class Rosbag2Log:
     """Files in the order of the metadata; files that it does not name (a recording that was cut short) follow by name."""
 
     kind = "ROS 2 folder"
+    gives_samples = False
 
     def __init__(self, path: Path) -> None:
         self.path = path

@@ -21,6 +21,7 @@ class SqliteLog:
     """A database has no checksums: damage shows where SQLite cannot follow its pages."""
 
     kind = "ROS 2 database"
+    gives_samples = False
 
     def __init__(self, path: Path) -> None:
         self.path = path

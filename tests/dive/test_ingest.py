@@ -1,0 +1,187 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import dataclasses
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hullrecon.dive.ingest import Request, ingest, offset_ns
+from hullrecon.dive.sensors import PressureModel
+from hullrecon.errors import InputError
+
+REQUEST = Request(
+    logs=("logs/dive.mcap",),
+    topics={"dvl": "/dvl", "imu": "/imu", "pressure": "/pressure", "joints": "/joints", "camera_top": "/cam"},
+    joints={"tray": "tray", "sonar_tray": "other"},
+    imu_frame="ned",
+    pressure=PressureModel(1025.0, 9.81, 101325.0),
+    beams=None,
+    sigma_velocity=0.003,
+    calibration={"camera_top": "calibration/camera_top.yaml"},
+    offset_ns={"camera_top": 0, "camera_bottom": 0},
+    mesh=None,
+    units="m",
+)
+
+
+def run(package: Path, **changes):
+    files: dict[str, BytesIO] = {}
+    found = ingest(package, dataclasses.replace(REQUEST, **changes), lambda camera: files.setdefault(camera, BytesIO()))
+    return found, files
+
+
+def test_every_sensor_becomes_a_record(package):
+    found, files = run(package)
+    assert {name: len(r.t_ns) for name, r in found.records.items()} == {
+        "dvl": 8, "imu": 40, "pressure": 20, "tray": 20, "sonar_tray": 20,
+    }  # fmt: skip
+    assert found.records["pressure"].depth[-1] == pytest.approx(38.0)
+    assert found.records["tray"].angle[1] == pytest.approx(0.2)
+    assert found.records["sonar_tray"].angle[0] == 9.0
+    assert len(found.images["camera_top"].t_ns) == 8
+    assert files["camera_top"].getbuffer().nbytes == found.images["camera_top"].size.sum()
+    assert found.cameras["camera_top"].fx == 50.0
+    assert found.lost == []
+
+
+def test_the_findings_say_in_words_what_was_read(package):
+    spans = run(package)[0].findings()["spans"]
+    assert "dvl: 8 pings in 3.5 s from 2026-05-04T09:30:00.000Z, 2.0 a second" in spans
+    assert "depth runs from 0.0 to 38.0 m" in spans
+    assert "DVL ranges run from 1.00 to 4.00 m" in spans
+
+
+def test_a_topic_that_is_absent_is_an_input_error_that_lists_what_there_is(package):
+    with pytest.raises(InputError, match="topic /ahrs is not in the log, which holds /cam, /dvl, /imu") as caught:
+        run(package, topics={**REQUEST.topics, "imu": "/ahrs"})
+    assert caught.value.where == "topics.imu"
+
+
+def test_a_topic_that_is_absent_from_a_damaged_log_is_only_remarked(package):
+    path = package / "logs" / "dive.mcap"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    found, _ = run(package, topics={**REQUEST.topics, "imu": "/ahrs"})
+    assert any("nothing of /ahrs is left" in remark for remark in found.remarks)
+    assert found.lost
+    assert "imu" not in found.records
+
+
+def test_a_truncated_log_names_the_lost_span_of_each_topic(package):
+    path = package / "logs" / "dive.mcap"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    found, _ = run(package)
+    assert len(found.lost) == 5
+    assert all(line.startswith("dive.mcap: /") and "to the end is lost" in line for line in found.lost)
+    assert 0 < len(found.records["imu"].t_ns) < 40
+
+
+def test_nothing_readable_is_an_input_error(package):
+    path = package / "logs" / "dive.mcap"
+    path.write_bytes(path.read_bytes()[:100])
+    with pytest.raises(InputError, match="no sensor could be read"):
+        run(package)
+
+
+def test_a_camera_that_is_not_in_the_file_is_left_aside(package):
+    found, files = run(package, calibration={})
+    assert found.images == {}
+    assert files == {}
+
+
+def table(path: Path, header: str, t_ns: np.ndarray, *columns: np.ndarray) -> None:
+    """A CSV whose stamps keep every nanosecond."""
+    values = np.column_stack(columns).tolist()
+    rows = [f"{t // 10**9}.{t % 10**9:09d},{','.join(map(repr, row))}" for t, row in zip(t_ns.tolist(), values, strict=True)]
+    path.write_text("\n".join([header, *rows]))
+
+
+def test_plain_files_give_the_same_records_as_the_log(package):
+    folder = package / "plain"
+    folder.mkdir()
+    whole, _ = run(package)
+    imu, dvl, depth = (whole.records[name] for name in ("imu", "dvl", "pressure"))
+    table(folder / "imu.csv", "t,qx,qy,qz,qw", imu.t_ns, imu.quaternion)
+    table(folder / "dvl.csv", "t,vx,vy,vz,range_1,range_2,range_3,range_4", dvl.t_ns, dvl.velocity, dvl.ranges)
+    table(folder / "pressure.csv", "t,pascal", depth.t_ns, 101325 + 1025 * 9.81 * depth.depth)
+    found, _ = run(package, logs=("plain",), topics={}, calibration={})
+    for name in ("imu", "dvl", "pressure"):
+        np.testing.assert_array_equal(found.records[name].t_ns, whole.records[name].t_ns)
+    np.testing.assert_array_equal(found.records["dvl"].velocity, dvl.velocity)
+    np.testing.assert_allclose(found.records["pressure"].depth, depth.depth, atol=1e-9)
+    assert any("30 degree Janus" in remark for remark in found.remarks)
+
+
+def test_ros1_and_ros2_give_the_same_records(kit, package):
+    kit.bag1(package / "x.bag", kit.dive(ros=1))
+    kit.ros2(package / "folder", kit.dive())
+    first, _ = run(package)
+    for log in ("x.bag", "folder"):
+        other, _ = run(package, logs=(log,))
+        np.testing.assert_array_equal(other.records["dvl"].ranges, first.records["dvl"].ranges)
+        np.testing.assert_array_equal(other.records["imu"].t_ns, first.records["imu"].t_ns)
+        np.testing.assert_array_equal(other.images["camera_top"].size, first.images["camera_top"].size)
+
+
+def test_two_logs_are_read_one_after_the_other(kit, package):
+    entries = kit.dive()
+    kit.mcap(package / "a.mcap", entries[:50])
+    kit.mcap(package / "b.mcap", entries[50:])
+    found, _ = run(package, logs=("b.mcap", "a.mcap"))
+    assert (np.diff(found.records["imu"].t_ns) > 0).all()
+    assert len(found.records["imu"].t_ns) == 40
+
+
+def test_a_clock_that_jumps_is_named(kit, package):
+    entries = kit.dive()
+    moved = [
+        dataclasses.replace(e, message=kit.imu(e.t_ns + 7 * 10**9)) if e.topic == "/imu" and i > 50 else e
+        for i, e in enumerate(entries)
+    ]
+    kit.mcap(package / "logs" / "dive.mcap", moved)
+    found, _ = run(package)
+    assert any("imu: the clock jumps by +7.000 s" in remark for remark in found.remarks)
+
+
+def test_offsets_are_whole_nanoseconds():
+    assert offset_ns(0.1) == 100_000_000
+    assert offset_ns(-1e-9) == -1
+
+
+def pd0(path: Path) -> None:
+    """One ensemble of a glider's file stands for the DVL."""
+    import struct
+
+    fixed, variable, bottom = bytearray(59), bytearray(65), bytearray(81)
+    struct.pack_into("<H", fixed, 4, 0x0200)
+    fixed[8:10], fixed[25] = bytes([4, 0]), 0b01000
+    struct.pack_into("<H", variable, 0, 0x80)
+    variable[4:11] = bytes([26, 5, 4, 9, 30, 1, 0])
+    struct.pack_into("<H", bottom, 0, 0x0600)
+    struct.pack_into("<4H", bottom, 16, *[866] * 4)
+    offsets = [12, 12 + 59, 12 + 59 + 65]
+    body = b"\x7f\x7f" + struct.pack("<HBB3H", 12 + 59 + 65 + 81, 0, 3, *offsets) + bytes(fixed + variable + bottom)
+    path.write_bytes(body + struct.pack("<H", sum(body) % 65536))
+
+
+def test_a_pd0_file_beside_the_log_gives_the_dvl(package):
+    pd0(package / "logs" / "dvl.pd0")
+    topics = {name: topic for name, topic in REQUEST.topics.items() if name != "dvl"}
+    found, _ = run(package, logs=("logs/dive.mcap", "logs/dvl.pd0"), topics=topics)
+    assert found.records["dvl"].ranges == pytest.approx(np.full((1, 4), 10.0), abs=0.001)
+    assert len(found.records["imu"].t_ns) == 40
+
+
+def test_a_dvl_topic_wins_over_a_pd0_file_and_that_is_said(package):
+    pd0(package / "logs" / "dvl.pd0")
+    found, _ = run(package, logs=("logs/dive.mcap", "logs/dvl.pd0"))
+    assert len(found.records["dvl"].t_ns) == 8
+    assert "Teledyne PD0: its 1 readings were left aside, as topics.dvl is set" in found.remarks
+
+
+def test_topics_do_not_apply_to_plain_files(package):
+    (package / "plain").mkdir()
+    (package / "plain" / "pressure.csv").write_text("t,pascal\n1,101325\n")
+    found, _ = run(package, logs=("plain",), calibration={})
+    assert found.records["pressure"].depth.tolist() == [0.0]
