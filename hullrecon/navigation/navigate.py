@@ -88,7 +88,7 @@ def _ordered(logs: Logs) -> tuple[Logs, list[str]]:
     said: list[str] = []
     dvl, words = in_order(logs.dvl, "dvl")
     said += words
-    imu, words = in_order(_finite_attitude(logs.imu), "imu")
+    imu, words = in_order(finite_attitude(logs.imu), "imu")
     said += words
     pressure, tray = logs.pressure, logs.tray
     if pressure is not None:
@@ -101,7 +101,8 @@ def _ordered(logs: Logs) -> tuple[Logs, list[str]]:
     return Logs(dvl, imu, pressure, tray, logs.top, logs.bottom), said
 
 
-def _finite_attitude(imu: ImuSamples) -> ImuSamples:
+def finite_attitude(imu: ImuSamples) -> ImuSamples:
+    """The readings that have an orientation. Raises StageError where there are fewer than two."""
     known = np.isfinite(imu.quaternion).all(axis=1) & (np.linalg.norm(imu.quaternion, axis=1) > 0.5)
     if known.sum() < 2:
         raise StageError(

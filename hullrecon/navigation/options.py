@@ -20,3 +20,5 @@ class NavigateOptions(Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     beam_window_s: Positive = 3.0  # s of neighbours that a return is compared with
     beam_jump_m: Positive = 0.5  # m
     beam_sigmas: Positive = 5.0  # robust sigmas
+    stereo_features: Annotated[int, Meta(ge=100)] = 4000  # an image, for visual odometry
+    stereo_inliers: Annotated[int, Meta(ge=6)] = 15  # features that must agree on a step

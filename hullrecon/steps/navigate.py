@@ -4,18 +4,24 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
 from hullrecon.artifacts.stage import Context, Stage, load_arrays
+from hullrecon.dive.images import CAMERAS, ImageStore
 from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, from_arrays, to_arrays
 from hullrecon.errors import StageError
+from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import from_mount
-from hullrecon.navigation.navigate import Logs, Navigated, dead_reckon
+from hullrecon.navigation.navigate import Logs, Navigated, dead_reckon, usable_frames
 from hullrecon.navigation.options import NavigateOptions
+from hullrecon.navigation.stereo_frame import StereoFrame, StereoRig, stereo_frame
+from hullrecon.navigation.stereo_path import Aids, Views, stereo_navigate
 from hullrecon.navigation.vehicle import Vehicle
 
 Record = TypeVar("Record")
@@ -23,21 +29,52 @@ HOUR_S = 3600.0
 USES = (
     "tray.origin", "tray.sigma_deg", "imu.sigma_roll_pitch_deg", "imu.heading_drift_deg_per_hour", "imu.bias_sigma_deg",
     "pressure.origin", "pressure.sigma_m", "pressure.bias_sigma_m", "dvl.mount", "dvl.mount_sigma", "dvl.scale_sigma",
-    "dvl.sigma_range",
+    "dvl.sigma_range", "camera.top.mount", "camera.top.sigma_px", "camera.bottom.pose_in_top", "camera.bottom.pose_sigma",
+    "logs",
 )  # fmt: skip
+SUFFIXES = frozenset((".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff"))
+
+
+@dataclass(frozen=True)
+class PairReader:
+    """Makes a stereo frame of two rows in the cameras' indices."""
+
+    top: ImageStore
+    bottom: ImageStore
+    rig: StereoRig
+    features: int
+
+    def __call__(self, top: int, bottom: int) -> StereoFrame:
+        return stereo_frame(self.top.read(top), self.bottom.read(bottom), self.rig, self.features)
+
+
+def external(settings: Mapping[str, Any], package: Path) -> list[Path]:
+    """Images that lie in the package as files; read again for visual odometry."""
+    folders = [package / file for file in settings["logs"].files]
+    return sorted(p for folder in folders if folder.is_dir() for p in folder.rglob("*") if p.suffix.lower() in SUFFIXES)
 
 
 def run(context: Context) -> None:
+    if (context.inputs["ingest"] / "dvl.npz").exists():
+        _write(context, _by_dvl(context), "dvl")
+    elif all((context.inputs["ingest"] / f"images_{camera}.npz").exists() for camera in CAMERAS):
+        _write(context, _by_stereo(context), "stereo")
+    else:
+        raise StageError(
+            "nothing tells how the vehicle moved",
+            where="no DVL and no stereo cameras were logged",
+            remedy="name the DVL's topic in [topics], or both cameras with their calibration",
+        )
+
+
+def _by_dvl(context: Context) -> Navigated:
     ingest = context.inputs["ingest"]
     dvl, imu = _record(ingest, "dvl", DvlPings), _record(ingest, "imu", ImuSamples)
     if dvl is None:
-        raise StageError("no DVL was logged", where="navigate", remedy="name its topic in [topics]")
+        raise StageError("the DVL's log is empty", where="navigate", remedy="check the topic and the span of the log")
     if imu is None:
-        raise StageError(
-            "the DVL's velocities have no heading: no IMU was logged",
-            where="navigate",
-            remedy="name the IMU's topic in [topics]",
-        )
+        what = "the DVL's velocities have no heading: no IMU was logged"
+        raise StageError(what, where="navigate", remedy="name the IMU's topic in [topics]")
     logs = Logs(
         dvl,
         imu,
@@ -46,8 +83,26 @@ def run(context: Context) -> None:
         _record(ingest, "images_camera_top", ImageIndex),
         _record(ingest, "images_camera_bottom", ImageIndex),
     )
-    found = dead_reckon(logs, vehicle_of(context.settings), context.parameters, context.settings["dvl.sigma_range"])
-    _write(context, found, "dvl")
+    return dead_reckon(logs, vehicle_of(context.settings), context.parameters, context.settings["dvl.sigma_range"])
+
+
+def _by_stereo(context: Context) -> Navigated:
+    ingest, settings = context.inputs["ingest"], context.settings
+    cameras = json.loads((ingest / "cameras.json").read_text())
+    sigma_rad = float(np.radians(np.max(settings["camera.bottom.pose_sigma"][3:])))
+    top, bottom = (Camera(**cameras[name]) for name in ("top", "bottom"))
+    rig = StereoRig(
+        top, bottom, from_mount(settings["camera.bottom.pose_in_top"]), settings["camera.top.sigma_px"], 2 * sigma_rad * top.fx
+    )
+    upper, lower = (ImageStore(ingest, context.source, camera) for camera in CAMERAS)
+    reader = PairReader(upper, lower, rig, context.parameters.stereo_features)
+    views = Views(usable_frames(upper.index), usable_frames(lower.index), reader, from_mount(settings["camera.top.mount"]))
+    aids = Aids(
+        _record(ingest, "imu", ImuSamples), _record(ingest, "pressure", PressureSamples), _record(ingest, "tray", JointSamples)
+    )
+    return stereo_navigate(
+        views, aids, rig, vehicle_of(settings), context.parameters, lambda pairs: context.progress(pairs, "stereo pairs")
+    )
 
 
 def vehicle_of(settings: Mapping[str, Any]) -> Vehicle:
@@ -96,4 +151,5 @@ STAGE = Stage(
     version=1,
     run=run,
     uses=USES,
+    external=external,
 )

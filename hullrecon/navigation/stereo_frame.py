@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What one stereo pair gives visual odometry: features of both images and the points that they triangulate to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.poses import Poses
+from hullrecon.navigation.vehicle import cross_matrix
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Picture = NDArray[np.uint8]
+RATIO = 0.85  # nearest to second nearest descriptor, Lowe's test; the geometry refuses what it lets through
+
+
+@dataclass(frozen=True)
+class StereoRig:
+    """Two cameras, and T_ct_cb, one pose. sigma_px: of a feature. slack_px: how far the rig's own uncertainty moves an epipolar
+    line. nearest_m, farthest_m: depths that count."""
+
+    top: Camera
+    bottom: Camera
+    T_ct_cb: Poses
+    sigma_px: float = 1.0
+    slack_px: float = 0.0
+    nearest_m: float = 0.2
+    farthest_m: float = 30.0
+
+
+@dataclass(frozen=True)
+class Features:
+    """Of one image: ideal (n, 2) coordinates x/z, y/z; descriptor (n, 128) float32 of unit length."""
+
+    ideal: Array
+    descriptor: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class StereoFrame:
+    """top, bottom: all features. rows (m, 2): those of a point; point (m, 3) m in camera_top; covariance (m, 3, 3)."""
+
+    top: Features
+    bottom: Features
+    rows: Ints
+    point: Array
+    covariance: Array
+
+
+def stereo_frame(top: Picture | None, bottom: Picture | None, rig: StereoRig, most_features: int) -> StereoFrame:
+    """From two images (h, w, 3) RGB; one that is None has no features."""
+    a, b = find_features(top, rig.top, most_features), find_features(bottom, rig.bottom, most_features)
+    rows = stereo_matches(a, b, rig)
+    point, covariance = triangulate(a.ideal[rows[:, 0]], b.ideal[rows[:, 1]], rig)
+    kept = (point[:, 2] > rig.nearest_m) & (point[:, 2] < rig.farthest_m)
+    return StereoFrame(a, b, rows[kept], point[kept], covariance[kept])
+
+
+def find_features(picture: Picture | None, camera: Camera, most: int) -> Features:
+    """SIFT on the gray image after CLAHE (clip 3, 8 x 8 tiles), which lifts what lamps leave dark."""
+    import cv2
+
+    if picture is None:
+        return Features(np.zeros((0, 2)), np.zeros((0, 128), np.float32))
+    gray = cv2.createCLAHE(3.0, (8, 8)).apply(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))
+    keypoints, descriptors = cv2.SIFT.create(most, contrastThreshold=0.02).detectAndCompute(gray, None)
+    if not keypoints:
+        return Features(np.zeros((0, 2)), np.zeros((0, 128), np.float32))
+    rooted = np.sqrt(descriptors / np.maximum(descriptors.sum(axis=1, keepdims=True), 1e-9))  # RootSIFT: unit length
+    return Features(camera.undistort(np.array([k.pt for k in keypoints])), rooted.astype(np.float32))
+
+
+def stereo_matches(a: Features, b: Features, rig: StereoRig) -> Ints:
+    """Rows (m, 2) of features that lie on each other's epipolar line, in front of both cameras, and look alike."""
+    if len(a.ideal) < 2 or len(b.ideal) < 2:
+        return np.zeros((0, 2), np.int64)
+    off = epipolar_distance(a.ideal, b.ideal, rig)
+    return mutual_best(a.descriptor, b.descriptor, off * rig.top.fx <= 2.0 * rig.sigma_px + rig.slack_px)
+
+
+def epipolar_distance(a: Array, b: Array, rig: StereoRig) -> Array:
+    """(n, m): Sampson distance of every pair of ideal points, in units of focal length."""
+    R, t = rig.T_ct_cb.rotation.as_matrix()[0], rig.T_ct_cb.translation[0]
+    E = cross_matrix(t[None])[0] @ R  # x_a' E x_b = 0
+    xa, xb = np.hstack([a, np.ones((len(a), 1))]), np.hstack([b, np.ones((len(b), 1))])
+    line_a, line_b = xb @ E.T, xa @ E
+    slope = np.sqrt((line_a[:, :2] ** 2).sum(axis=1)[None] + (line_b[:, :2] ** 2).sum(axis=1)[:, None])
+    return np.asarray(np.abs(line_b @ xb.T) / np.maximum(slope, 1e-12))
+
+
+def mutual_best(a: NDArray[np.float32], b: NDArray[np.float32], allowed: NDArray[np.bool_] | None = None) -> Ints:
+    """Rows (m, 2) that are each other's nearest descriptor among the allowed, clearly nearer than a's second."""
+    if len(a) < 1 or len(b) < 1:
+        return np.zeros((0, 2), np.int64)
+    squared = np.maximum(2.0 - 2.0 * (a @ b.T), 0.0)
+    if allowed is not None:
+        squared[~allowed] = np.inf
+    best = np.argmin(squared, axis=1)
+    first = squared[np.arange(len(a)), best]
+    second = np.partition(squared, 1, axis=1)[:, 1] if len(b) > 1 else np.full(len(a), np.inf)
+    good = (
+        np.isfinite(first)
+        & (first < RATIO**2 * np.minimum(second, 0.8))
+        & (np.argmin(squared, axis=0)[best] == np.arange(len(a)))
+    )
+    return np.stack([np.flatnonzero(good), best[good]], axis=1).astype(np.int64)
+
+
+def triangulate(a: Array, b: Array, rig: StereoRig) -> tuple[Array, Array]:
+    """Points (n, 3) in camera_top between two rays, and their covariance (n, 3, 3) from sigma_px; NaN where the rays part."""
+    R, t = rig.T_ct_cb.rotation.as_matrix()[0], rig.T_ct_cb.translation[0]
+    xa = np.hstack([a, np.ones((len(a), 1))])
+    xb = np.hstack([b, np.ones((len(b), 1))]) @ R.T
+    aa, bb, ab = (xa**2).sum(1), (xb**2).sum(1), (xa * xb).sum(1)
+    det = aa * bb - ab**2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depth = np.where(det > 1e-12, (bb * (xa @ t) - ab * (xb @ t)) / det, np.nan)
+        other = np.where(det > 1e-12, (ab * (xa @ t) - aa * (xb @ t)) / det, np.nan)
+    point = 0.5 * (xa * depth[:, None] + t + xb * other[:, None])
+    point[(depth <= 0) | (other <= 0)] = np.nan
+    J = np.concatenate([pinhole_derivative(point), pinhole_derivative((point - t) @ R) @ R.T], axis=1)
+    sigma = rig.sigma_px / np.array([rig.top.fx, rig.top.fy, rig.bottom.fx, rig.bottom.fy])
+    information = np.swapaxes(J, 1, 2) @ (J / sigma[:, None] ** 2)
+    good = np.isfinite(point).all(axis=1)
+    covariance = np.full((len(point), 3, 3), np.nan)
+    covariance[good] = np.linalg.inv(information[good])
+    return point, covariance
+
+
+def pinhole_derivative(points: Array) -> Array:
+    """(n, 2, 3): derivative of x/z, y/z by the point."""
+    x, y, z = points.T
+    zero = np.zeros_like(z)
+    return np.stack([np.stack([1 / z, zero, -x / z**2], 1), np.stack([zero, 1 / z, -y / z**2], 1)], axis=1)
