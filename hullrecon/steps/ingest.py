@@ -15,6 +15,7 @@ import numpy as np
 
 from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.dive.ingest import Ingested, Request, ingest, offset_ns
+from hullrecon.dive.readers.plain import PlainLog
 from hullrecon.dive.records import to_arrays
 from hullrecon.dive.sensors import PressureModel
 
@@ -52,10 +53,11 @@ def request_of(settings: Mapping[str, Any]) -> Request:
 
 
 def external(settings: Mapping[str, Any], package: Path) -> list[Path]:
-    """Logs, calibrations and drawing."""
+    """Logs, with the files that their tables name; calibrations; drawing."""
     request = request_of(settings)
     names = [*request.logs, *request.calibration.values(), *([request.mesh] if request.mesh else [])]
-    return [Path(name) for name in names]
+    tables = [PlainLog(package / name, package) for name in request.logs if (package / name).is_dir()]
+    return [*(Path(name) for name in names), *(file for table in tables for file in table.named_files())]
 
 
 def run(context: Context) -> None:

@@ -65,7 +65,7 @@ def test_images_are_found_beside_the_csv_or_below_the_package(tmp_path):
     (folder / "camera_top.csv").write_text("t,file\n0,top/a.jpg\n1,b.jpg\n2,gone.jpg\n")
     samples, log = read(folder, tmp_path)
     assert [s.file for s in samples] == ["logs/top/a.jpg", "b.jpg", "gone.jpg"]
-    assert log.image_files() == [tmp_path / "b.jpg", folder / "top" / "a.jpg"]
+    assert log.named_files() == [tmp_path / "b.jpg", folder / "top" / "a.jpg"]
 
 
 def test_a_sonar_ping_has_its_beams_in_the_fan_plane(tmp_path):

@@ -47,8 +47,8 @@ class PlainLog:
     def losses(self) -> list[Loss]:
         return list(self._losses)
 
-    def image_files(self) -> list[Path]:
-        """Every file that a CSV names, as far as it exists."""
+    def named_files(self) -> list[Path]:
+        """Every file that a CSV of images or pings names, as far as it exists."""
         out = []
         for sensor in ("camera_top", "camera_bottom", "sonar"):
             if (self.path / f"{sensor}.csv").exists():

@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""check, init and simulate as a user calls them: what is said, where, and the exit code."""
+
+import json
+import shutil
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from hullrecon_cli.main import main
+
+TOML = """[dive]
+name = "small"
+vessel = "MV Small"
+[logs]
+files = ["logs"]
+[camera.top]
+calibration = "top.yaml"
+[hull]
+mesh = "hull.off"
+"""
+YAML = "image_width: 32\nimage_height: 24\ncamera_matrix: [30, 0, 16, 0, 30, 12, 0, 0, 1]\n"
+TETRAHEDRON = "OFF\n4 4 0\n0 0 0\n{0} 0 0\n0 {0} 0\n0 0 {0}\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    folder = tmp_path / "package"
+    logs = folder / "logs"
+    logs.mkdir(parents=True)
+    (folder / "dive.toml").write_text(TOML)
+    (folder / "top.yaml").write_text(YAML)
+    (folder / "hull.off").write_text(TETRAHEDRON.format(20))
+    (logs / "pressure.csv").write_text("t,pascal\n0,113391\n1,135512\n")
+    (logs / "dvl.csv").write_text("t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,1,1,\n1,1,0,0,2,2,2,2\n")
+    for name in "abc":
+        cv2.imwrite(str(logs / f"{name}.jpg"), np.random.default_rng(1).integers(0, 255, (24, 32, 3), np.uint8))
+    (logs / "camera_top.csv").write_text("t,file\n0.4,a.jpg\n0.8,b.jpg\n1.2,c.jpg\n")
+    return folder
+
+
+def call(capsys, *arguments) -> tuple[int, str, str]:
+    code = main([str(a) for a in arguments])
+    out, err = capsys.readouterr()
+    return code, out, err
+
+
+def complaint(capsys, *arguments) -> tuple[int, str]:
+    """Exit code and the one line of the error."""
+    code, out, err = call(capsys, *arguments)
+    lines = [line for line in err.splitlines() if line.startswith("error:")]
+    assert len(lines) == 1
+    assert "Traceback" not in out + err
+    return code, lines[0]
+
+
+def test_check_says_in_words_what_a_package_holds(capsys, package):
+    code, out, _ = call(capsys, "check", package)
+    assert code == 0
+    lines = out.splitlines()
+    assert lines[0] == "small: MV Small"
+    assert "depth runs from 1.2 to 3.4 m" in lines
+    assert "the first camera image is 0.4 s after the first DVL ping" in lines
+    assert any(line.startswith("no imu") for line in lines)
+    assert any(line.startswith("defaults used: ") and "dvl.mount_sigma = [0.01, " in line for line in lines)
+    assert any("30 degree Janus" in line for line in lines)
+
+
+def test_check_as_json_is_one_document(capsys, package):
+    code, out, _ = call(capsys, "check", package, "--json")
+    document = json.loads(out)
+    assert code == 0
+    assert document["streams"]["pressure"]["count"] == 2
+    assert document["defaults"]["dvl.scale_sigma"] == 0.005
+
+
+def test_check_takes_options_in_place_of_the_files(capsys, package):
+    _, out, _ = call(capsys, "check", package, "--set", "pressure.atmosphere=113391")
+    assert "depth runs from 0.0 to 2.2 m" in out
+
+
+def test_check_of_a_bare_log_says_what_it_holds_and_what_is_missing(capsys, package):
+    code, out, _ = call(capsys, "check", package / "logs")
+    assert code == 0
+    assert "pressure: 2 messages" in out
+    assert "no imu" in out
+    assert "`hullrecon init`" in out
+
+
+def test_check_of_a_real_bag_ends_well(capsys, tmp_path):
+    bag = Path(__file__).parents[3] / "shared" / "data" / "ros1-micron-bag" / "static_sonar.bag"
+    if not bag.exists():
+        pytest.skip("no evaluation data")
+    code, out, _ = call(capsys, "check", bag)
+    assert code == 0
+    assert "2784 messages on 7 topics" in out
+
+
+def test_init_writes_a_configuration_that_check_accepts(capsys, package):
+    (package / "dive.toml").unlink()
+    code, out, _ = call(capsys, "init", package / "logs", "--out", package)
+    assert code == 0
+    assert "wrote" in out
+    assert call(capsys, "check", package, "--set", "camera.top.calibration=top.yaml")[0] == 0
+
+
+def test_init_does_not_replace_a_configuration_unasked(capsys, package):
+    before = (package / "dive.toml").read_text()
+    code, line = complaint(capsys, "init", package / "logs", "--out", package)
+    assert code == 2
+    assert "--force" in line
+    assert (package / "dive.toml").read_text() == before
+    assert call(capsys, "init", package / "logs", "--out", package, "--force")[0] == 0
+    assert (package / "dive.toml").read_text() != before
+
+
+def test_init_of_what_is_no_log_is_an_input_error(capsys, tmp_path):
+    (tmp_path / "x.txt").write_text("hello")
+    assert complaint(capsys, "init", tmp_path / "x.txt")[0] == 3
+
+
+def test_no_configuration_is_one_line_and_code_three(capsys, tmp_path):
+    code, line = complaint(capsys, "check", tmp_path)
+    assert code == 3
+    assert "no dive.toml" in line
+
+
+def test_an_unknown_key_is_one_line_and_code_two(capsys, package):
+    (package / "dive.toml").write_text(TOML.replace("vessel", "vesel"))
+    code, line = complaint(capsys, "check", package)
+    assert code == 2
+    assert "unknown key dive.vesel" in line
+    assert "dive.vessel" in line
+
+
+def test_a_missing_log_is_one_line_and_code_three(capsys, package):
+    shutil.move(package / "logs", package / "elsewhere")
+    code, line = complaint(capsys, "check", package)
+    assert code == 3
+    assert "the log logs is missing" in line
+    assert "elsewhere" in line
+
+
+def test_a_corrupt_jpeg_among_good_ones_survives_and_is_counted(capsys, package):
+    path = package / "logs" / "b.jpg"
+    path.write_bytes(path.read_bytes()[:200])
+    code, out, _ = call(capsys, "check", package)
+    assert code == 0
+    assert "1 of 3 images are missing or damaged" in out
+
+
+def test_a_hull_in_millimetres_is_one_line_and_code_three(capsys, package):
+    (package / "hull.off").write_text(TETRAHEDRON.format(20_000))
+    code, line = complaint(capsys, "check", package)
+    assert code == 3
+    assert "looks like millimetres" in line
+
+
+def test_a_calibration_of_another_size_is_one_line_with_both_sizes_and_code_three(capsys, package):
+    (package / "top.yaml").write_text(YAML.replace("32", "640").replace("24", "480"))
+    code, line = complaint(capsys, "check", package)
+    assert code == 3
+    assert "32 x 24" in line
+    assert "640 x 480" in line
+
+
+def test_simulate_offers_the_simulators_options(capsys):
+    code, out, _ = call(capsys, "simulate", "--help")
+    assert code == 0
+    assert "--seed" in out
+    assert "--leg-length-m" in out
+
+
+def test_simulate_refuses_an_option_out_of_bounds(capsys, tmp_path):
+    code, line = complaint(capsys, "simulate", tmp_path / "x", "--legs", "0")
+    assert code == 2
+    assert "legs is 0" in line

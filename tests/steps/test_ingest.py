@@ -1,0 +1,163 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from hullrecon.artifacts.hashing import HashCache
+from hullrecon.artifacts.runner import make_job, run_stage
+from hullrecon.artifacts.stage import load_arrays
+from hullrecon.dive.images import ImageStore
+from hullrecon.dive.load import load_config
+from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SonarPings, from_arrays
+from hullrecon.errors import InputError
+from hullrecon.steps.ingest import STAGE, USES, request_of
+
+TOML = """
+[dive]
+name = "plain"
+[logs]
+files = ["logs"]
+[tray]
+joint = "tray"
+[sonar]
+joint = "fan"
+[camera.top]
+calibration = "top.yaml"
+time_offset = 0.5
+[hull]
+mesh = "hull.off"
+"""
+YAML = "image_width: 32\nimage_height: 24\ncamera_matrix: [30, 0, 16, 0, 30, 12, 0, 0, 1]\n"
+TETRAHEDRON = "OFF\n4 4 0\n0 0 0\n20 0 0\n0 20 0\n0 0 20\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """Three seconds of plain files."""
+    folder = tmp_path / "package"
+    logs = folder / "logs"
+    logs.mkdir(parents=True)
+    (folder / "dive.toml").write_text(TOML)
+    (folder / "top.yaml").write_text(YAML)
+    (folder / "hull.off").write_text(TETRAHEDRON)
+    (logs / "dvl.csv").write_text("t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,1,1,\n1,1,0,0,2,2,2,2\n")
+    (logs / "imu.csv").write_text("t,qx,qy,qz,qw\n0,0,0,0,1\n1,0,0,0,1\n")
+    (logs / "pressure.csv").write_text("t,pascal\n0,101325\n2,111380.25\n")
+    (logs / "joints.csv").write_text("t,name,rad\n0,tray,0.1\n1,tray,0.2\n0,fan,0.3\n")
+    pixels = np.random.default_rng(1).integers(0, 255, (24, 32, 3), np.uint8)
+    cv2.imwrite(str(logs / "a.png"), pixels)
+    (logs / "b.png").write_bytes(b"broken")
+    (logs / "camera_top.csv").write_text("t,file\n0,a.png\n1,b.png\n")
+    np.savez(logs / "p.npz", image=np.eye(3, 4, dtype=np.uint8), azimuth=[-0.1, 0, 0.1], range=[1.0, 2, 3, 4])
+    (logs / "sonar.csv").write_text("t,file\n0,p.npz\n")
+    return folder
+
+
+def run(package: Path, out: Path, *overrides: str) -> Path:
+    loaded = load_config(package, {"ingest": STAGE.parameters}, overrides)
+    return run_stage(STAGE, loaded.sections, {}, out, source=package)
+
+
+def test_the_artifact_holds_a_record_of_every_sensor(package, tmp_path):
+    out = run(package, tmp_path / "ingest")
+    kinds = {"dvl": DvlPings, "imu": ImuSamples, "pressure": PressureSamples, "tray": JointSamples, "sonar_tray": JointSamples,
+             "sonar": SonarPings, "images_camera_top": ImageIndex}  # fmt: skip
+    found = {name: from_arrays(kind, load_arrays(out / f"{name}.npz")) for name, kind in kinds.items()}
+    assert np.isnan(found["dvl"].ranges[0, 3])
+    assert found["pressure"].depth == pytest.approx([0, 1.0])
+    assert found["tray"].angle.tolist() == [0.1, 0.2]
+    assert found["sonar_tray"].angle.tolist() == [0.3]
+    assert found["sonar"].image.shape == (1, 3, 4)
+    assert found["images_camera_top"].t_ns.tolist() == [500_000_000, 1_500_000_000]
+    assert found["images_camera_top"].usable.tolist() == [True, False]
+    assert not (out / "images_camera_top.bin").exists()
+
+
+def test_cameras_hull_and_findings_lie_beside_them(package, tmp_path):
+    out = run(package, tmp_path / "ingest")
+    cameras = json.loads((out / "cameras.json").read_text())
+    assert cameras["top"]["fx"] == 30.0
+    assert "bottom" not in cameras
+    hull = load_arrays(out / "hull.npz")
+    assert hull["faces"].shape == (4, 3)
+    assert hull["faces"].dtype == np.int32
+    findings = json.loads((out / "findings.json").read_text())
+    assert set(findings) == {"spans", "lost", "hull", "remarks"}
+    assert "camera_top: 1 of 2 images are missing or damaged and are left out" in findings["remarks"]
+    warnings = json.loads((out / "manifest.json").read_text())["warnings"]
+    assert warnings == [*findings["lost"], *findings["remarks"]]
+
+
+def test_images_that_are_files_are_read_from_the_package(package, tmp_path):
+    store = ImageStore(run(package, tmp_path / "ingest"), package, "camera_top")
+    assert store.read(0).shape == (24, 32, 3)
+    assert store.read(1) is None
+
+
+def test_two_runs_give_the_same_bytes(package, tmp_path):
+    first, second = run(package, tmp_path / "one"), run(package, tmp_path / "two")
+    names = sorted(p.name for p in first.iterdir() if p.name != "manifest.json")
+    assert [(first / name).read_bytes() for name in names] == [(second / name).read_bytes() for name in names]
+
+
+def test_without_a_drawing_there_is_no_hull(package, tmp_path):
+    text = (package / "dive.toml").read_text()
+    (package / "dive.toml").write_text(text.split("[hull]")[0])
+    assert not (run(package, tmp_path / "ingest") / "hull.npz").exists()
+
+
+def key(package: Path, *overrides: str) -> str:
+    loaded = load_config(package, {"ingest": STAGE.parameters}, overrides)
+    return str(make_job(STAGE, loaded.sections, {}, package, HashCache()).recipe.key)
+
+
+@pytest.mark.parametrize(
+    "override",
+    ["pressure.density=1000", "imu.frame=enu", "tray.joint=other", "camera.top.time_offset=0", "dvl.sigma_velocity=0.1",
+     "dvl.beams=[[0,0,1],[0,0,1],[0,0,1],[0,0,1]]", "topics.dvl='/x'"],
+)  # fmt: skip
+def test_an_option_that_ingest_reads_makes_it_stale(package, override):
+    assert key(package, override) != key(package)
+
+
+@pytest.mark.parametrize(
+    "override",
+    ["dvl.mount=[1,2,3,4,5,6]", "dvl.sigma_range=0.5", "camera.top.mount=[1,2,3,4,5,6]", "camera.top.sigma_px=3",
+     "pressure.sigma_m=0.5", "tray.sigma_deg=3", "hull.pose=[1,2,3,4,5,6]", "imu.bias_sigma_deg=1", "sonar.elevation_deg=20"],
+)  # fmt: skip
+def test_an_option_that_ingest_does_not_read_leaves_it_fresh(package, override):
+    assert key(package, override) == key(package)
+
+
+@pytest.mark.parametrize("name", ["logs/dvl.csv", "logs/a.png", "top.yaml", "hull.off", "logs/p.npz"])
+def test_a_changed_file_of_the_package_makes_it_stale(package, name):
+    before = key(package)
+    (package / name).write_bytes((package / name).read_bytes() + b"\n")
+    assert key(package) != before
+
+
+def test_an_image_outside_the_logs_folder_counts_as_read(package):
+    (package / "far.png").write_bytes((package / "logs" / "a.png").read_bytes())
+    (package / "logs" / "camera_top.csv").write_text("t,file\n0,far.png\n")
+    before = key(package)
+    (package / "far.png").write_bytes(b"changed")
+    assert key(package) != before
+
+
+def test_every_dotted_name_that_ingest_uses_exists(package):
+    loaded = load_config(package)
+    request = request_of({name: loaded.value(name) for name in USES})
+    assert request.joints == {"tray": "tray", "sonar_tray": "fan"}
+    assert request.calibration == {"camera_top": "top.yaml"}
+    assert request.offset_ns["camera_top"] == 500_000_000
+
+
+def test_a_failure_leaves_nothing_behind(package, tmp_path):
+    (package / "hull.off").unlink()
+    with pytest.raises(InputError, match=r"hull\.off is missing"):
+        run(package, tmp_path / "ingest")
+    assert not (tmp_path / "ingest").exists()
