@@ -68,11 +68,7 @@ def _heights(
         off = (h - np.einsum("nkj,nj->nk", plane, fit)) / (4.0 * scale[:, None])
         robust = weight * np.maximum(0.0, 1 - off**2) ** 2
         fit, inverse = _plane(plane, h, robust, fit)
-    spread = np.sqrt(
-        np.einsum("nk,nk->n", robust, (h - np.einsum("nkj,nj->nk", plane, fit)) ** 2) / (robust.sum(axis=1) + 1e-12)
-    )
-    effective = robust.sum(axis=1) ** 2 / (np.einsum("nk,nk->n", robust, robust) + 1e-12)
-    error = np.hypot(np.sqrt(inverse), spread / np.sqrt(np.maximum(1.0, effective)))
+    error = _error(plane, h, fit, robust, sigma[row], inverse)
     agreement = (weight * (np.abs(off) < 1)).sum(axis=1) / (weight.sum(axis=1) + 1e-12)
     known = count >= 3
     return (
@@ -81,6 +77,17 @@ def _heights(
         count.astype(float),
         np.where(known, agreement, 0.0),
     )
+
+
+def _error(plane: Array, h: Array, fit: Array, weight: Array, sigma: Array, inverse: Array) -> Array:
+    """One sigma of the heights (n,): of a landmark, by its own word or by the scatter if that is larger, over the root of how
+    many count, times the leverage of a plane against a mean."""
+    total = weight.sum(axis=1) + 1e-12
+    scatter = np.einsum("nk,nk->n", weight, (h - np.einsum("nkj,nj->nk", plane, fit)) ** 2) / total
+    claimed = np.einsum("nk,nk->n", weight, sigma**2) / total
+    effective = np.maximum(1.0, total**2 / (np.einsum("nk,nk->n", weight, weight) + 1e-12))
+    leverage = np.maximum(1.0, inverse * total)
+    return np.asarray(np.sqrt(np.maximum(scatter, claimed) * leverage / effective))
 
 
 def _plane(plane: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:

@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import numpy as np
+
+from hullrecon.detection.landmarks import LEAST_SIGMA_M, measure, shared_variance
+from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.meshes import Mesh
+
+WALL = Scene(Mesh(np.array([[0.0, 0, 0], [0, 0, 4], [4, 0, 4], [4, 0, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32)))
+
+
+def _covariance(along_normal: float, n: int) -> np.ndarray:
+    return np.tile(np.diag([1e-2, along_normal**2, 1e-2]), (n, 1, 1))
+
+
+def _measure(points: list[list[float]], sigma: float = 0.003, views: int = 3):
+    position = np.array(points)
+    return measure(WALL, position, _covariance(sigma, len(points)), np.full(len(points), views), 0.5, 0.012)
+
+
+def test_offset_foot_and_normal_are_those_of_the_surface() -> None:
+    seen = _measure([[1.0, 0.07, 2], [2, -0.03, 1]])
+    assert np.allclose(seen.offset, [0.07, -0.03])
+    assert np.allclose(seen.foot, [[1, 0, 2], [2, 0, 1]])
+    assert np.allclose(seen.normal, [[0, 1, 0]] * 2)
+    assert seen.row.tolist() == [0, 1]
+
+
+def test_landmarks_of_one_image_not_finite_or_far_off_are_left_out() -> None:
+    assert len(_measure([[1.0, 0.07, 2]], views=1)) == 0
+    assert _measure([[np.nan, 0, 0], [1, 0.1, 1], [1, 0.8, 1]]).row.tolist() == [1]
+
+
+def test_a_landmark_beside_the_rim_is_not_above_the_surface() -> None:
+    seen = _measure([[-0.2, 0.05, 2], [-0.004, 0.05, 2], [1, 0.05, 2]])
+    assert seen.row.tolist() == [1, 2]
+
+
+def test_what_all_neighbours_share_does_not_count_against_a_landmark() -> None:
+    rng = np.random.default_rng(0)
+    position = np.column_stack([rng.uniform(0, 4, 200), np.zeros(200), rng.uniform(0, 4, 200)])
+    covariance = _covariance(0.05, 200)  # the dive's place on the hull: 5 cm, far more than a landmark may have
+    covariance[:, 1, 1] += 0.004**2
+    covariance[::4, 1, 1] -= 0.004**2 - 0.001**2
+    seen = measure(WALL, position, covariance, np.full(200, 3), 0.5, 0.012)
+    assert len(seen) == 200
+    assert np.allclose(seen.common, 0.05, rtol=0.01)
+    assert seen.sigma[1::4].max() < 0.005
+    assert seen.sigma[::4].min() >= LEAST_SIGMA_M
+
+
+def test_an_uncertain_landmark_among_certain_ones_is_left_out() -> None:
+    position = np.column_stack([np.linspace(0.5, 3.5, 50), np.zeros(50), np.full(50, 2.0)])
+    covariance = _covariance(0.002, 50)
+    covariance[20, 1, 1] = 0.03**2
+    assert 20 not in measure(WALL, position, covariance, np.full(50, 3), 0.5, 0.012).row
+
+
+def test_no_landmark_shares_nothing() -> None:
+    assert shared_variance(np.zeros((0, 3)), np.zeros(0)).shape == (0,)
+    assert len(_measure([[np.nan, 0, 0]])) == 0

@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.regions import find_regions, weighted_quantile
+
+OPTIONS = DetectOptions()
+
+
+def test_the_disc_and_the_recess_are_found_highest_first(found) -> None:
+    regions = find_regions(found, OPTIONS)
+    assert [r.side for r in regions] == [1.0, -1.0]
+    assert regions[0].height == pytest.approx(0.10, abs=0.005)
+    assert regions[1].height == pytest.approx(-0.05, abs=0.004)
+
+
+def test_the_footprint_is_the_structure_and_the_ring_is_hull(found, height_at) -> None:
+    for region in find_regions(found, OPTIONS):
+        at = found.base.vertices
+        assert np.mean(height_at(*at[region.core][:, [0, 2]].T) != 0) > 0.9
+        assert (height_at(*at[region.ring][:, [0, 2]].T) == 0).all()
+        assert abs(region.level) < 0.002
+
+
+def test_heights_count_from_the_hull_around_not_from_the_drawing(found) -> None:
+    lifted = replace(found, height=found.height + 0.015)
+    assert find_regions(lifted, OPTIONS)[0].height == pytest.approx(find_regions(found, OPTIONS)[0].height, abs=0.002)
+
+
+def test_unmeasured_heights_make_no_region(found) -> None:
+    assert find_regions(replace(found, measured=np.zeros_like(found.measured)), OPTIONS) == []
+
+
+def test_a_structure_without_hull_around_it_has_no_height(found) -> None:
+    x, z = found.base.vertices[:, [0, 2]].T
+    alone = found.measured & (np.hypot(x - 1.2, z - 1.0) < 0.12)
+    assert find_regions(replace(found, measured=alone), OPTIONS) == []
+
+
+def test_specks_are_not_even_candidates(found) -> None:
+    height = np.zeros_like(found.height)
+    x, z = found.base.vertices[:, [0, 2]].T
+    height[np.hypot(x - 1.2, z - 1.0) < 0.012] = 0.2
+    assert find_regions(replace(found, height=height), OPTIONS) == []
+
+
+def test_parts_with_a_gap_narrower_than_the_reach_are_one(found) -> None:
+    x = found.base.vertices[:, 0]
+    split = replace(found, height=np.where(np.abs(x - 1.2) < 0.02, 0.0, found.height))
+    assert sum(r.side > 0 for r in find_regions(split, OPTIONS)) == 1
+    assert sum(r.side > 0 for r in find_regions(split, DetectOptions(cluster_reach=0.02))) == 2
+
+
+def test_the_quantile_counts_area() -> None:
+    values, weight = np.array([3.0, 1.0, 2.0]), np.array([1.0, 8.0, 1.0])
+    assert weighted_quantile(values, weight, 0.5) == 1.0
+    assert weighted_quantile(values, weight, 0.85) == 2.0
+    assert weighted_quantile(values, weight, 1.0) == 3.0

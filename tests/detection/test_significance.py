@@ -1,0 +1,34 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.regions import find_regions
+from hullrecon.detection.significance import height_sigma, p_value, roughness
+
+
+def test_one_place_gives_the_two_sided_normal_probability() -> None:
+    assert p_value(1.96, 1.0, 0.0, 1) == pytest.approx(0.05, rel=1e-3)
+    assert p_value(-1.96, 0.6, 0.8, 1) == pytest.approx(0.05, rel=1e-3)
+
+
+def test_the_more_places_were_looked_at_the_less_surprising_a_height() -> None:
+    assert p_value(3.0, 1.0, 0.0, 1000) == pytest.approx(1 - (1 - 0.0026998) ** 1000, rel=1e-3)
+    assert p_value(20.0, 1.0, 0.0, 1e6) < 1e-80
+
+
+def test_no_height_is_no_surprise() -> None:
+    assert p_value(0.0, 1.0, 0.0, 5) == pytest.approx(1.0)
+
+
+def test_the_roughness_is_that_of_the_hull_not_of_its_structures(found) -> None:
+    assert 0.0003 < roughness(found) < 0.003
+
+
+def test_a_height_is_as_certain_as_its_landmarks(found) -> None:
+    for region in find_regions(found, DetectOptions())[:2]:
+        assert 0.0005 < height_sigma(found, region) < 0.006
+        assert np.abs(abs(region.height) - (0.10 if region.side > 0 else 0.05)) < 3 * height_sigma(found, region)
