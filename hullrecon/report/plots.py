@@ -90,7 +90,7 @@ def deviation_histogram(solution: Solution | None, as_found: Surface | None) -> 
     groups = {n: (v, w / w.sum()) for n, (v, w) in groups.items() if w.sum() > 0}
     if not groups:
         return None
-    edges = np.arange(-0.200, 0.2005, 0.004)
+    edges = 0.004 * (np.arange(-50, 52) - 0.5)  # on the drawing is the middle of a bin, not a border
     figure, axis = new_figure()
     table: dict[str, Any] = {"from_m": numbers(edges[:-1], ".3f"), "to_m": numbers(edges[1:], ".3f")}
     for (name, (values, weights)), color in zip(groups.items(), (BLUE, ORANGE), strict=False):

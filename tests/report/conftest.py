@@ -1,0 +1,187 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A small dive over a flat plate, adjusted and dead reckoned."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hullrecon.dive.config import Dive, Hull
+from hullrecon.dive.records import DvlPings, ImageIndex, Solution, Surface, Trajectory
+from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.poses import from_rpy
+from hullrecon.report.survey import Eye, StepRun, Survey
+from hullrecon.report.track import track_of
+
+NODES = 5
+START = 1_777_887_000_468_241_234
+IDENTITY = np.array([0.0, 0, 0, 0, 0, 0, 1])
+TURNED = np.array([10.0, 20.0, 3.0, 1.0, 0.0, 0.0, 0.0])  # T_g_M: moved, and turned by 180 degrees about x
+CAMERA = Camera(width=400, height=320, fx=500.0, fy=500.0, cx=199.5, cy=159.5)
+
+
+@dataclass(frozen=True)
+class FlatChart:
+    """along is x, girth is y, outward is -z: seen from outside, along has to be drawn to the left."""
+
+    def to_chart(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(points, float) * [1, 1, -1]
+
+    def from_chart(self, along_girth: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        at = np.asarray(along_girth, float)
+        return np.column_stack([at, np.zeros(len(at))]), np.tile([0.0, 0.0, -1.0], (len(at), 1))
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        return {}
+
+
+@pytest.fixture
+def trajectory() -> Trajectory:
+    """Half a metre a second along x of g, 2 m deep; sigmas grow."""
+    covariance = np.stack([np.diag([0.1, 0.1, 0.02, 0.001, 0.001, 0.01]) ** 2 * (1 + k) for k in range(NODES)])
+    return Trajectory(
+        t_ns=START + np.arange(NODES) * 10**9,
+        quaternion=np.tile([0.0, 0.0, 0.0, 1.0], (NODES, 1)),
+        translation=np.array([[10 + 0.5 * k, 21.0, 2.0] for k in range(NODES)]),
+        covariance=covariance,
+        tray=np.full(NODES, 0.1),
+        image=np.column_stack([np.arange(NODES), np.full(NODES, -1)]),
+    )
+
+
+@pytest.fixture
+def solution(trajectory: Trajectory) -> Solution:
+    landmark = np.array([[10.0, 21.0, 3.0], [11.0, 21.5, 2.9], [12.0, 20.5, 3.0]])
+    return Solution(
+        t_ns=trajectory.t_ns,
+        image=trajectory.image,
+        quaternion=trajectory.quaternion,
+        translation=trajectory.translation,
+        tray=trajectory.tray,
+        tray_sigma=np.full(NODES, 0.001),
+        pose_covariance=np.tile(np.diag([0.5, 0.02, 0.01, 0.001, 0.001, 0.002]) ** 2, (NODES, 1, 1)),
+        landmark=landmark,
+        landmark_covariance=np.tile(np.diag([0.001, 0.002, 0.002]) ** 2, (3, 1, 1)),
+        label=np.array([1, 0, 1]),
+        deviation=np.array([0.0, 0.1, -0.004]),
+        views=np.array([4, 6, 2]),
+        color=np.array([[10, 20, 30], [40, 50, 60], [70, 80, 90]], np.uint8),
+        T_g_M=TURNED,
+        T_s_ct=IDENTITY,
+        T_ct_cb=np.full(7, np.nan),
+        T_s_d=IDENTITY,
+        hull_covariance=np.diag([0.25, 1e-4, 1e-4, 1e-6, 1e-6, 1e-6]),
+        survey_center=np.array([1.0, -1.0, 0.0]),
+        navigation=np.zeros(6),
+        field_origin=np.zeros(2),
+        field_step=np.ones(2),
+        field_value=np.zeros((2, 2)),
+        field_sigma=np.zeros((2, 2)),
+    )
+
+
+@pytest.fixture
+def plate() -> Surface:
+    """The plate z = 0 of M from (-1, -2) to (3, 0), 1 m squares; half of it seen, raised by 6 mm."""
+    x, y = np.meshgrid(np.arange(-1.0, 4.0), np.arange(-2.0, 1.0))
+    index = np.arange(15).reshape(3, 5)
+    a, b, c, d = index[:-1, :-1].ravel(), index[:-1, 1:].ravel(), index[1:, :-1].ravel(), index[1:, 1:].ravel()
+    faces = np.concatenate([np.stack([a, c, b], 1), np.stack([b, c, d], 1)]).astype(np.int32)
+    vertices = np.column_stack([x.ravel(), y.ravel(), np.zeros(15)])
+    return Surface(vertices, faces, np.full(15, 0.006), np.full(15, 0.002), np.where(x.ravel() < 2, 5, 0))
+
+
+@pytest.fixture
+def found() -> dict[str, Any]:
+    ring = np.linspace(0, 2 * np.pi, 8, endpoint=False)
+    return {
+        "id": 1, "center": [1.0, -1.2, -0.1], "normal": [0.0, 0.0, -1.0], "height": 0.1, "height_sigma": 0.004,
+        "deviation": 0.104, "extent": [0.2, 0.16], "area": 0.025, "volume": 0.0019, "views": 6, "p_value": 1e-9,
+        "address": "frame 3 + 0.2 m, port",
+        "images": [f"camera_top/{START + 2 * 10**9}.jpg"],
+        "outline": np.column_stack([1 + 0.1 * np.cos(ring), -1.2 + 0.08 * np.sin(ring), 0 * ring]).tolist(),
+    }  # fmt: skip
+
+
+@pytest.fixture
+def eye() -> Eye:
+    """Looks along z of the vehicle, which is outward of the plate seen from above."""
+    stamps = START + np.arange(NODES) * 10**9
+    index = ImageIndex(stamps, np.full(NODES, ""), np.zeros(NODES, np.int64), np.ones(NODES, np.int64), np.ones(NODES, bool))
+    v, u = np.mgrid[0:320, 0:400]
+    picture = np.stack([u % 256, v % 256, (u + v) % 256], axis=2).astype(np.uint8)
+    return Eye("camera_top", CAMERA, index, from_rpy([0.0, 0, 0], [0.0, 0, 0]), lambda row: picture)
+
+
+@pytest.fixture
+def dvl() -> DvlPings:
+    beams = np.array([[0.5, 0, 0.75**0.5], [-0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
+    ranges = np.full((3, 4), 1.2 / 0.75**0.5)
+    ranges[1, 2:] = np.nan
+    ranges[2] = np.nan
+    return DvlPings(START + np.arange(3) * 10**9, np.zeros((3, 3)), np.full(3, 0.003), ranges, beams)
+
+
+@pytest.fixture
+def survey(
+    trajectory: Trajectory, solution: Solution, plate: Surface, found: dict[str, Any], eye: Eye, dvl: DvlPings
+) -> Survey:
+    """With everything but mosaics."""
+    return Survey(
+        dive=Dive(name="plate-1", vessel="MV Plate", date=datetime(2026, 5, 4, 9, 30, tzinfo=UTC)),
+        track=track_of(trajectory, solution),
+        trajectory=trajectory,
+        navigation={"source": "dvl", "outages": ["3.2 s without DVL at 09:31:02"]},
+        findings={"lost": [], "remarks": []},
+        tray_origin_m=(0.0, 0.0, 0.0),
+        hull=Hull(mesh="hull.stl", frame_spacing=0.6),
+        solution=solution,
+        adjust={"method": "maxmix", "weak_directions": [
+            {"direction": [1.0, 0, 0], "sigma": 0.5, "sentence": "The position along the hull is uncertain by 0.50 m."}]},
+        iterations={"cost": np.array([100.0, 10.0, 9.0]), "on_surface": np.array([1, 2, 2]),
+                    "label_changes": np.array([0, 1, 0])},
+        chart=FlatChart(),
+        surface=plate,
+        as_found=plate,
+        objects=(found,),
+        coverage={"camera_m2": 4.0, "gsd_mm": {"p50": 2.0, "p95": 2.5}, "holes": [{"address": "frame 4", "area_m2": 0.2}]},
+        dvl=dvl,
+        eyes=(eye,),
+        steps=(StepRun("adjust", 2, {"adjust": {"rounds": 3, "method": "maxmix"}}, {"navigate": "ab12"}, ("two rays missed",),
+                       {"seconds": 7.5}),),
+    )  # fmt: skip
+
+
+@pytest.fixture
+def bare(trajectory: Trajectory) -> Survey:
+    """Dead reckoning alone: no camera, no drawing, no sonar."""
+    reasons = {"objects.json": "no camera was carried", "alignment.json": "no drawing was given"}
+    return Survey(
+        dive=Dive(name="bare"), track=track_of(trajectory, None), trajectory=trajectory, navigation={}, findings={},
+        tray_origin_m=(0.0, 0.0, 0.0), absent=reasons,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def ply_reader() -> Callable[[bytes], tuple[np.ndarray, np.ndarray | None]]:
+    """An independent little reader: vertices as a structured array, faces (m, 3)."""
+    kinds = {"float": "<f4", "double": "<f8", "uchar": "u1", "int": "<i4"}
+
+    def read(data: bytes) -> tuple[np.ndarray, np.ndarray | None]:
+        head, body = data.split(b"end_header\n", 1)
+        lines = [line.split() for line in head.decode().splitlines()]
+        count = {line[1]: int(line[2]) for line in lines if line[0] == "element"}
+        dtype = [(line[2], kinds[line[1]]) for line in lines if line[0] == "property" and line[1] != "list"]
+        vertices = np.frombuffer(body, dtype, count["vertex"])
+        rest = body[vertices.nbytes :]
+        faces = np.frombuffer(rest, [("n", "u1"), ("v", "<i4", 3)]) if "face" in count else None
+        return vertices, None if faces is None else faces["v"]
+
+    return read

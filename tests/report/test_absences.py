@@ -1,0 +1,41 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from hullrecon.dive.records import Solution
+from hullrecon.report.absences import absences
+
+ALL = {"camera.top": object(), "sonar": object(), "hull": object()}
+CHAIN = ("ingest", "navigate", "adjust", "surface", "detect", "mosaic-optical", "mosaic-sonar")
+
+
+def test_a_whole_dive_lacks_nothing(solution: Solution) -> None:
+    assert absences(ALL, CHAIN, solution) == {}
+
+
+def test_without_cameras_all_that_needs_images_says_so(solution: Solution) -> None:
+    blind = replace(solution, landmark=np.zeros((0, 3)))
+    reasons = absences({**ALL, "camera.top": None}, ("ingest", "navigate", "adjust", "surface", "mosaic-sonar"), blind)
+    assert {reasons[k] for k in ("ortho_optical.tif", "objects.json", "landmarks.ply", "colmap/")} == {"no camera was carried"}
+    assert "ortho_sonar.tif" not in reasons
+
+
+def test_without_a_drawing_there_is_no_alignment(solution: Solution) -> None:
+    reasons = absences({**ALL, "hull": None}, CHAIN, replace(solution, T_g_M=np.full(7, np.nan)))
+    assert list(reasons) == ["alignment.json"]
+    assert "no drawing was given" in reasons["alignment.json"]
+
+
+def test_without_a_sonar_its_mosaic_is_absent(solution: Solution) -> None:
+    reasons = absences({**ALL, "sonar": None}, CHAIN[:-1], solution)
+    assert set(reasons.values()) == {"no imaging sonar was carried"}
+
+
+def test_a_step_that_left_nothing_is_named() -> None:
+    reasons = absences(ALL, ("ingest", "navigate"), None)
+    assert reasons["surface.ply"] == "the step surface left no result"
+    assert reasons["alignment.json"] == "the adjustment did not run"

@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The deliverables that other programs read."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hullrecon.dive.config import Hull
+from hullrecon.dive.records import Solution, Surface, Trajectory
+from hullrecon.report.csvtext import csv_text, numbers, seconds
+from hullrecon.report.layers import alignment_json, landmarks_ply, surface_ply
+from hullrecon.report.objects import objects_csv
+from hullrecon.report.ply import ply_bytes
+from hullrecon.report.track import track_of, trajectory_csv, trajectory_tum
+
+Reader = Callable[[bytes], tuple[np.ndarray, np.ndarray | None]]
+
+
+def rows_of(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def test_seconds_keep_all_nanoseconds() -> None:
+    assert seconds(np.array([1_777_887_000_468_241_234, 5])) == ["1777887000.468241234", "0.000000005"]
+
+
+def test_a_lost_value_is_an_empty_cell() -> None:
+    assert numbers(np.array([1.5, np.nan]), ".2f") == ["1.50", ""]
+
+
+def test_cells_with_commas_and_quotes_are_read_back_as_they_were() -> None:
+    table = {"a": ['frame 3, "port"', "plain"], "b": [1, None]}
+    assert rows_of(csv_text(table)) == [{"a": 'frame 3, "port"', "b": "1"}, {"a": "plain", "b": ""}]
+
+
+def test_the_trajectory_is_in_the_hull_frame(trajectory: Trajectory, solution: Solution) -> None:
+    row = rows_of(trajectory_csv(track_of(trajectory, solution)))[1]
+    # T_g_M turns by 180 degrees about x and moves by (10, 20, 3): (10.5, 21, 2) of g is (0.5, -1, 1) of M
+    np.testing.assert_allclose([float(row[k]) for k in "xyz"], [0.5, -1.0, 1.0], atol=1e-9)
+    np.testing.assert_allclose([abs(float(row[k])) for k in ("qx", "qy", "qz", "qw")], [1, 0, 0, 0], atol=1e-9)
+    np.testing.assert_allclose(
+        [float(row[f"sigma_{k}"]) for k in ("x", "y", "z", "roll", "yaw")], [0.5, 0.02, 0.01, 0.001, 0.002]
+    )
+    assert row["t"] == "1777887001.468241234"
+    assert float(row["tray"]) == 0.1
+
+
+def test_without_a_solution_the_trajectory_is_dead_reckoned_in_g(trajectory: Trajectory) -> None:
+    track = track_of(trajectory, None)
+    row = rows_of(trajectory_csv(track))[4]
+    assert track.frame == "g"
+    np.testing.assert_allclose([float(row[k]) for k in "xyz"], [12.0, 21.0, 2.0])
+    assert float(row["sigma_x"]) == pytest.approx(0.1 * 5**0.5, rel=1e-5)
+
+
+def test_without_a_drawing_the_trajectory_is_adjusted_in_g(trajectory: Trajectory, solution: Solution) -> None:
+    track = track_of(trajectory, replace(solution, T_g_M=np.full(7, np.nan)))
+    assert track.frame == "g"
+    np.testing.assert_allclose(track.poses.translation, solution.translation)
+
+
+def test_the_tum_file_holds_the_same_poses(trajectory: Trajectory, solution: Solution) -> None:
+    track = track_of(trajectory, solution)
+    lines = [line.split() for line in trajectory_tum(track).splitlines()]
+    table = rows_of(trajectory_csv(track))
+    assert [line[0] for line in lines] == [row["t"] for row in table]
+    assert [line[1:] for line in lines] == [[row[k] for k in ("x", "y", "z", "qx", "qy", "qz", "qw")] for row in table]
+
+
+def test_sigma_towards_a_direction_uses_the_whole_covariance(trajectory: Trajectory) -> None:
+    covariance = trajectory.covariance.copy()
+    covariance[:, 0, 1] = covariance[:, 1, 0] = covariance[:, 0, 0]  # x and y err together
+    track = track_of(replace(trajectory, covariance=covariance), None)
+    across = np.tile([2**-0.5, -(2**-0.5), 0.0], (5, 1))
+    np.testing.assert_allclose(track.sigma_towards(across), 0, atol=1e-9)
+    np.testing.assert_allclose(track.sigma_towards(-across * [1, -1, 1])[0], 0.1 * 2**0.5, rtol=1e-6)
+
+
+def test_landmarks_are_in_the_hull_frame_with_label_deviation_and_sigma(solution: Solution, ply_reader: Reader) -> None:
+    vertices, faces = ply_reader(landmarks_ply(solution))
+    assert faces is None
+    np.testing.assert_allclose([vertices[k][1] for k in "xyz"], [1.0, -1.5, 0.1], atol=1e-9)
+    np.testing.assert_array_equal(vertices["label"], [1, 0, 1])
+    np.testing.assert_allclose(vertices["deviation"], [0, 0.1, -0.004], rtol=1e-6)
+    np.testing.assert_allclose(vertices["sigma"], np.sqrt((1 + 4 + 4) / 3) * 1e-3, rtol=1e-6)
+    np.testing.assert_array_equal(vertices["track"], [4, 6, 2])
+    np.testing.assert_array_equal([vertices[k][2] for k in ("red", "green", "blue")], [70, 80, 90])
+
+
+def test_a_surface_keeps_its_faces_and_values(plate: Surface, ply_reader: Reader) -> None:
+    vertices, faces = ply_reader(surface_ply(plate))
+    np.testing.assert_array_equal(faces, plate.faces)
+    np.testing.assert_allclose(np.stack([vertices[k] for k in "xyz"], axis=1), plate.vertices)
+    np.testing.assert_array_equal(vertices["support"], plate.support)
+
+
+def test_open3d_reads_the_ply(plate: Surface, tmp_path: Any) -> None:
+    open3d = pytest.importorskip("open3d")
+    (tmp_path / "s.ply").write_bytes(surface_ply(plate))
+    mesh = open3d.io.read_triangle_mesh(str(tmp_path / "s.ply"))
+    assert (len(mesh.vertices), len(mesh.triangles)) == (15, 16)
+
+
+def test_a_property_of_another_type_is_refused() -> None:
+    with pytest.raises(KeyError, match="int64"):
+        ply_bytes({"x": np.array([1])})
+
+
+def test_the_alignment_names_its_prior_and_its_weak_directions(solution: Solution) -> None:
+    hull = Hull(mesh="hull.stl", pose=(1.0, 2.0, 3.0, 180.0, 0.0, 0.0))
+    said = alignment_json(solution, hull, [{"sigma": 0.5, "sentence": "along"}])
+    assert said["T_g_M"]["translation"] == [10.0, 20.0, 3.0]
+    np.testing.assert_allclose(np.abs(said["prior"]["quaternion"]), [1, 0, 0, 0], atol=1e-9)
+    assert np.shape(said["covariance"]) == (6, 6)
+    assert said["weak_directions"][0]["sentence"] == "along"
+
+
+def test_an_alignment_without_a_drawing_is_refused(solution: Solution) -> None:
+    with pytest.raises(ValueError, match="no drawing"):
+        alignment_json(replace(solution, T_g_M=np.full(7, np.nan)), Hull(mesh="h"), [])
+
+
+def test_objects_have_one_line_each(found: dict[str, Any]) -> None:
+    (row,) = rows_of(objects_csv([found]))
+    assert row["address"] == "frame 3 + 0.2 m, port"
+    assert (row["center_x"], row["height"], row["height_sigma"], row["views"], row["images"]) == ("1", "0.1", "0.004", "6", "1")

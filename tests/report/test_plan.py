@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from io import BytesIO
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from hullrecon.dive.records import Surface
+from hullrecon.report.chartmap import Extent, charted, extent_of, ground_png, seen_faces, vertex_area, weighted_percentiles
+from hullrecon.report.plan import LEFT, TOP, WIDTH, Mark, Plan, nice_below, nice_step, plan_svg
+from hullrecon.report.survey import Survey
+from hullrecon.report.view import chart_view, path_sigma
+
+EXTENT = Extent((30.0, 40.0), (2.0, 7.0))
+PLAN = Plan(
+    EXTENT,
+    np.array([[31.0, 6.0], [39.0, 6.0], [np.nan, 0], [39.0, 3.0]]),
+    (0.5, 0.02),
+    [Mark("4", 35.0, 4.5, (0.5, 0.02), "a lump")],
+)
+
+
+def circles(svg: str) -> list[tuple[float, float, str]]:
+    root = ElementTree.fromstring(svg)
+    found = [e for e in root.iter() if e.tag.endswith("circle")]
+    return [(float(e.get("cx", "nan")), float(e.get("cy", "nan")), e.get("class", "")) for e in found]
+
+
+def test_the_plan_is_true_to_scale() -> None:
+    (mark,) = [c for c in circles(plan_svg(PLAN, "t")) if c[2] == "object"]
+    assert mark[:2] == pytest.approx((LEFT + WIDTH / 2, TOP + WIDTH / 4), abs=0.1)
+
+
+def test_a_flipped_plan_has_forward_to_the_left() -> None:
+    flipped = replace(PLAN, extent=replace(EXTENT, flips=(True, True)))
+    start, plain = (next(c for c in circles(plan_svg(p, "t")) if c[2] == "start") for p in (flipped, PLAN))
+    assert plain[0] - LEFT == pytest.approx(0.1 * WIDTH, abs=0.1)
+    assert start[0] - LEFT == pytest.approx(0.9 * WIDTH, abs=0.1)
+    assert plain[1] - TOP == pytest.approx(0.2 * WIDTH / 2, abs=0.1)
+    assert start[1] - TOP == pytest.approx(0.8 * WIDTH / 2, abs=0.1)
+
+
+def test_a_gap_in_the_path_is_not_bridged() -> None:
+    root = ElementTree.fromstring(plan_svg(PLAN, "t"))
+    path = next(e for e in root.iter() if e.get("class") == "path")
+    assert len(re.findall("M", path.get("d", ""))) == 2
+
+
+def test_the_uncertainty_is_drawn_and_said() -> None:
+    svg = plan_svg(PLAN, "t")
+    assert "one sigma of the vehicle: 0.50 m along, 0.020 m in girth" in svg
+    ellipse = next(e for e in ElementTree.fromstring(svg).iter() if e.tag.endswith("ellipse"))
+    assert float(ellipse.get("rx", "0")) == pytest.approx(0.5 * WIDTH / 10, abs=0.1)
+
+
+def test_words_in_the_plan_are_escaped() -> None:
+    mark = Mark("4", 35.0, 4.5, (0.1, 0.1), 'a "lump" <of> something')
+    assert ElementTree.fromstring(plan_svg(replace(PLAN, marks=[mark]), "a < b & c")) is not None
+
+
+def test_frame_numbers_stand_beside_metres() -> None:
+    assert "36 m · fr 60" in plan_svg(replace(PLAN, frame_spacing_m=0.6), "t")
+
+
+def test_steps_are_one_two_or_five_times_a_power_of_ten() -> None:
+    assert [nice_step(s) for s in (10.0, 11.0, 180.0, 0.4)] == pytest.approx([1.0, 2.0, 20.0, 0.05])
+    assert [nice_below(s) for s in (0.3, 0.5, 1.9, 70.0)] == pytest.approx([0.2, 0.5, 1.0, 50.0])
+
+
+def test_the_extent_has_a_margin_and_leaves_lost_points_out() -> None:
+    extent = extent_of(np.array([[1.0, 2.0], [3.0, 5.0], [np.nan, 9.0]]), (False, False), margin_m=0.5)
+    assert (extent.along, extent.girth) == ((0.5, 3.5), (1.5, 5.5))
+
+
+def test_the_area_of_vertices_sums_to_the_surface(plate: Surface) -> None:
+    area = vertex_area(plate)
+    assert area.sum() == pytest.approx(8.0)
+    assert area[6] == pytest.approx(1.0)  # a vertex inside
+
+
+def test_percentiles_go_by_weight() -> None:
+    values, weights = np.array([3.0, 1.0, 2.0]), np.array([1.0, 98.0, 1.0])
+    assert weighted_percentiles(values, weights, (50,))[0] == pytest.approx(1.0, abs=0.03)
+    even = weighted_percentiles(np.arange(1001.0), np.ones(1001), (5, 95))
+    np.testing.assert_allclose(even, [50, 950], atol=1)
+
+
+def test_only_seen_faces_are_painted(survey: Survey, plate: Surface) -> None:
+    view = chart_view(survey)
+    assert view is not None
+    assert view.found is not None
+    assert len(seen_faces(view.found)) == 8
+    picture = np.asarray(Image.open(BytesIO(ground_png(view.found, Extent((-1.0, 3.0), (-2.0, 0.0)), 400))))
+    assert (picture[20:-20, 10:180, 3] == 255).all()  # x from -1 to 1 was seen
+    assert (picture[:, 220:, 3] == 0).all()
+
+
+def test_faces_across_the_seam_of_the_chart_are_left_out(plate: Surface) -> None:
+    class Seam:
+        def to_chart(self, points: np.ndarray) -> np.ndarray:
+            return np.column_stack([points[:, 0], np.where(points[:, 1] < -0.5, points[:, 1] + 40, points[:, 1]), points[:, 2]])
+
+    assert len(charted(plate, Seam()).faces) == 8  # type: ignore[arg-type]
+
+
+def test_a_chart_seen_from_inside_is_drawn_flipped(survey: Survey) -> None:
+    view = chart_view(survey)
+    assert view is not None
+    assert view.extent.flips == (False, True)  # girth is negative: the other side of the keel
+
+
+def test_the_vehicles_sigma_is_given_along_and_in_girth(survey: Survey) -> None:
+    np.testing.assert_allclose(path_sigma(survey), (0.5, 0.02), rtol=1e-6)

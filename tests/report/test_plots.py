@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from dataclasses import replace
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from hullrecon.dive.records import DvlPings, Solution, Surface
+from hullrecon.report.gallery import all_plots
+from hullrecon.report.plots import convergence, depth_and_standoff, deviation_histogram, labels, residuals, standoff
+from hullrecon.report.survey import Survey
+
+
+def test_all_plots_of_a_whole_survey_have_pictures_words_and_numbers(survey: Survey) -> None:
+    found = {p.name: p for p in all_plots(survey)}
+    assert list(found) == ["depth_standoff", "position_sigma", "convergence", "labels", "deviation_histogram"]
+    for plot in found.values():
+        with Image.open(BytesIO(plot.png)) as picture:
+            assert picture.width > 600
+            assert "Software" not in picture.info
+        assert plot.alt.endswith(".")
+        assert len({len(column) for column in plot.table.values()}) == 1
+
+
+def test_a_bare_dive_has_the_plots_of_its_navigation(bare: Survey) -> None:
+    assert [p.name for p in all_plots(bare)] == ["depth_standoff", "position_sigma"]
+
+
+def test_the_standoff_is_the_median_of_the_beams_that_came_back(dvl: DvlPings) -> None:
+    np.testing.assert_allclose(standoff(dvl), [1.2, 1.2, np.nan])
+    odd = replace(dvl, ranges=np.array([[1.0, 2.0, 3.0, np.nan]]) / 0.75**0.5)
+    np.testing.assert_allclose(standoff(odd), [2.0])
+
+
+def test_depth_without_a_dvl_is_drawn_alone() -> None:
+    plot = depth_and_standoff(np.arange(3) * 10**9, np.array([1.0, 2.0, 3.0]), None)
+    assert list(plot.table) == ["t", "depth_m"]
+    assert plot.alt == "Depth from 1.00 to 3.00 m."
+
+
+def test_convergence_lists_the_cost_of_each_factor() -> None:
+    plot = convergence({"cost": np.array([9.0, 4.0]), "cost_by_factor_stereo": np.array([8.0, 3.0])})
+    assert plot.table["cost"] == ["9", "4"]
+    assert plot.table["stereo"] == ["8", "3"]
+    assert plot.alt == "The cost falls from 9 to 4 in 2 iterations."
+
+
+def test_labels_say_how_many_ended_on_the_hull() -> None:
+    plot = labels({"on_surface": np.array([5, 7]), "label_changes": np.array([0, 2])})
+    assert plot.alt == "7 landmarks end as on the hull; 2 labels changed at the last iteration."
+
+
+def test_residuals_compare_the_factors_that_both_have() -> None:
+    plot = residuals(
+        {"before": {"stereo": {"rms": 4.0}, "range": {"rms": 2.0}}, "after": {"stereo": {"rms": 1.1, "count": 90}}}
+    )
+    assert plot.table == {"factor": ["stereo"], "rms_before": ["4"], "rms_after": ["1.1"], "count": [90]}
+
+
+def test_the_histogram_weighs_a_surface_by_its_area(plate: Surface, solution: Solution) -> None:
+    deviation = np.where(plate.vertices[:, 0] < 0.5, 0.048, 0.0)
+    plot = deviation_histogram(None, replace(plate, deviation=deviation))
+    assert plot is not None
+    share = dict(zip(plot.table["from_m"], map(float, plot.table["as_found_percent"]), strict=True))
+    # of the columns x = -1, 0, 1 (seen) the first has half the area of the others
+    assert share["0.046"] == pytest.approx(100 * 1.5 / 2.5, abs=1e-3)
+    assert share["-0.002"] == pytest.approx(100 * 1.0 / 2.5, abs=1e-3)
+
+
+def test_without_a_drawing_there_is_no_histogram(plate: Surface, solution: Solution) -> None:
+    lost = replace(solution, deviation=np.full(3, np.nan))
+    assert deviation_histogram(lost, replace(plate, deviation=np.full(15, np.nan))) is None
