@@ -17,6 +17,7 @@ from hullrecon.artifacts.stage import Context, Stage, load_arrays
 from hullrecon.dive.images import ImageStore
 from hullrecon.errors import StageError
 from hullrecon.vision.features import FeatureOptions, Features, extract
+from hullrecon.vision.saliency import local_saliency
 from hullrecon.vision.store import CAMERAS, GrowingArray
 
 BLOCK = 128  # images whose features are in memory at a time
@@ -49,22 +50,24 @@ def external(settings: Mapping[str, Any], package: Path) -> list[Path]:
 
 
 def run(context: Context) -> None:
-    starts = {}
+    index: dict[str, NDArray[np.generic]] = {}
     for camera in CAMERAS:
-        index = context.inputs["ingest"] / f"images_{camera}.npz"
-        if index.exists():
-            starts[f"{camera}_start"] = _write_camera(context, camera, load_arrays(index)["usable"])
-    if not any(start[-1] for start in starts.values()):
+        images = context.inputs["ingest"] / f"images_{camera}.npz"
+        if images.exists():
+            count, saliency = _write_camera(context, camera, load_arrays(images)["usable"])
+            index[f"{camera}_start"] = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
+            index[f"{camera}_saliency"] = saliency
+    if not any(index[name][-1] for name in index if name.endswith("_start")):
         raise StageError(
             "no image has a feature", where="features", remedy="lower features.contrast_threshold, or check the images"
         )
-    context.out.arrays("index.npz", starts)
+    context.out.arrays("index.npz", index)
 
 
-def _write_camera(context: Context, camera: str, usable: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Writes one camera's arrays block by block; returns the first row of each image and the number of rows."""
+def _write_camera(context: Context, camera: str, usable: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Writes one camera's arrays block by block; returns number of features and saliency of each image."""
     work = Extract(context.inputs["ingest"], context.source, camera, context.parameters)
-    count = np.zeros(len(usable), np.int64)
+    count, saliency = np.zeros(len(usable), np.int64), np.zeros(len(usable))
     with ExitStack() as opened:
 
         def grow(kind: str, width: int, dtype: type[np.generic]) -> GrowingArray:
@@ -80,11 +83,11 @@ def _write_camera(context: Context, camera: str, usable: NDArray[np.bool_]) -> N
                 if found is None:
                     context.warn(f"image {row} of {camera} could not be read: it has no features")
                     continue
-                count[row] = len(found)
+                count[row], saliency[row] = len(found), local_saliency(found.descriptors)
                 keypoints.append(found.keypoints)
                 descriptors.append(found.descriptors)
                 color.append(found.color)
-    return np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
+    return count, saliency
 
 
 STAGE = Stage(

@@ -50,7 +50,8 @@ def run(context: Context) -> None:
     for k, (features, stereo) in zip(np.flatnonzero(usable), counted, strict=True):
         count[k], nodes[k] = features, replace(nodes[k], stereo=stereo)
     depth_m = np.array([_depth(node) for node in nodes])
-    keyframes, proposal = propose(survey, usable, depth_m, bench.rig.top, options, np.ones(len(nodes), bool))
+    salient = np.array([bench.saliency(node) >= options.min_saliency for node in nodes])
+    keyframes, proposal = propose(survey, usable, depth_m, bench.rig.top, options, salient)
     found = _match_pairs(context, bench, survey, nodes, proposal)
     matches = _gather(proposal, found)
     links = [

@@ -48,6 +48,11 @@ class Bench:
         top = FeatureStore(self.features, "camera_top").read(image[0])
         return NodeFeatures(top, FeatureStore(self.features, "camera_bottom").read(image[1]) if self.lower else nothing())
 
+    def saliency(self, node: Node) -> float:
+        """Of the image that leads."""
+        top = FeatureStore(self.features, "camera_top").saliency(node.image[0])
+        return top or (FeatureStore(self.features, "camera_bottom").saliency(node.image[1]) if self.lower else 0.0)
+
     def view(self, node: Node) -> View:
         features = self.read(node.image)
         return view_of_node(self.rig, features.top, features.bottom, node.stereo, node.depth, self.options.sigma_px)

@@ -74,7 +74,7 @@ def extract(image: Bytes, options: FeatureOptions) -> Features:
 def root_sift(descriptors: Floats) -> Bytes:
     """Hellinger form: square root of the L1-normalised vector (unit length), times 512, as bytes."""
     share = descriptors / np.maximum(descriptors.sum(axis=1, keepdims=True), 1e-9)
-    return np.minimum(np.rint(np.sqrt(share) * 512.0), 255).astype(np.uint8)
+    return np.asarray(np.minimum(np.rint(np.sqrt(share) * 512.0), 255), np.uint8)
 
 
 def _level(gray: Bytes, options: FeatureOptions) -> Bytes:

@@ -22,7 +22,7 @@ class MatchOptions(Section, frozen=True):
     across: Annotated[int, Meta(ge=0, le=50)] = 3  # and with that many of other legs, those of most overlap first
     min_overlap: Share = 0.15  # of the predicted footprints
     max_overlap: Share = 0.98  # a node that overlaps the last keyframe by more is not a keyframe
-    min_saliency: Share = 0.3  # images below it are not compared across legs
+    min_saliency: Share = 0.5  # images below it stay in the chain but are not compared across legs
 
     # tolerances
     column_px: Positive = 1.5  # of a stereo match across its epipolar line

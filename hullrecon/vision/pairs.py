@@ -16,7 +16,8 @@ from hullrecon.vision.survey import Survey
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
-_GRID = 7  # points of the footprint along each side
+RETURN = 0.2  # of overlap: the vehicle had gone and come back, it did not just move on slowly
+_GRID = 8  # cells of the footprint along each side
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,8 @@ def footprint_overlap(survey: Survey, first: Ints, second: Ints, depth_m: Array,
 
 
 def _share(survey: Survey, source: Ints, target: Ints, depth_m: Array, camera: Camera, sigmas: float) -> Array:
-    u, v = np.meshgrid(np.linspace(0, camera.width - 1, _GRID), np.linspace(0, camera.height - 1, _GRID))
+    middle = (np.arange(_GRID) + 0.5) / _GRID
+    u, v = np.meshgrid(middle * camera.width - 0.5, middle * camera.height - 0.5)
     rays = np.hstack([camera.undistort(np.stack([u.ravel(), v.ravel()], 1)), np.ones((_GRID**2, 1))])
     poses = survey.global_from_camera
     relative = (poses[target].inverse() @ poses[source]).matrix()
@@ -69,7 +71,7 @@ def _share(survey: Survey, source: Ints, target: Ints, depth_m: Array, camera: C
     ahead = seen[..., 2] > 0.05
     image = np.where(ahead[..., None], seen[..., :2] / np.where(ahead, seen[..., 2], 1.0)[..., None], np.inf)
     margin = sigmas * _doubt(survey, source, target) / np.where(np.isfinite(depth_m[source]), depth_m[source], 1.0)
-    low, high = rays[0, :2], rays[-1, :2]
+    low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
     inside = ((image >= low - margin[:, None, None]) & (image <= high + margin[:, None, None])).all(axis=2)
     return np.asarray(np.where(np.isfinite(depth_m[source]), inside.mean(axis=1), np.nan))
 
@@ -105,14 +107,15 @@ def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
 
 
 def _across(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, options: MatchOptions) -> tuple[Ints, Ints, Array]:
-    """For each node the nodes of other legs whose footprints overlap most, were navigation right; at least min_overlap within
+    """For each node those to which the vehicle came back whose footprints overlap most, were navigation right; at least min_overlap within
     3 sigma of it."""
     first, second = _near(survey, nodes, depth_m, camera, options.sequential)
     possible = footprint_overlap(survey, first, second, depth_m, camera, sigmas=3.0) >= options.min_overlap
     first, second = first[possible], second[possible]
     overlap = footprint_overlap(survey, first, second, depth_m, camera)
-    left = _left_at(survey, nodes, depth_m, camera, options.min_overlap)
-    keep = np.searchsorted(nodes, second) > left[np.searchsorted(nodes, first)]
+    ranks = np.searchsorted(nodes, first), np.searchsorted(nodes, second)
+    lowest = _lowest_between(survey, nodes, *ranks, depth_m, camera, options.min_overlap)
+    keep = (lowest == 0) | (overlap > lowest + RETURN)
     first, second, overlap = first[keep], second[keep], overlap[keep]
     best = _top(second, overlap, options.across) | _top(first, overlap, options.across)
     return first[best], second[best], overlap[best]
@@ -135,19 +138,25 @@ def _near(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, reach: in
     return at[pairs[:, 0]].astype(np.int64), at[pairs[:, 1]].astype(np.int64)
 
 
-def _left_at(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, least: float) -> Ints:
-    """By rank among the nodes: the rank at which the vehicle had left that node's footprint; the number of nodes if never."""
-    left = np.full(len(nodes), len(nodes))
+def _lowest_between(
+    survey: Survey, nodes: Ints, first: Ints, second: Ints, depth_m: Array, camera: Camera, least: float
+) -> Array:
+    """The smallest overlap (m,) with the first node that the vehicle had on its way to the second; 0 once it fell below `least`.
+
+    first, second: ranks among the nodes.
+    """
+    lowest, running = np.zeros(len(first)), np.ones(len(nodes))
     inside = np.arange(len(nodes))
     for step in range(1, len(nodes)):
+        asked = (second - first == step) & np.isin(first, inside)
+        lowest[asked] = running[first[asked]]
         inside = inside[inside + step < len(nodes)]
+        overlap = footprint_overlap(survey, nodes[inside], nodes[inside + step], depth_m, camera)
+        running[inside] = np.minimum(running[inside], overlap)
+        inside = inside[overlap >= least]
         if len(inside) == 0:
             break
-        overlap = footprint_overlap(survey, nodes[inside], nodes[inside + step], depth_m, camera)
-        gone = ~(overlap >= least)
-        left[inside[gone]] = inside[gone] + step
-        inside = inside[~gone]
-    return left
+    return lowest
 
 
 def _top(key: Ints, score: Array, most: int) -> Mask:

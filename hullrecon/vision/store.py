@@ -65,6 +65,10 @@ class FeatureStore:
         first, last = (0, 0) if image < 0 else mapped.start[image : image + 2]
         return Features(mapped.keypoints[first:last], mapped.descriptors[first:last], mapped.color[first:last])
 
+    def saliency(self, image: int) -> float:
+        """Local saliency of an image, 0 for -1."""
+        return 0.0 if image < 0 else float(self._open().saliency[image])
+
     def _open(self) -> _Mapped:
         status = (self.folder / "index.npz").stat()
         return _map(self.folder, self.camera, (status.st_ino, status.st_mtime_ns))
@@ -73,6 +77,7 @@ class FeatureStore:
 @dataclass(frozen=True)
 class _Mapped:
     start: Ints
+    saliency: NDArray[np.float64]
     keypoints: NDArray[np.float32]
     descriptors: NDArray[np.uint8]
     color: NDArray[np.uint8]
@@ -82,7 +87,7 @@ class _Mapped:
 def _map(folder: Path, camera: str, stamp: tuple[int, int]) -> _Mapped:
     """`stamp` tells one build of the artifact from the next at the same place."""
     with np.load(folder / "index.npz", allow_pickle=False) as index:
-        start = np.asarray(index[f"{camera}_start"], np.int64)
+        start, saliency = np.asarray(index[f"{camera}_start"], np.int64), np.asarray(index[f"{camera}_saliency"], float)
     mode: Literal["r"] | None = "r" if start[-1] else None  # a file without rows cannot be mapped
     arrays = {kind: np.load(folder / f"{kind}_{camera}.npy", mmap_mode=mode, allow_pickle=False) for kind in KINDS}
-    return _Mapped(start, **arrays)
+    return _Mapped(start, saliency, **arrays)

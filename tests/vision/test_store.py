@@ -15,7 +15,7 @@ def write(folder, sizes, value):
         with GrowingArray(folder / f"{kind}_camera_top.npy", width, dtype) as file:
             for k, size in enumerate(sizes):
                 file.append(np.full((size, width), value + k, dtype))
-    np.savez(folder / "index.npz", camera_top_start=start)
+    np.savez(folder / "index.npz", camera_top_start=start, camera_top_saliency=np.full(len(sizes), value / 10))
 
 
 def test_blocks_make_one_array_that_numpy_maps(tmp_path):
@@ -49,6 +49,12 @@ def test_features_are_read_by_image(tmp_path):
     assert len(store) == 3
     assert [len(store.read(k)) for k in (0, 1, 2, -1)] == [3, 0, 2, 0]
     assert (store.read(2).descriptors == 7).all()
+
+
+def test_saliency_is_read_by_image(tmp_path):
+    write(tmp_path, [3, 2], 5)
+    store = FeatureStore(tmp_path, "camera_top")
+    assert (store.saliency(1), store.saliency(-1)) == (0.5, 0.0)
 
 
 def test_a_store_pickles_to_its_path(tmp_path):

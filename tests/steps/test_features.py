@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import zipfile
+
+import cv2
+import numpy as np
+import pytest
+
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.dive.config import Cameras, CameraTop, Dive, Logs
+from hullrecon.dive.records import ImageIndex, to_arrays
+from hullrecon.errors import StageError
+from hullrecon.steps.features import STAGE
+from hullrecon.vision.features import FeatureOptions, extract
+from hullrecon.vision.store import FeatureStore
+
+SECTIONS = {
+    "dive": Dive(name="t"),
+    "logs": Logs(files=("logs",)),
+    "camera": Cameras(top=CameraTop(calibration="c.yaml")),
+    "features": FeatureOptions(max_features=300, reduction=1.0),
+}
+
+
+def picture(seed):
+    rng = np.random.default_rng(seed)
+    return cv2.GaussianBlur(rng.integers(0, 255, (96, 128, 3)).astype(np.uint8), (0, 0), 1.5)
+
+
+def ingest(folder, pictures, usable):
+    """An ingest artifact whose images lie in its own file."""
+    folder.mkdir()
+    encoded = [cv2.imencode(".png", p[..., ::-1])[1].tobytes() for p in pictures]
+    size = np.array([len(e) for e in encoded], np.int64)
+    (folder / "images_camera_top.bin").write_bytes(b"".join(encoded))
+    names = np.array([""] * len(encoded))
+    index = ImageIndex(np.arange(len(encoded)), names, np.concatenate([[0], np.cumsum(size)[:-1]]), size, np.array(usable))
+    with zipfile.ZipFile(folder / "images_camera_top.npz", "w") as file:  # numpy.savez has no room for a member named file
+        for name, values in to_arrays(index).items():
+            with file.open(f"{name}.npy", "w") as member:
+                np.lib.format.write_array(member, values, allow_pickle=False)
+    return folder
+
+
+@pytest.fixture
+def made(tmp_path):
+    """Three images, the middle one unusable."""
+    (tmp_path / "package").mkdir()
+    return ingest(tmp_path / "ingest", [picture(k) for k in range(3)], [True, False, True])
+
+
+def run(ingested, out, jobs=1, sections=SECTIONS):
+    return run_stage(STAGE, sections, {"ingest": ingested}, out, source=ingested.parent / "package", jobs=jobs)
+
+
+def test_each_image_keeps_its_row_and_an_unusable_one_is_empty(made, tmp_path):
+    store = FeatureStore(run(made, tmp_path / "out"), "camera_top")
+    assert len(store) == 3
+    want = extract(picture(2), SECTIONS["features"])
+    np.testing.assert_array_equal(store.read(2).keypoints, want.keypoints)
+    np.testing.assert_array_equal(store.read(2).descriptors, want.descriptors)
+    np.testing.assert_array_equal(store.read(2).color, want.color)
+    assert len(store.read(1)) == 0
+    assert store.saliency(0) > 0.4
+    assert store.saliency(1) == 0.0
+
+
+def test_files_are_the_same_bytes_whatever_the_number_of_processes(made, tmp_path):
+    one, two = run(made, tmp_path / "one"), run(made, tmp_path / "two", jobs=2)
+    for name in ("keypoints_camera_top.npy", "descriptors_camera_top.npy", "color_camera_top.npy", "index.npz"):
+        assert (one / name).read_bytes() == (two / name).read_bytes()
+
+
+def test_a_camera_that_was_not_carried_leaves_no_files(made, tmp_path):
+    assert not list(run(made, tmp_path / "out").glob("*camera_bottom*"))
+
+
+def test_an_image_that_breaks_after_ingest_is_warned_of(made, tmp_path):
+    bytes_ = bytearray((made / "images_camera_top.bin").read_bytes())
+    bytes_[:200] = bytes(200)
+    (made / "images_camera_top.bin").write_bytes(bytes_)
+    out = run(made, tmp_path / "out")
+    assert len(FeatureStore(out, "camera_top").read(0)) == 0
+    assert "could not be read" in (out / "manifest.json").read_text()
+
+
+def test_a_dive_without_a_single_feature_ends_with_advice(tmp_path):
+    (tmp_path / "package").mkdir()
+    black = ingest(tmp_path / "ingest", [np.zeros((64, 64, 3), np.uint8)], [True])
+    with pytest.raises(StageError, match="no image has a feature"):
+        run(black, tmp_path / "out")
+
+
+def test_a_dive_without_camera_has_no_features():
+    assert STAGE.applies({"camera.top.calibration": None}) == "no camera was carried"
+    assert STAGE.applies({"camera.top.calibration": "c.yaml"}) is None
+
+
+def test_image_files_of_the_package_are_named_so_that_a_change_is_seen(tmp_path):
+    (tmp_path / "logs" / "left").mkdir(parents=True)
+    for name in ("logs/left/b.JPG", "logs/left/a.png", "logs/camera_top.csv"):
+        (tmp_path / name).write_text("")
+    found = STAGE.external({"logs": Logs(files=("logs", "logs/dive.mcap"))}, tmp_path)
+    assert [p.name for p in found] == ["a.png", "b.JPG"]

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hullrecon.vision.features import Features, nothing
+from hullrecon.vision.landmarks import Matches, NodeFeatures, build
+from hullrecon.vision.stereo import StereoMatches, no_matches
+
+
+def features(base, n, color):
+    table = np.column_stack([base + np.arange(n), np.full(n, base), np.ones(n), np.ones(n)]).astype(np.float32)
+    return Features(table, np.zeros((n, 128), np.uint8), np.full((n, 3), color, np.uint8))
+
+
+def stereo(*rows):
+    a = np.array(rows, np.int64).reshape(-1, 2)
+    return StereoMatches(a[:, 0], a[:, 1], np.ones((len(a), 3)))
+
+
+def matches(*rows):
+    """Rows of first node, first row, second node, second row."""
+    a = np.array(rows, np.int64).reshape(-1, 4)
+    return Matches(a[:, 0], a[:, 1], a[:, 2], a[:, 3], np.zeros(len(a), np.float32))
+
+
+@pytest.fixture
+def dive():
+    """Three nodes of three features; the last has a bottom image alone."""
+    nodes = [NodeFeatures(features(100, 3, 10), features(500, 3, 0)), NodeFeatures(features(200, 3, 30), features(600, 3, 0))]
+    nodes.append(NodeFeatures(nothing(), features(700, 3, 50)))
+    pairs = [stereo((0, 2), (2, 1)), stereo((1, 0)), no_matches()]
+    return SimpleNamespace(read=nodes.__getitem__, stereo=pairs, count=np.array([3, 3, 3]))
+
+
+def made(dive, found, single_node=True, doubt=None):
+    return build(dive.count, dive.stereo, found, dive.read, single_node, doubt)
+
+
+def test_a_track_holds_both_pixels_where_both_cameras_saw_it(dive):
+    tracks = made(dive, matches((0, 0, 1, 1), (1, 1, 2, 2)), single_node=False)
+    np.testing.assert_array_equal(tracks.landmark, [0, 0, 0])
+    np.testing.assert_array_equal(tracks.node, [0, 1, 2])
+    np.testing.assert_array_equal(tracks.top, [[100, 100], [201, 200], [np.nan, np.nan]])
+    np.testing.assert_array_equal(tracks.bottom, [[502, 500], [600, 600], [702, 700]])
+    np.testing.assert_array_equal(tracks.color, [[30, 30, 30]])
+
+
+def test_what_one_camera_alone_matched_keeps_its_one_pixel(dive):
+    tracks = made(dive, matches((0, 1, 1, 2)), single_node=False)
+    assert np.isfinite(tracks.top).all()
+    assert np.isnan(tracks.bottom).all()
+
+
+def test_stereo_points_of_a_single_node_are_landmarks_when_wanted(dive):
+    tracks = made(dive, matches((0, 0, 1, 1)))
+    assert np.bincount(tracks.landmark).tolist() == [2, 1]
+    assert tracks.node.tolist() == [0, 1, 0]
+    np.testing.assert_array_equal(tracks.bottom[2], [501, 500])
+
+
+def test_an_observation_in_doubt_is_dropped_and_what_is_left_is_judged_anew(dive):
+    tracks = made(dive, matches((0, 1, 1, 2)), doubt=lambda node, label, top, bottom: (node == 1) & np.isnan(bottom[:, 0]))
+    assert len(tracks.color) == 3  # three stereo points; the mono track of two lost one end and with it the other
+    assert np.isfinite(tracks.bottom).all()
+
+
+def test_rows_are_sorted_by_landmark_and_node_and_numbers_have_no_gaps(dive):
+    tracks = made(dive, matches((0, 0, 1, 1), (1, 2, 2, 0), (0, 2, 2, 1)))
+    rows = np.column_stack([tracks.landmark, tracks.node])
+    np.testing.assert_array_equal(rows, np.unique(rows, axis=0))
+    np.testing.assert_array_equal(np.unique(tracks.landmark), np.arange(len(tracks.color)))
+
+
+def test_no_matches_make_no_tracks(dive):
+    empty = build(np.zeros(3, np.int64), [no_matches()] * 3, matches(), dive.read, True)
+    assert len(empty.landmark) == len(empty.color) == 0

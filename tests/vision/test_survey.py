@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+
+from hullrecon.dive.records import Returns, Trajectory
+from hullrecon.geometry.poses import from_mount, from_rpy, identity
+from hullrecon.vision.survey import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, depth_priors, survey_of
+
+FORWARD = from_mount([0.0, 0.0, -0.05, 90.0, 0.0, 90.0])  # looks along the vehicle's x
+
+
+def path(n=10, image=None):
+    """A straight run along y, position error growing as a random walk of 1 cm a node."""
+    covariance = np.zeros((n, 6, 6))
+    covariance[:, [0, 1], [0, 1]] = (0.01**2 * np.arange(n))[:, None]
+    move = np.column_stack([np.zeros(n), 0.1 * np.arange(n), np.full(n, 2.0)])
+    rows = np.column_stack([np.arange(n)] * 2) if image is None else np.array(image)
+    return Trajectory(np.arange(n) * 10**9, np.tile([0, 0, 0, 1.0], (n, 1)), move, covariance, np.zeros(n), rows)
+
+
+def survey(trajectory, sigma=0.0, top_from_bottom=None):
+    return survey_of(trajectory, [0.45, 0.0, 0.1], FORWARD, top_from_bottom, sigma)
+
+
+def test_the_camera_stands_where_tray_and_mount_put_it():
+    found = survey(path()).global_from_camera
+    np.testing.assert_allclose(found.translation[3], [0.45, 0.3, 2.05], atol=1e-12)
+    np.testing.assert_allclose(found.rotation.as_matrix()[3][:, 2], [1, 0, 0], atol=1e-12)
+
+
+def test_the_bottom_camera_stands_in_where_the_top_has_no_image():
+    image = [[0, 0], [-1, 1], [2, 2]]
+    found = survey(path(3, image), top_from_bottom=from_rpy([0.0, 0.1, 0.0], [0, 0, 0])).global_from_camera
+    np.testing.assert_allclose(found.translation[:, 2], [2.05, 2.15, 2.05])  # the camera's y points down
+
+
+def test_a_relative_pose_is_as_uncertain_as_what_was_gained_between():
+    motion = survey(path()).motion(2, 6)
+    np.testing.assert_allclose(motion.second_from_first[:3, 3], [-0.4, 0, 0], atol=1e-12)  # the camera's x is starboard
+    want = 4 * 0.01**2 + WHITE_TRANSLATION_M**2
+    np.testing.assert_allclose(np.diag(motion.covariance)[[0, 2]], want)
+    np.testing.assert_allclose(motion.covariance[1, 1], WHITE_TRANSLATION_M**2)
+    np.testing.assert_allclose(np.diag(motion.covariance)[3:], WHITE_ROTATION_RAD**2)
+
+
+def test_the_order_of_the_two_nodes_does_not_make_a_variance_negative():
+    assert (np.linalg.eigvalsh(survey(path()).motion(6, 2).covariance) > 0).all()
+
+
+def test_the_servos_play_turns_about_its_axis_alone():
+    motion = survey(path(), sigma=0.01).motion(0, 1)
+    gained = np.diag(motion.covariance)[3:] - WHITE_ROTATION_RAD**2
+    np.testing.assert_allclose(gained, [2 * 0.01**2, 0, 0], atol=1e-12)  # vehicle's y is the camera's x
+
+
+def returns(node, range_m, flagged=None):
+    n = len(node)
+    return Returns(
+        np.zeros(n, np.int64), np.array(node), identity(n).quaternion, np.zeros((n, 3)), np.zeros(n),
+        np.tile([0.0, 0.0, 1.0], (n, 1)), np.array(range_m, float), np.zeros(n, bool) if flagged is None else np.array(flagged),
+    )  # fmt: skip
+
+
+def priors(made, trajectory):
+    dvl = from_mount([0.0, 0.0, 0.08, 0.0, 90.0, 0.0])  # the DVL looks along the vehicle's x as well
+    return depth_priors(survey(trajectory), trajectory, made, [0.45, 0.0, 0.1], dvl, 1.5)
+
+
+def test_depth_comes_from_the_returns_of_neighbouring_nodes():
+    found = priors(returns([2, 3, 4], [1.2, 1.3, 1.4]), path(30))
+    assert found[3].mean == pytest.approx(1.3)
+    assert found[3].nearest == pytest.approx(1.2 / 1.5, rel=0.01)
+    assert found[3].farthest == pytest.approx(1.4 * 1.5, rel=0.01)
+    assert found[20] is None
+
+
+def test_flagged_and_lost_returns_say_nothing():
+    found = priors(returns([0, 1, 2], [1.2, np.nan, 9.0], [False, False, True]), path())
+    assert found[1].mean == pytest.approx(1.2)
