@@ -177,7 +177,10 @@ def _settled_weights(m: Measurements, state: State, chosen: Selection, weights: 
 
 def _at(problem: native.Problem, result: native.Result) -> native.Problem:
     """The same factors at the solution."""
-    return replace(problem, **result.unknowns)
+    moved = replace(problem)
+    for name, values in result.unknowns.items():
+        setattr(moved, name, values)
+    return moved
 
 
 def _round_in_words(k: int, result: native.Result, chosen: Selection, weights: Weights) -> str:

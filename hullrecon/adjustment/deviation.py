@@ -47,7 +47,7 @@ class DeviationGrid:
     def value(self, field: Array, along_girth: Array) -> Array:
         """The field (size,) or (a, g) at points (n, 2)."""
         index, weight = self.basis(along_girth)
-        return np.einsum("nk,nk->n", field.reshape(-1)[index], weight)
+        return np.asarray(np.einsum("nk,nk->n", field.reshape(-1)[index], weight))
 
 
 def grid_over(along_girth: Array, length: tuple[float, float], nodes_per_length: float = 4.0) -> DeviationGrid:
@@ -75,7 +75,7 @@ def _operator(shape: tuple[int, int], step: Array) -> sparse.csr_array:
 def _second_difference(n: int, step: float) -> sparse.csr_array:
     main = np.full(n, -2.0)
     main[[0, -1]] += 1.0
-    return sparse.csr_array(sparse.diags_array([np.ones(n - 1), main, np.ones(n - 1)], offsets=[-1, 0, 1]) / step**2)
+    return sparse.csr_array(sparse.diags_array((np.ones(n - 1), main, np.ones(n - 1)), offsets=(-1, 0, 1)) / step**2)
 
 
 def _interior_sigma(step: Array) -> float:

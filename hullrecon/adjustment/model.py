@@ -32,6 +32,8 @@ class Mount:
 class Rig:
     """How the sensors sit on the vehicle, and how sure that is. Angles in radians, lengths in metres.
 
+    dvl_position_sigma (3,): of the DVL's position on the tray where it is held (zero where it is an unknown). Images, ranges
+    and odometry resolve where camera and DVL are to each other; a shift of both on the tray is seen by nothing, so one is held.
     navigation_sigma (6,): prior sigmas of DVL scale, heading drift rad/s, roll and pitch bias, depth bias, tray play.
     """
 
@@ -39,6 +41,7 @@ class Rig:
     tray_sigma: float
     pressure_origin: Array
     T_s_d: Mount
+    dvl_position_sigma: Array
     T_s_ct: Mount | None
     T_ct_cb: Mount | None
     top: Camera | None
@@ -92,16 +95,20 @@ def rig_from_config(
     top: config.CameraTop | None,
     bottom: config.CameraBottom | None,
     cameras: dict[str, Camera],
+    free_dvl_position: bool = False,
 ) -> Rig:
     """The rig of a dive package."""
     degree = np.pi / 180
+    held = np.zeros(3) if free_dvl_position else np.array(dvl.mount_sigma[:3])
+    dvl_sigma = dvl.mount_sigma if free_dvl_position else (1e-6, 1e-6, 1e-6, *dvl.mount_sigma[3:])
     sigma = [dvl.scale_sigma, imu.heading_drift_deg_per_hour * degree / 3600, imu.bias_sigma_deg * degree]
     sigma += [imu.bias_sigma_deg * degree, pressure.bias_sigma_m, tray.sigma_deg * degree]
     return Rig(
         tray_origin=np.array(tray.origin),
         tray_sigma=tray.sigma_deg * degree,
         pressure_origin=np.array(pressure.origin),
-        T_s_d=mount_prior(dvl.mount, dvl.mount_sigma),
+        T_s_d=mount_prior(dvl.mount, dvl_sigma),
+        dvl_position_sigma=held,
         T_s_ct=mount_prior(top.mount, top.mount_sigma) if top else None,
         T_ct_cb=mount_prior(bottom.pose_in_top, bottom.pose_sigma) if bottom and top else None,
         top=cameras.get("top"),

@@ -21,6 +21,7 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     as_published: Annotated[bool, Meta(description="O's weighting, without deviation field")] = False
     sigma_on: Annotated[Positive, Meta(description="m, sigma of a landmark on the hull (O 4.2.3)")] = 0.02
     sigma_off: Annotated[Positive, Meta(description="m, sigma of a landmark off the hull (O 4.2.3)")] = 1.0
+    free_dvl_position: Annotated[bool, Meta(description="the DVL's position on the tray is an unknown too")] = False
     rounds: Annotated[int, Meta(ge=1, le=10, description="solves between which outliers and sigmas are settled")] = 3
     max_iterations: Annotated[int, Meta(ge=1, le=1000, description="iterations of one solve at most")] = 60
     function_tolerance: Annotated[Positive, Meta(description="relative change of cost that ends a solve")] = 1e-6

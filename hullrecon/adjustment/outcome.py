@@ -19,6 +19,7 @@ from hullrecon.adjustment.state import State, seven
 from hullrecon.adjustment.uncertainty import hull_axes, points_in_hull, poses_in_hull
 from hullrecon.adjustment.weak import weak_directions
 from hullrecon.dive.records import Solution
+from hullrecon.geometry import poses
 
 Array = NDArray[np.float64]
 NAVIGATION = ("dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_play_rad")
@@ -49,6 +50,7 @@ def _solution(m: Measurements, adjusted: Adjusted, marginals: native.Covariance)
     used = chosen.landmarks
     position = state.landmark[used]
     pose_covariance, landmark_covariance = _covariances(state, adjusted.center, position, marginals)
+    pose_covariance = pose_covariance + _lever_arm(m, state)
     label, deviation = _labels(adjusted, len(used))
     grid = state.grid
     shape = grid.shape if grid else (0, 0)
@@ -70,7 +72,7 @@ def _solution(m: Measurements, adjusted: Adjusted, marginals: native.Covariance)
         T_s_ct=seven(state.T_s_ct),
         T_ct_cb=seven(state.T_ct_cb),
         T_s_d=seven(state.T_s_d),
-        hull_covariance=marginals.hull if state.T_g_M is not None else np.full((6, 6), np.nan),
+        hull_covariance=marginals.T_g_M if state.T_g_M is not None else np.full((6, 6), np.nan),
         survey_center=adjusted.center,
         navigation=state.navigation,
         field_origin=grid.origin if grid else np.zeros(2),
@@ -84,10 +86,21 @@ def _covariances(state: State, center: Array, position: Array, marginals: native
     """Of the poses (n, 6, 6) and the landmarks (L, 3, 3), in M when there is a drawing."""
     if state.T_g_M is None:
         return marginals.pose[:, :6, :6], marginals.landmark
-    hull = marginals.hull
-    nodes = poses_in_hull(marginals.pose[:, :6, :6], marginals.pose_hull[:, :6], hull, state.nodes, state.T_g_M, center)
-    landmarks = points_in_hull(marginals.landmark, marginals.landmark_hull, hull, position, state.T_g_M, center)
+    hull = marginals.T_g_M
+    nodes = poses_in_hull(marginals.pose[:, :6, :6], marginals.pose_T_g_M[:, :6], hull, state.nodes, state.T_g_M, center)
+    landmarks = points_in_hull(marginals.landmark, marginals.landmark_T_g_M, hull, position, state.T_g_M, center)
     return nodes, landmarks
+
+
+def _lever_arm(m: Measurements, state: State) -> Array:
+    """What the held position of the DVL on the tray adds to the poses' covariance (n, 6, 6): images and ranges see the camera
+    and the DVL; a shift of both on the tray moves the vehicle alone, and nothing measures it."""
+    tray = state.nodes @ poses.tray(m.rig.tray_origin, state.tray)
+    in_hull = tray if state.T_g_M is None else state.T_g_M.inverse() @ tray
+    rotate = in_hull.rotation.as_matrix()
+    out = np.zeros((len(state.nodes), 6, 6))
+    out[:, :3, :3] = rotate @ np.diag(m.rig.dvl_position_sigma**2) @ rotate.transpose(0, 2, 1)
+    return out
 
 
 def _labels(adjusted: Adjusted, count: int) -> tuple[NDArray[np.int64], Array]:

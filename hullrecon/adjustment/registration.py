@@ -128,7 +128,7 @@ def _gicp(points: Array, target: Array, start: Poses) -> Poses:
 
 def prior_step(hull_from: Poses, drawing: Drawing, center: Array) -> Array:
     """(6,) error against the guess in M's axes about the centre: what `guess_sigma` whitens."""
-    return ((drawing.guess @ about(center)).inverse() @ hull_from @ about(center)).log()[0]
+    return np.asarray(((drawing.guess @ about(center)).inverse() @ hull_from @ about(center)).log()[0])
 
 
 def _trimmed_cost(points: Array, hull_from: Poses, drawing: Drawing, center: Array, index: MeshIndex) -> float:
@@ -159,7 +159,7 @@ def fit_correlated(
     pose, damping = start, 1e-4
     cost, right, information, distance = problem.linearised(pose)
     for _ in range(iterations):
-        step = -np.linalg.solve(information + damping * np.diag(np.diag(information)), right)
+        step = np.asarray(-np.linalg.solve(information + damping * np.diag(np.diag(information)), right))
         trial = perturbed(pose, center, step)
         there = problem.linearised(trial)
         if there[0] > cost:
@@ -171,7 +171,7 @@ def fit_correlated(
         if settled:
             break
     within = float(np.mean(np.abs(distance) < 3 * np.hypot(sigma_range, drawing.deviation_sigma)))
-    return Registration(pose, np.linalg.inv(information), center, distance, within)
+    return Registration(pose, np.asarray(np.linalg.inv(information)), center, distance, within)
 
 
 @dataclass(frozen=True)

@@ -5,16 +5,22 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hullrecon import native
 
 
 def by_factor(evaluation: native.Evaluation) -> dict[str, dict[str, float]]:
     """For each factor of a problem: count of residuals, RMS, robust sigma (1.4826 MAD) and share beyond three."""
-    return {name: _figures(np.asarray(values).ravel()) for name, values in evaluation.residuals.items() if np.size(values)}
+    found = {}
+    for number, name in enumerate(native.FACTORS):
+        values = evaluation.residual[evaluation.factor == number]
+        if len(values):
+            found[name] = _figures(values)
+    return found
 
 
-def _figures(values: np.ndarray) -> dict[str, float]:
+def _figures(values: NDArray[np.float64]) -> dict[str, float]:
     return {
         "count": float(len(values)),
         "rms": float(np.sqrt(np.mean(values**2))),

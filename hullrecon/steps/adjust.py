@@ -17,7 +17,7 @@ from hullrecon.adjustment.bundle import Adjusted, adjust
 from hullrecon.adjustment.colmap import SparseModel, write_model
 from hullrecon.adjustment.model import Drawing, Measurements, rig_from_config
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.outcome import Outcome, outcome_of
+from hullrecon.adjustment.outcome import outcome_of
 from hullrecon.adjustment.triangulation import camera_poses
 from hullrecon.artifacts.stage import Context, Stage, load_arrays
 from hullrecon.dive.records import Attitude, ImageIndex, Odometry, Returns, Tracks, Trajectory, from_arrays, to_arrays
@@ -39,7 +39,7 @@ def run(context: Context) -> None:
     if measured.drawing is not None:
         context.out.arrays("chart.npz", measured.drawing.chart.to_arrays())
     if measured.tracks is not None:
-        _write_colmap(context, measured, adjusted, outcome)
+        _write_colmap(context, measured, adjusted)
 
 
 def _measurements(context: Context) -> Measurements:
@@ -61,6 +61,7 @@ def _measurements(context: Context) -> Measurements:
             settings["camera.top"],
             settings["camera.bottom"],
             cameras,
+            context.parameters.free_dvl_position,
         ),
         drawing=_drawing(context.inputs["ingest"] / "hull.npz", settings["hull"]),
     )
@@ -88,7 +89,7 @@ def _drawing(path: Path, hull: Any) -> Drawing | None:
     )
 
 
-def _write_colmap(context: Context, m: Measurements, adjusted: Adjusted, outcome: Outcome) -> None:
+def _write_colmap(context: Context, m: Measurements, adjusted: Adjusted) -> None:
     if m.tracks is None or m.rig.top is None or adjusted.state.T_s_ct is None:
         return
     state = adjusted.state

@@ -36,6 +36,7 @@ def scene():
         tray_sigma=0.01,
         pressure_origin=np.zeros(3),
         T_s_d=Mount(poses.identity(), np.eye(6)),
+        dvl_position_sigma=np.zeros(3),
         T_s_ct=Mount(T_s_ct, np.eye(6)),
         T_ct_cb=Mount(T_ct_cb, None),
         top=CAMERA,
