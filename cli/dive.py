@@ -48,13 +48,16 @@ def check(package: Path, overrides: tuple[str, ...]) -> None:
     if package.is_file() or (package.is_dir() and not (package / CONFIGURATION).exists() and _is_log(package)):
         _check_log(package)
         return
+    from hullrecon.artifacts.progress import choose_progress
     from hullrecon.dive.checking import check_package
     from hullrecon.dive.load import load_config
     from hullrecon.steps.chain import stages
     from hullrecon.steps.ingest import STAGE, USES, request_of
 
     loaded = load_config(package, {stage.name: stage.parameters for stage in (*stages(), STAGE)}, overrides)
-    found = check_package(loaded, request_of({name: loaded.value(name) for name in USES}))
+    request = request_of({name: loaded.value(name) for name in USES})
+    progress = choose_progress()
+    found = check_package(loaded, request, lambda messages: progress.track(messages, "check: messages", None))
     state_of().emit(found.document(), found.lines())
 
 

@@ -200,3 +200,48 @@ def test_a_type_without_a_definition_is_read_by_the_bundled_one(kit):
 def test_what_cannot_be_decoded_is_damaged_and_nothing_else(channel):
     with pytest.raises(DamagedError):
         decode(channel, b"\x00\x01\x00\x00short")
+
+
+VENDOR = {
+    "vendor/msg/Beam": "float64 range\nfloat64 range_covariance\n",
+    "stonefish_ros/msg/DVL": "std_msgs/Header header\ngeometry_msgs/Vector3 velocity\nfloat64[9] velocity_covariance\n"
+    "float64 altitude\nvendor/Beam[] beams\n",
+    "nortek_dvl/msg/Dvl": "std_msgs/Header header\ngeometry_msgs/Vector3 velocity\nfloat64 figureOfMerit\n"
+    "float64[4] beamDistance\n",
+}
+
+
+@pytest.fixture(scope="module")
+def vendors(kit):
+    from rosbags.typesys import get_types_from_msg
+
+    for name, text in VENDOR.items():
+        kit.stores[2].register(get_types_from_msg(text, name))
+    return kit
+
+
+def test_a_simulators_ping_has_the_ranges_of_its_beams(vendors):
+    beams = [
+        vendors.make("vendor/msg/Beam", range=r, range_covariance=c)
+        for r, c in ((1.0, 0.0), (2.0, -1.0), (0.0, 0.0), (4.0, 0.1))
+    ]
+    covariance = np.diag([1e-4] * 3).ravel()
+    message = vendors.make(
+        "stonefish_ros/msg/DVL", header=vendors.header(T), velocity=vendors.vector(1, 2, 3), velocity_covariance=covariance,
+        altitude=1.0, beams=beams,
+    )  # fmt: skip
+    (ping,) = translate("dvl", "stonefish_ros/msg/DVL", message)
+    np.testing.assert_array_equal(ping.ranges, [1, np.nan, np.nan, 4])
+    assert ping.sigma == pytest.approx(0.01)
+    assert ping.velocity.tolist() == [1, 2, 3]
+
+
+@pytest.mark.parametrize(("velocity", "merit", "lost"), [(0.5, 0.01, False), (-32.768, 0.01, True), (0.5, 10.0, True)])
+def test_a_nortek_ping_is_lost_by_its_velocity_or_its_figure_of_merit(vendors, velocity, merit, lost):
+    message = vendors.make(
+        "nortek_dvl/msg/Dvl", header=vendors.header(T), velocity=vendors.vector(velocity, 0, 0), figureOfMerit=merit,
+        beamDistance=np.array([1.0, 0.0, 3.0, 4.0]),
+    )  # fmt: skip
+    (ping,) = translate("dvl", "nortek_dvl/msg/Dvl", message)
+    assert np.isnan(ping.velocity).all() == lost
+    np.testing.assert_array_equal(ping.ranges, [1, np.nan, 3, 4])

@@ -19,6 +19,7 @@ LOST = np.full(3, np.nan)
 NO_RANGES = np.zeros(0)
 DTYPES = {0: "u1", 1: "i1", 2: "u2", 3: "i2", 4: "u4", 5: "i4", 6: "u8", 7: "i8", 8: "f4", 9: "f8"}  # of SonarImageData
 FIGURE_OF_MERIT_LIMIT = 0.4  # m/s; Water Linked: velocities with a larger figure of merit are not valid
+NORTEK_LOST, NORTEK_BAD_MERIT = -32.0, 10.0  # m/s; Nortek: velocities of -32.768 and figures of merit of 10 are invalid
 
 
 def stamp_ns(header: Any) -> int:
@@ -68,6 +69,23 @@ def girona_dvl(message: Any, t_ns: int, role: str) -> list[Sample]:
     covariance = np.asarray(message.velocity_covariance, float)
     velocity = LOST if covariance[0] == -1 else vector(message.velocity)
     return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), NO_RANGES, None)]
+
+
+def simulator_dvl(message: Any, t_ns: int, role: str) -> list[Sample]:
+    """UUV Simulator and Stonefish: as Girona's, with one message a beam; a covariance of -1 marks a lost one."""
+    covariance = np.asarray(message.velocity_covariance, float)
+    velocity = LOST if covariance[0] == -1 else vector(message.velocity)
+    ranges = [b.range if b.range > 0 and b.range_covariance != -1 else np.nan for b in message.beams]
+    return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), np.array(ranges, float), None)]
+
+
+def nortek_dvl(message: Any, t_ns: int, role: str) -> list[Sample]:
+    """nortek_dvl/Dvl: figure of merit as sigma; a lost velocity is -32.768, a lost distance 0."""
+    velocity, merit = vector(message.velocity), float(message.figureOfMerit)
+    lost = bool(np.any(velocity <= NORTEK_LOST)) or merit >= NORTEK_BAD_MERIT
+    ranges = np.asarray(message.beamDistance, float)
+    sigma = merit if 0 < merit < FIGURE_OF_MERIT_LIMIT else np.nan
+    return [DvlSample(t_ns, LOST if lost else velocity, sigma, np.where(ranges > 0, ranges, np.nan), None)]
 
 
 def imu(message: Any, t_ns: int, role: str) -> list[Sample]:
@@ -136,7 +154,9 @@ DVL_TYPES: dict[str, Translate] = {
     "waterlinked_a50_ros_driver/msg/DVL": water_linked,
     "dvl_msgs/msg/DVL": water_linked,
     "cola2_msgs/msg/DVL": girona_dvl,
-    "uuv_sensor_ros_plugins_msgs/msg/DVL": girona_dvl,
+    "uuv_sensor_ros_plugins_msgs/msg/DVL": simulator_dvl,
+    "stonefish_ros/msg/DVL": simulator_dvl,
+    "nortek_dvl/msg/Dvl": nortek_dvl,
 }
 IMAGE_TYPES: dict[str, Translate] = {"sensor_msgs/msg/CompressedImage": compressed_image, "sensor_msgs/msg/Image": raw_image}
 TYPES: dict[str, dict[str, Translate]] = {

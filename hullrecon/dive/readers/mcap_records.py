@@ -63,9 +63,9 @@ def head(stream: BinaryIO, at: int, end: int) -> tuple[int, int]:
     stream.seek(at)
     opcode, length = fields("<BQ", stream.read(HEAD))
     if opcode not in OPCODES and opcode < 0x80:
-        raise DamagedError(f"no record starts at byte {at}")
+        raise DamagedError("no record starts there")
     if at + HEAD + length > end:
-        raise DamagedError(f"the record at byte {at} is cut off")
+        raise DamagedError("the record there is cut off")
     return opcode, length
 
 
@@ -73,7 +73,7 @@ def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
     """The chunk at byte `at`; its lengths must agree with each other."""
     opcode, length = head(stream, at, end)
     if opcode != CHUNK:
-        raise DamagedError(f"no chunk starts at byte {at}")
+        raise DamagedError("no chunk starts there")
     body = stream.read(length)
     start_ns, end_ns, size, crc = fields("<QQQI", body)
     compression, at_size = _string(body, 28)

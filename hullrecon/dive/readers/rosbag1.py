@@ -101,14 +101,14 @@ def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
     stream.seek(at)
     (length,) = fields("<I", stream.read(4))
     if length > LARGEST_HEAD or at + 8 + length > size:
-        raise DamagedError(f"the record at byte {at} is cut off or none")
+        raise DamagedError("no record starts there, or it is cut off")
     head = _head(stream.read(length))
     (count,) = fields("<I", stream.read(4))
     end = at + 8 + length + count
     if end > size:
-        raise DamagedError(f"the record at byte {at} is cut off")
+        raise DamagedError("the record there is cut off")
     if _op(head) not in OPCODES:
-        raise DamagedError(f"no record starts at byte {at}")
+        raise DamagedError("no record starts there")
     return head, stream.read(count), end
 
 

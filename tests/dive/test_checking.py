@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
+import pytest
+
+from hullrecon.dive.checking import check_package, defaults_of
+from hullrecon.dive.load import load_config
+from hullrecon.steps.ingest import USES, request_of
+
+
+def check(package: Path, *overrides: str):
+    loaded = load_config(package, {}, overrides)
+    return check_package(loaded, request_of({name: loaded.value(name) for name in USES}))
+
+
+def test_a_package_is_told_with_what_it_lacks(package):
+    lines = check(package).lines()
+    assert lines[0] == "tiny"
+    assert any(line.startswith("camera_top: 8 images in 3.5 s") for line in lines)
+    assert "the first camera image is 0.0 s after the first DVL ping" in lines
+    assert "no camera_bottom: one camera: scale and depth come from the DVL" in lines
+    assert "no hull: without a drawing the run maps onto its own surface, in the frame global" in lines
+    assert not any(line.startswith(("no dvl", "no imu", "no joints")) for line in lines)
+
+
+def test_what_is_suspicious_is_marked_so(package):
+    lines = check(package, "camera.top.mount=[0,0,0,0,0,0]").lines()
+    assert any(line.startswith("suspicious: camera.top looks 90 degrees away") for line in lines)
+
+
+def test_a_damaged_log_is_told_as_lost(package):
+    path = package / "logs" / "dive.mcap"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    assert sum(line.startswith("lost: dive.mcap: /") for line in check(package).lines()) == 5
+
+
+def test_defaults_are_those_keys_that_nobody_gave(package):
+    loaded = load_config(package, {}, ["dvl.scale_sigma=0.01"])
+    defaults = defaults_of(loaded)
+    assert "dvl.scale_sigma" not in defaults
+    assert defaults["pressure.bias_sigma_m"] == 0.1
+    assert not any(key.startswith(("hull.", "sonar.", "camera.bottom")) for key in defaults)
+    assert "camera.top.calibration" not in defaults
+
+
+def test_the_document_has_every_stream_with_its_rate(package):
+    streams = check(package).document()["streams"]
+    assert streams["imu"] == {
+        "count": 40, "start_ns": 1_777_887_000_000_000_000, "end_ns": 1_777_887_003_900_000_000, "rate_hz": 10.0,
+    }  # fmt: skip
+    assert set(streams) == {"dvl", "imu", "pressure", "tray", "camera_top"}
+
+
+def test_the_simulated_dive_raises_no_suspicion(data):
+    found = check(data / "dive-a")
+    assert found.suspicious == []
+    assert found.missing == []
+    assert found.found.lost == []
+    assert "depth runs from 1.1 to 4.2 m" in found.lines()
+    assert "the drawing is closed" in found.lines()
+
+
+@pytest.mark.parametrize(
+    ("override", "suspicion"),
+    [
+        ("imu.frame=enu", "gravity"),
+        ("dvl.mount=[0,0,0.08,0,-90,0]", "downward speed"),
+        ("camera.bottom.pose_in_top=[0,100,0,0,0,0]", "100.000 m apart"),
+    ],
+)
+def test_a_wrong_entry_for_the_simulated_dive_is_suspected(data, override, suspicion):
+    assert any(suspicion in line for line in check(data / "dive-a", override).suspicious)

@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import bz2
+
+import lz4.frame
+import pytest
+import zstandard
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hullrecon.dive.readers.unpack import DamagedError, decompress, fields, text
+
+PACK = {
+    "": lambda data: data,
+    "none": lambda data: data,
+    "zstd": zstandard.ZstdCompressor().compress,
+    "lz4": lz4.frame.compress,
+    "bz2": bz2.compress,
+}
+
+
+@pytest.mark.parametrize("how", PACK)
+@given(data=st.binary(max_size=300))
+def test_what_was_packed_comes_back(how, data):
+    assert decompress(PACK[how](data), how, len(data)) == data
+
+
+@pytest.mark.parametrize("how", PACK)
+@pytest.mark.parametrize("off", [-1, 1, 10**6])
+def test_another_size_than_promised_is_damage(how, off):
+    with pytest.raises(DamagedError):
+        decompress(PACK[how](b"x" * 50), how, 50 + off)
+
+
+@pytest.mark.parametrize("how", PACK)
+@given(data=st.binary(max_size=100))
+def test_rubbish_is_damage_or_itself_and_nothing_else(how, data):
+    try:
+        assert len(decompress(data, how, 40)) == 40
+    except DamagedError:
+        return
+
+
+def test_a_small_file_that_claims_to_be_huge_is_not_believed():
+    bomb = zstandard.ZstdCompressor().compress(bytes(10**6))
+    with pytest.raises(DamagedError, match="claims"):
+        decompress(bomb, "zstd", 2**40)
+    with pytest.raises(DamagedError, match="claims 1000000 bytes instead of 10"):
+        decompress(bomb, "zstd", 10)
+    with pytest.raises(DamagedError):
+        decompress(lz4.frame.compress(bytes(10**6)), "lz4", 10)
+    with pytest.raises(DamagedError):
+        decompress(bz2.compress(bytes(10**6)), "bz2", 10)
+
+
+def test_an_unknown_compression_is_damage():
+    with pytest.raises(DamagedError, match="'brotli' is not known"):
+        decompress(b"", "brotli", 0)
+
+
+def test_fields_beyond_the_end_and_names_that_are_no_text_are_damage():
+    assert fields("<HI", b"\x01\x00\x02\x00\x00\x00") == (1, 2)
+    with pytest.raises(DamagedError, match="ends too early"):
+        fields("<I", b"\x01\x02\x03")
+    assert text("Å".encode()) == "Å"
+    with pytest.raises(DamagedError, match="UTF-8"):
+        text(b"\xff")
