@@ -75,7 +75,8 @@ def _operator(shape: tuple[int, int], step: Array) -> sparse.csr_array:
 def _second_difference(n: int, step: float) -> sparse.csr_array:
     main = np.full(n, -2.0)
     main[[0, -1]] += 1.0
-    return sparse.csr_array(sparse.diags_array((np.ones(n - 1), main, np.ones(n - 1)), offsets=(-1, 0, 1)) / step**2)
+    neighbours = sparse.eye_array(n, k=1) + sparse.eye_array(n, k=-1)
+    return sparse.csr_array((sparse.diags_array(main) + neighbours) / step**2)
 
 
 def _interior_sigma(step: Array) -> float:

@@ -136,4 +136,4 @@ def _across(direction: Array) -> Array:
 def _between(a: Poses, b: Poses, center: Array) -> Array:
     """The step (6,) of `perturbed` that takes T_g_M a to b."""
     shift = b.apply(center[None])[0] - a.apply(center[None])[0]
-    return np.r_[shift, (a.rotation.inv() * b.rotation).as_rotvec()[0]]
+    return np.asarray(np.r_[shift, (a.rotation.inv() * b.rotation).as_rotvec()[0]])

@@ -90,10 +90,10 @@ def _drawing(path: Path, hull: Any) -> Drawing | None:
 
 
 def _write_colmap(context: Context, m: Measurements, adjusted: Adjusted) -> None:
-    if m.tracks is None or m.rig.top is None or adjusted.state.T_s_ct is None:
+    state, mount = adjusted.state, adjusted.state.T_s_ct
+    if m.tracks is None or m.rig.top is None or mount is None:
         return
-    state = adjusted.state
-    top, _ = camera_poses(state.nodes, state.tray, m.rig, state.T_s_ct, state.T_ct_cb)
+    top, _ = camera_poses(state.nodes, state.tray, m.rig, mount, state.T_ct_cb)
     to_hull = state.T_g_M.inverse() if state.T_g_M is not None else poses.identity()
     model = SparseModel(
         tracks=m.tracks,
