@@ -33,7 +33,7 @@ from hullrecon.geometry.poses import Poses
 Array = NDArray[np.float64]
 Facts = dict[str, object]
 PIECE_M = 0.12  # edges of the pieces on which coverage is summed
-SONAR_REACH_M = 8.0  # hull farther from the vehicle is not asked about
+DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ def _coverage(context: Context, dive: Dive, views: Views | None) -> Facts:
     """Areas seen by each sensor on the base surface, and holes in what the camera (else the DVL) saw."""
     hull = coverage.pieces(_pieces(dive))
     scene = Scene(dive.base)
-    by_dvl = coverage.near_surface(hull, dive.surface.vertices[dive.surface.support > 0], 1.5 * PIECE_M)
+    by_dvl = coverage.near_surface(hull, dive.surface.vertices[dive.surface.support > 0], DVL_REACH_M)
     report: Facts = {"frame": "M" if dive.drawn else "g", "dvl": coverage.area_facts(hull, by_dvl), "camera": None}
     seen = by_dvl
     if views is not None:

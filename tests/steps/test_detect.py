@@ -1,0 +1,239 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.stage import load_arrays
+from hullrecon.detection.options import DetectOptions
+from hullrecon.dive import config
+from hullrecon.dive.records import ImageIndex, JointSamples, Solution, SonarPings, Surface, from_arrays, to_arrays
+from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.plane_chart import PlaneChart
+from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.geometry.refinement import refine
+from hullrecon.steps.detect import STAGE
+
+OFF, HEIGHT = -0.010, 0.09  # the wall is 1 cm behind its drawing and carries a disc 9 cm high
+STILL = np.array([0, 0, 0, 0, 0, 0, 1.0])
+T_g_M = from_mount([5, 7, 3, 180, 0, 0])
+CHART = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
+
+
+def _wall() -> Mesh:
+    corner = np.array([[0.0, 2, 0], [0, 2, 2], [4, 2, 2], [4, 2, 0]])
+    return refine(Mesh(corner, np.array([[0, 1, 2], [0, 2, 3]], np.int32)), 0.6)[0]
+
+
+def _landmarks(rng: np.random.Generator) -> np.ndarray:
+    x, z = rng.uniform(0.4, 3.6, 7000), rng.uniform(0.5, 1.5, 7000)
+    disc = np.hypot(x - 2, z - 1) < 0.12
+    return np.column_stack([x, 2 + OFF + HEIGHT * disc + rng.normal(0, 0.002, 7000), z])
+
+
+def _solution(landmarks: np.ndarray) -> Solution:
+    x = np.arange(0.5, 3.6, 0.25)
+    n, m = len(x), len(landmarks)
+    toward = Rotation.from_matrix(np.array([[-1.0, 0, 0], [0, 0, -1], [0, -1, 0]]).T)
+    hull_from_vehicle = Poses(np.tile(toward.as_quat(), (n, 1)), np.column_stack([x, np.full(n, 3.3), np.ones(n)]))
+    T_g_v = T_g_M[np.zeros(n, int)] @ hull_from_vehicle
+    grid = np.full((9, 5), OFF)
+    return Solution(
+        t_ns=1000 + np.arange(n), image=np.column_stack([np.arange(n), np.full(n, -1)]), quaternion=T_g_v.quaternion,
+        translation=T_g_v.translation, tray=np.zeros(n), tray_sigma=np.zeros(n), pose_covariance=np.zeros((n, 6, 6)),
+        landmark=T_g_M.apply(landmarks), landmark_covariance=np.tile(np.diag([0.1, 0.01, 0.01]) ** 2, (m, 1, 1)),
+        label=np.ones(m, np.int64), deviation=landmarks[:, 1] - 2, views=np.full(m, 6), color=np.zeros((m, 3), np.uint8),
+        T_g_M=np.r_[T_g_M.translation[0], T_g_M.quaternion[0]], T_s_ct=STILL, T_ct_cb=STILL, T_s_d=STILL,
+        hull_covariance=np.eye(6), survey_center=np.zeros(3), navigation=np.zeros(6), field_origin=np.array([0.0, 0.0]),
+        field_step=np.array([0.5, 0.5]), field_value=grid, field_sigma=np.abs(grid),
+    )  # fmt: skip
+
+
+def _dvl_surface() -> Surface:
+    x, z = np.meshgrid(np.arange(0.4, 3.61, 0.1), np.arange(0.5, 1.51, 0.1), indexing="ij")
+    number = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = number[:-1, :-1].ravel(), number[1:, :-1].ravel(), number[1:, 1:].ravel(), number[:-1, 1:].ravel()
+    faces = np.concatenate([np.stack([a, c, b], 1), np.stack([a, d, c], 1)]).astype(np.int32)
+    n = x.size
+    vertices = np.column_stack([x.ravel(), np.full(n, 2 + OFF), z.ravel()])
+    return Surface(vertices, faces, np.full(n, OFF), np.full(n, 0.005), np.full(n, 3))
+
+
+class Bench:
+    """Artifacts of the earlier steps, to be spoilt by a test before `run`."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.landmarks = _landmarks(np.random.default_rng(3))
+        self.solution, self.surface = _solution(self.landmarks), _dvl_surface()
+        self.hull, self.camera, self.sonar = True, True, False
+
+    def without_drawing(self) -> None:
+        self.hull = False
+        unknown = np.full(len(self.surface.sigma), np.nan)
+        self.surface = replace(self.surface, vertices=T_g_M.apply(self.surface.vertices), deviation=unknown)
+        none = np.zeros((0, 0))
+        self.solution = replace(self.solution, T_g_M=np.full(7, np.nan), field_value=none, field_sigma=none)
+
+    def without_camera(self) -> None:
+        self.camera = False
+        s = self.solution
+        self.solution = replace(
+            s, image=np.full_like(s.image, -1), landmark=s.landmark[:0], landmark_covariance=s.landmark_covariance[:0],
+            label=s.label[:0], deviation=s.deviation[:0], views=s.views[:0], color=s.color[:0], T_s_ct=np.full(7, np.nan),
+        )  # fmt: skip
+
+    def run(self, **options: object) -> Path:
+        ingest, adjust, surface = (self._folder(name) for name in ("ingest", "adjust", "surface"))
+        sections: dict[str, object] = {"tray": config.Tray(), "hull": None, "sonar": None}
+        if self.hull:
+            mesh = _wall()
+            np.savez(ingest / "hull.npz", vertices=mesh.vertices, faces=mesh.faces)
+            sections["hull"] = config.Hull(mesh="hull.stl", frame_spacing=0.5)
+        if self.camera:
+            (ingest / "cameras.json").write_text(json.dumps({"top": asdict(Camera(640, 512, 640.0, 640.0, 319.5, 255.5))}))
+            n = len(self.solution.t_ns)
+            index = ImageIndex(
+                5000 + np.arange(n), np.full(n, ""), np.zeros(n, np.int64), np.ones(n, np.int64), np.ones(n, bool)
+            )
+            _write(ingest / "images_camera_top.npz", to_arrays(index))
+        if self.sonar:
+            self._carry_sonar(ingest)
+            sections["sonar"] = config.Sonar(mount=(0, 0, 0, 0, 0, 90), elevation_deg=20)
+        np.savez(adjust / "solution.npz", **to_arrays(self.solution))
+        np.savez(surface / "surface.npz", **to_arrays(self.surface))
+        origin, axes = (
+            (CHART.origin, CHART.axes)
+            if self.hull
+            else (T_g_M.apply(CHART.origin)[0], CHART.axes @ T_g_M.rotation.as_matrix()[0].T)
+        )
+        np.savez(surface / "chart.npz", **PlaneChart(origin, axes).to_arrays())
+        inputs = {"ingest": ingest, "adjust": adjust, "surface": surface}
+        return run_stage(STAGE, {**sections, "detect": DetectOptions(**options)}, inputs, self.root / "detect")
+
+    def _carry_sonar(self, ingest: Path) -> None:
+        bearing = np.linspace(-0.4, 0.4, 9)
+        beams = np.column_stack([np.zeros(9), np.sin(bearing), np.cos(bearing)])
+        pings = SonarPings(np.array([1002, 1008]), np.zeros((2, 9, 4), np.uint8), beams, np.linspace(0.5, 3, 4))
+        np.savez(ingest / "sonar.npz", **to_arrays(pings))
+        np.savez(ingest / "sonar_tray.npz", **to_arrays(JointSamples(np.array([0, 2000]), np.zeros(2))))
+
+    def _folder(self, name: str) -> Path:
+        path = self.root / name
+        path.mkdir()
+        return path
+
+
+def _write(path: Path, arrays: dict[str, np.ndarray]) -> None:
+    """As np.savez, which cannot hold a member named `file`."""
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, values in arrays.items():
+            with archive.open(f"{name}.npy", "w") as member:
+                np.lib.format.write_array(member, np.asarray(values))
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Bench:
+    return Bench(tmp_path)
+
+
+def _json(out: Path, name: str) -> dict:
+    return json.loads((out / name).read_text())
+
+
+def test_the_one_structure_is_reported_with_its_place_and_images(bench: Bench) -> None:
+    (item,) = _json(bench.run(), "objects.json")["objects"]
+    assert item["id"] == 1
+    assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
+    assert item["deviation"] == pytest.approx(HEIGHT + OFF, abs=0.004)
+    assert np.allclose(item["center"], [2.0, 2 + OFF + HEIGHT, 1.0], atol=0.02)
+    assert item["images"][0] == "camera_top/5006.jpg"  # the image's own stamp; at x = 2
+    assert "below waterline" in item["address"]
+
+
+def test_the_hull_as_found_lies_where_it_was_seen(bench: Bench) -> None:
+    found = from_arrays(Surface, load_arrays(bench.run() / "as_found.npz"))
+    x, y, z = found.vertices.T
+    rim = np.abs(np.hypot(x - 2, z - 1) - 0.12) < 0.02
+    truth = 2 + OFF + HEIGHT * (np.hypot(x - 2, z - 1) < 0.12)
+    seen = (found.support >= 2) & ~rim
+    assert seen.sum() > 1000
+    assert np.sqrt(np.mean((y - truth)[seen] ** 2)) < 0.002
+    assert (found.support[z > 1.7] == 0).all()
+    assert found.sigma[seen].min() > 0.009  # every landmark shares a centimetre of doubt about the dive's place
+
+
+def test_coverage_tells_each_sensors_area(bench: Bench) -> None:
+    bench.sonar = True
+    facts = _json(bench.run(), "coverage.json")
+    assert facts["frame"] == "M"
+    assert facts["camera"]["area_m2"] == pytest.approx((3.0 + 1.3 - 0.3) * 1.04, rel=0.1)
+    assert facts["camera"]["gsd_m"]["p50"] == pytest.approx(1.3 / 640, rel=0.1)
+    assert facts["dvl"]["area_m2"] == pytest.approx(3.2 * 1.0, rel=0.25)
+    assert facts["sonar"]["pings"] == 2
+    assert facts["sonar"]["area_m2"] > 0
+    assert facts["holes"] == []
+
+
+def test_without_a_sonar_coverage_says_null(bench: Bench) -> None:
+    assert _json(bench.run(), "coverage.json")["sonar"] is None
+
+
+def test_without_a_drawing_structures_are_told_from_the_own_surface(bench: Bench) -> None:
+    bench.without_drawing()
+    out = bench.run()
+    (item,) = _json(out, "objects.json")["objects"]
+    assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
+    assert item["deviation"] is None
+    assert np.allclose(item["center"], T_g_M.apply([[2.0, 2 + OFF + HEIGHT, 1.0]])[0], atol=0.02)
+    assert _json(out, "coverage.json")["frame"] == "g"
+    assert "own surface" in _json(out, "detect.json")["reference"]
+
+
+def test_without_a_field_running_medians_stand_in(bench: Bench) -> None:
+    none = np.zeros((0, 0))
+    bench.solution = replace(bench.solution, field_value=none, field_sigma=none)
+    (item,) = _json(bench.run(), "objects.json")["objects"]
+    assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
+
+
+def test_without_a_camera_the_drawing_is_moved_to_the_dvls_surface(bench: Bench) -> None:
+    bench.without_camera()
+    out = bench.run()
+    found = from_arrays(Surface, load_arrays(out / "as_found.npz"))
+    covered = found.support > 0
+    assert np.allclose(found.vertices[covered, 1], 2 + OFF)
+    assert _json(out, "objects.json") == {"objects": []}
+    assert "camera" in _json(out, "detect.json")["objects"]
+    assert _json(out, "coverage.json")["camera"] is None
+
+
+def test_with_neither_camera_nor_drawing_as_found_is_absent_with_its_reason(bench: Bench) -> None:
+    bench.without_drawing()
+    bench.without_camera()
+    out = bench.run()
+    assert not (out / "as_found.npz").exists()
+    assert "no drawing" in _json(out, "detect.json")["as_found"]
+
+
+def test_what_was_not_reported_is_named_with_its_reason(bench: Bench) -> None:
+    out = bench.run(least_height=0.2)
+    assert _json(out, "objects.json")["objects"] == []
+    reasons = [row["reason"] for row in _json(out, "detect.json")["not_reported"]]
+    assert any("0.09" in reason for reason in reasons)
+
+
+def test_two_runs_give_the_same_bytes(bench: Bench, tmp_path: Path) -> None:
+    (tmp_path / "again").mkdir()
+    first, second = bench.run(), Bench(tmp_path / "again").run()
+    for name in ("as_found.npz", "objects.json", "coverage.json", "detect.json"):
+        assert (first / name).read_bytes() == (second / name).read_bytes()

@@ -1,0 +1,202 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.stage import load_arrays
+from hullrecon.dive import config
+from hullrecon.dive.records import Returns, Solution, Surface, Trajectory, from_arrays, to_arrays
+from hullrecon.errors import StageError
+from hullrecon.geometry.chart import chart_for_hull, chart_from_arrays
+from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.steps.surface import STAGE
+from hullrecon.surface.options import SurfaceOptions
+
+RADIUS, OFF = 3.0, 0.02  # a cylinder along x about (0, 3), drawn 2 cm too small
+TURN = [0.0, 0.0, 0.0, 180.0, 0.0, 0.0]  # T_g_M: z down against z up
+
+
+def _hull() -> Mesh:
+    x, angle = np.linspace(0, 10, 21), np.radians(np.linspace(-120, 120, 81))
+    vertices = np.array([[a, RADIUS * np.sin(t), 3 - RADIUS * np.cos(t)] for a in x for t in angle])
+    i, j = np.meshgrid(np.arange(20), np.arange(80), indexing="ij")
+    a = (i * 81 + j).ravel()
+    faces = np.concatenate([np.stack([a, a + 81, a + 82], 1), np.stack([a, a + 82, a + 1], 1)])
+    center = vertices[faces].mean(axis=1) - [0, 0, 3]
+    corner = vertices[faces]
+    inward = np.einsum("ni,ni->n", np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) * [0, 1, 1], center) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    return Mesh(vertices, faces.astype(np.int32))
+
+
+def _dive(rng: np.random.Generator) -> tuple[Poses, Returns]:
+    """A vehicle at port, y = 4.5 m, moving along x; beams in the dvl frame, whose z looks along -y of M."""
+    n = 60
+    x, z = np.tile(np.linspace(3, 7, 20), 3), np.repeat([2.4, 3.0, 3.6], 20)
+    hull_from_vehicle = Poses(np.tile([0.0, 0, 0, 1], (n, 1)), np.column_stack([x, np.full(n, 4.5), z]))
+    node, beams = np.repeat(np.arange(n), 4), np.tile([[0.3, 0, 1], [-0.3, 0, 1], [0, 0.3, 1], [0, -0.3, 1.0]], (n, 1))
+    beams /= np.linalg.norm(beams, axis=1, keepdims=True)
+    mount = from_mount([0, 0, 0, 90, 0, 0])
+    direction = mount.rotation.apply(beams)  # in v, which here is turned like M
+    start = hull_from_vehicle.translation[node] - [0, 0, 3]
+    grown = RADIUS + OFF
+    b, a = (start * direction)[:, 1:].sum(1), (direction[:, 1:] ** 2).sum(1)
+    reach = (-b - np.sqrt(b**2 - a * ((start[:, 1:] ** 2).sum(1) - grown**2))) / a
+    T_g_M = from_mount(TURN)
+    zero = np.zeros(len(node))
+    returns = Returns(
+        t_ns=node.astype(np.int64), node=node, quaternion=np.tile([0.0, 0, 0, 1], (len(node), 1)),
+        translation=np.zeros((len(node), 3)), tray_offset=zero, beam=beams, range_m=reach + rng.normal(0, 0.005, len(node)),
+        flagged=zero > 0,
+    )  # fmt: skip
+    return T_g_M[np.zeros(n, int)] @ hull_from_vehicle, returns
+
+
+def _solution(T_g_v: Poses, landmarks: np.ndarray) -> Solution:
+    n, m = len(T_g_v), len(landmarks)
+    seven = lambda mount: np.r_[from_mount(mount).translation[0], from_mount(mount).quaternion[0]]  # noqa: E731
+    still = np.array([0, 0, 0, 0, 0, 0, 1.0])
+    return Solution(
+        t_ns=np.arange(n), image=np.full((n, 2), -1), quaternion=T_g_v.quaternion, translation=T_g_v.translation,
+        tray=np.zeros(n), tray_sigma=np.zeros(n), pose_covariance=np.tile(1e-6 * np.eye(6), (n, 1, 1)), landmark=landmarks,
+        landmark_covariance=np.tile(4e-6 * np.eye(3), (m, 1, 1)), label=np.ones(m, np.int64), deviation=np.full(m, OFF),
+        views=np.full(m, 4), color=np.zeros((m, 3), np.uint8), T_g_M=seven(TURN), T_s_ct=still, T_ct_cb=still,
+        T_s_d=seven([0, 0, 0, 90, 0, 0]), hull_covariance=1e-6 * np.eye(6), survey_center=np.zeros(3), navigation=np.zeros(6),
+        field_origin=np.zeros(2), field_step=np.ones(2), field_value=np.zeros((0, 0)), field_sigma=np.zeros((0, 0)),
+    )  # fmt: skip
+
+
+class Bench:
+    """Artifacts of the earlier steps in folders, to be spoilt by a test before `run`."""
+
+    def __init__(self, root: Path) -> None:
+        rng = np.random.default_rng(8)
+        self.root, self.hull = root, _hull()
+        self.T_g_v, self.returns = _dive(rng)
+        angle, x = np.radians(rng.uniform(75, 105, 600)), rng.uniform(3, 7, 600)
+        grown = RADIUS + OFF
+        marks = np.column_stack([x, grown * np.sin(angle), 3 - grown * np.cos(angle)])
+        self.solution = _solution(self.T_g_v, from_mount(TURN).apply(marks))
+        self.sections = {
+            "tray": config.Tray(),
+            "dvl": config.Dvl(mount=(0, 0, 0, 90, 0, 0)),
+            "hull": config.Hull(mesh="hull.stl", pose=TURN),
+        }
+
+    def run(self, adjusted: bool = True, dvl: bool = True, **options: object) -> Path:
+        ingest, navigate, adjust = (self._folder(name) for name in ("ingest", "navigate", "adjust"))
+        if self.sections["hull"] is not None:
+            np.savez(ingest / "hull.npz", vertices=self.hull.vertices, faces=self.hull.faces)
+            np.savez(adjust / "chart.npz", **chart_for_hull(self.hull).to_arrays())
+        if dvl:
+            np.savez(navigate / "returns.npz", **to_arrays(self.returns))
+        n = len(self.T_g_v)
+        track = Trajectory(
+            np.arange(n), self.T_g_v.quaternion, self.T_g_v.translation, np.tile(1e-4 * np.eye(6), (n, 1, 1)), np.zeros(n),
+            np.full((n, 2), -1),
+        )  # fmt: skip
+        np.savez(navigate / "trajectory.npz", **to_arrays(track))
+        np.savez(adjust / "solution.npz", **to_arrays(self.solution))
+        inputs = {"ingest": ingest, "navigate": navigate} | ({"adjust": adjust} if adjusted else {})
+        return run_stage(STAGE, {**self.sections, "surface": SurfaceOptions(**options)}, inputs, self.root / "surface")
+
+    def _folder(self, name: str) -> Path:
+        path = self.root / name
+        path.mkdir()
+        return path
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Bench:
+    return Bench(tmp_path)
+
+
+def _read(out: Path) -> tuple[Surface, dict[str, object]]:
+    return from_arrays(Surface, load_arrays(out / "surface.npz")), json.loads((out / "surface.json").read_text())
+
+
+def _radius(surface: Surface) -> np.ndarray:
+    return np.hypot(surface.vertices[:, 1], surface.vertices[:, 2] - 3)
+
+
+def test_the_surface_lies_where_the_returns_were_and_knows_its_deviation(bench: Bench) -> None:
+    surface, facts = _read(bench.run())
+    assert np.sqrt(np.mean((_radius(surface) - RADIUS - OFF) ** 2)) < 0.004
+    assert np.median(surface.deviation) == pytest.approx(OFF, abs=0.004)
+    assert facts["poses"] == "adjusted"
+    assert facts["returns"] == 240
+    assert facts["used"] + facts["outliers"] + facts["flagged"] == 240
+
+
+def test_the_chart_of_the_adjustment_is_passed_on(bench: Bench) -> None:
+    out = bench.run()
+    at = np.array([[5.0, 3.0, 3.0]])
+    assert np.allclose(chart_from_arrays(load_arrays(out / "chart.npz")).to_chart(at), chart_for_hull(bench.hull).to_chart(at))
+
+
+def test_without_an_adjustment_the_first_guess_places_the_dive(bench: Bench) -> None:
+    surface, facts = _read(bench.run(adjusted=False))
+    assert np.sqrt(np.mean((_radius(surface) - RADIUS - OFF) ** 2)) < 0.004
+    assert surface.sigma.min() > 0.5  # hull.pose_sigma: 1 m
+    assert "hull.pose" in str(facts["poses"])
+
+
+def test_without_a_drawing_the_surface_is_in_g_and_has_no_deviation(bench: Bench) -> None:
+    bench.sections["hull"] = None
+    surface, _ = _read(bench.run())
+    y, z = surface.vertices[:, 1], -surface.vertices[:, 2]
+    assert np.abs(np.hypot(y, z - 3) - RADIUS - OFF).max() < 0.05
+    assert np.isnan(surface.deviation).all()
+
+
+def test_flagged_returns_are_left_out_and_counted(bench: Bench) -> None:
+    flagged = np.arange(240) % 10 == 0
+    bench.returns = replace(bench.returns, flagged=flagged, range_m=bench.returns.range_m + 0.8 * flagged)
+    surface, facts = _read(bench.run())
+    assert facts["flagged"] == 24
+    assert np.abs(_radius(surface) - RADIUS - OFF).max() < 0.03
+
+
+def test_landmarks_sharpen_the_surface_when_asked(bench: Bench) -> None:
+    bench.returns = replace(bench.returns, range_m=bench.returns.range_m + np.random.default_rng(0).normal(0, 0.02, 240))
+    surface, facts = _read(bench.run(landmarks=True))
+    assert int(str(facts["observations"])) > 240
+    middle = np.abs(surface.vertices[:, 2] - 3) < 0.7
+    assert np.sqrt(np.mean((_radius(surface)[middle] - RADIUS - OFF) ** 2)) < 0.004
+
+
+def test_without_a_dvl_the_landmarks_make_the_surface(bench: Bench) -> None:
+    surface, facts = _read(bench.run(dvl=False))
+    assert facts["returns"] == 0
+    assert np.sqrt(np.mean((_radius(surface) - RADIUS - OFF) ** 2)) < 0.003
+
+
+def test_with_neither_returns_nor_landmarks_the_error_says_so(bench: Bench) -> None:
+    with pytest.raises(StageError, match="neither DVL returns nor landmarks"):
+        bench.run(adjusted=False, dvl=False)
+
+
+def test_three_returns_are_too_few(bench: Bench) -> None:
+    bench.returns = replace(bench.returns, flagged=np.arange(240) > 2)
+    with pytest.raises(StageError, match="fewer than four returns"):
+        bench.run()
+
+
+def test_linear_interpolation_runs_on_the_same_input(bench: Bench) -> None:
+    surface, facts = _read(bench.run(method="linear"))
+    assert facts["method"] == "linear"
+    assert np.sqrt(np.mean((_radius(surface) - RADIUS - OFF) ** 2)) < 0.008
+
+
+def test_two_runs_give_the_same_bytes(bench: Bench, tmp_path: Path) -> None:
+    (tmp_path / "again").mkdir()
+    first, second = bench.run(), Bench(tmp_path / "again").run()
+    assert (first / "surface.npz").read_bytes() == (second / "surface.npz").read_bytes()
