@@ -74,7 +74,7 @@ def label_frequency(solves: Sequence[Progress]) -> Figure:
     table = ["method,iteration,share_on_surface"]
     for solve in solves:
         share = solve.on_surface / max(1, solve.landmarks)
-        axis.plot(share, marker=".", label=solve.method, color=_colour(solve.method), linestyle=_style(solve.method))
+        axis.plot(share, marker=".", label=solve.method, **_line(solve.method))
         table += [f"{solve.method},{k},{value:.6f}" for k, value in enumerate(share.tolist())]
     axis.set(xlabel="iteration", ylabel="share of landmarks with label 1")
     axis.legend(fontsize=8)
@@ -82,17 +82,19 @@ def label_frequency(solves: Sequence[Progress]) -> Figure:
 
 
 def cost_history(solves: Sequence[Progress]) -> Figure:
-    """O Fig. 4.13: cost by iteration and by time. The step's time is shared out evenly over its iterations."""
+    """O Fig. 4.13: cost by iteration and by time. What is drawn is the share by which a cost exceeds the solve's last one:
+    weightings have costs of their own. The step's time is shared out evenly over the iterations of its last round."""
     plt = _pyplot()
     figure, axes = plt.subplots(1, 2, figsize=(9, 3.2), sharey=True)
     table = ["method,iteration,seconds,cost"]
     for solve in solves:
         time = solve.seconds * (1 + np.arange(len(solve.cost))) / max(1, len(solve.cost))
-        look = {"label": solve.method, "color": _colour(solve.method), "linestyle": _style(solve.method)}
-        axes[0].plot(solve.cost, **look)
-        axes[1].plot(time, solve.cost, **look)
+        look = {"label": solve.method, **_line(solve.method)}
+        excess = np.maximum(solve.cost / solve.cost[-1] - 1, 1e-9)[:-1]
+        axes[0].plot(excess, **look)
+        axes[1].plot(time[:-1], excess, **look)
         table += [f"{solve.method},{k},{t:.3f},{c:.9g}" for k, (t, c) in enumerate(zip(time, solve.cost, strict=True))]
-    axes[0].set(xlabel="iteration", ylabel="cost", yscale="log")
+    axes[0].set(xlabel="iteration", ylabel="cost over the last one", yscale="log")
     axes[1].set(xlabel="seconds of the step, shared out evenly")
     axes[0].legend(fontsize=8)
     return Figure("cost_history", _png(figure), _text(table))
@@ -106,10 +108,10 @@ def range_histogram(before: Array, after: Mapping[str, Array], reach_m: float = 
     middle = 0.5 * (edges[1:] + edges[:-1])
     counts = {name: np.histogram(values, edges)[0] for name, values in {"dead reckoned": before, **after}.items()}
     for name, count in counts.items():
-        look = {"color": "#bbbbbb", "fill": True} if name == "dead reckoned" else {"color": _colour(name)}
+        look = {"color": "#bbbbbb", "fill": True} if name == "dead reckoned" else _line(name)
         axis.stairs(count, edges, label=f"{name}: {_spread({'dead reckoned': before, **after}[name]):.3f} m", **look)
     axis.set(xlabel="predicted minus measured range, m", ylabel="returns")
-    axis.legend(fontsize=8, title="robust sigma", title_fontsize=8)
+    axis.legend(fontsize=7, title="robust sigma", title_fontsize=7, loc="upper left")
     rows = zip(middle.tolist(), *(count.tolist() for count in counts.values()), strict=True)
     table = [",".join(["residual_m", *counts]), *(",".join(f"{value:.5g}" for value in row) for row in rows)]
     return Figure("range_residuals", _png(figure), _text(table))
@@ -125,12 +127,14 @@ def structure_heights(heights: Mapping[str, Array], true: Array, kind: str) -> F
         axis.scatter(k + spread, np.sort(values), s=6, color=_colour(method))
         if len(values):
             axis.hlines(np.median(values), k - 0.4, k + 0.4, color="black")
-            axis.annotate(f"{np.median(values):.3f} m", (k + 0.02, np.median(values)), fontsize=8, va="bottom")
+            axis.annotate(f"{np.median(values):.3f} m", (k, max(values) + 0.004), fontsize=7, ha="center")
         table += [f"{method},{value:.5f}" for value in values.tolist()]
     if len(true):
         axis.axhline(float(np.median(true)), color="#2a8a3a", linestyle="--", label=f"true: {np.median(true):.3f} m")
         axis.legend(fontsize=8)
-    axis.set_xticks(range(len(heights)), list(heights), fontsize=8, rotation=12)
+    axis.set_xticks(
+        range(len(heights)), [name.replace(" ", "\n", 1).replace("weighted ", "weighted\n") for name in heights], fontsize=7
+    )
     axis.set_ylabel(f"height of the {kind}'s landmarks, m")
     return Figure("structure_height", _png(figure), _text([*table, *(f"true,{value:.5f}" for value in true.tolist())]))
 
@@ -156,8 +160,9 @@ def _colour(method: str) -> str:
     return next((colour for name, colour in COLOURS.items() if method.startswith(name)), "#444444")
 
 
-def _style(method: str) -> str:
-    return "--" if "printed" in method else "-"
+def _line(method: str) -> dict[str, Any]:
+    """Colour by method, dashed as printed."""
+    return {"color": _colour(method), "linestyle": "--" if "printed" in method else "-"}
 
 
 def _pyplot() -> Any:

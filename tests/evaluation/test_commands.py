@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""evaluate, compare and figures as commands; the chain is a short one whose adjust knows the truth."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hullrecon_cli import judge
+from hullrecon_cli.dives import Opened
+from msgspec import Struct
+
+from hullrecon.artifacts.plan import Chain
+from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.artifacts.workspace import Workspace
+from hullrecon.dive.config import Dvl, Tray
+from hullrecon.dive.records import Returns, Solution, Trajectory, to_arrays
+from hullrecon.errors import InputError
+
+
+class Nothing(Struct, frozen=True, kw_only=True):
+    """No parameters."""
+
+
+class Method(Struct, frozen=True, kw_only=True):
+    method: str = "maxmix"
+    as_published: bool = False
+
+
+@pytest.fixture
+def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) -> Callable[..., Opened]:
+    """A dive whose chain is navigate and adjust; the calls of adjust are counted in `calls`."""
+
+    def navigate(context: Context) -> None:
+        n = len(solution.t_ns)
+        path = Trajectory(
+            solution.t_ns, solution.quaternion, solution.translation, np.zeros((n, 6, 6)), solution.tray, solution.image
+        )
+        context.out.arrays("trajectory.npz", to_arrays(path))
+        context.out.arrays("returns.npz", to_arrays(returns))
+
+    def adjust(context: Context) -> None:
+        calls.append((context.parameters.method, context.parameters.as_published))
+        context.out.arrays("solution.npz", to_arrays(solution))
+        context.out.arrays("iterations.npz", {"cost": np.array([4.0, 2.0, 1.0]), "on_surface": np.array([380, 400, 400])})
+
+    stages = (
+        Stage("navigate", "walk", (), Nothing, 1, navigate),
+        Stage("adjust", "solve", ("navigate",), Method, 1, adjust),
+    )
+    tray = Tray(origin=(0.45, 0.0, 0.1))
+    sections = {"navigate": Nothing(), "adjust": Method(), "tray": tray, "dvl": Dvl(mount=(0, 0, 0.08, 0, 90, 0))}
+    calls: list[tuple[str, bool]] = []
+    dive = Opened("wall", Chain(stages, sections, package), Workspace(tmp_path / "runs" / "wall"))
+
+    def open_dive(*_: Any) -> Opened:
+        return dive
+
+    open_dive.calls = calls  # type: ignore[attr-defined]
+    return open_dive
+
+
+def call(command: Any, *arguments: object) -> Any:
+    return CliRunner().invoke(command, [str(a) for a in arguments], catch_exceptions=False)
+
+
+def test_evaluate_prints_a_figure_a_line_with_its_unit(deliver: Any, package: Path) -> None:
+    deliver.track()
+    lines = call(judge.evaluate, deliver.folder, package).output.splitlines()
+    rigid = next(line.split() for line in lines if line.startswith("trajectory.rigid_rmse_m"))
+    assert float(rigid[1]) < 1e-6
+    assert rigid[2] == "m"
+    assert ["objects", "missing"] in [line.split() for line in lines]
+
+
+def test_evaluate_of_a_package_without_truth_is_refused(deliver: Any, tmp_path: Path) -> None:
+    deliver.track()
+    with pytest.raises(InputError, match="no truth"):
+        call(judge.evaluate, deliver.folder, tmp_path)
+
+
+def test_compare_solves_six_times_and_prints_one_table(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(judge, "open_dive", opened)
+    lines = call(judge.compare, package).output.splitlines()
+    assert len(opened.calls) == 6
+    assert set(opened.calls) == {(m, p) for m in ("naive", "geva", "maxmix") for p in (True, False)}
+    table = lines[-7:]
+    assert table[0].startswith("method")
+    assert [line.split("  ")[0] for line in table[1:4]] == ["naive as printed", "geva as printed", "maxmix as printed"]
+
+
+def test_compare_again_solves_nothing(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(judge, "open_dive", opened)
+    call(judge.compare, package)
+    opened.calls.clear()
+    call(judge.compare, package)
+    assert opened.calls == []
+
+
+def test_the_chains_own_artifact_is_left_alone(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(judge, "open_dive", opened)
+    call(judge.compare, package)
+    root = opened().workspace.root
+    assert not (root / "adjust").exists()
+    assert (root / "compare" / "maxmix-as-printed" / "adjust" / "solution.npz").exists()
+
+
+def test_figures_leaves_pictures_and_tables(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(judge, "open_dive", opened)
+    call(judge.compare, package)
+    printed = call(judge.figures, package).output.split()
+    assert len(printed) == 5
+    for name in printed:
+        assert Path(name).read_bytes()[:4] == b"\x89PNG"
+        assert len(Path(name).with_suffix(".csv").read_text().splitlines()) > 1
+
+
+def test_figures_before_compare_says_what_to_run(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(judge, "open_dive", opened)
+    with pytest.raises(InputError, match="hullrecon compare"):
+        call(judge.figures, package)
+
+
+def test_a_json_of_figures_has_no_nan(deliver: Any, package: Path) -> None:
+    from hullrecon.evaluation.judge import judge as judged
+    from hullrecon.evaluation.judge import plain
+
+    deliver.track()
+    deliver.objects()
+    document = json.dumps(plain(judged(deliver.folder, package)), allow_nan=False)
+    assert json.loads(document)["objects"]["height_error_median_m"] is None
