@@ -16,8 +16,8 @@ def all_plots(survey: Survey) -> list[Plot]:
         found.append(convergence(survey.iterations))
         if {"on_surface", "label_changes"} <= set(survey.iterations) and survey.track.frame == "M":
             found.append(labels(survey.iterations))
-    statistics = survey.adjust.get("residuals") or {}
-    if statistics.get("before") and statistics.get("after"):
+    statistics = {when: survey.adjust.get(f"residuals_{when}") or {} for when in ("before", "after")}
+    if set(statistics["before"]) & set(statistics["after"]):
         found.append(residuals(statistics))
     histogram = deviation_histogram(survey.solution, survey.as_found)
     return [*found, histogram] if histogram else found

@@ -24,8 +24,8 @@ def convergence(iterations: Record) -> Plot:
     """Cost by iteration, and by factor where the record has it."""
     cost = np.asarray(iterations["cost"], float)
     step = np.arange(len(cost))
-    parts = {name.split("/", 1)[-1].removeprefix("cost_by_factor_"): np.asarray(v, float)
-             for name, v in iterations.items() if name.startswith(("cost_by_factor", "factor"))}  # fmt: skip
+    by_factor = {n.removeprefix("cost_"): v for n, v in iterations.items() if n.startswith("cost_") and n != "cost_change"}
+    parts = {name: np.asarray(values, float) for name, values in by_factor.items()}
     figure, axis = new_figure(5.2)
     axis.semilogy(step, np.maximum(cost, 1e-12), color=BLUE, linewidth=2, label="all factors")
     for k, (name, values) in enumerate(sorted(parts.items())):
@@ -61,7 +61,7 @@ def labels(iterations: Record) -> Plot:
 def residuals(statistics: Mapping[str, Mapping[str, Any]]) -> Plot:
     """Whitened residuals of each factor before and after: {"before": {factor: {"rms", ...}}, "after": ...}."""
     before, after = statistics["before"], statistics["after"]
-    names = [n for n in before if n in after]
+    names = sorted(n for n in before if n in after)
     low, high = (np.array([float(s[n]["rms"]) for n in names]) for s in (before, after))
     at = np.arange(len(names))
     figure, axis = new_figure(height_in=0.9 + 0.36 * len(names))
@@ -75,7 +75,7 @@ def residuals(statistics: Mapping[str, Mapping[str, Any]]) -> Plot:
     axis.legend(fontsize=7, frameon=False)
     alt = "; ".join(f"{n} from {a:.2f} to {b:.2f} sigma" for n, a, b in zip(names, low, high, strict=True))
     table = {"factor": names, "rms_before": numbers(low, ".6g"), "rms_after": numbers(high, ".6g"),
-             "count": [after[n].get("count", "") for n in names]}  # fmt: skip
+             "count": [int(after[n]["count"]) for n in names]}  # fmt: skip
     return Plot("residuals", "Residuals before and after", f"RMS residuals: {alt}.", png_bytes(figure), table)
 
 
@@ -90,13 +90,13 @@ def deviation_histogram(solution: Solution | None, as_found: Surface | None) -> 
     groups = {n: (v, w / w.sum()) for n, (v, w) in groups.items() if w.sum() > 0}
     if not groups:
         return None
-    edges = 0.004 * (np.arange(-50, 52) - 0.5)  # on the drawing is the middle of a bin, not a border
+    edges = np.asarray(0.004 * (np.arange(-50, 52) - 0.5), float)  # on the drawing is the middle of a bin, not a border
     figure, axis = new_figure()
     table: dict[str, Any] = {"from_m": numbers(edges[:-1], ".3f"), "to_m": numbers(edges[1:], ".3f")}
     for (name, (values, weights)), color in zip(groups.items(), (BLUE, ORANGE), strict=False):
         share = 100 * np.histogram(np.clip(values, edges[0], edges[-1] - 1e-9), edges, weights=weights)[0]
         axis.stairs(share, 1000 * edges, color=color, linewidth=1.6, label=name.replace("_", " "))
-        table[f"{name}_percent"] = numbers(share, ".6f")
+        table[f"{name}_percent"] = numbers(np.asarray(share, float), ".6f")
     axis.axvline(0, color=GRAY, linewidth=1)
     axis.set(xlabel="distance to the drawing, outward positive (mm)", ylabel="share (%)")
     axis.set_yscale("symlog", linthresh=0.1)

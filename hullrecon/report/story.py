@@ -52,9 +52,8 @@ def _position(survey: Survey) -> str:
 
 
 def weak_directions(survey: Survey) -> list[Mapping[str, Any]]:
-    """As adjust.json has them, at the top level or in its alignment."""
-    found = survey.adjust.get("weak_directions") or survey.adjust.get("alignment", {}).get("weak_directions") or []
-    return list(found)
+    """As adjust.json has them."""
+    return list(survey.adjust.get("weak_directions") or [])
 
 
 def weak_sentences(survey: Survey, least_sigma_m: float = 0.05) -> list[str]:
@@ -106,16 +105,9 @@ def _deviation(survey: Survey) -> str:
 
 
 def area(coverage: Mapping[str, Any], sensor: str) -> float | None:
-    """Square metres seen by "camera", "sonar" or "dvl", whichever way coverage.json writes the key."""
-    for key in (f"{sensor}_m2", f"{sensor}_area_m2", f"area_{sensor}_m2", f"{sensor}_area"):
-        if isinstance(coverage.get(key), int | float):
-            return float(coverage[key])
-    for group in (coverage.get("area_m2"), coverage.get("area"), coverage.get(sensor)):
-        if isinstance(group, Mapping):
-            value = group.get(sensor, group.get("area_m2", group.get("area")))
-            if isinstance(value, int | float):
-                return float(value)
-    return None
+    """Square metres seen by "camera", "sonar" or "dvl"; None where that was not carried."""
+    facts = coverage.get(sensor)
+    return float(facts["area_m2"]) if isinstance(facts, Mapping) and "area_m2" in facts else None
 
 
 def _coverage(survey: Survey) -> str:

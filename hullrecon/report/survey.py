@@ -72,6 +72,7 @@ class Survey:
     surface_document: Document = field(default_factory=dict)
     as_found: Surface | None = None
     objects: tuple[Document, ...] | None = None
+    not_reported: tuple[Document, ...] = ()
     coverage: Document | None = None
     optical: Mosaic | None = None
     sonar: Mosaic | None = None

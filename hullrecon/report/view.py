@@ -18,7 +18,7 @@ from hullrecon.report.cards import Crop, best_crop, jpeg_uri
 from hullrecon.report.chartmap import ChartedSurface, Extent, charted, deviation_png, extent_of, ground_png
 from hullrecon.report.figures import Plot
 from hullrecon.report.plan import Mark, Plan, nice_below, plan_svg
-from hullrecon.report.story import area, summary_lines, weak_sentences
+from hullrecon.report.story import summary_lines, weak_sentences
 from hullrecon.report.survey import Mosaic, Survey
 from hullrecon.report.words import count, length, probability, with_sigma
 
@@ -141,7 +141,7 @@ def card(found: Mapping[str, Any], survey: Survey) -> dict[str, Any]:
         ("Height over the hull around it", with_sigma(found["height"], sigma, "m")),
         ("Extent along the hull's tangents", " × ".join(f"{e:.2f}" for e in found["extent"]) + " m"),
         ("Area, volume", f"{1e4 * found['area']:.0f} cm², {1000 * found['volume']:.2f} l"),
-        ("Largest distance to the drawing", with_sigma(found["deviation"], None, "m")),
+        ("Largest distance to the drawing", with_sigma(_number(found.get("deviation")), None, "m")),
         ("Centre (x, y, z)", ", ".join(f"{c:.3f}" for c in found["center"]) + f" m in {survey.track.frame}"),
         ("Seen in", count(int(found["views"]), "view")),
         ("p-value (no object there)", probability(found.get("p_value"))),
@@ -153,6 +153,10 @@ def card(found: Mapping[str, Any], survey: Survey) -> dict[str, Any]:
         "rows": rows,
         "crop": crop and crop_view(crop, found),
     }
+
+
+def _number(value: Any) -> float:
+    return float("nan") if value is None else float(value)
 
 
 def crop_view(crop: Crop, found: Mapping[str, Any]) -> dict[str, Any]:
@@ -172,46 +176,65 @@ def crop_view(crop: Crop, found: Mapping[str, Any]) -> dict[str, Any]:
 def coverage_rows(survey: Survey) -> list[tuple[str, str]]:
     """Areas and percentiles of coverage.json, in words."""
     document = survey.coverage or {}
-    names = {"camera": "Hull seen by camera", "sonar": "Hull seen by sonar", "dvl": "Hull seen by DVL"}
-    rows = [(text, f"{value:.1f} m²") for s, text in names.items() if (value := area(document, s)) is not None]
-    for key, value in sorted(document.items()):
-        if isinstance(value, Mapping) and any(str(k).startswith("p") and str(k)[1:].isdigit() for k in value):
-            unit = "mm" if key.endswith("_mm") else "°" if key.endswith("_deg") else "m" if key.endswith("_m") else ""
-            label = (
-                key.removesuffix("_mm")
-                .removesuffix("_deg")
-                .removesuffix("_m")
-                .replace("_", " ")
-                .replace("gsd", "ground sample distance")
-            )
-            spread = ", ".join(
-                f"{k[1:]} %: {v:.3g} {unit}".strip() for k, v in sorted(value.items(), key=lambda i: int(i[0][1:]))
-            )
-            rows.append((f"{label[0].upper()}{label[1:]} (percentiles)", spread))
+    rows = []
+    for sensor, name in (("camera", "camera"), ("sonar", "sonar"), ("dvl", "DVL")):
+        facts = document.get(sensor)
+        if not isinstance(facts, Mapping):
+            continue
+        rows += [(f"Hull {text} {name}", f"{facts[key]:.1f} m²") for key, text in _AREAS if key in facts]
+        rows += [
+            (f"{text}, {name}", _spread(facts[key], factor, unit)) for key, text, factor, unit in _SPREADS if facts.get(key)
+        ]
     return rows
 
 
-def hole_text(hole: object) -> str:
-    if isinstance(hole, Mapping):
-        size = next((f", {float(hole[k]):.2f} m²" for k in ("area_m2", "area") if k in hole), "")
-        return f"{hole.get('address', 'unnamed place')}{size}"
-    return str(hole)
+_AREAS = (("area_m2", "seen by"), ("area_twice_m2", "seen at least twice by"))
+_SPREADS = (
+    ("gsd_m", "Ground sample distance", 1000.0, " mm"),
+    ("incidence_deg", "Incidence of the best view", 1.0, "°"),
+    ("views", "Views of a place", 1.0, ""),
+)
+
+
+def _spread(percentiles: Mapping[str, float], factor: float, unit: str) -> str:
+    """5 %: 1.8 mm, 50 %: 2 mm, 95 %: 2.4 mm."""
+    order = sorted(percentiles.items(), key=lambda item: int(item[0][1:]))
+    return ", ".join(f"{int(name[1:])} %: {factor * value:.3g}{unit}" for name, value in order)
+
+
+def hole_text(hole: Mapping[str, Any]) -> str:
+    return f"{hole.get('address') or 'a place without an address'}, {float(hole['area_m2']):.2f} m²"
 
 
 def left_out(survey: Survey) -> list[tuple[str, list[str]]]:
     """What was lost, refused or not delivered, by heading."""
-    pairs = survey.pairs.get("reasons") or survey.pairs.get("failed") or {}
-    failed = [f"{name}: {n}" for name, n in pairs.items()] if isinstance(pairs, Mapping) else [str(p) for p in pairs]
+    failed = [f"{why}: {count(int(n), 'pair')}" for why, n in sorted((survey.pairs.get("failed") or {}).items())]
+    outages = [f"no DVL from {a:.1f} s to {b:.1f} s of the log" for a, b in survey.navigation.get("outages_s") or []]
+    gaps = [f"no attitude from {a:.1f} s to {b:.1f} s of the log" for a, b in survey.navigation.get("attitude_gaps_s") or []]
     groups = [
         ("Deliverables that this dive cannot give", [f"{name}: {why}" for name, why in survey.absent.items()]),
         ("Lost data", [str(x) for x in survey.findings.get("lost") or []]),
         ("The drawing, as checked", [str(x) for x in survey.findings.get("hull") or []]),
-        ("Navigation", [str(x) for k in ("outages", "remarks") for x in survey.navigation.get(k) or []]),
+        ("Navigation", [*outages, *gaps, *(str(x) for x in survey.navigation.get("remarks") or [])]),
         ("Image pairs that gave no geometry", failed),
+        ("Observations", _observations(survey)),
+        ("Places looked at and not reported as objects", [_refused(r) for r in survey.not_reported]),
         ("Warnings of the steps", survey.warnings()),
         ("Remarks on the log", [str(x) for x in survey.findings.get("remarks") or []]),
     ]
     return [(name, items) for name, items in groups if items]
+
+
+def _observations(survey: Survey) -> list[str]:
+    total, out = survey.adjust.get("observations"), survey.adjust.get("observations_left_out")
+    if not total or not out:
+        return []
+    return [f"{out:,} observations in images were left out of the adjustment, {total:,} were used"]
+
+
+def _refused(region: Mapping[str, Any]) -> str:
+    place = ", ".join(f"{c:.2f}" for c in region["center"])
+    return f"{region['reason']} (height {region['height']:.3f} m at {place})"
 
 
 def settings_rows(survey: Survey) -> list[tuple[str, str]]:

@@ -40,9 +40,7 @@ MOSAICS = {"mosaic-optical": "optical", "mosaic-sonar": "sonar"}
 
 
 class ReportOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Of the report."""
-
-    viewer: bool = True  # a small three-dimensional view in the page
+    """Of the report: it has none."""
 
 
 class Shelf:
@@ -128,7 +126,11 @@ def read_survey(context: Context) -> Survey:
     assert trajectory is not None
     solution = _record(Solution, folder, "adjust", "solution.npz")
     chart = next((load_arrays(folder[s] / "chart.npz") for s in ("surface", "adjust") if _has(folder, s, "chart.npz")), None)
-    objects = _document(folder, "detect", "objects.json")
+    detect = _document(folder, "detect", "detect.json") or {}
+    objects = None if isinstance(detect.get("objects"), str) else _document(folder, "detect", "objects.json")
+    absent = absences(sections, folder, solution)
+    if isinstance(detect.get("objects"), str):
+        absent |= dict.fromkeys(("objects.json", "objects.csv"), detect["objects"])
     return Survey(
         dive=sections["dive"] or Dive(name="dive"),
         hull=sections["hull"],
@@ -145,6 +147,7 @@ def read_survey(context: Context) -> Survey:
         surface_document=_document(folder, "surface", "surface.json") or {},
         as_found=_record(Surface, folder, "detect", "as_found.npz"),
         objects=tuple(objects["objects"]) if objects is not None else None,
+        not_reported=tuple(detect.get("not_reported") or ()),
         coverage=_document(folder, "detect", "coverage.json"),
         optical=_mosaic(folder, "mosaic-optical"),
         sonar=_mosaic(folder, "mosaic-sonar"),
@@ -153,7 +156,7 @@ def read_survey(context: Context) -> Survey:
         eyes=_eyes(context, solution),
         pairs=_document(folder, "matches", "pairs.json") or {},
         steps=tuple(_step(folder[name], name) for name in CHAIN if name in folder),
-        absent=absences(sections, folder, solution),
+        absent=absent,
     )
 
 

@@ -10,7 +10,6 @@ from html.parser import HTMLParser
 from typing import Any
 
 import numpy as np
-import pytest
 
 from hullrecon.report.gallery import all_plots
 from hullrecon.report.page import render
@@ -82,7 +81,8 @@ def test_the_page_says_what_was_found_and_how_sure_it_is(survey: Survey) -> None
     text = re.sub(r"\s+", " ", page_of(survey).text)
     for said in (
         "Hull survey: plate-1", "0.100 ± 0.004 m", "frame 3 + 0.2 m, port", "6 views", "< 0.0001",
-        "The position along the hull is uncertain by 0.50 m.", "adjust: two rays missed", "3.2 s without DVL at 09:31:02",
+        "The position along the hull is uncertain by 0.50 m.", "adjust: two rays missed",
+        "no DVL from 31.0 s to 34.2 s of the log",
         "frame 4, 0.20 m²", "adjust.rounds", "ab" * 32, "2026-05-04 09:30:02.468 UTC",
     ):  # fmt: skip
         assert said in text, said
@@ -156,18 +156,31 @@ def test_without_the_adjustments_words_a_large_sigma_is_said_all_the_same(survey
         "The position in x of the level frame", "The position in y of the level frame"]  # fmt: skip
 
 
+def test_a_place_that_was_not_reported_is_named_with_its_reason(survey: Survey) -> None:
+    refused = ({"center": [1.0, -1.2, 0.0], "height": 0.031, "reason": "seen from two views only"},)
+    page = page_of(replace(survey, not_reported=refused))
+    assert "seen from two views only (height 0.031 m at 1.00, -1.20, 0.00)" in page.text
+
+
+def test_an_object_without_a_drawing_has_no_distance_to_it(survey: Survey, found: dict[str, Any]) -> None:
+    (card,) = page_view(replace(survey, objects=({**found, "deviation": None},)), [], FILES)["cards"]
+    assert ("Largest distance to the drawing", "–") in card["rows"]
+
+
 def test_no_object_is_said_in_words(survey: Survey) -> None:
     assert any("No object was found" in line for line in summary_lines(replace(survey, objects=())))
 
 
-@pytest.mark.parametrize("document", [{"camera_m2": 4.0}, {"area_m2": {"camera": 4.0}}, {"camera": {"area_m2": 4.0}}])
-def test_the_area_seen_is_found_whichever_way_it_is_written(document: dict[str, Any]) -> None:
-    assert area(document, "camera") == 4.0
-    assert area(document, "sonar") is None
+def test_a_sensor_that_was_not_carried_saw_no_area() -> None:
+    assert area({"camera": {"area_m2": 4.0}, "sonar": None}, "camera") == 4.0
+    assert area({"camera": {"area_m2": 4.0}, "sonar": None}, "sonar") is None
 
 
 def test_percentiles_of_the_coverage_are_in_words(survey: Survey) -> None:
-    assert ("Ground sample distance (percentiles)", "50 %: 2 mm, 95 %: 2.5 mm") in coverage_rows(survey)
+    assert coverage_rows(survey) == [
+        ("Hull seen by camera", "4.0 m²"),
+        ("Ground sample distance, camera", "5 %: 1.8 mm, 95 %: 2.5 mm"),
+    ]
 
 
 def test_the_summary_document_counts_and_keeps_what_varies_apart(survey: Survey) -> None:

@@ -43,7 +43,7 @@ def test_depth_without_a_dvl_is_drawn_alone() -> None:
 
 
 def test_convergence_lists_the_cost_of_each_factor() -> None:
-    plot = convergence({"cost": np.array([9.0, 4.0]), "cost_by_factor_stereo": np.array([8.0, 3.0])})
+    plot = convergence({"cost": np.array([9.0, 4.0]), "cost_stereo": np.array([8.0, 3.0])})
     assert plot.table["cost"] == ["9", "4"]
     assert plot.table["stereo"] == ["8", "3"]
     assert plot.alt == "The cost falls from 9 to 4 in 2 iterations."

@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The mosaic steps on a wall that a small dive passes: images and pings are drawn here, the files are read back."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+import tifffile
+from numpy.typing import NDArray
+
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.dive.config import Cameras, CameraTop, Dive, DiveConfig, Logs, Sonar, Topics
+from hullrecon.dive.records import ImageIndex, JointSamples, SonarPings, Surface, Trajectory, to_arrays
+from hullrecon.errors import StageError
+from hullrecon.geometry.chart import chart_for_points
+from hullrecon.geometry.poses import Poses, from_rpy
+from hullrecon.report.track import Track
+from hullrecon.steps import mosaic_optical, mosaic_sonar
+from hullrecon.steps.mosaic_sonar import sonar_poses
+
+NODES = 9
+CAMERA = {"width": 160, "height": 120, "fx": 160.0, "fy": 160.0, "cx": 79.5, "cy": 59.5}
+TIMES = np.arange(NODES) * 500_000_000
+
+
+def save(folder: Path, name: str, arrays: dict[str, Any]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / name).open("wb") as file:
+        stored = {key: np.asarray(value) for key, value in arrays.items() if key != "file"}
+        np.savez(file, **stored)
+    if "file" in arrays:  # numpy's savez has an argument of that name
+        import io
+        import zipfile
+
+        buffer = io.BytesIO()
+        np.lib.format.write_array(buffer, np.asarray(arrays["file"]))
+        with zipfile.ZipFile(folder / name, "a") as archive:
+            archive.writestr("file.npy", buffer.getvalue())
+
+
+def wall() -> Surface:
+    """The plane y = 1 of g, from x = -1 to 3 and z = 1 to 3, in squares of 10 cm."""
+    x, z = np.meshgrid(np.linspace(-1, 3, 41), np.linspace(1, 3, 21))
+    index = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = index[:-1, :-1].ravel(), index[:-1, 1:].ravel(), index[1:, :-1].ravel(), index[1:, 1:].ravel()
+    faces = np.concatenate([np.stack([a, b, c], 1), np.stack([b, d, c], 1)]).astype(np.int32)
+    vertices = np.column_stack([x.ravel(), np.ones(x.size), z.ravel()])
+    return Surface(vertices, faces, np.full(x.size, np.nan), np.full(x.size, 0.01), np.ones(x.size, np.int64))
+
+
+def spot_image(x_m: float) -> NDArray[np.uint8]:
+    """What the camera at (x, 0, 2) sees of the wall: a bright disc of 15 cm about x = 1 on gray."""
+    v, u = np.mgrid[0:120, 0:160]
+    seen_x, seen_z = x_m + (u - 79.5) / 160, 2 + (v - 59.5) / 160
+    gray = np.where(np.hypot(seen_x - 1, seen_z - 2) < 0.15, 220, 90)
+    return np.repeat(gray[..., None], 3, axis=2).astype(np.uint8)
+
+
+@pytest.fixture
+def passed(tmp_path: Path) -> dict[str, Path]:
+    """Artifacts of ingest, navigate and surface: the vehicle goes along x at 2 m depth, the wall 1 m to starboard."""
+    x = np.linspace(0, 2, NODES)
+    trajectory = Trajectory(
+        TIMES, np.tile([0.0, 0, 0, 1], (NODES, 1)), np.column_stack([x, np.zeros(NODES), np.full(NODES, 2.0)]),
+        np.tile(np.eye(6) * 1e-4, (NODES, 1, 1)), np.zeros(NODES), np.column_stack([np.arange(NODES), np.full(NODES, -1)]),
+    )  # fmt: skip
+    save(tmp_path / "navigate", "trajectory.npz", to_arrays(trajectory))
+    surface = wall()
+    save(tmp_path / "surface", "surface.npz", to_arrays(surface))
+    save(tmp_path / "surface", "chart.npz", dict(chart_for_points(surface.vertices, toward=[1.0, 0.0, 2.0]).to_arrays()))
+    ingest = tmp_path / "ingest"
+    encoded = [cv2.imencode(".png", spot_image(v)[..., ::-1])[1].tobytes() for v in x]
+    size = np.array([len(e) for e in encoded])
+    index = ImageIndex(TIMES, np.full(NODES, ""), np.cumsum(size) - size, size, np.arange(NODES) != 3)
+    save(ingest, "images_camera_top.npz", to_arrays(index))
+    (ingest / "images_camera_top.bin").write_bytes(b"".join(encoded))
+    (ingest / "cameras.json").write_text(json.dumps({"top": CAMERA}))
+    return {"ingest": ingest, "navigate": tmp_path / "navigate", "surface": tmp_path / "surface"}
+
+
+def settings(sonar: Sonar | None = None) -> dict[str, Any]:
+    # T_s_c: the camera's z to starboard (y of the vehicle), its x ahead, its y down
+    top = CameraTop(calibration="top.yaml", mount=(0.0, 0.0, 0.0, -90.0, 0.0, 0.0))
+    config = DiveConfig(
+        dive=Dive(name="wall"), logs=Logs(files=()), camera=Cameras(top=top), sonar=sonar, topics=Topics(sonar="/s")
+    )
+    return {name: getattr(config, name) for name in ("dive", "logs", "topics", "tray", "camera", "sonar", "hull")}
+
+
+def test_the_optical_mosaic_of_a_dead_reckoned_dive_shows_the_disc_where_it_is(passed: dict[str, Path], tmp_path: Path) -> None:
+    out = run_stage(mosaic_optical.STAGE, settings(), passed, tmp_path / "out", source=tmp_path)
+    document = json.loads((out / "mosaic.json").read_text())
+    picture = tifffile.imread(out / "ortho.tif")
+    assert {p.name for p in out.iterdir()} == {
+        "ortho.tif", "variance.tif", "ortho.png", "mosaic.glb", "mosaic.json", "manifest.json"}  # fmt: skip
+    assert document["frame"] == "g"
+    assert document["images"] == NODES - 1  # one was unusable
+    bright = (picture[..., 0] > 1.4 * np.median(picture[..., 0][picture[..., 3] > 0])) & (picture[..., 3] > 0)
+    assert bright.sum() * document["resolution_m"] ** 2 == pytest.approx(np.pi * 0.15**2, rel=0.05)
+    rows, columns = np.nonzero(bright)
+    along = document["origin_along_m"] + (columns.mean() + 0.5) * document["resolution_m"]
+    girth = document["origin_girth_m"] - (rows.mean() + 0.5) * document["resolution_m"]
+    chart = chart_for_points(wall().vertices, toward=[1.0, 0.0, 2.0])
+    point, _ = chart.from_chart(np.array([[along, girth]]))
+    np.testing.assert_allclose(point[0], [1.0, 1.0, 2.0], atol=0.01)
+
+
+def test_a_mosaic_run_twice_gives_the_same_bytes(passed: dict[str, Path], tmp_path: Path) -> None:
+    one, two = (run_stage(mosaic_optical.STAGE, settings(), passed, tmp_path / n, source=tmp_path) for n in ("one", "two"))
+    for name in ("ortho.tif", "variance.tif", "ortho.png", "mosaic.glb", "mosaic.json"):
+        assert (one / name).read_bytes() == (two / name).read_bytes(), name
+
+
+def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Path) -> None:
+    bearing = np.radians(np.linspace(-40, 40, 33))
+    ranges = np.linspace(0.5, 2.5, 101)
+    slant = 1 / np.cos(bearing)
+    image = np.where(ranges >= slant[:, None], 100, 0) + np.zeros((NODES, 1, 1))
+    directions = np.stack([0 * bearing, np.sin(bearing), np.cos(bearing)], axis=1)
+    save(passed["ingest"], "sonar.npz", to_arrays(SonarPings(TIMES, image.astype(np.uint8), directions, ranges)))
+    # z of the sonar to starboard, its fan along x: x of the sonar is up
+    sonar = Sonar(mount=(0.0, 0.0, 0.0, -90.0, 90.0, 0.0), elevation_deg=20.0)
+    blind = {**settings(sonar), "camera": Cameras()}
+    out = run_stage(mosaic_sonar.STAGE, blind, passed, tmp_path / "out")
+    document = json.loads((out / "mosaic.json").read_text())
+    assert document["poses"] == "dead reckoned"
+    assert document["pings"] == NODES
+    assert document["area_m2"] > 0.2
+
+
+def test_steps_apply_only_where_their_sensor_was_carried() -> None:
+    carried = {"camera.top": object(), "sonar": Sonar(), "topics": Topics(sonar="/s")}
+    assert mosaic_optical.applies(carried) is None
+    assert mosaic_sonar.applies(carried) is None
+    assert mosaic_optical.applies({"camera.top": None}) == "no camera was carried"
+    assert mosaic_sonar.applies({"sonar": None, "topics": Topics()}) == "no imaging sonar was carried"
+
+
+def test_the_sonars_servo_is_read_at_the_pings() -> None:
+    track = Track(TIMES, Poses(np.tile([0.0, 0, 0, 1], (NODES, 1)), np.zeros((NODES, 3))), np.zeros((NODES, 6, 6)),
+                  np.zeros(NODES), np.full((NODES, 2), -1), "g")  # fmt: skip
+    angles = JointSamples(TIMES, np.linspace(0, 0.8, NODES))
+    sonar = Sonar(joint="sonar_tray", origin=(0.4, 0.0, 0.2), mount=(0.0, 0.0, 0.0, 0.0, 90.0, 0.0))
+    at = np.array([TIMES[4], (TIMES[4] + TIMES[5]) // 2])
+    poses = sonar_poses(track, at, angles, sonar)
+    want = from_rpy(np.tile([0.4, 0, 0.2], (2, 1)), [[0, np.pi / 2 + 0.4, 0], [0, np.pi / 2 + 0.45, 0]])
+    np.testing.assert_allclose((poses.inverse() @ want).log(), 0, atol=1e-9)
+
+
+def test_a_servo_that_was_not_logged_is_named() -> None:
+    track = Track(TIMES[:1], Poses(np.array([[0.0, 0, 0, 1]]), np.zeros((1, 3))), np.zeros((1, 6, 6)), np.zeros(1),
+                  np.full((1, 2), -1), "g")  # fmt: skip
+    with pytest.raises(StageError, match="sonar_tray is not in the log"):
+        sonar_poses(track, TIMES[:1], None, Sonar(joint="sonar_tray"))

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The report of a dive that was only navigated, run as a step."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.dive.config import Dive, DiveConfig, Logs
+from hullrecon.dive.records import Trajectory, to_arrays
+from hullrecon.steps.report import STAGE
+
+
+def save(folder: Path, name: str, record: object) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / name).open("wb") as file:
+        np.savez(file, **to_arrays(record))  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def navigated(tmp_path: Path) -> dict[str, Path]:
+    """Artifacts of ingest and navigate, and nothing else."""
+    n = 6
+    trajectory = Trajectory(
+        t_ns=np.arange(n) * 500_000_000,
+        quaternion=np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)),
+        translation=np.column_stack([np.arange(n) * 0.25, np.zeros(n), np.full(n, 3.0)]),
+        covariance=np.tile(np.eye(6) * 1e-4, (n, 1, 1)),
+        tray=np.zeros(n),
+        image=np.full((n, 2), -1),
+    )
+    save(tmp_path / "navigate", "trajectory.npz", trajectory)
+    (tmp_path / "navigate" / "navigation.json").write_text(
+        json.dumps({"source": "dvl", "outages": [], "remarks": ["one beam lost"]})
+    )
+    (tmp_path / "ingest").mkdir()
+    (tmp_path / "ingest" / "findings.json").write_text(json.dumps({"lost": ["/dvl: 2 s at 09:31"], "hull": [], "remarks": []}))
+    return {"ingest": tmp_path / "ingest", "navigate": tmp_path / "navigate"}
+
+
+def run(inputs: dict[str, Path], out: Path) -> Path:
+    config = DiveConfig(dive=Dive(name="bare"), logs=Logs(files=("logs/dive.mcap",)))
+    settings = {name: getattr(config, name) for name in ("dive", "logs", "tray", "camera", "sonar", "hull")}
+    return run_stage(STAGE, settings, inputs, out, source=out.parent) / "deliver"
+
+
+def test_a_dive_that_was_only_navigated_is_delivered_with_reasons(navigated: dict[str, Path], tmp_path: Path) -> None:
+    deliver = run(navigated, tmp_path / "report")
+    summary = json.loads((deliver / "summary.json").read_text())
+    assert summary["frame"] == "g"
+    assert len((deliver / "trajectory.csv").read_text().splitlines()) == 7
+    assert summary["absent"]["ortho_optical.tif"] == "no camera was carried"
+    assert summary["absent"]["ortho_sonar.tif"] == "no imaging sonar was carried"
+    assert summary["lost"] == ["/dvl: 2 s at 09:31"]
+    assert "one beam lost" in (deliver / "report" / "index.html").read_text()
+
+
+def test_every_delivered_file_is_in_the_summary_with_its_hash(navigated: dict[str, Path], tmp_path: Path) -> None:
+    deliver = run(navigated, tmp_path / "report")
+    listed = json.loads((deliver / "summary.json").read_text())["deliverables"]
+    there = {p.relative_to(deliver).as_posix() for p in deliver.rglob("*") if p.is_file()} - {"summary.json"}
+    assert set(listed) == there
+    for name, entry in listed.items():
+        assert hashlib.sha256((deliver / name).read_bytes()).hexdigest() == entry["sha256"]
+
+
+def test_two_runs_deliver_the_same_bytes(navigated: dict[str, Path], tmp_path: Path) -> None:
+    first, second = (run(navigated, tmp_path / name) for name in ("one", "two"))
+    for path in sorted(p for p in first.rglob("*") if p.is_file()):
+        assert path.read_bytes() == (second / path.relative_to(first)).read_bytes(), path.name
+
+
+def test_objects_that_were_not_looked_for_are_absent_not_none(navigated: dict[str, Path], tmp_path: Path) -> None:
+    detect = tmp_path / "detect"
+    detect.mkdir()
+    (detect / "objects.json").write_text(json.dumps({"objects": []}))
+    (detect / "detect.json").write_text(json.dumps({"objects": "no landmarks: structures are looked for with a camera"}))
+    deliver = run({**navigated, "detect": detect}, tmp_path / "report")
+    assert not (deliver / "objects.json").exists()
+    assert "looked for with a camera" in json.loads((deliver / "summary.json").read_text())["absent"]["objects.json"]
