@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.detection.background import Background
+from hullrecon.detection.facets import facet_sagitta
 from hullrecon.detection.fusion import fuse_shapes
 from hullrecon.detection.heights import Heights, local_heights
 from hullrecon.detection.landmarks import Measured
@@ -31,7 +32,7 @@ class Found:
     """Vertex by vertex (n): where it is now (mesh) and on the base; normal (n, 3) of the base; hull (n,) m, the smooth offset
     of the hull from the base, and its sigma; height (n,) m above that hull, 0 where not measured; sigma (n,) m of the height;
     measured (n,) bool; agreement (n,) share of landmarks that agree; shapes (n,) views whose shapes show it (O Algorithm 5);
-    seen: by which views."""
+    seen: by which views; facet (n,) m, how far the true curve may stand off the drawing's facet there, at structures."""
 
     mesh: Mesh
     base: Mesh
@@ -44,6 +45,7 @@ class Found:
     agreement: Array
     shapes: Ints
     seen: Sightings
+    facet: Array
 
     @property
     def deviation(self) -> Array:
@@ -76,8 +78,17 @@ def find_hull(base: Mesh, measured: Measured, background: Background, views: Vie
     shape = Mesh(moved, mesh.faces)
     cell = np.where(_near_structures(mesh, raised, options), FINE_CELL_M, COARSE_CELL_M)
     seen = sightings_by_cell(views, moved, vertex_normals(shape), Scene(shape), cell)
+    facet = _facets(base, mesh, np.abs(raised) >= options.threshold)
     sigma = np.where(known, heights.sigma, options.threshold)
-    return Found(shape, mesh, normal, hull, hull_sigma, raised, sigma, known, heights.agreement, fused.count, seen)
+    return Found(shape, mesh, normal, hull, hull_sigma, raised, sigma, known, heights.agreement, fused.count, seen, facet)
+
+
+def _facets(base: Mesh, mesh: Mesh, which: NDArray[np.bool_]) -> Array:
+    """The sagitta of the base's face under each of those vertices, 0 elsewhere."""
+    out = np.zeros(len(mesh.vertices))
+    if which.any():
+        out[which] = facet_sagitta(base)[Scene(base).closest(mesh.vertices[which]).face]
+    return out
 
 
 def _near_structures(mesh: Mesh, height: Array, options: DetectOptions) -> NDArray[np.bool_]:

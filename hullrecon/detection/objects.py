@@ -82,6 +82,7 @@ def find_objects(
         if doubt:
             rejected.append(Rejected(_rounded(found.mesh.vertices[center]), round(region.height, 5), doubt))
             continue
+        sigma = float(np.hypot(sigma, rough))  # where its top and the hull around it are said to be is no finer than the hull
         objects.append(_object(found, region, area, center, sigma, chance, views, seen, chart, drawn))
     return objects, rejected
 
@@ -99,8 +100,9 @@ def _doubt(
     on, agree = witnesses
     shapes = int(np.percentile(found.shapes[region.core], 75))
     core = float(area[region.core].sum())
+    least = options.least_height + float(np.median(found.facet[region.core]))
     checks = (
-        (abs(region.height) < options.least_height, f"only {abs(region.height):.3f} m off the hull around it"),
+        (abs(region.height) < least, f"only {abs(region.height):.3f} m off the hull around it, of {least:.3f} m needed there"),
         (core < options.least_area, f"only {1e4 * core:.0f} cm2 above half its height"),
         (on < options.least_landmarks, f"only {on} landmarks"),
         (agree < options.least_agreement, f"only {100 * agree:.0f} % of its landmarks agree"),

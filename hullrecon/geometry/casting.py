@@ -17,11 +17,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Closest:
-    """distance (n,) m, signed, positive outside; foot (n, 3) on the mesh; normal (n, 3) of the closest triangle, outward."""
+    """distance (n,) m, signed, positive outside; foot (n, 3) on the mesh; normal (n, 3) of the closest triangle, outward;
+    face (n,), -1 where there is no answer."""
 
     distance: Array
     foot: Array
     normal: Array
+    face: NDArray[np.int64]
 
 
 class Scene:
@@ -41,10 +43,12 @@ class Scene:
             np.full((len(points), 3), np.nan),
             np.full((len(points), 3), np.nan),
         )
+        face = np.full(len(points), -1)
         if known.any():
             near = self._index.closest(points[known])
-            distance[known], foot[known], normal[known] = near.distance, near.point, self._normal[near.face]
-        return Closest(distance, foot, normal)
+            distance[known], foot[known], face[known] = near.distance, near.point, near.face
+            normal[known] = self._normal[near.face]
+        return Closest(distance, foot, normal, face)
 
     def cast(self, origins: Array, directions: Array) -> Array:
         """How far along unit directions (n, 3) from origins (n, 3) or (3,) the mesh is met, (n,) m; inf where it is not."""

@@ -33,6 +33,7 @@ from hullrecon.geometry.poses import Poses
 Array = NDArray[np.float64]
 Facts = dict[str, object]
 PIECE_M = 0.12  # edges of the pieces on which coverage is summed
+PIECES_REACH_M = 2.0  # from what the survey saw; beyond, the drawing's own faces are the pieces
 DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
 
 
@@ -168,7 +169,7 @@ def _coverage(context: Context, dive: Dive, views: Views | None) -> Facts:
 
 
 def _pieces(dive: Dive) -> Mesh:
-    return refine_near(dive.base, dive.surface.vertices[::7], PIECE_M, 2.0)
+    return refine_near(dive.base, dive.surface.vertices[::7], PIECE_M, PIECES_REACH_M)
 
 
 def _sonar(context: Context, dive: Dive, hull: coverage.Hull, scene: Scene) -> Facts | None:

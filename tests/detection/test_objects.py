@@ -87,6 +87,12 @@ def test_a_height_within_its_own_uncertainty_is_not_reported(scenery, found) -> 
     assert "bare hull" in rejected[0].reason
 
 
+def test_on_a_coarsely_drawn_curve_a_structure_must_stand_out_from_the_facets(scenery, found) -> None:
+    objects, rejected = _objects(scenery, replace(found, facet=np.full(len(found.facet), 0.04)))
+    assert [round(o.height, 2) for o in objects] == [0.10]
+    assert "0.070 m needed" in rejected[0].reason
+
+
 def test_a_structure_on_which_landmarks_disagree_is_not_reported(scenery, found) -> None:
     at = scenery.measured.foot
     half = (np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.13) & (np.random.default_rng(0).random(len(at)) < 0.5)
