@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The typed face of the C++ module; nothing else imports hullrecon._native.
 
+The module is built by the (editable) installation and found through it, from whatever folder or PYTHONPATH Python is started;
+a checkout that was never installed has no hullrecon._native.
+
 Conventions of `Problem`: quaternions x y z w; motions are 7 numbers, x y z qx qy qz qw. Tangent of a motion: (translation,
 rotation) with the rotation perturbed on the right and the translation added in the parent frame. Tangent of a pose block:
 (translation 3, rotation 3, tray 1). The hull frame of a Problem may be shifted from M to the middle of the survey by the
@@ -63,7 +66,8 @@ class Problem:
     tray_origin: Array = _floats(3)  # in vehicle
     pressure_origin: Array = _floats(3)  # in vehicle
 
-    # full priors: residual = sqrt_information (6, 6) @ log(prior^-1 . x) (translation, rotation), O 4.8
+    # full priors (O 4.8): residual = sqrt_information (6, 6) @ (translation, rotation vector) of prior^-1 . x, so the
+    # translation reads in the axes of the prior
     prior_pose_node: Ints = _ints(0)
     prior_pose: Array = _floats(0, 7)
     prior_pose_sqrt: Array = _floats(0, 6, 6)
@@ -78,7 +82,7 @@ class Problem:
     prior_navigation_sigma: Array = default(default_factory=lambda: np.ones(6))  # about zero
     prior_intrinsics_sigma: Array = default(default_factory=lambda: np.ones(9))  # about the start, when not constant
 
-    # depth, roll, pitch (O 4.9): z of the pressure sensor + depth bias, roll + roll bias, pitch + pitch bias
+    # depth, roll, pitch (O 4.9): z of the pressure sensor + depth bias, roll + roll bias, pitch + pitch bias, less measured
     attitude_node: Ints = _ints(0)
     attitude_measured: Array = _floats(0, 3)  # depth, roll, pitch
     attitude_sigma: Array = _floats(0, 3)
@@ -89,7 +93,9 @@ class Problem:
     tray_direction: Array = _floats(0)
     tray_sigma: Array = _floats(0)
 
-    # odometry (O 4.11): sqrt_information @ (log(z^-1 T_i^-1 T_j) with the systematic part of z taken off; see factors.h)
+    # odometry (O 4.11): sqrt @ (e - by_navigation @ (scale, drift) - by_mount @ Log(R_mount^-1 R_s_d) - by_tray * (mean tray
+    # angle - tray)), e = (t_ij - t_z in the axes of vehicle i, Log(R_z^-1 R_ij)), T_ij = T_i^-1 T_j; each by_* is a derivative
+    # of the measured motion z in these same coordinates
     odometry_first: Ints = _ints(0)
     odometry_second: Ints = _ints(0)
     odometry_measured: Array = _floats(0, 7)
@@ -100,7 +106,8 @@ class Problem:
     odometry_tray: Array = _floats(0)  # rad, mean tray angle that dead reckoning used
     odometry_mount: Array = default(default_factory=lambda: np.array([0, 0, 0, 0, 0, 0, 1.0]))  # T_s_d that it used
 
-    # stereo (O 4.12) and mono (O 4.13), raw pixels through the full camera model
+    # stereo (O 4.12) and mono (O 4.13), raw pixels through the full camera model; one Huber loss on the norm of a factor's 4
+    # or 2 rows; a point behind its camera costs 10^4 px a row, without derivative
     stereo_node: Ints = _ints(0)
     stereo_landmark: Ints = _ints(0)
     stereo_pixel: Array = _floats(0, 4)  # top u v, bottom u v
@@ -259,11 +266,11 @@ FACTORS = ("prior", "attitude", "tray", "odometry", "stereo", "mono", "range", "
 class Evaluation:
     """All factors at the start values, whitened and linear in the tangent coordinates of the free unknowns.
 
-    residual (R,), whitened; weight (R,): square root of rho', by which the loss multiplies residual and row; factor (R,): index
-    into FACTORS; table_row (R,) in the factor's table; jacobian_*: compressed rows, start (R + 1,), column, value; width: number
-    of columns. Columns: poses 7 each (6 when "tray" is held), landmarks 3 each, then, where free, T_g_M, T_s_ct, T_ct_cb, T_s_d
-    6 each, navigation 6, intrinsics_top, intrinsics_bottom 9 each, the deviation's nodes 1 each; `columns` maps a block's name
-    ("pose 0", "landmark 3", "T_g_M", "deviation 2") to (first column, count). cost_by_factor: robustified.
+    residual (R,), whitened; weight (R,): square root of rho', by which the loss multiplies residual and row; factor (R,):
+    index into FACTORS; table_row (R,) in the factor's table; jacobian_*: compressed rows, start (R + 1,), column, value; width:
+    how many columns. Columns: poses 7 each (6 when "tray" is held), landmarks 3 each, then, where free, T_g_M, T_s_ct, T_ct_cb,
+    T_s_d 6 each, navigation 6, intrinsics_top, intrinsics_bottom 9 each, the deviation's nodes 1 each; `columns` maps a block's
+    name ("pose 0", "landmark 3", "T_g_M", "deviation 2") to (first column, count). cost_by_factor: robustified.
     """
 
     residual: Array
@@ -289,8 +296,9 @@ def evaluate(problem: Problem, options: Options = DEFAULTS) -> Evaluation:
 class Covariance:
     """Marginal covariances in tangent coordinates at the start values (give `solve`'s unknowns); zero where a block is held.
 
-    pose (n, 7, 7) and pose_T_g_M (n, 7, 6): with T_g_M; landmark (L, 3, 3) and landmark_T_g_M (L, 3, 6); T_g_M, T_s_ct, T_ct_cb,
-    T_s_d, navigation (6, 6); intrinsics_top, intrinsics_bottom (9, 9); deviation (F,) variances and deviation_T_g_M (F, 6).
+    pose (n, 7, 7) and pose_T_g_M (n, 7, 6): with T_g_M; landmark (L, 3, 3) and landmark_T_g_M (L, 3, 6); T_g_M, T_s_ct,
+    T_ct_cb, T_s_d, navigation (6, 6); intrinsics_top, intrinsics_bottom (9, 9); deviation (F,): variances; deviation_T_g_M
+    (F, 6).
     """
 
     pose: Array

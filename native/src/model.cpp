@@ -241,7 +241,11 @@ void Model::refresh(bool trial, bool surface_too) {
     association_.refresh_surface(
         [&](int64_t i) { return hull.to_child(Vec3(&landmark_[3 * tables_.surface_landmark.data[i]])); });
   }
-  association_.refresh_range([&](int64_t i) { return rays_[i].ray(ray_blocks_[i].data()); }, trial);
+  const auto ray = [&](int64_t i) {
+    const Beam beam = rays_[i].at(ray_blocks_[i].data(), 0);
+    return std::pair(beam.end_hull, beam.along_hull);
+  };
+  association_.refresh_range(ray, trial);
 }
 
 std::vector<int32_t> Model::labels() const {

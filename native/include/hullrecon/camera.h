@@ -21,7 +21,7 @@ struct Projection {
 // Of a point in the camera frame. A point behind the camera gives `in_front` false: its residual is then kBehindPixels on
 // each row without derivative. So a step that carries a point behind the camera costs more than it can gain and is refused,
 // while an observation that starts there is a constant and poisons nothing else.
-inline bool project(const double* k, const Vec3& p, Projection& out) {
+inline bool project(const double* k, const Vec3& p, bool derive, Projection& out) {
   if (!(p[2] > kInFront)) return false;
   const double x = p[0] / p[2], y = p[1] / p[2], r2 = x * x + y * y;
   const double k1 = k[4], k2 = k[5], p1 = k[6], p2 = k[7], k3 = k[8];
@@ -29,6 +29,7 @@ inline bool project(const double* k, const Vec3& p, Projection& out) {
   const double xd = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x);
   const double yd = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y;
   out.pixel = {k[0] * xd + k[2], k[1] * yd + k[3]};
+  if (!derive) return true;
   const double cross = 2 * x * y * slope + 2 * p1 * x + 2 * p2 * y;  // d xd / dy = d yd / dx
   const double xx = radial + 2 * x * x * slope + 2 * p1 * y + 6 * p2 * x;
   const double yy = radial + 2 * y * y * slope + 6 * p1 * y + 2 * p2 * x;

@@ -40,6 +40,10 @@ struct FieldAt {
     for (size_t k = 0; k < weight.size(); ++k) sum += weight[k] * node[k][0];
     return sum;
   }
+  std::vector<int> sizes_after(std::vector<int> sizes) const {
+    sizes.insert(sizes.end(), weight.size(), 1);
+    return sizes;
+  }
   void derive_nodes(double* const* J, size_t first, double by_field) const {
     for (size_t k = 0; J && k < weight.size(); ++k) {
       if (J[first + k]) J[first + k][0] = by_field * weight[k];
@@ -164,14 +168,16 @@ struct InTopCamera {
   Eigen::Matrix<double, 3, 7> by_pose;
   Eigen::Matrix<double, 3, 6> by_mount;
 
-  InTopCamera(const double* landmark, const double* pose_block, const double* mount_block, const Vec3& tray_origin) {
+  InTopCamera(const double* landmark, const double* pose_block, const double* mount_block, const Vec3& tray_origin,
+              bool derive) {
     const Motion pose(pose_block), mount(mount_block);
-    const Mat3 vehicle_from_global = pose.rotation().transpose(), camera_from_tray = mount.rotation().transpose();
-    const Mat3 camera_from_vehicle = camera_from_tray * rotation_y(pose_block[7]).transpose();
-    const Vec3 in_vehicle = vehicle_from_global * (Eigen::Map<const Vec3>(landmark) - pose.t);
-    const Vec3 in_tray = rotation_y(pose_block[7]).transpose() * (in_vehicle - tray_origin);
+    const Mat3 tray_from_vehicle = rotation_y(-pose_block[7]), camera_from_tray = mount.rotation().transpose();
+    const Vec3 in_vehicle = pose.to_child(Eigen::Map<const Vec3>(landmark)),
+               in_tray = tray_from_vehicle * (in_vehicle - tray_origin);
     point = camera_from_tray * (in_tray - mount.t);
-    by_landmark = camera_from_vehicle * vehicle_from_global;
+    if (!derive) return;
+    const Mat3 camera_from_vehicle = camera_from_tray * tray_from_vehicle;
+    by_landmark = camera_from_vehicle * pose.rotation().transpose();
     by_pose << -by_landmark, camera_from_vehicle * hat(in_vehicle), -camera_from_tray * turn_y(in_tray);
     by_mount << -camera_from_tray, hat(point);
   }
@@ -186,11 +192,11 @@ struct Stereo {
 
   std::vector<int> sizes() const { return {3, 8, 7, 7, 9, 9}; }
   bool operator()(const double* const* x, double* r, double* const* J) const {
-    const InTopCamera top(x[0], x[1], x[2], tray_origin);
+    const InTopCamera top(x[0], x[1], x[2], tray_origin, J != nullptr);
     const Motion bottom_pose(x[3]);
     const Vec3 in_bottom = bottom_pose.to_child(top.point);
     Projection above, below;
-    const bool seen = project(x[4], top.point, above) && project(x[5], in_bottom, below);
+    const bool seen = project(x[4], top.point, J, above) && project(x[5], in_bottom, J, below);
     Eigen::Map<Eigen::Vector4d> out(r);
     if (seen) out << above.pixel - measured.head<2>(), below.pixel - measured.tail<2>();
     if (!seen) out.setConstant(kBehindPixels);
@@ -222,14 +228,16 @@ struct Mono {
 
   std::vector<int> sizes() const { return bottom ? std::vector{3, 8, 7, 9, 7} : std::vector{3, 8, 7, 9}; }
   bool operator()(const double* const* x, double* r, double* const* J) const {
-    const InTopCamera top(x[0], x[1], x[2], tray_origin);
+    const InTopCamera top(x[0], x[1], x[2], tray_origin, J != nullptr);
     const Motion camera = bottom ? Motion(x[4]) : Motion(Vec3::Zero(), Quaternion::Identity());
     const Vec3 point = camera.to_child(top.point);
     Projection image;
-    const bool seen = project(x[3], point, image);
+    const bool seen = project(x[3], point, J, image);
     Eigen::Map<Eigen::Vector2d> out(r);
     if (seen) out = image.pixel - measured;
-    if (!seen) out.setConstant(kBehindPixels), image.by_point.setZero(), image.by_intrinsics.setZero();
+    if (!seen) out.setConstant(kBehindPixels);
+    if (!J) return true;
+    if (!seen) image.by_point.setZero(), image.by_intrinsics.setZero();
     const Eigen::Matrix<double, 2, 3> by_top = image.by_point * camera.rotation().transpose();
     derive<2, 3>(J, 0, [&](auto& j) { j = by_top * top.by_landmark; });
     derive<2, 8>(J, 1, [&](auto& j) { j.template leftCols<7>() = by_top * top.by_pose; });
@@ -248,6 +256,21 @@ struct Facet {
   bool active = false;
 };
 
+// A DVL beam through the frames, from the DVL to M: `end` is the point at `length` along it, `along` its direction.
+struct Beam {
+  Mat3 tray;
+  Vec3 end_dvl, end_tray, end_vehicle, end_hull, along_tray, along_vehicle, along_hull;
+
+  Beam(const double* const* x, const Motion& offset, double tray_offset, const Vec3& tray_origin, const Vec3& beam,
+       double length) {
+    const Motion pose(x[0]), hull(x[1]), mount(x[2]);
+    tray = rotation_y(x[0][7] + tray_offset);
+    end_dvl = length * beam, end_tray = mount.apply(end_dvl), along_tray = mount.q * beam;
+    end_vehicle = offset.apply(tray * end_tray + tray_origin), along_vehicle = offset.q * (tray * along_tray);
+    end_hull = hull.to_child(pose.apply(end_vehicle)), along_hull = hull.q.conjugate() * (pose.q * along_vehicle);
+  }
+};
+
 // Range of a DVL beam (O 4.14), 1 row (m): predicted - measured along the beam to the plane of the triangle that it hits, moved
 // outward by the field f: cast + f / (n . d), n the outward normal, d the beam (n . d = -cos(incidence) from outside). By pose,
 // T_g_M, T_s_d and field nodes. `offset`: vehicle at the ping in the vehicle of the node. A miss: no residual, no derivative.
@@ -262,47 +285,28 @@ struct Range {
   const Facet* facet;
   const bool* refused;
 
-  std::vector<int> sizes() const {
-    std::vector<int> out{8, 7, 7};
-    out.resize(3 + field.weight.size(), 1);
-    return out;
-  }
-  // Origin and unit direction in M.
-  std::pair<Vec3, Vec3> ray(const double* const* x) const {
-    const Motion pose(x[0]), hull(x[1]), mount(x[2]);
-    const Mat3 R = rotation_y(x[0][7] + tray_offset);
-    const Vec3 origin = hull.to_child(pose.apply(offset.apply(R * mount.t + tray_origin)));
-    return {origin, hull.q.conjugate() * (pose.q * (offset.q * (R * (mount.q * beam))))};
-  }
+  std::vector<int> sizes() const { return field.sizes_after({8, 7, 7}); }
+  Beam at(const double* const* x, double length) const { return Beam(x, offset, tray_offset, tray_origin, beam, length); }
   bool operator()(const double* const* x, double* r, double* const* J) const {
     const bool on = facet->active;
-    const auto [origin, direction] = ray(x);
-    const double slope = on ? facet->normal.dot(direction) : 1.0, f = field.value(x + 3);
-    const double cast = -(facet->normal.dot(origin) + facet->offset) / slope;
+    const Beam start = at(x, 0);
+    const double slope = on ? facet->normal.dot(start.along_hull) : 1.0, f = field.value(x + 3);
+    const double cast = -(facet->normal.dot(start.end_hull) + facet->offset) / slope;
     r[0] = on ? cast + f / slope - measured : 0.0;
-    // The end of the beam moves with each frame in turn; y is cast and the field's share of the slope at once:
-    // dr = -n . d(end) / slope - f n . d(direction) / slope^2.
-    const double by_end = -1 / slope, by_direction = -f / (slope * slope);
-    const auto arm = [&](const Vec3& end, const Vec3& along) { return Vec3(by_end * end + by_direction * along); };
-    const Motion pose(x[0]), hull(x[1]), mount(x[2]);
-    const Mat3 tray = rotation_y(x[0][7] + tray_offset);
-    const Vec3 d_tray = mount.q * beam, e_tray = mount.apply(cast * beam);
-    const Vec3 d_ping = tray * d_tray, e_ping = tray * e_tray + tray_origin;
-    const Vec3 n_global = hull.q * facet->normal, n_vehicle = pose.q.conjugate() * n_global;
-    const Vec3 n_tray = tray.transpose() * (offset.q.conjugate() * n_vehicle), n_dvl = mount.q.conjugate() * n_tray;
+    if (!J) return !*refused;
+    // dr = -n . d(end) / slope - f n . d(along) / slope^2; a turn moves both at once, hence the arm.
+    const Beam b = at(x, cast);
+    const auto arm = [&](const Vec3& end, const Vec3& along) { return Vec3(-end / slope - f / (slope * slope) * along); };
+    const Vec3 n_global = Motion(x[1]).q * facet->normal, n_vehicle = Motion(x[0]).q.conjugate() * n_global;
+    const Vec3 n_tray = b.tray.transpose() * (offset.q.conjugate() * n_vehicle), n_dvl = Motion(x[2]).q.conjugate() * n_tray;
     derive<1, 8>(J, 0, [&](auto& j) {
-      j.template segment<3>(0) = by_end * n_global;
-      j.template segment<3>(3) = arm(offset.apply(e_ping), offset.q * d_ping).cross(n_vehicle);
-      j(6) = n_tray.dot(turn_y(arm(e_tray, d_tray)));
+      j << -n_global.transpose() / slope, arm(b.end_vehicle, b.along_vehicle).cross(n_vehicle).transpose(),
+          n_tray.dot(turn_y(arm(b.end_tray, b.along_tray))), 0;
     });
     derive<1, 7>(J, 1, [&](auto& j) {
-      j.template segment<3>(0) = -by_end * n_global;
-      j.template segment<3>(3) = -arm(origin + cast * direction, direction).cross(facet->normal);
+      j << n_global.transpose() / slope, facet->normal.cross(arm(b.end_hull, b.along_hull)).transpose(), 0;
     });
-    derive<1, 7>(J, 2, [&](auto& j) {
-      j.template segment<3>(0) = by_end * n_tray;
-      j.template segment<3>(3) = arm(cast * beam, beam).cross(n_dvl);
-    });
+    derive<1, 7>(J, 2, [&](auto& j) { j << -n_tray.transpose() / slope, arm(b.end_dvl, beam).cross(n_dvl).transpose(), 0; });
     field.derive_nodes(J, 3, on ? 1 / slope : 0.0);
     return !*refused;
   }
@@ -315,11 +319,7 @@ struct Surface {
   FieldAt field;
   const Facet* facet;
 
-  std::vector<int> sizes() const {
-    std::vector<int> out{3, 7};
-    out.resize(2 + field.weight.size(), 1);
-    return out;
-  }
+  std::vector<int> sizes() const { return field.sizes_after({3, 7}); }
   bool operator()(const double* const* x, double* r, double* const* J) const {
     const Motion hull(x[1]);
     const Vec3 in_hull = hull.to_child(Eigen::Map<const Vec3>(x[0])), n_global = hull.q * facet->normal;
@@ -339,7 +339,7 @@ struct FieldPrior {
   static constexpr int kRows = 1;
   FieldAt row;
 
-  std::vector<int> sizes() const { return std::vector<int>(row.weight.size(), 1); }
+  std::vector<int> sizes() const { return row.sizes_after({}); }
   bool operator()(const double* const* x, double* r, double* const* J) const {
     r[0] = row.value(x);
     row.derive_nodes(J, 0, 1.0);
