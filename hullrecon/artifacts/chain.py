@@ -5,13 +5,10 @@
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
-from hullrecon.artifacts.disk import storage_errors
-from hullrecon.artifacts.manifest import FILE_NAME, Manifest
+from hullrecon.artifacts.manifest import Manifest
 from hullrecon.artifacts.plan import Chain, Standing, assess, inputs_of, survey
 from hullrecon.artifacts.runner import Job, Means, build, make_job
 from hullrecon.artifacts.workspace import Workspace
@@ -70,7 +67,6 @@ def _bring_up_to_date(job: Job, workspace: Workspace, means: Means, from_scratch
     standing = assess(job, workspace, means.hashes)
     if standing.state == "fresh" and not from_scratch:
         log.info("%s: fresh", name)
-        _touch(job, workspace.artifact(name))
         return Outcome(standing, False, standing.manifest)
     log.info("%s: started: %s", name, "; ".join(standing.reasons) or "from scratch")
     if standing.state == "damaged":
@@ -83,14 +79,3 @@ def _bring_up_to_date(job: Job, workspace: Workspace, means: Means, from_scratch
     means.hashes.save()
     log.info("%s: done in %.1f s, %.0f MB", name, manifest.run["seconds"], manifest.run["peak_rss_bytes"] / 1e6)
     return Outcome(standing, True, manifest)
-
-
-def _touch(job: Job, artifact: Path) -> None:
-    """A fresh manifest becomes younger than its inputs': make compares times, not contents, and would ask again for ever."""
-    manifest = artifact / FILE_NAME
-    needed = [folder / FILE_NAME for folder in job.inputs.values()]
-    needed += [job.source / name for name in job.recipe.external] if job.source is not None else []
-    newest = max((path.stat().st_mtime_ns for path in needed), default=0)
-    if newest > manifest.stat().st_mtime_ns:
-        with storage_errors(artifact):
-            os.utime(manifest)

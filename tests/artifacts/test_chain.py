@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 import os
-import time
 from pathlib import Path
 from types import ModuleType
 
@@ -132,18 +131,6 @@ def test_preflight_sees_the_plan_and_may_end_the_run(toy: ModuleType, package: P
 def test_a_read_only_place_ends_with_the_folder_named(toy: ModuleType, package: Path, read_only_folder: Path) -> None:
     with pytest.raises(StorageError, match=str(read_only_folder)):
         toy.run(package, Workspace(read_only_folder / "dive"))
-
-
-def test_a_fresh_manifest_becomes_younger_than_its_inputs_so_that_make_is_content(
-    toy: ModuleType, package: Path, workspace: Workspace
-) -> None:
-    toy.run(package, workspace)
-    future = time.time_ns() - 10**9
-    for path, t in ((workspace.root / "left", future - 10**9), (workspace.root / "read", future)):
-        os.utime(path / "manifest.json", ns=(t, t))
-    assert toy.made(toy.run(package, workspace)) == []
-    written = {n: (workspace.root / n / "manifest.json").stat().st_mtime_ns for n in ("read", "left", "join")}
-    assert future < written["read"] <= written["left"] <= written["join"]
 
 
 def test_a_run_that_reads_all_data_finds_a_flip_that_hides_behind_its_time(

@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Packages, and a program whose steps take no time but depend on each other as the real ones do."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hullrecon.steps.chain import stages
+
+HERE = Path(__file__).parent
+PIPELINES = HERE.parents[1] / "pipelines"
+DIVE_TOML = """
+[dive]
+name = "{name}"
+[logs]
+files = ["log.mcap"]
+[topics]
+dvl = "/dvl"
+"""
+NEED_CAMERA = {"features", "matches", "mosaic-optical"}
+CAMERA = """
+[camera.top]
+calibration = "camera.yaml"
+"""
+
+
+@pytest.fixture
+def pipelines() -> Path:
+    return PIPELINES
+
+
+@pytest.fixture
+def make_package() -> Callable[[Path, str], Path]:
+    def make(folder: Path, name: str, *, camera: bool = False) -> Path:
+        folder.mkdir(parents=True)
+        (folder / "dive.toml").write_text(DIVE_TOML.format(name=name) + (CAMERA if camera else ""))
+        (folder / "log.mcap").write_bytes(b"log")
+        if camera:
+            (folder / "camera.yaml").write_text("image_width: 4\n")
+        return folder
+
+    return make
+
+
+@pytest.fixture
+def trace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Gets the name of each step that runs."""
+    path = tmp_path / "trace.txt"
+    path.touch()
+    monkeypatch.setenv("TOY_TRACE", str(path))
+    monkeypatch.setenv("TOY_STEPS", str(tmp_path / "steps.json"))
+    steps = [[s.name, s.inputs, s.optional, s.name in NEED_CAMERA] for s in stages()]
+    (tmp_path / "steps.json").write_text(json.dumps(steps))
+    return path
+
+
+@pytest.fixture
+def program(tmp_path: Path, trace: Path) -> Path:
+    """An executable that stands for hullrecon."""
+    path = tmp_path / "hullrecon"
+    path.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{HERE / "program.py"}" "$@"\n')
+    path.chmod(0o755)
+    return path
+
+
+@pytest.fixture
+def call() -> Callable[..., subprocess.CompletedProcess[str]]:
+    def call(*arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([str(a) for a in arguments], capture_output=True, text=True, check=False, **options)  # type: ignore[call-overload,no-any-return]
+
+    return call

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""hullrecon with steps that only join what their inputs hold; called as hullrecon is.
+
+TOY_STEPS: a JSON file of [name, inputs, optional, needs a camera]. TOY_TRACE: a file that gets a line for each step that runs.
+TOY_FAIL: a word; where it is among the arguments, navigate fails."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from hullrecon_cli.main import main
+from msgspec import Struct
+
+import hullrecon.steps.chain as chain
+from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.errors import StageError
+
+
+class Options(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    factor: int = 1
+
+
+def toy(name: str, inputs: list[str], optional: list[str], needs_camera: bool) -> Stage:
+    def run(context: Context) -> None:
+        if name == "navigate" and os.environ.get("TOY_FAIL", "?") in " ".join(sys.argv):
+            raise StageError("the path could not be reckoned", remedy="look at the DVL")
+        with open(os.environ["TOY_TRACE"], "a") as trace:
+            trace.write(f"{name}\n")
+        texts = [(folder / "text.txt").read_text() for folder in context.inputs.values()]
+        total = sum(context.map(abs, [-1, -2, -3], "values")) * context.parameters.factor
+        context.out.text("text.txt", f"{name}({','.join(texts)}){total}")
+        if name == "report":
+            context.out.text("deliver/report.txt", "done")
+
+    def no_camera(settings: Any) -> str | None:
+        return "there is no camera" if settings["camera.top"] is None else None
+
+    def files(settings: Any, source: Path) -> list[Path]:
+        return [source / file for file in settings["logs"].files]
+
+    return Stage(
+        name, name, tuple(inputs), Options, 1, run, ("camera.top", "logs"), tuple(optional),
+        files if name == "ingest" else None, no_camera if needs_camera else None,
+    )  # fmt: skip
+
+
+if __name__ == "__main__":
+    stages = {step[0]: toy(*step) for step in json.loads(Path(os.environ["TOY_STEPS"]).read_text())}
+    chain.stages = lambda: tuple(stages.values())
+    chain.stage = stages.__getitem__
+    sys.exit(main())

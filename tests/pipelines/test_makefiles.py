@@ -1,0 +1,151 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""pipelines/dive.mk and fleet.mk: make runs what is new or stale, in order, and says nothing when all is well."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+
+import pytest
+
+from hullrecon.steps.chain import stages
+
+WITHOUT_CAMERA = {"features", "matches", "mosaic-optical"}
+
+
+@pytest.fixture
+def make_dive(call, pipelines: Path, program: Path, tmp_path: Path):
+    def make(package: Path, *more: object):
+        return call(
+            "make",
+            "-f",
+            pipelines / "dive.mk",
+            f"PACKAGE={package}",
+            f"RUNS={tmp_path / 'runs'}",
+            f"HULLRECON={program}",
+            *more,
+        )
+
+    return make
+
+
+@pytest.fixture
+def make_fleet(call, pipelines: Path, program: Path, tmp_path: Path):
+    def make(*more: object):
+        names = (f"DIVES={tmp_path / 'dives'}", f"RUNS={tmp_path / 'runs'}", f"HULLRECON={program}")
+        return call("make", "-s", "-k", "-j2", "-f", pipelines / "fleet.mk", *names, *more)
+
+    return make
+
+
+def downstream(name: str, present: set[str]) -> set[str]:
+    """The step and all that takes it, by the steps' own declarations."""
+    found = {name}
+    for stage in stages():
+        if stage.name in present and found & {*stage.inputs, *stage.optional}:
+            found.add(stage.name)
+    return found
+
+
+def test_a_dive_is_made_step_by_step_and_then_left_alone(make_dive, make_package, trace: Path, tmp_path: Path) -> None:
+    package = make_package(tmp_path / "package", "kestrel")
+    first = make_dive(package, "-j", "4")
+    assert (first.returncode, first.stdout, first.stderr) == (0, "", "")
+    ran = trace.read_text().split()
+    assert len(ran) == len(set(ran))
+    assert not WITHOUT_CAMERA & set(ran)
+    assert (tmp_path / "runs/kestrel/deliver/report.txt").exists()
+    assert make_dive(package, "-q").returncode == 0
+    assert make_dive(package, "-s").stdout == ""
+    assert trace.read_text().split() == ran
+
+
+def test_a_touched_dive_is_looked_at_but_not_made_again_and_make_is_content(
+    make_dive, make_package, trace: Path, tmp_path: Path
+) -> None:
+    package = make_package(tmp_path / "package", "kestrel")
+    make_dive(package)
+    ran = trace.read_text()
+    (package / "dive.toml").touch()
+    assert make_dive(package, "-q").returncode == 1
+    assert make_dive(package).returncode == 0
+    assert make_dive(package, "-q").returncode == 0
+    assert trace.read_text() == ran
+
+
+def test_a_changed_option_makes_its_step_and_what_takes_it(make_dive, make_package, trace: Path, tmp_path: Path) -> None:
+    package = make_package(tmp_path / "package", "kestrel")
+    make_dive(package)
+    ran = trace.read_text().split()
+    (package / "dive.toml").write_text((package / "dive.toml").read_text() + "[surface]\nfactor = 2\n")
+    make_dive(package)
+    again = trace.read_text().split()[len(ran) :]
+    assert sorted(again) == sorted(downstream("surface", set(ran)))
+
+
+def test_the_rules_are_those_that_the_steps_declare(make_dive, make_package, tmp_path: Path) -> None:
+    package = make_package(tmp_path / "package", "kestrel", camera=True)
+    assert make_dive(package).returncode == 0
+    run = tmp_path / "runs" / "kestrel"
+    made = {path.parent.name for path in run.glob("*/manifest.json")}
+    assert {"features", "matches"} <= made
+    for name in sorted(made):
+        now = time.time_ns()
+        for step in made:
+            os.utime(run / step / "manifest.json", ns=(now, now + (10**9 if step == name else 0)))
+        said = make_dive(package, "-n").stdout
+        planned = {line.split()[2] for line in said.splitlines() if " --quiet " in line}
+        assert planned == downstream(name, made) - {name}, name
+
+
+def test_a_folder_without_dive_toml_is_refused(make_dive, tmp_path: Path) -> None:
+    answer = make_dive(tmp_path)
+    assert answer.returncode == 2
+    assert "is no dive package" in answer.stderr
+
+
+def test_a_fleet_is_made_and_then_left_alone_without_a_word(make_fleet, make_package, trace: Path, tmp_path: Path) -> None:
+    for name in ("kestrel", "merlin"):
+        make_package(tmp_path / "dives" / f"2026-{name}", name)
+    for _ in range(2):
+        answer = make_fleet()
+        assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
+    ran = trace.read_text().split()
+    assert ran.count("report") == 2
+    assert {p.name for p in (tmp_path / "runs").iterdir()} == {"kestrel", "merlin", "logs"}
+    assert "report: done" in (tmp_path / "runs" / "logs" / "merlin.log").read_text()
+
+
+def test_a_new_dive_is_made_and_the_others_left_alone(make_fleet, make_package, trace: Path, tmp_path: Path) -> None:
+    make_package(tmp_path / "dives" / "a", "kestrel")
+    make_fleet()
+    make_package(tmp_path / "dives" / "b", "merlin")
+    make_fleet()
+    assert trace.read_text().split().count("report") == 2
+
+
+def test_a_dive_that_fails_is_one_line_and_the_others_are_made(
+    make_fleet, make_package, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("kestrel", "merlin"):
+        make_package(tmp_path / "dives" / name, name)
+    monkeypatch.setenv("TOY_FAIL", "kestrel")
+    answer = make_fleet()
+    assert answer.returncode == 2
+    assert [line for line in answer.stderr.splitlines() if not line.startswith("make")] == [
+        "error: the path could not be reckoned: look at the DVL"
+    ]
+    assert (tmp_path / "runs/merlin/deliver/report.txt").exists()
+    monkeypatch.delenv("TOY_FAIL")
+    assert make_fleet().returncode == 0
+    assert (tmp_path / "runs/kestrel/deliver/report.txt").exists()
+
+
+def test_two_dives_of_one_name_are_refused(make_fleet, make_package, tmp_path: Path) -> None:
+    for folder in ("a", "b"):
+        make_package(tmp_path / "dives" / folder, "kestrel")
+    answer = make_fleet()
+    assert answer.returncode == 2
+    assert "the same name: kestrel kestrel" in answer.stderr
