@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The whole chain on the simulated dive of the evaluation data, judged against its truth. Figures in metres."""
+
+import json
+import re
+import shutil
+
+import pytest
+from end_to_end.shell import Shell
+
+pytestmark = pytest.mark.slow
+
+DELIVERED = [
+    "summary.json",
+    "trajectory.csv",
+    "trajectory.tum",
+    "alignment.json",
+    "landmarks.ply",
+    "colmap/images.bin",
+    "surface.ply",
+    "as_found.ply",
+    "objects.json",
+    "objects.csv",
+    "coverage.json",
+    "ortho_optical.tif",
+    "ortho_optical.png",
+    "ortho_sonar.tif",
+    "ortho_sonar.png",
+    "mosaic_optical.glb",
+    "mosaic_sonar.glb",
+    "report/index.html",
+]
+
+
+@pytest.fixture(scope="module")
+def dive(evaluation_data):
+    return evaluation_data / "dive-a"
+
+
+@pytest.fixture(scope="module")
+def figures(dive, tmp_path_factory):
+    """The run's figures against truth, and its deliverables."""
+    shell = Shell(tmp_path_factory.mktemp("dive-a"))
+    shell("run", dive, "--runs", "out", "--jobs", 2)
+    answer = json.loads(shell("evaluate", "out/dive-a", dive, "--json").stdout)
+    return answer["figures"] if "figures" in answer else answer, shell.folder / "out" / "dive-a" / "deliver"
+
+
+def test_every_deliverable_is_there(figures):
+    missing = [name for name in DELIVERED if not (figures[1] / name).exists()]
+    assert missing == []
+    assert list((figures[1] / "plots").glob("*.png"))
+
+
+def test_the_trajectory_is_within_millimetres_and_honest_along_the_hull(figures):
+    t = figures[0]["trajectory"]
+    assert t["share_of_true_frames_with_a_pose"] >= 0.98
+    assert t["girth_rmse_m"] <= 0.06
+    assert t["normal_rmse_m"] <= 0.03
+    assert t["rigid_rmse_m"] <= 0.003
+    assert t["error_over_sigma_x"] <= 4
+
+
+def test_the_cameras_are_as_good_as_images_alone_and_metric(figures):
+    c = figures[0]["cameras"]
+    assert c["images"] >= 225
+    assert c["similarity_rmse_m"] <= 0.0015
+    assert c["scale_error_percent"] <= 0.1
+
+
+def test_landmarks_and_their_labels(figures):
+    m = figures[0]["landmarks"]
+    assert m["aligned_median_m"] <= 0.004
+    assert m["off_recall"] >= 0.9
+    assert m["off_precision"] >= 0.8
+
+
+def test_surfaces(figures):
+    assert figures[0]["surface"]["aligned_rmse_m"] <= 0.020
+    assert figures[0]["as_found"]["aligned_rmse_m"] <= 0.006
+
+
+def test_objects_are_found_once_and_nothing_false(figures):
+    o = figures[0]["objects"]
+    assert o["recall"] == 1.0
+    assert o["false_reports"] == 0
+    assert o["reported_twice"] == 0
+    assert o["height_error_worst_m"] <= 0.02
+
+
+def without(dive, tmp_path, *patterns):
+    """A copy of the package whose dive.toml lost what the patterns name."""
+    copy = shutil.copytree(dive, tmp_path / "dive-a")
+    path = copy / "dive.toml"
+    path.chmod(0o644)
+    text = path.read_text()
+    for pattern in patterns:
+        text, count = re.subn(pattern, "", text, flags=re.MULTILINE)
+        assert count == 1, pattern
+    path.write_text(text)
+    return copy
+
+
+CAMERA_TOP = (r"^camera_top = .*\n", r"^\[camera\.top\]\n(?:.+\n)+")
+CAMERA_BOTTOM = (r"^camera_bottom = .*\n", r"^\[camera\.bottom\]\n(?:.+\n)+")
+HULL = (r"^\[hull\]\n(?:.+\n?)+",)
+
+
+def test_without_cameras_there_are_surface_and_sonar_mosaic(dive, shell, tmp_path):
+    package = without(dive, tmp_path, *CAMERA_TOP, *CAMERA_BOTTOM)
+    shell("run", package, "--runs", "out")
+    deliver = shell.folder / "out" / "dive-a" / "deliver"
+    for name in ("trajectory.csv", "surface.ply", "ortho_sonar.tif", "mosaic_sonar.glb", "report/index.html"):
+        assert (deliver / name).exists(), name
+    assert not list(deliver.glob("*optical*"))
+    absent = json.dumps(json.loads((deliver / "summary.json").read_text()))
+    assert "no camera was carried" in absent
