@@ -11,7 +11,7 @@ from end_to_end.shell import Shell
 
 pytestmark = pytest.mark.slow
 
-DELIVERED = [
+DELIVERED = (
     "summary.json",
     "trajectory.csv",
     "trajectory.tum",
@@ -30,7 +30,7 @@ DELIVERED = [
     "mosaic_optical.glb",
     "mosaic_sonar.glb",
     "report/index.html",
-]
+)
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def figures(dive, tmp_path_factory):
     shell = Shell(tmp_path_factory.mktemp("dive-a"))
     shell("run", dive, "--runs", "out", "--jobs", 2)
     answer = json.loads(shell("evaluate", "out/dive-a", dive, "--json").stdout)
-    return answer["figures"] if "figures" in answer else answer, shell.folder / "out" / "dive-a" / "deliver"
+    return answer.get("figures", answer), shell.folder / "out" / "dive-a" / "deliver"
 
 
 def test_every_deliverable_is_there(figures):
