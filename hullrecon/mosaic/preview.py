@@ -40,10 +40,10 @@ def preview_png(picture: NDArray[np.uint8], west: float, north: float, step_m: f
     axis.set_facecolor(UNSEEN)
     extent = (west, west + width * step_m, north - height * step_m, north)
     axis.imshow(stretched(_rgba(picture)), extent=extent, interpolation="antialiased", aspect="equal")
-    side = "left" if caption.flips[0] else "right"
     axis.set_title(caption.title, loc="left", fontsize=12, color=INK, fontweight="bold")
-    axis.set_xlabel(f"along the hull in {caption.frame}, forward to the {side} (m)\n{caption.legend}", fontsize=9, color=INK)
-    axis.set_ylabel("girth from the keel, upwards (m)", fontsize=9, color=INK)
+    along, girth = _axis_names(caption)
+    axis.set_xlabel(f"{along}\n{caption.legend}", fontsize=9, color=INK)
+    axis.set_ylabel(girth, fontsize=9, color=INK)
     axis.tick_params(labelsize=8, colors=INK)
     if caption.frame_spacing_m:
         _frame_numbers(axis, caption.frame_spacing_m)
@@ -52,6 +52,14 @@ def preview_png(picture: NDArray[np.uint8], west: float, north: float, step_m: f
     buffer = BytesIO()
     figure.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()
+
+
+def _axis_names(caption: Caption) -> tuple[str, str]:
+    """In M the chart is the ship's; in g it is a plane through the survey."""
+    if caption.frame != "M":
+        return "along the survey's plane (m)", "across the survey's plane (m)"
+    side = "left" if caption.flips[0] else "right"
+    return f"along the hull in M, forward to the {side} (m)", "girth from the keel (m)"
 
 
 def stretched(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -42,7 +42,7 @@ def absences(sections: Mapping[str, Any], steps: Collection[str], solution: Solu
 def _reason(step: str, camera: bool, sonar: bool, ran: bool) -> str:
     if ran:
         return ""
-    if not camera and step in ("mosaic-optical", "detect"):
+    if not camera and step == "mosaic-optical":
         return "no camera was carried"
     if not sonar and step == "mosaic-sonar":
         return "no imaging sonar was carried"

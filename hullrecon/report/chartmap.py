@@ -105,7 +105,7 @@ def deviation_png(found: ChartedSurface, extent: Extent, marks: list[tuple[str, 
     width, height = extent.size
     figure, axis = new_figure(7.6, min(7.0, max(2.2, 6.3 * height / width + 0.8)))
     faces = seen_faces(found)
-    axis.set(xlim=extent.drawn[0], ylim=extent.drawn[1], aspect="equal", xlabel="along (m)", ylabel="girth from the keel (m)")
+    axis.set(xlim=extent.drawn[0], ylim=extent.drawn[1], aspect="equal", xlabel="along (m)", ylabel="girth (m)")
     if len(faces):
         value = 1000 * found.surface.deviation
         weight = np.where(np.isin(np.arange(len(value)), faces) & np.isfinite(value), vertex_area(found.surface), 0.0)

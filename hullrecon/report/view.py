@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import __version__
-from hullrecon.geometry.outside import flips
+from hullrecon.geometry.outside import UP, flips
 from hullrecon.report.cards import Crop, best_crop, jpeg_uri
 from hullrecon.report.chartmap import ChartedSurface, Extent, charted, deviation_png, extent_of, ground_png
 from hullrecon.report.figures import Plot
@@ -76,7 +76,7 @@ def chart_view(survey: Survey) -> ChartView | None:
     corners = np.vstack([path, objects, seen])
     if not np.isfinite(corners).all(axis=1).any():
         return None
-    return ChartView(extent_of(corners, flips(survey.chart, path)), path, objects, found)
+    return ChartView(extent_of(corners, flips(survey.chart, path, UP[survey.track.frame])), path, objects, found)
 
 
 def plan_of(survey: Survey, view: ChartView) -> str:

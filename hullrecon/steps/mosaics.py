@@ -15,7 +15,7 @@ from hullrecon.dive.records import Solution, Surface, Trajectory, from_arrays
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.chart import chart_from_arrays
 from hullrecon.geometry.meshes import Mesh
-from hullrecon.geometry.outside import flips
+from hullrecon.geometry.outside import UP, flips
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.ground import Ground
 from hullrecon.mosaic.preview import Caption, preview_png
@@ -76,7 +76,7 @@ def write_mosaic(
 
 def _seen_from_outside(place: Scenery, grid: TexelGrid) -> tuple[bool, bool]:
     rows, columns = (np.linspace(0, n - 1, 12) for n in (grid.height, grid.width))
-    return flips(place.ground.chart, grid.centers(rows, columns).reshape(-1, 2))
+    return flips(place.ground.chart, grid.centers(rows, columns).reshape(-1, 2), UP[place.track.frame])
 
 
 def mosaic_document(store: TileStore, frame: str, facts: Mapping[str, Any]) -> dict[str, Any]:

@@ -29,7 +29,7 @@ CAMERA = Camera(width=400, height=320, fx=500.0, fy=500.0, cx=199.5, cy=159.5)
 
 @dataclass(frozen=True)
 class FlatChart:
-    """along is x, girth is y, outward is -z: seen from outside, along has to be drawn to the left."""
+    """along is x, girth is y, outward is -z: with along to the right and girth up it is seen from inside."""
 
     def to_chart(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(points, float) * [1, 1, -1]

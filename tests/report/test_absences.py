@@ -20,7 +20,7 @@ def test_a_whole_dive_lacks_nothing(solution: Solution) -> None:
 def test_without_cameras_all_that_needs_images_says_so(solution: Solution) -> None:
     blind = replace(solution, landmark=np.zeros((0, 3)))
     reasons = absences({**ALL, "camera.top": None}, ("ingest", "navigate", "adjust", "surface", "mosaic-sonar"), blind)
-    assert {reasons[k] for k in ("ortho_optical.tif", "objects.json", "landmarks.ply", "colmap/")} == {"no camera was carried"}
+    assert {reasons[k] for k in ("ortho_optical.tif", "landmarks.ply", "colmap/")} == {"no camera was carried"}
     assert "ortho_sonar.tif" not in reasons
 
 

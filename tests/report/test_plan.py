@@ -112,7 +112,7 @@ def test_faces_across_the_seam_of_the_chart_are_left_out(plate: Surface) -> None
 def test_a_chart_seen_from_inside_is_drawn_flipped(survey: Survey) -> None:
     view = chart_view(survey)
     assert view is not None
-    assert view.extent.flips == (False, True)  # girth is negative: the other side of the keel
+    assert view.extent.flips == (True, False)
 
 
 def test_the_vehicles_sigma_is_given_along_and_in_girth(survey: Survey) -> None:
