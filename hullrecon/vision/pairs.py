@@ -17,7 +17,8 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 RETURN = 0.2  # of overlap: the vehicle had gone and come back, it did not just move on slowly
-_GRID = 8  # cells of the footprint along each side
+GRID = 8  # cells of the footprint along each side
+FINE_GRID = 32  # where small steps count
 
 
 @dataclass(frozen=True)
@@ -48,22 +49,24 @@ def propose(
     return keyframes, Proposal(first[order], second[order], across[order], overlap[order])
 
 
-def footprint_overlap(survey: Survey, first: Ints, second: Ints, depth_m: Array, camera: Camera, sigmas: float = 0.0) -> Array:
+def footprint_overlap(
+    survey: Survey, first: Ints, second: Ints, depth_m: Array, camera: Camera, sigmas: float = 0.0, grid: int = GRID
+) -> Array:
     """Share (m,) of a grid on each image that falls into the other, the smaller of both ways; NaN where depth is unknown.
 
     sigmas: the image looked into is widened by that many sigmas of the relative position.
     """
     if len(first) == 0:
         return np.zeros(0)
-    one = _share(survey, first, second, depth_m, camera, sigmas)
-    other = _share(survey, second, first, depth_m, camera, sigmas)
+    one = _share(survey, first, second, depth_m, camera, sigmas, grid)
+    other = _share(survey, second, first, depth_m, camera, sigmas, grid)
     return np.minimum(one, other)
 
 
-def _share(survey: Survey, source: Ints, target: Ints, depth_m: Array, camera: Camera, sigmas: float) -> Array:
-    middle = (np.arange(_GRID) + 0.5) / _GRID
+def _share(survey: Survey, source: Ints, target: Ints, depth_m: Array, camera: Camera, sigmas: float, grid: int) -> Array:
+    middle = (np.arange(grid) + 0.5) / grid
     u, v = np.meshgrid(middle * camera.width - 0.5, middle * camera.height - 0.5)
-    rays = np.hstack([camera.undistort(np.stack([u.ravel(), v.ravel()], 1)), np.ones((_GRID**2, 1))])
+    rays = np.hstack([camera.undistort(np.stack([u.ravel(), v.ravel()], 1)), np.ones((grid**2, 1))])
     poses = survey.global_from_camera
     relative = (poses[target].inverse() @ poses[source]).matrix()
     points = rays[None] * depth_m[source][:, None, None]
@@ -86,13 +89,13 @@ def _keyframes(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, most
     """Nodes that left the footprint of the keyframe before by enough; where no depth is known all are."""
     if len(nodes) < 2 or most >= 1:
         return nodes
-    step = footprint_overlap(survey, nodes[:-1], nodes[1:], depth_m, camera)
+    step = footprint_overlap(survey, nodes[:-1], nodes[1:], depth_m, camera, grid=FINE_GRID)
     if not (step > most).any():
         return nodes
     kept = [int(nodes[0])]
     for node, close in zip(nodes[1:].tolist(), (step > most).tolist(), strict=True):
         last = np.array([kept[-1]])
-        if close and footprint_overlap(survey, last, np.array([node]), depth_m, camera)[0] > most:
+        if close and footprint_overlap(survey, last, np.array([node]), depth_m, camera, grid=FINE_GRID)[0] > most:
             continue
         kept.append(node)
     return np.array(kept, np.int64)
@@ -107,8 +110,8 @@ def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
 
 
 def _across(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, options: MatchOptions) -> tuple[Ints, Ints, Array]:
-    """For each node those to which the vehicle came back whose footprints overlap most, were navigation right; at least min_overlap within
-    3 sigma of it."""
+    """For each node those to which the vehicle came back and whose footprints overlap most, were navigation right; of the ones
+    that overlap by min_overlap within 3 sigma of it."""
     first, second = _near(survey, nodes, depth_m, camera, options.sequential)
     possible = footprint_overlap(survey, first, second, depth_m, camera, sigmas=3.0) >= options.min_overlap
     first, second = first[possible], second[possible]
@@ -141,7 +144,7 @@ def _near(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, reach: in
 def _lowest_between(
     survey: Survey, nodes: Ints, first: Ints, second: Ints, depth_m: Array, camera: Camera, least: float
 ) -> Array:
-    """The smallest overlap (m,) with the first node that the vehicle had on its way to the second; 0 once it fell below `least`.
+    """Smallest overlap (m,) with the first node that the vehicle had on its way to the second; 0 once it fell below `least`.
 
     first, second: ranks among the nodes.
     """

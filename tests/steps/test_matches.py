@@ -56,11 +56,8 @@ def write_features(folder, global_from_top, paint):
 
 def see(global_from_camera, paint):
     """The wall z = 1.3 m as that camera sees it; the paint's pixel (500, 500) is at x = y = 0."""
-    wall_from_paint = np.array(
-        [[1 / PIXELS_PER_M, 0, -500 / PIXELS_PER_M], [0, 1 / PIXELS_PER_M, -500 / PIXELS_PER_M], [0, 0, 1]]
-    )
-    camera_from_global = np.linalg.inv(global_from_camera)
-    x, y, z, origin = camera_from_global[:3].T
+    wall_from_paint = np.array([[1, 0, -500], [0, 1, -500], [0, 0, PIXELS_PER_M]]) / PIXELS_PER_M
+    x, y, z, origin = np.linalg.inv(global_from_camera)[:3].T
     plane = np.column_stack([x, y, z * WALL_M + origin])
     return cv2.warpPerspective(paint, CAMERA.matrix() @ plane @ wall_from_paint, (CAMERA.width, CAMERA.height))
 

@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Real stereo of a dark seabed (stereo-haltbrekken): wide steps, marine snow, unequal lamps, a rough calibration."""
+
+import os
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.poses import Poses
+from hullrecon.vision.features import FeatureOptions, extract
+from hullrecon.vision.landmarks import NodeFeatures
+from hullrecon.vision.odometry import chain
+from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.rig import Rig
+
+DATA = Path(os.environ.get("HULLRECON_DATA", Path(__file__).parents[2].parent / "shared" / "data")) / "stereo-haltbrekken"
+PAIRS = range(26, 42)
+
+
+@pytest.fixture(scope="module")
+def rig():
+    """The calibration that SOURCE.md derives from the images; the left camera is the top one."""
+    turn = Rotation.from_rotvec(np.radians([1.49, -2.70, 4.58]))
+    shift = np.array([-0.982, -0.136, -0.133])
+    right_from_left = Poses(turn.as_quat()[None], 0.305 * shift[None] / np.linalg.norm(shift))
+    left = Camera(1360, 1024, 1594.0, 1594.0, 680.0, 512.0, 0.125)
+    return Rig(left, Camera(1360, 1024, 1565.0, 1565.0, 680.0, 512.0, 0.112), right_from_left.inverse())
+
+
+def read(pair):
+    images = [cv2.imread(str(DATA / f"{side}CameraRun1_{pair:02d}.jpg"), cv2.IMREAD_COLOR_RGB) for side in ("Left", "Right")]
+    return NodeFeatures(*(extract(image, FeatureOptions()) for image in images))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.exists(), reason="no evaluation data: stereo-haltbrekken is not there")
+def test_sixteen_real_pairs_make_one_chain_without_navigation(rig):
+    found = chain(rig, PAIRS, read, MatchOptions())
+    assert [match.reason.name for match in found] == ["MATCHED"] * 15
+    steps = np.array([np.linalg.norm(match.motion.second_from_first[:3, 3]) for match in found])
+    assert ((steps[:-1] > 0.33) & (steps[:-1] < 0.58)).all()  # 0.37 to 0.55 m by an independent reconstruction
+    assert steps[-1] == pytest.approx(0.11, abs=0.03)
