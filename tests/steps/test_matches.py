@@ -78,8 +78,11 @@ def write_trajectory(folder, global_from_top, image=None):
 def run(dive, out, navigate="navigate", stereo=True, jobs=1, **options):
     top, bottom = CameraTop(calibration="t", mount=(0,) * 6), CameraBottom(calibration="b", pose_in_top=BELOW)
     sections = {
-        "camera": Cameras(top=top, bottom=bottom if stereo else None), "tray": Tray(), "dvl": Dvl(), "matches": MatchOptions(**options),
-    }  # fmt: skip
+        "camera": Cameras(top=top, bottom=bottom if stereo else None),
+        "tray": Tray(),
+        "dvl": Dvl(),
+        "matches": MatchOptions(**options),
+    }
     inputs = {name: dive.folder / (navigate if name == "navigate" else name) for name in ("ingest", "navigate", "features")}
     run_stage(STAGE, sections, inputs, out, jobs=jobs)
     with np.load(out / "tracks.npz") as tracks, np.load(out / "pairs.npz") as pairs:

@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import pickle
+
+import numpy as np
+import pytest
+
+from hullrecon.geometry.poses import exp
+from hullrecon.vision.bench import Bench, MatchNode, MatchPairs, Node, Pair
+from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pairwise import Reason, match_pair
+from hullrecon.vision.rig import Rig
+from hullrecon.vision.stereo import no_matches
+from hullrecon.vision.store import GrowingArray
+from hullrecon.vision.transfer import Motion
+from hullrecon.vision.views import DepthPrior
+
+PRIOR = DepthPrior(1.3, 0.2, 0.8, 2.0)
+DOUBT = np.diag([0.02**2] * 3 + [0.01**2] * 3)
+
+
+@pytest.fixture
+def nodes(look):
+    return [look([0.25 * k, 0, 0, 0, 0, 0], seed=k) for k in range(3)]
+
+
+@pytest.fixture
+def bench(tmp_path, rig, nodes):
+    """The features of three nodes on disk; the top camera's images score 0.8, 0.0 and 0.8, all of the bottom's 0.6."""
+    index = {}
+    for camera in ("top", "bottom"):
+        found = [getattr(node, camera) for node in nodes]
+        index[f"camera_{camera}_start"] = np.concatenate([[0], np.cumsum([len(f) for f in found])])
+        index[f"camera_{camera}_saliency"] = np.array([0.8, 0.0, 0.8] if camera == "top" else [0.6] * 3)
+        for kind, width, dtype in (("keypoints", 4, np.float32), ("descriptors", 128, np.uint8), ("color", 3, np.uint8)):
+            with GrowingArray(tmp_path / f"{kind}_camera_{camera}.npy", width, dtype) as file:
+                for features in found:
+                    file.append(getattr(features, kind))
+    np.savez(tmp_path / "index.npz", **index)
+    return Bench(tmp_path, rig, True, MatchOptions())
+
+
+def filled(bench, k):
+    bare = Node((k, k), PRIOR, no_matches())
+    return Node(bare.image, PRIOR, MatchNode(bench)(bare)[1])
+
+
+def test_work_on_a_node_survives_the_way_to_another_process(bench, nodes):
+    count, stereo = pickle.loads(pickle.dumps(MatchNode(bench)))(Node((1, 1), PRIOR, no_matches()))
+    assert count == len(nodes[1].top)
+    np.testing.assert_array_equal(nodes[1].top_id[stereo.top], nodes[1].bottom_id[stereo.bottom])
+
+
+def test_a_block_gives_each_pair_what_it_gets_alone(bench, rig, nodes):
+    members = {k: filled(bench, k) for k in range(3)}
+    pairs = [
+        Pair(a, b, Motion((nodes[b].pose.inverse() @ nodes[a].pose @ exp([[0.01, 0, 0, 0, 0, 0]])).matrix()[0], DOUBT), False)
+        for a, b in ((0, 1), (0, 2), (1, 2))
+    ]
+    together = pickle.loads(pickle.dumps(MatchPairs(bench)))((members, pairs))
+    for pair, found in zip(pairs, together, strict=True):
+        views = bench.view(members[pair.first]), bench.view(members[pair.second])
+        alone = match_pair(rig, *views, pair.expected, bench.options, (bench.options.seed, pair.first, pair.second), False)
+        assert found.reason is Reason.MATCHED
+        np.testing.assert_array_equal(found.first, alone.first)
+        np.testing.assert_array_equal(found.second, alone.second)
+
+
+def test_a_node_is_as_salient_as_the_image_that_leads(bench):
+    assert bench.saliency(Node((0, 0), PRIOR, no_matches())) == 0.8
+    assert bench.saliency(Node((-1, 0), PRIOR, no_matches())) == 0.6
+    assert bench.saliency(Node((-1, -1), PRIOR, no_matches())) == 0.0
+
+
+def test_a_node_without_an_image_has_nothing_to_match(bench):
+    count, stereo = MatchNode(bench)(Node((-1, -1), None, no_matches()))
+    assert (count, len(stereo)) == (0, 0)
+
+
+def test_a_mono_bench_reads_no_bottom_images(bench, nodes):
+    mono = Bench(bench.features, Rig(bench.rig.top), False, bench.options)
+    assert len(mono.read((0, 0)).bottom) == 0
+    assert len(mono.read((0, 0)).top) == len(nodes[0].top)
+    assert not mono.view(Node((0, 0), PRIOR, no_matches())).stereo.any()
