@@ -9,8 +9,9 @@
 #include <limits>
 #include <random>
 
-#include "expect.h"
 #include "twins.h"
+
+#include "expect.h"
 
 using Blocks = std::vector<std::vector<double>>;
 using Matrix = Eigen::MatrixXd;

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hullrecon/cost.h"
 
-#include "expect.h"
 #include "hullrecon/factors.h"
 #include "hullrecon/manifolds.h"
 #include "hullrecon/mixture.h"
+
+#include "expect.h"
 
 using namespace hullrecon;
 

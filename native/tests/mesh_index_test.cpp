@@ -4,9 +4,10 @@
 
 #include <random>
 
-#include "expect.h"
 #include "hullrecon/association.h"
 #include "hullrecon/errors.h"
+
+#include "expect.h"
 
 using namespace hullrecon;
 
