@@ -23,6 +23,7 @@ def trajectory_covariance(path: Reckoning, at: Instant, depth: Depth | None) -> 
     """
     v = path.vehicle
     J = _derivatives(at)
+    J[:, :3] -= _derivatives(path.at(np.array([path.start_ns])))[:, :3]  # the path is counted from there
     sigma = np.concatenate(
         [[v.sigma_scale, v.sigma_drift], v.sigma_mount[3:], [v.sigma_tray], np.full(2, v.sigma_tilt_bias), [v.sigma_tilt]]
     )
@@ -42,7 +43,7 @@ def trajectory_covariance(path: Reckoning, at: Instant, depth: Depth | None) -> 
 
 
 def _derivatives(at: Instant) -> Array:
-    """(n, 6, 9) by scale, heading drift, mount (3), play, roll and pitch bias, heading at the start; the start's taken off."""
+    """(n, 6, 9) by scale, heading drift, mount (3), play, roll and pitch bias, heading at the start."""
     swung = -at.rotation.as_matrix() @ cross_matrix(at.lever)
     turned = np.cross(UP_DOWN, at.t_s[:, None] * at.instrument - at.sums[:, :, 1] + _lever_drift(at))
     play = at.sums[:, :, PLAY][:, :, 0] - at.direction[:, None] * at.rotation.apply(at.lever_by_tray)
@@ -54,7 +55,6 @@ def _derivatives(at: Instant) -> Array:
     J[:, :3, 5] = play
     J[:, :3, 6:8] = tilt
     J[:, :3, 8] = np.cross(UP_DOWN, at.poses().translation)
-    J[:, :3] -= J[:1, :3]
     J[:, 3:, 1] = at.rotation.as_matrix()[:, 2] * at.t_s[:, None]
     J[:, 3, 6] = J[:, 4, 7] = 1.0
     J[:, 3:, 8] = at.rotation.as_matrix()[:, 2]

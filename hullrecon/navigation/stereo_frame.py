@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,10 @@ from hullrecon.navigation.vehicle import cross_matrix
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Picture = NDArray[np.uint8]
+Floats = NDArray[np.float32]
+Bools = NDArray[np.bool_]
+BLOCK = 256  # descriptors compared at a time
+UNLIKE = 0.8  # squared distance of descriptors that have nothing in common: a lone candidate must be nearer than to those
 RATIO = 0.85  # nearest to second nearest descriptor, Lowe's test; the geometry refuses what it lets through
 
 
@@ -38,7 +43,7 @@ class Features:
     """Of one image: ideal (n, 2) coordinates x/z, y/z; descriptor (n, 128) float32 of unit length."""
 
     ideal: Array
-    descriptor: NDArray[np.float32]
+    descriptor: Floats
 
 
 @dataclass(frozen=True)
@@ -76,39 +81,47 @@ def find_features(picture: Picture | None, camera: Camera, most: int) -> Feature
 
 
 def stereo_matches(a: Features, b: Features, rig: StereoRig) -> Ints:
-    """Rows (m, 2) of features that lie on each other's epipolar line, in front of both cameras, and look alike."""
-    if len(a.ideal) < 2 or len(b.ideal) < 2:
-        return np.zeros((0, 2), np.int64)
-    off = epipolar_distance(a.ideal, b.ideal, rig)
-    return mutual_best(a.descriptor, b.descriptor, off * rig.top.fx <= 2.0 * rig.sigma_px + rig.slack_px)
+    """Rows (m, 2) of features that lie on each other's epipolar line and look alike."""
+    reach = (2.0 * rig.sigma_px + rig.slack_px) / rig.top.fx
+    return mutual_best(a.descriptor, b.descriptor, lambda rows: epipolar_distance(a.ideal[rows], b.ideal, rig) <= reach)
 
 
-def epipolar_distance(a: Array, b: Array, rig: StereoRig) -> Array:
+def epipolar_distance(a: Array, b: Array, rig: StereoRig) -> Floats:
     """(n, m): Sampson distance of every pair of ideal points, in units of focal length."""
     R, t = rig.T_ct_cb.rotation.as_matrix()[0], rig.T_ct_cb.translation[0]
     E = cross_matrix(t[None])[0] @ R  # x_a' E x_b = 0
     xa, xb = np.hstack([a, np.ones((len(a), 1))]), np.hstack([b, np.ones((len(b), 1))])
     line_a, line_b = xb @ E.T, xa @ E
-    slope = np.sqrt((line_a[:, :2] ** 2).sum(axis=1)[None] + (line_b[:, :2] ** 2).sum(axis=1)[:, None])
-    return np.asarray(np.abs(line_b @ xb.T) / np.maximum(slope, 1e-12))
+    slope_a, slope_b = ((line[:, :2] ** 2).sum(axis=1).astype(np.float32) for line in (line_a, line_b))
+    off = line_b.astype(np.float32) @ xb.T.astype(np.float32)
+    return np.asarray(np.abs(off) / np.sqrt(np.maximum(slope_a[None] + slope_b[:, None], 1e-20)))
 
 
-def mutual_best(a: NDArray[np.float32], b: NDArray[np.float32], allowed: NDArray[np.bool_] | None = None) -> Ints:
-    """Rows (m, 2) that are each other's nearest descriptor among the allowed, clearly nearer than a's second."""
-    if len(a) < 1 or len(b) < 1:
-        return np.zeros((0, 2), np.int64)
-    squared = np.maximum(2.0 - 2.0 * (a @ b.T), 0.0)
-    if allowed is not None:
-        squared[~allowed] = np.inf
-    best = np.argmin(squared, axis=1)
-    first = squared[np.arange(len(a)), best]
-    second = np.partition(squared, 1, axis=1)[:, 1] if len(b) > 1 else np.full(len(a), np.inf)
-    good = (
-        np.isfinite(first)
-        & (first < RATIO**2 * np.minimum(second, 0.8))
-        & (np.argmin(squared, axis=0)[best] == np.arange(len(a)))
-    )
-    return np.stack([np.flatnonzero(good), best[good]], axis=1).astype(np.int64)
+def mutual_best(a: Floats, b: Floats, allowed: Callable[[slice], Bools] | None = None) -> Ints:
+    """Rows (m, 2) that are each other's nearest descriptor among the allowed, clearly nearer than a's second.
+
+    allowed: from rows of a to a mask (rows, len(b)). Worked through in blocks that stay in the cache.
+    """
+    best = np.zeros(len(a), np.int64)
+    first, second = np.full(len(a), np.inf, np.float32), np.full(len(a), np.inf, np.float32)
+    back, back_first = np.full(len(b), -1), np.full(len(b), np.inf, np.float32)
+    for start in range(0, len(a) if len(b) else 0, BLOCK):
+        rows = slice(start, min(start + BLOCK, len(a)))
+        squared = np.maximum(2.0 - 2.0 * (a[rows] @ b.T), 0.0)
+        if allowed is not None:
+            squared[~allowed(rows)] = np.inf
+        nearest, least = np.argmin(squared, axis=0), squared.min(axis=0)
+        closer = least < back_first
+        back[closer], back_first[closer] = start + nearest[closer], least[closer]
+        best[rows] = np.argmin(squared, axis=1)
+        own = (np.arange(len(squared)), best[rows])
+        first[rows] = squared[own]
+        squared[own] = np.inf
+        second[rows] = squared.min(axis=1)
+    good = np.isfinite(first) & (first < RATIO**2 * np.minimum(second, UNLIKE))
+    row = np.flatnonzero(good)
+    row = row[back[best[row]] == row]
+    return np.stack([row, best[row]], axis=1)
 
 
 def triangulate(a: Array, b: Array, rig: StereoRig) -> tuple[Array, Array]:

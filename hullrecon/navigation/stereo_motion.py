@@ -90,11 +90,23 @@ def _seen_again(
     """Points of frame i matched to features of one image of frame j within a radius of where they should be."""
     there = T_ct_c.inverse().apply(T_j_i.apply(i.point))
     expected = there[:, :2] / np.where(there[:, 2:] > 0, there[:, 2:], np.nan)
-    apart = np.linalg.norm(expected[:, None] - features.ideal[None], axis=2)
+    near = _within(expected, features.ideal, radius_px / focal_px)
     own = (i.top, i.bottom)[side].descriptor[i.rows[:, side]]
-    match = mutual_best(own, features.descriptor, apart * focal_px <= radius_px)
+    match = mutual_best(own, features.descriptor, lambda rows: near[rows])
     row = match[:, 0]
     return Sightings(i.point[row], i.covariance[row], features.ideal[match[:, 1]], T_ct_c, focal_px)
+
+
+def _within(a: Array, b: Array, reach: float) -> NDArray[np.bool_]:
+    """(n, m): whether points of the plane are nearer than that; never where one is NaN. By trees, since few pairs are."""
+    from scipy.spatial import KDTree
+
+    out = np.zeros((len(a), len(b)), bool)
+    known = np.flatnonzero(np.isfinite(a).all(axis=1))
+    if len(known) and len(b):
+        pairs = KDTree(a[known]).sparse_distance_matrix(KDTree(b), reach, output_type="ndarray")
+        out[known[pairs["i"]], pairs["j"]] = True
+    return out
 
 
 def _adjusted(sightings: list[Sightings], T_j_i: Poses, sigma_px: float, rounds: int = 15) -> StereoMotion | None:

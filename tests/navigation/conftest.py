@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
+from hullrecon.geometry import poses
+from hullrecon.geometry.poses import Poses
+from hullrecon.navigation.navigate import Logs
+from hullrecon.navigation.vehicle import Vehicle
+
+START_NS = 1_777_887_000_000_000_000
+JANUS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
+
+
+def nanoseconds(t_s: np.ndarray) -> np.ndarray:
+    return START_NS + np.round(t_s * 1e9).astype(np.int64)
+
+
+@dataclass(frozen=True)
+class Swim:
+    """A swum path whose every quantity is known in closed form: seconds to poses, tray and sensor readings."""
+
+    vehicle: Vehicle
+    duration_s: float = 40.0
+
+    def attitude(self, t: np.ndarray) -> Rotation:
+        rpy = [0.04 * np.sin(0.5 * t), 0.06 * np.cos(0.37 * t), 0.3 * np.sin(0.11 * t)]
+        return Rotation.from_euler("xyz", np.stack(rpy, axis=1))
+
+    def place(self, t: np.ndarray) -> np.ndarray:
+        return np.stack([0.3 * t, 1.5 * np.sin(0.2 * t), 2.0 + 0.5 * np.sin(0.15 * t)], axis=1)
+
+    def tray(self, t: np.ndarray) -> np.ndarray:
+        return 0.3 + 0.25 * np.sin(0.3 * t)
+
+    def poses(self, t: np.ndarray) -> Poses:
+        return Poses(self.attitude(t).as_quat(), self.place(t))
+
+    def instrument(self, t: np.ndarray) -> Poses:
+        return self.poses(t) @ poses.tray(self.vehicle.tray_origin, self.tray(t)) @ self.vehicle.T_s_d
+
+    def velocity(self, t: np.ndarray) -> np.ndarray:
+        """Of the instrument in dvl: central differences of its path, good to 1e-8 m/s."""
+        h = 1e-4
+        v_g = (self.instrument(t + h).translation - self.instrument(t - h).translation) / (2 * h)
+        return self.instrument(t).rotation.inv().apply(v_g)
+
+    def rates(self, t: np.ndarray) -> np.ndarray:
+        h = 1e-4
+        return (self.attitude(t - h).inv() * self.attitude(t + h)).as_rotvec() / (2 * h)
+
+    def logs(self, noise: float = 0.0, seed: int = 0, dvl_hz: float = 20.0, imu_hz: float = 50.0) -> Logs:
+        """noise 1: usual instruments; 0: perfect ones, sampled fast enough that sampling does not show."""
+        rng = np.random.default_rng(seed)
+        end = self.duration_s
+        t = np.arange(0, end, 1 / dvl_hz)
+        ti = np.arange(-0.5, end + 0.5, 1 / imu_hz)
+        tp = np.arange(-0.3, end, 0.1)
+        drift = Rotation.from_rotvec(noise * np.radians(0.1) * rng.standard_normal((len(ti), 3)))
+        velocity = self.velocity(t) + noise * 0.003 * rng.standard_normal((len(t), 3))
+        rates = self.rates(ti) + noise * 0.002 * rng.standard_normal((len(ti), 3))
+        depth = self.poses(tp).apply(self.vehicle.pressure_origin)[:, 2] + noise * 0.02 * rng.standard_normal(len(tp))
+        frames = np.arange(0.25, end - 0.3, 0.5)
+        return Logs(
+            DvlPings(nanoseconds(t), velocity, np.full(len(t), 0.003), np.full((len(t), 4), 1.5), JANUS),
+            ImuSamples(nanoseconds(ti), (self.attitude(ti) * drift).as_quat(), rates, np.full((len(ti), 3), np.nan)),
+            PressureSamples(nanoseconds(tp), depth),
+            JointSamples(nanoseconds(ti), self.tray(ti)),
+            frames_at(frames),
+            None,
+        )
+
+
+def frames_at(t_s: np.ndarray) -> ImageIndex:
+    n = len(t_s)
+    empty = np.zeros(n, np.int64)
+    return ImageIndex(nanoseconds(t_s), np.full(n, ""), empty, empty, np.ones(n, bool))
+
+
+@pytest.fixture(scope="session")
+def vehicle() -> Vehicle:
+    return Vehicle(
+        tray_origin=np.array([0.45, 0.0, 0.1]),
+        pressure_origin=np.array([-0.3, 0.1, 0.05]),
+        T_s_d=poses.from_mount([0.02, -0.01, 0.08, 0.5, 89.0, 1.0]),
+        sigma_mount=np.array([0.01, 0.01, 0.01, 0.0087, 0.0087, 0.0087]),
+        sigma_scale=0.005,
+        sigma_drift=5e-6,
+        sigma_tilt_bias=0.0035,
+        sigma_depth_bias=0.1,
+        sigma_tray=0.014,
+        sigma_tilt=0.00175,
+        sigma_depth=0.02,
+    )
+
+
+@pytest.fixture(scope="session")
+def swim(vehicle: Vehicle) -> Swim:
+    return Swim(vehicle)
+
+
+@pytest.fixture(scope="session")
+def perfect(swim: Swim) -> Logs:
+    return swim.logs()
+
+
+@pytest.fixture(scope="session")
+def noisy(swim: Swim) -> Logs:
+    return swim.logs(noise=1.0)
+
+
+def without(logs: Logs, start_s: float, stop_s: float) -> Logs:
+    """The DVL silent in an interval."""
+    t = logs.dvl.t_ns
+    gone = (t >= START_NS + start_s * 1e9) & (t <= START_NS + stop_s * 1e9)
+    velocity = logs.dvl.velocity.copy()
+    velocity[gone] = np.nan
+    return replace(logs, dvl=replace(logs.dvl, velocity=velocity))
+
+
+@pytest.fixture(scope="session")
+def silenced():
+    return without
+
+
+@pytest.fixture(scope="session")
+def frames():
+    return frames_at

@@ -1,0 +1,203 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hullrecon.dive.records import DvlPings, JointSamples, PressureSamples
+from hullrecon.navigation.clock import gaps, in_order
+from hullrecon.navigation.integral import integral
+from hullrecon.navigation.nodes import choose_nodes, nearest, pair_frames
+from hullrecon.navigation.returns import flag_ranges
+from hullrecon.navigation.servo import servo
+from hullrecon.navigation.smoothing import local_line, running_median
+
+SECOND = 1_000_000_000
+NONE = (np.zeros(0, np.int64), np.zeros(0, np.int64))
+
+
+def stamps(*seconds: float) -> np.ndarray:
+    return np.round(np.array(seconds) * SECOND).astype(np.int64)
+
+
+def rows(t_ns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return t_ns, np.arange(len(t_ns))
+
+
+def pings(ranges: np.ndarray, hz: float = 5.0) -> DvlPings:
+    n = len(ranges)
+    return DvlPings(
+        stamps(*(np.arange(n) / hz)), np.zeros((n, 3)), np.ones(n), ranges, np.tile([0.0, 0, 1], (ranges.shape[1], 1))
+    )
+
+
+# smoothing
+
+
+@given(slope=st.floats(-5, 5), level=st.floats(-5, 5), seed=st.integers(0, 99))
+def test_a_straight_trend_passes_unchanged_to_the_ends(slope: float, level: float, seed: int) -> None:
+    t = np.sort(np.random.default_rng(seed).uniform(0, 30, 200))
+    value, rate = local_line(t, level + slope * t, np.array([t[0], 12.0, t[-1]]), 2.0)
+    assert np.allclose(value[:, 0], level + slope * np.array([t[0], 12.0, t[-1]]), atol=0.02 * abs(slope) + 1e-9)
+    assert np.allclose(rate, slope, atol=1e-6)
+
+
+def test_white_noise_shrinks_as_the_window_holds_samples() -> None:
+    t = np.arange(0, 200, 0.1)
+    value, _ = local_line(t, np.random.default_rng(1).standard_normal(len(t)), t[200:-200], 3.0)
+    assert np.std(value) == pytest.approx(np.sqrt(0.1 / (2 * np.sqrt(np.pi) * 3.0)), rel=0.2)
+
+
+def test_a_long_gap_is_joined_by_a_line() -> None:
+    t = np.concatenate([np.arange(0, 10, 0.1), np.arange(100, 110, 0.1)])
+    value, _ = local_line(t, np.where(t < 50, 1.0, 3.0), np.array([55.0]), 1.0)
+    assert value[0, 0] == pytest.approx(2.0, abs=0.05)
+
+
+def test_the_running_median_forgives_a_spike_and_a_missing_value() -> None:
+    values = np.array([1.0, 1.1, 9.0, np.nan, 1.2, 1.3, 1.4])[:, None]
+    assert np.allclose(running_median(values, 5)[2:5, 0], [1.15, 1.25, 1.35])
+
+
+# integral
+
+
+def test_the_integral_of_a_straight_signal_is_exact_between_samples() -> None:
+    t = np.array([0.0, 0.5, 2.0, 3.0])
+    total = integral(t, 2 * t)
+    assert np.allclose(total.at(np.array([0.0, 0.25, 1.0, 3.0])), [0, 0.0625, 1.0, 9.0])
+
+
+def test_beyond_its_ends_a_signal_holds_its_last_value() -> None:
+    total = integral(np.array([0.0, 1.0]), np.array([[1.0], [3.0]]))
+    assert np.allclose(total.at(np.array([-1.0, 2.0]))[:, 0], [-1.0, 2.0 + 3.0])
+
+
+# clock
+
+
+def test_a_record_in_order_is_left_alone() -> None:
+    record = PressureSamples(stamps(0, 1, 2), np.array([1.0, 2.0, 3.0]))
+    assert in_order(record, "pressure") == (record, [])
+
+
+def test_the_first_of_equal_stamps_stays() -> None:
+    record, said = in_order(PressureSamples(stamps(2, 0, 0, 1), np.array([3.0, 1.0, 9.0, 2.0])), "pressure")
+    assert record.depth.tolist() == [1, 2, 3]
+    assert said == [
+        "pressure: 1 times its clock ran backwards; sorted",
+        "pressure: 1 repeated stamps; the first of each was kept",
+    ]
+
+
+def test_the_beams_of_a_dvl_are_not_pings() -> None:
+    four = pings(np.ones((4, 4)))
+    shuffled = DvlPings(
+        four.t_ns[[1, 0, 2, 3]], four.velocity, four.velocity_sigma, four.ranges, np.diag([1.0, 2, 3, 4])[:, :3]
+    )
+    record, _ = in_order(shuffled, "dvl")
+    assert np.array_equal(record.beams, shuffled.beams)
+
+
+def test_gaps_are_intervals_longer_than_allowed() -> None:
+    assert gaps(stamps(0, 0.2, 1.5, 1.7), 0.6).tolist() == [stamps(0.2, 1.5).tolist()]
+    assert gaps(stamps(0, 0.2), 0.6).shape == (0, 2)
+
+
+# servo
+
+
+def test_the_direction_flips_at_the_turning_point_and_not_with_flicker() -> None:
+    travel = np.radians(np.concatenate([np.arange(0, 5, 0.2), np.arange(5, 2, -0.2)]))
+    angle = travel + np.radians(0.02) * np.sin(40 * np.arange(len(travel)))
+    found = servo(JointSamples(stamps(*np.arange(len(angle))), angle), 0)
+    assert found.direction[:25].tolist() == [1.0] * 25
+    assert found.direction[27:].tolist() == [-1.0] * (len(angle) - 27)
+
+
+def test_a_tray_that_stands_still_keeps_its_direction() -> None:
+    angle = np.radians(np.concatenate([np.arange(5, 2, -0.5), np.full(20, 2.0)]))
+    found = servo(JointSamples(stamps(*np.arange(len(angle))), angle), 0)
+    assert (found.direction == -1).all()
+    assert found.angle_at(stamps(0.5))[0] == pytest.approx(np.radians(4.75))
+
+
+def test_a_tray_that_was_not_logged_stands_at_zero() -> None:
+    assert servo(None, 5).angle_at(stamps(1, 2)).tolist() == [0, 0]
+
+
+# nodes
+
+
+def test_frames_pair_by_nearest_stamp_within_half_a_period() -> None:
+    top, bottom = stamps(0, 1, 2, 3), stamps(0.1, 1.6, 2.9)
+    assert pair_frames(top, bottom).tolist() == [[0, 0], [2, 1], [3, 2]]
+    assert pair_frames(top, stamps(10, 11)).tolist() == []
+
+
+def test_nodes_stand_at_frames_and_at_pings_far_from_any() -> None:
+    frames, dvl = stamps(10, 11), stamps(*np.arange(9, 12, 0.2))
+    nodes = choose_nodes(rows(frames), NONE, dvl, (0, 100 * SECOND), 0.4)
+    t = nodes.t_ns / SECOND
+    assert {10.0, 11.0} <= set(t.tolist())
+    extra = t[(nodes.image < 0).all(axis=1)]
+    assert (np.abs(extra[:, None] - [10, 11]).min(axis=1) > 0.3).all()
+    assert np.diff(extra[extra < 10]).min() > 0.3
+    assert (np.diff(t) > 0).all()
+
+
+def test_a_lower_frame_without_partner_has_its_own_node() -> None:
+    nodes = choose_nodes(rows(stamps(1, 2)), rows(stamps(1.01, 2.01, 2.5)), stamps(), (0, 9 * SECOND), 0.4)
+    assert nodes.image.tolist() == [[0, 0], [1, 1], [-1, 2]]
+    assert nodes.unpaired == 1
+
+
+def test_frames_outside_the_log_of_navigation_get_no_node() -> None:
+    nodes = choose_nodes(rows(stamps(1, 2, 30)), NONE, stamps(1, 1.5, 2), (0, 3 * SECOND), 0.4)
+    assert nodes.t_ns.tolist() == stamps(1, 1.5, 2).tolist()
+    assert nodes.outside == 1
+
+
+def test_without_cameras_nodes_are_thinned_pings() -> None:
+    nodes = choose_nodes(NONE, NONE, stamps(*np.arange(0, 10, 0.2)), (0, 99 * SECOND), 0.4)
+    assert 24 <= len(nodes.t_ns) <= 29
+    assert (nodes.image == -1).all()
+
+
+@given(st.lists(st.integers(0, 1000), min_size=1, max_size=20, unique=True), st.integers(-50, 1050))
+def test_nearest_is_the_nearest(values: list[int], wanted: int) -> None:
+    table = np.sort(np.array(values, np.int64))
+    found = nearest(table, np.array([wanted], np.int64))[0]
+    assert abs(table[found] - wanted) == np.abs(table - wanted).min()
+
+
+# returns
+
+
+def test_a_return_half_a_metre_off_is_flagged_and_its_neighbours_are_not() -> None:
+    ranges = 1.5 + 0.01 * np.random.default_rng(3).standard_normal((100, 4))
+    ranges[40, 2] += 0.6
+    flagged = flag_ranges(pings(ranges), 3.0, 0.5, 50.0, 0.01)
+    assert np.argwhere(flagged).tolist() == [[40, 2]]
+
+
+def test_a_return_five_sigma_off_is_flagged() -> None:
+    ranges = np.full((60, 1), 1.5)
+    ranges[30] += 0.06
+    assert np.argwhere(flag_ranges(pings(ranges), 3.0, 0.5, 5.0, 0.01)).tolist() == [[30, 0]]
+    ranges[30] = 1.54
+    assert not flag_ranges(pings(ranges), 3.0, 0.5, 5.0, 0.01).any()
+
+
+def test_lost_beams_are_never_flagged() -> None:
+    ranges = np.full((60, 2), 1.5)
+    ranges[10:20, 0], ranges[25, 1], ranges[26, 1] = np.nan, 0.0, -1.0
+    assert not flag_ranges(pings(ranges), 3.0, 0.5, 5.0, 0.01).any()
+
+
+def test_a_slope_is_not_a_stray() -> None:
+    ranges = (1.5 + 0.3 * np.arange(60) / 5)[:, None]
+    assert not flag_ranges(pings(ranges), 3.0, 0.5, 5.0, 0.01)[8:-8].any()

@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hullrecon.geometry import poses
+from hullrecon.geometry.poses import Poses
+from hullrecon.navigation.navigate import dead_reckon
+from hullrecon.navigation.options import NavigateOptions
+
+
+@pytest.fixture(scope="session")
+def found(perfect, vehicle):
+    return dead_reckon(perfect, vehicle, NavigateOptions(), 0.01)
+
+
+def test_a_return_carries_the_vehicle_from_its_node_to_its_ping(swim, found, vehicle):
+    """Hung on the true nodes, the beam's start is where the true instrument was at the ping."""
+    r, t = found.returns, found.trajectory
+    seconds = (r.t_ns - t.t_ns[0]) * 1e-9 + (t.t_ns[0] - 1_777_887_000_000_000_000) * 1e-9
+    node_s = (t.t_ns - 1_777_887_000_000_000_000) * 1e-9
+    at_ping = swim.poses(node_s)[r.node] @ Poses(r.quaternion, r.translation)
+    angle = swim.tray(node_s)[r.node] + r.tray_offset
+    instrument = at_ping @ poses.tray(vehicle.tray_origin, angle) @ vehicle.T_s_d
+    assert np.abs(instrument.translation - swim.instrument(seconds).translation).max() < 1e-3
+
+
+def test_returns_hang_on_the_nearest_node(found):
+    r, t = found.returns, found.trajectory
+    gap = np.abs(r.t_ns - t.t_ns[r.node])
+    assert (gap == np.abs(r.t_ns[:, None] - t.t_ns[None]).min(axis=1)).all()
+    assert len(r.t_ns) == 4 * 800
+
+
+def test_attitude_has_the_depth_of_the_sensor_and_not_of_the_vehicle(swim, found, vehicle):
+    t = (found.trajectory.t_ns - 1_777_887_000_000_000_000) * 1e-9
+    sensor = swim.poses(t).apply(vehicle.pressure_origin)[:, 2]
+    assert np.abs(found.attitude.depth - sensor).max() < 3e-3
+    rpy = poses.roll_pitch_yaw(swim.attitude(t))
+    assert np.allclose(np.stack([found.attitude.roll, found.attitude.pitch], 1), rpy[:, :2], atol=1e-3)
+    assert found.attitude.sigma[0].tolist() == [vehicle.sigma_depth, vehicle.sigma_tilt, vehicle.sigma_tilt]
+
+
+def test_an_image_that_does_not_decode_has_no_node(perfect, vehicle):
+    usable = perfect.top.usable.copy()
+    usable[3] = False
+    gone = dead_reckon(replace(perfect, top=replace(perfect.top, usable=usable)), vehicle, NavigateOptions(), 0.01)
+    assert 3 not in gone.trajectory.image[:, 0]
+    assert {2, 4} <= set(gone.trajectory.image[:, 0].tolist())
+
+
+def test_a_dive_without_cameras_has_nodes_at_its_pings(perfect, vehicle):
+    blind = dead_reckon(replace(perfect, top=None), vehicle, NavigateOptions(), 0.01)
+    assert (blind.trajectory.image == -1).all()
+    assert np.isin(blind.trajectory.t_ns, perfect.dvl.t_ns).all()
+    assert len(blind.odometry.first) == len(blind.trajectory.t_ns) - 1
+
+
+def test_neighbouring_edges_compose_to_the_path_in_the_plane(found):
+    edge = Poses(found.odometry.quaternion, found.odometry.translation)
+    end = poses.identity()
+    for k in range(len(edge)):
+        end = end @ edge[k]
+    whole = found.trajectory.poses()[[0]].inverse() @ found.trajectory.poses()[[-1]]
+    assert np.allclose(end.translation, whole.translation, atol=5e-3)  # the pressure holds z of the path alone
