@@ -25,7 +25,8 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Adjusted:
-    """The end of the story. start and problem: the last round's problem before and after; result: the last solve's."""
+    """The end of the story. start: the first round's problem as dead reckoning left it;
+    problem and result: of the last round, at its solution."""
 
     state: State
     weights: Weights
@@ -43,13 +44,14 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
     center = registered.center if registered else np.zeros(3)
     weights = _first_weights(m, options)
     most_px = 40.0  # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
-    outcome = None
+    outcome, first = None, None
     for k in range(options.rounds):
         last = k == options.rounds - 1
         state = replace(state, landmark=selection.relocate(m, state))
         chosen = _chosen(m, state, most_px, options, last)
         weights = replace(weights, surface=_surface_weights(m, state, chosen, options))
         problem = assemble(m, state, weights, chosen, center, options.as_published)
+        first = first or problem
         result = native.solve(problem, _native_options(options, last))
         outcome = (problem, result, chosen, weights)
         state = read_back(state, result.unknowns, chosen, center)
@@ -57,8 +59,9 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
         most_px = max(2.0, options.outlier_sigmas * weights.pixel)
         say(_round_in_words(k, result, chosen, weights))
     assert outcome is not None
+    assert first is not None
     problem, result, chosen, used = outcome
-    return Adjusted(state, used, chosen, center, problem, _at(problem, result), result, registered)
+    return Adjusted(state, used, chosen, center, first, _at(problem, result), result, registered)
 
 
 def _start(m: Measurements, options: AdjustOptions, say: Say) -> tuple[State, registration.Registration | None]:
