@@ -19,7 +19,7 @@ from hullrecon.synthetic.planting import plant
 from hullrecon.synthetic.rays import Rays
 from hullrecon.synthetic.rendering import Lens, Scene, lens, photograph
 from hullrecon.synthetic.rig import LAMP_IN_TOP, SONAR_ORIGIN, TRAY_ORIGIN, Rig, rig_of
-from hullrecon.synthetic.sheet import Sheet, cut_sheet, girth_at
+from hullrecon.synthetic.sheet import Sheet, cut_sheet
 from hullrecon.synthetic.spec import DiveSpec, Item
 from hullrecon.synthetic.survey import legs_of, swim
 from hullrecon.synthetic.texture import paint_atlas
@@ -55,14 +55,13 @@ def simulate_dive(spec: DiveSpec) -> Dive:
     surface_z = spec.draught_m - spec.top_m
     depth = (spec.legs - 1) * spec.leg_spacing_m
     top_z = min(float(drawing.vertices[:, 2].max()), surface_z + 2.0) - 1e-3
-    sheet = cut_sheet(drawing, (middle - half - BEYOND_M, middle + half + BEYOND_M), top_z, depth + 2.0 + BELOW_M)
-    top = girth_at(sheet, middle, surface_z)
-    corners = legs_of(spec, middle, top)
-    items = plant(spec, (middle - half + 0.1, middle + half - 0.1), (top - depth - 0.1, top + 0.1))
+    sheet = cut_sheet(drawing, (middle - half - BEYOND_M, middle + half + BEYOND_M), surface_z, top_z, depth + BELOW_M)
+    corners = legs_of(spec, middle, 0.0)
+    items = plant(spec, (middle - half + 0.1, middle + half - 0.1), (-depth - 0.1, 0.1))
     motion = swim(spec, sheet, corners)
     built = build(spec, sheet, items)
     frame_s = instruments.ticks(motion, _frame_rate(spec), spec.random("frames"), 0.45)
-    seen_along, seen_girth = (middle - half - 0.9, middle + half + 0.9), (top - depth - 0.9, top + 0.9)
+    seen_along, seen_girth = (middle - half - 0.9, middle + half + 0.9), (-depth - 0.9, 0.9)
     hull = Rays(built.mesh)
     return Dive(spec, drawing, sheet, items, built, hull, rig_of(spec), motion, seen_along, seen_girth, frame_s)
 

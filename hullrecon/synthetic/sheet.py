@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The surveyed part of a hull as a regular grid in (along, girth): sections of the drawing, cut by arc length from the keel."""
+"""The surveyed part of a hull as a regular grid in (along, girth): sections of the drawing, cut by arc length."""
 
 from __future__ import annotations
 
@@ -44,25 +44,21 @@ class Sheet:
         return Sheet(self.along_m, self.girth_m, self.point, blur / np.linalg.norm(blur, axis=2, keepdims=True))
 
 
-def cut_sheet(drawing: Mesh, span_m: tuple[float, float], top_z_m: float, girth_m: float, step_m: float = 0.03) -> Sheet:
-    """Sections of the drawing between two positions along it, from the height `top_z_m` down over that much girth, past the
+def cut_sheet(
+    drawing: Mesh, span_m: tuple[float, float], zero_z_m: float, top_z_m: float, down_m: float, step_m: float = 0.03
+) -> Sheet:
+    """Sections of the drawing between two positions along it. Girth is 0 where the port side passes `zero_z_m` (so that legs of
+    constant girth keep their depth near bow and stern), grows up to the height `top_z_m`, and falls over `down_m`, past the
     keel if need be. Raises InputError where the drawing has no skin there."""
     along = np.arange(np.floor(span_m[0] / step_m), np.ceil(span_m[1] / step_m) + 1) * step_m
-    sections = _sections(drawing, along)
-    low, high = _common_girth(sections, top_z_m)
-    low = max(low, high - girth_m)
+    sections = [_zeroed(arc, line, zero_z_m) for arc, line in _sections(drawing, along)]
+    high = min(_arc_at(arc, line, top_z_m) for arc, line in sections)
+    low = max(-down_m, *(float(arc[0]) for arc, _ in sections))
     girth = np.arange(np.ceil(low / step_m), np.floor(high / step_m) + 1) * step_m
     if len(girth) < 10:
         raise InputError("the hull has too little skin where the dive is", remedy="move `along_m`, or dive deeper with `top_m`")
     point = np.stack([np.stack([np.interp(girth, arc, line[:, k]) for k in range(3)], -1) for arc, line in sections])
     return Sheet(along, girth, point, _normals(point))
-
-
-def girth_at(sheet: Sheet, along_m: float, z_m: float) -> float:
-    """The girth at which the sheet passes that height (M's z) on its port side."""
-    row = sheet.point[int(np.argmin(np.abs(sheet.along_m - along_m)))]
-    port = sheet.girth_m >= 0
-    return float(np.interp(z_m, row[port, 2], sheet.girth_m[port]))
 
 
 def _sections(drawing: Mesh, along: Array, rays: int = 3000) -> list[tuple[Array, Array]]:
@@ -90,12 +86,14 @@ def _section(caster: Rays, spine: Array, out: Array, far: float, angle: Array) -
     return arc - arc[middle - first], line[first : last + 1]
 
 
-def _common_girth(sections: list[tuple[Array, Array]], top_z_m: float) -> tuple[float, float]:
-    """The girth that every section has, up to the height asked for."""
-    low = max(float(arc[0]) for arc, _ in sections)
-    port = [(arc[arc >= 0], line[arc >= 0]) for arc, line in sections]
-    high = min(float(np.interp(top_z_m, line[:, 2], arc)) for arc, line in port)
-    return low, high
+def _zeroed(arc: Array, line: Array, z_m: float) -> tuple[Array, Array]:
+    return arc - _arc_at(arc, line, z_m), line
+
+
+def _arc_at(arc: Array, line: Array, z_m: float) -> float:
+    """Where the port side of a section first passes that height."""
+    lowest = int(np.argmin(line[:, 2]))
+    return float(np.interp(z_m, np.maximum.accumulate(line[lowest:, 2]), arc[lowest:]))
 
 
 def _normals(point: Array) -> Array:

@@ -13,13 +13,13 @@ from hullrecon.synthetic.forms import ship_form
 from hullrecon.synthetic.sheet import Sheet, cut_sheet
 from hullrecon.synthetic.spec import DiveSpec, Item
 
-CYLINDER = Item("cylinder", 25.3, 6.1, 0.11, (0.16, 0.16))
-RECESS = Item("recess", 25.9, 6.3, -0.05, (0.2, 0.2))
+CYLINDER = Item("cylinder", 25.3, -0.2, 0.11, (0.16, 0.16))
+RECESS = Item("recess", 25.9, 0.0, -0.05, (0.2, 0.2))
 
 
 @pytest.fixture(scope="module")
 def sheet() -> Sheet:
-    return cut_sheet(ship_form(DiveSpec()), (24.6, 26.6), 3.0, 2.0)
+    return cut_sheet(ship_form(DiveSpec()), (24.6, 26.6), 2.2, 3.0, 1.2)
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def test_the_grid_is_six_millimetres_at_structures_and_thirty_elsewhere(built: A
 
 def test_no_ray_slips_through_where_fine_meets_coarse(built: AsBuilt, sheet: Sheet) -> None:
     random = np.random.default_rng(0)
-    a, g = random.uniform(25.0, 26.2, 20000), random.uniform(5.7, 6.6, 20000)
+    a, g = random.uniform(25.0, 26.2, 20000), random.uniform(-0.6, 0.3, 20000)
     point, normal = sheet.sample(built.steel, a, g), sheet.sample(sheet.normal, a, g)
     assert np.isfinite(Scene(built.mesh).cast(point + 0.5 * normal, -normal)).all()
 
@@ -81,7 +81,7 @@ def test_paint_does_not_refine_the_grid(sheet: Sheet) -> None:
 
 
 def test_a_crop_keeps_what_lies_in_the_window(built: AsBuilt) -> None:
-    part = crop(built, (25.0, 25.6), (5.9, 6.3))
+    part = crop(built, (25.0, 25.6), (-0.4, 0.0))
     assert 0 < len(part.faces) < len(built.mesh.faces)
     assert part.faces.max() == len(part.vertices) - 1
     assert part.vertices[:, 0].min() >= 25.0 - 0.02

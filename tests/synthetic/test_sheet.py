@@ -9,7 +9,7 @@ from hullrecon.errors import InputError
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.meshes import Mesh
 from hullrecon.synthetic.forms import ship_form
-from hullrecon.synthetic.sheet import Sheet, cut_sheet, girth_at
+from hullrecon.synthetic.sheet import Sheet, cut_sheet
 from hullrecon.synthetic.spec import DiveSpec
 
 
@@ -20,7 +20,7 @@ def drawing() -> Mesh:
 
 @pytest.fixture(scope="module")
 def sheet(drawing: Mesh) -> Sheet:
-    return cut_sheet(drawing, (24.0, 27.0), 4.0, 6.0)
+    return cut_sheet(drawing, (24.0, 27.0), 2.0, 4.0, 4.0)
 
 
 def test_every_point_lies_on_the_drawing(sheet: Sheet, drawing: Mesh) -> None:
@@ -44,10 +44,24 @@ def test_normals_point_away_from_the_ship(sheet: Sheet) -> None:
     assert (sheet.normal[bottom][:, 2] < -0.99).all()
 
 
-def test_girth_at_a_height_is_flat_plus_bilge_plus_side(sheet: Sheet) -> None:
-    # half beam 4.5, radius 1.3: 3.2 flat, a quarter circle, then 0.7 up the side; the arc is a polygon of 28 points
-    expected = 3.2 + 0.5 * np.pi * 1.3 + 0.7
-    assert girth_at(sheet, 25.0, 2.0) == pytest.approx(expected, abs=0.01)
+def test_girth_is_nothing_at_the_waterline_asked_for(sheet: Sheet) -> None:
+    zero = int(np.argmin(np.abs(sheet.girth_m)))
+    np.testing.assert_allclose(sheet.point[:, zero, 2], 2.0, atol=1e-3)
+
+
+def test_girth_down_to_the_flat_is_side_plus_bilge(sheet: Sheet) -> None:
+    # radius 1.3: 0.7 of side, then a quarter circle, which is a polygon of 28 points
+    flat = sheet.girth_m < -(0.7 + 0.5 * np.pi * 1.3) - 0.01
+    assert flat.any()
+    assert np.abs(sheet.point[:, flat, 2]).max() < 1e-3
+    assert sheet.point[:, ~flat, 2][:, 1:].min() > 1e-4
+
+
+def test_a_line_of_constant_girth_keeps_its_depth_where_the_bow_narrows(drawing: Mesh) -> None:
+    bow = cut_sheet(drawing, (40.0, 46.0), 2.6, 4.0, 2.0)
+    zero = int(np.argmin(np.abs(bow.girth_m)))
+    assert np.ptp(bow.point[:, zero, 1]) > 0.8
+    assert np.ptp(bow.point[:, zero, 2]) < 5e-3
 
 
 def test_the_sheet_stops_at_the_height_asked_for(sheet: Sheet) -> None:
@@ -55,7 +69,7 @@ def test_the_sheet_stops_at_the_height_asked_for(sheet: Sheet) -> None:
 
 
 def test_the_sheet_has_no_more_girth_than_asked_for(sheet: Sheet) -> None:
-    assert np.ptp(sheet.girth_m) <= 6.0
+    assert -4.0 <= sheet.girth_m.min() < -3.9
 
 
 def test_sampling_is_linear_between_nodes(sheet: Sheet) -> None:
@@ -77,17 +91,17 @@ def test_smoothing_turns_facets_into_a_slow_turn_of_the_normal(sheet: Sheet) -> 
 
 def test_no_hull_where_the_dive_is_is_said(drawing: Mesh) -> None:
     with pytest.raises(InputError, match="no section"):
-        cut_sheet(drawing, (80.0, 82.0), 3.0, 3.0)
+        cut_sheet(drawing, (80.0, 82.0), 2.0, 3.0, 3.0)
 
 
 def test_too_little_skin_is_said(drawing: Mesh) -> None:
     with pytest.raises(InputError, match="too little skin"):
-        cut_sheet(drawing, (24.0, 25.0), 3.0, 0.1)
+        cut_sheet(drawing, (24.0, 25.0), 3.0, 3.1, 0.1)
 
 
 def test_a_half_hull_gives_its_own_side() -> None:
     plate = np.array([[0, 0, 0], [10, 0, 0], [10, 3, 0], [0, 3, 0], [10, 3, 4], [0, 3, 4]], float)
     mesh = Mesh(plate, np.array([[0, 2, 1], [0, 3, 2], [3, 4, 2], [3, 5, 4]], np.int32))
-    sheet = cut_sheet(mesh, (4.0, 5.0), 3.9, 20.0)
+    sheet = cut_sheet(mesh, (4.0, 5.0), 2.0, 3.9, 20.0)
     assert sheet.point[..., 1].min() > -0.05
     assert np.ptp(sheet.girth_m) == pytest.approx(6.9, abs=0.1)

@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hullrecon.synthetic.dive import Dive, photographs, pings, simulate_dive
+from hullrecon.synthetic.recorder import START_NS, in_order, record, stamp_ns
+from hullrecon.synthetic.rig import rig_of
+from hullrecon.synthetic.spec import DiveSpec
+
+
+def test_views_set_the_frame_rate(dive: Dive) -> None:
+    """Three views over a footprint of standoff / 1.03 at 0.3 m/s."""
+    expected = dive.spec.views * dive.spec.speed / (dive.spec.standoff_m / 1.03)
+    assert 1 / np.diff(dive.frame_s).mean() == pytest.approx(expected, rel=0.02)
+
+
+def test_items_are_where_the_cameras_look(dive: Dive) -> None:
+    for item in dive.items:
+        assert dive.seen_along[0] < item.along_m < dive.seen_along[1]
+        assert dive.seen_girth[0] < item.girth_m < dive.seen_girth[1]
+
+
+def test_a_stereo_rig_gives_two_different_images(dive: Dive) -> None:
+    top, bottom = next(photographs(dive))
+    assert bottom is not None
+    assert top.shape == bottom.shape == (192, 240, 3)
+    assert np.abs(top.astype(int) - bottom.astype(int)).mean() > 5
+
+
+def test_a_mono_rig_gives_one(dive: Dive) -> None:
+    mono = replace(dive, rig=replace(dive.rig, camera_bottom=None))
+    _, bottom = next(photographs(mono))
+    assert bottom is None
+
+
+def test_pings_come_twice_a_second_and_see_the_hull(dive: Dive) -> None:
+    t, images = pings(dive)
+    assert 1 / np.diff(t).mean() == pytest.approx(2.0, rel=0.02)
+    assert (next(images) > 80).mean() > 0.05
+
+
+def test_the_rig_is_off_nominal_by_little_and_by_its_seed_alone() -> None:
+    a, b = rig_of(DiveSpec(seed=1)), rig_of(DiveSpec(seed=1, legs=9))
+    np.testing.assert_array_equal(a.T_s_ct.matrix(), b.T_s_ct.matrix())
+    assert (rig_of(DiveSpec(seed=2)).T_s_ct.matrix() != a.T_s_ct.matrix()).any()
+
+
+def test_the_camera_looks_through_pixels_as_wide_as_asked() -> None:
+    rig = rig_of(DiveSpec(image_width=800, image_height=600))
+    assert (rig.camera_top.width, rig.camera_top.height) == (800, 600)
+    assert rig.camera_top.fx == pytest.approx(824)
+    assert rig_of(DiveSpec(cameras="mono")).camera_bottom is None
+
+
+def test_stamps_are_nanoseconds_since_the_start() -> None:
+    np.testing.assert_array_equal(stamp_ns(np.array([0.0, 1.5])), [START_NS, START_NS + 1_500_000_000])
+
+
+def test_readings_come_in_the_order_of_time(dive: Dive) -> None:
+    spec = replace(dive.spec, cameras="none", sonar=False)
+    rows = list(in_order(record(replace(dive, spec=spec))))
+    assert rows == sorted(rows)
+    assert {name for _, name, _ in rows} == {"imu", "joints", "pressure", "dvl"}
+
+
+def test_a_dive_on_another_hull_follows_its_waterline() -> None:
+    """Round the bow, where a line of constant girth from the keel would climb out of the water."""
+    dive = simulate_dive(DiveSpec(along_m=44.0, legs=2, leg_length_m=3.0, structures=0, marks=0, barnacles=0, cameras="none"))
+    depth = dive.motion.position[:, 2]
+    first = dive.motion.t_s < 9
+    assert np.ptp(depth[first]) < 0.35
