@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -110,6 +112,8 @@ def _call(stage: Stage, context: StageContext, building: Path) -> dict[str, Any]
         raise StageError(f"{stage.name} ran out of memory", remedy=remedy) from error
     except PermissionError as error:
         raise InputError(f"{stage.name} may not read a file", where=str(error.filename)) from error
+    finally:
+        _take_back_sigterm()
     return {
         "started": round(started, 3),
         "seconds": round(time.perf_counter() - begun, 3),
@@ -117,3 +121,10 @@ def _call(stage: Stage, context: StageContext, building: Path) -> dict[str, Any]
         "peak_rss_bytes": peak_rss(),
         "workers_peak_rss_bytes": context.workers_peak_rss,
     }
+
+
+def _take_back_sigterm() -> None:
+    """pycolmap's logging takes SIGTERM when it is imported and ends the process with a dump; Python's handler comes back here."""
+    handler = signal.getsignal(signal.SIGTERM)
+    if handler is not None and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, handler)

@@ -7,6 +7,8 @@ from __future__ import annotations
 import errno
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -19,6 +21,28 @@ from hullrecon.artifacts.manifest import read_manifest
 from hullrecon.artifacts.runner import run_stage
 from hullrecon.artifacts.stage import Context, Stage, load_arrays
 from hullrecon.errors import InputError, StageError, StorageError
+
+
+STOPPED = """
+import os, signal, sys
+from pathlib import Path
+from msgspec import Struct
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.stage import Stage
+
+class Options(Struct):
+    pass
+
+def run(context):
+    import pycolmap
+
+def stop(number, frame):
+    print("stopped by SIGTERM", flush=True)
+
+signal.signal(signal.SIGTERM, stop)
+run_stage(Stage("make", "make", (), Options, 1, run), {}, {}, Path(sys.argv[1]))
+os.kill(os.getpid(), signal.SIGTERM)
+"""
 
 
 class Options(Struct, frozen=True, kw_only=True):
@@ -136,3 +160,11 @@ def test_whatever_fails_the_old_artifact_stays(
         run_stage(stage(fail), {}, {}, tmp_path / "out")
     assert (tmp_path / "out" / "a.txt").read_text() == "old"
     assert os.listdir(tmp_path) == ["out"]
+
+
+def test_sigterm_is_still_ours_after_a_stage_that_imports_pycolmap(tmp_path: Path) -> None:
+    pytest.importorskip("pycolmap")
+    script = tmp_path / "script.py"
+    script.write_text(STOPPED)
+    answer = subprocess.run([sys.executable, script, tmp_path / "out"], capture_output=True, text=True, check=False)
+    assert (answer.returncode, answer.stdout) == (0, "stopped by SIGTERM\n"), answer.stderr
