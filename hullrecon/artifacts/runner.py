@@ -124,7 +124,7 @@ def _call(stage: Stage, context: StageContext, building: Path) -> dict[str, Any]
 
 
 def _take_back_sigterm() -> None:
-    """pycolmap's logging takes SIGTERM when it is imported and ends the process with a dump; Python's handler comes back here."""
+    """pycolmap takes SIGTERM when it is imported and ends the process with a dump: Python's handler comes back here."""
     handler = signal.getsignal(signal.SIGTERM)
     if handler is not None and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, handler)

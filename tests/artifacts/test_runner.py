@@ -22,7 +22,6 @@ from hullrecon.artifacts.runner import run_stage
 from hullrecon.artifacts.stage import Context, Stage, load_arrays
 from hullrecon.errors import InputError, StageError, StorageError
 
-
 STOPPED = """
 import os, signal, sys
 from pathlib import Path
