@@ -134,8 +134,10 @@ def _record(ingest: Path, name: str, kind: type[Record]) -> Record | None:
 
 
 def _write(context: Context, found: Navigated, source: str) -> None:
-    for name in ("trajectory", "odometry", "returns", "attitude"):
+    for name in ("trajectory", "odometry", "attitude"):
         context.out.arrays(f"{name}.npz", to_arrays(getattr(found, name)))
+    if len(found.returns.t_ns):
+        context.out.arrays("returns.npz", to_arrays(found.returns))
     context.out.json(
         "navigation.json", {"source": source, "nodes": len(found.trajectory.t_ns), **found.facts, "remarks": found.remarks}
     )
