@@ -50,6 +50,15 @@ def dress(axis: Any) -> None:
         label.set_color(INK)
 
 
+def plain_log(axis: Any) -> None:
+    """Numbers as they are on a logarithmic axis, not powers of ten: many spans are shorter than a decade."""
+    from matplotlib.ticker import StrMethodFormatter
+
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_tick_params(which="minor", labelsize=7)
+
+
 def png_bytes(figure: Any) -> bytes:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 

@@ -50,7 +50,7 @@ def plan_svg(plan: Plan, title: str) -> str:
     body = [_ground(plan, height), *_ticks(plan, scale, height), _path(plan, scale, height)]
     body += [_mark(mark, plan, scale, height) for mark in plan.marks]
     body += [_scale_bar(scale, height), _sigma_bar(plan, scale, height)]
-    box = f"0 0 {LEFT + WIDTH + 14:.0f} {TOP + height + FOOT:.0f}"
+    box = f"0 0 {LEFT + WIDTH + 46:.0f} {TOP + height + FOOT:.0f}"
     return (
         f'<svg class="plan" viewBox="{box}" role="img" aria-label="{escape(title, quote=True)}" '
         f'xmlns="http://www.w3.org/2000/svg"><title>{escape(title)}</title>{"".join(body)}</svg>'

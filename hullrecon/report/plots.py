@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hullrecon.dive.records import DvlPings, Solution, Surface
 from hullrecon.report.chartmap import vertex_area, weighted_percentiles
 from hullrecon.report.csvtext import numbers, seconds
-from hullrecon.report.figures import BLUE, GRAY, GREEN, ORANGE, Plot, new_figure, png_bytes
+from hullrecon.report.figures import BLUE, GRAY, GREEN, ORANGE, Plot, new_figure, plain_log, png_bytes
 from hullrecon.report.track import Track
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ def convergence(iterations: Record) -> Plot:
                 step, np.where(values > 0, values, np.nan), linewidth=1, linestyle=("-", "--", ":")[k % 3], label=name
             )
     axis.set(xlabel="iteration", ylabel="cost (half sum of squares)")
-    axis.legend(fontsize=7, frameon=False, ncols=2)
+    axis.legend(fontsize=7, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
     alt = f"The cost falls from {cost[0]:.4g} to {cost[-1]:.4g} in {len(cost)} iterations."
     table = {
         "iteration": step.tolist(),
@@ -51,6 +51,7 @@ def labels(iterations: Record) -> Plot:
     figure, (left, right) = new_figure(5.2, columns=2)
     left.plot(step, on, color=BLUE, linewidth=2)
     left.set(xlabel="iteration", ylabel="landmarks on the hull")
+    left.ticklabel_format(axis="y", useOffset=False, style="plain")
     right.plot(step, changed, color=ORANGE, linewidth=2)
     right.set(xlabel="iteration", ylabel="labels changed")
     alt = f"{on[-1]:,} landmarks end as on the hull; {changed[-1]:,} labels changed at the last iteration."
@@ -69,6 +70,7 @@ def residuals(statistics: Mapping[str, Mapping[str, Any]]) -> Plot:
     axis.barh(at + 0.2, np.maximum(high, 1e-3), 0.36, color=BLUE, label="after")
     axis.axvline(1.0, color=ORANGE, linewidth=1, label="expected")
     axis.set_xscale("log")
+    plain_log(axis.xaxis)
     axis.set_yticks(at, names)
     axis.invert_yaxis()
     axis.set(xlabel="root mean square residual, in its own sigma")
@@ -142,6 +144,7 @@ def sigmas(track: Track) -> Plot:
     for k, (name, color) in enumerate(zip("xyz", (BLUE, ORANGE, GREEN), strict=True)):
         axis.semilogy((track.t_ns - track.t_ns[0]) * 1e-9, np.maximum(track.sigma[:, k], 1e-5), color=color, label=name)
     axis.set(xlabel="time since the first pose (s)", ylabel=f"one sigma of position in {track.frame} (m)")
+    plain_log(axis.yaxis)
     axis.legend(fontsize=8, frameon=False, ncols=3)
     middle = np.median(track.sigma[:, :3], axis=0)
     alt = "Median one sigma: " + ", ".join(f"{n} {v:.3f} m" for n, v in zip("xyz", middle, strict=True)) + "."

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 
 
 def decimals(sigma: float) -> int:
-    """Digits after the point so that a sigma keeps one significant one, two when it begins with a 1 or a 2."""
+    """Digits after the point so that a sigma keeps one significant one, two when it begins with a 1."""
     if not math.isfinite(sigma) or sigma <= 0:
         return 3
     power = math.floor(math.log10(sigma))
-    return max(0, -power + (sigma / 10.0**power < 2.95))
+    return max(0, -power + (sigma / 10.0**power < 1.95))
 
 
 def with_sigma(value: float, sigma: float | None, unit: str) -> str:

@@ -16,7 +16,7 @@ from hullrecon.report.words import count, duration, join, length, probability, w
         (12.3, 0.53, "12.3 ± 0.5 m"),
         (1.0, None, "1.000 m"),
         (float("nan"), 0.1, "–"),
-        (-0.04, 0.02, "-0.040 ± 0.020 m"),
+        (-0.04, 0.02, "-0.04 ± 0.02 m"),
     ],
 )
 def test_a_number_has_no_more_digits_than_its_sigma_deserves(value: float, sigma: float | None, text: str) -> None:
