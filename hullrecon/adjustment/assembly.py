@@ -89,7 +89,7 @@ def _navigation_tables(problem: Problem, m: Measurements, weights: Weights) -> N
     """Gauge prior on the first pose, attitude, tray and odometry."""
     problem.prior_pose_node = np.zeros(1, np.int32)
     problem.prior_pose = problem.pose[:1, :7].copy()
-    problem.prior_pose_sqrt = _gauge_rows(m.trajectory.poses())[None]
+    problem.prior_pose_sqrt = _gauge_rows(m.trajectory.poses(), levelled=len(m.attitude.node) > 0)[None]
     attitude = m.attitude
     problem.attitude_node = attitude.node.astype(np.int32)
     problem.attitude_measured = np.stack([attitude.depth, attitude.roll, attitude.pitch], axis=1)
@@ -109,9 +109,12 @@ def _navigation_tables(problem: Problem, m: Measurements, weights: Weights) -> N
     problem.odometry_mount = seven(m.rig.T_s_d.nominal)
 
 
-def _gauge_rows(nodes: Poses) -> Array:
-    """g is fixed by the first pose: x, y and heading are its own; depth, roll and pitch are left to their sensors."""
-    sigma_in_global = np.array([1e-4, 1e-4, 10.0, 1.0, 1.0, 1e-5])  # m, m, m, rad, rad, rad
+def _gauge_rows(nodes: Poses, levelled: bool) -> Array:
+    """g is fixed by the first pose: x, y and heading are its own; depth, roll and pitch are left to their sensors where there
+    are any."""
+    tight_m, tight_rad = 1e-4, 1e-5
+    free = (10.0, 1.0, 1.0) if levelled else (tight_m, tight_rad, tight_rad)  # m, rad, rad
+    sigma_in_global = np.array([tight_m, tight_m, *free, tight_rad])
     to_global = nodes.rotation.as_matrix()[0]
     return np.asarray(np.kron(np.eye(2), to_global) / sigma_in_global[:, None])
 
