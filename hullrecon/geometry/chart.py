@@ -44,15 +44,14 @@ def chart_for_hull(mesh: Mesh, up: ArrayLike = (0.0, 0.0, 1.0)) -> Chart:
     return build_axis_chart(mesh, np.asarray(up, float))
 
 
-def chart_for_points(points: ArrayLike, toward: ArrayLike | None = None, up: ArrayLike = (0.0, 0.0, -1.0)) -> Chart:
-    """A plane fitted to points (n, 3), its normal to the side of `toward` ((3,), or (n, 3) whose mean counts).
+def chart_for_points(points: ArrayLike, toward: ArrayLike, up: ArrayLike = (0.0, 0.0, -1.0)) -> Chart:
+    """A plane fitted to points (n, 3), its normal to the side of `toward`: (3,), or the sensors' places (n, 3).
 
-    Where `toward` is absent it is the origin of the frame, in `g` the water where the dive began. up (3,): in the frame of the
-    points, -z in g. Raises InputError with fewer than three points.
+    up (3,): in the frame of the points, -z in g. Raises InputError with fewer than three points.
     """
     from hullrecon.geometry.plane_chart import fit_plane_chart
 
-    side = np.zeros(3) if toward is None else np.atleast_2d(np.asarray(toward, float)).mean(axis=0)
+    side = np.atleast_2d(np.asarray(toward, float)).mean(axis=0)
     return fit_plane_chart(np.asarray(points, float), side, np.asarray(up, float))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hullrecon.dive.records import DvlPings, JointSamples, PressureSamples
@@ -14,6 +14,8 @@ from hullrecon.navigation.nodes import choose_nodes, nearest, pair_frames
 from hullrecon.navigation.returns import flag_ranges
 from hullrecon.navigation.servo import servo
 from hullrecon.navigation.smoothing import local_line, running_median
+
+QUICK = settings(max_examples=60, deadline=None, derandomize=True)
 
 SECOND = 1_000_000_000
 NONE = (np.zeros(0, np.int64), np.zeros(0, np.int64))
@@ -37,6 +39,7 @@ def pings(ranges: np.ndarray, hz: float = 5.0) -> DvlPings:
 # smoothing
 
 
+@QUICK
 @given(slope=st.floats(-5, 5), level=st.floats(-5, 5), seed=st.integers(0, 99))
 def test_a_straight_trend_passes_unchanged_to_the_ends(slope: float, level: float, seed: int) -> None:
     t = np.sort(np.random.default_rng(seed).uniform(0, 30, 200))
@@ -167,6 +170,7 @@ def test_without_cameras_nodes_are_thinned_pings() -> None:
     assert (nodes.image == -1).all()
 
 
+@QUICK
 @given(st.lists(st.integers(0, 1000), min_size=1, max_size=20, unique=True), st.integers(-50, 1050))
 def test_nearest_is_the_nearest(values: list[int], wanted: int) -> None:
     table = np.sort(np.array(values, np.int64))

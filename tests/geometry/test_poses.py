@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hullrecon.geometry import poses
+from hullrecon.geometry.poses import Poses
+
+QUICK = settings(max_examples=60, deadline=None, derandomize=True)
+
+numbers = st.floats(-10, 10, allow_nan=False)
+vectors = st.lists(numbers, min_size=3, max_size=3)
+turns = st.lists(st.floats(-1.7, 1.7, allow_nan=False), min_size=3, max_size=3)  # within half a turn
+
+
+def same(a: Poses, b: Poses) -> None:
+    assert np.allclose(a.matrix(), b.matrix(), atol=1e-9)
+
+
+def test_a_mount_of_90_degrees_pitch_sends_x_down_and_z_forward() -> None:
+    dvl = poses.from_mount([1, 2, 3, 0, 90, 0])
+    assert np.allclose(dvl.apply([[0, 0, 1]]), [[2, 2, 3]])
+    assert np.allclose(dvl.apply([[1, 0, 0]]), [[1, 2, 2]])
+
+
+def test_yaw_is_applied_last() -> None:
+    turned = poses.from_rpy([0, 0, 0], [0, np.pi / 2, np.pi / 2])
+    assert np.allclose(turned.apply([[1, 0, 0]]), [[0, 0, -1]], atol=1e-12)
+    assert np.allclose(turned.apply([[0, 0, 1]]), [[0, 1, 0]], atol=1e-12)
+
+
+def test_a_positive_tray_angle_tilts_the_tray_up() -> None:
+    forward = poses.tray([0.45, 0, 0.1], [0.2]).apply([[1.0, 0, 0]])
+    assert forward[0, 2] == pytest.approx(0.1 - np.sin(0.2))  # z is down
+
+
+@QUICK
+@given(vectors, turns)
+def test_log_and_exp_undo_each_other(shift: list[float], turn: list[float]) -> None:
+    six = np.array([*shift, *turn])
+    assert np.allclose(poses.exp(six).log()[0], six, atol=1e-9)
+
+
+@QUICK
+@given(vectors, turns, vectors)
+def test_a_pose_and_its_inverse_leave_points_where_they_are(shift: list[float], turn: list[float], point: list[float]) -> None:
+    pose = poses.exp([[*shift, *turn]])
+    assert np.allclose(pose.inverse().apply(pose.apply([point])), [point], atol=1e-9)
+    same(pose @ pose.inverse(), poses.identity())
+
+
+@QUICK
+@given(st.tuples(vectors, turns), st.tuples(vectors, turns), vectors)
+def test_composition_is_one_after_the_other(first: tuple, second: tuple, point: list[float]) -> None:
+    a, b = (poses.exp([[*shift, *turn]]) for shift, turn in (first, second))
+    assert np.allclose((a @ b).apply([point]), a.apply(b.apply([point])), atol=1e-9)
+    same(poses.from_matrix(a.matrix() @ b.matrix()), a @ b)
+
+
+def test_one_pose_meets_many() -> None:
+    many = poses.exp(np.eye(6)[:4])
+    one = poses.from_mount([1, 0, 0, 0, 0, 90])
+    for k in range(4):
+        same((many @ one)[k], many[k] @ one)
+        same((one @ many)[k], one @ many[k])
+
+
+def test_angles_come_back_as_roll_pitch_yaw() -> None:
+    rpy = np.array([[0.1, -0.4, 2.0], [-0.2, 0.3, -3.0]])
+    assert np.allclose(poses.roll_pitch_yaw(poses.from_rpy(np.zeros((2, 3)), rpy).rotation), rpy)
+
+
+def test_interpolation_goes_half_way_and_holds_the_ends() -> None:
+    ends = poses.from_rpy([[0, 0, 0], [2, 4, 6]], [[0, 0, 0], [0, 0, 1.0]])
+    found = poses.interpolate(np.array([100, 200]), ends, np.array([50, 150, 175, 300]))
+    assert np.allclose(found.translation, [[0, 0, 0], [1, 2, 3], [1.5, 3, 4.5], [2, 4, 6]])
+    assert np.allclose(poses.roll_pitch_yaw(found.rotation)[:, 2], [0, 0.5, 0.75, 1])
+
+
+def test_a_single_pose_is_held_everywhere() -> None:
+    only = poses.from_mount([1, 2, 3, 0, 0, 0])
+    assert np.allclose(poses.interpolate(np.array([5]), only, np.array([1, 9])).translation, [[1, 2, 3], [1, 2, 3]])

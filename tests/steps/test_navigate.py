@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.stage import load_arrays
+from hullrecon.dive import config
+from hullrecon.dive.records import (
+    Attitude,
+    DvlPings,
+    ImageIndex,
+    ImuSamples,
+    Odometry,
+    PressureSamples,
+    Returns,
+    Trajectory,
+    from_arrays,
+    to_arrays,
+)
+from hullrecon.errors import StageError
+from hullrecon.geometry.cameras import Camera
+from hullrecon.steps.navigate import STAGE, vehicle_of
+
+SECOND = 10**9
+JANUS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
+
+
+def sections() -> dict[str, object]:
+    camera = config.Cameras(top=config.CameraTop(calibration="top.yaml"), bottom=config.CameraBottom(calibration="bottom.yaml"))
+    return {
+        "logs": config.Logs(files=()),
+        "tray": config.Tray(origin=(0.4, 0.0, 0.1)),
+        "imu": config.Imu(),
+        "pressure": config.Pressure(),
+        "dvl": config.Dvl(mount_sigma=(0.01, 0.01, 0.01, 0.9, 0.9, 0.9)),
+        "camera": camera,
+        "sonar": None,
+    }
+
+
+@pytest.fixture
+def ingest(tmp_path: Path) -> Path:
+    """A dive straight ahead at 0.2 m/s, level, two metres down: the DVL looks forward at a wall that it nears."""
+    folder = tmp_path / "ingest"
+    folder.mkdir()
+    t = np.arange(0, 20 * SECOND, SECOND // 5, dtype=np.int64)
+    n = len(t)
+    keep(folder, "dvl", DvlPings(t, np.tile([0.0, 0, 0.2], (n, 1)), np.full(n, 0.003), np.full((n, 4), 1.5), JANUS))
+    fast = np.arange(-SECOND, 21 * SECOND, SECOND // 25, dtype=np.int64)
+    level = np.tile(Rotation.identity().as_quat(), (len(fast), 1))
+    keep(folder, "imu", ImuSamples(fast, level, np.zeros((len(fast), 3)), np.zeros((len(fast), 3))))
+    keep(folder, "pressure", PressureSamples(fast, np.full(len(fast), 2.0)))
+    return folder
+
+
+def keep(folder: Path, name: str, record: object) -> None:
+    with zipfile.ZipFile(folder / f"{name}.npz", "w") as file:  # np.savez cannot hold a member called `file`
+        for member, value in to_arrays(record).items():
+            with file.open(f"{member}.npy", "w") as stream:
+                np.save(stream, value)
+
+
+def run(ingest: Path, out: Path) -> Path:
+    return run_stage(STAGE, sections(), {"ingest": ingest}, out, source=ingest.parent)
+
+
+def test_the_step_leaves_its_four_records_and_says_where_the_path_comes_from(ingest: Path, tmp_path: Path) -> None:
+    out = run(ingest, tmp_path / "navigate")
+    path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))
+    assert np.allclose(
+        path.translation[-1] - path.translation[0], [0.2 * (path.t_ns[-1] - path.t_ns[0]) / SECOND, 0, 0], atol=1e-6
+    )
+    assert np.allclose(path.translation[:, 2], 2.0)
+    assert len(from_arrays(Odometry, load_arrays(out / "odometry.npz")).first) == len(path.t_ns) - 1
+    assert len(from_arrays(Returns, load_arrays(out / "returns.npz")).t_ns) == 400
+    assert np.allclose(from_arrays(Attitude, load_arrays(out / "attitude.npz")).depth, 2.0)
+    said = json.loads((out / "navigation.json").read_text())
+    assert said["source"] == "dvl"
+    assert said["nodes"] == len(path.t_ns)
+    assert said["path_length_m"] == pytest.approx(3.96, abs=0.05)
+    assert any("tray" in words for words in said["remarks"])
+
+
+def test_twice_the_same_input_gives_the_same_bytes(ingest: Path, tmp_path: Path) -> None:
+    a, b = run(ingest, tmp_path / "a"), run(ingest, tmp_path / "b")
+    for name in ("trajectory.npz", "odometry.npz", "returns.npz", "attitude.npz", "navigation.json"):
+        assert (a / name).read_bytes() == (b / name).read_bytes()
+
+
+def test_a_dvl_without_an_imu_is_an_error_in_words(ingest: Path, tmp_path: Path) -> None:
+    (ingest / "imu.npz").unlink()
+    with pytest.raises(StageError, match="no IMU was logged"):
+        run(ingest, tmp_path / "navigate")
+
+
+def test_neither_dvl_nor_stereo_is_an_error_in_words(ingest: Path, tmp_path: Path) -> None:
+    (ingest / "dvl.npz").unlink()
+    with pytest.raises(StageError, match="nothing tells how the vehicle moved"):
+        run(ingest, tmp_path / "navigate")
+
+
+def test_without_a_dvl_the_stereo_cameras_give_the_path(ingest: Path, tmp_path: Path) -> None:
+    """A camera slides 8 cm a frame over a flat seabed 1 m below, 4 mm a pixel."""
+    import cv2
+
+    (ingest / "dvl.npz").unlink()
+    noise = np.random.default_rng(4).integers(0, 255, (100, 200)).astype(np.uint8)
+    seabed = cv2.resize(noise, (800, 400), interpolation=cv2.INTER_CUBIC)
+    camera = Camera(320, 256, 250.0, 250.0, 159.5, 127.5)
+    (ingest / "cameras.json").write_text(json.dumps({"top": asdict(camera), "bottom": asdict(camera)}))
+    count = 4
+    for name, shift in (("camera_top", 0), ("camera_bottom", 25)):  # the lower camera is 0.1 m down the image
+        encoded = []
+        for k in range(count):
+            picture = seabed[50 + shift : 306 + shift, 20 + 20 * k : 340 + 20 * k]
+            encoded.append(cv2.imencode(".png", picture)[1].tobytes())
+        sizes = np.array([len(e) for e in encoded])
+        (ingest / f"images_{name}.bin").write_bytes(b"".join(encoded))
+        start = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+        index = ImageIndex(SECOND * np.arange(count), np.full(count, ""), start, sizes, np.ones(count, bool))
+        keep(ingest, f"images_{name}", index)
+    out = run(ingest, tmp_path / "navigate")
+    path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))
+    step = np.linalg.norm(np.diff(path.translation, axis=0), axis=1)
+    assert np.allclose(step, 0.08, atol=2e-3)
+    assert path.translation[0].tolist() == [0.0, 0.0, 2.0]
+    assert json.loads((out / "navigation.json").read_text())["source"] == "stereo"
+
+
+def test_mounts_and_sigmas_reach_navigation_in_radians() -> None:
+    from hullrecon.artifacts.settings import settings_for
+
+    vehicle = vehicle_of(settings_for(STAGE, sections()))
+    assert vehicle.tray_origin.tolist() == [0.4, 0.0, 0.1]
+    assert vehicle.sigma_mount[3] == pytest.approx(np.radians(0.9))
+    assert vehicle.sigma_drift == pytest.approx(np.radians(1.0) / 3600)
+    assert np.allclose(vehicle.T_s_d.apply([[0, 0, 1.0]]), [[1, 0, 0]])
