@@ -52,11 +52,19 @@ def dress(axis: Any) -> None:
 
 def plain_log(axis: Any) -> None:
     """Numbers as they are on a logarithmic axis, not powers of ten: many spans are shorter than a decade."""
-    from matplotlib.ticker import StrMethodFormatter
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axis.set_minor_formatter(StrMethodFormatter("{x:g}"))
-    axis.set_tick_params(which="minor", labelsize=7)
+    axis.set_minor_formatter(NullFormatter())
+
+
+def whole_numbers(axis: Any) -> None:
+    """Counts: no fractions, no offset."""
+    from matplotlib.ticker import MaxNLocator, StrMethodFormatter
+
+    axis.set_major_locator(MaxNLocator(nbins=6, integer=True))
+    axis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
 
 
 def png_bytes(figure: Any) -> bytes:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hullrecon.dive.records import DvlPings, Solution, Surface
 from hullrecon.report.chartmap import vertex_area, weighted_percentiles
 from hullrecon.report.csvtext import numbers, seconds
-from hullrecon.report.figures import BLUE, GRAY, GREEN, ORANGE, Plot, new_figure, plain_log, png_bytes
+from hullrecon.report.figures import BLUE, GRAY, GREEN, ORANGE, Plot, new_figure, plain_log, png_bytes, whole_numbers
 from hullrecon.report.track import Track
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ def labels(iterations: Record) -> Plot:
     figure, (left, right) = new_figure(5.2, columns=2)
     left.plot(step, on, color=BLUE, linewidth=2)
     left.set(xlabel="iteration", ylabel="landmarks on the hull")
-    left.ticklabel_format(axis="y", useOffset=False, style="plain")
+    whole_numbers(left.yaxis)
     right.plot(step, changed, color=ORANGE, linewidth=2)
     right.set(xlabel="iteration", ylabel="labels changed")
     alt = f"{on[-1]:,} landmarks end as on the hull; {changed[-1]:,} labels changed at the last iteration."
@@ -66,8 +66,8 @@ def residuals(statistics: Mapping[str, Mapping[str, Any]]) -> Plot:
     low, high = (np.array([float(s[n]["rms"]) for n in names]) for s in (before, after))
     at = np.arange(len(names))
     figure, axis = new_figure(height_in=0.9 + 0.36 * len(names))
-    axis.barh(at - 0.2, np.maximum(low, 1e-3), 0.36, color=GRAY, label="before")
-    axis.barh(at + 0.2, np.maximum(high, 1e-3), 0.36, color=BLUE, label="after")
+    axis.barh(at - 0.2, np.maximum(low, 1e-2), 0.36, color=GRAY, label="before")
+    axis.barh(at + 0.2, np.maximum(high, 1e-2), 0.36, color=BLUE, label="after")
     axis.axvline(1.0, color=ORANGE, linewidth=1, label="expected")
     axis.set_xscale("log")
     plain_log(axis.xaxis)
