@@ -45,7 +45,7 @@ def scenery(context: Context, reach_m: float) -> Scenery:
     solution = from_arrays(Solution, load_arrays(adjusted)) if adjusted and adjusted.exists() else None
     trajectory = from_arrays(Trajectory, load_arrays(folder["navigate"] / "trajectory.npz"))
     found = folder["detect"] / "as_found.npz" if "detect" in folder else None
-    name = "as found" if found and found.exists() else "from the DVL"
+    name = "as found" if found and found.exists() else "of the survey"
     surface = from_arrays(Surface, load_arrays(found if found and found.exists() else folder["surface"] / "surface.npz"))
     chart = chart_from_arrays(load_arrays(folder["surface"] / "chart.npz"))
     ground = Ground(Scene(Mesh(surface.vertices, surface.faces)), chart, reach_m)
