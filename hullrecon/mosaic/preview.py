@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from io import BytesIO
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,8 @@ def preview_png(picture: NDArray[np.uint8], west: float, north: float, step_m: f
     axis.imshow(stretched(_rgba(picture)), extent=extent, interpolation="antialiased", aspect="equal")
     axis.set_title(caption.title, loc="left", fontsize=12, color=INK, fontweight="bold")
     along, girth = _axis_names(caption)
-    axis.set_xlabel(f"{along}\n{caption.legend}", fontsize=9, color=INK)
+    legend = fill(caption.legend, int(13 * figure.get_figwidth()))  # some 13 characters of this size fit an inch
+    axis.set_xlabel(f"{along}\n{legend}", fontsize=9, color=INK)
     axis.set_ylabel(girth, fontsize=9, color=INK)
     axis.tick_params(labelsize=8, colors=INK)
     if caption.frame_spacing_m:

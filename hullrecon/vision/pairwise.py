@@ -234,14 +234,20 @@ def _without_points(
         return _failed(len(seeds), Reason.FEW_INLIERS)
     motion = _closest(choices, prior)
     kept = Putative(seeds.first[found.inlier], seeds.second[found.inlier], seeds.distance[found.inlier])
-    if prior is not None and found.model == "essential":
-        near = _within(rig, first, second, prior, options, np.arange(len(first)), np.arange(len(second)))
-        near = _on_lines(rig, first, second, motion.second_from_first, options, *near)
-        more = best_of_candidates(
-            *near, sparse_distance(first.descriptor, second.descriptor, *near), options.guided_ratio, options.max_distance
-        )
-        kept = more if len(more) > len(kept) else kept
+    everywhere = np.arange(len(first)), np.arange(len(second))
+    near = (seeds.first, seeds.second) if prior is None else _within(rig, first, second, prior, options, *everywhere)
+    near = _on_lines(rig, first, second, motion.second_from_first, options, *near)
+    distance = sparse_distance(first.descriptor, second.descriptor, *near)
+    kept = _joined(kept, best_of_candidates(*near, distance, options.guided_ratio, options.max_distance))
     return PairMatch(kept.first, kept.second, kept.distance, len(seeds), Reason.MATCHED, motion, scaled=False)
+
+
+def _joined(kept: Putative, more: Putative) -> Putative:
+    """`kept`, and those of `more` that share no feature with it. A homography keeps what lies on the plane; structures that
+    stand off it come back along the epipolar lines of its motion."""
+    new = ~np.isin(more.first, kept.first) & ~np.isin(more.second, kept.second)
+    first, second = np.r_[kept.first, more.first[new]], np.r_[kept.second, more.second[new]]
+    return Putative(first, second, np.r_[kept.distance, more.distance[new]])
 
 
 def _closest(choices: list[Array], prior: Motion | None) -> Motion:
