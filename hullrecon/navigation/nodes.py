@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Ints = NDArray[np.int64]
-FAR_FROM_FRAME_S = 0.3
+FAR_FROM_FRAME_S = 1.0
 
 
 @dataclass(frozen=True)
