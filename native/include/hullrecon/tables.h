@@ -26,25 +26,26 @@ struct Table {
 };
 
 // Names and order as in hullrecon/native.py.
-#define HULLRECON_FLOAT_TABLES(X)                                                                                            \
-  X(pose)                                                                                                                    \
-  X(landmark)                                                                                                                \
-  X(T_g_M)                                                                                                                   \
-  X(T_s_ct) X(T_ct_cb) X(T_s_d) X(navigation) X(deviation) X(intrinsics_top) X(intrinsics_bottom) X(vertices) X(tray_origin) \
-      X(pressure_origin) X(prior_pose) X(prior_pose_sqrt) X(prior_T_g_M) X(prior_T_g_M_sqrt) X(prior_T_s_ct)                 \
-          X(prior_T_s_ct_sqrt) X(prior_T_ct_cb) X(prior_T_ct_cb_sqrt) X(prior_T_s_d) X(prior_T_s_d_sqrt)                     \
-              X(prior_navigation_sigma) X(prior_intrinsics_sigma) X(attitude_measured) X(attitude_sigma) X(tray_measured)    \
-                  X(tray_direction) X(tray_sigma) X(odometry_measured) X(odometry_sqrt) X(odometry_by_navigation)            \
-                      X(odometry_by_mount) X(odometry_by_tray) X(odometry_tray) X(odometry_mount) X(stereo_pixel)            \
-                          X(mono_pixel) X(range_offset) X(range_tray_offset) X(range_beam) X(range_measured) X(range_sigma)  \
-                              X(range_field_weight) X(surface_weight) X(surface_field_weight) X(field_prior_value)
-#define HULLRECON_INT_TABLES(X)                                                                                         \
-  X(faces)                                                                                                              \
-  X(prior_pose_node)                                                                                                    \
-  X(attitude_node)                                                                                                      \
-  X(tray_node) X(odometry_first) X(odometry_second) X(stereo_node) X(stereo_landmark) X(mono_node) X(mono_landmark)     \
-      X(mono_camera) X(range_node) X(range_field_index) X(surface_landmark) X(surface_field_index) X(field_prior_start) \
-          X(field_prior_index)
+// clang-format off
+#define HULLRECON_FLOAT_TABLES(X) \
+  X(pose) X(landmark) X(T_g_M) X(T_s_ct) X(T_ct_cb) X(T_s_d) X(navigation) \
+  X(deviation) X(intrinsics_top) X(intrinsics_bottom) X(vertices) \
+  X(tray_origin) X(pressure_origin) X(prior_pose) X(prior_pose_sqrt) \
+  X(prior_T_g_M) X(prior_T_g_M_sqrt) X(prior_T_s_ct) X(prior_T_s_ct_sqrt) \
+  X(prior_T_ct_cb) X(prior_T_ct_cb_sqrt) X(prior_T_s_d) X(prior_T_s_d_sqrt) \
+  X(prior_navigation_sigma) X(prior_intrinsics_sigma) X(attitude_measured) \
+  X(attitude_sigma) X(tray_measured) X(tray_direction) X(tray_sigma) \
+  X(odometry_measured) X(odometry_sqrt) X(odometry_by_navigation) \
+  X(odometry_by_mount) X(odometry_by_tray) X(odometry_tray) \
+  X(odometry_mount) X(stereo_pixel) X(mono_pixel) X(range_offset) \
+  X(range_tray_offset) X(range_beam) X(range_measured) X(range_sigma) \
+  X(range_field_weight) X(surface_weight) X(surface_field_weight) \
+  X(field_prior_value)
+#define HULLRECON_INT_TABLES(X) \
+  X(faces) X(prior_pose_node) X(attitude_node) X(tray_node) X(odometry_first) X(odometry_second) X(stereo_node) \
+  X(stereo_landmark) X(mono_node) X(mono_landmark) X(mono_camera) X(range_node) X(range_field_index) X(surface_landmark) \
+  X(surface_field_index) X(field_prior_start) X(field_prior_index)
+// clang-format on
 
 struct Tables {
 #define HULLRECON_FIELD(name) Table<double> name;
