@@ -35,8 +35,16 @@ class Selection:
     landmarks: NDArray[np.int64]
 
 
-def assemble(m: Measurements, state: State, weights: Weights, chosen: Selection, center: Array, as_published: bool) -> Problem:
-    """The problem of one round."""
+def assemble(
+    m: Measurements,
+    state: State,
+    weights: Weights,
+    chosen: Selection,
+    center: Array,
+    as_published: bool,
+    hold_place: bool = False,
+) -> Problem:
+    """The problem of one round. hold_place: T_g_M stays."""
     problem = Problem(pose=np.hstack([state.nodes.translation, state.nodes.quaternion, state.tray[:, None]]))
     problem.navigation = state.navigation.copy()
     problem.tray_origin, problem.pressure_origin = m.rig.tray_origin, m.rig.pressure_origin
@@ -52,6 +60,8 @@ def assemble(m: Measurements, state: State, weights: Weights, chosen: Selection,
         _drawing_tables(problem, m, m.drawing, state, weights, chosen, center)
     else:
         held += ["T_g_M", "deviation"]
+    if hold_place:
+        held.append("T_g_M")
     problem.constant = tuple(sorted(set(held)))
     return problem
 

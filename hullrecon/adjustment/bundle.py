@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
-from hullrecon.adjustment import play, registration, selection
+from hullrecon.adjustment import place, play, registration, selection
 from hullrecon.adjustment.assembly import Selection, assemble, cell_share, read_back
 from hullrecon.adjustment.deviation import grid_over
 from hullrecon.adjustment.model import Measurements, return_points
@@ -45,12 +45,15 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
     weights = _first_weights(m, options)
     most_px = 40.0  # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
     outcome, first = None, None
+    settle = m.drawing is not None and not options.as_published and options.rounds > 1
     for k in range(options.rounds):
         last = k == options.rounds - 1
+        if last and settle and outcome is not None:
+            state = _settled_place(m, state, outcome[2], outcome[1], center)
         state = replace(state, landmark=selection.relocate(m, state))
         chosen = _chosen(m, state, most_px, options, last)
         weights = replace(weights, surface=_surface_weights(m, state, chosen, options))
-        problem = assemble(m, state, weights, chosen, center, options.as_published)
+        problem = assemble(m, state, weights, chosen, center, options.as_published, hold_place=last and settle)
         first = first or problem
         result = native.solve(problem, _native_options(options, last))
         outcome = (problem, result, chosen, weights)
@@ -89,6 +92,13 @@ def _start(m: Measurements, options: AdjustOptions, say: Say) -> tuple[State, re
         at = m.drawing.chart.to_chart(found.hull_from.inverse().apply(points))[:, :2]
         grid = grid_over(at[np.isfinite(at).all(1)], m.drawing.deviation_length)
     return replace(state, T_g_M=found.hull_from, grid=grid, field=np.zeros(grid.size if grid else 0)), found
+
+
+def _settled_place(m: Measurements, state: State, chosen: Selection, result: native.Result, center: Array) -> State:
+    if m.drawing is None or state.T_g_M is None:
+        return state
+    points = place.points_on_hull(m, state, chosen, result.label)
+    return replace(state, T_g_M=place.settled(points, state.T_g_M, m.drawing, center))
 
 
 def _register_points(m: Measurements, state: State) -> Array:

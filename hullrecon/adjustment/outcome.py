@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
-from hullrecon.adjustment import profile, registration, statistics
+from hullrecon.adjustment import place, statistics
 from hullrecon.adjustment.bundle import Adjusted
-from hullrecon.adjustment.model import Measurements, return_points
+from hullrecon.adjustment.model import Measurements
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.state import State, seven
 from hullrecon.adjustment.uncertainty import hull_axes, points_in_hull, poses_in_hull
@@ -22,7 +22,6 @@ from hullrecon.dive.records import Solution
 from hullrecon.geometry import poses
 
 Array = NDArray[np.float64]
-POINT_NOISE_M = 0.005  # of the mean of a voxel of landmarks and returns
 NAVIGATION = ("dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_play_rad")
 
 
@@ -38,9 +37,11 @@ class Outcome:
 
 def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> Outcome:
     settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
-    marginals = native.covariance(adjusted.problem, settings)
+    marginals = native.covariance(_place_free(adjusted.problem), settings)
     if m.drawing is not None and adjusted.state.T_g_M is not None:
-        marginals = replace(marginals, T_g_M=_profiled(m, adjusted, marginals.T_g_M))
+        on_hull = place.points_on_hull(m, adjusted.state, adjusted.chosen, adjusted.result.label)
+        hull = place.covariance(on_hull, adjusted.state.T_g_M, m.drawing, adjusted.center, marginals.T_g_M)
+        marginals = replace(marginals, T_g_M=hull)
     solution = _solution(m, adjusted, marginals)
     weak = [] if adjusted.state.T_g_M is None else weak_directions(hull_axes(solution.hull_covariance, adjusted.state.T_g_M))
     before, after = (statistics.by_factor(native.evaluate(p, settings)) for p in (adjusted.start, adjusted.problem))
@@ -48,31 +49,11 @@ def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> O
     return Outcome(solution, _record(adjusted.result.iterations), _summary(m, adjusted, options, weak, before, after), warnings)
 
 
-def _profiled(m: Measurements, adjusted: Adjusted, hull: Array) -> Array:
-    """T_g_M's covariance with the weakest direction's variance from its profile (METHODS 5): the delivered place stays that of
-    the solve, so the variance is the posterior's second moment about it."""
-    place = adjusted.state.T_g_M
-    if m.drawing is None or place is None:
-        return hull
-    weak = [w for w in weak_directions(hull_axes(hull, place)) if w["kind"] == "position"]
-    if not weak:
-        return hull
-    points = registration.thin(_on_hull(m, adjusted), 0.15, 800)
-    direction = np.array(weak[0]["direction"])
-    index = native.MeshIndex(m.drawing.mesh.vertices, m.drawing.mesh.faces)
-    valley = profile.valley(points, place, direction, m.drawing, adjusted.center, index, POINT_NOISE_M)
-    found = profile.profile(valley, place, reach=3 * float(np.linalg.norm(direction * m.drawing.guess_sigma[:3])))
-    return profile.inflated(hull, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), place)
-
-
-def _on_hull(m: Measurements, adjusted: Adjusted) -> Array:
-    """Points (n, 3) in g that lie on the hull: landmarks labelled so, and DVL returns."""
-    state, chosen = adjusted.state, adjusted.chosen
-    landmarks = state.landmark[chosen.landmarks][adjusted.result.label == 1] if len(chosen.landmarks) else np.zeros((0, 3))
-    if m.returns is None:
-        return landmarks
-    ends, _ = return_points(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
-    return np.vstack([landmarks, ends[chosen.returns]])
+def _place_free(problem: native.Problem) -> native.Problem:
+    """The last round holds T_g_M where its profile put it; what is unknown about it is still unknown."""
+    if not len(problem.vertices):
+        return problem
+    return replace(problem, constant=tuple(name for name in problem.constant if name != "T_g_M"))
 
 
 def _solution(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> Solution:

@@ -18,7 +18,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from hullrecon.adjustment.model import Drawing
 from hullrecon.adjustment.registration import (
-    matern32,
+    drawing_error,
     perturbed,
     prior_rows,
     prior_step,
@@ -61,8 +61,7 @@ def valley(
     points: Array, start: Poses, direction: Array, drawing: Drawing, center: Array, index: MeshIndex, noise: float
 ) -> Valley:
     """The valley through `start` (T_g_M); `noise` is the points' own sigma in metres."""
-    at = start.inverse().apply(points)
-    field = matern32(np.nan_to_num(drawing.chart.to_chart(at)[:, :2]), drawing.deviation_sigma, drawing.deviation_length)
+    field = drawing_error(drawing, start.inverse().apply(points))
     return Valley(points, direction, drawing, center, index, cho_factor(field + noise**2 * np.eye(len(points))))
 
 
@@ -107,22 +106,38 @@ def _shifted(v: Valley, hull_from: Poses, step: float) -> Poses:
     return perturbed(hull_from, v.center, np.r_[step * in_global, np.zeros(3)])
 
 
-def _settle(v: Valley, pose: Poses, most: int = 8) -> tuple[Poses, float]:
-    """T_g_M with its shift along the direction held and the rest at the optimum; and half the sum of squares there."""
-    whitened = prior_rows(v.drawing)
-    cost = np.inf
+def _settle(v: Valley, pose: Poses, most: int = 40) -> tuple[Poses, float]:
+    """T_g_M with its shift along the direction held and the rest at the optimum (Levenberg-Marquardt); and half the sum of
+    squares there."""
+    cost, right, information = _linearised(v, pose)
+    damping = 1e-4
     for _ in range(most):
-        distance, jacobian = signed_distances(v.points, pose, v.center, v.index)
-        solved = cho_solve(v.factor, np.c_[jacobian, distance])
-        prior = prior_step(pose, v.drawing, v.center) / v.drawing.guess_sigma
-        cost = 0.5 * float(distance @ solved[:, 6] + prior @ prior)
         free = _across(pose.rotation.as_matrix()[0] @ v.direction)
-        information = free.T @ (jacobian.T @ solved[:, :6] + whitened.T @ whitened) @ free
-        step = -free @ np.linalg.solve(information, free.T @ (jacobian.T @ solved[:, 6] + whitened.T @ prior))
-        pose = perturbed(pose, v.center, step)
-        if np.abs(step).max() < 1e-6:
+        reduced = free.T @ information @ free
+        step = -free @ np.linalg.solve(reduced + damping * np.diag(np.diag(reduced)), free.T @ right)
+        trial = perturbed(pose, v.center, np.asarray(step))
+        there = _linearised(v, trial)
+        if there[0] > cost:
+            damping *= 10
+            if damping > 1e6:
+                break
+            continue
+        gain = cost - there[0]
+        pose, damping = trial, max(damping / 5, 1e-9)
+        cost, right, information = there
+        if gain < 1e-3:
             break
     return pose, cost
+
+
+def _linearised(v: Valley, pose: Poses) -> tuple[float, Array, Array]:
+    """Cost, gradient (6,) and information (6, 6) at T_g_M."""
+    distance, jacobian = signed_distances(v.points, pose, v.center, v.index)
+    solved = cho_solve(v.factor, np.c_[jacobian, distance])
+    whitened = prior_rows(v.drawing)
+    prior = prior_step(pose, v.drawing, v.center) / v.drawing.guess_sigma
+    cost = 0.5 * float(distance @ solved[:, 6] + prior @ prior)
+    return cost, jacobian.T @ solved[:, 6] + whitened.T @ prior, jacobian.T @ solved[:, :6] + whitened.T @ whitened
 
 
 def _across(direction: Array) -> Array:
