@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Building the sections of a hull: choosing its axis, casting the rays, and telling skin from leaps between parts of the ship."""
+"""Sections of a hull: choosing its axis, casting the rays, and telling skin from leaps between parts of the ship."""
 
 from __future__ import annotations
 

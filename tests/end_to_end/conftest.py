@@ -31,7 +31,22 @@ def evaluation_data():
 def tiny(tmp_path_factory):
     """A dive of some seconds, simulated once a session: stereo, sonar, one structure."""
     folder = tmp_path_factory.mktemp("tiny") / "tiny"
-    options = ["--legs", 1, "--leg-length-m", 1.6, "--structures", 1, "--marks", 0, "--image-width", 320, "--image-height", 256, "--seed", 5]
+    options = [
+        "--legs",
+        1,
+        "--leg-length-m",
+        1.6,
+        "--structures",
+        1,
+        "--marks",
+        0,
+        "--image-width",
+        320,
+        "--image-height",
+        256,
+        "--seed",
+        5,
+    ]
     Shell(folder.parent)("simulate", folder, *options)
     return folder
 

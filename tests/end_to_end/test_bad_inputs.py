@@ -52,7 +52,24 @@ def package_name(package):
 
 def test_a_corrupt_jpeg_among_good_ones_survives_and_is_counted(shell, tmp_path):
     plain = tmp_path / "plain"
-    options = ["--form", "plain", "--legs", 1, "--leg-length-m", 1.2, "--structures", 0, "--marks", 0, "--image-width", 320, "--image-height", 256, "--seed", 6]
+    options = [
+        "--form",
+        "plain",
+        "--legs",
+        1,
+        "--leg-length-m",
+        1.2,
+        "--structures",
+        0,
+        "--marks",
+        0,
+        "--image-width",
+        320,
+        "--image-height",
+        256,
+        "--seed",
+        6,
+    ]
     shell("simulate", plain, *options)
     image = sorted(plain.rglob("*.jpg"))[2]
     image.write_bytes(b"\xff\xd8 this is no picture")
