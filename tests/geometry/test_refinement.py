@@ -45,7 +45,8 @@ def test_a_partly_refined_mesh_has_no_cracks() -> None:
 
 
 def test_a_face_far_from_where_it_matters_stays_as_it_was() -> None:
-    far = Mesh(np.vstack([SQUARE.vertices, SQUARE.vertices + np.array([10, 0, 0])]), np.vstack([SQUARE.faces, SQUARE.faces + 4]))
+    away = SQUARE.vertices + np.array([10.0, 0.0, 0.0])
+    far = Mesh(np.vstack([SQUARE.vertices, away]), np.vstack([SQUARE.faces, SQUARE.faces + 4]))
     fine, _ = refine(far, lambda middle: np.where(middle[:, 0] < 5, 0.2, np.inf))
     assert (fine.vertices[:, 0] > 5).sum() == 4
 
