@@ -11,7 +11,7 @@ import pytest
 from end_to_end.shell import edit
 
 
-def one_line(done, *words):
+def assert_one_line(done, *words):
     """The single line of error, which holds these words."""
     lines = [line for line in done.stderr.splitlines() if line.startswith("error:")]
     assert len(lines) == 1, done.stderr
@@ -23,18 +23,18 @@ def one_line(done, *words):
 
 def test_no_dive_toml(shell, tmp_path):
     (tmp_path / "empty").mkdir()
-    one_line(shell("run", "empty", "--runs", "out", code=3), "dive.toml")
+    assert_one_line(shell("run", "empty", "--runs", "out", code=3), "dive.toml")
 
 
 def test_an_unknown_key_names_the_nearest_known_one(shell, package):
     edit(package, "sigma_velocity", "sigma_velocty")
-    one_line(shell("run", package, "--runs", "out", code=2), "sigma_velocty", "sigma_velocity")
+    assert_one_line(shell("run", package, "--runs", "out", code=2), "sigma_velocty", "sigma_velocity")
 
 
 def test_a_missing_log(shell, package):
     for log in (package / "logs").iterdir():
         log.unlink()
-    one_line(shell("run", package, "--runs", "out", code=3), "logs/")
+    assert_one_line(shell("run", package, "--runs", "out", code=3), "logs/")
 
 
 def test_a_truncated_mcap_is_salvaged_and_the_lost_span_named(shell, package):
@@ -80,7 +80,7 @@ def test_a_corrupt_jpeg_among_good_ones_survives_and_is_counted(shell, tmp_path)
 
 def test_an_absent_topic_is_named_with_those_that_are_there(shell, package):
     edit(package, 'dvl = "/dvl"', 'dvl = "/dvll"')
-    one_line(shell("run", package, "--runs", "out", code=3), "/dvll", "/dvl")
+    assert_one_line(shell("run", package, "--runs", "out", code=3), "/dvll", "/dvl")
 
 
 def test_a_hull_in_millimetres_declared_as_metres(shell, package):
@@ -89,24 +89,24 @@ def test_a_hull_in_millimetres_declared_as_metres(shell, package):
     mesh = trimesh.load_mesh(package / "hull.stl")
     mesh.apply_scale(1000.0)
     mesh.export(package / "hull.stl")
-    one_line(shell("run", package, "--runs", "out", code=3), "millimetres")
+    assert_one_line(shell("run", package, "--runs", "out", code=3), "millimetres")
 
 
 def test_a_camera_yaml_of_another_size(shell, package):
     yaml = package / "calibration" / "camera_top.yaml"
     yaml.write_text(yaml.read_text().replace("image_width: 320", "image_width: 640"))
-    one_line(shell("run", package, "--runs", "out", code=3), "640", "320")
+    assert_one_line(shell("run", package, "--runs", "out", code=3), "640", "320")
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere: see the next test")
 def test_a_read_only_output_folder(shell, package):
     (shell.folder / "out").mkdir(mode=0o555)
-    one_line(shell("run", package, "--runs", "out", code=6), "out")
+    assert_one_line(shell("run", package, "--runs", "out", code=6), "out")
 
 
 def test_an_output_folder_that_cannot_be_made(shell, package):
     (shell.folder / "out").write_text("a file stands where the folder should be")
-    one_line(shell("run", package, "--runs", "out", code=6), "out")
+    assert_one_line(shell("run", package, "--runs", "out", code=6), "out")
 
 
 def test_a_second_run_on_the_same_dive_at_the_same_time(shell, package):
@@ -116,7 +116,7 @@ def test_a_second_run_on_the_same_dive_at_the_same_time(shell, package):
         while not list((shell.folder / "out").glob("*/*lock*")) and first.poll() is None and time.monotonic() < deadline:
             time.sleep(0.05)
         assert first.poll() is None, "the first run ended before the second began"
-        one_line(shell("run", package, "--runs", "out", code=5), "another run")
+        assert_one_line(shell("run", package, "--runs", "out", code=5), "another run")
     finally:
         first.kill()
         first.communicate()
