@@ -16,10 +16,6 @@ enum Global { kHull, kCamera, kBottom, kDvl, kNavigation, kTopLens, kBottomLens 
 constexpr std::array<const char*, 7> kGlobals{"T_g_M",      "T_s_ct",         "T_ct_cb",          "T_s_d",
                                               "navigation", "intrinsics_top", "intrinsics_bottom"};
 
-std::vector<double> copy(const Table<double>& table) {
-  return {table.data, table.data + table.rows() * table.width()};
-}
-
 std::unique_ptr<MeshIndex> mesh(const Tables& t) {
   if (t.faces.rows() == 0 || t.surface_landmark.rows() + t.range_node.rows() == 0) return nullptr;
   std::vector<Vec3> vertices(t.vertices.rows());
@@ -62,17 +58,23 @@ void Model::add_block(double* data, int size, int tangent, std::string name) {
 
 void Model::add_blocks() {
   const Tables& t = tables_;
-  pose_ = copy(t.pose), landmark_ = copy(t.landmark), navigation_ = copy(t.navigation), deviation_ = copy(t.deviation);
-  for (const auto* m : {&t.T_g_M, &t.T_s_ct, &t.T_ct_cb, &t.T_s_d}) motion_.insert(motion_.end(), m->data, m->data + 7);
-  for (const auto* k : {&t.intrinsics_top, &t.intrinsics_bottom}) intrinsics_.insert(intrinsics_.end(), k->data, k->data + 9);
-  for (int64_t i = 0; i < poses(); ++i) add_block(&pose_[8 * i], 8, t.held("tray") ? 6 : 7, "pose " + std::to_string(i));
+  std::vector<size_t> start;
+  for (const Table<double>* table : {&t.pose, &t.landmark, &t.T_g_M, &t.T_s_ct, &t.T_ct_cb, &t.T_s_d, &t.navigation,
+                                     &t.intrinsics_top, &t.intrinsics_bottom, &t.deviation}) {
+    start.push_back(unknowns_.size());
+    unknowns_.insert(unknowns_.end(), table->data, table->data + table->rows() * table->width());
+  }
+  double* const all = unknowns_.data();
+  double *const pose = all, *const motion = all + start[2], *const deviation = all + start[9];
+  landmark_ = all + start[1], intrinsics_ = all + start[7];
+  for (int64_t i = 0; i < poses(); ++i) add_block(&pose[8 * i], 8, t.held("tray") ? 6 : 7, "pose " + std::to_string(i));
   for (int64_t i = 0; i < landmarks(); ++i) add_block(&landmark_[3 * i], 3, 3, "landmark " + std::to_string(i));
   const auto tangent = [&](const char* name, int width) { return t.held(name) ? 0 : width; };
-  for (int k = 0; k < 4; ++k) add_block(&motion_[7 * k], 7, tangent(kGlobals[k], 6), kGlobals[k]);
-  add_block(navigation_.data(), 6, tangent("navigation", 6), "navigation");
+  for (int k = 0; k < 4; ++k) add_block(&motion[7 * k], 7, tangent(kGlobals[k], 6), kGlobals[k]);
+  add_block(all + start[6], 6, tangent("navigation", 6), "navigation");
   for (int k = 0; k < 2; ++k) add_block(&intrinsics_[9 * k], 9, tangent(kGlobals[kTopLens + k], 9), kGlobals[kTopLens + k]);
-  for (size_t k = 0; k < deviation_.size(); ++k)
-    add_block(&deviation_[k], 1, tangent("deviation", 1), "deviation " + std::to_string(k));
+  for (size_t k = 0; k < unknowns_.size() - start[9]; ++k)
+    add_block(&deviation[k], 1, tangent("deviation", 1), "deviation " + std::to_string(k));
 }
 
 int Model::block(const char* name) const {

@@ -82,7 +82,10 @@ class Model {
   Tables tables_;
   Options options_;
   Mixture mixture_;
-  std::vector<double> pose_, landmark_, motion_, navigation_, intrinsics_, deviation_;
+  // All in one array: Ceres orders the blocks of an elimination group by their addresses, and those of separate arrays
+  // change from process to process, and with them the last digits of the solution.
+  std::vector<double> unknowns_;
+  double *landmark_ = nullptr, *intrinsics_ = nullptr;  // in unknowns_
   std::vector<Block> blocks_;
   int64_t columns_ = 0;
   Association association_;
