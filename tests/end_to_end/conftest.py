@@ -10,7 +10,6 @@ import pytest
 from end_to_end.shell import Shell
 
 ROOT = Path(__file__).resolve().parents[2]
-SAMPLE = ROOT / "sample_data" / "demo"
 
 
 @pytest.fixture

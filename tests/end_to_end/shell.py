@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+SAMPLE = Path(__file__).resolve().parents[2] / "sample_data" / "demo"
+
 
 class Shell:
     """The command `hullrecon`, in a folder of its own."""
@@ -43,7 +45,7 @@ def without_run_blocks(folder):
     found = {}
     for path in sorted(p for p in folder.rglob("*") if p.is_file()):
         name = path.relative_to(folder).as_posix()
-        if name.startswith("logs/") or path.name.startswith(".") or path.name == "lock":
+        if "/logs/" in name or "/.hullrecon/" in name:  # logs of the runs; the lock and the cache of hashes
             continue
         found[name] = _steady(path)
     return found
@@ -52,8 +54,10 @@ def without_run_blocks(folder):
 def _steady(path):
     if path.name in ("manifest.json", "summary.json"):
         document = json.loads(path.read_text())
-        for volatile in ("run", "sha256_self"):
+        for volatile in ("run", "seal"):
             document.pop(volatile, None)
+        for name in ("deliver/summary.json", "deliver/report/index.html"):  # they hold the run's time: so do their hashes
+            document.get("outputs", {}).pop(name, None)
         return json.dumps(document, sort_keys=True)
     if path.suffix == ".html":
         return "".join(line for line in path.read_text().splitlines() if "data-volatile" not in line)

@@ -5,10 +5,11 @@
 import json
 import os
 import re
+import shutil
 import time
 
 import pytest
-from end_to_end.shell import edit
+from end_to_end.shell import SAMPLE, edit
 
 
 def assert_one_line(done, *words):
@@ -37,7 +38,8 @@ def test_a_missing_log(shell, package):
     assert_one_line(shell("run", package, "--runs", "out", code=3), "logs/")
 
 
-def test_a_truncated_mcap_is_salvaged_and_the_lost_span_named(shell, package):
+def test_a_truncated_mcap_is_salvaged_and_the_lost_span_named(shell, tmp_path):
+    package = shutil.copytree(SAMPLE, tmp_path / "cut")
     log = next((package / "logs").glob("*.mcap"))
     os.truncate(log, int(0.8 * log.stat().st_size))
     shell("run", package, "--runs", "out", "--to", "ingest")
@@ -109,11 +111,15 @@ def test_an_output_folder_that_cannot_be_made(shell, package):
     assert_one_line(shell("run", package, "--runs", "out", code=6), "out")
 
 
+def locked(folder):
+    return list((folder / "out").glob("*/.hullrecon/lock"))
+
+
 def test_a_second_run_on_the_same_dive_at_the_same_time(shell, package):
     first = shell.start("run", package, "--runs", "out")
     try:
         deadline = time.monotonic() + 60
-        while not list((shell.folder / "out").glob("*/*lock*")) and first.poll() is None and time.monotonic() < deadline:
+        while not locked(shell.folder) and first.poll() is None and time.monotonic() < deadline:
             time.sleep(0.05)
         assert first.poll() is None, "the first run ended before the second began"
         assert_one_line(shell("run", package, "--runs", "out", code=5), "another run")
