@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import logging
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -11,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
-from hullrecon.adjustment import place, play, registration, selection
+from hullrecon.adjustment import history, place, play, registration, selection
 from hullrecon.adjustment.assembly import Selection, assemble, cell_share, read_back
 from hullrecon.adjustment.deviation import grid_over
 from hullrecon.adjustment.model import Measurements, return_points
@@ -21,6 +23,7 @@ from hullrecon.errors import StageError
 
 Array = NDArray[np.float64]
 Say = Callable[[str], None]
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -36,10 +39,12 @@ class Adjusted:
     problem: native.Problem
     result: native.Result
     registration: registration.Registration | None
+    rounds: tuple[history.Round, ...]
 
 
 def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
     """Solve in rounds: each settles outliers and sigmas for the next. Raises StageError when nothing usable comes out."""
+    begun, rounds = time.perf_counter(), list[history.Round]()
     state, registered = _start(m, options, say)
     center = registered.center if registered else np.zeros(3)
     weights = _first_weights(m, options)
@@ -55,7 +60,9 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
         weights = replace(weights, surface=_surface_weights(m, state, chosen, options))
         problem = assemble(m, state, weights, chosen, center, options.as_published, hold_place=last and settle)
         first = first or problem
+        began = time.perf_counter() - begun
         result = native.solve(problem, _native_options(options, last))
+        rounds.append(_told(len(rounds) + 1, result, weights, chosen, began))
         outcome = (problem, result, chosen, weights)
         state = read_back(state, result.unknowns, chosen, center)
         weights = _settled_weights(m, state, chosen, weights, options)
@@ -64,7 +71,7 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
     assert outcome is not None
     assert first is not None
     problem, result, chosen, used = outcome
-    return Adjusted(state, used, chosen, center, first, _at(problem, result), result, registered)
+    return Adjusted(state, used, chosen, center, first, _at(problem, result), result, registered, tuple(rounds))
 
 
 def _start(m: Measurements, options: AdjustOptions, say: Say) -> tuple[State, registration.Registration | None]:
@@ -194,6 +201,14 @@ def _at(problem: native.Problem, result: native.Result) -> native.Problem:
     for name, values in result.unknowns.items():
         setattr(moved, name, values)
     return moved
+
+
+def _told(number: int, result: native.Result, weights: Weights, chosen: Selection, began_s: float) -> history.Round:
+    """The round for the history; its table goes to the log (`--verbose`)."""
+    done = history.Round(result.iterations, weights, len(chosen.landmarks), result.converged, result.message, began_s)
+    for line in history.lines(number, done):
+        log.debug("%s", line)
+    return done
 
 
 def _round_in_words(k: int, result: native.Result, chosen: Selection, weights: Weights) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
-from hullrecon.adjustment import place, statistics
+from hullrecon.adjustment import history, place, statistics
 from hullrecon.adjustment.bundle import Adjusted
 from hullrecon.adjustment.model import Measurements
 from hullrecon.adjustment.options import AdjustOptions
@@ -27,10 +27,12 @@ NAVIGATION = ("dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_r
 
 @dataclass(frozen=True)
 class Outcome:
-    """solution; iterations: arrays for iterations.npz; summary: for adjust.json; warnings: sentences for the report."""
+    """solution; iterations: arrays for iterations.npz, and when each was done (s); summary: for adjust.json; warnings: sentences
+    for the report."""
 
     solution: Solution
     iterations: dict[str, NDArray[Any]]
+    iterations_s: Array
     summary: dict[str, Any]
     warnings: list[str]
 
@@ -46,7 +48,8 @@ def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> O
     weak = [] if adjusted.state.T_g_M is None else weak_directions(hull_axes(solution.hull_covariance, adjusted.state.T_g_M))
     before, after = (statistics.by_factor(native.evaluate(p, settings)) for p in (adjusted.start, adjusted.problem))
     warnings = [str(w["sentence"]) for w in weak] + _complaints(adjusted, solution)
-    return Outcome(solution, _record(adjusted.result.iterations), _summary(m, adjusted, options, weak, before, after), warnings)
+    record, times = history.columns(adjusted.rounds), history.seconds(adjusted.rounds)
+    return Outcome(solution, record, times, _summary(m, adjusted, options, weak, before, after), warnings)
 
 
 def _place_free(problem: native.Problem) -> native.Problem:
@@ -129,11 +132,6 @@ def _views(m: Measurements, adjusted: Adjusted) -> NDArray[np.int64]:
     return np.bincount(m.tracks.landmark, seen, minlength=len(m.tracks.color)).astype(np.int64)
 
 
-def _record(record: native.IterationRecord) -> dict[str, NDArray[Any]]:
-    arrays = {name: getattr(record, name) for name in record.__dataclass_fields__ if name not in ("cost_by_factor", "seconds")}
-    return arrays | {f"cost_{name}": values for name, values in record.cost_by_factor.items()}
-
-
 def _summary(
     m: Measurements, adjusted: Adjusted, options: AdjustOptions, weak: list[dict[str, object]], before: Any, after: Any
 ) -> dict[str, Any]:
@@ -143,7 +141,8 @@ def _summary(
         "as_published": options.as_published,
         "converged": result.converged,
         "message": result.message,
-        "iterations": len(result.iterations.cost),
+        "iterations": len(result.iterations.cost) - 1,
+        "rounds": history.in_figures(adjusted.rounds),
         "landmarks": len(adjusted.chosen.landmarks),
         "on_hull": int((result.label == 1).sum()),
         "rays_missed": int((~result.ray_hit).sum()),

@@ -21,7 +21,8 @@ log = logging.getLogger(__name__)
 
 
 class StageContext:
-    """Implements `stage.Context`. `warnings` and `workers_peak_rss` (bytes) are read by the runner when the stage has ended."""
+    """Implements `stage.Context`. `warnings`, `times` (s, by name) and `workers_peak_rss` (bytes) are read by the runner when the
+    stage has ended."""
 
     def __init__(
         self, stage: Stage, settings: Mapping[str, Any], inputs: Mapping[str, Path], source: Path | None, out: Writer,
@@ -29,6 +30,7 @@ class StageContext:
     ) -> None:  # fmt: skip
         self.settings, self.inputs, self.out = settings, inputs, out
         self.warnings: list[str] = []
+        self.times: dict[str, list[float]] = {}
         self.workers_peak_rss = 0
         self._stage, self._source = stage, source
         self._executor, self._progress = executor, progress
@@ -55,3 +57,6 @@ class StageContext:
     def warn(self, message: str) -> None:
         log.warning("%s: %s", self._stage.name, message)
         self.warnings.append(message)
+
+    def spent(self, name: str, seconds: Sequence[float]) -> None:
+        self.times[name] = [round(float(s), 3) for s in seconds]

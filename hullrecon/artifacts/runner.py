@@ -120,6 +120,7 @@ def _call(stage: Stage, context: StageContext, building: Path) -> dict[str, Any]
         "cpu_seconds": round(time.process_time() - cpu, 3),
         "peak_rss_bytes": peak_rss(),
         "workers_peak_rss_bytes": context.workers_peak_rss,
+        **({"times": context.times} if context.times else {}),
     }
 
 

@@ -59,6 +59,9 @@ class Context(Protocol):
     def warn(self, message: str) -> None:
         """A sentence for the log, the manifest and summary.json."""
 
+    def spent(self, name: str, seconds: Sequence[float]) -> None:
+        """Wall-clock times for the manifest's run block, under `name`: they differ between equal runs, so no file holds them."""
+
 
 @dataclass(frozen=True)
 class Stage:

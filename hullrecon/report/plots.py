@@ -21,22 +21,29 @@ Record = Mapping[str, NDArray[np.generic]]
 
 
 def convergence(iterations: Record) -> Plot:
-    """Cost by iteration, and by factor where the record has it."""
+    """Cost by iteration, and by factor where the record has it. A line breaks between rounds: their costs do not compare."""
     cost = np.asarray(iterations["cost"], float)
+    rounds = _rounds(iterations, len(cost))
     step = np.arange(len(cost))
     by_factor = {n.removeprefix("cost_"): v for n, v in iterations.items() if n.startswith("cost_") and n != "cost_change"}
     parts = {name: np.asarray(values, float) for name, values in by_factor.items()}
-    figure, axis = new_figure(5.2)
-    axis.semilogy(step, np.maximum(cost, 1e-12), color=BLUE, linewidth=2, label="all factors")
+    figure, axis = new_figure(7.2, 3.4)
+    axis.semilogy(*_broken(step, np.maximum(cost, 1e-12), rounds), color=BLUE, linewidth=2, label="all factors")
     for k, (name, values) in enumerate(sorted(parts.items())):
         if (values > 0).any():
-            axis.semilogy(
-                step, np.where(values > 0, values, np.nan), linewidth=1, linestyle=("-", "--", ":")[k % 3], label=name
-            )
-    axis.set(xlabel="iteration", ylabel="cost (half sum of squares)")
+            shown = np.where(values > 0, values, np.nan)
+            axis.semilogy(*_broken(step, shown, rounds), linewidth=1, linestyle=("-", "--", ":")[k % 3], label=name)
+    axis.set(xlabel="iteration, all rounds", ylabel="cost (half sum of squares)")
+    _mark_rounds(axis, iterations, rounds)
     axis.legend(fontsize=7, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    alt = f"The cost falls from {cost[0]:.4g} to {cost[-1]:.4g} in {len(cost)} iterations."
+    spans = [cost[rounds == r] for r in np.unique(rounds)]
+    falls = [f"from {c[0]:.4g} to {c[-1]:.4g} in {len(c) - 1} iterations" for c in spans]
+    if len(falls) == 1:
+        alt = f"The cost falls {falls[0]}."
+    else:
+        alt = f"The cost falls {', then '.join(falls)}. Costs of two rounds do not compare: sigmas and landmarks change between them."
     table = {
+        "round": rounds.tolist(),
         "iteration": step.tolist(),
         "cost": numbers(cost, ".9g"),
         **{n: numbers(v, ".9g") for n, v in sorted(parts.items())},
@@ -45,18 +52,48 @@ def convergence(iterations: Record) -> Plot:
 
 
 def labels(iterations: Record) -> Plot:
-    """Landmarks on the hull and labels changed, by iteration (O Fig. 4.12)."""
+    """Share of the landmarks on the hull and labels changed, by iteration (O Fig. 4.12), broken between rounds."""
     on, changed = (np.asarray(iterations[k], np.int64) for k in ("on_surface", "label_changes"))
-    step = np.arange(len(on))
-    figure, (left, right) = new_figure(5.2, columns=2)
-    left.plot(step, on, color=BLUE, linewidth=2)
-    left.set(xlabel="iteration", ylabel="landmarks on the hull")
-    whole_numbers(left.yaxis)
-    right.plot(step, changed, color=ORANGE, linewidth=2)
-    right.set(xlabel="iteration", ylabel="labels changed")
-    alt = f"{on[-1]:,} landmarks end as on the hull; {changed[-1]:,} labels changed at the last iteration."
-    table = {"iteration": step.tolist(), "on_surface": on.tolist(), "label_changes": changed.tolist()}
+    rounds, step = _rounds(iterations, len(on)), np.arange(len(on))
+    of = np.asarray(iterations["landmarks"], np.int64) if "landmarks" in iterations else np.full(len(on), on.max())
+    figure, (left, right) = new_figure(7.2, columns=2)
+    left.plot(*_broken(step, 100 * on / np.maximum(of, 1), rounds), color=BLUE, linewidth=2)
+    left.set(xlabel="iteration, all rounds", ylabel="landmarks on the hull (%)")
+    right.plot(*_broken(step, changed.astype(float), rounds), color=ORANGE, linewidth=2)
+    right.set(xlabel="iteration, all rounds", ylabel="labels changed")
+    whole_numbers(right.yaxis)
+    for axis in (left, right):
+        _mark_rounds(axis, iterations, rounds, words=False)
+    alt = f"{on[-1]:,} of {of[-1]:,} landmarks end as on the hull; {changed[-1]:,} labels changed at the last iteration."
+    table = {"round": rounds.tolist(), "iteration": step.tolist(), "landmarks": of.tolist(), "on_surface": on.tolist(),
+             "label_changes": changed.tolist()}  # fmt: skip
     return Plot("labels", "Labels by iteration", alt, png_bytes(figure), table)
+
+
+def _rounds(iterations: Record, count: int) -> NDArray[np.int64]:
+    """(count,) round of each row, 1 where the record does not say."""
+    return np.asarray(iterations["round"], np.int64) if "round" in iterations else np.ones(count, np.int64)
+
+
+def _broken(step: NDArray[np.int64], values: Array, rounds: NDArray[np.int64]) -> tuple[Array, Array]:
+    """The curve with a gap wherever a round begins."""
+    at = np.flatnonzero(np.diff(rounds)) + 1
+    return np.insert(step.astype(float), at, np.nan), np.insert(values, at, np.nan)
+
+
+def _mark_rounds(axis: Any, iterations: Record, rounds: NDArray[np.int64], words: bool = True) -> None:
+    """A line where each round begins, and what its cost is whitened with."""
+    starts = np.r_[0, np.flatnonzero(np.diff(rounds)) + 1]
+    if len(starts) == 1:
+        return
+    for k in starts:
+        if k:
+            axis.axvline(k - 0.5, color=GRAY, linewidth=0.8, linestyle=":")
+        text = f"round {rounds[k]}"
+        if words and "pixel_sigma_px" in iterations:
+            text += f"\n{float(iterations['pixel_sigma_px'][k]):.2g} px"
+        place = {"xycoords": axis.get_xaxis_transform(), "xytext": (3, 2), "textcoords": "offset points"}
+        axis.annotate(text, (k, 1.0), fontsize=7, color=GRAY, va="bottom", annotation_clip=False, **place)
 
 
 def residuals(statistics: Mapping[str, Mapping[str, Any]]) -> Plot:

@@ -32,8 +32,16 @@ def summary_json(survey: Survey, deliverables: Mapping[str, Mapping[str, Any]]) 
         "lost": [str(x) for x in survey.findings.get("lost") or []],
         "deliverables": {name: dict(entry) for name, entry in deliverables.items()},
         "absent": dict(survey.absent),
-        "run": {"steps": {step.name: dict(step.run) for step in survey.steps}},
+        "run": {"steps": {step.name: {k: v for k, v in step.run.items() if k != "times"} for step in survey.steps}},
     }
+
+
+def _iterations(survey: Survey) -> int | None:
+    """Of all rounds, their starts not counted."""
+    record = survey.iterations
+    if record is None or "cost" not in record:
+        return None
+    return len(record["cost"]) - (len(np.unique(record["round"])) if "round" in record else 1)
 
 
 def counts(survey: Survey) -> dict[str, Any]:
@@ -48,7 +56,7 @@ def counts(survey: Survey) -> dict[str, Any]:
     if survey.solution is not None:
         numbers["landmarks"] = len(survey.solution.landmark)
         numbers["landmarks_on_surface"] = int((survey.solution.label == 1).sum())
-        numbers["iterations"] = len(survey.iterations["cost"]) if survey.iterations and "cost" in survey.iterations else None
+        numbers["iterations"] = _iterations(survey)
     if survey.objects is not None:
         numbers["objects"] = len(survey.objects)
     if survey.dvl is not None:

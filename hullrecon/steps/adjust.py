@@ -35,6 +35,7 @@ def run(context: Context) -> None:
         context.warn(sentence)
     context.out.arrays("solution.npz", to_arrays(outcome.solution))
     context.out.arrays("iterations.npz", outcome.iterations)
+    context.spent("iterations_s", outcome.iterations_s.tolist())
     context.out.json("adjust.json", outcome.summary)
     if measured.drawing is not None:
         context.out.arrays("chart.npz", measured.drawing.chart.to_arrays())
@@ -130,6 +131,6 @@ STAGE = Stage(
     optional=("matches",),
     uses=("tray", "imu", "pressure", "dvl", "camera.top", "camera.bottom", "hull"),
     parameters=AdjustOptions,
-    version=1,
+    version=2,
     run=run,
 )

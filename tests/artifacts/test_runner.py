@@ -72,6 +72,13 @@ def test_an_artifact_lies_at_its_place_with_a_manifest_of_all_it_holds(tmp_path:
     assert sorted(os.listdir(tmp_path)) == ["make"]
 
 
+def test_times_that_a_stage_tells_stand_in_the_run_block(tmp_path: Path) -> None:
+    manifest = read_manifest(run_stage(stage(lambda c: c.spent("iterations_s", [0.12345, 2])), {}, {}, tmp_path / "make"))
+    assert manifest is not None
+    assert manifest.run["times"] == {"iterations_s": [0.123, 2.0]}
+    assert "times" not in (manifest.recipe.settings | manifest.outputs)
+
+
 def test_two_runs_differ_in_the_run_block_alone(toy: ModuleType, package: Path, tmp_path: Path) -> None:
     first, second = (run_stage(toy.STAGES[0], {"scale": toy.Scale()}, {}, tmp_path / n, package) for n in ("one", "two"))
     documents = [json.loads((folder / "manifest.json").read_text()) for folder in (first, second)]

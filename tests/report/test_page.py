@@ -189,6 +189,7 @@ def test_the_summary_document_counts_and_keeps_what_varies_apart(survey: Survey)
     assert document["counts"]["landmarks"] == 3
     assert document["counts"]["landmarks_on_surface"] == 2
     assert document["counts"]["path_m"] == 2.0
+    assert document["counts"]["iterations"] == 2
     assert document["deliverables"] == FILES
     assert document["warnings"] == ["adjust: two rays missed"]
     assert document["run"] == {"steps": {"adjust": {"seconds": 7.5}}}

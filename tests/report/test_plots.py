@@ -46,12 +46,28 @@ def test_convergence_lists_the_cost_of_each_factor() -> None:
     plot = convergence({"cost": np.array([9.0, 4.0]), "cost_stereo": np.array([8.0, 3.0])})
     assert plot.table["cost"] == ["9", "4"]
     assert plot.table["stereo"] == ["8", "3"]
-    assert plot.alt == "The cost falls from 9 to 4 in 2 iterations."
+    assert plot.alt == "The cost falls from 9 to 4 in 1 iterations."
+
+
+def test_costs_of_two_rounds_are_told_apart() -> None:
+    plot = convergence(
+        {"cost": np.array([9.0, 4.0, 90.0]), "round": np.array([1, 1, 2]), "pixel_sigma_px": np.array([1, 1, 0.2])}
+    )
+    assert plot.table["round"] == [1, 1, 2]
+    assert "from 9 to 4 in 1 iterations, then from 90 to 90 in 0" in plot.alt
+    assert "do not compare" in plot.alt
 
 
 def test_labels_say_how_many_ended_on_the_hull() -> None:
     plot = labels({"on_surface": np.array([5, 7]), "label_changes": np.array([0, 2])})
-    assert plot.alt == "7 landmarks end as on the hull; 2 labels changed at the last iteration."
+    assert plot.alt == "7 of 7 landmarks end as on the hull; 2 labels changed at the last iteration."
+
+
+def test_labels_are_a_share_of_the_landmarks_of_their_round() -> None:
+    record = {"on_surface": [5, 70], "label_changes": [0, 0], "landmarks": [10, 100], "round": [1, 2]}
+    plot = labels({name: np.array(values) for name, values in record.items()})
+    assert plot.table["landmarks"] == [10, 100]
+    assert plot.alt.startswith("70 of 100 landmarks")
 
 
 def test_residuals_compare_the_factors_that_both_have() -> None:
