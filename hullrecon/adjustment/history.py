@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the solver did, iteration by iteration over all rounds: columns for iterations.npz, lines for the log (O Figs 4.12, 4.13).
+"""What the solver did, iteration by iteration over all rounds: columns for iterations.npz, lines for the log (O 4.4.1).
 
-Costs of two rounds do not compare: each round has the sigmas and the landmarks that the one before left it. So every row carries
-its round, and what the round's cost is whitened with.
+Costs of two rounds do not compare: each round has the sigmas and the landmarks that the one before left it. So every row
+carries its round, and what the round's cost is whitened with.
 """
 
 from __future__ import annotations
@@ -19,17 +19,8 @@ from hullrecon import native
 from hullrecon.adjustment.state import Weights
 
 Array = NDArray[np.float64]
-COLUMNS = (
-    "cost",
-    "cost_change",
-    "step_norm",
-    "gradient_norm",
-    "radius",
-    "accepted",
-    "on_surface",
-    "label_changes",
-    "rays_missed",
-)
+STEP = ("cost", "cost_change", "step_norm", "gradient_norm", "radius", "accepted")
+COUNTS = ("on_surface", "label_changes", "rays_missed")
 
 
 @dataclass(frozen=True)
@@ -55,7 +46,7 @@ def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
         "tray_sigma_rad": np.repeat([r.weights.tray for r in rounds], long),
         "range_sigma_m": np.repeat([r.weights.range_sigma for r in rounds], long),
     }
-    for name in COLUMNS:
+    for name in (*STEP, *COUNTS):
         found[name] = np.concatenate([getattr(r.record, name) for r in rounds])
     for name in native.FACTORS:
         found[f"cost_{name}"] = np.concatenate([r.record.cost_by_factor[name] for r in rounds])

@@ -27,8 +27,8 @@ NAVIGATION = ("dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_r
 
 @dataclass(frozen=True)
 class Outcome:
-    """solution; iterations: arrays for iterations.npz, and when each was done (s); summary: for adjust.json; warnings: sentences
-    for the report."""
+    """solution; iterations: arrays for iterations.npz, and when each was done (s); summary: for adjust.json; warnings:
+    sentences for the report."""
 
     solution: Solution
     iterations: dict[str, NDArray[Any]]

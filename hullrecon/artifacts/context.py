@@ -21,8 +21,8 @@ log = logging.getLogger(__name__)
 
 
 class StageContext:
-    """Implements `stage.Context`. `warnings`, `times` (s, by name) and `workers_peak_rss` (bytes) are read by the runner when the
-    stage has ended."""
+    """Implements `stage.Context`. `warnings`, `times` (s, by name) and `workers_peak_rss` (bytes) are read by the runner when
+    the stage has ended."""
 
     def __init__(
         self, stage: Stage, settings: Mapping[str, Any], inputs: Mapping[str, Path], source: Path | None, out: Writer,

@@ -60,7 +60,7 @@ class Context(Protocol):
         """A sentence for the log, the manifest and summary.json."""
 
     def spent(self, name: str, seconds: Sequence[float]) -> None:
-        """Wall-clock times for the manifest's run block, under `name`: they differ between equal runs, so no file holds them."""
+        """Wall-clock times for the manifest's run block: they differ between equal runs, so no file holds them."""
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,7 @@ def convergence(iterations: Record) -> Plot:
     if len(falls) == 1:
         alt = f"The cost falls {falls[0]}."
     else:
-        alt = f"The cost falls {', then '.join(falls)}. Costs of two rounds do not compare: sigmas and landmarks change between them."
+        alt = f"The cost falls {', then '.join(falls)}. Costs of two rounds do not compare: sigmas and landmarks change."
     table = {
         "round": rounds.tolist(),
         "iteration": step.tolist(),

@@ -7,6 +7,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from hullrecon import __version__
 from hullrecon.report.story import path_length_m, summary_lines
 from hullrecon.report.survey import Survey
