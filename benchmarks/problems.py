@@ -22,7 +22,18 @@ from numpy.typing import NDArray
 
 from benchmarks.start import SIGMA_ODOMETRY, dead_reckoned, mount_error, steps, triangulate
 from benchmarks.survey import (
-    BEAMS, CAMERA, SIZES, T_CT_CB, T_S_CT, T_S_D, TRAY_ORIGIN, Ints, Size, fly, hull_mesh, tracks,
+    BEAMS,
+    CAMERA,
+    SIZES,
+    T_CT_CB,
+    T_S_CT,
+    T_S_D,
+    TRAY_ORIGIN,
+    Ints,
+    Size,
+    fly,
+    hull_mesh,
+    tracks,
 )
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses

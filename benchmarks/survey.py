@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The truth of a field survey: a ship's side with curvature both ways, swept in horizontal legs from a metre."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry import poses
+from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.poses import Poses
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+CAMERA = Camera(1360, 1024, 1400.0, 1400.0, 680.0, 512.0)
+T_S_CT = poses.from_mount([0.0, 0.0, -0.05, 90.0, 0.0, 90.0])
+T_CT_CB = poses.from_mount([0.0, 0.1, 0.0, 0.0, 0.0, 0.0])
+T_S_D = poses.from_mount([0.0, 0.0, 0.08, 0.0, 90.0, 0.0])
+TRAY_ORIGIN = np.array([0.45, 0.0, 0.10])
+_TILT, _AZIMUTH = np.pi / 6, np.radians([180, 0, 90, -90])
+BEAMS = np.stack([np.sin(_TILT) * np.cos(_AZIMUTH), np.sin(_TILT) * np.sin(_AZIMUTH), np.full(4, np.cos(_TILT))], axis=1)
+STEP_M, LEG_SPACING_M, MIDDLE_M = 0.195, 0.25, 7.6
+
+
+@dataclass(frozen=True)
+class Size:
+    """Of a problem. imaged: poses that carry an image or a pair; every pose carries four beams."""
+
+    poses: int
+    imaged: int
+    landmarks: int
+    stereo: bool
+    legs: int
+
+    @property
+    def per_leg(self) -> int:
+        return -(-self.poses // self.legs)
+
+    def images(self) -> Ints:
+        """(imaged,) poses that carry images, spread evenly."""
+        return np.arange(self.imaged) * self.poses // self.imaged
+
+
+SIZES = {
+    "stereo": Size(24236, 22434, 243536, stereo=True, legs=40),
+    "mono": Size(9249, 9249, 100597, stereo=False, legs=16),
+    "small": Size(400, 372, 4000, stereo=True, legs=4),
+    "small_mono": Size(400, 400, 4000, stereo=False, legs=4),
+}
+
+
+def side(x: Array, z: Array) -> Array:
+    """Half-breadth y (m) of the port side at x (m from amidships, hull 180 m) and height z above the keel (hull 14 m deep)."""
+    ends = 1 - 0.75 * np.abs(x / 90.0) ** 3
+    section = (1 - np.clip(1 - z / 9.0, 0, 1) ** 3) ** 0.5
+    return np.asarray(16.0 * ends * np.maximum(section, 0.05))
+
+
+def hull_mesh(along: int = 201, girth: int = 51) -> tuple[Array, NDArray[np.int32]]:
+    """20,000 triangles of the port side, outward y."""
+    x, z = np.meshgrid(np.linspace(-90, 90, along), np.linspace(0.2, 14, girth), indexing="ij")
+    vertices = np.stack([x, side(x, z), z], -1).reshape(-1, 3)
+    n = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = n[:-1, :-1].ravel(), n[1:, :-1].ravel(), n[1:, 1:].ravel(), n[:-1, 1:].ravel()
+    return vertices, np.vstack([np.stack([a, c, b], 1), np.stack([a, d, c], 1)]).astype(np.int32)
+
+
+def normals(x: Array, z: Array) -> Array:
+    """(n, 3) outward."""
+    step = 1e-3
+    dx = (side(x + step, z) - side(x - step, z)) / (2 * step)
+    dz = (side(x, z + step) - side(x, z - step)) / (2 * step)
+    normal = np.stack([-dx, np.ones_like(x), -dz], -1)
+    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+
+
+def tracks(size: Size) -> tuple[Array, Array]:
+    """Where on the hull each pose looks: x along, z above the keel, both (n,); every second leg runs back."""
+    number = np.arange(size.poses)
+    leg, place = number // size.per_leg, (number % size.per_leg + 0.5) / size.per_leg
+    x = 0.5 * STEP_M * size.per_leg * (2 * place - 1) * np.where(leg % 2 == 0, 1, -1)
+    return x, MIDDLE_M + LEG_SPACING_M * ((size.legs - 1) / 2 - leg) - 0.03 * np.sin(x / 3)
+
+
+def fly(size: Size) -> tuple[Poses, Array]:
+    """T_M_v (n), the tray's pivot a metre off the hull, swaying a degree; the tray's angle (n,) that faces the hull."""
+    x, z = tracks(size)
+    normal, number = normals(x, z), np.arange(size.poses)
+    standoff = 1.0 + 0.05 * np.sin(x / 2 + number // size.per_leg)
+    pivot = np.stack([x, side(x, z), z], 1) + standoff[:, None] * normal
+    heading = np.arctan2(normal[:, 1], -normal[:, 0])  # of the vehicle's z-down frame seen in M, where z is up
+    sway = np.radians(1.0) * np.stack([np.sin(0.13 * number), np.cos(0.11 * number), np.sin(0.07 * number)], 1)
+    upright = Rotation.from_euler("x", np.pi) * Rotation.from_euler("z", heading[:, None])
+    rotation = upright * Rotation.from_euler("xyz", sway)
+    tray = np.arctan2(-normal[:, 2], np.linalg.norm(normal[:, :2], axis=1))
+    return Poses(rotation.as_quat(), pivot - rotation.apply(TRAY_ORIGIN)), tray
