@@ -145,7 +145,7 @@ def _surface_weights(m: Measurements, state: State, chosen: Selection, options: 
 def _chosen(m: Measurements, state: State, most_px: float, options: AdjustOptions, last: bool) -> Selection:
     """Anchors before the last round, then every landmark but lonely ones off the hull."""
     chosen = selection.select(m, state, most_px)
-    if last and m.drawing is not None and state.T_g_M is not None:
+    if last and m.drawing is not None and state.T_g_M is not None and not options.as_published:
         boundary = options.sigma_on * np.sqrt(2 * np.log(options.sigma_off / options.sigma_on))
         off = np.abs(deviation_from_hull(m, state, state.landmark[chosen.landmarks])) > boundary
         chosen = selection.without_lonely(m, state, chosen, off)

@@ -163,6 +163,7 @@ def _summary(
         summary["registration"] = {
             "fitness": adjusted.registration.fitness,
             "rms_m": float(np.sqrt(np.mean(adjusted.registration.residual**2))),
+            "T_g_M": seven(adjusted.registration.hull_from).tolist(),
         }
     return summary
 
