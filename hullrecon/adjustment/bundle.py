@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
-from hullrecon.adjustment import history, place, play, registration, selection
+from hullrecon.adjustment import em, history, place, play, pruning, registration, selection
 from hullrecon.adjustment.assembly import Selection, assemble, cell_share, read_back
 from hullrecon.adjustment.deviation import grid_over
 from hullrecon.adjustment.model import Measurements, return_points
@@ -61,7 +61,7 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
         problem = assemble(m, state, weights, chosen, center, options.as_published, hold_place=last and settle)
         first = first or problem
         began = time.perf_counter() - begun
-        result = native.solve(problem, _native_options(options, last))
+        result = _solved(problem, options, last)
         rounds.append(_told(len(rounds) + 1, result, weights, chosen, began))
         outcome = (problem, result, chosen, weights)
         state = read_back(state, result.unknowns, chosen, center)
@@ -71,7 +71,8 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
     assert outcome is not None
     assert first is not None
     problem, result, chosen, used = outcome
-    return Adjusted(state, used, chosen, center, first, _at(problem, result), result, registered, tuple(rounds))
+    done = Adjusted(state, used, chosen, center, first, _at(problem, result), result, registered, tuple(rounds))
+    return _without_lost(m, done)
 
 
 def _start(m: Measurements, options: AdjustOptions, say: Say) -> tuple[State, registration.Registration | None]:
@@ -170,6 +171,11 @@ def deviation_from_hull(m: Measurements, state: State, points: Array) -> Array:
     return np.asarray(distance - state.grid.value(state.field, m.drawing.chart.to_chart(at)[:, :2]))
 
 
+def _solved(problem: native.Problem, options: AdjustOptions, last: bool) -> native.Result:
+    solve = em.solve if options.labels == "outer" and options.method == "maxmix" else native.solve
+    return solve(problem, _native_options(options, last))
+
+
 def _native_options(options: AdjustOptions, last: bool) -> native.Options:
     return native.Options(
         method=options.method,
@@ -195,6 +201,26 @@ def _settled_weights(m: Measurements, state: State, chosen: Selection, weights: 
     return replace(weights, pixel=pixel, tray_direction=side, tray=tray)
 
 
+def _without_lost(m: Measurements, done: Adjusted) -> Adjusted:
+    """Leaves out landmarks that the last solve pushed behind their cameras or metres off the hull: nothing determines them."""
+    sound = selection.select(m, done.state, most_px=1e3).landmarks
+    keep = np.isin(done.chosen.landmarks, sound)
+    if keep.all():
+        return done
+    lost = done.chosen.landmarks[~keep]
+    landmark = done.state.landmark.copy()
+    landmark[lost] = np.nan
+    log.info("%d landmarks were lost in the solve and are left out", len(lost))
+    rows = keep[done.problem.surface_landmark]
+    return replace(
+        done,
+        state=replace(done.state, landmark=landmark),
+        chosen=replace(done.chosen, landmarks=done.chosen.landmarks[keep]),
+        problem=pruning.without(done.problem, keep),
+        result=pruning.result_without(done.result, rows),
+    )
+
+
 def _at(problem: native.Problem, result: native.Result) -> native.Problem:
     """The same factors at the solution."""
     moved = replace(problem)
@@ -214,6 +240,6 @@ def _told(number: int, result: native.Result, weights: Weights, chosen: Selectio
 def _round_in_words(k: int, result: native.Result, chosen: Selection, weights: Weights) -> str:
     record = result.iterations
     return (
-        f"round {k + 1}: {len(record.cost)} iterations, cost {record.cost[0]:.6g} to {record.cost[-1]:.6g}, "
+        f"round {k + 1}: {len(record.cost) - 1} iterations, cost {record.cost[0]:.6g} to {history.reached(record)[-1]:.6g}, "
         f"{len(chosen.landmarks)} landmarks, {int((result.label == 1).sum())} on the hull, pixel sigma now {weights.pixel:.2f}"
     )

@@ -35,6 +35,12 @@ class Round:
     began_s: float
 
 
+def reached(record: native.IterationRecord) -> Array:
+    """(k,) cost at the last accepted point."""
+    last = np.maximum.accumulate(np.where(record.accepted, np.arange(len(record.cost)), 0))
+    return np.asarray(record.cost[last])
+
+
 def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
     """Arrays with a row an iteration, rounds one after the other; names and meaning in docs/formats.md."""
     long = [len(r.record.cost) for r in rounds]
@@ -68,7 +74,7 @@ def in_figures(rounds: Sequence[Round]) -> list[dict[str, Any]]:
             "tray_sigma_rad": r.weights.tray,
             "range_sigma_m": r.weights.range_sigma,
             "first_cost": float(r.record.cost[0]),
-            "last_cost": float(r.record.cost[-1]),
+            "last_cost": float(reached(r.record)[-1]),
             "on_surface": int(r.record.on_surface[-1]),
             "labels_changed": int(r.record.label_changes.sum()),
             "rays_missed": int(r.record.rays_missed[-1]),

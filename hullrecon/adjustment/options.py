@@ -19,6 +19,10 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         Literal["naive", "geva", "maxmix"], Meta(description="surface factors: none, all, or by hidden label")
     ] = "maxmix"
     as_published: Annotated[bool, Meta(description="O's weighting, without deviation field")] = False
+    labels: Annotated[
+        Literal["inside", "outer"],
+        Meta(description="decided within the solve, or held and refreshed between solves"),
+    ] = "inside"
     sigma_on: Annotated[Positive, Meta(description="m, sigma of a landmark on the hull (O 4.2.3)")] = 0.02
     sigma_off: Annotated[Positive, Meta(description="m, sigma of a landmark off the hull (O 4.2.3)")] = 1.0
     free_dvl_position: Annotated[bool, Meta(description="the DVL's position on the tray is an unknown too")] = False

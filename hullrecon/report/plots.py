@@ -22,7 +22,7 @@ Record = Mapping[str, NDArray[np.generic]]
 
 def convergence(iterations: Record) -> Plot:
     """Cost by iteration, and by factor where the record has it. A line breaks between rounds: their costs do not compare."""
-    cost = np.asarray(iterations["cost"], float)
+    cost = _reached(iterations)
     rounds = _rounds(iterations, len(cost))
     step = np.arange(len(cost))
     by_factor = {n.removeprefix("cost_"): v for n, v in iterations.items() if n.startswith("cost_") and n != "cost_change"}
@@ -68,6 +68,13 @@ def labels(iterations: Record) -> Plot:
     table = {"round": rounds.tolist(), "iteration": step.tolist(), "landmarks": of.tolist(), "on_surface": on.tolist(),
              "label_changes": changed.tolist()}  # fmt: skip
     return Plot("labels", "Labels by iteration", alt, png_bytes(figure), table)
+
+
+def _reached(iterations: Record) -> Array:
+    """(k,) cost at the last accepted point: the record's is that of the point tried."""
+    cost = np.asarray(iterations["cost"], float)
+    accepted = np.asarray(iterations["accepted"], bool) if "accepted" in iterations else np.ones(len(cost), bool)
+    return cost[np.maximum.accumulate(np.where(accepted, np.arange(len(cost)), 0))]
 
 
 def _rounds(iterations: Record, count: int) -> NDArray[np.int64]:

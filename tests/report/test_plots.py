@@ -49,6 +49,11 @@ def test_convergence_lists_the_cost_of_each_factor() -> None:
     assert plot.alt == "The cost falls from 9 to 4 in 1 iterations."
 
 
+def test_a_step_that_was_not_taken_shows_the_cost_that_stayed() -> None:
+    plot = convergence({"cost": np.array([9.0, 1e28, 4.0]), "accepted": np.array([True, False, True])})
+    assert plot.table["cost"] == ["9", "9", "4"]
+
+
 def test_costs_of_two_rounds_are_told_apart() -> None:
     plot = convergence(
         {"cost": np.array([9.0, 4.0, 90.0]), "round": np.array([1, 1, 2]), "pixel_sigma_px": np.array([1, 1, 0.2])}

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The outer loop of hard EM (O 4.2.2), kept to be compared with labels decided inside the solve (O 4.2.4; docs/adr/0010).
+
+E: each landmark takes the likelier label. M: solve with these labels held. Both steps lower the same cost, constants
+included, so the loop ends where no label changes, or after as many turns as it is given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon import native
+
+MOST_TURNS = 30
+
+
+def solve(problem: native.Problem, options: native.Options, most_turns: int = MOST_TURNS) -> native.Result:
+    """As `native.solve` with the labels held in each solve and refreshed between solves. The record runs over all turns; a
+    turn's start, which repeats the last turn's end under new labels, is left out, its label changes stand in the next row.
+
+    `max_iterations` bounds each turn. converged: the last turn did, and no label wants to change.
+    """
+    held, turns, changes = replace(options, labels_in_solve=False), list[native.Result](), list[int]()
+    for _ in range(most_turns):
+        turns.append(native.solve(problem, held))
+        problem = replace(problem)
+        for name, values in turns[-1].unknowns.items():
+            setattr(problem, name, values)
+        label = labels(problem, turns[-1].distance, options)
+        changes.append(int((label != turns[-1].label).sum()))
+        if not changes[-1]:
+            break
+    return _joined(turns, changes, label)
+
+
+def labels(problem: native.Problem, distance: NDArray[np.float64], options: native.Options) -> NDArray[np.int32]:
+    """The likelier label (m,) of each surface row; distance (m,): signed, to the drawing without the field (O 4.4)."""
+    offset = distance
+    if len(problem.surface_field_index):
+        field = problem.deviation[problem.surface_field_index]
+        offset = distance - np.einsum("nk,nk->n", problem.surface_field_weight, field)
+    ratio = options.sigma_off / options.sigma_on
+    boundary = np.sqrt(2 * np.log(ratio) / (options.sigma_on**-2 - options.sigma_off**-2))
+    return np.asarray(np.abs(offset) <= boundary, np.int32)
+
+
+def _joined(turns: Sequence[native.Result], changes: Sequence[int], label: NDArray[np.int32]) -> native.Result:
+    last = turns[-1]
+    parts = last.seconds.keys()
+    settled = last.converged and not changes[-1]
+    return replace(
+        last,
+        label=label,
+        iterations=_record([t.iterations for t in turns], changes),
+        converged=settled,
+        message=f"{len(turns)} turns of EM, {changes[-1]} labels changed after the last; {last.message}",
+        seconds={part: sum(t.seconds[part] for t in turns) for part in parts},
+    )
+
+
+def _record(records: Sequence[native.IterationRecord], changes: Sequence[int]) -> native.IterationRecord:
+    keep = [slice(None) if k == 0 else slice(1, None) for k in range(len(records))]
+    offset = np.cumsum([0.0, *(r.seconds[-1] for r in records)])
+    found = {
+        name: np.concatenate([getattr(r, name)[s] for r, s in zip(records, keep, strict=True)])
+        for name in records[0].__dataclass_fields__
+        if name not in ("seconds", "cost_by_factor", "label_changes")
+    }
+    changed = np.concatenate([np.zeros(len(r.cost[s]), np.int64) for r, s in zip(records, keep, strict=True)])
+    ends = np.cumsum([len(r.cost[s]) for r, s in zip(records, keep, strict=True)])
+    for end, count in zip(ends, changes, strict=True):
+        changed[min(end, len(changed) - 1)] += count
+    return native.IterationRecord(
+        **found,
+        seconds=np.concatenate([r.seconds[s] + o for r, s, o in zip(records, keep, offset, strict=False)]),
+        cost_by_factor={
+            name: np.concatenate([r.cost_by_factor[name][s] for r, s in zip(records, keep, strict=True)])
+            for name in records[0].cost_by_factor
+        },
+        label_changes=changed,
+    )
