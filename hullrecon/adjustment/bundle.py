@@ -23,6 +23,7 @@ from hullrecon.errors import StageError
 
 Array = NDArray[np.float64]
 Say = Callable[[str], None]
+NO_STRUCTURE_M = 0.5  # off the hull: a mismatch, not something that stands on it
 log = logging.getLogger(__name__)
 
 
@@ -150,6 +151,10 @@ def _chosen(m: Measurements, state: State, most_px: float, options: AdjustOption
         boundary = options.sigma_on * np.sqrt(2 * np.log(options.sigma_off / options.sigma_on))
         off = np.abs(deviation_from_hull(m, state, state.landmark[chosen.landmarks])) > boundary
         chosen = selection.without_lonely(m, state, chosen, off)
+    if options.method == "geva" and m.drawing is not None and state.T_g_M is not None:
+        # drawn to the hull, a mismatch near the lens passes through the camera's plane, and the solve stalls there
+        far = np.abs(deviation_from_hull(m, state, state.landmark[chosen.landmarks])) > NO_STRUCTURE_M
+        chosen = replace(chosen, landmarks=chosen.landmarks[~far])
     if not last:
         chosen = selection.anchors(m, chosen, options.anchors)
     if m.tracks is not None and len(chosen.landmarks) < 20:
