@@ -42,7 +42,7 @@ from hullrecon.native import MeshIndex, Problem
 __all__ = ["SIZES", "Size", "Truth", "make", "simulate"]
 
 Array = NDArray[np.float64]
-NOISE_PX, SCATTER_M, OFF_HULL = 1.0, 0.02, 0.05
+NOISE_PX, SCATTER_M, OFF_HULL = 1.0, 0.005, 0.05
 ACROSS = 0.125
 PLAY_RAD = np.radians(0.5)
 
