@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
-from hullrecon.adjustment import em, history, place, play, pruning, registration, selection
+from hullrecon.adjustment import em, history, lenses, place, play, pruning, registration, selection
 from hullrecon.adjustment.assembly import Selection, assemble, cell_share, read_back
 from hullrecon.adjustment.deviation import grid_over
-from hullrecon.adjustment.model import Measurements, return_points
+from hullrecon.adjustment.model import Measurements, Rig, return_points
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.state import State, Weights
 from hullrecon.errors import StageError
@@ -30,7 +30,7 @@ log = logging.getLogger(__name__)
 @dataclass(frozen=True)
 class Adjusted:
     """The end of the story. start: the first round's problem as dead reckoning left it;
-    problem and result: of the last round, at its solution."""
+    problem and result: of the last round, at its solution; rig: with the intrinsics found."""
 
     state: State
     weights: Weights
@@ -41,11 +41,13 @@ class Adjusted:
     result: native.Result
     registration: registration.Registration | None
     rounds: tuple[history.Round, ...]
+    rig: Rig
 
 
 def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
     """Solve in rounds: each settles outliers and sigmas for the next. Raises StageError when nothing usable comes out."""
     begun, rounds = time.perf_counter(), list[history.Round]()
+    calibrated = m.rig
     state, registered = _start(m, options, say)
     center = registered.center if registered else np.zeros(3)
     weights = _first_weights(m, options)
@@ -60,19 +62,21 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
         chosen = _chosen(m, state, most_px, options, last)
         weights = replace(weights, surface=_surface_weights(m, state, chosen, options))
         problem = assemble(m, state, weights, chosen, center, options.as_published, hold_place=last and settle)
+        problem = lenses.freed(problem, calibrated, options)
         first = first or problem
         began = time.perf_counter() - begun
         result = _solved(problem, options, last)
         rounds.append(_told(len(rounds) + 1, result, weights, chosen, began))
         outcome = (problem, result, chosen, weights)
         state = read_back(state, result.unknowns, chosen, center)
+        m = lenses.applied(m, problem, result)
         weights = _settled_weights(m, state, chosen, weights, options)
         most_px = max(2.0, options.outlier_sigmas * weights.pixel)
         say(_round_in_words(k, result, chosen, weights))
     assert outcome is not None
     assert first is not None
     problem, result, chosen, used = outcome
-    done = Adjusted(state, used, chosen, center, first, _at(problem, result), result, registered, tuple(rounds))
+    done = Adjusted(state, used, chosen, center, first, _at(problem, result), result, registered, tuple(rounds), m.rig)
     return _without_lost(m, done)
 
 

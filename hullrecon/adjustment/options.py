@@ -26,6 +26,10 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     sigma_on: Annotated[Positive, Meta(description="m, sigma of a landmark on the hull (O 4.2.3)")] = 0.02
     sigma_off: Annotated[Positive, Meta(description="m, sigma of a landmark off the hull (O 4.2.3)")] = 1.0
     free_dvl_position: Annotated[bool, Meta(description="the DVL's position on the tray is an unknown too")] = False
+    refine_intrinsics: Annotated[bool, Meta(description="the cameras' intrinsics are unknowns with priors")] = False
+    focal_sigma: Annotated[Positive, Meta(description="share of the focal length, one sigma of its calibration")] = 0.005
+    center_sigma: Annotated[Positive, Meta(description="px, one sigma of the principal point's calibration")] = 5.0
+    distortion_sigma: Annotated[Positive, Meta(description="one sigma of k1, k2, k3; p1 and p2 a tenth of it")] = 0.01
     rounds: Annotated[int, Meta(ge=1, le=10, description="solves between which outliers and sigmas are settled")] = 3
     max_iterations: Annotated[int, Meta(ge=1, le=1000, description="iterations of one solve at most")] = 60
     function_tolerance: Annotated[Positive, Meta(description="relative change of cost that ends a solve")] = 1e-6

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
-from hullrecon.adjustment import history, place, statistics
+from hullrecon.adjustment import history, lenses, place, statistics
 from hullrecon.adjustment.bundle import Adjusted
 from hullrecon.adjustment.model import Measurements
 from hullrecon.adjustment.options import AdjustOptions
@@ -38,6 +38,7 @@ class Outcome:
 
 
 def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> Outcome:
+    """m: as measured, its rig as calibrated."""
     settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
     marginals = native.covariance(_place_free(adjusted.problem), settings)
     if m.drawing is not None and adjusted.state.T_g_M is not None:
@@ -47,9 +48,11 @@ def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> O
     solution = _solution(m, adjusted, marginals)
     weak = [] if adjusted.state.T_g_M is None else weak_directions(hull_axes(solution.hull_covariance, adjusted.state.T_g_M))
     before, after = (statistics.by_factor(native.evaluate(p, settings)) for p in (adjusted.start, adjusted.problem))
-    warnings = [str(w["sentence"]) for w in weak] + _complaints(adjusted, solution)
+    seen_with = lenses.in_figures(m.rig, adjusted.rig, marginals, options)
+    warnings = [str(w["sentence"]) for w in weak] + _complaints(adjusted, solution) + lenses.complaints(seen_with)
     record, times = history.columns(adjusted.rounds), history.seconds(adjusted.rounds)
-    return Outcome(solution, record, times, _summary(m, adjusted, options, weak, before, after), warnings)
+    summary = _summary(m, adjusted, options, weak, before, after) | ({"intrinsics": seen_with} if seen_with else {})
+    return Outcome(solution, record, times, summary, warnings)
 
 
 def _place_free(problem: native.Problem) -> native.Problem:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import logging
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from hullrecon.adjustment.bundle import Adjusted, adjust
 from hullrecon.adjustment.colmap import SparseModel, write_model
+from hullrecon.adjustment.lenses import fields
 from hullrecon.adjustment.model import Drawing, Measurements, rig_from_config
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.outcome import outcome_of
@@ -39,8 +41,11 @@ def run(context: Context) -> None:
     context.out.json("adjust.json", outcome.summary)
     if measured.drawing is not None:
         context.out.arrays("chart.npz", measured.drawing.chart.to_arrays())
+    if context.parameters.refine_intrinsics:
+        found = {"top": adjusted.rig.top, "bottom": adjusted.rig.bottom}
+        context.out.json("cameras.json", {name: fields(camera) for name, camera in found.items() if camera is not None})
     if measured.tracks is not None:
-        _write_colmap(context, measured, adjusted)
+        _write_colmap(context, replace(measured, rig=adjusted.rig), adjusted)
 
 
 def _measurements(context: Context) -> Measurements:

@@ -29,6 +29,7 @@ from hullrecon.geometry.chart import Chart, address, chart_from_arrays
 from hullrecon.geometry.meshes import Mesh
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.poses import Poses
+from hullrecon.steps.cameras import cameras_file
 
 Array = NDArray[np.float64]
 Facts = dict[str, object]
@@ -97,7 +98,7 @@ def _motion(seven: Array) -> Poses:
 
 def _views(context: Context, dive: Dive) -> Views | None:
     """The top camera's images; None without a camera or a landmark."""
-    path, solution = context.inputs["ingest"] / "cameras.json", dive.solution
+    path, solution = cameras_file(context.inputs), dive.solution
     node = np.flatnonzero(solution.image[:, 0] >= 0)
     if not path.exists() or not len(node) or not len(solution.landmark) or not np.isfinite(solution.T_s_ct).all():
         return None

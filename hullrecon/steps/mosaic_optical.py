@@ -19,6 +19,7 @@ from hullrecon.mosaic.optical import optical_mosaic
 from hullrecon.mosaic.options import OpticalOptions
 from hullrecon.mosaic.shots import Station
 from hullrecon.report.track import Track
+from hullrecon.steps.cameras import cameras_file
 from hullrecon.steps.features import external
 from hullrecon.steps.mosaics import Scenery, scenery, write_mosaic
 
@@ -47,7 +48,7 @@ def run(context: Context) -> None:
 
 def stations_of(context: Context, place: Scenery) -> list[Station]:
     """The cameras with their usable images and where each was taken."""
-    cameras = json.loads((context.inputs["ingest"] / "cameras.json").read_text(encoding="utf-8"))
+    cameras = json.loads(cameras_file(context.inputs).read_text(encoding="utf-8"))
     top, bottom = context.settings["camera.top"], context.settings["camera.bottom"]
     solution = place.solution
     tray_from_camera = adjusted(solution.T_s_ct if solution else None, top.mount)

@@ -31,6 +31,7 @@ from hullrecon.report.summary import summary_json
 from hullrecon.report.survey import Eye, Mosaic, StepRun, Survey
 from hullrecon.report.track import track_of, trajectory_csv, trajectory_tum
 from hullrecon.report.view import page_view
+from hullrecon.steps.cameras import cameras_file
 from hullrecon.steps.features import external
 
 FOLDER = "deliver"
@@ -194,7 +195,8 @@ def _step(folder: Path, name: str) -> StepRun:
 
 def _eyes(context: Context, solution: Solution | None) -> tuple[Eye, ...]:
     """The cameras with the mounts that the adjustment found, else the nominal ones."""
-    cameras = _document(context.inputs, "ingest", "cameras.json") or {}
+    path = cameras_file(context.inputs)
+    cameras = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     top, bottom = context.settings["camera.top"], context.settings["camera.bottom"]
     eyes = []
     tray_from_top = _mount(solution.T_s_ct if solution else None, top.mount) if top else None
