@@ -2,66 +2,124 @@
 # SPDX-License-Identifier: Apache-2.0
 """The field's problem (O Table 4.1) by the three methods: python -m benchmarks.adjustment --size mono|stereo --json FILE
 
-Each method is solved in a process of its own, so that its peak memory is its own. Prints a table, writes a list `methods`.
+The problem is made once, in a process of its own; each solve runs in another that does nothing else, so that its peak memory
+is the solver's. Prints a table, writes a list `methods` (with --repeat: the run of median total time, and all runs under
+`runs`).
+
+--same-iterations N   instead: naive and maxmix N iterations each, in turns, --repeat times; the median of maxmix / naive
+--growth              instead: the whole problem against one of a sixteenth of the poses, ten iterations each; the ratio
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import multiprocessing
-import resource
+import statistics
 import sys
-import time
+import tempfile
 from pathlib import Path
 from typing import Any
 
+from benchmarks.handover import call, run
+
 METHODS = ("naive", "geva", "maxmix")
+GROWTH, GROWTH_ITERATIONS = 16, 10
 
 
-def solve_one(size: str, method: str, threads: int, iterations: int, tolerance: float) -> dict[str, Any]:
-    """One method's row."""
-    from benchmarks.problems import SIZES, make
-    from hullrecon import native
+def write_problem(size: str, share: int, out: Path) -> None:
+    """Of a size, or of a share of its poses at the same density; in the child process that `run` starts."""
+    from benchmarks.handover import save
+    from benchmarks.problems import SIZES, simulate
 
-    problem = make(SIZES[size])
-    options = native.Options(method=method, threads=threads, max_iterations=iterations, function_tolerance=tolerance)
-    began = time.perf_counter()
-    result = native.solve(problem, options)
-    total = time.perf_counter() - began
-    record = result.iterations
-    return {
-        "method": method,
-        "total_s": total,
-        "iterations": len(record.cost) - 1,
-        "final_cost": float(record.cost[-1]),
-        "first_cost": float(record.cost[0]),
-        "converged": result.converged,
-        "on_surface": int((result.label == 1).sum()),
-        "peak_rss_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-        "seconds_by_part": result.seconds,
-    }
+    problem, truth = simulate(SIZES[size].part(share))
+    save(out, problem, position=truth.nodes.translation, off_hull=truth.off_hull)
+
+
+def in_turns(path: Path, methods: tuple[str, ...], repeat: int, options: dict[str, Any]) -> list[dict[str, Any]]:
+    """Rows of each method, `repeat` times, alternating so that what else runs falls on all alike."""
+    rows = []
+    for _ in range(repeat):
+        for method in methods:
+            chosen = json.dumps(options | {"method": method})
+            rows.append(run("benchmarks.solve_one", path, chosen, threads=options["threads"]))
+            print(line(rows[-1]), flush=True)
+    return rows
+
+
+def line(row: dict[str, Any]) -> str:
+    return (
+        f"{row['method']:7s} {row['total_s']:8.2f} s  {row['iterations']:3d} iterations  {row['iteration_s']:6.3f} s each"
+        f"  cost {row['final_cost']:.7g}  {row['rigid_rmse_m'] * 1000:6.1f} mm  {row['peak_rss_mb']:.0f} MB"
+    )
+
+
+def medians(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The run of median total time of each method."""
+    by_method = {row["method"]: [r for r in rows if r["method"] == row["method"]] for row in rows}
+    return [sorted(runs, key=lambda r: r["total_s"])[(len(runs) - 1) // 2] for runs in by_method.values()]
+
+
+def solve_all(path: Path, args: argparse.Namespace, options: dict[str, Any]) -> dict[str, Any]:
+    rows = in_turns(path, METHODS, args.repeat, options)
+    return {"methods": medians(rows)} | ({"runs": rows} if args.repeat > 1 else {})
+
+
+def overhead(path: Path, args: argparse.Namespace, options: dict[str, Any]) -> dict[str, Any]:
+    """maxmix over naive for the same number of iterations: the total and an iteration, medians over pairs."""
+    rows = in_turns(path, ("naive", "maxmix"), args.repeat, unstoppable(options, args.same_iterations))
+    pairs = list(zip(rows[::2], rows[1::2], strict=True))
+    if any(row["iterations"] != args.same_iterations for row in rows):
+        raise SystemExit(f"a solve ended before {args.same_iterations} iterations; ask for fewer")
+    ratio = {key: statistics.median(m[key] / n[key] for n, m in pairs) for key in ("total_s", "iteration_s")}
+    print(f"maxmix / naive: total {ratio['total_s']:.3f}, an iteration {ratio['iteration_s']:.3f} (medians of {len(pairs)})")
+    return {"same_iterations": args.same_iterations, "maxmix_over_naive": ratio, "runs": rows}
+
+
+def unstoppable(options: dict[str, Any], iterations: int) -> dict[str, Any]:
+    never = {"function_tolerance": 0.0, "gradient_tolerance": 0.0, "parameter_tolerance": 0.0}
+    return options | never | {"max_iterations": iterations}
+
+
+def growth(path: Path, args: argparse.Namespace, options: dict[str, Any]) -> dict[str, Any]:
+    """Seconds an iteration, the whole over a sixteenth, in pairs."""
+    part = path.with_name("part.npz")
+    make(args.size, GROWTH, part)
+    ratios, rows = [], []
+    for _ in range(args.repeat):
+        for at in (part, path):
+            rows += in_turns(at, ("maxmix",), 1, unstoppable(options, GROWTH_ITERATIONS))
+        ratios.append(rows[-1]["iteration_s"] / rows[-2]["iteration_s"])
+    print(f"{GROWTH} times the poses: {statistics.median(ratios):.1f} times the time of an iteration")
+    return {"growth": GROWTH, "iteration_ratio": statistics.median(ratios), "runs": rows}
+
+
+def make(size: str, share: int, path: Path) -> None:
+    """The problem's file, made in another process."""
+    call("benchmarks.adjustment", "--write", size, share, path)
 
 
 def main() -> int:
+    if sys.argv[1:2] == ["--write"]:
+        write_problem(sys.argv[2], int(sys.argv[3]), Path(sys.argv[4]))
+        return 0
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--size", choices=("small", "mono", "stereo"), default="mono")
+    parser.add_argument("--size", choices=("small", "small_mono", "mono", "stereo"), default="mono")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--iterations", type=int, default=100)
     parser.add_argument("--tolerance", type=float, default=1e-6)
+    parser.add_argument("--repeat", type=int, default=1)
+    parser.add_argument("--same-iterations", type=int, metavar="N")
+    parser.add_argument("--growth", action="store_true")
     parser.add_argument("--json", type=Path)
     args = parser.parse_args()
-    rows = []
-    for method in METHODS:
-        with multiprocessing.get_context("spawn").Pool(1) as pool:
-            rows.append(pool.apply(solve_one, (args.size, method, args.threads, args.iterations, args.tolerance)))
-        row = rows[-1]
-        print(
-            f"{args.size} {method:7s} {row['total_s']:8.2f} s  {row['iterations']:3d} iterations  cost {row['final_cost']:.6g}"
-            f"  {row['peak_rss_mb']:.0f} MB"
-        )
+    options = {"threads": args.threads, "max_iterations": args.iterations, "function_tolerance": args.tolerance}
+    measure = growth if args.growth else overhead if args.same_iterations else solve_all
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "problem.npz"
+        make(args.size, 1, path)
+        found = {"size": args.size, "threads": args.threads} | measure(path, args, options)
     if args.json:
-        args.json.write_text(json.dumps({"size": args.size, "threads": args.threads, "methods": rows}, indent=1))
+        args.json.write_text(json.dumps(found, indent=1))
     return 0
 
 

@@ -89,7 +89,7 @@ def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
 
 
 def _seven(pose: Poses) -> Array:
-    return np.r_[pose.translation[0], pose.quaternion[0]]
+    return np.asarray(np.r_[pose.translation[0], pose.quaternion[0]])
 
 
 def _mounts(problem: Problem, T_g_M: Poses, rng: np.random.Generator) -> None:
@@ -196,14 +196,14 @@ def _project(nodes: Poses, tray: Array, points: Array, T_s_ct: Poses, stereo: bo
 
 
 def _images(problem: Problem, size: Size, truth: Truth, first: Ints, second: Ints, rng: np.random.Generator) -> None:
-    node, landmark = np.stack([first, second], 1).ravel(), np.repeat(np.arange(size.landmarks, dtype=np.int32), 2)
+    node, landmark = np.stack([first, second], 1).ravel(), np.repeat(np.arange(size.landmarks).astype(np.int32), 2)
     pixels = _project(truth.nodes[node], truth.tray[node], truth.landmark[landmark], T_S_CT, size.stereo)
     pixels += NOISE_PX * rng.standard_normal(pixels.shape)
-    node = node.astype(np.int32)
+    seen_from = node.astype(np.int32)
     if size.stereo:
-        problem.stereo_node, problem.stereo_landmark, problem.stereo_pixel = node, landmark, pixels
+        problem.stereo_node, problem.stereo_landmark, problem.stereo_pixel = seen_from, landmark, pixels
     else:
-        problem.mono_node, problem.mono_landmark, problem.mono_pixel = node, landmark, pixels
+        problem.mono_node, problem.mono_landmark, problem.mono_pixel = seen_from, landmark, pixels
         problem.mono_camera = np.zeros(len(node), np.int32)
     problem.sigma_px = NOISE_PX
     problem.surface_landmark = np.arange(size.landmarks, dtype=np.int32)

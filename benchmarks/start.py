@@ -14,9 +14,9 @@ from hullrecon.geometry.poses import Poses
 
 Array = NDArray[np.float64]
 SPEED_MPS = 0.25
-SIGMA_ODOMETRY = np.r_[np.full(3, 0.002), 2e-4, 2e-4, 5e-5]  # m, rad a step; heading: 0.2 deg/sqrt(h), a ring-laser gyro's
-DVL_SCALE, DVL_MOUNT_RAD = 0.003, np.radians(0.2)
-GYRO_BIAS_RADPS = np.radians(0.05) / 3600
+SIGMA_ODOMETRY = np.r_[np.full(3, 0.004), 2e-4, 2e-4, 1e-4]  # m, rad a step: a DVL ping of 5 mm/s, a gyro of 0.4 deg/sqrt(h)
+DVL_SCALE, DVL_MOUNT_RAD = 0.003, np.radians(0.3)
+GYRO_BIAS_RADPS = np.radians(0.3) / 3600
 
 
 def steps(nodes: Poses) -> Poses:
@@ -44,7 +44,7 @@ def dead_reckoned(nodes: Poses, measured: Poses, rng: np.random.Generator) -> Po
 def _slow(number: NDArray[np.int64], rng: np.random.Generator, every: int = 200) -> Array:
     """Unit noise with a new value every 200 poses (40 m), linear between."""
     knots = rng.standard_normal(number[-1] // every + 2)
-    return np.interp(number / every, np.arange(len(knots)), knots)
+    return np.asarray(np.interp(number / every, np.arange(len(knots)), knots))
 
 
 def triangulate(origins: Array, rays: Array, depth_m: Array) -> Array:

@@ -40,6 +40,13 @@ class Size:
     def per_leg(self) -> int:
         return -(-self.poses // self.legs)
 
+    def part(self, share: int) -> Size:
+        """A problem of one `share`-th of the poses at the same density: legs a quarter as long and a quarter as many for 16."""
+        cut = round(share**0.5)
+        if cut * cut != share:
+            raise ValueError("share must be a square")
+        return Size(self.poses // share, self.imaged // share, self.landmarks // share, self.stereo, max(1, self.legs // cut))
+
     def images(self) -> Ints:
         """(imaged,) poses that carry images, spread evenly."""
         return np.arange(self.imaged) * self.poses // self.imaged

@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The reprojection part of an adjustment, as every bundle adjuster knows it: cameras, points, pixels. NumPy alone, because
+the peers run in an environment without hullrecon."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """pose (n, 7): T_g_ct x y z qx qy qz qw; point (L, 3) in g; camera (4,): fx fy cx cy of every image; T_ct_cb (7,) held.
+
+    seen_from, seen (m,): pose and point of a row of pixel (m, 2) (top u v) or (m, 4) (top u v, bottom u v). Gauge: pose 0 is
+    held; without a pair, scale too, by coordinate `scale_axis` of pose `scale_pose` in the axes of pose 0.
+    """
+
+    pose: Array
+    point: Array
+    camera: Array
+    T_ct_cb: Array
+    seen_from: NDArray[np.int32]
+    seen: NDArray[np.int32]
+    pixel: Array
+
+    @property
+    def stereo(self) -> bool:
+        return bool(self.pixel.shape[1] == 4)
+
+    def baseline(self) -> tuple[int, int, float]:
+        """(pose, axis, metres): the coordinate that fixes a mono bundle's scale, the longest of the last pose's."""
+        last = len(self.pose) - 1
+        offset = rotation(self.pose[0, 3:]).T @ (self.pose[last, :3] - self.pose[0, :3])
+        axis = int(np.argmax(np.abs(offset)))
+        return last, axis, float(offset[axis])
+
+    def save(self, path: Path) -> None:
+        np.savez(path, **asdict(self))
+
+
+def load(path: Path) -> Bundle:
+    with np.load(path) as archive:
+        return Bundle(**{field.name: archive[field.name] for field in fields(Bundle)})
+
+
+def rotation(quaternion: Array) -> Array:
+    """(..., 3, 3) of (..., 4) x y z w, unit."""
+    x, y, z, w = np.moveaxis(np.asarray(quaternion), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+def residuals(bundle: Bundle, pose: Array, point: Array) -> Array:
+    """(m, 2 or 4) predicted less measured, px; a point behind its camera gives what the pinhole's formula gives."""
+    at = pose[bundle.seen_from]
+    in_top = np.einsum("nji,nj->ni", rotation(at[:, 3:]), point[bundle.seen] - at[:, :3])
+    views = [in_top]
+    if bundle.stereo:
+        views.append((in_top - bundle.T_ct_cb[:3]) @ rotation(bundle.T_ct_cb[3:]))
+    focal, centre = bundle.camera[:2], bundle.camera[2:]
+    return np.hstack([view[:, :2] / view[:, 2:] * focal + centre for view in views]) - bundle.pixel
+
+
+def rms_px(bundle: Bundle, pose: Array, point: Array) -> float:
+    """Over all coordinates of all pixels, by the same code for every solver."""
+    return float(np.sqrt(np.mean(residuals(bundle, pose, point) ** 2)))
+
+
+def peak_mb() -> float:
+    """Peak resident memory of this process. Not ru_maxrss: a child inherits its parent's through fork and exec."""
+    status = Path("/proc/self/status").read_text()
+    line = next(line for line in status.splitlines() if line.startswith("VmHWM"))
+    return int(line.split()[1]) / 1024
+
+
+def keep_to(threads: int) -> None:
+    """This process, and whatever teams its libraries start, on so many cores."""
+    os.sched_setaffinity(0, set(sorted(os.sched_getaffinity(0))[:threads]))
+
+
+def answer(path: Path, **row: Any) -> None:
+    path.write_text(json.dumps(row))

@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A problem from the process that makes it to those that solve it.
+
+A solving process loads the tables alone, so that its peak memory is the solver's: no generator, no SciPy.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hullrecon.native import Problem
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def save(path: Path, problem: Problem, **truth: Any) -> None:
+    """Every table that is not empty, and arrays named truth_*."""
+    tables = {field.name: getattr(problem, field.name) for field in dataclasses.fields(problem)}
+    filled = {name: np.asarray(table) for name, table in tables.items() if table is not None and np.size(table)}
+    np.savez(path, **filled, **{f"truth_{name}": array for name, array in truth.items()})  # type: ignore[arg-type]
+
+
+def load(path: Path) -> Problem:
+    """What `save` wrote, without the truth."""
+    with np.load(path) as archive:
+        tables = {name: archive[name] for name in archive.files if not name.startswith("truth_")}
+    tables["constant"] = tuple(str(name) for name in tables.get("constant", ()))
+    tables["sigma_px"] = float(tables["sigma_px"])
+    return Problem(**tables)
+
+
+def load_truth(path: Path) -> dict[str, np.ndarray[Any, Any]]:
+    """The arrays given as truth."""
+    with np.load(path) as archive:
+        return {name.removeprefix("truth_"): archive[name] for name in archive.files if name.startswith("truth_")}
+
+
+def run(module: str, *arguments: object, python: str = sys.executable, threads: int = 2) -> dict[str, Any]:
+    """A module's main in a process of its own; it writes JSON to the path given last, which this reads back.
+
+    Raises RuntimeError with the end of its standard error when it fails.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        answer = Path(folder) / "answer.json"
+        call(module, *arguments, answer, python=python, threads=threads)
+        return dict(json.loads(answer.read_text()))
+
+
+def call(module: str, *arguments: object, python: str = sys.executable, threads: int = 2) -> None:
+    """The same without an answer."""
+    command = [python, "-m", module, *(str(a) for a in arguments)]
+    limits = {"OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, cwd=ROOT, env=os.environ | limits, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"{module}: {done.stderr.strip()[-2000:]}")

@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bundle adjusters on the reprojection part of the field's problem: python -m benchmarks.peers --size mono|stereo --json FILE
+
+The same start, no robust loss, the same gauge, one process each on the same cores, one after the other; `make bench-peers`
+makes the peers' environment. Stops by the relative change of the cost. An iteration's seconds leave out the preparation
+(orderings, symbolic factors) and everything in Python.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.bundle import Bundle
+from benchmarks.handover import ROOT, run
+
+THEIRS = ROOT / "benchmarks" / ".venv" / "bin" / "python"
+SOLVERS: dict[str, tuple[str, list[str], bool]] = {
+    "hullrecon": ("benchmarks.peer_hullrecon", [], True),
+    "pycolmap": ("benchmarks.peer_pycolmap", [], False),
+    "pycolmap-default": ("benchmarks.peer_pycolmap", ["--default"], False),
+    "gtsam": ("benchmarks.peer_gtsam", [], False),
+    "gtsam-stereo-factor": ("benchmarks.peer_gtsam", ["--stereo-factor"], False),
+}
+
+
+def bundle_of(problem: Any) -> Bundle:
+    """Of a field problem: top cameras of the poses that carry images, from dead reckoning, the tray as measured."""
+    from benchmarks.survey import T_CT_CB, TRAY_ORIGIN
+    from hullrecon.geometry import poses
+    from hullrecon.geometry.poses import Poses
+
+    stereo = len(problem.stereo_node) > 0
+    node = problem.stereo_node if stereo else problem.mono_node
+    used, seen_from = np.unique(node, return_inverse=True)
+    start = Poses(problem.pose[used, 3:7], problem.pose[used, :3])
+    mount = Poses(problem.T_s_ct[None, 3:], problem.T_s_ct[None, :3])
+    top = start @ poses.tray(TRAY_ORIGIN, problem.pose[used, 7]) @ mount
+    return Bundle(
+        pose=np.hstack([top.translation, top.quaternion]),
+        point=np.ascontiguousarray(problem.landmark),
+        camera=problem.intrinsics_top[:4],
+        T_ct_cb=np.r_[T_CT_CB.translation[0], T_CT_CB.quaternion[0]],
+        seen_from=seen_from.astype(np.int32),
+        seen=problem.stereo_landmark if stereo else problem.mono_landmark,
+        pixel=problem.stereo_pixel if stereo else problem.mono_pixel,
+    )
+
+
+def write_bundle(size: str, path: Path) -> None:
+    from benchmarks.problems import SIZES, make
+
+    bundle_of(make(SIZES[size])).save(path)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--size", choices=("small", "small_mono", "mono", "stereo"), default="mono")
+    parser.add_argument("--solvers", default="hullrecon,pycolmap,gtsam", help=f"of {', '.join(SOLVERS)}")
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--iterations", type=int, default=100)
+    parser.add_argument("--tolerance", type=float, default=1e-6)
+    parser.add_argument("--repeat", type=int, default=1, help="rounds; each solver once a round")
+    parser.add_argument("--json", type=Path)
+    args = parser.parse_args()
+    if not THEIRS.exists():
+        parser.error("the peers' environment is missing: make bench-peers")
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "bundle.npz"
+        write_bundle(args.size, path)
+        for name in args.repeat * args.solvers.split(","):
+            module, flags, ours = SOLVERS[name]
+            python = sys.executable if ours else str(THEIRS)
+            row = run(module, path, args.threads, args.iterations, args.tolerance, *flags, python=python, threads=args.threads)
+            rows.append({"solver": name} | row)
+            print(
+                f"{args.size} {name:20s} {row['iteration_s']:7.3f} s an iteration  {row['iterations']:3d} iterations"
+                f"  {row['solve_s']:7.2f} s  {row['rms_px']:.6f} px  {row['peak_rss_mb']:.0f} MB",
+                flush=True,
+            )
+    if args.json:
+        args.json.write_text(json.dumps({"size": args.size, "threads": args.threads, "solvers": rows}, indent=1))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
