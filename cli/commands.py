@@ -40,7 +40,7 @@ AROUND = {
     "simulate": Entry("dive", "simulate", "make a dive package with truth"),
     "evaluate": Entry("judge", "evaluate", "figures of a run against the truth of a simulated dive"),
     "compare": Entry("judge", "compare", "naive, geva and maxmix on a simulated dive, in one table"),
-    "figures": Entry("judge", "figures", "the sources' plots from what compare left"),
+    "figures": Entry("judge", "figures", "the sources' figures on a simulated dive, as pictures and tables"),
     "completion": Entry("completion", "completion", "the shell's completion script"),
 }
 SECTIONS = {"A dive": ON_A_DIVE, "Steps of the chain": STEPS, "Around it": AROUND}

@@ -39,6 +39,13 @@ def judge_objects(found: list[Object], truth: Truth, motion: Motion) -> dict[str
     }
 
 
+def delivered_of(structure: Object, found: list[Object], truth: Truth, motion: Motion) -> Object | None:
+    """The detection of that structure, the one with the most images when there are several; None when it was missed."""
+    moved = [{**d, "center": motion.apply(np.asarray(d["center"], float))} for d in found]
+    own = [d for d in moved if (o := _match(d, truth.structures())) is not None and o["id"] == structure["id"]]
+    return max(own, key=lambda d: (d["views"], d["area"]), default=None)
+
+
 def reach_m(structure: Object) -> float:
     """How far a detection's centre may lie from the structure's."""
     return 0.10 + 0.5 * float(max(structure["extent"]))

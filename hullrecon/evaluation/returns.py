@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +12,11 @@ from numpy.typing import NDArray
 
 from hullrecon.dive.records import Returns, Solution, Trajectory
 from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.chart import Chart
 from hullrecon.geometry.poses import Poses, tray
 
 Array = NDArray[np.float64]
+Field = Callable[[Array], Array]
 
 
 @dataclass(frozen=True)
@@ -48,10 +51,27 @@ def reckoned_beams(trajectory: Trajectory, T_g_M: Poses, T_s_d: Poses, returns: 
     return place_beams(T_g_M.inverse() @ trajectory.poses(), trajectory.tray, T_s_d, returns, tray_origin_m)
 
 
-def range_residuals(beams: Beams, drawing: Scene) -> Array:
-    """Predicted minus measured range (m,) against the drawing (O 4.14), of the beams that meet it."""
+def range_residuals(beams: Beams, drawing: Scene, field: Field | None = None) -> Array:
+    """Predicted minus measured range (m,) against the drawing (O 4.14), of the beams that meet it; with a field, against the
+    drawing moved outward by it: cast - field / cos(incidence), as in the adjustment."""
     predicted = drawing.cast(beams.origin, beams.direction)
-    return np.asarray((predicted - beams.range_m)[np.isfinite(predicted)])
+    met = np.isfinite(predicted)
+    if field is not None:
+        at = beams.origin[met] + predicted[met, None] * beams.direction[met]
+        facing = -np.einsum("ni,ni->n", beams.direction[met], drawing.closest(at).normal)
+        predicted[met] -= field(at) / np.maximum(np.abs(facing), 0.2)
+    return np.asarray((predicted - beams.range_m)[met])
+
+
+def field_at(solution: Solution, chart: Chart) -> Field:
+    """The solution's field of normal offsets at points (n, 3) in M, m."""
+    from scipy.interpolate import RegularGridInterpolator
+
+    axes = [o + s * np.arange(n) for o, s, n in zip(
+        solution.field_origin, solution.field_step, solution.field_value.shape, strict=True)]  # fmt: skip
+    look_up = RegularGridInterpolator(axes, solution.field_value, bounds_error=False, fill_value=None)
+    low, high = (np.array([a[k] for a in axes]) for k in (0, -1))
+    return lambda points: np.asarray(look_up(np.clip(np.nan_to_num(chart.to_chart(points)[:, :2]), low, high)))
 
 
 def motion_of(seven: Array) -> Poses:

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.evaluation.alignment import Motion
-from hullrecon.evaluation.plots import Section
+from hullrecon.evaluation.plots import Overview, Section
 from hullrecon.evaluation.truth import Truth
 from hullrecon.geometry.casting import Scene
 
@@ -18,27 +17,42 @@ Array = NDArray[np.float64]
 
 
 def cut(
-    title: str, structure: dict[str, Any], landmarks: Array, on_surface: NDArray[np.bool_], dvl: Array, motion: Motion,
+    solve: tuple[str, str], structure: dict[str, Any], landmarks: Array, on_surface: NDArray[np.bool_], dvl: Array,
     truth: Truth, reach_m: float = 0.55, half_m: float = 0.08,
 ) -> Section:  # fmt: skip
-    """The slice through the structure's middle, half_m to either side along the hull; points in M, moved by the alignment.
-
-    The DVL's few returns are taken from a slice five times as thick."""
+    """The slice through the structure's middle, half_m to either side along the hull; points in M, aligned. solve: method and
+    weighting. The DVL's few returns are taken from a slice five times as thick."""
     axes = _axes(structure)
     foot = np.array(structure["center"]) - structure["height"] * axes[2]
-    seen = _inside((motion.apply(landmarks) - foot) @ axes.T, half_m, reach_m)
-    beams = _inside((motion.apply(dvl) - foot) @ axes.T, 5 * half_m, reach_m)
-    marks = ((motion.apply(landmarks) - foot) @ axes.T)[:, 1:]
-    returns = ((motion.apply(dvl) - foot) @ axes.T)[:, 1:]
+    local, beams = (landmarks - foot) @ axes.T, (dvl - foot) @ axes.T
+    seen, hit = _inside(local, half_m, reach_m), _inside(beams, 5 * half_m, reach_m)
     line = np.linspace(-reach_m, reach_m, 200)
     return Section(
-        title=title,
-        dvl=returns[beams],
-        on=marks[seen & on_surface],
-        off=marks[seen & ~on_surface],
+        method=solve[0],
+        weighting=solve[1],
+        dvl=beams[hit, 1:],
+        on=local[seen & on_surface, 1:],
+        off=local[seen & ~on_surface, 1:],
         steel=_profile(truth.built, foot, axes, line),
         drawing=_profile(truth.drawing, foot, axes, line) if truth.drawing is not None else np.zeros((0, 2)),
     )
+
+
+def whole(
+    structure: dict[str, Any], landmarks: Array, on_surface: NDArray[np.bool_], dvl: Array, truth: Truth, half_m: float = 0.08
+) -> Overview:
+    """The slice across the whole hull at the structure, in M's y and z (INPUTS: x forward)."""
+    at = np.array(structure["center"])
+    near, hit = np.abs(landmarks[:, 0] - at[0]) < half_m, np.abs(dvl[:, 0] - at[0]) < 5 * half_m
+    drawing = np.zeros((0, 2))
+    if truth.drawing is not None and near.any():
+        low, high = landmarks[near, 2].min() - 0.8, landmarks[near, 2].max() + 0.8
+        side = np.sign(structure["normal"][1]) or 1.0
+        start = np.stack([np.full(200, at[0]), np.full(200, at[1] + 5 * side), np.linspace(low, high, 200)], 1)
+        way = truth.drawing.cast(start, np.tile([0.0, -side, 0.0], (200, 1)))
+        met = np.isfinite(way) & (way < 5 + 3.0)
+        drawing = np.stack([start[met, 1] - side * way[met], start[met, 2]], 1)
+    return Overview(landmarks[near & on_surface, 1:], landmarks[near & ~on_surface, 1:], dvl[hit, 1:], drawing, at[1:])
 
 
 def _axes(structure: dict[str, Any]) -> Array:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from hullrecon_cli import judge
+from hullrecon_cli.compared import solved_of
 from hullrecon_cli.dives import Opened
 from msgspec import Struct
 
@@ -31,6 +32,8 @@ class Nothing(Struct, frozen=True, kw_only=True):
 class Method(Struct, frozen=True, kw_only=True):
     method: str = "maxmix"
     as_published: bool = False
+    rounds: int = 3
+    max_iterations: int = 60
 
 
 @pytest.fixture
@@ -46,9 +49,12 @@ def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) 
         context.out.arrays("returns.npz", to_arrays(returns))
 
     def adjust(context: Context) -> None:
-        calls.append((context.parameters.method, context.parameters.as_published))
+        p = context.parameters
+        calls.append((p.method, p.as_published))
+        rounds.append((p.as_published, p.rounds, p.max_iterations))
         context.out.arrays("solution.npz", to_arrays(solution))
-        context.out.arrays("iterations.npz", {"cost": np.array([4.0, 2.0, 1.0]), "on_surface": np.array([380, 400, 400])})
+        context.out.arrays("iterations.npz", record)
+        context.spent("iterations_s", [0.5, 1.0, 1.5])
 
     stages = (
         Stage("navigate", "walk", (), Nothing, 1, navigate),
@@ -57,12 +63,17 @@ def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) 
     tray = Tray(origin=(0.45, 0.0, 0.1))
     sections = {"navigate": Nothing(), "adjust": Method(), "tray": tray, "dvl": Dvl(mount=(0, 0, 0.08, 0, 90, 0))}
     calls: list[tuple[str, bool]] = []
+    rounds: list[tuple[bool, int, int]] = []
+    count = np.full(3, len(solution.landmark))
+    record = {"cost": np.array([4.0, 2.0, 1.0]), "on_surface": count - [20, 0, 0], "landmarks": count, "round": np.ones(3, int)}
+    record |= {"accepted": np.ones(3, bool), "label_changes": np.array([0, 20, 0])}
     dive = Opened("wall", Chain(stages, sections, package), Workspace(tmp_path / "runs" / "wall"))
 
     def open_dive(*_: Any) -> Opened:
         return dive
 
     open_dive.calls = calls  # type: ignore[attr-defined]
+    open_dive.rounds = rounds  # type: ignore[attr-defined]
     return open_dive
 
 
@@ -103,28 +114,48 @@ def test_compare_again_solves_nothing(opened: Any, package: Path, monkeypatch: p
     assert opened.calls == []
 
 
-def test_the_chains_own_artifact_is_left_alone(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_as_printed_is_one_whole_solve(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(judge, "open_dive", opened)
+    call(judge.compare, package)
+    assert set(opened.rounds) == {(True, 1, 200), (False, 3, 60)}
+
+
+def test_what_the_chain_solves_itself_stands_in_its_own_place(
+    opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(judge, "open_dive", opened)
     call(judge.compare, package)
     root = opened().workspace.root
-    assert not (root / "adjust").exists()
+    assert (root / "adjust" / "solution.npz").exists()
     assert (root / "compare" / "maxmix-as-printed" / "adjust" / "solution.npz").exists()
+    assert not (root / "compare" / "maxmix-as-weighted-by-us").exists()
 
 
-def test_figures_leaves_pictures_and_tables(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_figures_alone_solves_what_is_missing_and_leaves_pictures_and_tables(
+    opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(judge, "open_dive", opened)
-    call(judge.compare, package)
-    printed = call(judge.figures, package).output.split()
+    printed = call(judge.figures, package).output.splitlines()
+    assert len(opened.calls) == 6
     assert len(printed) == 5
-    for name in printed:
+    for line in printed:
+        name, words = line.split(": ", 1)
         assert Path(name).read_bytes()[:4] == b"\x89PNG"
         assert len(Path(name).with_suffix(".csv").read_text().splitlines()) > 1
+        assert words.endswith(".")
 
 
-def test_figures_before_compare_says_what_to_run(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_figures_after_compare_solves_nothing(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(judge, "open_dive", opened)
+    call(judge.compare, package)
+    opened.calls.clear()
+    call(judge.figures, package)
+    assert opened.calls == []
+
+
+def test_a_variant_that_is_not_there_says_what_to_run(opened: Any) -> None:
     with pytest.raises(InputError, match="hullrecon compare"):
-        call(judge.figures, package)
+        solved_of(opened())
 
 
 def test_a_json_of_figures_has_no_nan(deliver: Any, package: Path) -> None:

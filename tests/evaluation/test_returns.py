@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from hullrecon.dive.records import Returns, Solution, Trajectory
-from hullrecon.evaluation.returns import adjusted_beams, motion_of, range_residuals, reckoned_beams
+from hullrecon.evaluation.returns import adjusted_beams, field_at, motion_of, range_residuals, reckoned_beams
 from hullrecon.evaluation.truth import read_truth
 
 ORIGIN = np.array([0.45, 0.0, 0.1])
@@ -45,3 +46,25 @@ def test_beams_past_the_drawing_have_no_residual(package: Path, solution: Soluti
     assert truth.drawing is not None
     beams = adjusted_beams(solution, motion_of(np.array([-50.0, 2, 3, 0, 0, 0, 1])), returns, ORIGIN)
     assert len(range_residuals(beams, truth.drawing)) == 0
+
+
+def test_a_field_moves_the_drawing_along_the_beam(package: Path, solution: Solution, returns: Returns) -> None:
+    """12 mm outward all over: what was measured is then what is predicted, but for the block."""
+    truth = read_truth(package)
+    assert truth.drawing is not None
+    beams = adjusted_beams(solution, SHIFT, returns, ORIGIN)
+    residuals = range_residuals(beams, truth.drawing, lambda at: np.full(len(at), 0.012))
+    assert np.median(np.abs(residuals)) < 1e-6
+    assert residuals.max() == pytest.approx(0.1 / np.cos(0.02), abs=1e-5)
+
+
+def test_the_field_is_looked_up_on_the_chart_and_held_past_its_edge(solution: Solution) -> None:
+    class Plan:
+        def to_chart(self, points: np.ndarray) -> np.ndarray:
+            return points[:, [0, 2, 1]]
+
+    step = replace(
+        solution, field_origin=np.zeros(2), field_step=np.array([1.0, 2.0]), field_value=np.array([[0.0, 0.0], [0.1, 0.1]])
+    )
+    field = field_at(step, Plan())  # type: ignore[arg-type]
+    np.testing.assert_allclose(field(np.array([[0.5, 9, 1.0], [-3, 9, 0], [7, 9, 9]])), [0.05, 0.0, 0.1])
