@@ -13,13 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
-from hullrecon.adjustment import em, history, lenses, place, play, pruning, registration, selection
+from hullrecon.adjustment import em, history, lenses, misfit, place, play, pruning, registration, selection
 from hullrecon.adjustment.assembly import Selection, assemble, cell_share, read_back
-from hullrecon.adjustment.deviation import grid_over
-from hullrecon.adjustment.model import Measurements, Rig, return_points
+from hullrecon.adjustment.deviation import DeviationGrid, grid_over
+from hullrecon.adjustment.model import Drawing, Measurements, Rig, return_points
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.state import State, Weights
 from hullrecon.errors import StageError
+from hullrecon.geometry.poses import Poses
 
 Array = NDArray[np.float64]
 Say = Callable[[str], None]
@@ -30,7 +31,8 @@ log = logging.getLogger(__name__)
 @dataclass(frozen=True)
 class Adjusted:
     """The end of the story. start: the first round's problem as dead reckoning left it;
-    problem and result: of the last round, at its solution; rig: with the intrinsics found."""
+    problem and result: of the last round, at its solution; rig: with the intrinsics found; ground: what the place was
+    settled on."""
 
     state: State
     weights: Weights
@@ -42,6 +44,7 @@ class Adjusted:
     registration: registration.Registration | None
     rounds: tuple[history.Round, ...]
     rig: Rig
+    ground: place.Ground | None
 
 
 def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
@@ -52,12 +55,13 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
     center = registered.center if registered else np.zeros(3)
     weights = _first_weights(m, options)
     most_px = 40.0  # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
-    outcome, first = None, None
+    outcome, first, ground = None, None, None
     settle = m.drawing is not None and not options.as_published and options.rounds > 1
     for k in range(options.rounds):
         last = k == options.rounds - 1
         if last and settle and outcome is not None:
-            state = _settled_place(m, state, outcome[2], outcome[1], center)
+            ground, state = _grounded(m, state, outcome[2], outcome[1], center)
+            m = replace(m, drawing=misfit.with_misfit(ground.drawing, ground.misfit))
         state = replace(state, landmark=selection.relocate(m, state))
         chosen = _chosen(m, state, most_px, options, last)
         weights = replace(weights, surface=_surface_weights(m, state, chosen, options))
@@ -76,7 +80,7 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
     assert outcome is not None
     assert first is not None
     problem, result, chosen, used = outcome
-    done = Adjusted(state, used, chosen, center, first, _at(problem, result), result, registered, tuple(rounds), m.rig)
+    done = Adjusted(state, used, chosen, center, first, _at(problem, result), result, registered, tuple(rounds), m.rig, ground)
     return _without_lost(m, done)
 
 
@@ -102,16 +106,27 @@ def _start(m: Measurements, options: AdjustOptions, say: Say) -> tuple[State, re
     say(f"registered {len(points)} points to the drawing, {100 * found.fitness:.0f} % within three sigma")
     grid = None
     if not options.as_published:
-        at = m.drawing.chart.to_chart(found.hull_from.inverse().apply(points))[:, :2]
-        grid = grid_over(at[np.isfinite(at).all(1)], m.drawing.deviation_length)
+        grid = _grid(points, found.hull_from, m.drawing, m.drawing.deviation_length)
     return replace(state, T_g_M=found.hull_from, grid=grid, field=np.zeros(grid.size if grid else 0)), found
 
 
-def _settled_place(m: Measurements, state: State, chosen: Selection, result: native.Result, center: Array) -> State:
-    if m.drawing is None or state.T_g_M is None:
-        return state
+def _grounded(
+    m: Measurements, state: State, chosen: Selection, result: native.Result, center: Array
+) -> tuple[place.Ground, State]:
+    """How wrong the drawing is here, and T_g_M on it; the field starts anew on a grid of its length."""
+    assert m.drawing is not None
+    assert state.T_g_M is not None
     points = place.points_on_hull(m, state, chosen, result.label)
-    return replace(state, T_g_M=place.settled(points, state.T_g_M, m.drawing, center))
+    ground, best = place.surveyed(points, state.T_g_M, m.drawing, center)
+    hull_from = place.settled(ground, best)
+    grid = _grid(ground.points, hull_from, m.drawing, ground.misfit.length)
+    return ground, replace(state, T_g_M=hull_from, grid=grid, field=np.zeros(grid.size))
+
+
+def _grid(points: Array, hull_from: Poses, drawing: Drawing, length: tuple[float, float]) -> DeviationGrid:
+    """The field's grid over points (n, 3) in g."""
+    at = drawing.chart.to_chart(hull_from.inverse().apply(points))[:, :2]
+    return grid_over(at[np.isfinite(at).all(1)], length)
 
 
 def _register_points(m: Measurements, state: State) -> Array:

@@ -42,9 +42,8 @@ def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> O
     settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
     marginals = native.covariance(_place_free(adjusted.problem), settings)
     if m.drawing is not None and adjusted.state.T_g_M is not None:
-        on_hull = place.points_on_hull(m, adjusted.state, adjusted.chosen, adjusted.result.label)
-        hull = place.covariance(on_hull, adjusted.state.T_g_M, m.drawing, adjusted.center, marginals.T_g_M)
-        marginals = replace(marginals, T_g_M=hull)
+        ground = adjusted.ground or _ground(m, adjusted)
+        marginals = replace(marginals, T_g_M=place.covariance(ground, adjusted.state.T_g_M, marginals.T_g_M))
     solution = _solution(m, adjusted, marginals)
     weak = [] if adjusted.state.T_g_M is None else weak_directions(hull_axes(solution.hull_covariance, adjusted.state.T_g_M))
     before, after = (statistics.by_factor(native.evaluate(p, settings)) for p in (adjusted.start, adjusted.problem))
@@ -53,6 +52,14 @@ def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> O
     record, times = history.columns(adjusted.rounds), history.seconds(adjusted.rounds)
     summary = _summary(m, adjusted, options, weak, before, after) | ({"intrinsics": seen_with} if seen_with else {})
     return Outcome(solution, record, times, summary, warnings)
+
+
+def _ground(m: Measurements, adjusted: Adjusted) -> place.Ground:
+    """What a single solve was laid on, looked at afterwards."""
+    assert m.drawing is not None
+    assert adjusted.state.T_g_M is not None
+    points = place.points_on_hull(m, adjusted.state, adjusted.chosen, adjusted.result.label)
+    return place.surveyed(points, adjusted.state.T_g_M, m.drawing, adjusted.center)[0]
 
 
 def _place_free(problem: native.Problem) -> native.Problem:
@@ -162,6 +169,9 @@ def _summary(
         "residuals_before": before,
         "residuals_after": after,
     }
+    if adjusted.ground is not None:
+        found = adjusted.ground.misfit
+        summary["drawing_misfit"] = {"sigma_m": found.sigma, "length_m": list(found.length), "point_noise_m": found.noise}
     if adjusted.registration is not None:
         summary["registration"] = {
             "fitness": adjusted.registration.fitness,

@@ -8,14 +8,17 @@ the valley, with the drawing's error as correlated noise, is what is known; its 
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import cho_factor
 
 from hullrecon import native
-from hullrecon.adjustment import profile, registration
+from hullrecon.adjustment import misfit, profile, registration
 from hullrecon.adjustment.assembly import Selection
+from hullrecon.adjustment.misfit import Misfit
 from hullrecon.adjustment.model import Drawing, Measurements, return_points
 from hullrecon.adjustment.state import State
 from hullrecon.adjustment.uncertainty import hull_axes
@@ -23,8 +26,18 @@ from hullrecon.adjustment.weak import weak_directions
 from hullrecon.geometry.poses import Poses
 
 Array = NDArray[np.float64]
-POINT_NOISE_M = 0.005  # of the mean of a voxel of landmarks and returns
 ALONG = np.array([1.0, 0.0, 0.0])
+MOST_FITS = 5
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Points (n, 3) in g that lie on the hull, the drawing, the survey's centre (3,) in M, and how wrong the drawing is."""
+
+    points: Array
+    drawing: Drawing
+    center: Array
+    misfit: Misfit
 
 
 def points_on_hull(m: Measurements, state: State, chosen: Selection, label: NDArray[np.int32]) -> Array:
@@ -37,25 +50,63 @@ def points_on_hull(m: Measurements, state: State, chosen: Selection, label: NDAr
     return registration.thin(np.vstack(parts), 0.15, 800)
 
 
-def settled(points: Array, place: Poses, drawing: Drawing, center: Array) -> Poses:
+def surveyed(points: Array, place: Poses, drawing: Drawing, center: Array) -> tuple[Ground, Poses]:
+    """The ground under points (n, 3) in g, stray ones left out, its misfit fitted; and T_g_M settled on it from `place`."""
+    ground, index = Ground(points, drawing, center, misfit.expected(drawing)), _index(drawing)
+    prior = registration.prior_rows(drawing)
+    for _ in range(MOST_FITS):
+        distance, by_place = registration.signed_distances(ground.points, place, center, index)
+        at = place.inverse().apply(ground.points)
+        ground = replace(ground, misfit=misfit.fitted(ground.misfit, drawing, at, distance, by_place, prior.T @ prior))
+        valley = _valley(ground, place, ALONG, index)
+        place, _ = profile.descended(valley, place)
+        distance, _ = registration.signed_distances(ground.points, place, center, index)
+        stray = misfit.stray(valley.factor, distance)
+        if not stray.any():
+            break
+        ground = replace(ground, points=ground.points[~stray])
+    return ground, place
+
+
+def settled(ground: Ground, place: Poses) -> Poses:
     """T_g_M at the mean of its profile along the hull."""
-    return _profile(points, place, ALONG, drawing, center).hull_from
+    return _profile(ground, place, ALONG).hull_from
 
 
-def covariance(points: Array, place: Poses, drawing: Drawing, center: Array, hessian: Array) -> Array:
-    """Covariance (6, 6) of T_g_M: the solve's, with the variances along the hull and along its weak directions from their
-    profiles, taken as the posterior's second moment about the delivered place."""
-    out = hessian
-    for direction in _directions(hull_axes(hessian, place)):
-        found = _profile(points, place, direction, drawing, center)
+def covariance(ground: Ground, place: Poses, hessian: Array) -> Array:
+    """Covariance (6, 6) of T_g_M: the solve's; what an offset of the whole drawing adds, which the solve's field does not know;
+    and the variances along the hull and along its weak directions from their profiles, taken as the posterior's second moment
+    about the delivered place."""
+    out = hessian + _by_offset(ground, place)
+    for direction in _directions(hull_axes(out, place)):
+        found = _profile(ground, place, direction)
         out = profile.inflated(out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), place)
     return out
 
 
-def _profile(points: Array, place: Poses, direction: Array, drawing: Drawing, center: Array) -> profile.Profile:
-    index = native.MeshIndex(drawing.mesh.vertices, drawing.mesh.faces)
-    valley = profile.valley(points, place, direction, drawing, center, index, POINT_NOISE_M)
-    return profile.profile(valley, place, reach=3 * float(np.linalg.norm(direction * drawing.guess_sigma[:3])))
+def _by_offset(ground: Ground, place: Poses) -> Array:
+    """Covariance (6, 6) of T_g_M with the common offset, less that without."""
+    index = _index(ground.drawing)
+    bare = replace(ground, misfit=replace(ground.misfit, offset=0.0))
+    with_offset, without = (profile.posterior(_valley(g, place, ALONG, index), place) for g in (ground, bare))
+    return np.asarray(with_offset - without)
+
+
+def _profile(ground: Ground, place: Poses, direction: Array) -> profile.Profile:
+    valley = _valley(ground, place, direction, _index(ground.drawing))
+    return profile.profile(valley, place, reach=3 * float(np.linalg.norm(direction * ground.drawing.guess_sigma[:3])))
+
+
+def _valley(ground: Ground, place: Poses, direction: Array, index: native.MeshIndex) -> profile.Valley:
+    return profile.Valley(ground.points, direction, ground.drawing, ground.center, index, _factor(ground, place))
+
+
+def _factor(ground: Ground, place: Poses) -> Any:
+    return cho_factor(misfit.covariance(ground.misfit, ground.drawing, place.inverse().apply(ground.points)), lower=True)
+
+
+def _index(drawing: Drawing) -> native.MeshIndex:
+    return native.MeshIndex(drawing.mesh.vertices, drawing.mesh.faces)
 
 
 def _directions(hull_in_axes: Array) -> list[Array]:

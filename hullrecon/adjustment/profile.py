@@ -14,11 +14,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_solve
 
 from hullrecon.adjustment.model import Drawing
 from hullrecon.adjustment.registration import (
-    drawing_error,
     perturbed,
     prior_rows,
     prior_step,
@@ -57,14 +56,6 @@ class Valley:
     factor: Any
 
 
-def valley(
-    points: Array, start: Poses, direction: Array, drawing: Drawing, center: Array, index: MeshIndex, noise: float
-) -> Valley:
-    """The valley through `start` (T_g_M); `noise` is the points' own sigma in metres."""
-    field = drawing_error(drawing, start.inverse().apply(points))
-    return Valley(points, direction, drawing, center, index, cho_factor(field + noise**2 * np.eye(len(points))))
-
-
 def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
     """The posterior of a shift along the valley within +-`reach` metres of `start` (T_g_M)."""
     steps = np.linspace(-reach, reach, count)
@@ -89,6 +80,16 @@ def inflated(covariance: Array, found: Profile, hull_from: Poses) -> Array:
     return np.asarray(covariance + lacking * np.outer(found.tangent, found.tangent))
 
 
+def descended(v: Valley, start: Poses) -> tuple[Poses, float]:
+    """T_g_M at the optimum of all six freedoms, and half the sum of squares there."""
+    return _settle(v, start, held=False)
+
+
+def posterior(v: Valley, place: Poses) -> Array:
+    """Covariance (6, 6) of T_g_M about the centre, of the points and the package's prior alone."""
+    return np.asarray(np.linalg.inv(_linearised(v, place)[2]))
+
+
 def _walk(v: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float]]:
     """Settled poses and costs at the steps, each started from its neighbour nearer to the middle."""
     middle = len(steps) // 2
@@ -106,13 +107,13 @@ def _shifted(v: Valley, hull_from: Poses, step: float) -> Poses:
     return perturbed(hull_from, v.center, np.r_[step * in_global, np.zeros(3)])
 
 
-def _settle(v: Valley, pose: Poses, most: int = 40) -> tuple[Poses, float]:
-    """T_g_M with its shift along the direction held and the rest at the optimum (Levenberg-Marquardt); and half the sum of
-    squares there."""
+def _settle(v: Valley, pose: Poses, held: bool = True, most: int = 40) -> tuple[Poses, float]:
+    """T_g_M with its shift along the direction `held`, or not, and the rest at the optimum (Levenberg-Marquardt); and half the
+    sum of squares there."""
     cost, right, information = _linearised(v, pose)
     damping = 1e-4
     for _ in range(most):
-        free = _across(pose.rotation.as_matrix()[0] @ v.direction)
+        free = _across(pose.rotation.as_matrix()[0] @ v.direction) if held else np.eye(6)
         reduced = free.T @ information @ free
         step = -free @ np.linalg.solve(reduced + damping * np.diag(np.diag(reduced)), free.T @ right)
         trial = perturbed(pose, v.center, np.asarray(step))

@@ -9,7 +9,7 @@ over the chart, together with the package's prior. Its covariance says what the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial import cKDTree
 
-from hullrecon.adjustment.facets import facets_near
+from hullrecon.adjustment import misfit
 from hullrecon.adjustment.model import Drawing
 from hullrecon.geometry import poses
 from hullrecon.geometry.meshes import Mesh
@@ -140,33 +140,12 @@ def _trimmed_cost(points: Array, hull_from: Poses, drawing: Drawing, center: Arr
     return float(np.mean(trimmed**2) / drawing.deviation_sigma**2 + prior @ prior / len(drawing.guess_sigma))
 
 
-def drawing_error(drawing: Drawing, at: Array) -> Array:
-    """Covariance (n, n) of the drawing's error at points (n, 3) in M: the hull's deviation, and the facets it is drawn with.
-
-    The facets' pattern repeats all over a survey, which no stationary covariance says: the points on one facet share out the
-    information of one (METHODS 5), with three of its sigmas, lest a slide by one facet look like a better place.
-    """
-    along_girth = np.nan_to_num(drawing.chart.to_chart(at)[:, :2])
-    facets = facets_near(drawing.mesh, at)
-    cells = len(np.unique(np.floor(along_girth / facets.length).astype(np.int64), axis=0))
-    shared = (3 * facets.sigma) ** 2 * len(at) / cells
-    return matern32(along_girth, drawing.deviation_sigma, drawing.deviation_length) + shared * np.eye(len(at))
-
-
-def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> Array:
-    """Covariance (n, n) of a field at chart points (n, 2): sigma^2 (1 + sqrt3 r) exp(-sqrt3 r), r in correlation lengths."""
-    scaled = along_girth / np.array(length)
-    squared = np.sum(scaled**2, 1)
-    r = np.sqrt(np.maximum(squared[:, None] + squared[None] - 2 * scaled @ scaled.T, 0))
-    return np.asarray(sigma**2 * (1 + np.sqrt(3) * r) * np.exp(-np.sqrt(3) * r))
-
-
 def fit_correlated(
     points: Array, start: Poses, drawing: Drawing, center: Array, index: MeshIndex, sigma_range: float, iterations: int = 60
 ) -> Registration:
     """Levenberg-Marquardt on signed distances whose errors are range noise and the drawing's correlated deviation. Outliers are
     weighed down by their distance at the start, so that the cost is one function and its descent ends."""
-    field = drawing_error(drawing, start.inverse().apply(points))
+    field = misfit.covariance(replace(misfit.expected(drawing), noise=0.0), drawing, start.inverse().apply(points))
     noise = _robust_noise(signed_distances(points, start, center, index)[0], sigma_range, drawing.deviation_sigma)
     problem = _Correlated(points, drawing, center, index, cho_factor(field + np.diag(noise**2)))
     pose, damping = start, 1e-4

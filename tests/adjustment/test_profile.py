@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from adjustment.scenes import ERROR, TRUTH, drawing, side, survey
+from scipy.linalg import cho_factor
 
-from hullrecon.adjustment.profile import inflated, profile, valley
+from hullrecon.adjustment import misfit
+from hullrecon.adjustment.profile import Valley, inflated, profile
 from hullrecon.adjustment.registration import perturbed, thin
 from hullrecon.native import MeshIndex
 
@@ -18,7 +20,9 @@ def profiled(fullness, span=(2.0, 11.0), sigma=0.02):
     drawn = drawn.__class__(**{**drawn.__dict__, "deviation_sigma": sigma})
     center = TRUTH.inverse().apply(points).mean(0)
     index = MeshIndex(mesh.vertices, mesh.faces)
-    return profile(valley(points, TRUTH, ALONG, drawn, center, index, 0.01), TRUTH, reach=3.0), center
+    known = misfit.Misfit(sigma, drawn.deviation_length, noise=0.01, offset=0.0)
+    factor = cho_factor(misfit.covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
+    return profile(Valley(points, ALONG, drawn, center, index, factor), TRUTH, reach=3.0), center
 
 
 def test_a_cylinder_leaves_the_prior_s_sigma_along_itself():

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from adjustment.scenes import ERROR, TRUTH, drawing, side, survey
 
-from hullrecon.adjustment.registration import about, matern32, perturbed, register, thin
+from hullrecon.adjustment.misfit import matern32
+from hullrecon.adjustment.registration import about, perturbed, register, thin
 from hullrecon.adjustment.weak import weak_directions
 
 
