@@ -57,6 +57,26 @@ def test_parts_with_a_gap_narrower_than_the_reach_are_one(found) -> None:
     assert sum(r.side > 0 for r in find_regions(split, DetectOptions(cluster_reach=0.02))) == 2
 
 
+def _two_peaks(found, saddle_m: float):
+    """Raised discs of 0.10 and 0.08 m, 0.15 m of hull between them at the saddle's height."""
+    x, z = found.base.vertices[:, [0, 2]].T
+    height = np.zeros_like(found.height)
+    height[(np.abs(x - 1.2) < 0.18) & (np.abs(z - 1.0) < 0.05)] = saddle_m
+    height[np.hypot(x - 1.02, z - 1.0) < 0.1] = 0.10
+    height[np.hypot(x - 1.38, z - 1.0) < 0.1] = 0.08
+    return replace(found, height=height)
+
+
+def test_neighbours_with_a_low_bridge_between_them_are_two(found) -> None:
+    regions = find_regions(_two_peaks(found, saddle_m=0.03), OPTIONS)
+    assert [r.height for r in regions] == pytest.approx([0.10, 0.08], abs=0.005)
+    assert not set(regions[0].foot) & set(regions[1].foot)
+
+
+def test_peaks_with_a_high_saddle_between_them_are_one(found) -> None:
+    assert len(find_regions(_two_peaks(found, saddle_m=0.05), OPTIONS)) == 1
+
+
 def test_the_quantile_counts_area() -> None:
     values, weight = np.array([3.0, 1.0, 2.0]), np.array([1.0, 8.0, 1.0])
     assert weighted_quantile(values, weight, 0.5) == 1.0
