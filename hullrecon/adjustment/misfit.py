@@ -99,12 +99,23 @@ def fitted(start: Misfit, drawing: Drawing, at: Array, distance: Array, by_place
 
 
 def stray(factor: Any, distance: Array) -> NDArray[np.bool_]:
-    """Points (n,) that the others do not predict: leave-one-out residuals beyond four of their sigmas.
+    """Points (n,) that the others do not predict: leave-one-out residuals beyond four of their sigmas, the worst first and the
+    rest without it, lest a point on a structure take its neighbours along.
 
     factor: Cholesky factor of the distances' covariance.
     """
     inverse = cho_solve(factor, np.eye(len(distance)))
-    return np.asarray(np.abs(inverse @ distance) > STRAY_SIGMAS * np.sqrt(np.diag(inverse)))
+    right, gone = inverse @ distance, np.zeros(len(distance), bool)
+    while not gone.all():
+        sigmas = np.where(gone, 0.0, np.abs(right)) / np.sqrt(np.where(gone, 1.0, np.diag(inverse)))
+        worst = int(np.argmax(sigmas))
+        if sigmas[worst] <= STRAY_SIGMAS:
+            break
+        column = inverse[:, worst] / inverse[worst, worst]
+        right = right - column * right[worst]
+        inverse -= np.outer(column, inverse[worst])
+        gone[worst] = True
+    return gone
 
 
 def with_misfit(drawing: Drawing, misfit: Misfit) -> Drawing:
