@@ -112,12 +112,14 @@ def _match(
         result = _with_points(rig, first, second, seeds, start, options)
     if result.reason is Reason.MATCHED:
         return result
-    seeds = search(rig, first, second, prior, options, np.arange(len(first)), np.arange(len(second)))
+    everywhere = np.arange(len(first)), np.arange(len(second))
+    near = _candidates(rig, first, second, prior, options, *everywhere)
+    seeds = _best(first, second, near, options, *everywhere)
     if not _enough(seeds, options):
         return _failed(len(seeds), Reason.FEW_PUTATIVE)
     if first.stereo.any() or second.stereo.any():
         return _with_points(rig, first, second, seeds, _resection(first, second, seeds, tolerance, options), options)
-    return _without_points(rig, first, second, seeds, prior, options)
+    return _without_points(rig, first, second, seeds, near, prior, options)
 
 
 def _enough(seeds: Putative, options: MatchOptions) -> bool:
@@ -128,10 +130,24 @@ def search(
     rig: Rig, first: View, second: View, prior: Motion | None, options: MatchOptions, rows: Ints, among: Ints
 ) -> Putative:
     """Mutual best descriptors of those rows: in the 99 % ellipse of each where motion and depth are known, else everywhere."""
+    return _best(first, second, _candidates(rig, first, second, prior, options, rows, among), options, rows, among)
+
+
+def _candidates(
+    rig: Rig, first: View, second: View, prior: Motion | None, options: MatchOptions, rows: Ints, among: Ints
+) -> tuple[Ints, Ints] | None:
+    """Pairs that navigation and depth allow; None where they say nothing."""
     if prior is None or not np.isfinite(first.depth[rows]).any():
+        return None
+    return _within(rig, first, second, prior, options, rows, among)
+
+
+def _best(
+    first: View, second: View, near: tuple[Ints, Ints] | None, options: MatchOptions, rows: Ints, among: Ints
+) -> Putative:
+    if near is None:
         found = best_of_all(first.descriptor[rows], second.descriptor[among], options.ratio, options.max_distance)
         return Putative(rows[found.first], among[found.second], found.distance)
-    near = _within(rig, first, second, prior, options, rows, among)
     distance = sparse_distance(first.descriptor, second.descriptor, *near)
     return best_of_candidates(*near, distance, options.ratio, options.max_distance)
 
@@ -217,14 +233,20 @@ def _on_lines(rig: Rig, first: View, second: View, motion: Array, options: Match
     good = twoview.sampson_squared(twoview.essential_of(motion), first.xy[a], second.xy[b]) < limit
     down = rig.from_top(1)
     below = down @ motion @ np.linalg.inv(down)
-    seen = np.isfinite(first.other[a, 0]) & np.isfinite(second.other[b, 0])
-    error = twoview.sampson_squared(twoview.essential_of(below), first.other[a], second.other[b])
-    good &= ~seen | (np.nan_to_num(error) < limit)
+    seen = np.flatnonzero(np.isfinite(first.other[a, 0]) & np.isfinite(second.other[b, 0]))
+    error = twoview.sampson_squared(twoview.essential_of(below), first.other[a[seen]], second.other[b[seen]])
+    good[seen] &= error < limit
     return a[good], b[good]
 
 
 def _without_points(
-    rig: Rig, first: View, second: View, seeds: Putative, prior: Motion | None, options: MatchOptions
+    rig: Rig,
+    first: View,
+    second: View,
+    seeds: Putative,
+    near: tuple[Ints, Ints] | None,
+    prior: Motion | None,
+    options: MatchOptions,
 ) -> PairMatch:
     found = twoview.fit(first.xy[seeds.first], second.xy[seeds.second], options.verify_px / rig.focal(0))
     if found is None or found.inlier.sum() < options.min_inliers:
@@ -234,8 +256,7 @@ def _without_points(
         return _failed(len(seeds), Reason.FEW_INLIERS)
     motion = _closest(choices, prior)
     kept = Putative(seeds.first[found.inlier], seeds.second[found.inlier], seeds.distance[found.inlier])
-    everywhere = np.arange(len(first)), np.arange(len(second))
-    near = (seeds.first, seeds.second) if prior is None else _within(rig, first, second, prior, options, *everywhere)
+    near = (seeds.first, seeds.second) if near is None else near
     near = _on_lines(rig, first, second, motion.second_from_first, options, *near)
     distance = sparse_distance(first.descriptor, second.descriptor, *near)
     kept = _joined(kept, best_of_candidates(*near, distance, options.guided_ratio, options.max_distance))
