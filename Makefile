@@ -3,6 +3,7 @@
 #
 #   make demo    set up, run the sample dive, print where its report lies
 #   make test    set up, run all tests
+#   make bench-peers   the environment of the peers that benchmarks/peers.py measures (pycolmap, GTSAM)
 #   make check   lint, types, imports and format (what CI checks besides)
 #
 # Set-up needs `make` and `git` alone; everything else it installs (pipelines/setup.sh says how) or names.
@@ -19,7 +20,7 @@ NATIVE := $(shell find native -type f 2>/dev/null)
 export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 
-.PHONY: setup demo test check lint types imports format sanitize clean
+.PHONY: setup demo test check lint types imports format sanitize bench-peers clean
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
@@ -61,5 +62,13 @@ sanitize: setup
 	$(BIN)/cmake --build build/sanitize -j $(JOBS)
 	$(BIN)/ctest --test-dir build/sanitize --output-on-failure
 
+# Never part of the project's own environment or lock.
+bench-peers: benchmarks/.venv/.installed
+
+benchmarks/.venv/.installed: benchmarks/requirements-peers.txt
+	@$(PYTHON) -m venv benchmarks/.venv
+	@benchmarks/.venv/bin/pip install -q -r $<
+	@touch $@
+
 clean:
-	rm -rf build $(VENV) .mypy_cache .ruff_cache .pytest_cache
+	rm -rf build $(VENV) benchmarks/.venv .mypy_cache .ruff_cache .pytest_cache

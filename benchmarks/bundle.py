@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Bundle:
-    """pose (n, 7): T_g_ct x y z qx qy qz qw; point (L, 3) in g; camera (4,): fx fy cx cy of every image; T_ct_cb (7,) held.
+    """pose (n, 7): T_g_ct x y z qx qy qz qw; point (L, 3) in g; T_ct_cb (7,) held; camera (9,) held, the same for every
+    image: fx fy cx cy k1 k2 p1 p2 k3.
 
     seen_from, seen (m,): pose and point of a row of pixel (m, 2) (top u v) or (m, 4) (top u v, bottom u v). Gauge: pose 0 is
     held; without a pair, scale too, by coordinate `scale_axis` of pose `scale_pose` in the axes of pose 0.
@@ -71,8 +72,17 @@ def residuals(bundle: Bundle, pose: Array, point: Array) -> Array:
     views = [in_top]
     if bundle.stereo:
         views.append((in_top - bundle.T_ct_cb[:3]) @ rotation(bundle.T_ct_cb[3:]))
-    focal, centre = bundle.camera[:2], bundle.camera[2:]
-    return np.hstack([view[:, :2] / view[:, 2:] * focal + centre for view in views]) - bundle.pixel
+    return np.hstack([_project(bundle.camera, view) for view in views]) - bundle.pixel
+
+
+def _project(camera: Array, points: Array) -> Array:
+    fx, fy, cx, cy, k1, k2, p1, p2, k3 = camera
+    x, y = (points[:, :2] / points[:, 2:]).T
+    r2 = x * x + y * y
+    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    u = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
+    v = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
+    return np.stack([fx * u + cx, fy * v + cy], axis=1)
 
 
 def rms_px(bundle: Bundle, pose: Array, point: Array) -> float:

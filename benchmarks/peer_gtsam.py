@@ -35,9 +35,13 @@ def graph_of(bundle: Bundle, stereo_factor: bool) -> Any:
     if stereo_factor:
         _add_pairs(graph, bundle)
         return graph
-    fx, fy, cx, cy = bundle.camera
-    camera, noise = gtsam.Cal3_S2(fx, fy, 0.0, cx, cy), gtsam.noiseModel.Isotropic.Sigma(2, 1.0)
-    bottom, factor = _pose3(bundle.T_ct_cb), gtsam.GenericProjectionFactorCal3_S2
+    fx, fy, cx, cy, *distortion, k3 = bundle.camera
+    camera, factor = gtsam.Cal3_S2(fx, fy, 0.0, cx, cy), gtsam.GenericProjectionFactorCal3_S2
+    if any(distortion):
+        camera, factor = gtsam.Cal3DS2(fx, fy, 0.0, cx, cy, *distortion), gtsam.GenericProjectionFactorCal3DS2
+    if k3:
+        raise ValueError("GTSAM's Cal3DS2 has no k3")
+    bottom, noise = _pose3(bundle.T_ct_cb), gtsam.noiseModel.Isotropic.Sigma(2, 1.0)
     for pixel, pose, point in zip(bundle.pixel, bundle.seen_from.tolist(), bundle.seen.tolist(), strict=True):
         graph.add(factor(pixel[:2], noise, X(pose), L(point), camera))
         if bundle.stereo:
@@ -62,7 +66,7 @@ _TURNED = np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5)])
 
 
 def _add_pairs(graph: Any, bundle: Bundle) -> None:
-    fx, fy, cx, cy = bundle.camera
+    fx, fy, cx, cy = bundle.camera[:4]
     camera = gtsam.Cal3_S2Stereo(fy, fx, 0.0, cy, -cx, float(bundle.T_ct_cb[1]))
     noise = gtsam.noiseModel.Diagonal.Sigmas(np.array([1.0, 1.0, np.sqrt(0.5)]))
     turned = _pose3(_TURNED)
@@ -83,11 +87,11 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path,
     parameters.setRelativeErrorTol(tolerance)
     parameters.setMaxIterations(iterations)
     graph = graph_of(bundle, stereo_factor)
-    began = time.perf_counter()
+    began, before = time.perf_counter(), time.process_time()
     optimizer = gtsam.LevenbergMarquardtOptimizer(graph, values, parameters)
     ordered = time.perf_counter()
     found = optimizer.optimizeSafely()
-    ended = time.perf_counter()
+    ended, cpu = time.perf_counter(), time.process_time() - before
     peak, count = bundles.peak_mb(), optimizer.iterations()
     poses = [found.atPose3(X(k)) for k in range(len(bundle.pose))]
     turns = [p.rotation().toQuaternion() for p in poses]
@@ -98,6 +102,7 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path,
         iterations=count,
         solve_s=ended - began,
         iteration_s=(ended - ordered) / max(1, count),
+        cpu_s=cpu,
         peak_rss_mb=peak,
         rms_px=bundles.rms_px(bundle, pose, point),
         message=f"error {optimizer.error():.6g}",

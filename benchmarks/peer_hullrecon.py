@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ GAUGE = 1e6  # one over sigma: a micrometre, a microradian
 
 def problem_of(bundle: Bundle) -> native.Problem:
     """Camera poses stand for vehicle poses: T_s_ct and the tray are nothing, and held."""
-    camera = np.r_[bundle.camera, np.zeros(5)]
+    camera = bundle.camera
     problem = native.Problem(pose=np.c_[bundle.pose, np.zeros(len(bundle.pose))], landmark=bundle.point, constant=HELD)
     problem.intrinsics_top, problem.intrinsics_bottom, problem.T_ct_cb = camera, camera, bundle.T_ct_cb
     nodes = [0]
@@ -46,8 +47,9 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path)
     options = native.Options(
         method="naive", threads=threads, max_iterations=iterations, function_tolerance=tolerance, huber_pixel=np.inf
     )
-    result = native.solve(problem_of(bundle), options)
-    peak, record = bundles.peak_mb(), result.iterations
+    problem, before = problem_of(bundle), time.process_time()
+    result = native.solve(problem, options)
+    cpu, peak, record = time.process_time() - before, bundles.peak_mb(), result.iterations
     pose, point = result.unknowns["pose"][:, :7], result.unknowns["landmark"]
     count = len(record.cost) - 1
     bundles.answer(
@@ -55,6 +57,7 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path)
         iterations=count,
         solve_s=result.seconds["total"],
         iteration_s=(result.seconds["total"] - result.seconds["preprocess"]) / max(1, count),
+        cpu_s=cpu,
         peak_rss_mb=peak,
         rms_px=bundles.rms_px(bundle, pose, point),
         message=result.message,

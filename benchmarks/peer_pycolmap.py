@@ -9,6 +9,7 @@ what it is measured by (`--default` as the last argument leaves the choice to CO
 from __future__ import annotations
 
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,7 @@ def reconstruction_of(bundle: Bundle) -> Any:
     model = pycolmap.Reconstruction()
     rig = pycolmap.Rig(rig_id=1)
     for number in range(1, cameras + 1):
-        camera = pycolmap.Camera(camera_id=number, model="PINHOLE", width=1360, height=1024, params=bundle.camera)
+        camera = pycolmap.Camera(camera_id=number, width=1, height=1, **_model(bundle.camera))
         model.add_camera(camera)
         if number == 1:
             rig.add_ref_sensor(camera.sensor_id)
@@ -39,6 +40,12 @@ def reconstruction_of(bundle: Bundle) -> Any:
     _add_frames(model, bundle, cameras)
     _add_points(model, bundle, cameras)
     return model
+
+
+def _model(camera: Array) -> dict[str, Any]:
+    if not camera[4:].any():
+        return {"model": "PINHOLE", "params": camera[:4]}
+    return {"model": "FULL_OPENCV", "params": np.r_[camera, np.zeros(3)]}
 
 
 def _add_frames(model: Any, bundle: Bundle, cameras: int) -> None:
@@ -103,8 +110,9 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path,
     else:
         config.fix_gauge(pycolmap.BundleAdjustmentGauge.TWO_CAMS_FROM_WORLD)
     adjuster = pycolmap.create_default_ceres_bundle_adjuster(_options(threads, iterations, tolerance, choose), config, model)
+    before = time.process_time()
     summary = adjuster.solve().ceres_summary
-    peak = bundles.peak_mb()
+    cpu, peak = time.process_time() - before, bundles.peak_mb()
     count = summary.num_successful_steps + summary.num_unsuccessful_steps - 1  # Ceres counts the start as a step
     back = [model.frame(k + 1).rig_from_world.inverse() for k in range(len(bundle.pose))]
     pose = np.array([np.r_[t.translation, t.rotation.quat] for t in back])
@@ -114,6 +122,7 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path,
         iterations=count,
         solve_s=summary.total_time_in_seconds,
         iteration_s=(summary.total_time_in_seconds - summary.preprocessor_time_in_seconds) / max(1, count),
+        cpu_s=cpu,
         peak_rss_mb=peak,
         peak_before_solve_mb=built,
         rms_px=bundles.rms_px(bundle, pose, point),

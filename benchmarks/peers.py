@@ -46,7 +46,7 @@ def bundle_of(problem: Any) -> Bundle:
     return Bundle(
         pose=np.hstack([top.translation, top.quaternion]),
         point=np.ascontiguousarray(problem.landmark),
-        camera=problem.intrinsics_top[:4],
+        camera=problem.intrinsics_top,
         T_ct_cb=np.r_[T_CT_CB.translation[0], T_CT_CB.quaternion[0]],
         seen_from=seen_from.astype(np.int32),
         seen=problem.stereo_landmark if stereo else problem.mono_landmark,
@@ -54,14 +54,16 @@ def bundle_of(problem: Any) -> Bundle:
     )
 
 
-def write_bundle(size: str, path: Path) -> None:
+def write_bundle(size: str, path: Path, libmv: Path | None) -> None:
+    from benchmarks.libmv import read
     from benchmarks.problems import SIZES, make
 
-    bundle_of(make(SIZES[size])).save(path)
+    (read(libmv) if libmv else bundle_of(make(SIZES[size]))).save(path)
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--libmv", type=Path, help="a libmv problem file instead of a field problem")
     parser.add_argument("--size", choices=("small", "small_mono", "mono", "stereo"), default="mono")
     parser.add_argument("--solvers", default="hullrecon,pycolmap,gtsam", help=f"of {', '.join(SOLVERS)}")
     parser.add_argument("--threads", type=int, default=2)
@@ -72,23 +74,31 @@ def main() -> int:
     args = parser.parse_args()
     if not THEIRS.exists():
         parser.error("the peers' environment is missing: make bench-peers")
+    name = args.libmv.stem if args.libmv else args.size
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "bundle.npz"
-        write_bundle(args.size, path)
-        for name in args.repeat * args.solvers.split(","):
-            module, flags, ours = SOLVERS[name]
-            python = sys.executable if ours else str(THEIRS)
-            row = run(module, path, args.threads, args.iterations, args.tolerance, *flags, python=python, threads=args.threads)
-            rows.append({"solver": name} | row)
-            print(
-                f"{args.size} {name:20s} {row['iteration_s']:7.3f} s an iteration  {row['iterations']:3d} iterations"
-                f"  {row['solve_s']:7.2f} s  {row['rms_px']:.6f} px  {row['peak_rss_mb']:.0f} MB",
-                flush=True,
-            )
+        write_bundle(args.size, path, args.libmv)
+        for solver in args.repeat * args.solvers.split(","):
+            rows.append(solve(solver, path, args))
+            print(f"{name} {line(rows[-1])}", flush=True)
     if args.json:
-        args.json.write_text(json.dumps({"size": args.size, "threads": args.threads, "solvers": rows}, indent=1))
+        args.json.write_text(json.dumps({"problem": name, "threads": args.threads, "solvers": rows}, indent=1))
     return 0
+
+
+def solve(solver: str, path: Path, args: argparse.Namespace) -> dict[str, Any]:
+    module, flags, ours = SOLVERS[solver]
+    python = sys.executable if ours else str(THEIRS)
+    row = run(module, path, args.threads, args.iterations, args.tolerance, *flags, python=python, threads=args.threads)
+    return {"solver": solver} | row
+
+
+def line(row: dict[str, Any]) -> str:
+    return (
+        f"{row['solver']:20s} {row['iteration_s']:7.3f} s an iteration  {row['iterations']:3d} iterations"
+        f"  {row['solve_s']:7.2f} s  {row['cpu_s']:7.2f} s of CPU  {row['rms_px']:.8f} px  {row['peak_rss_mb']:.0f} MB"
+    )
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@
 Each landmark is seen from two poses: neighbours on a leg, one in eight from the neighbouring leg (a loop closure, O 4.4).
 
 Realistic: the counts; legs of 115 m, 0.25 m apart, on a side with curvature both ways; a start by the raw log (DVL scale and
-mounting angle, a gyro's bias and random walk: decimetres between neighbouring legs, a metre at the worst); landmarks
+mounting angle, a gyro's bias and random walk: decimetres between neighbouring legs, up to a metre and a half in the whole); landmarks
 triangulated from that start; noise of 1 px; mounts, tray and the place on the drawing off by what a rig and a registration
 leave; one landmark in twenty off the hull.
 Not realistic: the drawing is right to the 2 cm of scatter that sigma_1 allows, matches are all true, roughness does not hide
@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.start import SIGMA_ODOMETRY, dead_reckoned, mount_error, steps, triangulate
+from benchmarks.start import SIGMA_ODOMETRY, dead_reckoned, measure, mount_error, triangulate
 from benchmarks.survey import (
     BEAMS,
     CAMERA,
@@ -114,10 +114,7 @@ def _navigation(problem: Problem, nodes: Poses, tray: Array, rng: np.random.Gene
     play = PLAY_RAD * np.sign(np.diff(tray, prepend=tray[0]))
     problem.tray_node, problem.tray_measured = each, tray + play + np.radians(0.05) * rng.standard_normal(n)
     problem.tray_direction, problem.tray_sigma = np.zeros(n), np.full(n, PLAY_RAD)
-    measured = steps(nodes) @ poses.exp(np.zeros((1, 6)))
-    noise = SIGMA_ODOMETRY * rng.standard_normal((n - 1, 6))
-    turned = (measured @ poses.exp(np.c_[np.zeros((n - 1, 3)), noise[:, 3:]])).quaternion
-    measured = Poses(turned, measured.translation + noise[:, :3])
+    measured = measure(nodes, rng)
     problem.odometry_first, problem.odometry_second = each[:-1], each[1:]
     problem.odometry_measured = np.hstack([measured.translation, measured.quaternion])
     problem.odometry_sqrt = np.tile(np.diag(1 / SIGMA_ODOMETRY), (n - 1, 1, 1))

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 SPEED_MPS = 0.25
 SIGMA_ODOMETRY = np.r_[np.full(3, 0.004), 2e-4, 2e-4, 1e-4]  # m, rad a step: a DVL ping of 5 mm/s, a gyro of 0.4 deg/sqrt(h)
 DVL_SCALE, DVL_MOUNT_RAD = 0.003, np.radians(0.3)
-GYRO_BIAS_RADPS = np.radians(0.3) / 3600
+GYRO_BIAS_RADPS = np.radians(0.05) / 3600
 
 
 def steps(nodes: Poses) -> Poses:
@@ -24,9 +24,17 @@ def steps(nodes: Poses) -> Poses:
     return nodes[:-1].inverse() @ nodes[1:]
 
 
+def measure(nodes: Poses, rng: np.random.Generator) -> Poses:
+    """Steps with the odometry's white noise: translation in the axes of the first, rotation perturbed on the right."""
+    true = steps(nodes)
+    noise = SIGMA_ODOMETRY * rng.standard_normal((len(true), 6))
+    turned = true.rotation * Rotation.from_rotvec(noise[:, 3:])
+    return Poses(turned.as_quat(), true.translation + noise[:, :3])
+
+
 def dead_reckoned(nodes: Poses, measured: Poses, rng: np.random.Generator) -> Poses:
     """The track (T_g_v, n) before any calibration: the factors' own white noise, and what they do not have, a scale error
-    of 0.3 %, a mounting angle of 0.2 deg and a gyro bias of 0.05 deg/h. Depth, roll and pitch stay bounded: slow errors of
+    of 0.3 %, a mounting angle of 0.3 deg and a gyro bias of 0.05 deg/h. Depth, roll and pitch stay bounded: slow errors of
     1 cm and 0.05 deg.
     """
     number = np.arange(len(nodes))
