@@ -142,9 +142,11 @@ class Problem:
 
 @dataclass(frozen=True)
 class Options:
-    """Of `solve`. method: naive | geva | maxmix. Huber thresholds in sigmas; inf switches one off."""
+    """Of `solve`. method: naive | geva | maxmix. core: schur (landmarks eliminated by our own code, the fastest) | ceres (the
+    oracle: the same steps and optimum, several times slower). Huber thresholds in sigmas; inf switches one off."""
 
     method: str = "maxmix"
+    core: str = "schur"
     sigma_on: float = 0.02  # m, label 1
     sigma_off: float = 1.0  # m, label 0
     huber_pixel: float = 1.345
@@ -247,10 +249,11 @@ class MeshIndex:
 
 
 def solve(problem: Problem, options: Options = DEFAULTS) -> Result:
-    """Moves the unknowns to the least cost by Levenberg-Marquardt with the landmarks eliminated (Ceres, SPARSE_SCHUR).
+    """Moves the unknowns to the least cost by Levenberg-Marquardt with the landmarks eliminated.
 
-    One thread: the same input gives the same bytes; more threads differ in the last digits. Ctrl-C is honoured between
-    iterations. Tables that are NumPy arrays of the right type are read in place and never written to.
+    Core schur: the same input gives the same bytes for any number of threads. Core ceres: for one thread only; more differ in
+    the last digits. Ctrl-C is honoured between iterations. Tables that are NumPy arrays of the right type are read in place and
+    never written to.
     Raises InputError or UsageError naming the table or option, StageError when the start cannot be evaluated.
     """
     from hullrecon import _native  # type: ignore[attr-defined]

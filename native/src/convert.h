@@ -54,7 +54,7 @@ inline Options read_options(const py::object& options) {
       throw UsageError("it is of the wrong type", name, "");
     }
   };
-  read("method", o.method), read("sigma_on", o.sigma_on), read("sigma_off", o.sigma_off);
+  read("method", o.method), read("core", o.core), read("sigma_on", o.sigma_on), read("sigma_off", o.sigma_off);
   read("huber_pixel", o.huber_pixel), read("huber_range", o.huber_range), read("max_iterations", o.max_iterations);
   read("function_tolerance", o.function_tolerance), read("gradient_tolerance", o.gradient_tolerance);
   read("parameter_tolerance", o.parameter_tolerance), read("initial_radius", o.initial_radius), read("threads", o.threads);

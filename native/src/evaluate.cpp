@@ -10,18 +10,19 @@
 namespace hullrecon {
 namespace {
 
-// The factor's blocks by ascending column.
-std::vector<size_t> by_column(const Model& model, const Factor& f) {
-  std::vector<size_t> order(f.blocks.size());
+// Free blocks of a factor by ascending column.
+std::vector<size_t> by_column(const Model& model, const std::vector<int32_t>& blocks) {
+  std::vector<size_t> order(blocks.size());
   for (size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return f.blocks[a] < f.blocks[b]; });
-  std::erase_if(order, [&](size_t k) { return model.blocks()[f.blocks[k]].tangent == 0; });
+  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return blocks[a] < blocks[b]; });
+  std::erase_if(order, [&](size_t k) { return model.blocks()[blocks[k]].tangent == 0; });
   return order;
 }
 
 void lay_out(const Model& model, Evaluation& out, std::vector<int64_t>& first_row) {
   out.start.assign(1, 0);
-  for (const Factor& f : model.factors()) {
+  for (int64_t i = 0; i < model.factors(); ++i) {
+    const Factor f = model.factor(i);
     first_row.push_back(static_cast<int64_t>(out.start.size()) - 1);
     int64_t width = 0;
     for (int32_t b : f.blocks) width += model.blocks()[b].tangent;
@@ -35,15 +36,15 @@ void lay_out(const Model& model, Evaluation& out, std::vector<int64_t>& first_ro
   out.column.resize(out.start.back()), out.value.resize(out.start.back());
 }
 
-void write(const Model& model, const Factor& f, const Linear& linear, int64_t first, Evaluation& out) {
-  const auto order = by_column(model, f);
+void write(const Model& model, const Linear& linear, int64_t first, Evaluation& out) {
+  const auto order = by_column(model, linear.blocks);
   for (int r = 0; r < linear.residual.size(); ++r) {
     out.residual[first + r] = linear.residual[r];
     out.weight[first + r] = linear.weight;
     int64_t at = out.start[first + r];
     for (size_t k : order) {
       for (int c = 0; c < linear.by[k].cols(); ++c, ++at) {
-        out.column[at] = model.blocks()[f.blocks[k]].column + c;
+        out.column[at] = model.blocks()[linear.blocks[k]].column + c;
         out.value[at] = linear.by[k](r, c);
       }
     }
@@ -57,11 +58,11 @@ Evaluation evaluate(Model& model) {
   Evaluation out;
   std::vector<int64_t> first_row;
   lay_out(model, out, first_row);
-  for_slabs(static_cast<int64_t>(model.factors().size()), model.options().threads, [&](int64_t begin, int64_t end) {
+  for_slabs(model.factors(), model.options().threads, [&](int64_t begin, int64_t end) {
     Linear linear;
     for (int64_t i = begin; i < end; ++i) {
-      linear.at(model, model.factors()[i]);
-      write(model, model.factors()[i], linear, first_row[i], out);
+      linear.at(model, i);
+      write(model, linear, first_row[i], out);
     }
   });
   out.cost = model.costs();

@@ -80,14 +80,14 @@ void LandmarkInformation::gather(const Model& model, const std::vector<int64_t>&
   own.setZero();
   places.clear(), cross.clear();
   for (int64_t i : factors) {
-    const Factor& f = model.factors()[i];
-    linear.at(model, f);
+    linear.at(model, i);
     const double information = linear.weight * linear.weight;
-    const size_t self = std::find_if(f.blocks.begin(), f.blocks.end(), [&](int32_t b) { return model.blocks()[b].size == 3; }) -
-                        f.blocks.begin();
+    const size_t self =
+        std::find_if(linear.blocks.begin(), linear.blocks.end(), [&](int32_t b) { return model.blocks()[b].size == 3; }) -
+        linear.blocks.begin();
     own.noalias() += information * linear.by[self].transpose() * linear.by[self];
-    for (size_t k = 0; k < f.blocks.size(); ++k) {
-      const int place = position[f.blocks[k]];
+    for (size_t k = 0; k < linear.blocks.size(); ++k) {
+      const int place = position[linear.blocks[k]];
       if (place < 0) continue;
       const size_t at = std::find(places.begin(), places.end(), place) - places.begin();
       if (at == places.size()) {
@@ -96,8 +96,8 @@ void LandmarkInformation::gather(const Model& model, const std::vector<int64_t>&
       }
       cross[at].noalias() += information * linear.by[self].transpose() * linear.by[k];
       for (size_t m = 0; rest && m <= k; ++m) {
-        if (position[f.blocks[m]] >= 0)
-          rest->add(place, position[f.blocks[m]], information * linear.by[k].transpose() * linear.by[m]);
+        if (position[linear.blocks[m]] >= 0)
+          rest->add(place, position[linear.blocks[m]], information * linear.by[k].transpose() * linear.by[m]);
       }
     }
   }
@@ -129,21 +129,23 @@ BlockMatrix Information::pattern(const Model& model) {
       if (kept(b)) to.push_back(b);
     }
   };
-  for (size_t i = 0; i < model.factors().size(); ++i) {
-    const auto& blocks = model.factors()[i].blocks;
+  std::vector<int32_t> blocks_of_factor;
+  for (int64_t i = 0; i < model.factors(); ++i) {
+    model.blocks_of(i, blocks_of_factor);
+    const auto& blocks = blocks_of_factor;
     const auto at = std::find_if(blocks.begin(), blocks.end(), [&](int32_t b) { return b >= first && b < last; });
     if (at != blocks.end()) {
-      of_landmark_[*at - first].push_back(static_cast<int64_t>(i));
+      of_landmark_[*at - first].push_back(i);
       continue;
     }
-    free_of_landmarks_.push_back(static_cast<int64_t>(i));
+    free_of_landmarks_.push_back(i);
     std::vector<int32_t> clique;
     add_kept(blocks, clique);
     cliques.add(std::move(clique));
   }
   for (const auto& factors : of_landmark_) {
     std::vector<int32_t> clique;
-    for (int64_t i : factors) add_kept(model.factors()[i].blocks, clique);
+    for (int64_t i : factors) model.blocks_of(i, blocks_of_factor), add_kept(blocks_of_factor, clique);
     cliques.add(std::move(clique));
   }
   // The border: globals, each beside every pose, so that joint covariances with them are on the pattern.
@@ -178,12 +180,11 @@ BlockMatrix Information::pattern(const Model& model) {
 void Information::eliminate(const Model& model) {
   Linear linear;
   for (int64_t i : free_of_landmarks_) {
-    const Factor& f = model.factors()[i];
-    linear.at(model, f);
+    linear.at(model, i);
     const double information = linear.weight * linear.weight;
-    for (size_t k = 0; k < f.blocks.size(); ++k) {
+    for (size_t k = 0; k < linear.blocks.size(); ++k) {
       for (size_t m = 0; m <= k; ++m) {
-        const int row = position_[f.blocks[k]], column = position_[f.blocks[m]];
+        const int row = position_[linear.blocks[k]], column = position_[linear.blocks[m]];
         if (row >= 0 && column >= 0) reduced_.add(row, column, information * linear.by[k].transpose() * linear.by[m]);
       }
     }

@@ -8,7 +8,9 @@
 
 namespace hullrecon {
 
-void Linear::at(const Model& model, const Factor& factor) {
+void Linear::at(const Model& model, int64_t number) {
+  const Factor factor = model.factor(number);
+  blocks = factor.blocks;
   const size_t count = factor.blocks.size();
   const int rows = factor.cost->num_residuals();
   x_.resize(count), pointers_.resize(count);

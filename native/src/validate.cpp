@@ -211,6 +211,7 @@ void validate(const Tables& t) {
 void validate(const Options& o) {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
   option(o.method == "naive" || o.method == "geva" || o.method == "maxmix", "method", "it must be naive, geva or maxmix");
+  option(o.core == "schur" || o.core == "ceres", "core", "it must be schur or ceres");
   option(positive(o.sigma_on), "sigma_on", "it must be positive");
   option(std::isfinite(o.sigma_off) && o.sigma_off > o.sigma_on, "sigma_off", "it must be larger than sigma_on");
   option(o.huber_pixel > 0, "huber_pixel", "it must be positive; inf switches it off");

@@ -167,7 +167,8 @@ TEST_CASE("the range of a beam to a plane, with the field") {
   const Facet facet{Vec3(0.1, -0.2, -0.97).normalized(), 2.0, true};
   Blocks truth{pose_block(rng), random_seven(rng, 0.1, 0.1), random_seven(rng, 0.1, 0.3), {0.02}, {-0.01}};
   const auto ping = random_seven(rng, 0.05, 0.05);
-  Range residual{Motion(ping.data()), 0.02, Vec3(0.3, 0.2, 0.9).normalized(), kTray, 0.0, {{0.3, 0.6}}, &facet, &refused};
+  const std::vector<double> weights{0.3, 0.6};
+  Range residual{Motion(ping.data()), 0.02, Vec3(0.3, 0.2, 0.9).normalized(), kTray, 0.0, {weights}, &facet, &refused};
   residual.measured = value(residual, truth)[0];
   CHECK(residual.measured > 0.5);
   const auto by_twin = [&](const auto* const* x, auto* r) {
@@ -187,7 +188,8 @@ TEST_CASE("a beam that misses has no residual and no derivative; a refused point
   const Facet missed;
   const Blocks x{pose_block(rng), random_seven(rng, 0.1, 0.1), random_seven(rng, 0.1, 0.3), {0.02}};
   const Motion still(Vec3::Zero(), Quaternion::Identity());
-  const Range residual{still, 0.0, Vec3::UnitZ(), kTray, 3.0, {{1.0}}, &missed, &refused};
+  const std::vector<double> one{1.0};
+  const Range residual{still, 0.0, Vec3::UnitZ(), kTray, 3.0, {one}, &missed, &refused};
   Eigen::VectorXd r;
   CHECK(analytic(residual, x, r).norm() == 0.0);
   CHECK(r[0] == 0.0);
@@ -200,7 +202,8 @@ TEST_CASE("the signed distance of a landmark, less the field") {
   std::mt19937 rng(10);
   const Facet facet{Vec3(0.3, -0.5, 0.8).normalized(), -0.4, true};
   Blocks truth{{0.5, -0.2, 1.0}, random_seven(rng, 0.3, 0.5), {0.0}, {0.5}};
-  Surface residual{{{0.4, 0.25}}, &facet};
+  const std::vector<double> weights{0.4, 0.25};
+  Surface residual{{weights}, &facet};
   truth[2][0] = value(residual, truth)[0] / 0.4;
   const auto by_twin = [&](const auto* const* x, auto* r) {
     using T = std::decay_t<decltype(x[0][0])>;
@@ -218,7 +221,8 @@ TEST_CASE("priors on plain numbers and on the field") {
         for (int k = 0; k < 6; ++k) r[k] = x[0][k] - (k + 1.0);
       },
       {{1, 2, 3, 4, 5, 6}}, rng);
+  const std::vector<double> weights{2.0, -1.0, 0.5};
   prove(
-      FieldPrior{{{2.0, -1.0, 0.5}}}, [](const auto* const* x, auto* r) { r[0] = x[0][0] * 2.0 - x[1][0] + x[2][0] * 0.5; },
+      FieldPrior{{weights}}, [](const auto* const* x, auto* r) { r[0] = x[0][0] * 2.0 - x[1][0] + x[2][0] * 0.5; },
       {{1.0}, {3.0}, {2.0}}, rng);
 }

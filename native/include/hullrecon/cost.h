@@ -40,6 +40,19 @@ struct Full {
   }
 };
 
+// Residual and derivatives, whitened. sizes: of the blocks. False: the point cannot be evaluated.
+template <class Residual, class Whitening, class Sizes>
+bool whitened(const Residual& residual, const Whitening& whitening, const Sizes& sizes, const double* const* x, double* r,
+              double* const* J) {
+  using Rows = Eigen::Matrix<double, Residual::kRows, Eigen::Dynamic, Eigen::RowMajor>;
+  if (!residual(x, r, J)) return false;
+  whitening(Eigen::Map<Eigen::Matrix<double, Residual::kRows, 1>>(r));
+  for (size_t k = 0; J && k < sizes.size(); ++k) {
+    if (J[k]) whitening(Eigen::Map<Rows>(J[k], Residual::kRows, sizes[k]));
+  }
+  return true;
+}
+
 template <class Residual, class Whitening>
 class Cost final : public ceres::CostFunction {
  public:
@@ -49,17 +62,10 @@ class Cost final : public ceres::CostFunction {
   }
 
   bool Evaluate(const double* const* x, double* r, double** J) const override {
-    if (!residual_(x, r, J)) return false;
-    whitening_(Eigen::Map<Eigen::Matrix<double, Residual::kRows, 1>>(r));
-    const auto& sizes = parameter_block_sizes();
-    for (size_t k = 0; J && k < sizes.size(); ++k) {
-      if (J[k]) whitening_(Eigen::Map<Block>(J[k], Residual::kRows, sizes[k]));
-    }
-    return true;
+    return whitened(residual_, whitening_, parameter_block_sizes(), x, r, J);
   }
 
  private:
-  using Block = Eigen::Matrix<double, Residual::kRows, Eigen::Dynamic, Eigen::RowMajor>;
   Residual residual_;
   Whitening whitening_;
 };

@@ -10,6 +10,7 @@
 // drift, roll bias, pitch bias, depth bias, tray play; intrinsics (9); node (1) of the deviation field.
 #pragma once
 
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -29,9 +30,9 @@ void derive(double* const* J, int k, const Fill& fill) {
   fill(j);
 }
 
-// Nodes of the deviation field about a place, each once: sum of weight * node, m outward.
+// Nodes of the deviation field about a place, each once: sum of weight * node, m outward. The weights are their owner's.
 struct FieldAt {
-  std::vector<double> weight;
+  std::span<const double> weight;
 
   double value(const double* const* node) const {
     double sum = 0;

@@ -49,7 +49,7 @@ struct Stereo {
     if (seen) out << above.pixel - measured.head<2>(), below.pixel - measured.tail<2>();
     if (!seen) out.setConstant(kBehindPixels);
     if (!J) return true;
-    if (!seen) above.by_point.setZero(), below.by_point.setZero(), above.by_intrinsics.setZero(), below.by_intrinsics.setZero();
+    if (!seen) above.by_point.setZero(), below.by_point.setZero();
     const Mat3 bottom_from_top = bottom_pose.rotation().transpose();
     Eigen::Matrix<double, 4, 3> by_top;  // by the point in the top camera
     by_top << above.by_point, below.by_point * bottom_from_top;
@@ -60,8 +60,12 @@ struct Stereo {
       j.template block<2, 3>(2, 0) = -below.by_point * bottom_from_top;
       j.template block<2, 3>(2, 3) = below.by_point * hat(in_bottom);
     });
-    derive<4, 9>(J, 4, [&](auto& j) { j.template topRows<2>() = above.by_intrinsics; });
-    derive<4, 9>(J, 5, [&](auto& j) { j.template bottomRows<2>() = below.by_intrinsics; });
+    derive<4, 9>(J, 4, [&](auto& j) {
+      if (seen) j.template topRows<2>() = by_intrinsics(x[4], top.point);
+    });
+    derive<4, 9>(J, 5, [&](auto& j) {
+      if (seen) j.template bottomRows<2>() = by_intrinsics(x[5], in_bottom);
+    });
     return true;
   }
 };
@@ -85,12 +89,14 @@ struct Mono {
     if (seen) out = image.pixel - measured;
     if (!seen) out.setConstant(kBehindPixels);
     if (!J) return true;
-    if (!seen) image.by_point.setZero(), image.by_intrinsics.setZero();
+    if (!seen) image.by_point.setZero();
     const Eigen::Matrix<double, 2, 3> by_top = image.by_point * camera.rotation().transpose();
     derive<2, 3>(J, 0, [&](auto& j) { j = by_top * top.by_landmark; });
     derive<2, 8>(J, 1, [&](auto& j) { j.template leftCols<7>() = by_top * top.by_pose; });
     derive<2, 7>(J, 2, [&](auto& j) { j.template leftCols<6>() = by_top * top.by_mount; });
-    derive<2, 9>(J, 3, [&](auto& j) { j = image.by_intrinsics; });
+    derive<2, 9>(J, 3, [&](auto& j) {
+      if (seen) j = by_intrinsics(x[3], point);
+    });
     if (!bottom) return true;
     derive<2, 7>(J, 4, [&](auto& j) { j.template leftCols<6>() << -by_top, image.by_point * hat(point); });
     return true;

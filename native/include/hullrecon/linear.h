@@ -14,10 +14,11 @@ struct Linear {
   Eigen::VectorXd residual;         // whitened, without the robust weight
   double weight = 1;                // square root of rho': multiplies residual and derivatives in the information
   double cost = 0;                  // robustified
+  std::vector<int32_t> blocks;      // that it joins
   std::vector<Eigen::MatrixXd> by;  // derivative by each block of the factor; no columns where it is held
 
   // Throws StageError naming the factor when it cannot be evaluated. Reuses its memory from call to call.
-  void at(const Model& model, const Factor& factor);
+  void at(const Model& model, int64_t factor);
 
  private:
   std::vector<const double*> x_;

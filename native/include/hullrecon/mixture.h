@@ -47,4 +47,22 @@ class MixtureLoss final : public ceres::LossFunction {
   double ratio_, constant_, weight_, change_;
 };
 
+// The loss of a factor: Huber's, the mixture's or none. rho and its slope at s, the whitened residual squared.
+struct Robust {
+  double huber = std::numeric_limits<double>::infinity();
+  const MixtureLoss* mixture = nullptr;
+
+  void operator()(double s, double& rho, double& slope) const {
+    rho = s, slope = 1;
+    if (mixture) {
+      double all[3];
+      mixture->Evaluate(s, all);
+      rho = all[0], slope = all[1];
+    } else if (s > huber * huber) {
+      const double r = std::sqrt(s);
+      rho = 2 * huber * r - huber * huber, slope = huber / r;
+    }
+  }
+};
+
 }  // namespace hullrecon

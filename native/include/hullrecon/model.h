@@ -7,12 +7,14 @@
 #include <ceres/loss_function.h>
 
 #include <array>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "hullrecon/association.h"
 #include "hullrecon/mixture.h"
+#include "hullrecon/nodes.h"
 #include "hullrecon/tables.h"
 
 namespace hullrecon {
@@ -29,9 +31,10 @@ struct Block {
   std::string name;
 };
 
+// As Ceres takes it.
 struct Factor {
   std::unique_ptr<ceres::CostFunction> cost;
-  const ceres::LossFunction* loss;  // null: none
+  std::unique_ptr<ceres::LossFunction> loss;  // null: none
   Kind kind;
   int64_t row;                  // in its table
   std::vector<int32_t> blocks;  // in blocks()
@@ -44,7 +47,18 @@ class Model {
   // Blocks in the order of columns: poses, landmarks, T_g_M, T_s_ct, T_ct_cb, T_s_d, navigation, intrinsics_top,
   // intrinsics_bottom, nodes of the deviation field.
   const std::vector<Block>& blocks() const { return blocks_; }
-  const std::vector<Factor>& factors() const { return factors_; }
+
+  // Factors are numbered by kind, then by row. They are made when asked for: half a million kept would cost 300 MB.
+  int64_t factors() const { return first_.back(); }
+  std::pair<int64_t, int64_t> factors_of(Kind kind) const;  // first, end
+  Kind kind_of(int64_t factor) const;
+  int64_t row_of(int64_t factor) const;  // in its table
+  void blocks_of(int64_t factor, std::vector<int32_t>& blocks) const;
+  Factor factor(int64_t factor) const;
+  // Calls use(residual, whitening, robust) with the factor's own types (visit.h).
+  template <class Use>
+  void visit(int64_t factor, const Use& use) const;
+
   int64_t poses() const { return tables_.pose.rows(); }
   int64_t landmarks() const { return tables_.landmark.rows(); }
   int64_t columns() const { return columns_; }
@@ -57,6 +71,12 @@ class Model {
   // Closest triangles and hits at the present unknowns. surface_too: of the surface rows even when no factor needs them.
   void refresh(bool trial, bool surface_too = false);
   Association& association() { return association_; }
+  const Association& association() const { return association_; }
+
+  std::vector<double>& unknowns() { return unknowns_; }  // every block's numbers
+  MixtureLoss surface_loss(int64_t row) const;
+  std::span<const int32_t> surface_nodes(int64_t row) const { return surface_nodes_.nodes(row); }
+  FieldAt surface_field(int64_t row) const { return surface_nodes_.at(row); }
 
   // Of each surface row at the last refresh: by the mixture, or as the method or the hold has it.
   std::vector<int32_t> labels() const;
@@ -66,18 +86,13 @@ class Model {
 
  private:
   void add_blocks();
-  void add_priors();
-  void add_navigation();
-  void add_images();
-  void add_ranges();
-  void add_surface();
-  void add_field_prior();
-  template <class Residual, class Whitening>
-  void add(Kind kind, int64_t row, Residual residual, Whitening whitening, const ceres::LossFunction* loss,
-           std::vector<int32_t> blocks);
   void add_block(double* data, int size, int tangent, std::string name);
-  const ceres::LossFunction* mixture_loss(Label label, double weight);
-  FieldAt field_at(const int32_t* index, const double* weight, int64_t count, std::vector<int32_t>& blocks) const;
+  void number_factors();
+  void hold_labels();
+  template <class Use>
+  void visit_prior(int64_t row, const Use& use) const;
+  Odometry odometry(int64_t row) const;
+  Range range(int64_t row) const;
 
   Tables tables_;
   Options options_;
@@ -89,14 +104,12 @@ class Model {
   std::vector<Block> blocks_;
   int64_t columns_ = 0;
   Association association_;
-  std::vector<Factor> factors_;
-  std::vector<Range> rays_;
-  std::vector<std::vector<const double*>> ray_blocks_;
-  std::vector<FieldAt> surface_field_;
-  std::vector<std::vector<int32_t>> surface_nodes_;
-  std::vector<int32_t> held_labels_;  // empty: labels are free
-  std::vector<std::unique_ptr<ceres::LossFunction>> losses_;
-  std::vector<std::pair<std::pair<Label, double>, const ceres::LossFunction*>> mixture_losses_;
+  NodeTable range_nodes_, surface_nodes_, prior_nodes_;
+  std::vector<int> global_priors_;                  // of the blocks that have one and are free
+  std::vector<int32_t> surface_rows_, field_rows_;  // that make factors
+  std::array<double, 18> lens_start_;
+  std::array<int64_t, kKindNames.size() + 1> first_{};  // factor of each kind
+  std::vector<int32_t> held_labels_;                    // empty: labels are free
 };
 
 }  // namespace hullrecon

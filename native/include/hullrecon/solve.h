@@ -26,4 +26,17 @@ struct Solution {
 // Throws StageError when the start cannot be evaluated or the solver fails.
 Solution solve(Model& model, const std::function<bool()>& interrupted);
 
+// Its two routes, by Options::core. Both take the same steps: Levenberg and Marquardt's as Ceres does them.
+Solution solve_by_ceres(Model& model, const std::function<bool()>& interrupted);
+Solution solve_by_schur(Model& model, const std::function<bool()>& interrupted);
+
+// Fills the counts of an accepted row, and keeps the labels to compare the next ones with; a rejected row repeats the last.
+class LabelCount {
+ public:
+  void describe(Model& model, IterationRow& row);
+
+ private:
+  std::vector<int32_t> labels_;
+};
+
 }  // namespace hullrecon

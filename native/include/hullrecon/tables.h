@@ -66,7 +66,7 @@ struct Tables {
 };
 
 struct Options {
-  std::string method = "maxmix";
+  std::string method = "maxmix", core = "schur";
   double sigma_on = 0.02, sigma_off = 1.0;
   double huber_pixel = 1.345, huber_range = 1.345;
   int max_iterations = 100;

@@ -1,0 +1,213 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The specialised core against Ceres, the oracle: the same steps to the same optimum, whatever the problem holds."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from hullrecon.errors import StageError
+from hullrecon.native import Options, Problem, Result, solve
+
+Survey = Callable[..., Problem]
+Change = Callable[[Problem], None]
+BLOCKS = ("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top", "intrinsics_bottom", "tray")
+
+
+def leave(*names: str) -> Change:
+    """Leaves only tables that begin with these."""
+
+    def change(p: Problem) -> None:
+        for field in dataclasses.fields(p):
+            value = getattr(p, field.name)
+            table = field.name.split("_")[0]
+            loose = table in ("attitude", "tray", "odometry", "stereo", "mono", "range", "surface")
+            if loose and table not in names and field.name not in ("tray_origin", "odometry_mount"):
+                setattr(p, field.name, value[:0])
+
+    return change
+
+
+def hold(*names: str) -> Change:
+    def change(p: Problem) -> None:
+        p.constant = (*p.constant, *names)
+
+    return change
+
+
+def free(*names: str) -> Change:
+    """With priors, so that nothing is undetermined."""
+
+    def change(p: Problem) -> None:
+        p.constant = tuple(name for name in p.constant if name not in names)
+        p.prior_T_ct_cb, p.prior_T_ct_cb_sqrt = p.T_ct_cb.copy(), np.eye(6) / 1e-3
+        p.prior_T_s_d, p.prior_T_s_d_sqrt = p.T_s_d.copy(), np.eye(6) / 1e-2
+        p.prior_navigation_sigma = np.full(6, 0.01)
+        p.prior_intrinsics_sigma = np.r_[5.0, 5, 5, 5, 0.01, 0.01, 0.001, 0.001, 0.01]
+
+    return change
+
+
+def field(p: Problem) -> None:
+    """A field of five nodes, met by landmarks and beams; some rows name a node twice, some weights are nothing."""
+    free("deviation")(p)
+    rng = np.random.default_rng(3)
+    p.deviation = 0.01 * rng.normal(size=5)
+    for name in ("surface", "range"):
+        rows = len(p.surface_landmark) if name == "surface" else len(p.range_node)
+        setattr(p, f"{name}_field_index", rng.integers(0, 5, (rows, 4)).astype(np.int32))
+        setattr(p, f"{name}_field_weight", np.where(rng.random((rows, 4)) < 0.2, 0.0, 0.25))
+    p.field_prior_start, p.field_prior_index = np.arange(0, 11, 2, dtype=np.int32), rng.integers(0, 5, 10).astype(np.int32)
+    p.field_prior_value = rng.uniform(20, 50, 10)
+
+
+def mono(p: Problem) -> None:
+    """The pairs' images one by one, a third of them left out."""
+    keep = np.random.default_rng(1).random(2 * len(p.stereo_node)) < 0.67
+    node, landmark = np.tile(p.stereo_node, 2)[keep], np.tile(p.stereo_landmark, 2)[keep]
+    camera = np.repeat([0, 1], len(p.stereo_node)).astype(np.int32)[keep]
+    p.mono_pixel = np.vstack([p.stereo_pixel[:, :2], p.stereo_pixel[:, 2:]])[keep]
+    leave("attitude", "tray", "odometry", "mono", "range", "surface")(p)
+    p.mono_node, p.mono_landmark, p.mono_camera = node, landmark, camera
+
+
+def mono_beside_stereo(p: Problem) -> None:
+    half = len(p.stereo_node) // 2
+    p.mono_node, p.mono_landmark = p.stereo_node[half:], p.stereo_landmark[half:]
+    p.mono_camera, p.mono_pixel = (np.arange(len(p.mono_node)) % 2).astype(np.int32), np.zeros((len(p.mono_node), 2))
+    p.mono_pixel[:] = np.where(p.mono_camera[:, None] == 0, p.stereo_pixel[half:, :2], p.stereo_pixel[half:, 2:])
+    p.stereo_node, p.stereo_landmark, p.stereo_pixel = p.stereo_node[:half], p.stereo_landmark[:half], p.stereo_pixel[:half]
+    again = np.arange(10)  # and some twice
+    p.mono_node, p.mono_landmark = np.r_[p.mono_node, p.stereo_node[again]], np.r_[p.mono_landmark, p.stereo_landmark[again]]
+    p.mono_camera, p.mono_pixel = np.r_[p.mono_camera, np.zeros(10, np.int32)], np.r_[p.mono_pixel, p.stereo_pixel[again, :2]]
+
+
+def outliers(p: Problem) -> None:
+    p.stereo_pixel[::9] += 40.0
+    p.landmark[3] = p.pose[0, :3] - [0, 0, 3.0]  # behind its camera
+    p.range_beam[3] = [0, 0, -1.0]
+
+
+def two_surfaces(p: Problem) -> None:
+    p.surface_landmark = np.r_[p.surface_landmark, p.surface_landmark[:20]]
+    p.surface_weight = np.r_[p.surface_weight, np.full(20, 0.03)]
+    p.surface_weight[5:9] = 0.0
+
+
+def lonely(p: Problem) -> None:
+    """A landmark that nothing sees, one that only the hull holds, a pose without images, a loose pose's tray."""
+    p.landmark = np.vstack([p.landmark, p.landmark[:2] + 0.01])
+    p.surface_landmark, p.surface_weight = np.r_[p.surface_landmark, 60].astype(np.int32), np.r_[p.surface_weight, 0.1]
+    seen = p.stereo_node != 3
+    p.stereo_node, p.stereo_landmark, p.stereo_pixel = p.stereo_node[seen], p.stereo_landmark[seen], p.stereo_pixel[seen]
+
+
+def no_landmarks(p: Problem) -> None:
+    leave("attitude", "tray", "odometry", "range")(p)
+    p.landmark = p.landmark[:0]
+
+
+CASES: dict[str, tuple[Change, ...]] = {
+    "as it is": (),
+    "mono": (mono,),
+    "mono beside stereo": (mono_beside_stereo,),
+    "outliers": (outliers,),
+    "field": (field,),
+    "field and mono": (field, mono),
+    "everything free": (free(*BLOCKS), field),
+    "everything free, mono": (free(*BLOCKS), field, mono_beside_stereo),
+    "bottom camera free": (free("T_ct_cb"),),
+    "bottom lens free": (free("intrinsics_bottom"), mono_beside_stereo),
+    "navigation free": (free("navigation", "T_s_d"),),
+    "tray held": (hold("tray"),),
+    "hull held": (hold("T_g_M"), field),
+    "mount held": (hold("T_s_ct"), field),
+    "both held": (hold("T_s_ct", "T_g_M"),),
+    "images alone": (leave("stereo", "odometry"),),
+    "two surfaces": (two_surfaces, field),
+    "lonely": (lonely,),
+    "no landmarks": (no_landmarks,),
+    "no landmarks, field": (field, no_landmarks),
+}
+
+
+def problem(case: str, make_survey: Survey, shaken: Survey, seed: int = 5) -> Problem:
+    p = shaken(make_survey(pixel_noise=0.5), 0.02, 0.005, seed)
+    for change in CASES[case]:
+        change(p)
+    return p
+
+
+def both(p: Problem, options: Options) -> tuple[Result, Result]:
+    return solve(p, dataclasses.replace(options, core="schur")), solve(p, dataclasses.replace(options, core="ceres"))
+
+
+@pytest.mark.parametrize(
+    ("case", "method"),
+    # geva has no rest among outliers: it ends in neither core
+    [(c, m) for c in CASES for m in ("naive", "geva", "maxmix") if (c, m) != ("outliers", "geva")],
+)
+def test_both_cores_come_to_one_optimum(case: str, method: str, make_survey: Survey, shaken: Survey) -> None:
+    schur, ceres = both(problem(case, make_survey, shaken), Options(method=method, function_tolerance=1e-10))
+    assert schur.converged == ceres.converged
+    assert schur.iterations.cost[0] == pytest.approx(ceres.iterations.cost[0], rel=1e-12)
+    assert schur.iterations.cost[-1] == pytest.approx(ceres.iterations.cost[-1], rel=1e-6)
+    np.testing.assert_array_equal(schur.label, ceres.label)
+
+
+@pytest.mark.parametrize("case", ["as it is", "outliers", "everything free, mono", "tray held", "no landmarks"])
+def test_both_cores_take_the_same_steps(case: str, make_survey: Survey, shaken: Survey) -> None:
+    schur, ceres = (r.iterations for r in both(problem(case, make_survey, shaken), Options(max_iterations=4)))
+    rows = min(len(schur.cost), len(ceres.cost))
+    for name in ("cost", "cost_change", "step_norm", "gradient_norm", "radius"):
+        np.testing.assert_allclose(getattr(schur, name)[:rows], getattr(ceres, name)[:rows], rtol=1e-5, atol=1e-9, err_msg=name)
+    for name in ("accepted", "on_surface", "label_changes", "rays_missed"):
+        np.testing.assert_array_equal(getattr(schur, name)[:rows], getattr(ceres, name)[:rows], err_msg=name)
+    for name, cost in schur.cost_by_factor.items():
+        np.testing.assert_allclose(cost[:rows], ceres.cost_by_factor[name][:rows], rtol=1e-6, atol=1e-9, err_msg=name)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_steps_that_fail_shrink_the_radius_alike(seed: int, make_survey: Survey, shaken: Survey) -> None:
+    p = shaken(make_survey(pixel_noise=0.5), 0.15, 0.05, seed)
+    schur, ceres = both(p, Options(function_tolerance=1e-10, initial_radius=1e8))
+    assert (~schur.iterations.accepted).any() or len(schur.iterations.cost) > 5
+    assert schur.iterations.cost[-1] == pytest.approx(ceres.iterations.cost[-1], rel=1e-6)
+
+
+@pytest.mark.parametrize("case", ["as it is", "everything free, mono", "two surfaces"])
+def test_the_bytes_do_not_depend_on_the_threads(case: str, make_survey: Survey, shaken: Survey) -> None:
+    p = problem(case, make_survey, shaken)
+    one, two, three = (solve(p, Options(threads=threads)) for threads in (1, 2, 3))
+    for other in (two, three):
+        for name, value in one.unknowns.items():
+            assert value.tobytes() == other.unknowns[name].tobytes()
+        assert one.iterations.cost.tobytes() == other.iterations.cost.tobytes()
+
+
+def test_a_survey_of_many_poses_is_the_same_for_any_threads_and_for_ceres(make_survey: Survey, shaken: Survey) -> None:
+    p = shaken(make_survey(poses=90, landmarks=2500, pixel_noise=0.5))
+    one, two = (solve(p, Options(threads=threads)) for threads in (1, 2))
+    assert one.unknowns["landmark"].tobytes() == two.unknowns["landmark"].tobytes()
+    ceres = solve(p, Options(core="ceres"))
+    assert one.iterations.cost[-1] == pytest.approx(ceres.iterations.cost[-1], rel=1e-6)
+    assert len(one.iterations.cost) == len(ceres.iterations.cost)
+
+
+@pytest.mark.parametrize("core", ["schur", "ceres"])
+def test_a_start_that_cannot_be_evaluated_is_refused_by_both(core: str, make_survey: Survey) -> None:
+    p = make_survey()
+    p.pose[3, 3:7] = [0, np.sqrt(0.5), 0, np.sqrt(0.5)]  # bow straight up: no roll
+    with pytest.raises(StageError, match="solver failed"):
+        solve(p, Options(core=core))
+
+
+def test_no_iterations_leave_the_start(make_survey: Survey, shaken: Survey) -> None:
+    p = shaken(make_survey())
+    got = solve(p, Options(max_iterations=0))
+    np.testing.assert_array_equal(got.unknowns["pose"], p.pose)
+    assert (len(got.iterations.cost), got.converged) == (1, False)
