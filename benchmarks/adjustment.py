@@ -105,6 +105,7 @@ def main() -> int:
         return 0
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--size", choices=("small", "small_mono", "mono", "stereo"), default="mono")
+    parser.add_argument("--core", choices=("schur", "ceres"), default="schur")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--iterations", type=int, default=100)
     parser.add_argument("--tolerance", type=float, default=1e-6)
@@ -113,12 +114,13 @@ def main() -> int:
     parser.add_argument("--growth", action="store_true")
     parser.add_argument("--json", type=Path)
     args = parser.parse_args()
-    options = {"threads": args.threads, "max_iterations": args.iterations, "function_tolerance": args.tolerance}
+    options = {"core": args.core, "threads": args.threads}
+    options |= {"max_iterations": args.iterations, "function_tolerance": args.tolerance}
     measure = growth if args.growth else overhead if args.same_iterations else solve_all
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "problem.npz"
         make(args.size, 1, path)
-        found = {"size": args.size, "threads": args.threads} | measure(path, args, options)
+        found = {"size": args.size, "core": args.core, "threads": args.threads} | measure(path, args, options)
     if args.json:
         args.json.write_text(json.dumps(found, indent=1))
     return 0
