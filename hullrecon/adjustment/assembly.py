@@ -103,7 +103,7 @@ def _navigation_tables(problem: Problem, m: Measurements, weights: Weights) -> N
     attitude = m.attitude
     problem.attitude_node = attitude.node.astype(np.int32)
     problem.attitude_measured = np.stack([attitude.depth, attitude.roll, attitude.pitch], axis=1)
-    problem.attitude_sigma = attitude.sigma
+    problem.attitude_sigma = attitude.sigma * np.array([weights.depth, 1.0, 1.0])
     n = len(m.trajectory.t_ns)
     problem.tray_node = np.arange(n, dtype=np.int32)
     problem.tray_measured = m.trajectory.tray

@@ -13,14 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
-from hullrecon.adjustment import em, history, lenses, misfit, place, play, pruning, registration, selection
-from hullrecon.adjustment.assembly import Selection, assemble, cell_share, read_back
-from hullrecon.adjustment.deviation import DeviationGrid, grid_over
-from hullrecon.adjustment.model import Drawing, Measurements, Rig, return_points
+from hullrecon.adjustment import em, history, lenses, place, pruning, registration, selection, weighting
+from hullrecon.adjustment.assembly import Selection, assemble, read_back
+from hullrecon.adjustment.deviation import grid_over
+from hullrecon.adjustment.model import Measurements, Rig, return_points
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.state import State, Weights
 from hullrecon.errors import StageError
-from hullrecon.geometry.poses import Poses
 
 Array = NDArray[np.float64]
 Say = Callable[[str], None]
@@ -53,7 +52,7 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
     calibrated = m.rig
     state, registered = _start(m, options, say)
     center = registered.center if registered else np.zeros(3)
-    weights = _first_weights(m, options)
+    weights = weighting.first(m, options)
     most_px = 40.0  # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
     outcome, first, ground = None, None, None
     settle = m.drawing is not None and not options.as_published and options.rounds > 1
@@ -61,10 +60,9 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
         last = k == options.rounds - 1
         if last and settle and outcome is not None:
             ground, state = _grounded(m, state, outcome[2], outcome[1], center)
-            m = replace(m, drawing=misfit.with_misfit(ground.drawing, ground.misfit))
         state = replace(state, landmark=selection.relocate(m, state))
         chosen = _chosen(m, state, most_px, options, last)
-        weights = replace(weights, surface=_surface_weights(m, state, chosen, options))
+        weights = replace(weights, surface=weighting.of_surface(m, state, chosen, options))
         problem = assemble(m, state, weights, chosen, center, options.as_published, hold_place=last and settle)
         problem = lenses.freed(problem, calibrated, options)
         first = first or problem
@@ -74,7 +72,7 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
         outcome = (problem, result, chosen, weights)
         state = read_back(state, result.unknowns, chosen, center)
         m = lenses.applied(m, problem, result)
-        weights = _settled_weights(m, state, chosen, weights, options)
+        weights = weighting.settled(m, state, chosen, weights, options)
         most_px = max(2.0, options.outlier_sigmas * weights.pixel)
         say(_round_in_words(k, result, chosen, weights))
     assert outcome is not None
@@ -106,27 +104,20 @@ def _start(m: Measurements, options: AdjustOptions, say: Say) -> tuple[State, re
     say(f"registered {len(points)} points to the drawing, {100 * found.fitness:.0f} % within three sigma")
     grid = None
     if not options.as_published:
-        grid = _grid(points, found.hull_from, m.drawing, m.drawing.deviation_length)
+        at = m.drawing.chart.to_chart(found.hull_from.inverse().apply(points))[:, :2]
+        grid = grid_over(at[np.isfinite(at).all(1)], m.drawing.deviation_length)
     return replace(state, T_g_M=found.hull_from, grid=grid, field=np.zeros(grid.size if grid else 0)), found
 
 
 def _grounded(
     m: Measurements, state: State, chosen: Selection, result: native.Result, center: Array
 ) -> tuple[place.Ground, State]:
-    """How wrong the drawing is here, and T_g_M on it; the field starts anew on a grid of its length."""
+    """What the dive is laid on, and T_g_M there."""
     assert m.drawing is not None
     assert state.T_g_M is not None
     points = place.points_on_hull(m, state, chosen, result.label)
     ground, best = place.surveyed(points, state.T_g_M, m.drawing, center)
-    hull_from = place.settled(ground, best)
-    grid = _grid(ground.points, hull_from, m.drawing, ground.misfit.length)
-    return ground, replace(state, T_g_M=hull_from, grid=grid, field=np.zeros(grid.size))
-
-
-def _grid(points: Array, hull_from: Poses, drawing: Drawing, length: tuple[float, float]) -> DeviationGrid:
-    """The field's grid over points (n, 3) in g."""
-    at = drawing.chart.to_chart(hull_from.inverse().apply(points))[:, :2]
-    return grid_over(at[np.isfinite(at).all(1)], length)
+    return ground, replace(state, T_g_M=place.settled(ground, best))
 
 
 def _register_points(m: Measurements, state: State) -> Array:
@@ -142,25 +133,6 @@ def _register_points(m: Measurements, state: State) -> Array:
             remedy="check topics.dvl and the cameras, or remove [hull] to run without a drawing",
         )
     return landmarks
-
-
-def _first_weights(m: Measurements, options: AdjustOptions) -> Weights:
-    return Weights(
-        pixel=m.rig.sigma_px,
-        tray=m.rig.tray_sigma,
-        range_sigma=m.rig.sigma_range,
-        surface=np.ones(selection.landmark_count(m)),
-        tray_direction=np.zeros(len(m.trajectory.t_ns)) if options.as_published else m.attitude.tray_direction,
-    )
-
-
-def _surface_weights(m: Measurements, state: State, chosen: Selection, options: AdjustOptions) -> Array:
-    """Full weight as published. With the field, landmarks of one cell a tenth of its length wide share one observation's
-    weight: what the field does not follow within a cell (plate edges, weld seams) is common to them."""
-    if m.drawing is None or options.as_published or not len(chosen.landmarks):
-        return np.ones(len(state.landmark))
-    along, girth = m.drawing.deviation_length
-    return cell_share(m, state, chosen.landmarks, (0.1 * along, 0.1 * girth))
 
 
 def _chosen(m: Measurements, state: State, most_px: float, options: AdjustOptions, last: bool) -> Selection:
@@ -209,20 +181,6 @@ def _native_options(options: AdjustOptions, last: bool) -> native.Options:
         function_tolerance=options.function_tolerance if last else 10 * options.function_tolerance,
         threads=options.threads,
     )
-
-
-def _settled_weights(m: Measurements, state: State, chosen: Selection, weights: Weights, options: AdjustOptions) -> Weights:
-    """Sigmas from the residuals, sides of the tray's play from the adjusted angles."""
-    if options.as_published:
-        return weights
-    pixel = selection.pixel_sigma(m, state, chosen, options.least_pixel_sigma) if m.tracks is not None else weights.pixel
-    if m.tracks is None:
-        return weights
-    side = play.sides(m.trajectory.tray - state.tray, weights.tray_direction)
-    excess = m.trajectory.tray - state.tray - state.navigation[5] * side
-    excess -= np.median(excess)
-    tray = float(np.clip(1.4826 * np.median(np.abs(excess)), np.radians(0.02), m.rig.tray_sigma))
-    return replace(weights, pixel=pixel, tray_direction=side, tray=tray)
 
 
 def _without_lost(m: Measurements, done: Adjusted) -> Adjusted:

@@ -1,31 +1,27 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How wrong the drawing is where the dive was: sigma and lengths of its smooth error and the points' own noise.
+"""How wrong the drawing is expected to be, as the covariance of distances to it, and which points say nothing of it.
 
-They decide how sure the place on the hull is, and no package knows them. They are found by restricted likelihood (the six
-freedoms of T_g_M integrated out) with log-normal priors about what the package says; a point that its neighbours do not
-predict (structure, a stray return) is left out. An offset of the whole hull stays possible, whatever the field looks like.
+Sigma and lengths of the smooth error are the package's. Fitted by likelihood instead, they follow what the points have in
+common for other reasons (facets, smoothed landmarks): docs/adr/0013. An offset of the whole hull is always possible.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
-from scipy.optimize import minimize
+from scipy.linalg import cho_solve
 
 from hullrecon.adjustment.facets import facets_near
 from hullrecon.adjustment.model import Drawing
 
 Array = NDArray[np.float64]
-PRIOR_LOG_SIGMA = np.array([0.7, 0.5, 0.7])  # of field sigma, lengths and noise: a factor of two is well possible
-START_NOISE_M = 0.005  # of the mean of a voxel of landmarks and returns
+POINT_NOISE_M = 0.005  # of the mean of a voxel of landmarks and returns
 OFFSET_SHARE = 0.7  # sigma of the common offset in the drawing's deviation_sigma
 STRAY_SIGMAS = 4.0
-MOST_POINTS = 400  # of the likelihood: its cost grows with the cube
 
 
 @dataclass(frozen=True)
@@ -40,9 +36,9 @@ class Misfit:
 
 
 def expected(drawing: Drawing) -> Misfit:
-    """What the package says, before anything was measured."""
+    """What the package says of its drawing."""
     sigma = drawing.deviation_sigma
-    return Misfit(sigma, drawing.deviation_length, START_NOISE_M, OFFSET_SHARE * sigma)
+    return Misfit(sigma, drawing.deviation_length, POINT_NOISE_M, OFFSET_SHARE * sigma)
 
 
 def covariance(misfit: Misfit, drawing: Drawing, at: Array) -> Array:
@@ -75,29 +71,6 @@ def _covariance(misfit: Misfit, along_girth: Array, facet_variance: float) -> Ar
     return out
 
 
-def fitted(start: Misfit, drawing: Drawing, at: Array, distance: Array, by_place: Array, prior: Array) -> Misfit:
-    """The likeliest misfit of signed distances (n,) at points (n, 3) in M.
-
-    by_place (n, 6): their derivatives by T_g_M; prior (6, 6): its information. Priors are about what `drawing` says.
-    """
-    some = np.unique(np.linspace(0, len(at) - 1, MOST_POINTS).astype(int))
-    along_girth = np.nan_to_num(drawing.chart.to_chart(at[some])[:, :2])
-    facet = _facet_variance(drawing, at, np.nan_to_num(drawing.chart.to_chart(at)[:, :2]))
-    middle = _logs(expected(drawing), drawing)
-
-    def cost(logs: Array) -> float:
-        trial = _from_logs(logs, drawing)
-        likelihood = _restricted(_covariance(trial, along_girth, facet), distance[some], by_place[some], prior)
-        return likelihood + 0.5 * float(np.sum(((logs - middle) / PRIOR_LOG_SIGMA) ** 2))
-
-    first = _logs(start, drawing)
-    simplex = first + np.vstack([np.zeros(3), 0.3 * np.eye(3)])
-    found = minimize(
-        cost, first, method="Nelder-Mead", options={"initial_simplex": simplex, "maxfev": 100, "xatol": 0.02, "fatol": 0.05}
-    )
-    return _from_logs(found.x, drawing)
-
-
 def stray(factor: Any, distance: Array) -> NDArray[np.bool_]:
     """Points (n,) that the others do not predict: leave-one-out residuals beyond four of their sigmas, the worst first and the
     rest without it, lest a point on a structure take its neighbours along.
@@ -116,27 +89,3 @@ def stray(factor: Any, distance: Array) -> NDArray[np.bool_]:
         inverse -= np.outer(column, inverse[worst])
         gone[worst] = True
     return gone
-
-
-def with_misfit(drawing: Drawing, misfit: Misfit) -> Drawing:
-    """The drawing, known to be as wrong as was found."""
-    return replace(drawing, deviation_sigma=misfit.sigma, deviation_length=misfit.length)
-
-
-def _restricted(covariance: Array, distance: Array, by_place: Array, prior: Array) -> float:
-    """Minus the logarithm of the restricted likelihood, but for a constant."""
-    factor = cho_factor(covariance, lower=True)
-    solved = cho_solve(factor, np.c_[by_place, distance])
-    information, right = by_place.T @ solved[:, :6] + prior, by_place.T @ solved[:, 6]
-    misfit = distance @ solved[:, 6] - right @ np.linalg.solve(information, right)
-    return float(np.log(np.diag(factor[0])).sum() + 0.5 * np.linalg.slogdet(information)[1] + 0.5 * misfit)
-
-
-def _logs(misfit: Misfit, drawing: Drawing) -> Array:
-    return np.log([misfit.sigma, misfit.length[0] / drawing.deviation_length[0], misfit.noise])
-
-
-def _from_logs(logs: Array, drawing: Drawing) -> Misfit:
-    sigma, scale, noise = np.exp(logs).tolist()
-    along, girth = drawing.deviation_length
-    return Misfit(sigma, (scale * along, scale * girth), noise, OFFSET_SHARE * drawing.deviation_sigma)

@@ -161,6 +161,7 @@ def _summary(
         "sigmas": {
             "pixel_px": adjusted.weights.pixel,
             "tray_rad": adjusted.weights.tray,
+            "depth_m": adjusted.weights.depth * float(np.median(m.attitude.sigma[:, 0])) if len(m.attitude.sigma) else None,
             "range_m": adjusted.weights.range_sigma,
         },
         "navigation": dict(zip(NAVIGATION, state.navigation.tolist(), strict=True)),
@@ -169,9 +170,6 @@ def _summary(
         "residuals_before": before,
         "residuals_after": after,
     }
-    if adjusted.ground is not None:
-        found = adjusted.ground.misfit
-        summary["drawing_misfit"] = {"sigma_m": found.sigma, "length_m": list(found.length), "point_noise_m": found.noise}
     if adjusted.registration is not None:
         summary["registration"] = {
             "fitness": adjusted.registration.fitness,

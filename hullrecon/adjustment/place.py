@@ -27,12 +27,12 @@ from hullrecon.geometry.poses import Poses
 
 Array = NDArray[np.float64]
 ALONG = np.array([1.0, 0.0, 0.0])
-MOST_FITS = 5
+MOST_LOOKS = 3
 
 
 @dataclass(frozen=True)
 class Ground:
-    """Points (n, 3) in g that lie on the hull, the drawing, the survey's centre (3,) in M, and how wrong the drawing is."""
+    """Points (n, 3) in g that lie on the hull, the drawing, the survey's centre (3,) in M, and how wrong the drawing may be."""
 
     points: Array
     drawing: Drawing
@@ -51,13 +51,9 @@ def points_on_hull(m: Measurements, state: State, chosen: Selection, label: NDAr
 
 
 def surveyed(points: Array, place: Poses, drawing: Drawing, center: Array) -> tuple[Ground, Poses]:
-    """The ground under points (n, 3) in g, stray ones left out, its misfit fitted; and T_g_M settled on it from `place`."""
+    """The ground under points (n, 3) in g, stray ones left out; and T_g_M settled on it from `place`."""
     ground, index = Ground(points, drawing, center, misfit.expected(drawing)), _index(drawing)
-    prior = registration.prior_rows(drawing)
-    for _ in range(MOST_FITS):
-        distance, by_place = registration.signed_distances(ground.points, place, center, index)
-        at = place.inverse().apply(ground.points)
-        ground = replace(ground, misfit=misfit.fitted(ground.misfit, drawing, at, distance, by_place, prior.T @ prior))
+    for _ in range(MOST_LOOKS):
         valley = _valley(ground, place, ALONG, index)
         place, _ = profile.descended(valley, place)
         distance, _ = registration.signed_distances(ground.points, place, center, index)

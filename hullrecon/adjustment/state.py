@@ -35,9 +35,11 @@ class State:
 @dataclass(frozen=True)
 class Weights:
     """One sigma of each kind of measurement as used in a round. surface (L,): weight of each landmark's mixture.
-    range_sigma: metres. tray_direction (n,): +1 or -1, the side of its play on which the tray hangs."""
+    depth: in the sigma that navigation gave it. range_sigma: metres. tray_direction (n,): +1 or -1, the side of its play on
+    which the tray hangs."""
 
     pixel: float
+    depth: float
     tray: float
     range_sigma: float
     surface: Array

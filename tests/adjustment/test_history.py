@@ -9,7 +9,7 @@ from hullrecon import native
 from hullrecon.adjustment.history import Round, columns, in_figures, lines, reached, seconds
 from hullrecon.adjustment.state import Weights
 
-WEIGHTS = Weights(pixel=1.0, tray=0.01, range_sigma=0.02, surface=np.ones(3), tray_direction=np.zeros(2))
+WEIGHTS = Weights(pixel=1.0, depth=1.0, tray=0.01, range_sigma=0.02, surface=np.ones(3), tray_direction=np.zeros(2))
 
 
 def record(cost, on_surface):
