@@ -54,6 +54,8 @@ MeshIndex::MeshIndex(std::vector<Vec3> vertices, std::vector<std::array<int32_t,
   std::iota(order_.begin(), order_.end(), 0);
   nodes_.reserve(faces_.size());
   build(0, static_cast<int32_t>(order_.size()));
+  leaf_.reserve(order_.size());
+  for (int32_t face : order_) leaf_.push_back(triangle(face));
 }
 
 void MeshIndex::weld() {
@@ -138,15 +140,15 @@ struct MeshIndex::Best {
   OnTriangle on{};
 };
 
-void MeshIndex::visit(int32_t face, const Vec3& point, Best& best) const {
-  const OnTriangle on = closest_on_triangle(point, triangle(face));
+void MeshIndex::visit(int32_t face, const Triangle& triangle, const Vec3& point, Best& best) {
+  const OnTriangle on = closest_on_triangle(point, triangle);
   const double squared = (point - on.point).squaredNorm();
   if (squared < best.squared || (squared == best.squared && face < best.face)) best = {squared, face, on};
 }
 
 Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
   Best best;
-  if (hint >= 0) visit(hint, point, best);
+  if (hint >= 0) visit(hint, triangle(hint), point, best);
   std::array<std::pair<double, int32_t>, 64> stack;  // deeper than any median tree over int32 faces
   int top = 0;
   stack[top++] = {0.0, 0};
@@ -154,7 +156,7 @@ Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
     const auto [bound, at] = stack[--top];
     if (bound > best.squared) continue;
     const Node& node = nodes_[at];
-    for (int32_t i = 0; i < node.count; ++i) visit(order_[node.first + i], point, best);
+    for (int32_t i = 0; i < node.count; ++i) visit(order_[node.first + i], leaf_[node.first + i], point, best);
     if (node.count > 0) continue;
     std::pair near{squared_distance_to_box(point, nodes_[at + 1].low, nodes_[at + 1].high), at + 1};
     std::pair far{squared_distance_to_box(point, nodes_[node.first].low, nodes_[node.first].high), node.first};
@@ -180,7 +182,7 @@ Hit MeshIndex::cast(const Vec3& origin, const Vec3& unit_direction) const {
     const Node& node = nodes_[at];
     for (int32_t i = 0; i < node.count; ++i) {
       const int32_t face = order_[node.first + i];
-      const auto range = cross(origin, unit_direction, triangle(face));
+      const auto range = cross(origin, unit_direction, leaf_[node.first + i]);
       if (range && (*range < best.range || (*range == best.range && face < best.face)))
         best = {*range, face, face_normal_[face]};
     }

@@ -19,7 +19,16 @@ double since(Clock::time_point& start) {
   return std::chrono::duration<double>(now - std::exchange(start, now)).count();
 }
 
-using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 9, 9>;
+// to += a' b, columns of `rows` numbers; to: by columns, `stride` apart. For products too small for a library.
+void add_product(double* to, int64_t stride, const double* a, int a_columns, const double* b, int b_columns, int64_t rows) {
+  for (int c = 0; c < b_columns; ++c) {
+    for (int r = 0; r < a_columns; ++r) {
+      double sum = 0;
+      for (int64_t k = 0; k < rows; ++k) sum += a[r * rows + k] * b[c * rows + k];
+      to[c * stride + r] += sum;
+    }
+  }
+}
 
 }  // namespace
 
@@ -171,12 +180,20 @@ void Schur::add_small(int block, Eigen::MatrixXd& own, Eigen::MatrixXd& border) 
     const auto rows = small_.rows(f);
     const auto parts = small_.parts(f);
     const auto mine = std::find_if(parts.begin(), parts.end(), [&](const auto& part) { return part.block == block; });
-    const auto J = rows.middleCols(mine->column, mine->width);
+    const int64_t m = rows.rows();
+    const double* const J = rows.data() + mine->column * m;
     for (const SmallFactors::Part& part : parts) {
-      const auto other = rows.middleCols(part.column, part.width);
-      if (part.border >= 0) border.middleRows(part.border, part.width) += other.transpose().lazyProduct(J);
-      if (part.block == block) own += J.transpose().lazyProduct(J);
-      if (part.border < 0 && part.block > block) reduced_->add(block, part.block, Small(J.transpose().lazyProduct(other)));
+      const double* const other = rows.data() + part.column * m;
+      if (part.border >= 0) {
+        add_product(border.data() + part.border, border.rows(), other, part.width, J, mine->width, m);
+      } else if (part.block == block) {
+        add_product(own.data(), own.rows(), J, mine->width, J, mine->width, m);
+      } else if (part.block > block) {
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 7> product(mine->width, part.width);
+        product.setZero();
+        add_product(product.data(), mine->width, J, mine->width, other, part.width, m);
+        reduced_->add(block, part.block, product);
+      }
     }
   }
 }
@@ -243,11 +260,12 @@ void Schur::border_of_landmark(int64_t rank, Border& sum) const {
 
 void Schur::border_of_small(int64_t f, Border& sum) const {
   const auto rows = small_.rows(f);
+  const int64_t m = rows.rows();
   for (const SmallFactors::Part& a : small_.parts(f)) {
     for (const SmallFactors::Part& b : small_.parts(f)) {
-      if (a.border < 0 || b.border < 0) continue;
-      sum.own.block(a.border, b.border, a.width, b.width) +=
-          rows.middleCols(a.column, a.width).transpose().lazyProduct(rows.middleCols(b.column, b.width));
+      if (a.border < b.border || b.border < 0) continue;
+      add_product(&sum.own(a.border, b.border), sum.own.rows(), rows.data() + a.column * m, a.width, rows.data() + b.column * m,
+                  b.width, m);
     }
   }
 }

@@ -47,7 +47,7 @@ class MeshIndex {
   int32_t build(int32_t first, int32_t last);
   Triangle triangle(int32_t face) const;
   Vec3 pseudonormal(int32_t face, Feature feature) const;
-  void visit(int32_t face, const Vec3& point, Best& best) const;
+  static void visit(int32_t face, const Triangle& triangle, const Vec3& point, Best& best);
 
   std::vector<Vec3> vertices_;
   std::vector<std::array<int32_t, 3>> faces_;
@@ -55,6 +55,7 @@ class MeshIndex {
   std::vector<std::array<Vec3, 3>> edge_normal_;  // sum over the faces that share the edge (not unit)
   std::vector<Vec3> vertex_normal_;               // sum weighted by the corner's angle (not unit)
   std::vector<int32_t> order_;
+  std::vector<Triangle> leaf_;  // in this order: what a leaf visits lies together
   std::vector<Node> nodes_;
 };
 
