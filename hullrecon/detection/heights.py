@@ -14,6 +14,7 @@ from hullrecon.geometry.neighbours import nearest
 Array = NDArray[np.float64]
 CHUNK = 20_000  # vertices at once: bounds memory
 SLOPE_SIGMA = 0.5  # prior of the height's slope, about zero: keeps thin neighbourhoods from extrapolating
+BEND_SIGMA = 5.0  # 1/m, prior of its second-order terms, about zero: a lump's top is not cut off by a plane
 LEAST_SCALE_M = 0.003  # landmarks nearer to each other than this are never outliers
 MOST_SCALE_M = 0.012  # nor is a step an inlier because a neighbourhood straddles it
 
@@ -61,8 +62,9 @@ def _heights(
     scale = np.clip(1.4826 * _median(np.abs(h - start[:, None])), LEAST_SCALE_M, MOST_SCALE_M)
     east, north = _tangents(normal)
     gap = feet[row] - at[:, None, :]
-    plane = np.stack([np.ones_like(distance), np.einsum("nki,ni->nk", gap, east), np.einsum("nki,ni->nk", gap, north)], axis=2)
-    fit = np.stack([np.nan_to_num(start), np.zeros(len(at)), np.zeros(len(at))], axis=1)
+    a, b = np.einsum("nki,ni->nk", gap, east), np.einsum("nki,ni->nk", gap, north)
+    plane = np.stack([np.ones_like(distance), a, b, a * a, a * b, b * b], axis=2)
+    fit = np.concatenate([np.nan_to_num(start)[:, None], np.zeros((len(at), 5))], axis=1)
     h = np.nan_to_num(h)
     for _ in range(4):
         off = (h - np.einsum("nkj,nj->nk", plane, fit)) / (4.0 * scale[:, None])
@@ -94,6 +96,7 @@ def _plane(plane: Array, h: Array, weight: Array, before: Array) -> tuple[Array,
     """Weighted least squares of height and slope (n, 3), and the height's variance (n,); as before where nothing weighs."""
     normal_matrix = np.einsum("nki,nk,nkj->nij", plane, weight, plane, optimize=True)
     normal_matrix[:, [1, 2], [1, 2]] += 1 / SLOPE_SIGMA**2
+    normal_matrix[:, [3, 4, 5], [3, 4, 5]] += 1 / BEND_SIGMA**2
     normal_matrix[:, 0, 0] += 1e-6
     right = np.einsum("nki,nk,nk->ni", plane, weight, h, optimize=True)
     inverse = np.linalg.inv(normal_matrix)
