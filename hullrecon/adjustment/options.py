@@ -36,4 +36,4 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     anchors: Annotated[int, Meta(ge=1000, description="landmarks at most in the rounds before the last")] = 20000
     least_pixel_sigma: Annotated[Positive, Meta(description="px, floor of the estimated pixel sigma")] = 0.15
     outlier_sigmas: Annotated[Positive, Meta(description="observations beyond this many sigmas are left out")] = 5.0
-    threads: Annotated[int, Meta(ge=1, le=64, description="threads of the solve; one gives the same bytes each time")] = 1
+    threads: Annotated[int, Meta(ge=1, le=64, description="threads of the solve; any number gives the same bytes")] = 2
