@@ -82,7 +82,9 @@ def find_objects(
         if doubt:
             rejected.append(Rejected(_rounded(found.mesh.vertices[center]), round(region.height, 5), doubt))
             continue
-        sigma = float(np.hypot(sigma, rough))  # where its top and the hull around it are said to be is no finer than the hull
+        # Where its top and the hull around it are said to be is no finer than the hull; and a peak is read where enough of it
+        # reaches: how far it may go on above that, its bluntness says.
+        sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2))
         objects.append(_object(found, region, area, center, sigma, chance, views, seen, chart, drawn))
     return objects, rejected
 

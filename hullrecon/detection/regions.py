@@ -27,7 +27,8 @@ RING_GAP_M = 0.04  # the ring of hull begins so far from the footprint, beyond w
 @dataclass(frozen=True)
 class Region:
     """One structure. side +1 raised, -1 sunken; foot, core, ring: vertices of the footprint, of its part above half height, and
-    of the hull around it; level m, the hull around it; height m above that, signed."""
+    of the hull around it; level m, the hull around it; height m above that, signed; bluntness m, how much lower it is where
+    three times as much of the footprint reaches."""
 
     side: float
     foot: Ints
@@ -35,6 +36,7 @@ class Region:
     ring: Ints
     level: float
     height: float
+    bluntness: float
 
 
 def find_regions(found: Found, options: DetectOptions) -> list[Region]:
@@ -102,11 +104,13 @@ def _region(
         return None
     level = weighted_quantile(found.height[ring], area[ring], 0.5)
     above = side * (found.height - level)
-    height = weighted_quantile(above[seed], area[seed], 1 - min(0.5, TOP_M2 / area[seed].sum()))
+    height, shoulder = (
+        weighted_quantile(above[seed], area[seed], 1 - min(0.5, share * TOP_M2 / area[seed].sum())) for share in (1, 3)
+    )
     own = (distance <= options.cluster_reach) & found.measured[near] & ~np.isin(near, foreign)
     foot = near[own & (above[near] >= FOOT_SHARE * height)]
     core = foot[above[foot] >= 0.5 * height]
-    return Region(side, foot, core, ring, level, side * height) if len(core) else None
+    return Region(side, foot, core, ring, level, side * height, height - shoulder) if len(core) else None
 
 
 def weighted_quantile(values: Array, weight: Array, share: float) -> float:

@@ -77,6 +77,18 @@ def test_peaks_with_a_high_saddle_between_them_are_one(found) -> None:
     assert len(find_regions(_two_peaks(found, saddle_m=0.05), OPTIONS)) == 1
 
 
+def test_a_cone_is_blunt_and_a_disc_is_not(found) -> None:
+    x, z = found.base.vertices[:, [0, 2]].T
+    away = np.hypot(x - 1.2, z - 1.0)
+    cone, disc = (
+        find_regions(replace(found, height=h), OPTIONS)[0]
+        for h in (np.maximum(0.0, 0.10 - 0.5 * away), np.where(away < 0.1, 0.10, 0.0))
+    )
+    assert disc.bluntness < 0.001
+    # 8 and 24 cm2 are circles of 16 and 28 mm: the cone falls by 0.5 of that
+    assert cone.bluntness == pytest.approx(0.5 * (0.0276 - 0.0160), abs=0.003)
+
+
 def test_the_quantile_counts_area() -> None:
     values, weight = np.array([3.0, 1.0, 2.0]), np.array([1.0, 8.0, 1.0])
     assert weighted_quantile(values, weight, 0.5) == 1.0
