@@ -40,10 +40,7 @@ class Outcome:
 def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> Outcome:
     """m: as measured, its rig as calibrated."""
     settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
-    marginals = native.covariance(_place_free(adjusted.problem), settings)
-    if m.drawing is not None and adjusted.state.T_g_M is not None:
-        ground = adjusted.ground or _ground(m, adjusted)
-        marginals = replace(marginals, T_g_M=place.covariance(ground, adjusted.state.T_g_M, marginals.T_g_M))
+    marginals = _marginals(m, adjusted, options, settings)
     solution = _solution(m, adjusted, marginals)
     weak = [] if adjusted.state.T_g_M is None else weak_directions(hull_axes(solution.hull_covariance, adjusted.state.T_g_M))
     before, after = (statistics.by_factor(native.evaluate(p, settings)) for p in (adjusted.start, adjusted.problem))
@@ -52,6 +49,20 @@ def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> O
     record, times = history.columns(adjusted.rounds), history.seconds(adjusted.rounds)
     summary = _summary(m, adjusted, options, weak, before, after) | ({"intrinsics": seen_with} if seen_with else {})
     return Outcome(solution, record, times, summary, warnings)
+
+
+def _marginals(m: Measurements, adjusted: Adjusted, options: AdjustOptions, settings: native.Options) -> native.Covariance:
+    """Covariances at the solution. As published: the solve's own. Else what the measurements leave open with the hull as it was
+    found, and what the drawing's error adds to the place: in the solve a field and a thousand beams with white noise are surer
+    of the place than so few cells of the drawing's error allow (docs/adr/0014)."""
+    free = native.covariance(_place_free(adjusted.problem), settings)
+    if m.drawing is None or adjusted.state.T_g_M is None or options.as_published:
+        return free
+    held = replace(adjusted.problem, constant=(*adjusted.problem.constant, "deviation"))
+    known = native.covariance(_place_free(held), settings)
+    ground = adjusted.ground or _ground(m, adjusted)
+    by_drawing = place.covariance(ground, adjusted.state.T_g_M)
+    return replace(known, deviation=free.deviation, T_g_M=known.T_g_M + by_drawing)
 
 
 def _ground(m: Measurements, adjusted: Adjusted) -> place.Ground:

@@ -69,23 +69,15 @@ def settled(ground: Ground, place: Poses) -> Poses:
     return _profile(ground, place, ALONG).hull_from
 
 
-def covariance(ground: Ground, place: Poses, hessian: Array) -> Array:
-    """Covariance (6, 6) of T_g_M: the solve's; what an offset of the whole drawing adds, which the solve's field does not know;
-    and the variances along the hull and along its weak directions from their profiles, taken as the posterior's second moment
-    about the delivered place."""
-    out = hessian + _by_offset(ground, place)
+def covariance(ground: Ground, place: Poses) -> Array:
+    """Covariance (6, 6) of T_g_M about the centre, given the points: what the drawing's error, its facets and the package's
+    prior leave open; with the variances along the hull and along its weak directions from their profiles, taken as the posterior's
+    second moment about the delivered place."""
+    out = profile.posterior(_valley(ground, place, ALONG, _index(ground.drawing)), place)
     for direction in _directions(hull_axes(out, place)):
         found = _profile(ground, place, direction)
         out = profile.inflated(out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), place)
     return out
-
-
-def _by_offset(ground: Ground, place: Poses) -> Array:
-    """Covariance (6, 6) of T_g_M with the common offset, less that without."""
-    index = _index(ground.drawing)
-    bare = replace(ground, misfit=replace(ground.misfit, offset=0.0))
-    with_offset, without = (profile.posterior(_valley(g, place, ALONG, index), place) for g in (ground, bare))
-    return np.asarray(with_offset - without)
 
 
 def _profile(ground: Ground, place: Poses, direction: Array) -> profile.Profile:
