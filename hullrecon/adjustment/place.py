@@ -71,8 +71,8 @@ def settled(ground: Ground, place: Poses) -> Poses:
 
 def covariance(ground: Ground, place: Poses) -> Array:
     """Covariance (6, 6) of T_g_M about the centre, given the points: what the drawing's error, its facets and the package's
-    prior leave open; with the variances along the hull and along its weak directions from their profiles, taken as the posterior's
-    second moment about the delivered place."""
+    prior leave open; with the variances along the hull and along its weak directions from their profiles, taken as the
+    posterior's second moment about the delivered place."""
     out = profile.posterior(_valley(ground, place, ALONG, _index(ground.drawing)), place)
     for direction in _directions(hull_axes(out, place)):
         found = _profile(ground, place, direction)
