@@ -52,17 +52,22 @@ def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> O
 
 
 def _marginals(m: Measurements, adjusted: Adjusted, options: AdjustOptions, settings: native.Options) -> native.Covariance:
-    """Covariances at the solution. As published: the solve's own. Else what the measurements leave open with the hull as it was
-    found, and what the drawing's error adds to the place: in the solve a field and a thousand beams with white noise are surer
-    of the place than so few cells of the drawing's error allow (docs/adr/0014)."""
+    """Covariances at the solution. As published: the solve's own. Else what the measurements leave open with the hull held
+    where and as it was found, and the covariance of that place by the drawing's error: in the solve a field and a thousand beams
+    with white noise are surer of the place than so few cells of the drawing's error allow (docs/adr/0014)."""
     free = native.covariance(_place_free(adjusted.problem), settings)
     if m.drawing is None or adjusted.state.T_g_M is None or options.as_published:
         return free
-    held = replace(adjusted.problem, constant=(*adjusted.problem.constant, "deviation"))
-    known = native.covariance(_place_free(held), settings)
+    held = {*adjusted.problem.constant, "T_g_M", "deviation"}
+    known = native.covariance(replace(adjusted.problem, constant=tuple(sorted(held))), settings)
     ground = adjusted.ground or _ground(m, adjusted)
-    by_drawing = place.covariance(ground, adjusted.state.T_g_M)
-    return replace(known, deviation=free.deviation, T_g_M=known.T_g_M + by_drawing)
+    return replace(
+        known,
+        deviation=free.deviation,
+        T_g_M=place.covariance(ground, adjusted.state.T_g_M),
+        pose_T_g_M=np.zeros_like(free.pose_T_g_M),
+        landmark_T_g_M=np.zeros_like(free.landmark_T_g_M),
+    )
 
 
 def _ground(m: Measurements, adjusted: Adjusted) -> place.Ground:
