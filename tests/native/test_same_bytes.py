@@ -1,0 +1,26 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""At the field's scale, where every sum is cut into many slabs, the number of threads still changes no byte."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.problems import make
+from benchmarks.survey import Size
+from hullrecon.native import Options, solve
+
+
+@pytest.mark.slow
+def test_half_a_million_observations_give_the_same_bytes_for_one_and_two_threads() -> None:
+    problem = make(Size(poses=12500, imaged=11600, landmarks=125000, stereo=True, legs=20))
+    assert problem.stereo_pixel.size // 2 >= 500_000
+    one, two = (solve(problem, Options(threads=threads, max_iterations=2)) for threads in (1, 2))
+    assert one.iterations.accepted.sum() > 1
+    for name, values in one.unknowns.items():
+        assert values.tobytes() == two.unknowns[name].tobytes(), name
+    for name in ("cost", "step_norm", "gradient_norm", "radius", "on_surface", "label_changes"):
+        np.testing.assert_array_equal(getattr(one.iterations, name), getattr(two.iterations, name), err_msg=name)
+    for name in ("label", "distance", "ray_hit"):
+        assert getattr(one, name).tobytes() == getattr(two, name).tobytes(), name
