@@ -4,7 +4,9 @@
 
 Ten dives of other hulls, curvatures, deviations, slop, guesses and seeds are simulated into FOLDER (kept for the next time),
 run, and judged against their truth. HULLS holds the meshes named in DIVES; without it only the analytic hulls are dived. `mono`
-is the same dive with its lower camera removed. Prints each figure by dive with median and worst, and the vehicle's NEES.
+is the same dive with its lower camera removed. Prints each figure by dive with median and worst, and the vehicle's NEES. With
+--drawn the ten are others: their first guesses and the hull's deviation are drawn from the sigmas that their packages state, as
+a test of those sigmas needs.
 """
 
 from __future__ import annotations
@@ -42,6 +44,25 @@ DIVES = {
     "d9": "--length-m 70 --beam-m 11 --depth-m 7 --draught-m 5 --entrance 0.45 --visibility-m 3.5 --play-deg 0.2",
     "d10": "--deviation-sigma-m 0.005 --deviation-mean-m 0 --standoff-m 1.4 --speed 0.4 --structures 8",
 }
+SHIPS = ("80 13 8 5.5 1.8", "30 6.5 4 3 1.0", "50 9 5.5 3.8 1.3")  # length, beam, depth, draught, bilge radius, m
+
+
+def drawn_dives(count: int = 10) -> dict[str, str]:
+    """Options of dives whose truth is drawn from what their packages state; guesses within the metre and five degrees that
+    registration is made for."""
+    random, dives = np.random.default_rng(2026), {}
+    for k in range(1, count + 1):
+        along, across = np.clip(random.normal(0, [1.0, 0.5]), -1, 1)
+        turn, mean = np.clip(random.normal(0, 5), -5, 5), random.normal(0, 0.014)
+        ship = zip(("length", "beam", "depth", "draught", "bilge-radius"), SHIPS[(k - 1) % 3].split(), strict=True)
+        dives[f"n{k}"] = (
+            "--leg-length-m 4 --views 5 --structures 2 --marks 1 --barnacles 1 --deviation-sigma-m 0.02 --deviation-length-m 3"
+            f" --deviation-mean-m {mean:.4f} --guess-along-m {along:.3f} --guess-across-m {across:.3f}"
+            f" --guess-turn-deg {turn:.2f} "
+        ) + " ".join(f"--{name}-m {value}" for name, value in ship)
+    return dives
+
+
 # (figure, the limit that the project holds itself to; negative: at least)
 FIGURES: tuple[tuple[str, float | None], ...] = (
     ("trajectory.girth_rmse_m", 0.06),
@@ -66,20 +87,19 @@ FIGURES: tuple[tuple[str, float | None], ...] = (
 )
 
 
-def simulate(name: str, folder: Path, hulls: Path | None) -> Path | None:
+def simulate(name: str, options: str, seed: int, folder: Path, hulls: Path | None) -> Path | None:
     """The package, made once; None when it needs a mesh that is not at hand."""
     package = folder / name
     if (package / "truth").exists():
         return package
-    words = f"{BASE} {DIVES[name]}".split()
+    words = f"{BASE} {options}".split()
     if "--hull" in words:
         at = words.index("--hull") + 1
         mesh = _mesh(words[at], folder, hulls)
         if mesh is None:
             return None
         words[at] = str(mesh)
-    seed = str(10 + list(DIVES).index(name) + 1)
-    _hullrecon("simulate", "-q", str(package), "--name", name, "--seed", seed, *words)
+    _hullrecon("simulate", "-q", str(package), "--name", name, "--seed", str(seed), *words)
     return package
 
 
@@ -126,11 +146,8 @@ def nees(adjust: Path, package: Path) -> float:
     return float(error @ np.linalg.solve(solution["pose_covariance"][middle], error))
 
 
-def dive(name: str, folder: Path, hulls: Path | None, mono: bool, jobs: int) -> dict[str, Any] | None:
-    """Figures of one dive, simulated and run."""
-    package = simulate(name, folder, hulls)
-    if package is None:
-        return None
+def dive(package: Path, folder: Path, mono: bool, jobs: int) -> dict[str, Any]:
+    """Figures of one simulated dive, run."""
     package = without_lower_camera(package) if mono else package
     _hullrecon("run", "-q", str(package), "--runs", str(folder / "runs"), "--jobs", str(jobs))
     run = folder / "runs" / package.name
@@ -171,18 +188,22 @@ def main() -> int:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--hulls", type=Path)
     parser.add_argument("--cameras", choices=("stereo", "mono"), default="stereo")
-    parser.add_argument("--only", nargs="+", choices=tuple(DIVES), default=list(DIVES))
+    parser.add_argument("--drawn", action="store_true")
+    parser.add_argument("--only", nargs="+", metavar="NAME")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--json", type=Path)
     args = parser.parse_args()
     args.folder.mkdir(parents=True, exist_ok=True)
     rows: dict[str, dict[str, Any]] = {}
-    for name in args.only:
-        row = dive(name, args.folder, args.hulls, args.cameras == "mono", args.jobs)
-        if row is None:
+    dives, seed = (drawn_dives(), 101) if args.drawn else (DIVES, 11)
+    for k, (name, options) in enumerate(dives.items()):
+        if args.only and name not in args.only:
+            continue
+        package = simulate(name, options, seed + k, args.folder, args.hulls)
+        if package is None:
             print(f"{name}: left out, its hull's mesh is not in --hulls", flush=True)
             continue
-        rows[name] = row
+        row = rows[name] = dive(package, args.folder, args.cameras == "mono", args.jobs)
         print(f"{name}: rigid {1e3 * figure(row, 'trajectory.rigid_rmse_m'):.2f} mm, NEES {row['nees']:.1f}", flush=True)
     together = consistency([row["nees"] for row in rows.values()])
     print("\n".join(table(rows)))

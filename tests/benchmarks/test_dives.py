@@ -91,6 +91,13 @@ def test_a_mono_dive_does_not_name_its_lower_camera(tmp_path: Path) -> None:
 
 
 def test_a_dive_whose_mesh_is_not_at_hand_is_not_simulated(tmp_path: Path) -> None:
-    assert dives.simulate("d4", tmp_path, None) is None
-    assert dives.simulate("d4", tmp_path, tmp_path) is None
+    assert dives.simulate("d4", dives.DIVES["d4"], 14, tmp_path, None) is None
+    assert dives.simulate("d4", dives.DIVES["d4"], 14, tmp_path, tmp_path) is None
     assert json.dumps(sorted(p.name for p in tmp_path.iterdir())) == "[]"
+
+
+def test_drawn_dives_scatter_as_their_packages_say() -> None:
+    many = [dict(zip(o.split()[::2], map(float, o.split()[1::2]), strict=True)) for o in dives.drawn_dives(400).values()]
+    assert np.std([d["--deviation-mean-m"] for d in many]) == pytest.approx(0.014, rel=0.1)
+    assert np.abs([d["--guess-along-m"] for d in many]).max() == 1.0
+    assert {d["--length-m"] for d in many} == {30.0, 50.0, 80.0}
