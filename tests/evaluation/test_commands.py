@@ -135,7 +135,7 @@ def test_figures_alone_solves_what_is_missing_and_leaves_pictures_and_tables(
     opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(judge, "open_dive", opened)
-    printed = call(judge.figures, package).output.splitlines()
+    printed = call(judge.figures, package).stdout.splitlines()  # a log that another test set up goes to standard error
     assert len(opened.calls) == 6
     assert len(printed) == 5
     for line in printed:
