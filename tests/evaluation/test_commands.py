@@ -83,7 +83,7 @@ def call(command: Any, *arguments: object) -> Any:
 
 def test_evaluate_prints_a_figure_a_line_with_its_unit(deliver: Any, package: Path) -> None:
     deliver.track()
-    lines = call(judge.evaluate, deliver.folder, package).output.splitlines()
+    lines = call(judge.evaluate, deliver.folder, package).stdout.splitlines()
     rigid = next(line.split() for line in lines if line.startswith("trajectory.rigid_rmse_m"))
     assert float(rigid[1]) < 1e-6
     assert rigid[2] == "m"
@@ -98,7 +98,7 @@ def test_evaluate_of_a_package_without_truth_is_refused(deliver: Any, tmp_path: 
 
 def test_compare_solves_six_times_and_prints_one_table(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(judge, "open_dive", opened)
-    lines = call(judge.compare, package).output.splitlines()
+    lines = call(judge.compare, package).stdout.splitlines()
     assert len(opened.calls) == 6
     assert set(opened.calls) == {(m, p) for m in ("naive", "geva", "maxmix") for p in (True, False)}
     table = lines[-7:]
