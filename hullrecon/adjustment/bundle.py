@@ -139,8 +139,8 @@ def _chosen(m: Measurements, state: State, most_px: float, options: AdjustOption
     """Anchors before the last round, then every landmark but lonely ones off the hull."""
     chosen = selection.select(m, state, most_px)
     if last and m.drawing is not None and state.T_g_M is not None and not options.as_published:
-        boundary = options.sigma_on * np.sqrt(2 * np.log(options.sigma_off / options.sigma_on))
-        off = np.abs(deviation_from_hull(m, state, state.landmark[chosen.landmarks])) > boundary
+        deviation = deviation_from_hull(m, state, state.landmark[chosen.landmarks])
+        off = np.abs(deviation) > em.boundary(options.sigma_on, options.sigma_off)
         chosen = selection.without_lonely(m, state, chosen, off)
     if options.method == "geva" and m.drawing is not None and state.T_g_M is not None:
         # drawn to the hull, a mismatch near the lens passes through the camera's plane, and the solve stalls there

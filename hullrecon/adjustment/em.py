@@ -44,9 +44,12 @@ def labels(problem: native.Problem, distance: NDArray[np.float64], options: nati
     if len(problem.surface_field_index):
         field = problem.deviation[problem.surface_field_index]
         offset = distance - np.einsum("nk,nk->n", problem.surface_field_weight, field)
-    ratio = options.sigma_off / options.sigma_on
-    boundary = np.sqrt(2 * np.log(ratio) / (options.sigma_on**-2 - options.sigma_off**-2))
-    return np.asarray(np.abs(offset) <= boundary, np.int32)
+    return np.asarray(np.abs(offset) <= boundary(options.sigma_on, options.sigma_off), np.int32)
+
+
+def boundary(sigma_on: float, sigma_off: float) -> float:
+    """How far off the hull (m) the two labels are equally likely (O 4.2.3); sigma_off must be larger than sigma_on."""
+    return float(np.sqrt(2 * np.log(sigma_off / sigma_on) / (sigma_on**-2 - sigma_off**-2)))
 
 
 def _joined(turns: Sequence[native.Result], changes: Sequence[int], label: NDArray[np.int32]) -> native.Result:

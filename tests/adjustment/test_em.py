@@ -51,8 +51,21 @@ def test_both_ways_reach_the_same_cost_and_labels(wall) -> None:
 def test_the_cost_never_rises_from_turn_to_turn(wall) -> None:
     record = em.solve(wall[0], OPTIONS).iterations
     assert (np.diff(record.cost[record.accepted]) <= 1e-9 * record.cost[0]).all()
-    assert (np.diff(record.seconds) >= 0).all()
     assert all(len(values) == len(record.cost) for values in record.cost_by_factor.values())
+
+
+def test_seconds_run_on_from_turn_to_turn(wall, monkeypatch) -> None:
+    turns, solve = [], native.solve
+
+    def a_second_an_iteration(problem, options):
+        done = solve(problem, options)
+        turns.append(len(done.iterations.cost))
+        return dataclasses.replace(done, iterations=dataclasses.replace(done.iterations, seconds=np.arange(float(turns[-1]))))
+
+    monkeypatch.setattr(native, "solve", a_second_an_iteration)
+    record = em.solve(wall[0], OPTIONS).iterations
+    assert len(turns) > 1
+    assert record.seconds.tolist() == np.arange(1 + sum(turns) - len(turns)).tolist()
 
 
 def test_labels_that_change_between_solves_are_counted(wall) -> None:
@@ -82,3 +95,9 @@ def test_labels_are_those_that_the_solver_gives_with_a_field_too(wall) -> None:
     problem.landmark, problem.pose = got.unknowns["landmark"], got.unknowns["pose"]
     np.testing.assert_array_equal(em.labels(problem, got.distance, OPTIONS), got.label)
     assert (got.label == 0).sum() > 5
+
+
+def test_at_the_boundary_both_labels_cost_the_same() -> None:
+    h = em.boundary(0.02, 1.0)
+    assert h == pytest.approx(0.05595, abs=1e-5)
+    assert (h / 0.02) ** 2 == pytest.approx((h / 1.0) ** 2 + 2 * np.log(1.0 / 0.02))
