@@ -68,7 +68,7 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
         first = first or problem
         began = time.perf_counter() - begun
         result = _solved(problem, options, last)
-        rounds.append(_told(len(rounds) + 1, result, weights, chosen, began))
+        rounds.append(_told(len(rounds) + 1, m, result, weights, chosen, began))
         outcome = (problem, result, chosen, weights)
         state = read_back(state, result.unknowns, chosen, center)
         m = lenses.applied(m, problem, result)
@@ -211,9 +211,12 @@ def _at(problem: native.Problem, result: native.Result) -> native.Problem:
     return moved
 
 
-def _told(number: int, result: native.Result, weights: Weights, chosen: Selection, began_s: float) -> history.Round:
+def _told(
+    number: int, m: Measurements, result: native.Result, weights: Weights, chosen: Selection, began_s: float
+) -> history.Round:
     """The round for the history; its table goes to the log (`--verbose`)."""
-    done = history.Round(result.iterations, weights, len(chosen.landmarks), result.converged, result.message, began_s)
+    depth, count = weighting.depth_sigma(m, weights), len(chosen.landmarks)
+    done = history.Round(result.iterations, weights, depth, count, result.converged, result.message, began_s)
     for line in history.lines(number, done):
         log.debug("%s", line)
     return done

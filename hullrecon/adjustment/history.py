@@ -25,10 +25,12 @@ COUNTS = ("on_surface", "label_changes", "rays_missed")
 
 @dataclass(frozen=True)
 class Round:
-    """One solve. weights: those that it used; began_s: when it began, seconds since the adjustment did."""
+    """One solve. weights: those that it used; depth_sigma_m: their sigma of a depth (NaN without depths); began_s: when it
+    began, seconds since the adjustment did."""
 
     record: native.IterationRecord
     weights: Weights
+    depth_sigma_m: float
     landmarks: int
     converged: bool
     message: str
@@ -48,9 +50,7 @@ def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
         "round": np.repeat(np.arange(1, len(rounds) + 1), long),
         "iteration": np.concatenate([np.arange(n) for n in long]),
         "landmarks": np.repeat([r.landmarks for r in rounds], long),
-        "pixel_sigma_px": np.repeat([r.weights.pixel for r in rounds], long),
-        "tray_sigma_rad": np.repeat([r.weights.tray for r in rounds], long),
-        "range_sigma_m": np.repeat([r.weights.range_sigma for r in rounds], long),
+        **{name: np.repeat([_sigmas(r)[name] for r in rounds], long) for name in _sigmas(rounds[0])},
     }
     for name in (*STEP, *COUNTS):
         found[name] = np.concatenate([getattr(r.record, name) for r in rounds])
@@ -70,9 +70,7 @@ def in_figures(rounds: Sequence[Round]) -> list[dict[str, Any]]:
         {
             "iterations": len(r.record.cost) - 1,
             "landmarks": r.landmarks,
-            "pixel_sigma_px": r.weights.pixel,
-            "tray_sigma_rad": r.weights.tray,
-            "range_sigma_m": r.weights.range_sigma,
+            **{name: sigma if np.isfinite(sigma) else None for name, sigma in _sigmas(r).items()},
             "first_cost": float(r.record.cost[0]),
             "last_cost": float(reached(r.record)[-1]),
             "on_surface": int(r.record.on_surface[-1]),
@@ -85,13 +83,24 @@ def in_figures(rounds: Sequence[Round]) -> list[dict[str, Any]]:
     ]
 
 
+def _sigmas(done: Round) -> dict[str, float]:
+    """What the round's cost is whitened with."""
+    w = done.weights
+    return {
+        "pixel_sigma_px": w.pixel,
+        "tray_sigma_rad": w.tray,
+        "range_sigma_m": w.range_sigma,
+        "depth_sigma_m": done.depth_sigma_m,
+    }
+
+
 def lines(number: int, done: Round) -> Iterator[str]:
     """The round's table for the log: a line an iteration, the factors that cost anything as columns."""
     record, w = done.record, done.weights
     names = [name for name in native.FACTORS if np.any(record.cost_by_factor[name] > 0)]
     yield (
         f"round {number}, {done.landmarks} landmarks, sigmas {w.pixel:.3g} px, tray {np.degrees(w.tray):.2g} deg, ranges "
-        f"{w.range_sigma:.3g} m (costs do not compare with those of other rounds)"
+        f"{w.range_sigma:.3g} m, depths {done.depth_sigma_m:.2g} m (costs do not compare with those of other rounds)"
     )
     heads = ["iteration", "cost", *names, "step", "gradient", "on hull", "changed", "missed", "seconds"]
     yield "  ".join(f"{head:>10}" for head in heads)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
-from hullrecon.adjustment import history, lenses, place, statistics
+from hullrecon.adjustment import history, lenses, place, statistics, weighting
 from hullrecon.adjustment.bundle import Adjusted
 from hullrecon.adjustment.model import Measurements
 from hullrecon.adjustment.options import AdjustOptions
@@ -162,6 +162,7 @@ def _summary(
     m: Measurements, adjusted: Adjusted, options: AdjustOptions, weak: list[dict[str, object]], before: Any, after: Any
 ) -> dict[str, Any]:
     state, result = adjusted.state, adjusted.result
+    depth = weighting.depth_sigma(m, adjusted.weights)
     summary: dict[str, Any] = {
         "method": options.method,
         "as_published": options.as_published,
@@ -177,7 +178,7 @@ def _summary(
         "sigmas": {
             "pixel_px": adjusted.weights.pixel,
             "tray_rad": adjusted.weights.tray,
-            "depth_m": adjusted.weights.depth * float(np.median(m.attitude.sigma[:, 0])) if len(m.attitude.sigma) else None,
+            "depth_m": depth if np.isfinite(depth) else None,
             "range_m": adjusted.weights.range_sigma,
         },
         "navigation": dict(zip(NAVIGATION, state.navigation.tolist(), strict=True)),

@@ -42,16 +42,19 @@ def of_surface(m: Measurements, state: State, chosen: Selection, options: Adjust
 
 def settled(m: Measurements, state: State, chosen: Selection, weights: Weights, options: AdjustOptions) -> Weights:
     """Sigmas from the residuals, sides of the tray's play from the adjusted angles."""
-    if options.as_published:
+    if options.as_published or m.tracks is None:
         return weights
-    pixel = selection.pixel_sigma(m, state, chosen, options.least_pixel_sigma) if m.tracks is not None else weights.pixel
-    if m.tracks is None:
-        return weights
+    pixel = selection.pixel_sigma(m, state, chosen, options.least_pixel_sigma)
     side = play.sides(m.trajectory.tray - state.tray, weights.tray_direction)
     excess = m.trajectory.tray - state.tray - state.navigation[5] * side
     excess -= np.median(excess)
     tray = float(np.clip(1.4826 * np.median(np.abs(excess)), np.radians(0.02), m.rig.tray_sigma))
     return replace(weights, pixel=pixel, depth=_depth_weight(m, state), tray_direction=side, tray=tray)
+
+
+def depth_sigma(m: Measurements, weights: Weights) -> float:
+    """Sigma of a depth with these weights (m), in the median; NaN without depths."""
+    return weights.depth * float(np.median(m.attitude.sigma[:, 0])) if len(m.attitude.sigma) else float("nan")
 
 
 def _depth_weight(m: Measurements, state: State) -> float:

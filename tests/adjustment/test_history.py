@@ -26,8 +26,9 @@ def record(cost, on_surface):
 @pytest.fixture
 def rounds():
     """Three iterations on a hundred landmarks, then one on four hundred with a finer pixel sigma."""
-    first = Round(record([90.0, 95.0, 10.0], [50, 50, 80]), WEIGHTS, 100, False, "stopped", 1.0)
-    return [first, Round(record([300.0, 200.0], [300, 310]), replace(WEIGHTS, pixel=0.2), 400, True, "converged", 5.0)]
+    first = Round(record([90.0, 95.0, 10.0], [50, 50, 80]), WEIGHTS, 0.02, 100, False, "stopped", 1.0)
+    finer = replace(WEIGHTS, pixel=0.2)
+    return [first, Round(record([300.0, 200.0], [300, 310]), finer, 0.005, 400, True, "converged", 5.0)]
 
 
 def test_rounds_stand_one_after_the_other_with_their_own_sigmas(rounds) -> None:
@@ -38,6 +39,7 @@ def test_rounds_stand_one_after_the_other_with_their_own_sigmas(rounds) -> None:
     assert table["cost_stereo"].tolist() == table["cost"].tolist()
     assert table["landmarks"].tolist() == [100, 100, 100, 400, 400]
     assert table["pixel_sigma_px"].tolist() == [1, 1, 1, 0.2, 0.2]
+    assert table["depth_sigma_m"].tolist() == [0.02, 0.02, 0.02, 0.005, 0.005]
     assert table["label_changes"].tolist() == [0, 0, 30, 0, 10]
     assert {len(values) for values in table.values()} == {5}
 
@@ -63,9 +65,16 @@ def test_a_round_in_figures_says_what_it_was_given_and_reached(rounds) -> None:
     assert (second["landmarks"], second["pixel_sigma_px"], second["on_surface"]) == (400, 0.2, 310)
 
 
+def test_a_dive_without_depths_has_none_in_figures_and_nan_in_its_columns(rounds) -> None:
+    without = [replace(r, depth_sigma_m=float("nan")) for r in rounds]
+    assert in_figures(without)[0]["depth_sigma_m"] is None
+    assert np.isnan(columns(without)["depth_sigma_m"]).all()
+
+
 def test_the_logs_table_has_a_line_an_iteration_and_no_column_of_nothing(rounds) -> None:
     said = list(lines(2, rounds[0]))
     assert "costs do not compare" in said[0]
+    assert "depths 0.02 m" in said[0]
     heads = said[1].split()
     assert "stereo" in heads
     assert "mono" not in heads

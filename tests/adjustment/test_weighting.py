@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Sigmas that residuals settle: depths of a vehicle whose adjusted path is known."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.state import Weights
+from hullrecon.adjustment.weighting import depth_sigma, settled
+from hullrecon.dive.records import Attitude
+from hullrecon.geometry import poses
+
+WEIGHTS = Weights(pixel=1.0, depth=1.0, tray=0.01, range_sigma=0.02, surface=np.ones(0), tray_direction=np.ones(400))
+GIVEN_M = 0.02
+OPTIONS = AdjustOptions()
+
+
+def dive(scene, depth, noise_m, given_m=GIVEN_M):
+    """Measurements and state of a dive at depths (n,) m, its pressure read with white noise, its tray as logged."""
+    n = len(depth)
+    noise = noise_m * np.random.default_rng(1).standard_normal(n)
+    level, sigma = np.zeros(n), np.tile([given_m, 0.002, 0.002], (n, 1))
+    attitude = Attitude(np.arange(n), depth + noise, level, level, sigma, np.ones(n))
+    measured = SimpleNamespace(attitude=attitude, rig=scene.rig, tracks=scene.tracks, trajectory=SimpleNamespace(tray=level))
+    nodes = poses.from_rpy(np.c_[level, level, depth], np.zeros((n, 3)))
+    return measured, SimpleNamespace(nodes=nodes, tray=level, navigation=np.zeros(6))
+
+
+@pytest.fixture
+def depth_weight(scene, monkeypatch):
+    """The sigma of depths that a round settles, in the sigma given."""
+    monkeypatch.setattr("hullrecon.adjustment.selection.pixel_sigma", lambda *_: 0.5)
+
+    def found(*of, **more):
+        measured, state = dive(scene, *of, **more)
+        return settled(measured, state, None, WEIGHTS, OPTIONS).depth
+
+    return found
+
+
+def test_depths_get_the_sigma_of_their_residuals(depth_weight) -> None:
+    assert depth_weight(np.full(400, 3.0), noise_m=0.004) == pytest.approx(0.004 / GIVEN_M, rel=0.1)
+
+
+def test_many_depths_do_not_tell_the_scale_better_than_the_waters_density_is_known(depth_weight) -> None:
+    depth = np.linspace(2.0, 3.0, 400)
+    assert depth_weight(depth, noise_m=0.0) == pytest.approx(0.002 * 20 * np.std(depth) / GIVEN_M)
+
+
+def test_no_sigma_grows_beyond_what_navigation_gave(depth_weight) -> None:
+    assert depth_weight(np.full(400, 3.0), noise_m=0.5) == 1.0
+
+
+def test_depths_that_no_pressure_gave_keep_their_sigma(depth_weight) -> None:
+    assert depth_weight(np.full(400, 3.0), noise_m=0.004, given_m=10.0) == 1.0
+
+
+@pytest.mark.parametrize(("options", "camera"), [(AdjustOptions(as_published=True), True), (OPTIONS, False)])
+def test_as_published_and_without_a_camera_all_weights_stay(scene, options, camera) -> None:
+    measured, state = dive(scene, np.full(400, 3.0), 0.004)
+    measured.tracks = measured.tracks if camera else None
+    assert settled(measured, state, None, WEIGHTS, options) is WEIGHTS
+
+
+def test_the_sigma_of_a_depth_is_told_in_metres(scene) -> None:
+    measured, _ = dive(scene, np.full(4, 3.0), 0.0)
+    assert depth_sigma(measured, replace(WEIGHTS, depth=0.3)) == pytest.approx(0.3 * GIVEN_M)
+    assert np.isnan(depth_sigma(dive(scene, np.zeros(0), 0.0)[0], WEIGHTS))
