@@ -194,7 +194,7 @@ STAGE = Stage(
     summary="find structures and remesh the hull as found",
     inputs=("ingest", "adjust", "surface"),
     parameters=DetectOptions,
-    version=1,
+    version=2,
     run=run,
     uses=("tray", "hull", "sonar"),
 )
