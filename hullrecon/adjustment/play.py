@@ -11,6 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.geometry.robust import robust_sigma
+
 Array = NDArray[np.float64]
 
 
@@ -18,7 +20,7 @@ def sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0) -> Arra
     """+1 or -1 for each node (n,): the side that explains measured - adjusted = play * side. `excess` (n,) is measured minus
     adjusted, rad. Where no play shows (levels closer than their spread) the prior direction is kept."""
     low, high = _two_levels(excess)
-    sigma = max(float(np.median(np.abs(np.minimum(np.abs(excess - low), np.abs(excess - high))))) * 1.4826, 1e-5)
+    sigma = max(robust_sigma(np.minimum(np.abs(excess - low), np.abs(excess - high)), about=0.0), 1e-5)
     if high - low < 3 * sigma or len(excess) < 10:
         return prior_direction
     fit = np.stack([(excess - low) ** 2, (excess - high) ** 2], axis=1) / (2 * sigma**2)

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon import native
+from hullrecon.geometry.robust import robust_sigma
 
 
 def by_factor(evaluation: native.Evaluation) -> dict[str, dict[str, float]]:
-    """For each factor of a problem: count of residuals, RMS, robust sigma (1.4826 MAD) and share beyond three."""
+    """For each factor of a problem: count of residuals, RMS, robust sigma and share beyond three."""
     found = {}
     for number, name in enumerate(native.FACTORS):
         values = evaluation.residual[evaluation.factor == number]
@@ -24,6 +25,6 @@ def _figures(values: NDArray[np.float64]) -> dict[str, float]:
     return {
         "count": float(len(values)),
         "rms": float(np.sqrt(np.mean(values**2))),
-        "robust_sigma": float(1.4826 * np.median(np.abs(values - np.median(values)))),
+        "robust_sigma": robust_sigma(values),
         "share_beyond_3": float(np.mean(np.abs(values) > 3)),
     }

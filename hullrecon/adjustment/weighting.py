@@ -14,6 +14,7 @@ from hullrecon.adjustment.assembly import Selection, cell_share
 from hullrecon.adjustment.model import Measurements
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.state import State, Weights
+from hullrecon.geometry.robust import robust_sigma
 
 Array = NDArray[np.float64]
 DENSITY_SIGMA = 0.002  # relative, of sea water where it was not measured
@@ -47,8 +48,7 @@ def settled(m: Measurements, state: State, chosen: Selection, weights: Weights, 
     pixel = selection.pixel_sigma(m, state, chosen, options.least_pixel_sigma)
     side = play.sides(m.trajectory.tray - state.tray, weights.tray_direction)
     excess = m.trajectory.tray - state.tray - state.navigation[5] * side
-    excess -= np.median(excess)
-    tray = float(np.clip(1.4826 * np.median(np.abs(excess)), np.radians(0.02), m.rig.tray_sigma))
+    tray = float(np.clip(robust_sigma(excess), np.radians(0.02), m.rig.tray_sigma))
     return replace(weights, pixel=pixel, depth=_depth_weight(m, state), tray_direction=side, tray=tray)
 
 
@@ -64,7 +64,6 @@ def _depth_weight(m: Measurements, state: State) -> float:
         return 1.0
     z = state.nodes[m.attitude.node].apply(m.rig.pressure_origin)[:, 2]
     given = float(np.median(m.attitude.sigma[:, 0]))
-    residual = z - m.attitude.depth
-    white = 1.4826 * float(np.median(np.abs(residual - np.median(residual))))
+    white = robust_sigma(z - m.attitude.depth)
     shared = DENSITY_SIGMA * np.sqrt(len(z)) * float(np.std(z))
     return float(np.clip(max(white, shared, 1e-3) / given, 0.0, 1.0))

@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 
 from hullrecon.geometry.chart import Chart
 from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.robust import robust_sigma
 
 Array = NDArray[np.float64]
+MEDIAN_OVER_MEAN = 1.2533  # sigma of a median of many normal values over that of their mean: sqrt(pi / 2)
+UNKNOWN_SIGMA_M = 0.05  # of a median of one value or none
 
 
 class Background(Protocol):
@@ -99,5 +102,5 @@ def _cell_medians(cell: NDArray[np.int64], at: Array, value: Array) -> tuple[Arr
 def _robust_error(values: Array) -> float:
     """One sigma of the median of these values."""
     if len(values) < 2:
-        return 0.05
-    return float(1.4826 * np.median(np.abs(values - np.median(values))) * 1.2533 / np.sqrt(len(values)))
+        return UNKNOWN_SIGMA_M
+    return float(robust_sigma(values) * MEDIAN_OVER_MEAN / np.sqrt(len(values)))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.robust import NORMAL_MAD
 
 Array = NDArray[np.float64]
 CHUNK = 20_000  # vertices at once: bounds memory
@@ -59,7 +60,7 @@ def _heights(
     weight = np.where(near, (1 - np.minimum(1, distance / width) ** 2) ** 2 / (sigma[row] ** 2 + LEAST_SCALE_M**2), 0.0)
     h = np.where(near, height[row], np.nan)
     start = _median(h[:, :7])
-    scale = np.clip(1.4826 * _median(np.abs(h - start[:, None])), LEAST_SCALE_M, MOST_SCALE_M)
+    scale = np.clip(NORMAL_MAD * _median(np.abs(h - start[:, None])), LEAST_SCALE_M, MOST_SCALE_M)
     east, north = _tangents(normal)
     gap = feet[row] - at[:, None, :]
     a, b = np.einsum("nki,ni->nk", gap, east), np.einsum("nki,ni->nk", gap, north)

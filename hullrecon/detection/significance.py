@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from hullrecon.detection.found import Found
 from hullrecon.detection.regions import Region
+from hullrecon.geometry.robust import robust_sigma
 
 Array = NDArray[np.float64]
 
@@ -16,15 +17,14 @@ Array = NDArray[np.float64]
 def roughness(found: Found) -> float:
     """One robust sigma of the measured heights: what hull and noise do without structures, m."""
     height = found.height[found.measured]
-    return float(1.4826 * np.median(np.abs(height - np.median(height)))) if len(height) else 0.0
+    return robust_sigma(height) if len(height) else 0.0
 
 
 def height_sigma(found: Found, region: Region) -> float:
     """One sigma of a region's height: of a vertex at its top and of the ring's level. Neighbouring vertices share landmarks, so
     the top counts as one vertex and the ring as one for each of its eight sides at most."""
     top = float(np.median(found.sigma[region.core]))
-    ring = found.height[region.ring]
-    level = 1.4826 * float(np.median(np.abs(ring - np.median(ring)))) / np.sqrt(min(8, len(ring)))
+    level = robust_sigma(found.height[region.ring]) / np.sqrt(min(8, len(region.ring)))
     return float(np.hypot(top, level))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.evaluation.drawing import COLOURS, GREEN, INK, LIGHT, RED, Figure, colour, finished, new_figure
+from hullrecon.geometry.robust import robust_sigma
 
 Array = NDArray[np.float64]
 EXPLAINED = {
@@ -92,14 +93,14 @@ def range_histogram(before: Mapping[str, Array], after: Mapping[str, Array], rea
     }
     for name, values in {**before, **after}.items():
         share = 100 * counts[name] / max(1, len(values))
-        said = f"{name}:\n{1e3 * _spread(values):.1f} mm, {1e3 * np.median(values):+.1f} mm"
+        said = f"{name}:\n{1e3 * robust_sigma(values):.1f} mm, {1e3 * np.median(values):+.1f} mm"
         axis.stairs(share, 1e3 * edges, label=said, **looks[name])
     axis.set(xlabel="predicted minus measured range (mm)", ylabel="DVL returns (%)", xlim=(-1e3 * reach_m, 1e3 * reach_m))
     figure.legend(fontsize=8, title="robust sigma, median", title_fontsize=8, frameon=False, loc="outside right upper")
     middle = 0.5 * (edges[1:] + edges[:-1])
     rows = zip(middle.tolist(), *(count.tolist() for count in counts.values()), strict=True)
     table = [",".join(["residual_m", *counts]), *(",".join(f"{value:.5g}" for value in row) for row in rows)]
-    words = "; ".join(f"{name} {1e3 * _spread(values):.0f} mm" for name, values in {**before, **after}.items())
+    words = "; ".join(f"{name} {1e3 * robust_sigma(values):.0f} mm" for name, values in {**before, **after}.items())
     return finished("range_residuals", figure, table, f"Robust sigma of the DVL's range residuals: {words}.")
 
 
@@ -156,8 +157,3 @@ def _section(axis: Any, section: Section) -> None:
 def _line(axis: Any, points: Array, colour_of: str, name: str) -> None:
     if len(points):
         axis.plot(*points.T, color=colour_of, linewidth=1.0, label=name)
-
-
-def _spread(values: Array) -> float:
-    """Robust sigma, 1.4826 MAD."""
-    return float(1.4826 * np.median(np.abs(values - np.median(values)))) if len(values) else float("nan")

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.errors import InputError
+from hullrecon.geometry.robust import NORMAL_MAD
 
 Array = NDArray[np.float64]
 STEEP = np.cos(np.radians(30.0))  # a plane lies flat when its normal is within 30 degrees of the vertical
@@ -61,7 +62,7 @@ def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) ->
 def _near(off: Array) -> NDArray[np.bool_]:
     """Whether heights (n,) over a plane are within 3 robust sigma of their middle; the nearest three always are."""
     away = np.abs(off - np.median(off))
-    return np.asarray(away <= max(3 * 1.4826 * float(np.median(away)), float(np.sort(away)[2]), 1e-9))
+    return np.asarray(away <= max(3 * NORMAL_MAD * float(np.median(away)), float(np.sort(away)[2]), 1e-9))
 
 
 def _least_median_plane(points: Array, trials: int = 200, seed: int = 0) -> Array:

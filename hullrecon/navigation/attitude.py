@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.records import ImuSamples
 from hullrecon.geometry.poses import Poses, interpolate
+from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.clock import gaps, seconds
 from hullrecon.navigation.smoothing import local_line
 
@@ -92,7 +93,7 @@ def _noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
     step = float(np.median(np.diff(t)))
     lags = np.unique(np.geomspace(1, max(2, longest_s / step), 12).astype(int))
     lags = lags[lags < len(t) // 2]
-    spread = [np.mean((1.4826 * np.median(np.abs(gap[lag:] - gap[:-lag]), axis=0)) ** 2) for lag in lags]
+    spread = [np.mean((NORMAL_MAD * np.median(np.abs(gap[lag:] - gap[:-lag]), axis=0)) ** 2) for lag in lags]
     design = np.stack([np.full(len(lags), 2.0), lags * step], axis=1)
     white, walk = np.linalg.lstsq(design, np.asarray(spread), rcond=None)[0]
     return max(float(white), 1e-12), max(float(walk), 1e-10)

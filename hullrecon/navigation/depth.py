@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.records import PressureSamples
+from hullrecon.geometry.robust import robust_sigma
 from hullrecon.navigation.dead_reckoning import Reckoning
 from hullrecon.navigation.smoothing import local_line, running_median
 
@@ -45,7 +46,7 @@ def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints,
     steady = running_median(gap[:, None], 5)[:, 0]
     slow, _ = local_line(t, steady, np.concatenate([at, t]), WIDTH_S)
     shift, fitted = slow[: len(at), 0], slow[len(at) :, 0]
-    white = 1.4826 * float(np.median(np.abs(gap - fitted)))
+    white = robust_sigma(gap - fitted, about=0.0)
     step = float(np.median(np.diff(t)))
     sigma = max(white * np.sqrt(step / (2 * np.sqrt(np.pi) * WIDTH_S)), 1e-3)
     near, _ = local_line(t, steady, at, window_s)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.records import DvlPings, Returns
+from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.dead_reckoning import Instant, Reckoning
 from hullrecon.navigation.nodes import nearest
 from hullrecon.navigation.smoothing import running_median
@@ -53,6 +54,6 @@ def flag_ranges(dvl: DvlPings, window_s: float, jump_m: float, sigmas: float, si
     period_s = float(np.median(np.diff(dvl.t_ns))) * 1e-9
     count = 2 * max(1, round(0.5 * window_s / max(period_s, 1e-3))) + 1
     away = np.abs(ranges - running_median(ranges, count))
-    sigma = np.maximum(1.4826 * running_median(away, count), sigma_range_m)
+    sigma = np.maximum(NORMAL_MAD * running_median(away, count), sigma_range_m)
     with np.errstate(invalid="ignore"):
         return np.asarray((away > jump_m) | (away > sigmas * sigma))

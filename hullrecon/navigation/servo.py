@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.records import JointSamples
+from hullrecon.geometry.robust import robust_sigma
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -40,7 +41,7 @@ def servo(tray: JointSamples | None, start_ns: int) -> Servo:
         return Servo(np.array([start_ns]), np.zeros(1), np.ones(1))
     known = np.isfinite(tray.angle)
     angle = tray.angle[known]
-    flicker = 1.4826 * np.median(np.abs(np.diff(angle, n=2))) / np.sqrt(6) if len(angle) > 2 else 0.0
+    flicker = robust_sigma(np.diff(angle, n=2), about=0.0) / np.sqrt(6) if len(angle) > 2 else 0.0
     return Servo(tray.t_ns[known], angle, _directions(angle, max(LEAST_TRAVEL_RAD, 6 * float(flicker))))
 
 

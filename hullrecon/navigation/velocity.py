@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.records import DvlPings
+from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.clock import gaps
 from hullrecon.navigation.smoothing import running_median
 
@@ -56,7 +57,7 @@ def _stray(velocity: Array, count: int = 9) -> NDArray[np.bool_]:
     if len(velocity) < count:
         return np.zeros(len(velocity), bool)
     away = np.linalg.norm(velocity - running_median(velocity, count), axis=1)
-    return np.asarray(away > max(STRAY_M_S, STRAY_SIGMAS * 1.4826 * float(np.median(away))))
+    return np.asarray(away > max(STRAY_M_S, STRAY_SIGMAS * NORMAL_MAD * float(np.median(away))))
 
 
 def _agitation(t_ns: Ints, velocity: Array, sigma: Array) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.robust import robust_sigma
 
 Array = NDArray[np.float64]
 
@@ -29,4 +30,4 @@ def scatter(at: Array, values: Array, neighbours: int = 6) -> float:
         return 0.0
     _, near = nearest(at, at, count + 1)
     off = values - values[near[:, 1:]].mean(axis=1)
-    return float(1.4826 * np.median(np.abs(off)) / np.sqrt(1 + 1 / count))
+    return float(robust_sigma(off, about=0.0) / np.sqrt(1 + 1 / count))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.vision.descriptors import Floats, unit
 from hullrecon.vision.features import Features
 from hullrecon.vision.options import MatchOptions
@@ -79,7 +80,7 @@ def drop_lonely_depths(matches: StereoMatches, xy: Array, neighbours: int = 8, f
     near = np.asarray(cKDTree(xy).query(xy, k=neighbours + 1)[1])[:, 1:]
     gap = np.abs(inverse[near] - inverse[:, None])
     typical = np.median(np.abs(inverse[near] - np.median(inverse[near], axis=1, keepdims=True)))
-    close = (gap < factor * 1.4826 * max(float(typical), 1e-4)).sum(axis=1) >= neighbours // 4
+    close = (gap < factor * NORMAL_MAD * max(float(typical), 1e-4)).sum(axis=1) >= neighbours // 4
     return StereoMatches(matches.top[close], matches.bottom[close], matches.point[close])
 
 

@@ -1,0 +1,19 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The spread of values some of which are wild."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+NORMAL_MAD = 1.4826  # one sigma of normal values over the median of their distances from the middle: 1 / Phi^-1(3/4)
+
+
+def robust_sigma(values: Array, about: float | None = None) -> float:
+    """One sigma of values (n,), in their unit, as if they were normal, by the median of their distances from `about`, their own
+    median when it is not given. Up to half of them may be wild. NaN of nothing."""
+    if not len(values):
+        return float("nan")
+    return float(NORMAL_MAD * np.median(np.abs(values - (np.median(values) if about is None else about))))
