@@ -15,7 +15,8 @@ from hullrecon.geometry.robust import NORMAL_MAD
 Array = NDArray[np.float64]
 CHUNK = 20_000  # vertices at once: bounds memory
 SLOPE_SIGMA = 0.5  # prior of the height's slope, about zero: keeps thin neighbourhoods from extrapolating
-BEND_SIGMA = 5.0  # 1/m, prior of its second-order terms, about zero: a lump's top is not cut off by a plane
+BEND_SIGMA = 5.0  # 1/m, prior of its second-order terms, about zero: a plane alone would cut off a lump's top
+ROUNDS = 4  # of weights by the last fit, and a fit by these weights
 LEAST_SCALE_M = 0.003  # landmarks nearer to each other than this are never outliers
 MOST_SCALE_M = 0.012  # nor is a step an inlier because a neighbourhood straddles it
 
@@ -38,8 +39,9 @@ def local_heights(
 ) -> Heights:
     """Heights at vertices (n, 3) with outward normals (n, 3) from landmarks' feet (m, 3), heights (m,) and sigmas (m,) m.
 
-    Around each vertex: the median of the nearest few, then a plane refitted with Tukey's weights about it, so that the side of
-    a step on which the vertex lies decides. NaN where fewer than three landmarks are within reach.
+    Around each vertex: the median of the nearest few, then a polynomial of second order in the tangent plane refitted with
+    Tukey's weights about it, so that the side of a step on which the vertex lies decides; slope and bend are held to zero by
+    priors. NaN where fewer than three landmarks are within reach.
     """
     parts = [
         _heights(at[i : i + CHUNK], normal[i : i + CHUNK], feet, height, sigma, neighbours, reach_m)
@@ -63,15 +65,14 @@ def _heights(
     scale = np.clip(NORMAL_MAD * _median(np.abs(h - start[:, None])), LEAST_SCALE_M, MOST_SCALE_M)
     east, north = _tangents(normal)
     gap = feet[row] - at[:, None, :]
-    a, b = np.einsum("nki,ni->nk", gap, east), np.einsum("nki,ni->nk", gap, north)
-    plane = np.stack([np.ones_like(distance), a, b, a * a, a * b, b * b], axis=2)
+    terms = _terms(np.einsum("nki,ni->nk", gap, east), np.einsum("nki,ni->nk", gap, north))
     fit = np.concatenate([np.nan_to_num(start)[:, None], np.zeros((len(at), 5))], axis=1)
     h = np.nan_to_num(h)
-    for _ in range(4):
-        off = (h - np.einsum("nkj,nj->nk", plane, fit)) / (4.0 * scale[:, None])
+    for _ in range(ROUNDS):
+        off = (h - np.einsum("nkj,nj->nk", terms, fit)) / (4.0 * scale[:, None])
         robust = weight * np.maximum(0.0, 1 - off**2) ** 2
-        fit, inverse = _plane(plane, h, robust, fit)
-    error = _error(plane, h, fit, robust, sigma[row], inverse)
+        fit, variance = _fitted(terms, h, robust, fit)
+    error = _error(terms, h, fit, robust, sigma[row], variance)
     agreement = (weight * (np.abs(off) < 1)).sum(axis=1) / (weight.sum(axis=1) + 1e-12)
     known = count >= 3
     return (
@@ -82,24 +83,30 @@ def _heights(
     )
 
 
-def _error(plane: Array, h: Array, fit: Array, weight: Array, sigma: Array, inverse: Array) -> Array:
+def _terms(a: Array, b: Array) -> Array:
+    """(n, k, 6) terms of the polynomial at a, b (n, k) m from the vertex: height, slopes, second order."""
+    return np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=2)
+
+
+def _error(terms: Array, h: Array, fit: Array, weight: Array, sigma: Array, variance: Array) -> Array:
     """One sigma of the heights (n,): of a landmark, by its own word or by the scatter if that is larger, over the root of how
-    many count, times the leverage of a plane against a mean."""
+    many count, times the leverage of the polynomial against a mean."""
     total = weight.sum(axis=1) + 1e-12
-    scatter = np.einsum("nk,nk->n", weight, (h - np.einsum("nkj,nj->nk", plane, fit)) ** 2) / total
+    scatter = np.einsum("nk,nk->n", weight, (h - np.einsum("nkj,nj->nk", terms, fit)) ** 2) / total
     claimed = np.einsum("nk,nk->n", weight, sigma**2) / total
     effective = np.maximum(1.0, total**2 / (np.einsum("nk,nk->n", weight, weight) + 1e-12))
-    leverage = np.maximum(1.0, inverse * total)
+    leverage = np.maximum(1.0, variance * total)
     return np.asarray(np.sqrt(np.maximum(scatter, claimed) * leverage / effective))
 
 
-def _plane(plane: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:
-    """Weighted least squares of height and slope (n, 3), and the height's variance (n,); as before where nothing weighs."""
-    normal_matrix = np.einsum("nki,nk,nkj->nij", plane, weight, plane, optimize=True)
+def _fitted(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:
+    """Coefficients (n, 6) of the terms by weighted least squares with priors, and the height's variance (n,); as before where
+    nothing weighs."""
+    normal_matrix = np.einsum("nki,nk,nkj->nij", terms, weight, terms, optimize=True)
     normal_matrix[:, [1, 2], [1, 2]] += 1 / SLOPE_SIGMA**2
     normal_matrix[:, [3, 4, 5], [3, 4, 5]] += 1 / BEND_SIGMA**2
     normal_matrix[:, 0, 0] += 1e-6
-    right = np.einsum("nki,nk,nk->ni", plane, weight, h, optimize=True)
+    right = np.einsum("nki,nk,nk->ni", terms, weight, h, optimize=True)
     inverse = np.linalg.inv(normal_matrix)
     fit = np.einsum("nij,nj->ni", inverse, right)
     empty = weight.sum(axis=1) <= 0

@@ -27,6 +27,13 @@ def test_a_slope_is_followed_without_bias() -> None:
     assert np.allclose(heights.value, [0.05, -0.03], atol=1e-4)
 
 
+def test_the_top_of_a_lump_is_not_cut_off() -> None:
+    feet = _feet(1000)
+    off = np.hypot(feet[:, 0] - 0.5, feet[:, 1] - 0.5)
+    heights = _at([[0.5, 0.5]], feet, 0.05 - 4.0 * off**2)
+    assert heights.value[0] == pytest.approx(0.05, abs=0.003)  # 6 mm too low by a plane alone
+
+
 def test_noise_is_averaged_and_sigma_says_how_far() -> None:
     feet = _feet()
     noise = np.random.default_rng(2).normal(0, 0.003, len(feet))
