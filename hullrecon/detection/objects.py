@@ -49,6 +49,18 @@ class HullObject:
 
 
 @dataclass(frozen=True)
+class _Candidate:
+    """A region looked at. center: the vertex in the middle of its top; seen: views that show it, the best first; chance that
+    bare hull looks so; sigma m of its height."""
+
+    region: Region
+    center: int
+    seen: Ints
+    chance: float
+    sigma: float
+
+
+@dataclass(frozen=True)
 class Rejected:
     """A region that was not reported, and why."""
 
@@ -73,33 +85,28 @@ def find_objects(
     around = Around(measured.foot)
     objects, rejected = [], []
     for region in find_regions(found, options):
-        center = _center(found, region, area)
-        seen = _seen_by(found, region, views, scene)
-        sigma = height_sigma(found, region)
-        places = float(area[found.measured].sum() / max(area[region.foot].sum(), 1e-9))
-        chance = p_value(region.height, sigma, rough, places)
-        doubt = _doubt(found, region, area, _witnesses(found, region, around, measured, height), len(seen), chance, options)
+        candidate = _candidate(found, region, area, rough, _seen_by(found, region, views, scene))
+        doubt = _doubt(found, candidate, area, _witnesses(found, region, around, measured, height), options)
         if doubt:
-            rejected.append(Rejected(_rounded(found.mesh.vertices[center]), round(region.height, 5), doubt))
-            continue
-        # Where its top and the hull around it are said to be is no finer than the hull; and a peak is read where enough of it
-        # reaches: how far it may go on above that, its bluntness says.
-        sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2))
-        objects.append(_object(found, region, area, center, sigma, chance, views, seen, chart, drawn))
+            rejected.append(Rejected(_rounded(found.mesh.vertices[candidate.center]), round(region.height, 5), doubt))
+        else:
+            objects.append(_object(found, candidate, area, views, chart, drawn))
     return objects, rejected
 
 
-def _doubt(
-    found: Found,
-    region: Region,
-    area: Array,
-    witnesses: tuple[int, float],
-    seen: int,
-    chance: float,
-    options: DetectOptions,
-) -> str:
-    """Why the region is not an object, or nothing."""
-    on, agree = witnesses
+def _candidate(found: Found, region: Region, area: Array, rough: float, seen: Ints) -> _Candidate:
+    sigma = height_sigma(found, region)
+    places = float(area[found.measured].sum() / max(area[region.foot].sum(), 1e-9))
+    chance = p_value(region.height, sigma, rough, places)
+    # Where its top and the hull around it are said to be is no finer than the hull; and a peak is read where enough of it
+    # reaches: how far it may go on above that, its bluntness says.
+    sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2))
+    return _Candidate(region, _center(found, region, area), seen, chance, sigma)
+
+
+def _doubt(found: Found, candidate: _Candidate, area: Array, witnesses: tuple[int, float], options: DetectOptions) -> str:
+    """Why the region is not an object, or nothing. witnesses: landmarks that agree, and their share."""
+    region, seen, (on, agree) = candidate.region, len(candidate.seen), witnesses
     shapes = int(np.percentile(found.shapes[region.core], 75))
     core = float(area[region.core].sum())
     least = options.least_height + float(np.median(found.facet[region.core]))
@@ -109,7 +116,7 @@ def _doubt(
         (on < options.least_landmarks, f"only {on} landmarks"),
         (agree < options.least_agreement, f"only {100 * agree:.0f} % of its landmarks agree"),
         (min(seen, shapes) < options.least_views, f"only {min(seen, shapes)} images show it"),
-        (chance > options.significance, f"bare hull does so with probability {chance:.2g}"),
+        (candidate.chance > options.significance, f"bare hull does so with probability {candidate.chance:.2g}"),
     )
     return next((reason for failed, reason in checks if failed), "")
 
@@ -155,10 +162,8 @@ def _top_rows(found: Found, region: Region) -> Ints:
     return top if len(top) else region.core
 
 
-def _object(
-    found: Found, region: Region, area: Array, center: int, sigma: float, chance: float, views: Views, seen: Ints, chart: Chart,
-    drawn: bool,
-) -> HullObject:  # fmt: skip
+def _object(found: Found, candidate: _Candidate, area: Array, views: Views, chart: Chart, drawn: bool) -> HullObject:
+    region = candidate.region
     foot, core = region.foot, region.core
     normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
     normal /= np.linalg.norm(normal)
@@ -166,17 +171,17 @@ def _object(
     deviation = region.side * weighted_quantile(region.side * found.deviation[core], area[core], 0.98)
     above = found.height[foot] - region.level
     return HullObject(
-        center=_rounded(_top(found, region, center)),
+        center=_rounded(_top(found, region, candidate.center)),
         normal=_rounded(normal),
         height=round(region.height, 5),
-        height_sigma=round(sigma, 5),
+        height_sigma=round(candidate.sigma, 5),
         deviation=round(deviation, 5) if drawn else None,
         extent=_rounded(_extent(found.base.vertices[foot], normal, chart)),
         area=round(float(area[foot].sum()), 6),
         volume=round(float((above * area[foot]).sum()), 7),
-        views=len(seen),
-        p_value=float(f"{chance:.3g}"),
-        images=[views.name[view] for view in seen[:IMAGES]],
+        views=len(candidate.seen),
+        p_value=float(f"{candidate.chance:.3g}"),
+        images=[views.name[view] for view in candidate.seen[:IMAGES]],
         outline=[_rounded(point) for point in line],
     )
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,7 @@ SPECK = 0.3  # of the least area: smaller regions are noise, not candidates
 FOOT_SHARE = 0.25  # of the height, where the footprint ends
 SADDLE_STEP = 1.2  # from one level at which a saddle is looked for to the next
 RING_GAP_M = 0.04  # the ring of hull begins so far from the footprint, beyond what edges blur
+LEAST_RING = 10  # vertices; fewer do not say where the hull around lies
 
 
 @dataclass(frozen=True)
@@ -39,78 +41,83 @@ class Region:
     bluntness: float
 
 
+@dataclass(frozen=True)
+class _Relief:
+    """The hull as found, and what is asked of it again and again: area (n,) m2 of its vertices, off (n,) whether they stand off
+    the hull by the threshold, around: where its vertices lie."""
+
+    found: Found
+    area: Array
+    off: NDArray[np.bool_]
+    around: Around
+    options: DetectOptions
+
+    def clusters(self, rows: Ints) -> list[Ints]:
+        """Those vertices in clusters; what is nearer than `cluster_reach` is one."""
+        label = dbscan(self.found.base.vertices[rows], self.options.cluster_reach, self.options.cluster_points)
+        return [rows[label == k] for k in range(int(label.max(initial=-1)) + 1)]
+
+
 def find_regions(found: Found, options: DetectOptions) -> list[Region]:
     """Raised and sunken regions of measured vertices, the highest first; parts nearer than `cluster_reach` are one."""
-    area = vertex_areas(found.base)
     off = found.measured & (np.abs(found.height) >= options.threshold)
-    regions = []
-    around = Around(found.base.vertices)
-    for side in (1.0, -1.0):
-        rows = np.flatnonzero(off & (side * found.height > 0))
-        label = dbscan(found.base.vertices[rows], options.cluster_reach, options.cluster_points)
-        for cluster in range(int(label.max(initial=-1)) + 1):
-            parts = _parted(found, area, rows[label == cluster], side, options)
-            for k, seed in enumerate(parts):
-                if area[seed].sum() < SPECK * options.least_area:
-                    continue
-                foreign = np.concatenate([np.zeros(0, np.int64), *parts[:k], *parts[k + 1 :]])
-                region = _region(found, area, off, around, seed, foreign, side, options)
-                if region is not None:
-                    regions.append(region)
-    return sorted(regions, key=lambda r: (-abs(r.height), int(r.foot[0])))
+    relief = _Relief(found, vertex_areas(found.base), off, Around(found.base.vertices), options)
+    regions = [_region(relief, seed, foreign, side) for side in (1.0, -1.0) for seed, foreign in _seeds(relief, side)]
+    return sorted((r for r in regions if r is not None), key=lambda r: (-abs(r.height), int(r.foot[0])))
 
 
-def _parted(found: Found, area: Array, rows: Ints, side: float, options: DetectOptions) -> list[Ints]:
+def _seeds(relief: _Relief, side: float) -> Iterator[tuple[Ints, Ints]]:
+    """Vertices of each candidate on that side, and those of its neighbours that were parted from it."""
+    for cluster in relief.clusters(np.flatnonzero(relief.off & (side * relief.found.height > 0))):
+        parts = _parted(relief, cluster, side)
+        for k, seed in enumerate(parts):
+            if relief.area[seed].sum() >= SPECK * relief.options.least_area:
+                yield seed, np.concatenate([np.zeros(0, np.int64), *parts[:k], *parts[k + 1 :]])
+
+
+def _parted(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
     """A cluster, or its parts: two peaks are two structures when the saddle between them is lower than half of either.
     Smoothing bridges the hull between neighbours, so that clusters at the threshold may hold both."""
-    height = side * found.height[rows]
-    level = SADDLE_STEP * options.threshold
+    height, vertices = side * relief.found.height[rows], relief.found.base.vertices
+    level = SADDLE_STEP * relief.options.threshold
     while level < 0.5 * height.max():
-        high = rows[height > level]
-        label = dbscan(found.base.vertices[high], options.cluster_reach, options.cluster_points)
-        peaks = [high[label == k] for k in range(int(label.max(initial=-1)) + 1)]
-        peaks = [p for p in peaks if _is_peak(side * found.height[p], area[p], level, options)]
+        peaks = [p for p in relief.clusters(rows[height > level]) if _is_peak(relief, p, side, level)]
         if len(peaks) > 1:
-            gap = np.stack([nearest(found.base.vertices[p], found.base.vertices[rows], 1)[0][:, 0] for p in peaks])
+            gap = np.stack([nearest(vertices[p], vertices[rows], 1)[0][:, 0] for p in peaks])
             owner = gap.argmin(axis=0)
-            return [part for k in range(len(peaks)) for part in _parted(found, area, rows[owner == k], side, options)]
+            return [part for k in range(len(peaks)) for part in _parted(relief, rows[owner == k], side)]
         level *= SADDLE_STEP
     return [rows]
 
 
-def _is_peak(height: Array, area: Array, level: float, options: DetectOptions) -> bool:
+def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
     """Wide enough to be told from noise, and twice as high as the level that cuts it off."""
-    wide = area.sum() >= SPECK * options.least_area
-    return bool(wide and weighted_quantile(height, area, 1 - min(0.5, TOP_M2 / area.sum())) >= 2 * level)
+    area = relief.area[rows]
+    wide = area.sum() >= SPECK * relief.options.least_area
+    return bool(wide and _reached(side * relief.found.height[rows], area, TOP_M2) >= 2 * level)
 
 
-def _region(
-    found: Found,
-    area: Array,
-    off: NDArray[np.bool_],
-    around: Around,
-    seed: Ints,
-    foreign: Ints,
-    side: float,
-    options: DetectOptions,
-) -> Region | None:
+def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region | None:
     """None when no hull was measured around it to count the height from. foreign: vertices of its neighbours."""
-    base = found.base.vertices
+    found, area, base = relief.found, relief.area, relief.found.base.vertices
     width = float(np.clip(0.5 * np.sqrt(area[seed].sum()), 0.08, 0.25))
-    near = around.ball(base[seed], RING_GAP_M + width)
+    near = relief.around.ball(base[seed], RING_GAP_M + width)
     distance = nearest(base[seed], base[near], 1)[0][:, 0]
-    ring = near[(distance > RING_GAP_M) & (distance < RING_GAP_M + width) & found.measured[near] & ~off[near]]
-    if len(ring) < 10:
+    ring = near[(distance > RING_GAP_M) & (distance < RING_GAP_M + width) & found.measured[near] & ~relief.off[near]]
+    if len(ring) < LEAST_RING:
         return None
     level = weighted_quantile(found.height[ring], area[ring], 0.5)
     above = side * (found.height - level)
-    height, shoulder = (
-        weighted_quantile(above[seed], area[seed], 1 - min(0.5, share * TOP_M2 / area[seed].sum())) for share in (1, 3)
-    )
-    own = (distance <= options.cluster_reach) & found.measured[near] & ~np.isin(near, foreign)
+    height, shoulder = (_reached(above[seed], area[seed], top) for top in (TOP_M2, 3 * TOP_M2))
+    own = (distance <= relief.options.cluster_reach) & found.measured[near] & ~np.isin(near, foreign)
     foot = near[own & (above[near] >= FOOT_SHARE * height)]
     core = foot[above[foot] >= 0.5 * height]
     return Region(side, foot, core, ring, level, side * height, height - shoulder) if len(core) else None
+
+
+def _reached(height: Array, area: Array, top_m2: float) -> float:
+    """The height that so much of the area reaches, half of it at most."""
+    return weighted_quantile(height, area, 1 - min(0.5, top_m2 / area.sum()))
 
 
 def weighted_quantile(values: Array, weight: Array, share: float) -> float:
