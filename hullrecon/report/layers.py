@@ -51,14 +51,15 @@ def motion_json(motion: Poses) -> dict[str, list[float]]:
 
 
 def alignment_json(solution: Solution, hull: Hull, weak: list[Mapping[str, Any]]) -> dict[str, Any]:
-    """alignment.json of OUTPUTS: T_g_M with its covariance, the guess before, and the directions that stay weak."""
+    """alignment.json of OUTPUTS: T_g_M, the guess before, and the directions that stay weak. covariance: of where the hull lies
+    given the dive's own frame, with the drawing's error in it (Solution.hull_covariance)."""
     motion = hull_motion(solution)
     if motion is None:
         raise ValueError("no drawing was aligned")
     return {
         "T_g_M": motion_json(motion),
         "covariance": solution.hull_covariance.tolist(),
-        "covariance_order": "translation x y z in M (m), rotation x y z perturbed on the right (rad), about survey_center",
+        "covariance_order": "translation x y z in g (m), rotation x y z perturbed on the right (rad), about survey_center",
         "survey_center": solution.survey_center.tolist(),
         "prior": {**motion_json(from_mount(hull.pose)), "sigma_m_deg": list(hull.pose_sigma)},
         "weak_directions": weak,

@@ -119,7 +119,8 @@ def test_the_alignment_names_its_prior_and_its_weak_directions(solution: Solutio
     said = alignment_json(solution, hull, [{"sigma": 0.5, "sentence": "along"}])
     assert said["T_g_M"]["translation"] == [10.0, 20.0, 3.0]
     np.testing.assert_allclose(np.abs(said["prior"]["quaternion"]), [1, 0, 0, 0], atol=1e-9)
-    assert np.shape(said["covariance"]) == (6, 6)
+    assert said["covariance"] == solution.hull_covariance.tolist()
+    assert said["covariance_order"].startswith("translation x y z in g")  # as Solution has it: added in the parent frame
     assert said["weak_directions"][0]["sentence"] == "along"
 
 
