@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
+from datasets import dataset
 
 from benchmarks import adjustment, handover, libmv
 from benchmarks.bundle import rms_px
@@ -16,8 +15,6 @@ from benchmarks.peer_hullrecon import problem_of
 from benchmarks.solve_one import rigid_rmse_m
 from hullrecon.errors import InputError
 from hullrecon.native import Options, solve
-
-DATA = Path(os.environ.get("HULLRECON_DATA", Path(__file__).parents[3] / "shared" / "data")) / "ba-small"
 
 
 def test_a_problem_comes_back_from_its_file(small, tmp_path):
@@ -71,10 +68,7 @@ def test_a_rigid_motion_and_nothing_else_is_taken_off():
 
 @pytest.mark.parametrize(("number", "sizes", "rms"), [(1, (333, 26), 0.92192863), (3, (500, 37), 0.21950205)])
 def test_a_libmv_problem_ends_where_plain_ceres_and_gtsam_end(number, sizes, rms):
-    path = DATA / f"libmv_problem_0{number}.bin"
-    if not path.exists():
-        pytest.skip(f"no evaluation data in {DATA}")
-    bundle = libmv.read(path)
+    bundle = libmv.read(dataset("ba-small") / f"libmv_problem_0{number}.bin")
     assert (len(bundle.pose), len(bundle.point)) == sizes
     options = Options(method="naive", huber_pixel=np.inf, function_tolerance=1e-14, max_iterations=30)
     found = solve(problem_of(bundle), options).unknowns

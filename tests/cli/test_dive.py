@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from datasets import dataset
 from hullrecon_cli.main import main
 
 TOML = """[dive]
@@ -89,11 +90,8 @@ def test_check_of_a_bare_log_says_what_it_holds_and_what_is_missing(capsys, pack
     assert "`hullrecon init`" in out
 
 
-def test_check_of_a_real_bag_ends_well(capsys, tmp_path):
-    bag = Path(__file__).parents[3] / "shared" / "data" / "ros1-micron-bag" / "static_sonar.bag"
-    if not bag.exists():
-        pytest.skip("no evaluation data")
-    code, out, _ = call(capsys, "check", bag)
+def test_check_of_a_real_bag_ends_well(capsys):
+    code, out, _ = call(capsys, "check", dataset("ros1-micron-bag") / "static_sonar.bag")
     assert code == 0
     assert "2784 messages on 7 topics" in out
 

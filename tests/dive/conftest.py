@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from datasets import dataset
 
 START_NS = 1_777_887_000_000_000_000
 NS = 1_000_000_000
@@ -189,10 +189,7 @@ def kit() -> Kit:
 
 @pytest.fixture(scope="session")
 def data() -> Path:
-    folder = Path(os.environ.get("HULLRECON_DATA", Path(__file__).parents[3] / "shared" / "data"))
-    if not folder.is_dir():
-        pytest.skip(f"no evaluation data at {folder}")
-    return folder
+    return dataset()
 
 
 def write_calibration(path: Path, width: int = 64, height: int = 48, **more: Any) -> Path:

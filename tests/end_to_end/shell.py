@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 SAMPLE = Path(__file__).resolve().parents[2] / "sample_data" / "demo"
+TINY = ("--legs", 1, "--marks", 0, "--image-width", 320, "--image-height", 256)  # simulate: a dive of some seconds
 
 
 class Shell:

@@ -9,7 +9,7 @@ import shutil
 import time
 
 import pytest
-from end_to_end.shell import SAMPLE, edit
+from end_to_end.shell import SAMPLE, TINY, edit
 
 
 def assert_one_line(done, *words):
@@ -54,25 +54,7 @@ def package_name(package):
 
 def test_a_corrupt_jpeg_among_good_ones_survives_and_is_counted(shell, tmp_path):
     plain = tmp_path / "plain"
-    options = [
-        "--form",
-        "plain",
-        "--legs",
-        1,
-        "--leg-length-m",
-        1.2,
-        "--structures",
-        0,
-        "--marks",
-        0,
-        "--image-width",
-        320,
-        "--image-height",
-        256,
-        "--seed",
-        6,
-    ]
-    shell("simulate", plain, *options)
+    shell("simulate", plain, *TINY, "--form", "plain", "--leg-length-m", 1.2, "--structures", 0, "--seed", 6)
     image = sorted(plain.rglob("*.jpg"))[2]
     image.write_bytes(b"\xff\xd8 this is no picture")
     shell("run", plain, "--runs", "out", "--to", "features")

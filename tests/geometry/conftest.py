@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
 import pytest
+from datasets import dataset
 
 from hullrecon.geometry.meshes import Mesh
 
@@ -45,7 +45,4 @@ def half_steel() -> Mesh:
 @pytest.fixture(scope="session")
 def data() -> Path:
     """The evaluation data; the test is skipped where it is absent."""
-    root = Path(os.environ.get("HULLRECON_DATA", Path(__file__).parents[3] / "shared" / "data"))
-    if not (root / "hulls").is_dir():
-        pytest.skip(f"no evaluation data at {root}")
-    return root
+    return dataset("hulls").parent

@@ -2,12 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Real stereo of a dark seabed (stereo-haltbrekken): wide steps, marine snow, unequal lamps, a rough calibration."""
 
-import os
-from pathlib import Path
-
 import cv2
 import numpy as np
 import pytest
+from datasets import dataset
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.cameras import Camera
@@ -18,7 +16,6 @@ from hullrecon.vision.odometry import chain
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.rig import Rig
 
-DATA = Path(os.environ.get("HULLRECON_DATA", Path(__file__).parents[2].parent / "shared" / "data")) / "stereo-haltbrekken"
 PAIRS = range(26, 42)
 
 
@@ -33,12 +30,12 @@ def rig():
 
 
 def read(pair):
-    images = [cv2.imread(str(DATA / f"{side}CameraRun1_{pair:02d}.jpg"), cv2.IMREAD_COLOR_RGB) for side in ("Left", "Right")]
+    folder = dataset("stereo-haltbrekken")
+    images = [cv2.imread(str(folder / f"{side}CameraRun1_{pair:02d}.jpg"), cv2.IMREAD_COLOR_RGB) for side in ("Left", "Right")]
     return NodeFeatures(*(extract(image, FeatureOptions()) for image in images))
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not DATA.exists(), reason="no evaluation data: stereo-haltbrekken is not there")
 def test_sixteen_real_pairs_make_one_chain_without_navigation(rig):
     found = chain(rig, PAIRS, read, MatchOptions())
     assert [match.reason.name for match in found] == ["MATCHED"] * 15
