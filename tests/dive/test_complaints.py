@@ -65,5 +65,9 @@ def test_numbers_that_are_not_finite_are_refused_wherever_they_stand(raw, path):
         refuse_not_finite(raw, "dive.toml")
 
 
-def test_finite_numbers_and_words_pass():
-    refuse_not_finite({"a": [1, 2.5, "nan"], "b": {"c": True}}, "dive.toml")
+def test_words_that_look_like_such_numbers_and_all_other_values_pass():
+    raw = {"a": [1, 2.5, "nan"], "b": {"c": True, "d": "inf"}}
+    refuse_not_finite(raw, "dive.toml")
+    raw["b"]["d"] = float("inf")
+    with pytest.raises(UsageError, match=r"b\.d"):  # of all of them this one alone
+        refuse_not_finite(raw, "dive.toml")

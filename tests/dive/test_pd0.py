@@ -146,11 +146,13 @@ def test_any_flipped_bit_costs_at_most_one_ensemble(tmp_path, data):
 
 
 @QUICK
-@given(st.binary(min_size=1, max_size=600))
-def test_any_bytes_are_survived(tmp_path, content):
+@given(st.binary(max_size=300), st.binary(max_size=300))
+def test_any_bytes_around_an_ensemble_do_not_hide_it(tmp_path, before, after):
     path = tmp_path / "x.pd0"
-    path.write_bytes(content)
-    read(path)
+    path.write_bytes(before + ensemble_bytes(7) + after)
+    samples, log = read(path)
+    assert [s.t_ns for s in samples] == [parse(ensemble_bytes(7)).t_ns]
+    assert len(log.losses()) == (len(before) > 0) + (len(after) > 0)
 
 
 def reference(text: str, key: str) -> list[np.ndarray]:

@@ -17,7 +17,7 @@ vectors = st.lists(numbers, min_size=3, max_size=3)
 turns = st.lists(st.floats(-1.7, 1.7, allow_nan=False), min_size=3, max_size=3)  # within half a turn
 
 
-def same(a: Poses, b: Poses) -> None:
+def assert_same(a: Poses, b: Poses) -> None:
     assert np.allclose(a.matrix(), b.matrix(), atol=1e-9)
 
 
@@ -50,7 +50,7 @@ def test_log_and_exp_undo_each_other(shift: list[float], turn: list[float]) -> N
 def test_a_pose_and_its_inverse_leave_points_where_they_are(shift: list[float], turn: list[float], point: list[float]) -> None:
     pose = poses.exp([[*shift, *turn]])
     assert np.allclose(pose.inverse().apply(pose.apply([point])), [point], atol=1e-9)
-    same(pose @ pose.inverse(), poses.identity())
+    assert_same(pose @ pose.inverse(), poses.identity())
 
 
 @QUICK
@@ -58,15 +58,15 @@ def test_a_pose_and_its_inverse_leave_points_where_they_are(shift: list[float], 
 def test_composition_is_one_after_the_other(first: tuple, second: tuple, point: list[float]) -> None:
     a, b = (poses.exp([[*shift, *turn]]) for shift, turn in (first, second))
     assert np.allclose((a @ b).apply([point]), a.apply(b.apply([point])), atol=1e-9)
-    same(poses.from_matrix(a.matrix() @ b.matrix()), a @ b)
+    assert_same(poses.from_matrix(a.matrix() @ b.matrix()), a @ b)
 
 
 def test_one_pose_meets_many() -> None:
     many = poses.exp(np.eye(6)[:4])
     one = poses.from_mount([1, 0, 0, 0, 0, 90])
     for k in range(4):
-        same((many @ one)[k], many[k] @ one)
-        same((one @ many)[k], one @ many[k])
+        assert_same((many @ one)[k], many[k] @ one)
+        assert_same((one @ many)[k], one @ many[k])
 
 
 def test_angles_come_back_as_roll_pitch_yaw() -> None:

@@ -61,7 +61,8 @@ def test_the_uncertainty_is_drawn_and_said() -> None:
 
 def test_words_in_the_plan_are_escaped() -> None:
     mark = Mark("4", 35.0, 4.5, (0.1, 0.1), 'a "lump" <of> something')
-    assert ElementTree.fromstring(plan_svg(replace(PLAN, marks=[mark]), "a < b & c")) is not None
+    texts = {e.text for e in ElementTree.fromstring(plan_svg(replace(PLAN, marks=[mark]), "a < b & c")).iter()}
+    assert {"a < b & c", 'a "lump" <of> something'} <= texts
 
 
 def test_frame_numbers_stand_beside_metres() -> None:
