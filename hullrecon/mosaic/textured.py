@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.ground import Ground, patch_of
+from hullrecon.mosaic.ground import Ground, Patch, patch_of
 
 Array = NDArray[np.float64]
 UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # M has z up, glTF has y up
@@ -37,15 +37,15 @@ def sheet_of(ground: Ground, grid: TexelGrid, alpha: NDArray[np.uint8], reductio
     rows, columns = ((np.arange(n) + 0.5) * step / (grid.step_m * reduction) for n in (height, width))
     held = alpha[np.minimum(rows.astype(int), alpha.shape[0] - 1)][:, np.minimum(columns.astype(int), alpha.shape[1] - 1)] > 0
     good = held & np.isfinite(patch.point).all(axis=2)
-    faces = _faces(good)
+    faces = _outward(_faces(good), patch)
     used, faces = np.unique(faces, return_inverse=True)
     uv = np.stack(np.meshgrid(columns / alpha.shape[1], 1 - rows / alpha.shape[0]), axis=-1).reshape(-1, 2)
     return Sheet(patch.point.reshape(-1, 3)[used], faces.reshape(-1, 3), uv[used])
 
 
 def _faces(good: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Two triangles for each cell whose four corners are good; rows run down the girth, columns along: outside is the side
-    from which along, girth and the outward normal are right-handed or not, which `glb_bytes` settles by the normals."""
+    """Two triangles (m, 3) for each cell whose four corners are good, all turned the same way; rows run down the girth, columns
+    along."""
     height, width = good.shape
     index = np.arange(height * width).reshape(height, width)
     cell = good[:-1, :-1] & good[1:, :-1] & good[:-1, 1:] & good[1:, 1:]
@@ -54,6 +54,13 @@ def _faces(good: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 
 _CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
+
+
+def _outward(faces: NDArray[np.int64], patch: Patch) -> NDArray[np.int64]:
+    """The same triangles, counter-clockwise seen from outside. Charts of hulls are left-handed about the outward normal."""
+    a, b, c = patch.point.reshape(-1, 3)[faces].transpose(1, 0, 2)
+    outward = np.einsum("ni,ni->n", np.cross(b - a, c - a), patch.normal.reshape(-1, 3)[faces[:, 0]])
+    return faces if outward.sum() >= 0 else faces[:, ::-1]
 
 
 def glb_bytes(sheet: Sheet, texture: NDArray[np.uint8], upright: bool) -> bytes:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from io import BytesIO
 
 import numpy as np
@@ -65,6 +66,25 @@ def test_the_sheet_covers_what_was_seen_and_faces_outward(flat_ground: Callable[
     assert (np.cross(b - a, c - a)[:, 2] > 0).all()
     np.testing.assert_allclose(sheet.uv[:, 0], (sheet.vertices[:, 0] + 0.8) / 1.6, atol=0.01)
     np.testing.assert_allclose(sheet.uv[:, 1], (sheet.vertices[:, 1] + 0.6) / 1.2, atol=0.01)
+
+
+class LeftHanded:
+    """along is x, girth is against y, outward is z: as the charts of hulls are (geometry.chart)."""
+
+    def to_chart(self, points: np.ndarray) -> np.ndarray:
+        return points * [1, -1, 1]
+
+    def from_chart(self, along_girth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.column_stack([along_girth * [1, -1], np.zeros(len(along_girth))]), np.tile(
+            [0.0, 0.0, 1.0], (len(along_girth), 1)
+        )
+
+
+def test_on_a_left_handed_chart_the_sheet_faces_outward_too(flat_ground: Callable[..., Ground]) -> None:
+    sheet = sheet_of(replace(flat_ground(), chart=LeftHanded()), GRID, checks()[..., 3], 1, most_faces=5000)
+    a, b, c = (sheet.vertices[sheet.faces[:, k]] for k in range(3))
+    assert (np.cross(b - a, c - a)[:, 2] > 0).all()
+    np.testing.assert_allclose(sheet.uv[:, 1], (0.6 - sheet.vertices[:, 1]) / 1.2, atol=0.01)
 
 
 def test_the_glb_opens_upright_with_its_texture_and_the_same_bytes_each_time(flat_ground: Callable[..., Ground]) -> None:
