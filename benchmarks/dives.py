@@ -26,7 +26,7 @@ import numpy as np
 
 from hullrecon.evaluation.judge import judge
 from hullrecon.evaluation.truth import read_truth
-from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.poses import Poses, of_seven
 
 BASE = "--no-sonar --legs 4 --leg-length-m 5 --views 6"
 DIVES = {
@@ -139,7 +139,7 @@ def nees(adjust: Path, package: Path) -> float:
     solution = np.load(adjust / "solution.npz")
     middle = len(solution["t_ns"]) // 2
     pose = Poses(solution["quaternion"][middle][None], solution["translation"][middle][None])
-    hull = Poses(solution["T_g_M"][None, 3:], solution["T_g_M"][None, :3])
+    hull = of_seven(solution["T_g_M"])
     ours, true = hull.inverse() @ pose, read_truth(package).vehicle_at(solution["t_ns"][middle : middle + 1] / 1e9)
     turn = (true.rotation.inv() * ours.rotation).as_rotvec()[0]
     error = np.r_[ours.translation[0] - true.translation[0], turn]
@@ -171,7 +171,7 @@ def table(rows: dict[str, dict[str, Any]]) -> list[str]:
 
 
 def breaks(value: float, limit: float | None) -> bool:
-    """A figure that is missing breaks its limit, but for heights where nothing was due."""
+    """A figure that is missing (NaN) breaks its limit."""
     return limit is not None and not (value <= limit if limit >= 0 else value >= -limit)
 
 

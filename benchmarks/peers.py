@@ -41,7 +41,7 @@ def bundle_of(problem: Any) -> Bundle:
     node = problem.stereo_node if stereo else problem.mono_node
     used, seen_from = np.unique(node, return_inverse=True)
     start = Poses(problem.pose[used, 3:7], problem.pose[used, :3])
-    mount = Poses(problem.T_s_ct[None, 3:], problem.T_s_ct[None, :3])
+    mount = poses.of_seven(problem.T_s_ct)
     top = start @ poses.tray(TRAY_ORIGIN, problem.pose[used, 7]) @ mount
     return Bundle(
         pose=np.hstack([top.translation, top.quaternion]),

@@ -212,7 +212,7 @@ def _images(problem: Problem, size: Size, truth: Truth, first: Ints, second: Int
 
 def _start_landmarks(problem: Problem, size: Size, start: Poses) -> None:
     """A stereo front end starts a landmark from its first pair, a mono one from its two images."""
-    mount = Poses(problem.T_s_ct[None, 3:], problem.T_s_ct[None, :3])
+    mount = poses.of_seven(problem.T_s_ct)
     node = (problem.stereo_node if size.stereo else problem.mono_node).reshape(-1, 2)
     pixel = (problem.stereo_pixel[::2] if size.stereo else problem.mono_pixel).reshape(size.landmarks, 2, 2)
     range_m = problem.range_measured.reshape(-1, 4).mean(1)[node[:, 0]]

@@ -46,15 +46,3 @@ def vertex_normals(mesh: Mesh) -> Array:
         for axis in range(3):
             out[:, axis] += np.bincount(mesh.faces[:, k], angle * face[:, axis], minlength=len(out))
     return np.asarray(out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-15))
-
-
-def vertex_areas(mesh: Mesh) -> Array:
-    """A third of the faces around each vertex (n,), m2."""
-    third = face_areas(mesh) / 3
-    return np.asarray(sum(np.bincount(mesh.faces[:, k], third, minlength=len(mesh.vertices)) for k in range(3)))
-
-
-def face_areas(mesh: Mesh) -> Array:
-    """(m,) m2."""
-    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
-    return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))

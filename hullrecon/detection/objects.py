@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from hullrecon.detection.found import Found
 from hullrecon.detection.landmarks import Measured
-from hullrecon.detection.mesh import vertex_areas
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.outline import outline
 from hullrecon.detection.regions import Region, find_regions, weighted_quantile
@@ -19,6 +18,7 @@ from hullrecon.detection.significance import height_sigma, p_value, roughness
 from hullrecon.detection.views import Views, in_frame, seen_from
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.chart import Chart
+from hullrecon.geometry.meshes import vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
 
 Array = NDArray[np.float64]

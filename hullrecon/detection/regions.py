@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.detection.found import Found
-from hullrecon.detection.mesh import vertex_areas
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.shapes import dbscan
+from hullrecon.geometry.meshes import vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
 
 Array = NDArray[np.float64]

@@ -20,10 +20,11 @@ from hullrecon.evaluation.histories import Progress, cost_history, label_frequen
 from hullrecon.evaluation.methods import METHODS, WEIGHTINGS, frame_of, height_over_steel, landmarks_in_hull, stamps
 from hullrecon.evaluation.objects import delivered_of
 from hullrecon.evaluation.plots import Delivered, Overview, Section, cross_sections, range_histogram, structure_heights
-from hullrecon.evaluation.returns import adjusted_beams, field_at, motion_of, range_residuals, reckoned_beams
+from hullrecon.evaluation.returns import adjusted_beams, field_at, range_residuals, reckoned_beams
 from hullrecon.evaluation.sections import cut, whole
 from hullrecon.evaluation.trajectory import judge_trajectory
 from hullrecon.evaluation.truth import Truth
+from hullrecon.geometry.poses import of_seven
 
 Array = NDArray[np.float64]
 
@@ -105,7 +106,7 @@ def _ranges(solved: Sequence[Solved], start: Reckoned, truth: Truth) -> Figure:
     assert start.returns is not None
     assert truth.drawing is not None
     best = next(s for s in solved if s.method == "maxmix" and not s.printed)
-    registered = frame_of(best.solution, truth) if best.registered is None else motion_of(best.registered)
+    registered = frame_of(best.solution, truth) if best.registered is None else of_seven(best.registered)
     reckoned = reckoned_beams(start.trajectory, registered, start.T_s_d, start.returns, start.tray_origin_m)
     before = {"registered, before the adjustment": range_residuals(reckoned, truth.drawing)}
     after = {}

@@ -14,12 +14,12 @@ from hullrecon.dive.records import Returns, Solution
 from hullrecon.evaluation.alignment import Motion
 from hullrecon.evaluation.cameras import centre_figures
 from hullrecon.evaluation.deliverables import Cloud, Track
-from hullrecon.evaluation.returns import adjusted_beams, motion_of
+from hullrecon.evaluation.returns import adjusted_beams
 from hullrecon.evaluation.surfaces import judge_landmarks
 from hullrecon.evaluation.trajectory import judge_trajectory
 from hullrecon.evaluation.truth import Truth
 from hullrecon.geometry.casting import Scene
-from hullrecon.geometry.poses import Poses, tray
+from hullrecon.geometry.poses import Poses, of_seven, tray
 
 Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ def method_figures(solution: Solution, returns: Returns | None, tray_origin_m: A
 
 def frame_of(solution: Solution, truth: Truth) -> Poses:
     """T_g_M: the solution's, the true one for a dive without a drawing."""
-    return motion_of(solution.T_g_M) if np.isfinite(solution.T_g_M).all() else truth.T_g_M
+    return of_seven(solution.T_g_M) if np.isfinite(solution.T_g_M).all() else truth.T_g_M
 
 
 def stamps(solution: Solution) -> Array:
@@ -121,7 +121,7 @@ def gap_figures(landmarks: Array, dvl: Array, drawing: Scene, reach_m: float = 0
 
 def _cameras(solution: Solution, T_M_v: Poses, tray_origin_m: Array, truth: Truth) -> dict[str, Any]:
     has = solution.image[:, 0] >= 0
-    at = T_M_v[has] @ tray(tray_origin_m, solution.tray[has]) @ motion_of(solution.T_s_ct)
+    at = T_M_v[has] @ tray(tray_origin_m, solution.tray[has]) @ of_seven(solution.T_s_ct)
     return dict(centre_figures(stamps(solution)[has], at.translation, truth))
 
 

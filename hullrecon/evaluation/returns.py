@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hullrecon.dive.records import Returns, Solution, Trajectory
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.chart import Chart
-from hullrecon.geometry.poses import Poses, tray
+from hullrecon.geometry.poses import Poses, of_seven, tray
 
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
@@ -43,7 +43,7 @@ def place_beams(T_M_v: Poses, angle_rad: Array, T_s_d: Poses, returns: Returns, 
 
 
 def adjusted_beams(solution: Solution, T_g_M: Poses, returns: Returns, tray_origin_m: Array) -> Beams:
-    return place_beams(T_g_M.inverse() @ solution.poses(), solution.tray, motion_of(solution.T_s_d), returns, tray_origin_m)
+    return place_beams(T_g_M.inverse() @ solution.poses(), solution.tray, of_seven(solution.T_s_d), returns, tray_origin_m)
 
 
 def reckoned_beams(trajectory: Trajectory, T_g_M: Poses, T_s_d: Poses, returns: Returns, tray_origin_m: Array) -> Beams:
@@ -72,8 +72,3 @@ def field_at(solution: Solution, chart: Chart) -> Field:
     look_up = RegularGridInterpolator(axes, solution.field_value, bounds_error=False, fill_value=None)
     low, high = (np.array([a[k] for a in axes]) for k in (0, -1))
     return lambda points: np.asarray(look_up(np.clip(np.nan_to_num(chart.to_chart(points)[:, :2]), low, high)))
-
-
-def motion_of(seven: Array) -> Poses:
-    """One pose of x y z qx qy qz qw."""
-    return Poses(seven[None, 3:], seven[None, :3])

@@ -89,6 +89,11 @@ def from_mount(mount: ArrayLike) -> Poses:
     return from_rpy(m[:3], np.radians(m[3:]))
 
 
+def of_seven(values: Array) -> Poses:
+    """One pose of (7,) x y z qx qy qz qw, as Solution holds motions."""
+    return Poses(values[None, 3:], values[None, :3])
+
+
 def roll_pitch_yaw(rotation: Rotation) -> Array:
     """(n, 3) radians."""
     return np.atleast_2d(rotation.as_euler("xyz"))

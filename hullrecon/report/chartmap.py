@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hullrecon.dive.records import Surface
 from hullrecon.geometry.chart import Chart
+from hullrecon.geometry.meshes import vertex_areas
 from hullrecon.report.figures import new_figure, png_bytes
 
 Array = NDArray[np.float64]
@@ -66,13 +67,6 @@ def seen_faces(found: ChartedSurface, least: int = 1) -> NDArray[np.int32]:
     return found.faces[(found.surface.support[found.faces] >= least).all(axis=1)]
 
 
-def vertex_area(surface: Surface) -> Array:
-    """(n,) m2: a third of the faces around each vertex. Fine meshes at structures must not outweigh the plain hull."""
-    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
-    third = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6
-    return np.asarray(np.bincount(surface.faces.ravel(), np.repeat(third, 3), minlength=len(surface.vertices)), float)
-
-
 def weighted_percentiles(values: Array, weights: Array, percent: tuple[float, ...]) -> Array:
     """Of values (n,) with weights (n,), by linear interpolation of the cumulated weight."""
     order = np.argsort(values, kind="stable")
@@ -108,7 +102,7 @@ def deviation_png(found: ChartedSurface, extent: Extent, marks: list[tuple[str, 
     axis.set(xlim=extent.drawn[0], ylim=extent.drawn[1], aspect="equal", xlabel="along (m)", ylabel="girth (m)")
     if len(faces):
         value = 1000 * found.surface.deviation
-        weight = np.where(np.isin(np.arange(len(value)), faces) & np.isfinite(value), vertex_area(found.surface), 0.0)
+        weight = np.where(np.isin(np.arange(len(value)), faces) & np.isfinite(value), vertex_areas(found.surface.mesh()), 0.0)
         top = max(10.0, float(weighted_percentiles(np.abs(np.nan_to_num(value)), weight, (99,))[0]))
         filled = np.nan_to_num(value)
         drawn: Any = axis.tripcolor(*_safe(found.at).T, faces, filled, cmap="RdBu_r", vmin=-top, vmax=top, shading="gouraud")

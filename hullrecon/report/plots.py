@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.records import DvlPings, Solution, Surface
-from hullrecon.report.chartmap import vertex_area, weighted_percentiles
+from hullrecon.geometry.meshes import vertex_areas
+from hullrecon.report.chartmap import weighted_percentiles
 from hullrecon.report.csvtext import numbers, seconds
 from hullrecon.report.figures import BLUE, GRAY, GREEN, ORANGE, Plot, new_figure, plain_log, png_bytes, whole_numbers
 from hullrecon.report.track import Track
@@ -131,7 +132,7 @@ def deviation_histogram(solution: Solution | None, as_found: Surface | None) -> 
     if solution is not None:
         groups["landmarks"] = (solution.deviation, np.ones(len(solution.deviation)))
     if as_found is not None:
-        groups["as_found"] = (as_found.deviation, np.where(as_found.support > 0, vertex_area(as_found), 0.0))
+        groups["as_found"] = (as_found.deviation, np.where(as_found.support > 0, vertex_areas(as_found.mesh()), 0.0))
     groups = {n: (v[np.isfinite(v)], w[np.isfinite(v)]) for n, (v, w) in groups.items()}
     groups = {n: (v, w / w.sum()) for n, (v, w) in groups.items() if w.sum() > 0}
     if not groups:

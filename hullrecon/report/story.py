@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.report.chartmap import vertex_area, weighted_percentiles
+from hullrecon.geometry.meshes import vertex_areas
+from hullrecon.report.chartmap import weighted_percentiles
 from hullrecon.report.survey import Survey
 from hullrecon.report.words import count, duration, join, length, with_sigma
 
@@ -93,7 +94,7 @@ def _deviation(survey: Survey) -> str:
     if found is None:
         return ""
     seen = (found.support > 0) & np.isfinite(found.deviation)
-    weight = vertex_area(found)[seen]
+    weight = vertex_areas(found.mesh())[seen]
     if not weight.sum() > 0:
         return ""
     low, middle, high = 1000 * weighted_percentiles(found.deviation[seen], weight, (5, 50, 95))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.records import Solution, Trajectory
-from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.poses import Poses, of_seven
 from hullrecon.report.csvtext import csv_text, numbers, seconds
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ def hull_motion(solution: Solution | None) -> Poses | None:
     """T_g_M of the adjustment, None without a drawing."""
     if solution is None or not np.isfinite(solution.T_g_M).all():
         return None
-    return Poses(solution.T_g_M[None, 3:], solution.T_g_M[None, :3])
+    return of_seven(solution.T_g_M)
 
 
 def track_of(trajectory: Trajectory, solution: Solution | None) -> Track:

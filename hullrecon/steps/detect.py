@@ -83,17 +83,13 @@ def _dive(context: Context) -> Dive:
     chart = chart_from_arrays(load_arrays(context.inputs["surface"] / "chart.npz"))
     path, hull = context.inputs["ingest"] / "hull.npz", context.settings["hull"]
     drawn = path.exists() and hull is not None
-    T_x_g = _motion(solution.T_g_M).inverse() if drawn else poses.identity()
-    base = Mesh(surface.vertices, surface.faces)
+    T_x_g = poses.of_seven(solution.T_g_M).inverse() if drawn else poses.identity()
+    base = surface.mesh()
     if drawn:
         arrays = load_arrays(path)
         base = Mesh(arrays["vertices"], arrays["faces"])
     T_x_v = T_x_g[np.zeros(len(solution.t_ns), np.int64)] @ solution.poses()
     return Dive(solution, T_x_g, T_x_v, base, drawn, surface, chart, hull.frame_spacing if hull is not None else None)
-
-
-def _motion(seven: Array) -> Poses:
-    return Poses(seven[None, 3:], seven[None, :3])
 
 
 def _views(context: Context, dive: Dive) -> Views | None:
@@ -104,7 +100,7 @@ def _views(context: Context, dive: Dive) -> Views | None:
         return None
     camera = Camera(**json.loads(path.read_text())["top"])
     tray = poses.tray(np.array(context.settings["tray"].origin), solution.tray[node])
-    T_x_c = dive.T_x_v[node] @ tray @ _motion(solution.T_s_ct)
+    T_x_c = dive.T_x_v[node] @ tray @ poses.of_seven(solution.T_s_ct)
     index = from_arrays(ImageIndex, load_arrays(context.inputs["ingest"] / "images_camera_top.npz"))
     names = tuple(f"camera_top/{t}.jpg" for t in index.t_ns[solution.image[node, 0]].tolist())
     return Views(T_x_c, node, names, camera, _farthest(T_x_c.translation, dive.T_x_g.apply(solution.landmark), camera))

@@ -14,12 +14,12 @@ from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.dive.images import ImageStore
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.poses import Poses, from_mount, tray
+from hullrecon.geometry.poses import Poses, tray
 from hullrecon.mosaic.optical import optical_mosaic
 from hullrecon.mosaic.options import OpticalOptions
 from hullrecon.mosaic.shots import Station
 from hullrecon.report.track import Track
-from hullrecon.steps.cameras import cameras_file
+from hullrecon.steps.cameras import cameras_file, mount_of
 from hullrecon.steps.features import external
 from hullrecon.steps.mosaics import Scenery, scenery, write_mosaic
 
@@ -51,21 +51,14 @@ def stations_of(context: Context, place: Scenery) -> list[Station]:
     cameras = json.loads(cameras_file(context.inputs).read_text(encoding="utf-8"))
     top, bottom = context.settings["camera.top"], context.settings["camera.bottom"]
     solution = place.solution
-    tray_from_camera = adjusted(solution.T_s_ct if solution else None, top.mount)
+    tray_from_camera = mount_of(solution.T_s_ct if solution else None, top.mount)
     stations = [_station(context, place.track, 0, Camera(**cameras["top"]), tray_from_camera)]
     if bottom is not None and "bottom" in cameras:
-        lower = tray_from_camera @ adjusted(solution.T_ct_cb if solution else None, bottom.pose_in_top)
+        lower = tray_from_camera @ mount_of(solution.T_ct_cb if solution else None, bottom.pose_in_top)
         stations.append(_station(context, place.track, 1, Camera(**cameras["bottom"]), lower))
     if not any(len(s.rows) for s in stations):
         raise StageError("no usable image has a pose", where="mosaic-optical", remedy="see the remarks of ingest and navigate")
     return [s for s in stations if len(s.rows)]
-
-
-def adjusted(found: np.ndarray[Any, np.dtype[np.float64]] | None, nominal: Any) -> Poses:
-    """A mount as adjusted (x y z qx qy qz qw) where that is known, else dive.toml's six numbers."""
-    if found is not None and np.isfinite(found).all():
-        return Poses(found[None, 3:], found[None, :3])
-    return from_mount(nominal)
 
 
 def _station(context: Context, track: Track, side: int, camera: Camera, tray_from_camera: Poses) -> Station:

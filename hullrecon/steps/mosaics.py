@@ -14,7 +14,6 @@ from hullrecon.artifacts.stage import Context, load_arrays
 from hullrecon.dive.records import Solution, Surface, Trajectory, from_arrays
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.chart import chart_from_arrays
-from hullrecon.geometry.meshes import Mesh
 from hullrecon.geometry.outside import UP, flips
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.ground import Ground
@@ -25,7 +24,6 @@ from hullrecon.mosaic.textured import glb_bytes, sheet_of
 from hullrecon.report.track import Track, track_of
 
 PERCENT = (50, 90, 95, 99)
-PREVIEW_PX = 2400
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ def scenery(context: Context, reach_m: float) -> Scenery:
     name = "as found" if found and found.exists() else "of the survey"
     surface = from_arrays(Surface, load_arrays(found if found and found.exists() else folder["surface"] / "surface.npz"))
     chart = chart_from_arrays(load_arrays(folder["surface"] / "chart.npz"))
-    ground = Ground(Scene(Mesh(surface.vertices, surface.faces)), chart, reach_m)
+    ground = Ground(Scene(surface.mesh()), chart, reach_m)
     return Scenery(ground, track_of(trajectory, solution), solution, name)
 
 

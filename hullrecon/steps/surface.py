@@ -73,14 +73,10 @@ def _solution(context: Context) -> Solution | None:
     return from_arrays(Solution, load_arrays(context.inputs["adjust"] / "solution.npz"))
 
 
-def _motion(seven: Array) -> Poses:
-    return Poses(seven[None, 3:], seven[None, :3])
-
-
 def _adjusted(solution: Solution, hull: Mesh | None) -> Placement:
-    T_x_g = _motion(solution.T_g_M).inverse() if hull is not None else poses.identity()
+    T_x_g = poses.of_seven(solution.T_g_M).inverse() if hull is not None else poses.identity()
     T_x_v = T_x_g[np.zeros(len(solution.t_ns), np.int64)] @ solution.poses()
-    return Placement(T_x_v, solution.pose_covariance, solution.tray, _motion(solution.T_s_d), "adjusted")
+    return Placement(T_x_v, solution.pose_covariance, solution.tray, poses.of_seven(solution.T_s_d), "adjusted")
 
 
 def _dead_reckoned(context: Context, hull: Mesh | None) -> Placement:
@@ -148,7 +144,7 @@ def _landmarks(solution: Solution, hull: Mesh | None, options: SurfaceOptions) -
     variance = np.linalg.eigvalsh(np.nan_to_num(solution.landmark_covariance, nan=-1.0))[:, -1]
     good = np.isfinite(solution.landmark).all(axis=1) & (solution.views >= 3) & (variance > 0)
     good &= (solution.label == 1) if hull is not None else True
-    T_x_g = _motion(solution.T_g_M).inverse() if hull is not None else poses.identity()
+    T_x_g = poses.of_seven(solution.T_g_M).inverse() if hull is not None else poses.identity()
     points = T_x_g.apply(solution.landmark[good])
     kept = statistical_inliers(points, options.outlier_neighbours, 2 * options.outlier_deviations)
     return points[kept], np.sqrt(variance[good])[kept]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.mesh import affordable_edge, face_areas, refine_near, vertex_areas, vertex_normals
+from hullrecon.detection.mesh import affordable_edge, refine_near, vertex_normals
 from hullrecon.geometry.meshes import Mesh
 
 FLOOR = Mesh(np.array([[0.0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
@@ -41,9 +41,3 @@ def test_normals_at_a_ridge_point_up_between_its_sides() -> None:
     assert np.allclose(normal[4], [0, 0, 1], atol=0.2)
     assert np.allclose(normal[0], [-np.sqrt(0.5), 0, np.sqrt(0.5)])
     assert np.allclose(np.linalg.norm(normal, axis=1), 1)
-
-
-def test_areas_add_up() -> None:
-    assert face_areas(FLOOR).tolist() == [32, 32]
-    assert vertex_areas(FLOOR).sum() == pytest.approx(64)
-    assert np.allclose(vertex_areas(FLOOR), [64 / 3, 32 / 3, 64 / 3, 32 / 3])

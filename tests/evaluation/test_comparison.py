@@ -14,9 +14,9 @@ from hullrecon.dive.records import Returns, Solution, Trajectory, to_arrays
 from hullrecon.errors import InputError
 from hullrecon.evaluation.comparison import Reckoned, Solved, compare, read_reckoned, read_solved, table_rows
 from hullrecon.evaluation.gallery import draw
-from hullrecon.evaluation.returns import motion_of
 from hullrecon.evaluation.sections import cut, whole
 from hullrecon.evaluation.truth import Truth, read_truth
+from hullrecon.geometry.poses import of_seven
 
 NOWHERE = Path("no such artifact")
 
@@ -31,7 +31,7 @@ def start(solution: Solution, returns: Returns) -> Reckoned:
     n = len(solution.t_ns)
     path = solution.translation + np.outer(np.linspace(0, 0.1, n), [1, 1, 0])
     reckoned = Trajectory(solution.t_ns, solution.quaternion, path, np.zeros((n, 6, 6)), solution.tray, solution.image)
-    return Reckoned(reckoned, returns, np.array([0.45, 0.0, 0.1]), motion_of(solution.T_s_d))
+    return Reckoned(reckoned, returns, np.array([0.45, 0.0, 0.1]), of_seven(solution.T_s_d))
 
 
 @pytest.fixture

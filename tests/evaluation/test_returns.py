@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from hullrecon.dive.records import Returns, Solution, Trajectory
-from hullrecon.evaluation.returns import adjusted_beams, field_at, motion_of, range_residuals, reckoned_beams
+from hullrecon.evaluation.returns import adjusted_beams, field_at, range_residuals, reckoned_beams
 from hullrecon.evaluation.truth import read_truth
+from hullrecon.geometry.poses import of_seven
 
 ORIGIN = np.array([0.45, 0.0, 0.1])
-SHIFT = motion_of(np.array([1.0, 2, 3, 0, 0, 0, 1]))
+SHIFT = of_seven(np.array([1.0, 2, 3, 0, 0, 0, 1]))
 
 
 def test_beams_end_on_the_steel(solution: Solution, returns: Returns) -> None:
@@ -37,14 +38,14 @@ def test_dead_reckoning_is_placed_alike(solution: Solution, returns: Returns) ->
     path = Trajectory(
         solution.t_ns, solution.quaternion, solution.translation, np.zeros((n, 6, 6)), solution.tray, solution.image
     )
-    before = reckoned_beams(path, SHIFT, motion_of(solution.T_s_d), returns, ORIGIN)
+    before = reckoned_beams(path, SHIFT, of_seven(solution.T_s_d), returns, ORIGIN)
     np.testing.assert_allclose(before.points(), adjusted_beams(solution, SHIFT, returns, ORIGIN).points())
 
 
 def test_beams_past_the_drawing_have_no_residual(package: Path, solution: Solution, returns: Returns) -> None:
     truth = read_truth(package)
     assert truth.drawing is not None
-    beams = adjusted_beams(solution, motion_of(np.array([-50.0, 2, 3, 0, 0, 0, 1])), returns, ORIGIN)
+    beams = adjusted_beams(solution, of_seven(np.array([-50.0, 2, 3, 0, 0, 0, 1])), returns, ORIGIN)
     assert len(range_residuals(beams, truth.drawing)) == 0
 
 

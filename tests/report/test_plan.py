@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from hullrecon.dive.records import Surface
-from hullrecon.report.chartmap import Extent, charted, extent_of, ground_png, seen_faces, vertex_area, weighted_percentiles
+from hullrecon.report.chartmap import Extent, charted, extent_of, ground_png, seen_faces, weighted_percentiles
 from hullrecon.report.plan import LEFT, TOP, WIDTH, Mark, Plan, nice_below, nice_step, plan_svg
 from hullrecon.report.survey import Survey
 from hullrecon.report.view import chart_view, path_sigma
@@ -77,12 +77,6 @@ def test_steps_are_one_two_or_five_times_a_power_of_ten() -> None:
 def test_the_extent_has_a_margin_and_leaves_lost_points_out() -> None:
     extent = extent_of(np.array([[1.0, 2.0], [3.0, 5.0], [np.nan, 9.0]]), (False, False), margin_m=0.5)
     assert (extent.along, extent.girth) == ((0.5, 3.5), (1.5, 5.5))
-
-
-def test_the_area_of_vertices_sums_to_the_surface(plate: Surface) -> None:
-    area = vertex_area(plate)
-    assert area.sum() == pytest.approx(8.0)
-    assert area[6] == pytest.approx(1.0)  # a vertex inside
 
 
 def test_percentiles_go_by_weight() -> None:
