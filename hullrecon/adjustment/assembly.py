@@ -174,7 +174,7 @@ def _drawing_tables(
     problem.surface_landmark = np.arange(n, dtype=np.int32)
     problem.surface_weight = weights.surface[chosen.landmarks]
     if m.returns is not None:
-        _range_tables(problem, m, state, weights, chosen)
+        _range_tables(problem, m, weights, chosen)
     if state.grid is None:
         return
     rows = prior_rows(state.grid, drawing.deviation_sigma, drawing.deviation_length)
@@ -188,7 +188,7 @@ def _drawing_tables(
         problem.range_field_index, problem.range_field_weight = state.grid.basis(at[:, :2])
 
 
-def _range_tables(problem: Problem, m: Measurements, state: State, weights: Weights, chosen: Selection) -> None:
+def _range_tables(problem: Problem, m: Measurements, weights: Weights, chosen: Selection) -> None:
     returns = m.returns
     assert returns is not None
     keep = chosen.returns

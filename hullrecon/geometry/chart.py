@@ -63,17 +63,6 @@ def chart_from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> Chart:
     return (AxisChart if str(arrays["kind"]) == "axis" else PlaneChart).from_arrays(arrays)
 
 
-def metric(chart: Chart, along_girth: ArrayLike, step_m: float = 0.05) -> Array:
-    """Metres on the surface per metre of the chart, along and girth, at (n, 2): (n, 2), NaN where a neighbour is missing."""
-    at = np.atleast_2d(np.asarray(along_girth, float))
-    length = []
-    for axis in np.eye(2) * 0.5 * step_m:
-        ahead, _ = chart.from_chart(at + axis)
-        behind, _ = chart.from_chart(at - axis)
-        length.append(np.linalg.norm(ahead - behind, axis=1) / step_m)
-    return np.stack(length, axis=1)
-
-
 def address(
     chart: Chart, points: ArrayLike, frame_spacing_m: float | None = None, depths_m: ArrayLike | None = None
 ) -> list[str]:

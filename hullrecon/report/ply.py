@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 _NAMES = {"float32": "float", "float64": "double", "uint8": "uchar", "int32": "int"}
 
 
-def ply_bytes(vertex: Mapping[str, NDArray[np.generic]], faces: NDArray[np.integer] | None = None, comment: str = "") -> bytes:
+def ply_bytes(vertex: Mapping[str, NDArray[np.generic]], faces: NDArray[np.integer] | None = None) -> bytes:
     """A PLY of vertex properties (n,) in the order given, float32, float64, uint8 or int32, and triangles (m, 3).
 
     Raises KeyError for a property of another type.
@@ -20,7 +20,6 @@ def ply_bytes(vertex: Mapping[str, NDArray[np.generic]], faces: NDArray[np.integ
     columns = {name: np.asarray(values) for name, values in vertex.items()}
     count = len(next(iter(columns.values())))
     header = ["ply", "format binary_little_endian 1.0"]
-    header += [f"comment {comment}"] if comment else []
     header += [f"element vertex {count}", *(f"property {_NAMES[v.dtype.name]} {n}" for n, v in columns.items())]
     rows = np.empty(count, [(name, values.dtype.newbyteorder("<")) for name, values in columns.items()])
     for name, values in columns.items():

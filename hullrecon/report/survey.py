@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.config import Dive, Hull
-from hullrecon.dive.records import DvlPings, ImageIndex, PressureSamples, Solution, Surface, Trajectory
+from hullrecon.dive.records import DvlPings, ImageIndex, Solution, Surface, Trajectory
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.chart import Chart
 from hullrecon.geometry.poses import Poses
@@ -69,7 +69,6 @@ class Survey:
     iterations: Mapping[str, NDArray[np.generic]] | None = None
     chart: Chart | None = None
     surface: Surface | None = None
-    surface_document: Document = field(default_factory=dict)
     as_found: Surface | None = None
     objects: tuple[Document, ...] | None = None
     not_reported: tuple[Document, ...] = ()
@@ -77,7 +76,6 @@ class Survey:
     optical: Mosaic | None = None
     sonar: Mosaic | None = None
     dvl: DvlPings | None = None
-    pressure: PressureSamples | None = None
     eyes: tuple[Eye, ...] = ()
     pairs: Document = field(default_factory=dict)
     steps: tuple[StepRun, ...] = ()

@@ -16,10 +16,10 @@ from msgspec import Struct
 from hullrecon.artifacts.stage import Context, Stage, load_arrays
 from hullrecon.dive.config import Dive
 from hullrecon.dive.images import ImageStore
-from hullrecon.dive.records import DvlPings, PressureSamples, Record, Solution, Surface, Trajectory, from_arrays
+from hullrecon.dive.records import DvlPings, Record, Solution, Surface, Trajectory, from_arrays
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.chart import chart_from_arrays
-from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.geometry.poses import Poses
 from hullrecon.report.absences import absences
 from hullrecon.report.csvtext import csv_text
 from hullrecon.report.gallery import all_plots
@@ -31,7 +31,7 @@ from hullrecon.report.summary import summary_json
 from hullrecon.report.survey import Eye, Mosaic, StepRun, Survey
 from hullrecon.report.track import track_of, trajectory_csv, trajectory_tum
 from hullrecon.report.view import page_view
-from hullrecon.steps.cameras import cameras_file
+from hullrecon.steps.cameras import cameras_file, mount_of
 from hullrecon.steps.features import external
 
 FOLDER = "deliver"
@@ -73,10 +73,11 @@ def run(context: Context) -> None:
     _write_motion(shelf, survey)
     _write_surfaces(shelf, survey)
     _copy_models(shelf, context)
-    for plot in all_plots(survey):
+    plots = all_plots(survey)
+    for plot in plots:
         shelf.put(f"plots/{plot.name}.png", plot.png)
         shelf.put(f"plots/{plot.name}.csv", csv_text(plot.table))
-    view = page_view(survey, all_plots(survey), dict(sorted(shelf.entries.items())))
+    view = page_view(survey, plots, dict(sorted(shelf.entries.items())))
     shelf.put("report/index.html", render(view))
     context.out.json(f"{FOLDER}/summary.json", summary_json(survey, dict(sorted(shelf.entries.items()))))
 
@@ -145,7 +146,6 @@ def read_survey(context: Context) -> Survey:
         iterations=load_arrays(folder["adjust"] / "iterations.npz") if _has(folder, "adjust", "iterations.npz") else None,
         chart=chart_from_arrays(chart) if chart is not None else None,
         surface=_record(Surface, folder, "surface", "surface.npz"),
-        surface_document=_document(folder, "surface", "surface.json") or {},
         as_found=_record(Surface, folder, "detect", "as_found.npz"),
         objects=tuple(objects["objects"]) if objects is not None else None,
         not_reported=tuple(detect.get("not_reported") or ()),
@@ -153,7 +153,6 @@ def read_survey(context: Context) -> Survey:
         optical=_mosaic(folder, "mosaic-optical"),
         sonar=_mosaic(folder, "mosaic-sonar"),
         dvl=_record(DvlPings, folder, "ingest", "dvl.npz"),
-        pressure=_record(PressureSamples, folder, "ingest", "pressure.npz"),
         eyes=_eyes(context, solution),
         pairs=_document(folder, "matches", "pairs.json") or {},
         steps=tuple(_step(folder[name], name) for name in CHAIN if name in folder),
@@ -199,20 +198,13 @@ def _eyes(context: Context, solution: Solution | None) -> tuple[Eye, ...]:
     cameras = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     top, bottom = context.settings["camera.top"], context.settings["camera.bottom"]
     eyes = []
-    tray_from_top = _mount(solution.T_s_ct if solution else None, top.mount) if top else None
+    tray_from_top = mount_of(solution.T_s_ct if solution else None, top.mount) if top else None
     if tray_from_top is not None and "top" in cameras:
         eyes.append(_eye(context, "camera_top", cameras["top"], tray_from_top))
         if bottom and "bottom" in cameras:
-            pose = tray_from_top @ _mount(solution.T_ct_cb if solution else None, bottom.pose_in_top)
+            pose = tray_from_top @ mount_of(solution.T_ct_cb if solution else None, bottom.pose_in_top)
             eyes.append(_eye(context, "camera_bottom", cameras["bottom"], pose))
     return tuple(eyes)
-
-
-def _mount(adjusted: Any, nominal: Any) -> Poses:
-    """Seven numbers x y z qx qy qz qw when they are there and finite, else dive.toml's six."""
-    if adjusted is not None and all(abs(v) < float("inf") for v in adjusted):
-        return Poses(adjusted[None, 3:], adjusted[None, :3])
-    return from_mount(nominal)
 
 
 def _eye(context: Context, name: str, camera: Mapping[str, Any], tray_from_camera: Poses) -> Eye:

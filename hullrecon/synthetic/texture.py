@@ -109,13 +109,13 @@ def _plates(random: np.random.Generator, colour: Floats, origin_m: tuple[float, 
     a = origin_m[0] + texel_m * np.arange(columns)
     row, column = np.floor(g / PLATE_M[1]).astype(int), np.floor(a / PLATE_M[0]).astype(int)
     tone = random.uniform(0.85, 1.12, (np.ptp(row) + 1, np.ptp(column) + 1)).astype(np.float32)
-    seam = np.minimum(_seam(random, g, PLATE_M[1], texel_m)[:, None], _seam(random, a, PLATE_M[0], texel_m)[None, :])
+    seam = np.minimum(_seam(random, g, PLATE_M[1])[:, None], _seam(random, a, PLATE_M[0])[None, :])
     for k in range(0, rows, 512):  # in strips: the tones of a long hull need not stand in memory at once
         strip = slice(k, k + 512)
         colour[strip] *= (tone[np.ix_(row[strip] - row.min(), column - column.min())] * seam[strip])[..., None]
 
 
-def _seam(random: np.random.Generator, x: NDArray[np.floating], every_m: float, texel_m: float) -> Floats:
+def _seam(random: np.random.Generator, x: NDArray[np.floating], every_m: float) -> Floats:
     """(n,) a dark, uneven line at each multiple."""
     near = np.abs((x + every_m / 2) % every_m - every_m / 2)
     return np.asarray(1 - 0.45 * np.exp(-((near / SEAM_M) ** 2)) * random.uniform(0.8, 1.0, len(x)), np.float32)

@@ -16,14 +16,11 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class TwoView:
-    """model: which one explains the matches better. matrix (3, 3) in ideal coordinates, second from first; inlier (n,);
-    gic of both models on the same matches."""
+    """model: which one explains the matches better. matrix (3, 3) in ideal coordinates, second from first; inlier (n,)."""
 
     model: Literal["essential", "homography"]
     matrix: Array
     inlier: Mask
-    gic_essential: float
-    gic_homography: float
 
 
 def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
@@ -43,8 +40,8 @@ def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
     gic_e = criterion(errors[0] / sigma**2, dimension=3, parameters=5)
     gic_h = criterion(errors[1] / sigma**2, dimension=2, parameters=8)
     if gic_h < gic_e:
-        return TwoView("homography", homography, errors[1] < tolerance**2, gic_e, gic_h)
-    return TwoView("essential", essential[:3], errors[0] < tolerance**2, gic_e, gic_h)
+        return TwoView("homography", homography, errors[1] < tolerance**2)
+    return TwoView("essential", essential[:3], errors[0] < tolerance**2)
 
 
 def criterion(whitened_squared: Array, dimension: int, parameters: int) -> float:

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hullrecon.errors import InputError
-from hullrecon.geometry.chart import Chart, address, chart_for_hull, chart_for_points, chart_from_arrays, metric
+from hullrecon.geometry.chart import Chart, address, chart_for_hull, chart_for_points, chart_from_arrays
 from hullrecon.geometry.meshes import Mesh
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True)
@@ -24,6 +24,13 @@ RADIUS = 3.0
 @pytest.fixture(scope="session")
 def chart(steel: Mesh) -> Chart:
     return chart_for_hull(steel)
+
+
+def metric(chart: Chart, along_girth: np.ndarray, step_m: float) -> np.ndarray:
+    """Metres on the surface per metre of the chart, along and girth, at (n, 2): (n, 2), NaN where a neighbour is missing."""
+    half = 0.5 * step_m * np.eye(2)
+    gaps = [chart.from_chart(along_girth + axis)[0] - chart.from_chart(along_girth - axis)[0] for axis in half]
+    return np.stack([np.linalg.norm(gap, axis=1) / step_m for gap in gaps], axis=1)
 
 
 def on_barge(along: float, girth: float, offset: float = 0.0) -> np.ndarray:
