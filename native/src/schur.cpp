@@ -133,7 +133,7 @@ void Schur::find_pattern() {
   }
   std::vector<int> width(blocks);
   for (int b = 0; b < blocks; ++b) width[b] = kept_.width(b);
-  reduced_ = std::make_unique<Reduced>(std::move(width), kept_.border(), start, all);
+  reduced_ = std::make_unique<Reduced>(std::move(width), kept_.border(), start, all, threads_);
 }
 
 int Schur::optics_in_border(int column) const {

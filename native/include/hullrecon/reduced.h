@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
 // The reduced system: the lower half of a symmetric matrix of small blocks and a dense border, in a fill-reducing order, kept
-// by compressed columns as CHOLMOD takes them; factored by supernodes.
+// where its factor will stand (fronts.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -9,65 +9,58 @@
 #include <memory>
 #include <vector>
 
+#include "hullrecon/fronts.h"
+
 namespace hullrecon {
 
 class Reduced {
  public:
   // width: of each block. neighbours[start[b], start[b + 1]): the blocks that b meets, both ways, itself left out; the border
   // meets all. Of AMD and METIS the order with fewer nonzeros is taken.
-  Reduced(std::vector<int> width, int border, const std::vector<int64_t>& start, const std::vector<int32_t>& neighbours);
-  ~Reduced();
-  Reduced(const Reduced&) = delete;
-  Reduced& operator=(const Reduced&) = delete;
+  Reduced(std::vector<int> width, int border, const std::vector<int64_t>& start, const std::vector<int32_t>& neighbours,
+          int threads);
 
-  int size() const { return size_; }
-  int offset(int block) const { return offset_[block]; }  // of its scalars in vectors; the border is the last block
+  const FrontTree& tree() const { return fronts_->tree(); }
+  int size() const { return offset(static_cast<int>(position_.size()) - 1) + border_; }
+  int offset(int block) const {
+    return fronts_->tree().offset(position_[block]);
+  }  // of its scalars; the border is the last block
 
-  void clear();
+  void clear() { fronts_->clear(); }
   // m: (width of a, width of b), a and b different, either order.
   template <class Product>
   void add(int a, int b, const Product& m) {
-    position_[a] > position_[b] ? add_lower(b, place(b, a), m) : add_lower(a, place(a, b), m.transpose());
+    position_[a] > position_[b] ? add_lower(position_[a], position_[b], m)
+                                : add_lower(position_[b], position_[a], m.transpose());
   }
   // m: its lower half is read.
   template <class Product>
   void add_own(int a, const Product& m) {
-    add_lower(a, 0, m);
+    add_lower(position_[a], position_[a], m);
   }
   // m: (border, width of a)
   template <class Product>
   void add_border(int a, const Product& m) {
-    add_lower(a, height_[a] - border_, m);
+    add_lower(position_.back(), position_[a], m);
   }
   void add_diagonal(const Eigen::VectorXd& d);
 
-  bool factor();  // false: not positive definite
-  void solve(Eigen::VectorXd& x) const;
+  bool factor() { return fronts_->factor(); }  // false: not positive definite. The matrix is gone then.
+  void solve(Eigen::VectorXd& x) { fronts_->solve(x); }
 
  private:
-  struct Cholesky;
-  int place(int column, int row) const;  // of block `row` below the top of block column `column`, in scalars
-  // Of scalar (row, c) of a block column, rows counted from its top.
-  int64_t at(int column, int row, int c) const {
-    return start_[column] + int64_t{c} * height_[column] - c * (c - 1) / 2 + row - c;
-  }
   template <class Product>
-  void add_lower(int column, int row, const Product& m) {
-    for (int c = 0; c < m.cols(); ++c) {
-      double* to = &value_[at(column, row, c)];
-      for (int r = row == 0 ? c : 0; r < m.rows(); ++r) to[r] += m(r, c);
+  void add_lower(int row, int column, const Product& m) {
+    const auto [front, r, c] = fronts_->tree().place(row, column);
+    for (int k = 0; k < m.cols(); ++k) {
+      double* to = fronts_->at(front, r, c + k);
+      for (int n = row == column ? k : 0; n < m.rows(); ++n) to[n] += m(n, k);
     }
   }
-  void order(const std::vector<int64_t>& start, const std::vector<int32_t>& neighbours);
-  void lay_out(const std::vector<int64_t>& start, const std::vector<int32_t>& neighbours);
 
-  std::vector<int> width_, position_, offset_, height_;
-  int border_, size_ = 0;
-  std::vector<int64_t> start_;                      // of each block column's scalars
-  std::vector<int64_t> below_start_;                // the blocks below a block column's own: those it meets, by position
-  std::vector<std::pair<int32_t, int32_t>> below_;  // position, place
-  std::vector<double> value_;
-  std::unique_ptr<Cholesky> cholesky_;
+  int border_;
+  std::vector<int> position_;
+  std::unique_ptr<Fronts> fronts_;
 };
 
 }  // namespace hullrecon

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// Which numbers a Cholesky factor of a symmetric matrix of blocks holds: the elimination tree, its columns gathered to fronts
+// (supernodes), and where the rows of one front stand in its parent's. No numbers here.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace hullrecon {
+
+// Neighbouring block columns kept as one dense panel, by columns: their own square block on top, the rows that they meet below.
+struct Front {
+  int32_t first, last;         // block columns [first, last)
+  int32_t parent = -1;         // -1: the root
+  int32_t size = 0;            // its columns, in scalars
+  int32_t height = 0;          // those and the rows below
+  int32_t descendants = 0;     // the fronts of its subtree are those just before it
+  int64_t value = 0;           // of its panel's first scalar
+  int64_t rows = 0, runs = 0;  // ends of its own in FrontTree; they begin where those of the front before end
+  double work = 0;             // of its subtree, multiplications
+  int below() const { return height - size; }
+};
+
+// A block row below a front's own square, and where it stands in scalars from the top of the panel.
+struct FrontRow {
+  int32_t block, place;
+};
+
+// Rows of a front (counted from the first below its square) that stand together in its parent's (from the top), all above
+// the end of its square or all below.
+struct Run {
+  int32_t from, to, length;
+};
+
+class FrontTree {
+ public:
+  // width: of each block, in an order that is a postorder of the elimination tree. below[start[b], start[b + 1]): the blocks
+  // after b that b meets, ascending; the last block is met by all.
+  FrontTree(const std::vector<int>& width, const std::vector<int64_t>& start, const std::vector<int32_t>& below);
+
+  const std::vector<Front>& fronts() const { return fronts_; }
+  std::span<const FrontRow> rows(int front) const { return part(rows_, front, &Front::rows); }
+  std::span<const Run> runs(int front) const { return part(runs_, front, &Front::runs); }
+  std::vector<int> children(int front) const;  // last first
+  // Of block (row, column), row at or below column: its front and its first scalar, from the top left of the front's panel.
+  struct Place {
+    int front, row, column;
+  };
+  Place place(int row, int column) const;
+  int offset(int block) const { return offset_[block]; }  // in scalars, of the whole matrix
+  int64_t values() const { return fronts_.back().value + int64_t{fronts_.back().height} * fronts_.back().size; }
+
+ private:
+  using Rows = std::vector<std::vector<int32_t>>;
+  template <class T>
+  std::span<const T> part(const std::vector<T>& all, int front, int64_t Front::* end) const {
+    const int64_t begin = front > 0 ? fronts_[front - 1].*end : 0;
+    return {all.data() + begin, static_cast<size_t>(fronts_[front].*end - begin)};
+  }
+  static Rows fill(const std::vector<int64_t>& start, const std::vector<int32_t>& below);
+  void gather(const Rows& rows);
+  void lay_out(const Rows& rows);
+  void find_runs();
+  void count_work();
+
+  std::vector<int> offset_;  // one more than blocks
+  std::vector<int> front_of_;
+  std::vector<Front> fronts_;
+  std::vector<FrontRow> rows_;
+  std::vector<Run> runs_;
+};
+
+}  // namespace hullrecon

@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+#include "hullrecon/fronts.h"
+
+#include <Eigen/Dense>
+#include <random>
+
+#include "expect.h"
+#include "hullrecon/reduced.h"
+
+using namespace hullrecon;
+
+namespace {
+
+// Blocks of several widths, in a chain with links at random and a border that all meet.
+struct Graph {
+  std::vector<int> width;
+  int border;
+  std::vector<std::vector<int>> meets;  // of each block, the others, both ways
+
+  Graph(int blocks, int border_width, int links, unsigned seed) : border(border_width), meets(blocks) {
+    std::mt19937 rng(seed);
+    for (int b = 0; b < blocks; ++b) width.push_back(1 + static_cast<int>(rng() % 7));
+    for (int b = 0; b + 1 < blocks; ++b) link(b, b + 1);
+    for (int k = 0; k < links; ++k) link(static_cast<int>(rng() % blocks), static_cast<int>(rng() % blocks));
+  }
+  void link(int a, int b) {
+    if (a == b || std::count(meets[a].begin(), meets[a].end(), b)) return;
+    meets[a].push_back(b), meets[b].push_back(a);
+  }
+  Reduced reduced(int threads) const {
+    std::vector<int64_t> start{0};
+    std::vector<int32_t> all;
+    for (const auto& others : meets) {
+      all.insert(all.end(), others.begin(), others.end());
+      start.push_back(static_cast<int64_t>(all.size()));
+    }
+    return Reduced(width, border, start, all, threads);
+  }
+};
+
+// Fills the system with numbers on the graph, `ridge` on its diagonal; the same matrix, dense, in the order of the system.
+Eigen::MatrixXd fill(const Graph& graph, Reduced& reduced, double ridge) {
+  std::mt19937 rng(7);
+  std::normal_distribution<double> normal;
+  const auto random = [&](int rows, int columns) {
+    return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return normal(rng); }));
+  };
+  const auto blocks = static_cast<int>(graph.width.size());
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(reduced.size(), reduced.size());
+  const auto put = [&](int a, int b, const Eigen::MatrixXd& m) {
+    dense.block(reduced.offset(a), reduced.offset(b), m.rows(), m.cols()) += m;
+    if (a != b) dense.block(reduced.offset(b), reduced.offset(a), m.cols(), m.rows()) += m.transpose();
+  };
+  reduced.clear();
+  for (int a = 0; a < blocks; ++a) {
+    for (int b : graph.meets[a]) {
+      if (b > a) continue;
+      const Eigen::MatrixXd m = random(graph.width[a], graph.width[b]);
+      reduced.add(a, b, m), put(a, b, m);
+    }
+    const Eigen::MatrixXd m = random(graph.border, graph.width[a]);
+    reduced.add_border(a, m), put(blocks, a, m);
+    const Eigen::MatrixXd own = random(graph.width[a], graph.width[a]);
+    reduced.add_own(a, Eigen::MatrixXd(own + own.transpose())), put(a, a, own + own.transpose());
+  }
+  reduced.add_diagonal(Eigen::VectorXd::Constant(reduced.size(), ridge));
+  dense.diagonal().array() += ridge;
+  return dense;
+}
+
+void expect_solved(const Graph& graph, int threads) {
+  Reduced reduced = graph.reduced(threads);
+  const Eigen::MatrixXd dense = fill(graph, reduced, 4.0 * reduced.size());
+  Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(reduced.size(), -1, 1);
+  const Eigen::VectorXd b = x;
+  REQUIRE(reduced.factor());
+  reduced.solve(x);
+  CHECK((dense * x - b).norm() < 1e-12 * b.norm());
+}
+
+}  // namespace
+
+TEST_CASE("the system by fronts is the dense one") {
+  for (int blocks : {1, 2, 9, 60, 300}) {
+    for (int border : {0, 1, 12}) {
+      for (int links : {0, blocks / 2, 3 * blocks}) expect_solved(Graph(blocks, border, links, blocks + links), 2);
+    }
+  }
+}
+
+TEST_CASE("fronts of several tiles") {
+  expect_solved(Graph(140, 12, 140 * 140, 3), 2);  // all meet all: one front of 560 columns
+  expect_solved(Graph(40, 300, 60, 3), 2);         // a border longer than two tiles
+}
+
+TEST_CASE("a system of nothing but its border, and of nothing at all") {
+  expect_solved(Graph(0, 5, 0, 1), 2);
+  Reduced nothing = Graph(0, 0, 0, 1).reduced(2);
+  CHECK(nothing.factor());
+  CHECK(nothing.size() == 0);
+}
+
+TEST_CASE("the same bytes for any number of threads") {
+  const Graph graph(400, 12, 900, 5);
+  Eigen::VectorXd first;
+  for (int threads : {1, 2, 3}) {
+    Reduced reduced = graph.reduced(threads);
+    fill(graph, reduced, 4.0 * reduced.size());
+    REQUIRE(reduced.factor());
+    Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(reduced.size(), -1, 1);
+    reduced.solve(x);
+    if (threads == 1) first = x;
+    CHECK(x == first);
+  }
+}
+
+TEST_CASE("an indefinite system is refused, and the next one is solved") {
+  const Graph graph(300, 12, 300, 2);
+  Reduced reduced = graph.reduced(2);
+  fill(graph, reduced, 1.0);
+  CHECK_FALSE(reduced.factor());
+  const Eigen::MatrixXd dense = fill(graph, reduced, 4.0 * reduced.size());
+  REQUIRE(reduced.factor());
+  Eigen::VectorXd x = Eigen::VectorXd::Ones(reduced.size());
+  reduced.solve(x);
+  CHECK((dense * x - Eigen::VectorXd::Ones(reduced.size())).norm() < 1e-10);
+}
+
+TEST_CASE("rows and columns of each front lie on the elimination tree") {
+  const Graph graph(300, 12, 300, 2);
+  const Reduced reduced = graph.reduced(1);
+  const FrontTree& tree = reduced.tree();
+  int columns = 0;
+  for (int f = 0; f < static_cast<int>(tree.fronts().size()); ++f) {
+    columns += tree.fronts()[f].size;
+    int carried = 0;
+    for (const Run& run : tree.runs(f)) {
+      CHECK(run.from == carried);
+      carried += run.length;
+    }
+    CHECK(carried == tree.fronts()[f].below());
+    for (int child : tree.children(f)) CHECK(tree.fronts()[child].parent == f);
+  }
+  CHECK(columns == reduced.size());
+}
