@@ -20,7 +20,7 @@ from hullrecon.steps.chain import stage as find_stage
 from .dives import FOLDER, open_dive
 from .run import execute, run_options
 
-_BOUNDS = {"ge": "at least", "gt": "above", "le": "at most", "lt": "below"}
+_BOUNDS = {"ge": "at least", "gt": "above", "le": "at most", "lt": "below", "multiple_of": "a multiple of"}
 
 
 def command(name: str) -> click.Command:

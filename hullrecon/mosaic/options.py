@@ -22,7 +22,7 @@ class OpticalOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     even_light: bool = True  # take lamp, vignetting and each image's brightness out before blending
     texture_px: Annotated[int, Meta(ge=256, le=16384)] = 4096  # longer side of the GLB's texture
     faces: Annotated[int, Meta(ge=100)] = 120_000  # of the GLB's mesh
-    tile_px: Annotated[int, Meta(ge=64, le=4096)] = 512  # a multiple of 16
+    tile_px: Annotated[int, Meta(ge=64, le=4096, multiple_of=16)] = 512
     reach_m: Annotated[float, Meta(gt=0)] = 0.6  # of the surface from the chart
 
 
@@ -35,5 +35,5 @@ class SonarOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     even_light: bool = True  # take the beams' pattern, the spreading loss and each ping's gain out before blending
     texture_px: Annotated[int, Meta(ge=256, le=16384)] = 4096
     faces: Annotated[int, Meta(ge=100)] = 120_000
-    tile_px: Annotated[int, Meta(ge=64, le=4096)] = 512
+    tile_px: Annotated[int, Meta(ge=64, le=4096, multiple_of=16)] = 512
     reach_m: Annotated[float, Meta(gt=0)] = 0.6

@@ -74,9 +74,10 @@ class TileStore:
 def lay(
     grid: TexelGrid, channels: int, size: int, most_pixels: int, make: Callable[[Window], Tile], progress: Any
 ) -> TileStore:
-    """Makes every tile in turn; only one is in memory uncompressed. size: a power of two."""
+    """Makes every tile in turn; only one is in memory uncompressed. The small copy is reduced to most_pixels a side, or as
+    often as `size` can be halved."""
     reduction = 1
-    while max(grid.width, grid.height) / reduction > most_pixels and reduction < size:
+    while max(grid.width, grid.height) / reduction > most_pixels and size % (2 * reduction) == 0:
         reduction *= 2
     small = np.zeros((-(-grid.height // reduction), -(-grid.width // reduction), channels + 1), np.uint8)
     store = TileStore(grid, size, channels, reduction, small, np.zeros(4096, np.int64), np.zeros(5, np.int64))

@@ -38,6 +38,12 @@ def test_the_small_copy_is_reduced_until_it_fits_and_keeps_the_mean(store: TileS
     assert store.small[10, 30, 3] == 255
 
 
+def test_the_small_copy_is_reduced_by_what_divides_a_tile() -> None:
+    store = lay(GRID, 3, 80, 4, ramp, lambda tiles: tiles)
+    assert store.reduction == 16
+    assert store.small.shape == (7, 10, 4)
+
+
 def test_views_are_counted_inside_the_raster_only(store: TileStore) -> None:
     np.testing.assert_array_equal(store.views, [5000, 0, 10000, 0, 0])
 
