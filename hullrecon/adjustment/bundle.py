@@ -19,6 +19,7 @@ from hullrecon.adjustment.deviation import grid_over
 from hullrecon.adjustment.model import Measurements, Rig, return_points
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.state import State, Weights
+from hullrecon.dive.iterations import reached
 from hullrecon.errors import StageError
 
 Array = NDArray[np.float64]
@@ -224,7 +225,8 @@ def _told(
 
 def _round_in_words(k: int, result: native.Result, chosen: Selection, weights: Weights) -> str:
     record = result.iterations
+    cost = reached(record.cost, record.accepted)
     return (
-        f"round {k + 1}: {len(record.cost) - 1} iterations, cost {record.cost[0]:.6g} to {history.reached(record)[-1]:.6g}, "
+        f"round {k + 1}: {len(record.cost) - 1} iterations, cost {cost[0]:.6g} to {cost[-1]:.6g}, "
         f"{len(chosen.landmarks)} landmarks, {int((result.label == 1).sum())} on the hull, pixel sigma now {weights.pixel:.2f}"
     )

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from hullrecon import native
 from hullrecon.adjustment.state import Weights
+from hullrecon.dive.iterations import reached
 
 Array = NDArray[np.float64]
 STEP = ("cost", "cost_change", "step_norm", "gradient_norm", "radius", "accepted")
@@ -35,12 +36,6 @@ class Round:
     converged: bool
     message: str
     began_s: float
-
-
-def reached(record: native.IterationRecord) -> Array:
-    """(k,) cost at the last accepted point."""
-    last = np.maximum.accumulate(np.where(record.accepted, np.arange(len(record.cost)), 0))
-    return np.asarray(record.cost[last])
 
 
 def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
@@ -72,7 +67,7 @@ def in_figures(rounds: Sequence[Round]) -> list[dict[str, Any]]:
             "landmarks": r.landmarks,
             **{name: sigma if np.isfinite(sigma) else None for name, sigma in _sigmas(r).items()},
             "first_cost": float(r.record.cost[0]),
-            "last_cost": float(reached(r.record)[-1]),
+            "last_cost": float(reached(r.record.cost, r.record.accepted)[-1]),
             "on_surface": int(r.record.on_surface[-1]),
             "labels_changed": int(r.record.label_changes.sum()),
             "rays_missed": int(r.record.rays_missed[-1]),

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.dive.iterations import count
 from hullrecon.dive.records import Returns, Solution, Trajectory, from_arrays
 from hullrecon.errors import InputError
 from hullrecon.evaluation.methods import TABLE, WEIGHTINGS, method_figures
@@ -93,15 +94,10 @@ def compare(solved: Sequence[Solved], start: Reckoned, truth: Truth) -> dict[str
     return {
         s.name: {
             **method_figures(s.solution, start.returns, start.tray_origin_m, truth),
-            "solve": {"iterations": _iterations(s.iterations), "seconds": s.seconds, "landmarks": len(s.solution.landmark)},
+            "solve": {"iterations": count(s.iterations["round"]), "seconds": s.seconds, "landmarks": len(s.solution.landmark)},
         }
         for s in solved
     }
-
-
-def _iterations(record: Mapping[str, NDArray[Any]]) -> int:
-    """Of all rounds, their starts not counted."""
-    return len(record["cost"]) - len(np.unique(record["round"]))
 
 
 def table_rows(figures: dict[str, dict[str, Any]]) -> tuple[list[str], list[list[str]]]:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.dive.iterations import reached
 from hullrecon.evaluation.alignment import Motion
 from hullrecon.evaluation.comparison import Reckoned, Solved
 from hullrecon.evaluation.deliverables import Track
@@ -60,7 +61,7 @@ def _progress(s: Solved) -> Progress:
         method=s.name,
         printed=s.printed,
         round=record["round"],
-        cost=record["cost"][np.maximum.accumulate(np.where(record["accepted"], np.arange(len(record["cost"])), 0))],
+        cost=reached(record["cost"], record["accepted"]),
         landmarks=record["landmarks"],
         on_surface=record["on_surface"],
         label_changes=record["label_changes"],

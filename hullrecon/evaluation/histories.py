@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.dive.iterations import broken, count
 from hullrecon.evaluation.drawing import COLOURS, Figure, colour, finished, new_figure, plain_log
 
 Array = NDArray[np.float64]
@@ -39,8 +40,8 @@ def label_frequency(solves: Sequence[Progress]) -> Figure:
     table, words = ["method,round,iteration,landmarks,on_surface,label_changes"], []
     for k, solve in enumerate(solves):
         share = 100 * solve.on_surface / np.maximum(1, solve.landmarks)
-        count = np.arange(len(share))
-        axes[0, k].plot(*_broken(count, share, solve.round), color=COLOURS["maxmix"], linewidth=1.8, marker=".", markersize=4)
+        step = np.arange(len(share))
+        axes[0, k].plot(*broken(step, share, solve.round), color=COLOURS["maxmix"], linewidth=1.8, marker=".", markersize=4)
         axes[0, k].set_title(_title(solve), fontsize=9)
         axes[0, k].annotate(
             f"starts at {share[0]:.1f} %, ends at {share[-1]:.1f} %",
@@ -50,7 +51,7 @@ def label_frequency(solves: Sequence[Progress]) -> Figure:
             fontsize=8,
         )
         changed = np.where(solve.label_changes > 0, solve.label_changes, np.nan)
-        axes[1, k].bar(count, changed, color=COLOURS["geva"], width=0.8)
+        axes[1, k].bar(step, changed, color=COLOURS["geva"], width=0.8)
         axes[1, k].set(xlabel="iteration" if solve.printed else "iteration, all rounds", yscale="log")
         plain_log(axes[1, k].yaxis)
         for axis in axes[:, k]:
@@ -98,9 +99,9 @@ def _costs(row: Any, solve: Progress) -> None:
     last = np.array([solve.cost[solve.round == number][-1] for number in solve.round])
     _, near = np.unique(np.where(solve.cost <= (1 + _NEAR) * last, solve.round, 0), return_index=True)
     near = near[solve.cost[near] <= (1 + _NEAR) * last[near]]
-    count = np.arange(len(solve.cost), dtype=float)
-    for axis, at, said in ((row[0], count, _count(solve)), (row[1], solve.seconds, f"{solve.seconds[-1]:.1f} s")):
-        axis.plot(*_broken(at, solve.cost, solve.round), label=f"{name}, {said}", **look)
+    step = np.arange(len(solve.cost), dtype=float)
+    for axis, at, said in ((row[0], step, _count(solve)), (row[1], solve.seconds, f"{solve.seconds[-1]:.1f} s")):
+        axis.plot(*broken(at, solve.cost, solve.round), label=f"{name}, {said}", **look)
         axis.plot(at[near], solve.cost[near], "o", color=look["color"], markersize=4)
 
 
@@ -110,21 +111,15 @@ def _title(solve: Progress, method: bool = True) -> str:
 
 
 def _count(solve: Progress) -> str:
-    return f"{len(solve.cost) - len(np.unique(solve.round))} iterations"
+    return f"{count(solve.round)} iterations"
 
 
 def _settled(solve: Progress, share: float = 0.001) -> str:
     """After how many iterations of its last round fewer than that share of the labels change."""
     last = solve.round == solve.round.max()
     restless = np.flatnonzero(solve.label_changes[last] > share * solve.landmarks[last])
-    count = int(restless.max()) if len(restless) else 0
-    return f"settled after {count} iterations" + ("" if solve.printed else " of the last round")
-
-
-def _broken(at: Array | Ints, values: Array | Ints, rounds: Ints) -> tuple[Array, Array]:
-    """The curve with a gap wherever a round begins."""
-    starts = np.flatnonzero(np.diff(rounds)) + 1
-    return np.insert(np.asarray(at, float), starts, np.nan), np.insert(np.asarray(values, float), starts, np.nan)
+    last_one = int(restless.max()) if len(restless) else 0
+    return f"settled after {last_one} iterations" + ("" if solve.printed else " of the last round")
 
 
 def _mark_rounds(axis: Any, rounds: Ints) -> None:

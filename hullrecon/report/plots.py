@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.dive.iterations import broken, reached
 from hullrecon.dive.records import DvlPings, Solution, Surface
 from hullrecon.geometry.meshes import vertex_areas
 from hullrecon.report.chartmap import weighted_percentiles
@@ -29,11 +30,11 @@ def convergence(iterations: Record) -> Plot:
     by_factor = {n.removeprefix("cost_"): v for n, v in iterations.items() if n.startswith("cost_") and n != "cost_change"}
     parts = {name: np.asarray(values, float) for name, values in by_factor.items()}
     figure, axis = new_figure(7.2, 3.4)
-    axis.semilogy(*_broken(step, np.maximum(cost, 1e-12), rounds), color=BLUE, linewidth=2, label="all factors")
+    axis.semilogy(*broken(step, np.maximum(cost, 1e-12), rounds), color=BLUE, linewidth=2, label="all factors")
     for k, (name, values) in enumerate(sorted(parts.items())):
         if (values > 0).any():
             shown = np.where(values > 0, values, np.nan)
-            axis.semilogy(*_broken(step, shown, rounds), linewidth=1, linestyle=("-", "--", ":")[k % 3], label=name)
+            axis.semilogy(*broken(step, shown, rounds), linewidth=1, linestyle=("-", "--", ":")[k % 3], label=name)
     axis.set(xlabel="iteration, all rounds", ylabel="cost (half sum of squares)")
     _mark_rounds(axis, iterations, rounds)
     axis.legend(fontsize=7, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
@@ -58,9 +59,9 @@ def labels(iterations: Record) -> Plot:
     rounds, step = _rounds(iterations, len(on)), np.arange(len(on))
     of = np.asarray(iterations["landmarks"], np.int64) if "landmarks" in iterations else np.full(len(on), on.max())
     figure, (left, right) = new_figure(7.2, columns=2)
-    left.plot(*_broken(step, 100 * on / np.maximum(of, 1), rounds), color=BLUE, linewidth=2)
+    left.plot(*broken(step, 100 * on / np.maximum(of, 1), rounds), color=BLUE, linewidth=2)
     left.set(xlabel="iteration, all rounds", ylabel="landmarks on the hull (%)")
-    right.plot(*_broken(step, changed.astype(float), rounds), color=ORANGE, linewidth=2)
+    right.plot(*broken(step, changed.astype(float), rounds), color=ORANGE, linewidth=2)
     right.set(xlabel="iteration, all rounds", ylabel="labels changed")
     whole_numbers(right.yaxis)
     for axis in (left, right):
@@ -72,21 +73,14 @@ def labels(iterations: Record) -> Plot:
 
 
 def _reached(iterations: Record) -> Array:
-    """(k,) cost at the last accepted point: the record's is that of the point tried."""
+    """(k,) cost at the last accepted point; the record's own where it does not say which were."""
     cost = np.asarray(iterations["cost"], float)
-    accepted = np.asarray(iterations["accepted"], bool) if "accepted" in iterations else np.ones(len(cost), bool)
-    return cost[np.maximum.accumulate(np.where(accepted, np.arange(len(cost)), 0))]
+    return reached(cost, np.asarray(iterations["accepted"], bool)) if "accepted" in iterations else cost
 
 
 def _rounds(iterations: Record, count: int) -> NDArray[np.int64]:
     """(count,) round of each row, 1 where the record does not say."""
     return np.asarray(iterations["round"], np.int64) if "round" in iterations else np.ones(count, np.int64)
-
-
-def _broken(step: NDArray[np.int64], values: Array, rounds: NDArray[np.int64]) -> tuple[Array, Array]:
-    """The curve with a gap wherever a round begins."""
-    at = np.flatnonzero(np.diff(rounds)) + 1
-    return np.insert(step.astype(float), at, np.nan), np.insert(values, at, np.nan)
 
 
 def _mark_rounds(axis: Any, iterations: Record, rounds: NDArray[np.int64], words: bool = True) -> None:

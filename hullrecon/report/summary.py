@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from hullrecon import __version__
+from hullrecon.dive.iterations import count
 from hullrecon.report.story import path_length_m, summary_lines
 from hullrecon.report.survey import Survey
 
@@ -43,7 +44,7 @@ def _iterations(survey: Survey) -> int | None:
     record = survey.iterations
     if record is None or "cost" not in record:
         return None
-    return len(record["cost"]) - (len(np.unique(record["round"])) if "round" in record else 1)
+    return count(np.asarray(record["round"], np.int64)) if "round" in record else len(record["cost"]) - 1
 
 
 def counts(survey: Survey) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon import native
-from hullrecon.adjustment.history import Round, columns, in_figures, lines, reached, seconds
+from hullrecon.adjustment.history import Round, columns, in_figures, lines, seconds
 from hullrecon.adjustment.state import Weights
 
 WEIGHTS = Weights(pixel=1.0, depth=1.0, tray=0.01, range_sigma=0.02, surface=np.ones(3), tray_direction=np.zeros(2))
@@ -48,10 +48,6 @@ def test_no_column_holds_the_wall_clock(rounds) -> None:
     later = [replace(r, began_s=r.began_s + 100, record=replace(r.record, seconds=r.record.seconds + 7)) for r in rounds]
     for name, values in columns(rounds).items():
         np.testing.assert_array_equal(values, columns(later)[name])
-
-
-def test_the_cost_reached_is_that_of_the_last_step_taken(rounds) -> None:
-    assert reached(rounds[0].record).tolist() == [90, 90, 10]
 
 
 def test_seconds_run_on_from_round_to_round(rounds) -> None:

@@ -1,0 +1,26 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How the record of a solve is read (iterations.npz, docs/formats.md): a row an iteration, rounds one after the other."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def reached(cost: Array, accepted: NDArray[np.bool_]) -> Array:
+    """(k,) cost at the last accepted point: the record's is that of the point tried."""
+    return np.asarray(cost[np.maximum.accumulate(np.where(accepted, np.arange(len(cost)), 0))])
+
+
+def count(rounds: NDArray[np.int64]) -> int:
+    """Iterations of all rounds, their starts not counted; rounds (k,): the round of each row."""
+    return len(rounds) - len(np.unique(rounds))
+
+
+def broken(at: NDArray[np.number], values: NDArray[np.number], rounds: NDArray[np.int64]) -> tuple[Array, Array]:
+    """A curve (k,) over `at` with NaN wherever a round begins: costs of two rounds do not compare."""
+    starts = np.flatnonzero(np.diff(rounds)) + 1
+    return np.insert(np.asarray(at, float), starts, np.nan), np.insert(np.asarray(values, float), starts, np.nan)
