@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from hullrecon.geometry.poses import Poses
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-Facts = dict[str, object]
+Facts = dict[str, Any]
 CELL_M = 0.1
 BRIDGE_CELLS = 6  # gaps of up to twice as many cells inside the surveyed area count as holes
 LEAST_HOLE_M2 = 0.03
@@ -111,8 +112,8 @@ def holes(hull: Hull, seen: Flags, chart: Chart, address: Callable[[Array], str]
     label, count = ndimage.label(missed & ~image)
     number = np.where(inside & ~seen, label[tuple(np.where(inside[:, None], cell, 0).T)], 0)
     found = [_hole(hull, np.flatnonzero(number == k), address) for k in range(1, count + 1)]
-    large = [hole for hole in found if float(str(hole["area_m2"])) >= LEAST_HOLE_M2]
-    return sorted(large, key=lambda hole: (-float(str(hole["area_m2"])), str(hole["address"])))
+    large = [hole for hole in found if hole["area_m2"] >= LEAST_HOLE_M2]
+    return sorted(large, key=lambda hole: (-hole["area_m2"], hole["address"]))
 
 
 def _hole(hull: Hull, rows: NDArray[np.int64], address: Callable[[Array], str]) -> Facts:

@@ -14,6 +14,7 @@ from hullrecon.detection.shapes import detect_shapes
 from hullrecon.detection.views import Views, each_view
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.neighbours import nearest
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -56,8 +57,6 @@ def fuse_shapes(views: Views, features: Array, deviation: Array, vertices: Array
 
 def _near(vertices: Array, features: Array, reach_m: float) -> Ints:
     """Vertices near enough to any feature off the hull to be moved."""
-    from hullrecon.geometry.neighbours import nearest
-
     if not len(features):
         return np.zeros(0, np.int64)
     return np.flatnonzero(np.isfinite(nearest(features, vertices, 1, reach_m)[0][:, 0]))

@@ -63,7 +63,8 @@ def first_fields(thumbs: Sequence[NDArray[np.uint8]], camera: NDArray[np.int64])
 
 
 def solve_light(samples: Samples, fields: list[Array], rounds: int = 3) -> Light:
-    """Gains and fields in turns, from the first fields on; robust by medians within a texel."""
+    """Gains and fields in turns, from the first fields on; each takes clipped departures from the texel's mean, so that glints
+    and shadows count little."""
     gain = np.zeros(len(samples.camera))
     for _ in range(rounds):
         residual = samples.log_value - _field_at(samples, fields)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -93,12 +93,12 @@ def light_of(
     stations: Sequence[Station],
     sights: Sequence[CameraSight],
     footprint: Footprint,
-    progress: Callable[..., object],
+    progress: Callable[[Sequence[Any]], Iterable[Any]],
 ) -> Light | None:
     """From small copies of all images at texels LIGHT_STEP_M apart; None when fewer than two images could be read."""
     camera = np.concatenate([np.full(len(s.rows), k) for k, s in enumerate(stations)])
     rows = [(s.read, row) for s in stations for row in s.rows.tolist()]
-    thumbs: list[NDArray[np.uint8] | None] = [_thumb(read, row) for read, row in progress(rows)]  # type: ignore[attr-defined]
+    thumbs: list[NDArray[np.uint8] | None] = [_thumb(read, row) for read, row in progress(rows)]
     good = np.array([t is not None for t in thumbs])
     if good.sum() < 2:
         return None

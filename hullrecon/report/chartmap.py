@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -76,7 +75,6 @@ def weighted_percentiles(values: Array, weights: Array, percent: tuple[float, ..
 
 def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> bytes:
     """Seen faces in a tint that deepens with the views, transparent elsewhere; fills the extent exactly, without a frame."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     width, height = extent.size
@@ -88,10 +86,7 @@ def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> b
     if len(faces):
         views = np.minimum(found.surface.support, 8).astype(float)
         axis.tripcolor(*_safe(found.at).T, faces, views, cmap="GnBu", vmin=-4, vmax=12, shading="gouraud")
-    FigureCanvasAgg(figure)
-    buffer = BytesIO()
-    figure.savefig(buffer, format="png", transparent=True, metadata={"Software": None})
-    return buffer.getvalue()
+    return png_bytes(figure, transparent=True)
 
 
 def deviation_png(found: ChartedSurface, extent: Extent, marks: list[tuple[str, float, float]]) -> bytes:

@@ -67,10 +67,11 @@ def whole_numbers(axis: Any) -> None:
     axis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
 
 
-def png_bytes(figure: Any) -> bytes:
+def png_bytes(figure: Any, **more: Any) -> bytes:
+    """Without what the library writes of itself; more: as savefig has it."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(figure)
     buffer = BytesIO()
-    figure.savefig(buffer, format="png", metadata={"Software": None})
+    figure.savefig(buffer, format="png", metadata={"Software": None}, **more)
     return buffer.getvalue()
