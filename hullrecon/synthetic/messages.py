@@ -7,51 +7,22 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-DEFINITIONS = {
-    "marine_acoustic_msgs/msg/Dvl": """
-uint8 DVL_MODE_BOTTOM=1
-uint8 DVL_MODE_WATER=2
-uint8 DVL_TYPE_PISTON=0
-uint8 DVL_TYPE_PHASED_ARRAY=1
-std_msgs/Header header
-uint8 velocity_mode
-uint8 dvl_type
-geometry_msgs/Vector3 velocity
-float64[9] velocity_covar
-float64 altitude
-float64 course_gnd
-float64 speed_gnd
-uint8 num_good_beams
-float32 sound_speed
-bool beam_ranges_valid
-bool beam_velocities_valid
-geometry_msgs/Vector3[4] beam_unit_vec
-float64[4] range
-float32[4] range_covar
-float32[4] beam_quality
-float32[4] beam_velocity
-float32[4] beam_velocity_covar
-""",
-    "marine_acoustic_msgs/msg/PingInfo": """
-float32 frequency
-float32 sound_speed
-float32[] tx_beamwidths
-float32[] rx_beamwidths
-""",
-    "marine_acoustic_msgs/msg/SonarImageData": """
+from hullrecon.dive.messages.definitions import DVL, PING_INFO, PROJECTED_SONAR_IMAGE
+
+# Of the published one without the types that no simulated image has: logs carry this text, and are the same bytes as ever.
+SONAR_IMAGE_DATA = """
 uint32 DTYPE_UINT8=0
 bool is_bigendian
 uint32 dtype
 uint32 beam_count
 uint8[] data
-""",
-    "marine_acoustic_msgs/msg/ProjectedSonarImage": """
-std_msgs/Header header
-marine_acoustic_msgs/PingInfo ping_info
-geometry_msgs/Vector3[] beam_directions
-float32[] ranges
-marine_acoustic_msgs/SonarImageData image
-""",
+"""
+
+DEFINITIONS = {
+    "marine_acoustic_msgs/msg/Dvl": DVL,
+    "marine_acoustic_msgs/msg/PingInfo": PING_INFO,
+    "marine_acoustic_msgs/msg/SonarImageData": SONAR_IMAGE_DATA,
+    "marine_acoustic_msgs/msg/ProjectedSonarImage": PROJECTED_SONAR_IMAGE,
 }
 
 
