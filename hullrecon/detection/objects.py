@@ -14,7 +14,7 @@ from hullrecon.detection.landmarks import Measured
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.outline import outline
 from hullrecon.detection.regions import Region, find_regions, weighted_quantile
-from hullrecon.detection.significance import height_sigma, p_value, roughness
+from hullrecon.detection.significance import height_sigma, p_value, relief_left, roughness
 from hullrecon.detection.views import Views, in_frame, seen_from
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.chart import Chart
@@ -24,7 +24,7 @@ from hullrecon.geometry.neighbours import Around, nearest
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 IMAGES = 6  # named with each object
-NEAR_CORE_M = 0.02  # a landmark so near to the core lies on it
+NEAR_M = 0.02  # a landmark so near to a structure's vertices lies on it, or on the hull at the foot of its edge
 
 
 @dataclass(frozen=True)
@@ -61,6 +61,26 @@ class _Candidate:
 
 
 @dataclass(frozen=True)
+class _Landmarks:
+    """Of a dive, with their heights (n,) m above the hull, and where their feet lie."""
+
+    measured: Measured
+    height: Array
+    around: Around
+
+    def on(self, found: Found, region: Region, vertices: Ints) -> tuple[NDArray[np.bool_], Array, Array]:
+        """Those near these vertices of a region: whether each stands off the hull as the region does (n,), its height over the
+        surface there (n,), and its own sigma (n,), m."""
+        at = found.base.vertices[vertices]
+        near = self.around.ball(at, NEAR_M)
+        distance, row = nearest(at, self.measured.foot[near], 1, NEAR_M)
+        on = np.isfinite(distance[:, 0])
+        height, surface = self.height[near[on]], found.height[vertices[row[on, 0]]]
+        stands = region.side * (height - region.level) > 0.5 * np.abs(surface - region.level)
+        return stands, height - surface, self.measured.sigma[near[on]]
+
+
+@dataclass(frozen=True)
 class Rejected:
     """A region that was not reported, and why."""
 
@@ -82,11 +102,11 @@ def find_objects(
     area = vertex_areas(found.base)
     rough = roughness(found)
     scene = Scene(found.mesh)
-    around = Around(measured.foot)
+    landmarks = _Landmarks(measured, height, Around(measured.foot))
     objects, rejected = [], []
     for region in find_regions(found, options):
-        candidate = _candidate(found, region, area, rough, _seen_by(found, region, views, scene))
-        doubt = _doubt(found, candidate, area, _witnesses(found, region, around, measured, height), options)
+        candidate = _candidate(found, region, area, rough, landmarks, _seen_by(found, region, views, scene))
+        doubt = _doubt(found, candidate, area, _witnesses(found, region, landmarks), options)
         if doubt:
             rejected.append(Rejected(_rounded(found.mesh.vertices[candidate.center]), round(region.height, 5), doubt))
         else:
@@ -94,13 +114,15 @@ def find_objects(
     return objects, rejected
 
 
-def _candidate(found: Found, region: Region, area: Array, rough: float, seen: Ints) -> _Candidate:
+def _candidate(found: Found, region: Region, area: Array, rough: float, landmarks: _Landmarks, seen: Ints) -> _Candidate:
     sigma = height_sigma(found, region)
     places = float(area[found.measured].sum() / max(area[region.foot].sum(), 1e-9))
     chance = p_value(region.height, sigma, rough, places)
     # Where its top and the hull around it are said to be is no finer than the hull; and a peak is read where enough of it
-    # reaches: how far it may go on above that, its bluntness says.
-    sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2))
+    # reaches: how far it may go on above that, its bluntness says. Nor is it finer than the relief between landmarks.
+    stands, over, own = landmarks.on(found, region, _top_rows(found, region))
+    unresolved = relief_left(over[stands], own[stands])
+    sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2 + unresolved**2))
     return _Candidate(region, _center(found, region, area), seen, chance, sigma)
 
 
@@ -121,16 +143,10 @@ def _doubt(found: Found, candidate: _Candidate, area: Array, witnesses: tuple[in
     return next((reason for failed, reason in checks if failed), "")
 
 
-def _witnesses(found: Found, region: Region, around: Around, measured: Measured, height: Array) -> tuple[int, float]:
+def _witnesses(found: Found, region: Region, landmarks: _Landmarks) -> tuple[int, float]:
     """Landmarks on the core that stand off as it does, and their share of all landmarks there."""
-    core = found.base.vertices[region.core]
-    near = around.ball(core, NEAR_CORE_M)
-    distance, row = nearest(core, measured.foot[near], 1, NEAR_CORE_M)
-    on = np.isfinite(distance[:, 0])
-    surface = found.height[region.core[row[on, 0]]] - region.level
-    off = height[near[on]] - region.level
-    agrees = region.side * off > 0.5 * np.abs(surface)
-    return int(agrees.sum()), float(agrees.mean()) if on.any() else 0.0
+    stands, _, _ = landmarks.on(found, region, region.core)
+    return int(stands.sum()), float(stands.mean()) if len(stands) else 0.0
 
 
 def _center(found: Found, region: Region, area: Array) -> int:

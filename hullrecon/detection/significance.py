@@ -28,6 +28,14 @@ def height_sigma(found: Found, region: Region) -> float:
     return float(np.hypot(top, level))
 
 
+def relief_left(over_m: Array, sigma_m: Array) -> float:
+    """What smoothing left out, m: the scatter of landmarks' heights (n,) over the surface, beyond their own sigmas (n,). Where
+    they are too far apart for the relief, the surface passes between them. Zero without landmarks."""
+    if not len(over_m):
+        return 0.0
+    return float(np.sqrt(max(0.0, robust_sigma(over_m, about=0.0) ** 2 - float(np.median(sigma_m)) ** 2)))
+
+
 def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) -> float:
     """Two-sided probability that the highest of so many places of bare hull reaches this height."""
     from scipy.special import ndtr  # not scipy.stats, which takes seconds to load

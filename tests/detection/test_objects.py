@@ -66,6 +66,16 @@ def test_both_are_certain(scenery, found) -> None:
         assert 0.0005 < item.height_sigma < 0.006
 
 
+def test_a_top_rougher_than_its_landmarks_are_uncertain_is_less_certain(scenery, found) -> None:
+    (even, _), _ = _objects(scenery, found)
+    at = scenery.measured.foot
+    top = np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.12
+    rough = scenery.height + np.where(top, np.random.default_rng(1).normal(0, 0.01, len(at)), 0.0)
+    (uneven, _), _ = _objects(replace(scenery, height=rough), found)
+    assert uneven.height == even.height
+    assert uneven.height_sigma == pytest.approx(np.hypot(0.01, even.height_sigma), rel=0.25)
+
+
 @pytest.mark.parametrize(
     ("option", "value", "words"),
     [

@@ -7,7 +7,7 @@ import pytest
 
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.regions import find_regions
-from hullrecon.detection.significance import height_sigma, p_value, roughness
+from hullrecon.detection.significance import height_sigma, p_value, relief_left, roughness
 
 
 def test_one_place_gives_the_two_sided_normal_probability() -> None:
@@ -32,3 +32,12 @@ def test_a_height_is_as_certain_as_its_landmarks(found) -> None:
     for region in find_regions(found, DetectOptions())[:2]:
         assert 0.0005 < height_sigma(found, region) < 0.006
         assert np.abs(abs(region.height) - (0.10 if region.side > 0 else 0.05)) < 3 * height_sigma(found, region)
+
+
+def test_relief_between_landmarks_is_what_their_noise_does_not_explain() -> None:
+    random = np.random.default_rng(2)
+    noise, relief = random.normal(0, 0.003, 4000), random.normal(0, 0.004, 4000)
+    sigma = np.full(4000, 0.003)
+    assert relief_left(noise, sigma) < 0.001
+    assert relief_left(noise + relief, sigma) == pytest.approx(0.004, rel=0.1)
+    assert relief_left(np.zeros(0), np.zeros(0)) == 0.0
