@@ -22,7 +22,8 @@ void Linear::at(const Model& model, int64_t number) {
     pointers_[k] = block.tangent > 0 ? raw_[k].data() : nullptr;
   }
   residual.resize(rows);
-  if (!factor.cost->Evaluate(x_.data(), residual.data(), pointers_.data())) {
+  const bool evaluated = factor.cost->Evaluate(x_.data(), residual.data(), pointers_.data());
+  if (!evaluated || !std::isfinite(residual.squaredNorm())) {
     const std::string where = std::string(kKindNames[static_cast<int>(factor.kind)]) + " " + std::to_string(factor.row);
     throw StageError("a factor cannot be evaluated at this point", where, "look at the unknowns that it joins");
   }
