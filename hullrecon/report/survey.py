@@ -35,10 +35,11 @@ class Eye:
 
 @dataclass(frozen=True)
 class Mosaic:
-    """What a mosaic step left: mosaic.json and the preview (PNG bytes)."""
+    """What a mosaic step left: mosaic.json, the preview (PNG bytes), and whether there is a textured mesh."""
 
     document: Document
     preview: bytes
+    meshed: bool
 
 
 @dataclass(frozen=True)

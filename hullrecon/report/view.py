@@ -129,7 +129,8 @@ def mosaic_view(name: str, mosaic: Mosaic | None) -> dict[str, Any] | None:
     if picture.shape[1] > 1800:
         factor = 1800 / picture.shape[1]
         picture = np.asarray(cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA), np.uint8)
-    return {"name": name, "src": jpeg_uri(picture, 0, 86), "document": mosaic.document, "stem": name.lower()}
+    src, stem = jpeg_uri(picture, 0, 86), name.lower()
+    return {"name": name, "src": src, "document": mosaic.document, "stem": stem, "meshed": mosaic.meshed}
 
 
 def card(found: Mapping[str, Any], survey: Survey) -> dict[str, Any]:

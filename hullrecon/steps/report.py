@@ -133,6 +133,10 @@ def read_survey(context: Context) -> Survey:
     absent = absences(sections, folder, solution)
     if isinstance(detect.get("objects"), str):
         absent |= dict.fromkeys(("objects.json", "objects.csv"), detect["objects"])
+    mosaics = {name: _mosaic(folder, step) for step, name in MOSAICS.items()}
+    for name, mosaic in mosaics.items():
+        if mosaic is not None and not mosaic.meshed:
+            absent[f"mosaic_{name}.glb"] = "too little was seen for a textured mesh"
     return Survey(
         dive=sections["dive"] or Dive(name="dive"),
         hull=sections["hull"],
@@ -150,8 +154,8 @@ def read_survey(context: Context) -> Survey:
         objects=tuple(objects["objects"]) if objects is not None else None,
         not_reported=tuple(detect.get("not_reported") or ()),
         coverage=_document(folder, "detect", "coverage.json"),
-        optical=_mosaic(folder, "mosaic-optical"),
-        sonar=_mosaic(folder, "mosaic-sonar"),
+        optical=mosaics["optical"],
+        sonar=mosaics["sonar"],
         dvl=_record(DvlPings, folder, "ingest", "dvl.npz"),
         eyes=_eyes(context, solution),
         pairs=_document(folder, "matches", "pairs.json") or {},
@@ -174,7 +178,9 @@ def _document(folder: Mapping[str, Path], step: str, file: str) -> dict[str, Any
 
 def _mosaic(folder: Mapping[str, Path], step: str) -> Mosaic | None:
     document = _document(folder, step, "mosaic.json")
-    return Mosaic(document, (folder[step] / "ortho.png").read_bytes()) if document and _has(folder, step, "ortho.png") else None
+    if not document or not _has(folder, step, "ortho.png"):
+        return None
+    return Mosaic(document, (folder[step] / "ortho.png").read_bytes(), _has(folder, step, "mosaic.glb"))
 
 
 def _step(folder: Path, name: str) -> StepRun:

@@ -129,10 +129,13 @@ def test_mosaics_are_shown_with_their_caption(survey: Survey) -> None:
 
     buffer = BytesIO()
     Image.fromarray(np.full((40, 60, 3), 90, np.uint8)).save(buffer, format="PNG")
-    shown = replace(survey, sonar=Mosaic({"caption": "31 m² at 17.6 mm a pixel.", "resolution_m": 0.0176}, buffer.getvalue()))
+    mosaic = Mosaic({"caption": "31 m² at 17.6 mm a pixel.", "resolution_m": 0.0176}, buffer.getvalue(), meshed=True)
+    shown = replace(survey, sonar=mosaic)
     page = page_of(shown)
     assert "31 m² at 17.6 mm a pixel." in page.text
-    assert "../ortho_sonar.tif" in page.with_attribute("href")
+    assert {"../ortho_sonar.tif", "../mosaic_sonar.glb"} <= set(page.with_attribute("href"))
+    bare = page_of(replace(survey, sonar=replace(mosaic, meshed=False)))
+    assert "../mosaic_sonar.glb" not in bare.with_attribute("href")
     assert "sonar at 17.6 mm a pixel" in " ".join(summary_lines(shown))
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from hullrecon.artifacts.runner import run_stage
 from hullrecon.dive.config import Dive, DiveConfig, Logs
@@ -48,6 +49,17 @@ def run(inputs: dict[str, Path], out: Path) -> Path:
     config = DiveConfig(dive=Dive(name="bare"), logs=Logs(files=("logs/dive.mcap",)))
     settings = {name: getattr(config, name) for name in ("dive", "logs", "tray", "camera", "sonar", "hull")}
     return run_stage(STAGE, settings, inputs, out, source=out.parent) / "deliver"
+
+
+def test_a_mosaic_without_a_textured_mesh_says_why(navigated: dict[str, Path], tmp_path: Path) -> None:
+    folder = tmp_path / "mosaic-sonar"
+    folder.mkdir()
+    (folder / "mosaic.json").write_text(json.dumps({"caption": "1 m² at 17.6 mm a pixel.", "resolution_m": 0.0176}))
+    Image.fromarray(np.full((40, 60, 3), 90, np.uint8)).save(folder / "ortho.png")
+    deliver = run(navigated | {"mosaic-sonar": folder}, tmp_path / "report")
+    summary = json.loads((deliver / "summary.json").read_text())
+    assert summary["absent"]["mosaic_sonar.glb"] == "too little was seen for a textured mesh"
+    assert "mosaic_sonar.glb</a>" not in (deliver / "report" / "index.html").read_text()
 
 
 def test_a_dive_that_was_only_navigated_is_delivered_with_reasons(navigated: dict[str, Path], tmp_path: Path) -> None:
