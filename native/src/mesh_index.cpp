@@ -56,6 +56,7 @@ MeshIndex::MeshIndex(std::vector<Vec3> vertices, std::vector<std::array<int32_t,
   build(0, static_cast<int32_t>(order_.size()));
   leaf_.reserve(order_.size());
   for (int32_t face : order_) leaf_.push_back(triangle(face));
+  find_sheets();
 }
 
 void MeshIndex::weld() {
@@ -148,7 +149,11 @@ void MeshIndex::visit(int32_t face, const Triangle& triangle, const Vec3& point,
 
 Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
   Best best;
-  if (hint >= 0) visit(hint, triangle(hint), point, best);
+  if (hint >= 0) {
+    const Stop stop = walk(point, hint);
+    visit(stop.face, triangle(stop.face), point, best);
+    if (best.on.feature == Feature::Face && std::sqrt(best.squared) < trusted(stop)) return answer(point, best);
+  }
   std::array<std::pair<double, int32_t>, 64> stack;  // deeper than any median tree over int32 faces
   int top = 0;
   stack[top++] = {0.0, 0};
@@ -164,6 +169,10 @@ Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
     stack[top++] = far;
     stack[top++] = near;
   }
+  return answer(point, best);
+}
+
+Closest MeshIndex::answer(const Vec3& point, const Best& best) const {
   const Vec3 normal = pseudonormal(best.face, best.on.feature), away = point - best.on.point;
   const double length = std::sqrt(best.squared), side = away.dot(normal) < 0 ? -1.0 : 1.0;
   const bool flat = best.on.feature == Feature::Face || length < kOnSurface;
