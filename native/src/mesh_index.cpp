@@ -131,7 +131,8 @@ Triangle MeshIndex::triangle(int32_t face) const {
 
 Vec3 MeshIndex::pseudonormal(int32_t face, Feature feature) const {
   const int k = static_cast<int>(feature);
-  const Vec3 sum = k == 0 ? face_normal_[face] : k < 4 ? edge_normal_[face][k - 1] : vertex_normal_[faces_[face][k - 4]];
+  if (k == 0) return sheets_[face].unit;
+  const Vec3 sum = k < 4 ? edge_normal_[face][k - 1] : vertex_normal_[faces_[face][k - 4]];
   return sum.norm() > 1e-9 ? sum.stableNormalized() : face_normal_[face];  // a fold of two opposite faces sums to nothing
 }
 
@@ -151,9 +152,29 @@ Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
   Best best;
   if (hint >= 0) {
     const Stop stop = walk(point, hint);
-    visit(stop.face, triangle(stop.face), point, best);
-    if (best.on.feature == Feature::Face && std::sqrt(best.squared) < trusted(stop)) return answer(point, best);
+    const double limit = trusted(stop);
+    if (limit > 0) {
+      const Vec3 foot = foot_inside(point, triangle(stop.face));
+      best = {(point - foot).squaredNorm(), stop.face, {foot, Feature::Face}};
+      if (best.squared < limit * limit) return answer(point, best);
+    } else {
+      visit(stop.face, triangle(stop.face), point, best);
+    }
   }
+  search(point, best);
+  return answer(point, best);
+}
+
+// Whether the face is farther for certain: by its height and by its edges, with more to spare than both are rounded.
+bool MeshIndex::farther(int32_t face, const Vec3& point, double squared) const {
+  const Sheet& sheet = sheets_[face];
+  const double height = sheet.normal.dot(point) - sheet.level;
+  double beside = 0;
+  for (int k = 0; k < 3; ++k) beside = std::max(beside, sheet.out[k].dot(point) - sheet.at[k]);
+  return height * height + beside * beside > squared * (1 + 1e-9) + 1e-16 * size_ * size_;
+}
+
+void MeshIndex::search(const Vec3& point, Best& best) const {
   std::array<std::pair<double, int32_t>, 64> stack;  // deeper than any median tree over int32 faces
   int top = 0;
   stack[top++] = {0.0, 0};
@@ -161,7 +182,10 @@ Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
     const auto [bound, at] = stack[--top];
     if (bound > best.squared) continue;
     const Node& node = nodes_[at];
-    for (int32_t i = 0; i < node.count; ++i) visit(order_[node.first + i], leaf_[node.first + i], point, best);
+    for (int32_t i = 0; i < node.count; ++i) {
+      const int32_t face = order_[node.first + i];
+      if (!farther(face, point, best.squared)) visit(face, leaf_[node.first + i], point, best);
+    }
     if (node.count > 0) continue;
     std::pair near{squared_distance_to_box(point, nodes_[at + 1].low, nodes_[at + 1].high), at + 1};
     std::pair far{squared_distance_to_box(point, nodes_[node.first].low, nodes_[node.first].high), node.first};
@@ -169,7 +193,6 @@ Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
     stack[top++] = far;
     stack[top++] = near;
   }
-  return answer(point, best);
 }
 
 Closest MeshIndex::answer(const Vec3& point, const Best& best) const {

@@ -61,8 +61,12 @@ void MeshIndex::find_sheets() {
     const std::array<Vec3, 3> corner{t.a, t.b, t.c};
     Sheet& sheet = sheets_[f];
     sheet.across.fill(-1);
+    sheet.unit = face_normal_[f].norm() > 1e-9 ? face_normal_[f].stableNormalized() : face_normal_[f];
+    const bool flat = (t.b - t.a).cross(t.c - t.a).norm() > 1e-2 * (t.b - t.a).norm() * (t.c - t.a).norm();
+    sheet.normal = flat ? face_normal_[f] : Vec3::Zero();
+    sheet.level = sheet.normal.dot(t.a);
     for (int k = 0; k < 3; ++k) {
-      sheet.out[k] = (corner[(k + 1) % 3] - corner[k]).cross(face_normal_[f]).stableNormalized();
+      sheet.out[k] = (corner[(k + 1) % 3] - corner[k]).cross(sheet.normal).stableNormalized();
       sheet.at[k] = sheet.out[k].dot(corner[k]);
       const auto ends = std::minmax(faces_[f][k], faces_[f][(k + 1) % 3]);
       const auto [other, alone] = open.try_emplace(ends, f, k);
@@ -107,7 +111,7 @@ struct MeshIndex::Around {
   const Vec3 low = own.a.cwiseMin(own.b).cwiseMin(own.c), high = own.a.cwiseMax(own.b).cwiseMax(own.c);
   const double farthest = kFarthest * longest_edge(own), noise = kNoise * mesh.size_;
   double reach = farthest, slope = 0;  // slope: k
-  bool trusted = sound(own, farthest) && mesh.face_normal_[face].squaredNorm() > 0.5;
+  bool trusted = sound(own, farthest) && mesh.sheets_[face].normal.squaredNorm() > 0.5;
   int looked = 0;
 
   double to_box(const Vec3& from, const Vec3& to) const { return (from - high).cwiseMax(low - to).cwiseMax(0.0).norm(); }
@@ -124,7 +128,7 @@ void MeshIndex::Around::look(int32_t other, const Triangle& t) {
   Vec3 height;
   std::array<int, 3> shared;  // number of the corner in ours, 3: none
   for (int k = 0; k < 3; ++k) {
-    height[k] = mesh.face_normal_[face].dot(corner[k] - own.a);
+    height[k] = mesh.sheets_[face].normal.dot(corner[k] - own.a);
     shared[k] = static_cast<int>(std::find(mine.begin(), mine.end(), theirs[k]) - mine.begin());
   }
   const bool touches = shared != std::array{3, 3, 3};

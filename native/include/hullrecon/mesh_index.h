@@ -44,11 +44,14 @@ class MeshIndex {
   };
   struct Best;
   struct Around;
-  // A face seen by one who walks over the mesh.
+  // A face seen by one who walks over the mesh. Zero where a sliver leaves a direction to rounding.
   struct Sheet {
-    std::array<Vec3, 3> out;        // unit, in the face's plane, square to edge k, away from the face; zero for a sliver
+    std::array<Vec3, 3> out;        // unit, in the face's plane, square to edge k, away from the face
     std::array<double, 3> at;       // of edge k along it
     std::array<int32_t, 3> across;  // a face beyond edge k, -1: none
+    Vec3 normal;
+    double level;  // of the face along it
+    Vec3 unit;     // the pseudonormal inside
   };
   // Lengths in m and ratios, less than what holds (mesh_trust.cpp); per_clearance < 0: not worked out yet.
   struct Trust {
@@ -65,6 +68,8 @@ class MeshIndex {
   Stop walk(const Vec3& point, int32_t face) const;
   double trusted(const Stop& stop) const;
   void work_out(int32_t face) const;
+  bool farther(int32_t face, const Vec3& point, double squared) const;
+  void search(const Vec3& point, Best& best) const;
   Closest answer(const Vec3& point, const Best& best) const;
   int32_t build(int32_t first, int32_t last);
   Triangle triangle(int32_t face) const;
