@@ -3,16 +3,13 @@
 // MeshIndex: where a face is the closest for certain, so that no tree need be searched.
 //
 // A point p stands at height h over q, inside face f. No other face is nearer if the ball that touches f at q on p's side, of a
-// radius r > h, holds no point x of another face. With z the height of x over f's plane, x' its foot there:
-//     x is outside the ball  <=>  z^2 + |x' - q|^2 >= 2 r z.                                                        (1)
-// Let t be the clearance of q, its distance to f's nearest edge, and d the distance of x' to f: |x' - q| >= t + d for x'
-// outside f.
-//  - A face that touches f: let it rise over f no steeper than z <= k d. The smallest of (z^2 + (t + d)^2) / (2 z) on that cone
-//  is
-//    t (1 + sqrt(1 + k^2)) / k: the bisector of two planes. So (1) holds for r = t per_clearance.
-//  - A face that does not: z^2 + d^2 = D^2, the squared distance of x to f, and z <= D, so (1) holds for r = D^2 / (2 z), at
-//  least
-//    D / 2. The smallest of these is `reach`.
+// radius r > h, holds no point x of another face. With z the height of x over f's plane and x' its foot there,
+//     x is outside the ball  <=>  z^2 + |x' - q|^2 >= 2 r z.                                                      (1)
+// Let t be the clearance of q, its distance to f's nearest edge, and d that of x' to f: |x' - q| >= t + d for x' outside f.
+//  - A face that touches f: let it rise no steeper than z <= k d. On that cone the smallest of (z^2 + (t + d)^2) / (2 z) is
+//    t (1 + sqrt(1 + k^2)) / k, the bisector of two planes: (1) holds for r = t per_clearance.
+//  - A face that does not: z^2 + d^2 = D^2 is the squared distance of x to f, and z <= D: (1) holds for r = D^2 / (2 z), which
+//    is at least D / 2. The smallest of all is `reach`.
 // z counts on either side of the plane. Hence f is the closest where h < min(t per_clearance, reach).
 //
 // In floating point, too: |p - x|^2 >= h^2 + |x - q|^2 (1 - h / r), so kSure of r, and t and reach of at least kLeast of the
@@ -190,18 +187,14 @@ double MeshIndex::Around::ball_of(int32_t other, const Triangle& t, const Vec3& 
 
 void MeshIndex::work_out(int32_t face) const {
   Around around{*this, face};
-  std::array<int32_t, 64> stack;
-  int top = 0;
-  stack[top++] = 0;
-  while (top > 0 && around.trusted) {
-    const int32_t at = stack[--top];
-    const Node& node = nodes_[at];
-    if (around.to_box(node.low, node.high) / 2 >= around.reach) continue;
-    for (int32_t i = 0; i < node.count; ++i) around.look(order_[node.first + i], leaf_[node.first + i]);
-    if (node.count > 0) continue;
-    stack[top++] = node.first;
-    stack[top++] = at + 1;
-  }
+  const auto apart = [&](const Boxes& b) {
+    Four sum = Four::Zero();
+    for (int k = 0; k < 3; ++k) sum += (b.low[k] - around.high[k]).max(around.low[k] - b.high[k]).max(0.0).square();
+    return Four(sum.sqrt() / 2);
+  };
+  tree_->descend(
+      apart, [&] { return around.trusted ? around.reach : -1; },
+      [&](int32_t other, const Triangle& triangle) { around.look(other, triangle); });
   const bool trusted = around.trusted && around.reach >= kLeast * size_ && std::isfinite(around.slope);
   const double k = std::max(around.slope, 1e-9);
   trust_[face].reach.store(trusted ? static_cast<float>(kSure * around.reach) : 0.0F, std::memory_order_relaxed);

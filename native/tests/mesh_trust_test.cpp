@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Closest points by tree, walk and trust against all faces in turn, to the last bit.
+// Closest points by tree, walk and trust, and rays, against all faces in turn, to the last bit.
 #include <cmath>
 #include <random>
 
@@ -132,6 +132,27 @@ Vec3 place_near(const Mesh& mesh, int i) {
   return t.a + u * (t.b - t.a) + v * (t.c - t.a) + std::pow(10, uniform(-7, 0.3)) * random_point(1);
 }
 
+// Also along an axis or two, from a corner or beside the mesh.
+int differing_rays(const Mesh& mesh, int rays) {
+  const MeshIndex index(mesh.vertices, mesh.faces);
+  int wrong = 0;
+  for (int i = 0; i < rays; ++i) {
+    const Vec3 origin = i % 3 == 0 ? mesh.vertices[static_cast<size_t>(i) % mesh.vertices.size()] : place_near(mesh, i);
+    Vec3 along = random_point(1) + Vec3(0, 0, 0.01);
+    if (i % 4 == 1) along[i % 3] = 0;
+    if (i % 4 == 2) along = Vec3::Unit(i % 3) * (i % 8 == 2 ? 1 : -1);
+    along.normalize();
+    Hit expected{std::numeric_limits<double>::infinity(), -1, Vec3::Zero()};
+    for (size_t f = 0; f < mesh.faces.size(); ++f) {
+      const auto range = cross(origin, along, mesh.triangle(f));
+      if (range && *range < expected.range) expected.range = *range, expected.face = static_cast<int32_t>(f);
+    }
+    const Hit got = index.cast(origin, along);
+    wrong += got.face != expected.face || got.range != expected.range;
+  }
+  return wrong;
+}
+
 int differences(const Mesh& mesh, int points) {
   const MeshIndex index(mesh.vertices, mesh.faces);
   int wrong = 0;
@@ -176,4 +197,12 @@ TEST_CASE("so it is far from the origin, where coordinates are coarse") {
   Mesh away = rough(8, 0.05);
   for (Vec3& v : away.vertices) v += Vec3(900, -400, 30);
   CHECK(differences(away, 3000) == 0);
+}
+
+TEST_CASE("a ray hits what it hits first of all faces in turn, also along an axis from a corner") {
+  CHECK(differing_rays(waves(12, 0.1), 4000) == 0);
+  CHECK(differing_rays(sheet(6, [](double x, double y) { return Vec3(x, 0.5, y); }), 4000) == 0);
+  CHECK(differing_rays(rough(8, 0.3), 4000) == 0);
+  CHECK(differing_rays(thin_plate(), 4000) == 0);
+  CHECK(differing_rays(slivers(), 4000) == 0);
 }

@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "hullrecon/triangle.h"
+#include "hullrecon/box_tree.h"
 
 namespace hullrecon {
 
@@ -38,10 +38,6 @@ class MeshIndex {
   int64_t faces() const { return static_cast<int64_t>(faces_.size()); }
 
  private:
-  struct Node {
-    Vec3 low, high;
-    int32_t first, count;  // count > 0: a leaf over order_[first, first + count); else first is the right child, left is next
-  };
   struct Best;
   struct Around;
   // A face seen by one who walks over the mesh. Zero where a sliver leaves a direction to rounding.
@@ -71,7 +67,6 @@ class MeshIndex {
   bool farther(int32_t face, const Vec3& point, double squared) const;
   void search(const Vec3& point, Best& best) const;
   Closest answer(const Vec3& point, const Best& best) const;
-  int32_t build(int32_t first, int32_t last);
   Triangle triangle(int32_t face) const;
   Vec3 pseudonormal(int32_t face, Feature feature) const;
   static void visit(int32_t face, const Triangle& triangle, const Vec3& point, Best& best);
@@ -81,9 +76,7 @@ class MeshIndex {
   std::vector<Vec3> face_normal_;                 // unit; zero for a sliver
   std::vector<std::array<Vec3, 3>> edge_normal_;  // sum over the faces that share the edge (not unit)
   std::vector<Vec3> vertex_normal_;               // sum weighted by the corner's angle (not unit)
-  std::vector<int32_t> order_;
-  std::vector<Triangle> leaf_;  // in this order: what a leaf visits lies together
-  std::vector<Node> nodes_;
+  std::unique_ptr<BoxTree> tree_;
   std::vector<Sheet> sheets_;
   std::unique_ptr<Trust[]> trust_;  // worked out when first asked for: the same number by whichever thread
   double size_ = 0;                 // m: the largest coordinate
