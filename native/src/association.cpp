@@ -17,8 +17,8 @@ Association::Association(std::unique_ptr<MeshIndex> mesh, int64_t surface_rows, 
       was_hit_(range_rows),
       flickers_(range_rows) {}
 
-void Association::place(int64_t row, const Vec3& point) {
-  const Closest c = mesh_->closest(point, last_face_[row]);
+void Association::place(int64_t row, const Vec3& point, int32_t hint) {
+  const Closest c = mesh_->closest(point, hint);
   last_face_[row] = c.face;
   distance_[row] = c.distance;
   surface_[row] = {c.gradient, c.distance - c.gradient.dot(point), true};

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <string>
 
 #include "hullrecon/errors.h"
@@ -18,20 +17,28 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kOnSurface = 1e-9;  // m; nearer than this the direction to the closest point is rounding noise
 
-double squared_distance_to_box(const Vec3& p, const Vec3& low, const Vec3& high) {
-  return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
+// Squared distance of the point.
+auto distance_bound(const Vec3& p) {
+  return [p](const Boxes& b) {
+    Four sum = Four::Zero();
+    for (int k = 0; k < 3; ++k) sum += (b.low[k] - p[k]).max(p[k] - b.high[k]).max(0.0).square();
+    return sum;
+  };
 }
 
-// Range at which the ray enters the box, infinite when it does not. A zero component gives infinities; NaN (the origin on a
-// slab's plane) counts as inside it.
-double entry(const Vec3& origin, const Vec3& inverse, const Vec3& low, const Vec3& high) {
-  double near = 0, far = kInfinite;
-  for (int k = 0; k < 3; ++k) {
-    const double t0 = (low[k] - origin[k]) * inverse[k], t1 = (high[k] - origin[k]) * inverse[k];
-    near = std::max(near, std::isnan(t0) || std::isnan(t1) ? near : std::min(t0, t1));
-    far = std::min(far, std::isnan(t0) || std::isnan(t1) ? far : std::max(t0, t1));
-  }
-  return near <= far * (1 + 1e-12) + 1e-12 ? near : kInfinite;
+// Range at which the ray enters, infinite where it does not. Along an axis the ray is beyond another's planes at
+// once or never; on them it is not, for the boxes have a margin.
+auto range_bound(const Vec3& origin, const Vec3& direction) {
+  Vec3 inverse;
+  for (int k = 0; k < 3; ++k) inverse[k] = std::abs(direction[k]) > 1e-300 ? 1 / direction[k] : 1e300;
+  return [origin, inverse](const Boxes& b) {
+    Four near = Four::Zero(), far = Four::Constant(kInfinite);
+    for (int k = 0; k < 3; ++k) {
+      const Four t0 = (b.low[k] - origin[k]) * inverse[k], t1 = (b.high[k] - origin[k]) * inverse[k];
+      near = near.max(t0.min(t1)), far = far.min(t0.max(t1));
+    }
+    return Four((near <= far * (1 + 1e-12) + 1e-12).select(near, kInfinite));
+  };
 }
 
 }  // namespace
@@ -50,12 +57,10 @@ MeshIndex::MeshIndex(std::vector<Vec3> vertices, std::vector<std::array<int32_t,
   }
   weld();
   find_normals();
-  order_.resize(faces_.size());
-  std::iota(order_.begin(), order_.end(), 0);
-  nodes_.reserve(faces_.size());
-  build(0, static_cast<int32_t>(order_.size()));
-  leaf_.reserve(order_.size());
-  for (int32_t face : order_) leaf_.push_back(triangle(face));
+  std::vector<Triangle> triangles;
+  for (size_t f = 0; f < faces_.size(); ++f) triangles.push_back(triangle(static_cast<int32_t>(f)));
+  tree_ = std::make_unique<BoxTree>(triangles);
+  find_sheets();
 }
 
 void MeshIndex::weld() {
@@ -93,36 +98,6 @@ void MeshIndex::find_normals() {
   }
 }
 
-// Median split of the centroids along their longest side, ties by face: the tree is the same on every run.
-int32_t MeshIndex::build(int32_t first, int32_t last) {
-  const auto at = static_cast<int32_t>(nodes_.size());
-  Node node{Vec3::Constant(kInfinite), Vec3::Constant(-kInfinite), first, last - first};
-  Vec3 low = node.low, high = node.high;
-  const auto centre = [&](int32_t face) {
-    return Vec3(vertices_[faces_[face][0]] + vertices_[faces_[face][1]] + vertices_[faces_[face][2]]);
-  };
-  for (int32_t i = first; i < last; ++i) {
-    for (int32_t v : faces_[order_[i]]) {
-      node.low = node.low.cwiseMin(vertices_[v]);
-      node.high = node.high.cwiseMax(vertices_[v]);
-    }
-    low = low.cwiseMin(centre(order_[i]));
-    high = high.cwiseMax(centre(order_[i]));
-  }
-  nodes_.push_back(node);
-  if (node.count <= 4) return at;
-  int axis = 0;
-  (high - low).maxCoeff(&axis);
-  const int32_t middle = first + node.count / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
-                   [&](int32_t a, int32_t b) { return std::pair(centre(a)[axis], a) < std::pair(centre(b)[axis], b); });
-  build(first, middle);
-  const int32_t right = build(middle, last);
-  nodes_[at].first = right;
-  nodes_[at].count = 0;
-  return at;
-}
-
 Triangle MeshIndex::triangle(int32_t face) const {
   const auto& corner = faces_[face];
   return {vertices_[corner[0]], vertices_[corner[1]], vertices_[corner[2]]};
@@ -130,7 +105,8 @@ Triangle MeshIndex::triangle(int32_t face) const {
 
 Vec3 MeshIndex::pseudonormal(int32_t face, Feature feature) const {
   const int k = static_cast<int>(feature);
-  const Vec3 sum = k == 0 ? face_normal_[face] : k < 4 ? edge_normal_[face][k - 1] : vertex_normal_[faces_[face][k - 4]];
+  if (k == 0) return sheets_[face].unit;
+  const Vec3 sum = k < 4 ? edge_normal_[face][k - 1] : vertex_normal_[faces_[face][k - 4]];
   return sum.norm() > 1e-9 ? sum.stableNormalized() : face_normal_[face];  // a fold of two opposite faces sums to nothing
 }
 
@@ -148,22 +124,39 @@ void MeshIndex::visit(int32_t face, const Triangle& triangle, const Vec3& point,
 
 Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
   Best best;
-  if (hint >= 0) visit(hint, triangle(hint), point, best);
-  std::array<std::pair<double, int32_t>, 64> stack;  // deeper than any median tree over int32 faces
-  int top = 0;
-  stack[top++] = {0.0, 0};
-  while (top > 0) {
-    const auto [bound, at] = stack[--top];
-    if (bound > best.squared) continue;
-    const Node& node = nodes_[at];
-    for (int32_t i = 0; i < node.count; ++i) visit(order_[node.first + i], leaf_[node.first + i], point, best);
-    if (node.count > 0) continue;
-    std::pair near{squared_distance_to_box(point, nodes_[at + 1].low, nodes_[at + 1].high), at + 1};
-    std::pair far{squared_distance_to_box(point, nodes_[node.first].low, nodes_[node.first].high), node.first};
-    if (far.first < near.first) std::swap(near, far);
-    stack[top++] = far;
-    stack[top++] = near;
+  if (hint >= 0) {
+    const Stop stop = walk(point, hint);
+    const double limit = trusted(stop);
+    if (limit > 0) {
+      const Vec3 foot = foot_inside(point, triangle(stop.face));
+      best = {(point - foot).squaredNorm(), stop.face, {foot, Feature::Face}};
+      if (best.squared < limit * limit) return answer(point, best);
+    } else {
+      visit(stop.face, triangle(stop.face), point, best);
+    }
   }
+  search(point, best);
+  return answer(point, best);
+}
+
+// Whether the face is farther for certain: by its height and by its edges, with more to spare than both are rounded.
+bool MeshIndex::farther(int32_t face, const Vec3& point, double squared) const {
+  const Sheet& sheet = sheets_[face];
+  const double height = sheet.normal.dot(point) - sheet.level;
+  double beside = 0;
+  for (int k = 0; k < 3; ++k) beside = std::max(beside, sheet.out[k].dot(point) - sheet.at[k]);
+  return height * height + beside * beside > squared * (1 + 1e-9) + 1e-16 * size_ * size_;
+}
+
+void MeshIndex::search(const Vec3& point, Best& best) const {
+  tree_->descend(
+      distance_bound(point), [&] { return best.squared; },
+      [&](int32_t face, const Triangle& triangle) {
+        if (!farther(face, point, best.squared)) visit(face, triangle, point, best);
+      });
+}
+
+Closest MeshIndex::answer(const Vec3& point, const Best& best) const {
   const Vec3 normal = pseudonormal(best.face, best.on.feature), away = point - best.on.point;
   const double length = std::sqrt(best.squared), side = away.dot(normal) < 0 ? -1.0 : 1.0;
   const bool flat = best.on.feature == Feature::Face || length < kOnSurface;
@@ -172,27 +165,12 @@ Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
 
 Hit MeshIndex::cast(const Vec3& origin, const Vec3& unit_direction) const {
   Hit best{kInfinite, -1, Vec3::Zero()};
-  const Vec3 inverse = unit_direction.cwiseInverse();
-  std::array<std::pair<double, int32_t>, 64> stack;
-  int top = 0;
-  stack[top++] = {entry(origin, inverse, nodes_[0].low, nodes_[0].high), 0};
-  while (top > 0) {
-    const auto [bound, at] = stack[--top];
-    if (bound == kInfinite || bound > best.range) continue;
-    const Node& node = nodes_[at];
-    for (int32_t i = 0; i < node.count; ++i) {
-      const int32_t face = order_[node.first + i];
-      const auto range = cross(origin, unit_direction, leaf_[node.first + i]);
-      if (range && (*range < best.range || (*range == best.range && face < best.face)))
-        best = {*range, face, face_normal_[face]};
-    }
-    if (node.count > 0) continue;
-    std::pair near{entry(origin, inverse, nodes_[at + 1].low, nodes_[at + 1].high), at + 1};
-    std::pair far{entry(origin, inverse, nodes_[node.first].low, nodes_[node.first].high), node.first};
-    if (far.first < near.first) std::swap(near, far);
-    stack[top++] = far;
-    stack[top++] = near;
-  }
+  // no box begins at infinity: the limit of a ray that has hit nothing
+  const auto limit = [&] { return std::min(best.range, std::numeric_limits<double>::max()); };
+  tree_->descend(range_bound(origin, unit_direction), limit, [&](int32_t face, const Triangle& triangle) {
+    const auto range = cross(origin, unit_direction, triangle);
+    if (range && (*range < best.range || (*range == best.range && face < best.face))) best = {*range, face, face_normal_[face]};
+  });
   return best;
 }
 

@@ -29,7 +29,7 @@ std::unique_ptr<MeshIndex> mesh(const Tables& t) {
 Model::Model(const Tables& tables, const Options& options)
     : tables_(tables),
       options_(options),
-      mixture_{options.sigma_on, options.sigma_off},
+      mixture_(options.sigma_on, options.sigma_off),
       association_(mesh(tables), tables.surface_landmark.rows(), tables.range_node.rows(), options.threads) {
   add_blocks();
   std::copy_n(intrinsics_, 18, lens_start_.begin());
@@ -212,8 +212,7 @@ MixtureLoss Model::surface_loss(int64_t row) const {
 void Model::refresh(bool trial, bool surface_too) {
   const Motion hull(blocks_[block("T_g_M")].data);
   if (surface_too || options_.method != "naive") {
-    association_.refresh_surface(
-        [&](int64_t i) { return hull.to_child(Vec3(&landmark_[3 * tables_.surface_landmark.data[i]])); });
+    association_.refresh_surface([&](int64_t i) { return hull.to_child(landmark(tables_.surface_landmark.data[i])); });
   }
   const auto ray = [&](int64_t i) {
     const double* const x[] = {blocks_[tables_.range_node.data[i]].data, blocks_[block("T_g_M")].data,

@@ -41,7 +41,7 @@ void Schur::sort_surface() {
   for (int64_t f = first; f < end; ++f) {
     const auto row = static_cast<int32_t>(model_.row_of(f));
     const auto rank = static_cast<int32_t>(rank_of(row));
-    surface_[next[rank]++] = {Vec3::Zero(), 0, 0, row, rank};
+    surface_[next[rank]++] = {Vec3::Zero(), Vec3::Zero(), 0, 0, row, rank};
   }
   const int nodes = kept_.blocks() - kept_.poses();
   of_node_start_.assign(nodes + 1, 0);

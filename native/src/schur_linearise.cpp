@@ -31,15 +31,15 @@ void Schur::linearise_surface() {
       Robust{Robust{}.huber, &loss}(r * r, rho, slope);
       const double root = std::sqrt(slope), scale = root / model_.options().sigma_on;
       s.n *= scale, s.r = root * r, s.by_field = -scale;
+      s.turn = hull.q.conjugate() * s.n.cross(at(s.rank) - hull.t);
     }
   });
 }
 
 // By T_g_M: the distance falls as the hull moves towards the landmark, and by the turn's arm.
-Schur::Vec6 Schur::hull_row(const SurfaceRow& s) const {
-  const Motion hull(model_.blocks()[model_.block("T_g_M")].data);
+Schur::Vec6 Schur::hull_row(const SurfaceRow& s) {
   Vec6 out;
-  out << -s.n, hull.q.conjugate() * s.n.cross(at(s.rank) - hull.t);
+  out << -s.n, s.turn;
   return out;
 }
 

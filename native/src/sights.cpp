@@ -149,7 +149,7 @@ std::array<double, 2> Sights::cost() {
     Sight s;
     double rho, slope;
     for (int64_t r = first; r < last; ++r) {
-      const Vec3 landmark(model_.blocks()[model_.poses() + order_[r]].data);
+      const Vec3 landmark = model_.landmark(order_[r]);
       for (int32_t v = view_start_[r]; v < view_start_[r + 1]; ++v) {
         for (int32_t k = view_[v].first_sight; k < view_[v + 1].first_sight; ++k) {
           eyes.look<false>(arm_[view_[v].pose], landmark, sight_[k], s);
@@ -169,7 +169,7 @@ void Sights::linearise() {
     double rho, slope;
     for (int64_t v = begin; v < end; ++v) {
       View& view = view_[v];
-      const Vec3 landmark(model_.blocks()[model_.poses() + order_[view.landmark]].data);
+      const Vec3 landmark = model_.landmark(order_[view.landmark]);
       view.information.fill(0), view.gradient.setZero();
       for (int32_t k = view.first_sight; k < view_[v + 1].first_sight; ++k) {
         eyes.look<true>(arm_[view.pose], landmark, sight_[k], s);
@@ -189,7 +189,7 @@ void Sights::linearise() {
 void Sights::by_optics(int64_t v, Eigen::Matrix3Xd& cross, Eigen::MatrixXd* own, Eigen::VectorXd* gradient) const {
   const Eyes eyes(model_);
   const View& view = view_[v];
-  const Vec3 landmark(model_.blocks()[model_.poses() + order_[view.landmark]].data);
+  const Vec3 landmark = model_.landmark(order_[view.landmark]);
   Sight s;
   double rho, slope;
   Eigen::Matrix<double, 4, Eigen::Dynamic> J(4, optics_.width());

@@ -49,6 +49,13 @@ OnTriangle closest_on_triangle(const Vec3& p, const Triangle& t) {
   return {t.a + vb / sum * ab + vc / sum * ac, Feature::Face};
 }
 
+Vec3 foot_inside(const Vec3& p, const Triangle& t) {
+  const Vec3 ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a, bp = p - t.b, cp = p - t.c;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
+  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, sum = va + vb + vc;
+  return t.a + vb / sum * ab + vc / sum * ac;
+}
+
 std::optional<double> cross(const Vec3& origin, const Vec3& direction, const Triangle& t) {
   const Vec3 ab = t.b - t.a, ac = t.c - t.a, h = direction.cross(ac);
   const double det = ab.dot(h);

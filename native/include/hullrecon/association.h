@@ -22,18 +22,13 @@ class Association {
 
   // point(i): landmark of surface row i in M.
   template <class Point>
-  void refresh_surface(const Point& point) {
-    for_rows(static_cast<int64_t>(surface_.size()), [&](int64_t i) { place(i, point(i)); });
-  }
+  void refresh_surface(const Point& point);
 
   // ray(i): origin and unit direction in M of range row i. Misses switch a beam off. A beam that changes between hit and miss
   // more than kFlickers times is held off, lest the cost jump for ever. With `trial`, losing more beams than a fifth of
   // those that hit at the last accepted point refuses the point: a lost beam costs nothing, so looking away would pay.
   template <class Ray>
-  void refresh_range(const Ray& ray, bool trial) {
-    for_rows(static_cast<int64_t>(range_.size()), [&](int64_t i) { shoot(i, ray(i)); });
-    settle(trial);
-  }
+  void refresh_range(const Ray& ray, bool trial);
   void accept();  // the present point is the new one to compare with
 
   int64_t missed() const { return missed_; }
@@ -44,9 +39,7 @@ class Association {
   static constexpr int kFlickers = 3;
   static constexpr double kGrazing = 0.02;  // |cos(incidence)|; flatter, the range's derivative means nothing
 
-  template <class Work>
-  void for_rows(int64_t rows, const Work& work);
-  void place(int64_t row, const Vec3& point);
+  void place(int64_t row, const Vec3& point, int32_t hint);
   void shoot(int64_t row, const std::pair<Vec3, Vec3>& ray);
   void settle(bool trial);
 
@@ -66,11 +59,21 @@ class Association {
 
 namespace hullrecon {
 
-template <class Work>
-void Association::for_rows(int64_t rows, const Work& work) {
-  for_slabs(rows, threads_, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) work(i);
+// The face of last time is near the one of now; at the first time that of the row before is: rows come as the hull was seen.
+template <class Point>
+void Association::refresh_surface(const Point& point) {
+  for_slabs(static_cast<int64_t>(surface_.size()), threads_, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i)
+      place(i, point(i), last_face_[i] >= 0 || i == begin ? last_face_[i] : last_face_[i - 1]);
   });
+}
+
+template <class Ray>
+void Association::refresh_range(const Ray& ray, bool trial) {
+  for_slabs(static_cast<int64_t>(range_.size()), threads_, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) shoot(i, ray(i));
+  });
+  settle(trial);
 }
 
 }  // namespace hullrecon

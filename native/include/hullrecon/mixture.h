@@ -13,14 +13,21 @@
 
 namespace hullrecon {
 
-struct Mixture {
-  double sigma_on = 0.02, sigma_off = 1.0;  // m
+class Mixture {
+ public:
+  Mixture(double sigma_on = 0.02, double sigma_off = 1.0)  // m
+      : ratio_((sigma_on / sigma_off) * (sigma_on / sigma_off)),
+        constant_(2 * std::log(sigma_off / sigma_on)),
+        boundary_(sigma_on * std::sqrt(constant_ / (1 - ratio_))) {}
 
-  double ratio() const { return (sigma_on / sigma_off) * (sigma_on / sigma_off); }
-  double constant() const { return 2 * std::log(sigma_off / sigma_on); }
+  double ratio() const { return ratio_; }
+  double constant() const { return constant_; }
   // |h| at which the labels change, m: 0.05595 for O's sigmas.
-  double boundary() const { return sigma_on * std::sqrt(constant() / (1 - ratio())); }
-  bool on(double h) const { return std::abs(h) <= boundary(); }
+  double boundary() const { return boundary_; }
+  bool on(double h) const { return std::abs(h) <= boundary_; }
+
+ private:
+  double ratio_, constant_, boundary_;
 };
 
 enum class Label { Off, On, Free };

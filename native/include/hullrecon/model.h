@@ -73,6 +73,7 @@ class Model {
   Association& association() { return association_; }
   const Association& association() const { return association_; }
 
+  Vec3 landmark(int64_t i) const { return Vec3(landmark_ + 3 * i); }
   std::vector<double>& unknowns() { return unknowns_; }  // every block's numbers
   MixtureLoss surface_loss(int64_t row) const;
   std::span<const int32_t> surface_nodes(int64_t row) const { return surface_nodes_.nodes(row); }

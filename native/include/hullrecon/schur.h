@@ -54,10 +54,10 @@ class Schur {
   using Vec6 = Eigen::Matrix<double, 6, 1>;
   using Mat6 = Eigen::Matrix<double, 6, 6>;
   using Mat63 = Eigen::Matrix<double, 6, 3>;
-  // A surface factor, whitened and robustified: its residual, its derivative by the landmark, and by the field's nodes
-  // (times their weights).
+  // A surface factor, whitened and robustified: its residual, its derivative by the landmark, by T_g_M's turn, and by the
+  // field's nodes (times their weights).
   struct SurfaceRow {
-    Vec3 n;
+    Vec3 n, turn;
     double r, by_field;
     int32_t row, rank;
   };
@@ -86,7 +86,7 @@ class Schur {
   void border_of_landmark(int64_t rank, Border& sum) const;
   void border_of_small(int64_t f, Border& sum) const;
   void back_substitute(Split& step) const;
-  Vec6 hull_row(const SurfaceRow& s) const;
+  static Vec6 hull_row(const SurfaceRow& s);
   double weight_of(int32_t surface_row, int32_t node) const;
   Mat3 inverse(int64_t rank) const {
     const auto& k = inverse_[rank];
@@ -94,7 +94,7 @@ class Schur {
     m << k[0], k[1], k[2], k[1], k[3], k[4], k[2], k[4], k[5];
     return m;
   }
-  Vec3 at(int64_t rank) const { return Vec3(model_.blocks()[model_.poses() + sights_.landmark(rank)].data); }
+  Vec3 at(int64_t rank) const { return model_.landmark(sights_.landmark(rank)); }
   std::span<const SurfaceRow> surfaces(int64_t rank) const {
     return {surface_.data() + surface_start_[rank], static_cast<size_t>(surface_start_[rank + 1] - surface_start_[rank])};
   }
