@@ -161,26 +161,28 @@ Schur::Border Schur::chunked(int64_t count, int64_t chunk, const std::function<v
   return total;
 }
 
-double Schur::surface_residual(int64_t k, const Motion& hull, Vec3* n_global) const {
+double Schur::surface_residual(int64_t k, const Mat3& global_from_hull, const Vec3& origin, Vec3& n_global) const {
   const SurfaceRow& s = surface_[k];
   const Facet& facet = *model_.association().surface(s.row);
   const auto nodes = model_.surface_nodes(s.row);
   const FieldAt field = model_.surface_field(s.row);
-  double r = facet.normal.dot(hull.to_child(at(s.rank))) + facet.offset;
+  n_global.noalias() = global_from_hull * facet.normal;
+  double r = n_global.dot(at(s.rank) - origin) + facet.offset;
   for (size_t m = 0; m < nodes.size(); ++m) r -= field.weight[m] * *model_.blocks()[model_.first_node() + nodes[m]].data;
-  if (n_global) *n_global = hull.q * facet.normal;
   return r / model_.options().sigma_on;
 }
 
 double Schur::cost_of_surface() const {
   constexpr int64_t kChunk = 1024;
   const Motion hull(model_.blocks()[model_.block("T_g_M")].data);
+  const Mat3 global_from_hull = hull.rotation();
   const auto count = static_cast<int64_t>(surface_.size()), chunks = (count + kChunk - 1) / kChunk;
   std::vector<double> sums(chunks, 0.0);
   const auto work = [&](int64_t begin, int64_t end) {
     double rho, slope;
+    Vec3 normal;
     for (int64_t k = begin * kChunk; k < std::min(count, end * kChunk); ++k) {
-      const double r = surface_residual(k, hull, nullptr);
+      const double r = surface_residual(k, global_from_hull, hull.t, normal);
       const MixtureLoss loss = model_.surface_loss(surface_[k].row);
       Robust{Robust{}.huber, &loss}(r * r, rho, slope);
       sums[k / kChunk] += 0.5 * rho;

@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Schur: landmarks eliminated, the reduced system summed and solved, landmarks recovered.
+// Schur: landmarks eliminated, the reduced system summed.
 #include <algorithm>
-#include <atomic>
-#include <chrono>
+#include <utility>
 
 #include "hullrecon/lever.h"
 #include "hullrecon/parallel.h"
@@ -13,58 +12,28 @@
 namespace hullrecon {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-double since(Clock::time_point& start) {
-  const auto now = Clock::now();
-  return std::chrono::duration<double>(now - std::exchange(start, now)).count();
-}
-
-// to += a' b, columns of `rows` numbers; to: by columns, `stride` apart. For products too small for a library.
-void add_product(double* to, int64_t stride, const double* a, int a_columns, const double* b, int b_columns, int64_t rows) {
+// to += a' b, columns of kRows numbers (0: of `rows`); to: by columns, `stride` apart. For products too small for a library.
+template <int kRows>
+void add_product_of(double* to, int64_t stride, const double* a, int a_columns, const double* b, int b_columns, int64_t rows) {
+  const int64_t n = kRows > 0 ? kRows : rows;
   for (int c = 0; c < b_columns; ++c) {
     for (int r = 0; r < a_columns; ++r) {
       double sum = 0;
-      for (int64_t k = 0; k < rows; ++k) sum += a[r * rows + k] * b[c * rows + k];
+      for (int64_t k = 0; k < n; ++k) sum += a[r * n + k] * b[c * n + k];
       to[c * stride + r] += sum;
     }
   }
 }
 
+void add_product(double* to, int64_t stride, const double* a, int a_columns, const double* b, int b_columns, int64_t rows) {
+  const auto of = rows == 1   ? add_product_of<1>
+                  : rows == 3 ? add_product_of<3>
+                  : rows == 6 ? add_product_of<6>
+                              : add_product_of<0>;
+  of(to, stride, a, a_columns, b, b_columns, rows);
+}
+
 }  // namespace
-
-bool Schur::step(const Split& damping, Split& out) {
-  auto clock = Clock::now();
-  if (!invert(damping)) return false;
-  eliminate();
-  reduced_->add_diagonal(damping.kept);
-  seconds.eliminate += since(clock);
-  const bool definite = reduced_->factor();
-  if (definite) out.kept = -rhs_, reduced_->solve(out.kept);
-  seconds.factor += since(clock);
-  if (!definite || !out.kept.allFinite()) return false;
-  back_substitute(out);
-  seconds.back_substitute += since(clock);
-  return out.landmark.allFinite();
-}
-
-// K of every landmark, by Cholesky: a landmark that hardly any direction determines needs the digits.
-bool Schur::invert(const Split& damping) {
-  std::atomic<bool> definite = true;
-  for_slabs(model_.landmarks(), threads_, [&](int64_t begin, int64_t end) {
-    for (int64_t r = begin; r < end; ++r) {
-      Mat3 v = damping.landmark.segment<3>(3 * r).asDiagonal();
-      for (int32_t k = sights_.first_view(r); k < sights_.first_view(r + 1); ++k) v += sights_.view(k).matrix();
-      for (const SurfaceRow& s : surfaces(r)) v += s.n * s.n.transpose();
-      const double a = std::sqrt(v(0, 0)), b = v(1, 0) / a, c = v(2, 0) / a, d = std::sqrt(v(1, 1) - b * b);
-      const double e = (v(2, 1) - b * c) / d, f = std::sqrt(v(2, 2) - c * c - e * e);
-      if (!(a > 0 && d > 0 && f > 0)) definite = false;
-      const double ia = 1 / a, id = 1 / d, ig = 1 / f, ib = -b * ia * id, ie = -e * id * ig, ic = -(c * ia + e * ib) * ig;
-      inverse_[r] = {ia * ia + ib * ib + ic * ic, ib * id + ic * ie, ic * ig, id * id + ie * ie, ie * ig, ig * ig};
-      gain_.col(r) = inverse(r) * gradient_.landmark.segment<3>(3 * r);
-    }
-  });
-  return definite;
-}
 
 void Schur::eliminate() {
   reduced_->clear();
@@ -115,7 +84,7 @@ void Schur::eliminate_row(int i, std::vector<int64_t>& place) {
     }
     for (const SurfaceRow& s : surfaces(rank)) {
       const Vec6 along = y * s.n;
-      if (hull_ >= 0) with_hull -= along * hull_row(s).transpose();
+      if (hull_ >= 0) with_hull -= along * s.by_hull().transpose();
       if (kept_.blocks() == kept_.poses()) continue;
       const auto nodes = model_.surface_nodes(s.row);
       const FieldAt field = model_.surface_field(s.row);
@@ -210,7 +179,7 @@ void Schur::reduce_node(int node, std::vector<double>& row) {
     rhs_[reduced_->offset(block)] -= by * s.n.dot(gain_.col(s.rank));
     for (const SurfaceRow& other : surfaces(s.rank)) {
       const double factor = (&other == &s ? by : 0.0) - y.dot(other.n);
-      if (hull_ >= 0) border.middleRows<6>(hull_) += factor * hull_row(other);
+      if (hull_ >= 0) border.middleRows<6>(hull_) += factor * other.by_hull();
       const auto nodes = model_.surface_nodes(other.row);
       const FieldAt field = model_.surface_field(other.row);
       for (size_t m = 0; m < nodes.size(); ++m) {
@@ -237,22 +206,21 @@ void Schur::reduce_node(int node, std::vector<double>& row) {
 
 void Schur::border_of_landmark(int64_t rank, Border& sum) const {
   if (hull_ < 0 && optics_ == 0) return;
-  Eigen::Matrix<double, 3, 6> with_hull = Eigen::Matrix<double, 3, 6>::Zero();  // n a'
+  const Mat3 k = inverse(rank);
   for (const SurfaceRow& s : surfaces(rank)) {
     if (hull_ < 0) break;
-    const Vec6 a = hull_row(s);
-    with_hull += s.n * a.transpose();
-    sum.own.block<6, 6>(hull_, hull_) += a * a.transpose();
-  }
-  const Mat3 k = inverse(rank);
-  if (hull_ >= 0) {
-    sum.own.block<6, 6>(hull_, hull_) -= with_hull.transpose() * k * with_hull;
-    sum.rhs.segment<6>(hull_) -= with_hull.transpose() * gain_.col(rank);
+    const Vec3 kn = k * s.n;
+    Vec6 others = s.by_hull();  // a - sum of the a of all surface factors of this landmark, by n'K n
+    for (const SurfaceRow& other : surfaces(rank)) others -= kn.dot(other.n) * other.by_hull();
+    sum.own.block<6, 6>(hull_, hull_).noalias() += s.by_hull() * others.transpose();
+    sum.rhs.segment<6>(hull_) -= s.n.dot(gain_.col(rank)) * s.by_hull();
   }
   for (int c = 0; c < optics_; ++c) {
     const int at = optics_in_border(c);
     const Vec3 kc = k * optics_of(rank).col(c);
-    if (hull_ >= 0) sum.own.row(at).segment<6>(hull_) -= (with_hull.transpose() * kc).transpose();
+    for (const SurfaceRow& s : surfaces(rank)) {
+      if (hull_ >= 0) sum.own.row(at).segment<6>(hull_) -= kc.dot(s.n) * s.by_hull().transpose();
+    }
     for (int d = 0; d <= c; ++d) sum.own(at, optics_in_border(d)) -= kc.dot(optics_of(rank).col(d));
     sum.rhs[at] -= gain_.col(rank).dot(optics_of(rank).col(c));
   }
@@ -268,41 +236,6 @@ void Schur::border_of_small(int64_t f, Border& sum) const {
                   b.width, m);
     }
   }
-}
-
-void Schur::back_substitute(Split& step) const {
-  const int border = reduced_->offset(kept_.blocks()), width = kept_.width(0);
-  const Vec6 hull = hull_ >= 0 ? Vec6(step.kept.segment<6>(border + hull_)) : Vec6(Vec6::Zero());
-  const Vec6 mount = mount_ >= 0 ? Vec6(step.kept.segment<6>(border + mount_)) : Vec6(Vec6::Zero());
-  Eigen::VectorXd optics(optics_);
-  for (int c = 0; c < optics_; ++c) optics[c] = step.kept[border + optics_in_border(c)];
-  Eigen::Matrix<double, 6, Eigen::Dynamic> twist(6, kept_.poses());
-  for (int i = 0; i < kept_.poses(); ++i) {
-    const Arm& arm = sights_.arms()[i];
-    twist.col(i) = arm.by_mount * mount + arm.by_pose.leftCols(width) * step.kept.segment(reduced_->offset(i), width);
-  }
-  step.landmark.resize(3 * model_.landmarks());
-  for_slabs(model_.landmarks(), threads_, [&](int64_t begin, int64_t end) {
-    for (int64_t r = begin; r < end; ++r) {
-      const Vec3 landmark = at(r);
-      Vec3 b = Vec3::Zero();
-      for (int32_t v = sights_.first_view(r); v < sights_.first_view(r + 1); ++v) {
-        const View& view = sights_.view(v);
-        b += view.matrix() * lowered(landmark - sights_.arms()[view.pose].origin, twist.col(view.pose));
-      }
-      for (const SurfaceRow& s : surfaces(r)) {
-        double moved = hull_ >= 0 ? hull_row(s).dot(hull) : 0.0;
-        const auto nodes = model_.surface_nodes(s.row);
-        const FieldAt field = model_.surface_field(s.row);
-        for (size_t k = 0; k < nodes.size() && kept_.blocks() > kept_.poses(); ++k) {
-          moved += s.by_field * field.weight[k] * step.kept[reduced_->offset(kept_.poses() + nodes[k])];
-        }
-        b += s.n * moved;
-      }
-      if (optics_ > 0) b += optics_of(r) * optics;
-      step.landmark.segment<3>(3 * r) = -(gain_.col(r) + inverse(r) * b);
-    }
-  });
 }
 
 }  // namespace hullrecon

@@ -22,25 +22,19 @@ void Schur::linearise() {
 
 void Schur::linearise_surface() {
   const Motion hull(model_.blocks()[model_.block("T_g_M")].data);
+  const Mat3 global_from_hull = hull.rotation();
   for_slabs(static_cast<int64_t>(surface_.size()), threads_, [&](int64_t begin, int64_t end) {
     double rho, slope;
     for (int64_t k = begin; k < end; ++k) {
       SurfaceRow& s = surface_[k];
-      const double r = surface_residual(k, hull, &s.n);
+      const double r = surface_residual(k, global_from_hull, hull.t, s.n);
       const MixtureLoss loss = model_.surface_loss(s.row);
       Robust{Robust{}.huber, &loss}(r * r, rho, slope);
       const double root = std::sqrt(slope), scale = root / model_.options().sigma_on;
       s.n *= scale, s.r = root * r, s.by_field = -scale;
-      s.turn = hull.q.conjugate() * s.n.cross(at(s.rank) - hull.t);
+      s.turn.noalias() = global_from_hull.transpose() * s.n.cross(at(s.rank) - hull.t);
     }
   });
-}
-
-// By T_g_M: the distance falls as the hull moves towards the landmark, and by the turn's arm.
-Schur::Vec6 Schur::hull_row(const SurfaceRow& s) {
-  Vec6 out;
-  out << -s.n, s.turn;
-  return out;
 }
 
 void Schur::differentiate_landmarks() {
@@ -77,7 +71,7 @@ void Schur::differentiate_poses() {
       }
       eliminated_.col(i) = twist;
       Eigen::Matrix<double, 7, 1> g = arm.by_pose.transpose() * twist;
-      Eigen::Matrix<double, 7, 1> d = (arm.by_pose.transpose() * own * arm.by_pose).diagonal();
+      Eigen::Matrix<double, 7, 1> d = (own * arm.by_pose).cwiseProduct(arm.by_pose).colwise().sum().transpose();
       for (int32_t f : small_.of_block(static_cast<int>(i))) {
         const auto rows = small_.rows(f);
         for (const SmallFactors::Part& part : small_.parts(f)) {
@@ -120,19 +114,17 @@ double Schur::weight_of(int32_t surface_row, int32_t node) const {
 }
 
 void Schur::differentiate_border() {
-  const auto diagonal = [](Border& sum, int first, const Eigen::VectorXd& d) {
-    sum.own.diagonal().segment(first, d.size()) += d;
-  };
+  const auto diagonal = [](Border& sum, int first, const auto& d) { sum.own.diagonal().segment(first, d.size()) += d; };
   const Border of_poses = chunked(kept_.poses(), kPoses, [&](int64_t i, Border& sum) {
     if (mount_ < 0) return;
     const auto& by = sights_.arms()[i].by_mount;
     sum.rhs.segment<6>(mount_) += by.transpose() * eliminated_.col(i);
-    diagonal(sum, mount_, (by.transpose() * own_[i] * by).diagonal());
+    diagonal(sum, mount_, (own_[i] * by).cwiseProduct(by).colwise().sum().transpose());
   });
   const Border of_landmarks = chunked(model_.landmarks(), kLandmarks, [&](int64_t r, Border& sum) {
     for (const SurfaceRow& s : surfaces(r)) {
       if (hull_ < 0) break;
-      const Vec6 a = hull_row(s);
+      const Vec6 a = s.by_hull();
       sum.rhs.segment<6>(hull_) += a * s.r;
       diagonal(sum, hull_, a.cwiseAbs2());
     }
@@ -153,7 +145,7 @@ void Schur::differentiate_border() {
       if (part.border < 0) continue;
       const auto J = rows.middleCols(part.column, part.width);
       sum.rhs.segment(part.border, part.width) += J.transpose() * rows.rightCols<1>();
-      diagonal(sum, part.border, J.colwise().squaredNorm());
+      diagonal(sum, part.border, J.colwise().squaredNorm().transpose());
     }
   });
   const int at = reduced_->offset(kept_.blocks()), width = kept_.border();

@@ -60,6 +60,12 @@ class Schur {
     Vec3 n, turn;
     double r, by_field;
     int32_t row, rank;
+    // By T_g_M: the distance falls as the hull moves towards the landmark, and by the turn's arm.
+    Vec6 by_hull() const {
+      Vec6 a;
+      a << -n, turn;
+      return a;
+    }
   };
   static constexpr int64_t kPoses = 64, kLandmarks = 1024, kFactors = 1024;  // chunks of sums
   struct Border {  // what a chunk adds to the border's own block and right side
@@ -70,7 +76,8 @@ class Schur {
   void sort_surface();
   void find_pattern();
   std::vector<int32_t> neighbours_of(int block, std::vector<char>& met) const;
-  double surface_residual(int64_t k, const Motion& hull, Vec3* n_global) const;
+  // Whitened; n_global: the facet's normal. origin: of M in g.
+  double surface_residual(int64_t k, const Mat3& global_from_hull, const Vec3& origin, Vec3& n_global) const;
   double cost_of_surface() const;
   void linearise_surface();
   void differentiate_landmarks();
@@ -86,7 +93,6 @@ class Schur {
   void border_of_landmark(int64_t rank, Border& sum) const;
   void border_of_small(int64_t f, Border& sum) const;
   void back_substitute(Split& step) const;
-  static Vec6 hull_row(const SurfaceRow& s);
   double weight_of(int32_t surface_row, int32_t node) const;
   Mat3 inverse(int64_t rank) const {
     const auto& k = inverse_[rank];
