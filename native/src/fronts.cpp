@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hullrecon/fronts.h"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <exception>
 
@@ -43,17 +41,16 @@ void divide(double* rows, int count, const double* lower, int size, int stride) 
 
 // work(first, count) over [0, total) by tiles, each a task of the team.
 template <class Work>
-void by_tiles(int total, const Work& work) {
+void by_tiles(Team& team, int total, const Work& work) {
   if (total <= kTile) {
     if (total > 0) work(0, total);
     return;
   }
+  Team::Group tiles;
   for (int first = 0; first < total; first += kTile) {
-    const int count = std::min(kTile, total - first);
-#pragma omp task firstprivate(first, count) shared(work)
-    work(first, count);
+    team.add(tiles, [&work, first, count = std::min(kTile, total - first)] { work(first, count); });
   }
-#pragma omp taskwait
+  team.finish(tiles);
 }
 
 using Matrix = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
@@ -61,7 +58,11 @@ using Matrix = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 }  // namespace
 
 Fronts::Fronts(FrontTree tree, int threads)
-    : tree_(std::move(tree)), threads_(thread_count(threads)), value_(tree_.values()), rest_(tree_.fronts().size()) {
+    : tree_(std::move(tree)),
+      threads_(thread_count(threads)),
+      value_(tree_.values()),
+      rest_(tree_.fronts().size()),
+      team_(threads_) {
   grain_ = tree_.fronts().back().work / (kGrains * threads_);
   carried_start_.assign(1, 0);
   for (const Front& f : tree_.fronts()) carried_start_.push_back(carried_start_.back() + f.below());
@@ -81,11 +82,9 @@ void Fronts::climb(int front, const Visit& visit) {
   if (f.work < grain_) {
     for (int below = front - f.descendants; below < front; ++below) visit(below);
   } else {
-    for (int child : tree_.children(front)) {
-#pragma omp task firstprivate(child) shared(visit)
-      climb(child, visit);
-    }
-#pragma omp taskwait
+    Team::Group subtrees;
+    for (int child : tree_.children(front)) team_.add(subtrees, [&, child] { climb(child, visit); });
+    team_.finish(subtrees);
   }
   visit(front);
 }
@@ -99,16 +98,14 @@ void Fronts::descend(int front, const Visit& visit) {
     for (int below = front - 1; below >= front - f.descendants; --below) visit(below);
     return;
   }
-  for (int child : tree_.children(front)) {
-#pragma omp task firstprivate(child) shared(visit)
-    descend(child, visit);
-  }
-#pragma omp taskwait
+  Team::Group subtrees;
+  for (int child : tree_.children(front)) team_.add(subtrees, [&, child] { descend(child, visit); });
+  team_.finish(subtrees);
 }
 
-// visit(front) of all, by a team; after a failure no more. BlasGuard forbids the libraries to open teams; this one is ours.
+// visit(front) of all; after a failure no more.
 template <class Visit>
-void Fronts::in_team(Order order, const Visit& visit) {
+void Fronts::visit_all(Order order, const Visit& visit) {
   std::atomic<bool> failed = false;
   std::exception_ptr failure;
   const auto guarded = [&](int front) {
@@ -119,18 +116,14 @@ void Fronts::in_team(Order order, const Visit& visit) {
       if (!failed.exchange(true)) failure = std::current_exception();
     }
   };
-  const int levels = omp_get_max_active_levels(), root = static_cast<int>(tree_.fronts().size()) - 1;
-  omp_set_max_active_levels(1);
-#pragma omp parallel num_threads(threads_)
-#pragma omp single
+  const int root = static_cast<int>(tree_.fronts().size()) - 1;
   order == Order::Up ? climb(root, guarded) : descend(root, guarded);
-  omp_set_max_active_levels(levels);
   if (failure) std::rethrow_exception(failure);
 }
 
 bool Fronts::factor() {
   definite_ = true;
-  in_team(Order::Up, [&](int front) {
+  visit_all(Order::Up, [&](int front) {
     if (definite_) factor_front(front);
   });
   return definite_;
@@ -183,12 +176,12 @@ void Fronts::eliminate(int front) {
     int info = 0;
     dpotrf_("L", &depth, corner, &f.height, &info);
     if (info != 0) return void(definite_ = false);
-    by_tiles(f.height - next, [&](int row, int count) { divide(corner + depth + row, count, corner, depth, f.height); });
-    by_tiles(f.size - next, [&](int column, int count) {
+    by_tiles(team_, f.height - next, [&](int row, int count) { divide(corner + depth + row, count, corner, depth, f.height); });
+    by_tiles(team_, f.size - next, [&](int column, int count) {
       const int c = next + column;
       subtract_product(1, at(front, c, c), f.height, at(front, c, first), f.height, f.height - c, count, depth);
     });
-    by_tiles(f.below(), [&](int column, int count) {
+    by_tiles(team_, f.below(), [&](int column, int count) {
       double* const to = rest_[front].get() + int64_t{column} * f.below() + column;
       const double* const rows = at(front, f.size + column, first);
       subtract_product(first > 0 ? 1 : 0, to, f.below(), rows, f.height, f.below() - column, count, depth);
@@ -198,8 +191,8 @@ void Fronts::eliminate(int front) {
 }
 
 void Fronts::solve(Eigen::VectorXd& x) {
-  in_team(Order::Up, [&](int front) { forward(front, x); });
-  in_team(Order::Down, [&](int front) { backward(front, x); });
+  visit_all(Order::Up, [&](int front) { forward(front, x); });
+  visit_all(Order::Down, [&](int front) { backward(front, x); });
 }
 
 void Fronts::forward(int front, Eigen::VectorXd& x) {

@@ -279,3 +279,24 @@ def test_importing_the_face_does_not_load_the_solver() -> None:
     code = "import sys, hullrecon.native; print('hullrecon._native' in sys.modules)"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert out.stdout.strip() == "False"
+
+
+AFTER_A_FORK = """
+import os
+import numpy as np
+from hullrecon.native import Options, Problem, solve
+
+held = ("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top", "intrinsics_bottom", "tray")
+pose = np.tile([0.0, 0, 0, 0, 0, 0, 1, 0], (40, 1))
+p = Problem(pose=pose, constant=held, attitude_node=np.arange(40, dtype=np.int32), attitude_measured=np.ones((40, 3)),
+            attitude_sigma=np.ones((40, 3)), prior_pose_node=np.arange(40, dtype=np.int32), prior_pose=pose[:, :7],
+            prior_pose_sqrt=np.tile(np.eye(6), (40, 1, 1)))
+before = solve(p, Options(threads=2)).unknowns["pose"]
+if (child := os.fork()) == 0:
+    os._exit(0 if np.array_equal(solve(p, Options(threads=2)).unknowns["pose"], before) else 1)
+raise SystemExit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+def test_a_process_forked_after_a_solve_solves_as_well() -> None:
+    subprocess.run([sys.executable, "-c", AFTER_A_FORK], check=True, timeout=120)

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hullrecon/front_tree.h"
+#include "hullrecon/team.h"
 
 namespace hullrecon {
 
@@ -35,7 +36,7 @@ class Fronts {
   template <class Visit>
   void descend(int front, const Visit& visit);
   template <class Visit>
-  void in_team(Order order, const Visit& visit);
+  void visit_all(Order order, const Visit& visit);
   void factor_front(int front);
   void take_own(int child);
   void take_rest(int child);
@@ -52,6 +53,7 @@ class Fronts {
   std::vector<int64_t> carried_start_;
   std::vector<double> carried_;  // the same of the right side
   std::atomic<bool> definite_ = true;
+  Team team_;  // last: it uses all of the above
 };
 
 }  // namespace hullrecon

@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// Threads for work that makes more work: tasks that wait for tasks of their own. Plain threads that live as long as the team,
+// not OpenMP's, which a process forked from ours could not use again.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace hullrecon {
+
+class Team {
+ public:
+  // With the calling thread, so many.
+  explicit Team(int threads) {
+    for (int k = 1; k < threads; ++k) {
+      members_.emplace_back([this] { work([this] { return ended_; }); });
+    }
+  }
+  ~Team() {
+    {
+      const std::lock_guard lock(mutex_);
+      ended_ = true;
+    }
+    changed_.notify_all();
+    for (auto& member : members_) member.join();
+  }
+  Team(const Team&) = delete;
+  Team& operator=(const Team&) = delete;
+
+  // Tasks that are waited for together. They must not throw.
+  class Group {
+    friend class Team;
+    int open_ = 0;
+  };
+  void add(Group& group, std::function<void()> task) {
+    {
+      const std::lock_guard lock(mutex_);
+      ++group.open_;
+      tasks_.emplace_back(&group, std::move(task));
+    }
+    changed_.notify_one();
+  }
+  // Works, on whatever is to be done, until the group's tasks are.
+  void finish(const Group& group) {
+    work([&] { return group.open_ == 0; });
+  }
+
+ private:
+  template <class Done>
+  void work(const Done& done) {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      changed_.wait(lock, [&] { return done() || !tasks_.empty(); });
+      if (done()) return;
+      auto [group, task] = std::move(tasks_.back());  // the youngest: what it needs was made last
+      tasks_.pop_back();
+      lock.unlock();
+      task();
+      lock.lock();
+      if (--group->open_ == 0) changed_.notify_all();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::pair<Group*, std::function<void()>>> tasks_;
+  bool ended_ = false;
+  std::vector<std::thread> members_;  // last: they use all of the above
+};
+
+}  // namespace hullrecon
