@@ -4,6 +4,7 @@
 // not OpenMP's, which a process forked from ours could not use again.
 #pragma once
 
+#include <algorithm>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
@@ -18,7 +19,7 @@ class Team {
   // With the calling thread, so many.
   explicit Team(int threads) {
     for (int k = 1; k < threads; ++k) {
-      members_.emplace_back([this] { work([this] { return ended_; }); });
+      members_.emplace_back([this] { work(nullptr, [this] { return ended_; }); });
     }
   }
   ~Team() {
@@ -47,18 +48,21 @@ class Team {
   }
   // Works, on whatever is to be done, until the group's tasks are.
   void finish(const Group& group) {
-    work([&] { return group.open_ == 0; });
+    work(&group, [&] { return group.open_ == 0; });
   }
 
  private:
+  // own: the group waited for, whose tasks go first; else the oldest, which is the largest.
   template <class Done>
-  void work(const Done& done) {
+  void work(const Group* own, const Done& done) {
     std::unique_lock lock(mutex_);
     while (true) {
       changed_.wait(lock, [&] { return done() || !tasks_.empty(); });
       if (done()) return;
-      auto [group, task] = std::move(tasks_.back());  // the youngest: what it needs was made last
-      tasks_.pop_back();
+      auto at = std::find_if(tasks_.begin(), tasks_.end(), [&](const auto& t) { return t.first == own; });
+      if (at == tasks_.end()) at = tasks_.begin();
+      auto [group, task] = std::move(*at);
+      tasks_.erase(at);
       lock.unlock();
       task();
       lock.lock();
