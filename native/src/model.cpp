@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "hullrecon/errors.h"
-#include "hullrecon/parallel.h"
 #include "hullrecon/visit.h"
 
 namespace hullrecon {
