@@ -7,9 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Ints32
 
 
 @dataclass(frozen=True)
@@ -17,16 +16,40 @@ class Mesh:
     """vertices (n, 3) metres; faces (m, 3) int32, counter-clockwise seen from outside."""
 
     vertices: Array
-    faces: NDArray[np.int32]
+    faces: Ints32
+
+
+def face_areas(mesh: Mesh) -> Array:
+    """Return the area of each face (m,), m2."""
+    return np.asarray(0.5 * np.linalg.norm(_face_cross_products(mesh), axis=1))
+
+
+def face_normals(mesh: Mesh) -> Array:
+    """Return the outward unit normal of each face (m, 3); zero for a degenerate one."""
+    cross = _face_cross_products(mesh)
+    return np.asarray(cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), 1e-15))
 
 
 def vertex_areas(mesh: Mesh) -> Array:
-    """A third of the faces around each vertex (n,), m2. So values are weighted where a mesh is finer in places."""
+    """Return a third of the area of the faces around each vertex (n,), m2: what values at vertices are weighted by."""
     third = face_areas(mesh) / 3
     return np.asarray(sum(np.bincount(mesh.faces[:, k], third, minlength=len(mesh.vertices)) for k in range(3)))
 
 
-def face_areas(mesh: Mesh) -> Array:
-    """(m,) m2."""
+def vertex_normals(mesh: Mesh) -> Array:
+    """Return outward unit normals (n, 3), the faces' normals weighted by their angles; zero at vertices of no face."""
+    corner, normal = mesh.vertices[mesh.faces], face_normals(mesh)
+    out = np.zeros_like(mesh.vertices)
+    for k in range(3):
+        a, b = corner[:, (k + 1) % 3] - corner[:, k], corner[:, (k + 2) % 3] - corner[:, k]
+        cosine = np.einsum("ni,ni->n", a, b) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-15)
+        angle = np.arccos(np.clip(cosine, -1, 1))
+        for axis in range(3):
+            out[:, axis] += np.bincount(mesh.faces[:, k], angle * normal[:, axis], minlength=len(out))
+    return np.asarray(out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-15))
+
+
+def _face_cross_products(mesh: Mesh) -> Array:
+    """Return (b - a) x (c - a) of each face (m, 3): twice the area along the normal."""
     a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
-    return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
+    return np.cross(b - a, c - a)

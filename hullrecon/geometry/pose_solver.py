@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Levenberg-Marquardt on one pose whose cost is given linearised [Triggs2000]."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.geometry.poses import Poses
+from hullrecon.typing import Array
+
+FIRST_DAMPING = 1e-4
+LEAST_DAMPING = 1e-9
+MOST_DAMPING = 1e6  # no step that small changes anything: the minimum to the precision of the cost
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinearisedCost:
+    """A cost at a pose: cost, half the sum of squares; gradient (6,) and information (6, 6) by the step of the update."""
+
+    cost: float
+    gradient: Array
+    information: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoseSolution:
+    """The pose at the minimum (a batch of one) and its cost, linearised there."""
+
+    pose: Poses
+    at_minimum: LinearisedCost
+
+
+def minimise_over_pose(
+    start: Poses,
+    linearise: Callable[[Poses], LinearisedCost],
+    update: Callable[[Poses, Array], Poses],
+    *,
+    max_iterations: int,
+    min_decrease: float = 0.0,
+    min_relative_decrease: float = 0.0,
+    free_directions: Callable[[Poses], Array] | None = None,
+) -> PoseSolution:
+    """Return the pose of least cost from `start` (a batch of one).
+
+    update applies a step (6,) to a pose. It ends when an accepted step lowers the cost by less than `min_decrease`, or by less
+    than that share of it. free_directions gives a basis (6, k) of the steps allowed at a pose; all six by default.
+    """
+    pose, here, damping = start, linearise(start), FIRST_DAMPING
+    for _ in range(max_iterations):
+        basis = np.eye(6) if free_directions is None else free_directions(pose)
+        reduced = basis.T @ here.information @ basis
+        step = -basis @ np.linalg.solve(reduced + damping * np.diag(np.diag(reduced)), basis.T @ here.gradient)
+        trial = update(pose, np.asarray(step))
+        there = linearise(trial)
+        if there.cost > here.cost:
+            damping *= 10
+            if damping > MOST_DAMPING:
+                break
+            continue
+        decrease, cost_before = here.cost - there.cost, here.cost
+        pose, here, damping = trial, there, max(damping / 5, LEAST_DAMPING)
+        if decrease < min_decrease or decrease < min_relative_decrease * cost_before:
+            break
+    return PoseSolution(pose=pose, at_minimum=here)

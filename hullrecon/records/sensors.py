@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What each sensor measured: times in int64 nanoseconds since 1970, SI units, NaN for lost values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.typing import Array, Ints, Mask
+
+
+@dataclass(frozen=True, kw_only=True)
+class DvlPings:
+    """velocity (n, 3) m/s of the instrument in `dvl` (NaN when lost), velocity_sigma (n,) m/s, ranges (n, b) m along the
+    beams (NaN when lost), beams (b, 3) unit vectors in `dvl`."""
+
+    t_ns: Ints
+    velocity: Array
+    velocity_sigma: Array
+    ranges: Array
+    beams: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImuSamples:
+    """quaternion (n, 4): rotation of `vehicle` in `global` (NED-like, converted at ingest); rates (n, 3) rad/s and
+    acceleration (n, 3) m/s2 in `vehicle`, NaN when not logged."""
+
+    t_ns: Ints
+    quaternion: Array
+    angular_velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class PressureSamples:
+    """depth (n,) m of the sensor below the surface, positive down."""
+
+    t_ns: Ints
+    depth: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointSamples:
+    """angle (n,) rad of one servo as logged."""
+
+    t_ns: Ints
+    angle: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImageIndex:
+    """Images of one camera in time order. file (n,) str: path relative to the package, or "" when the bytes lie in the
+    ingest artifact's images_<camera>.bin at offset (n,), size (n,). usable (n,) bool: it decoded."""
+
+    t_ns: Ints
+    file: NDArray[np.str_]
+    offset: Ints
+    size: Ints
+    usable: Mask
+
+
+@dataclass(frozen=True, kw_only=True)
+class SonarPings:
+    """image (n, beams, ranges) uint8, directions (beams, 3) unit vectors in `sonar`, range_m (ranges,) bin centres."""
+
+    t_ns: Ints
+    image: NDArray[np.uint8]
+    directions: Array
+    range_m: Array

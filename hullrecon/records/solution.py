@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The adjusted dive, by parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.frames import Frame
+from hullrecon.geometry.poses import Poses, identity
+from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.typing import Array, Ints
+
+
+@dataclass(frozen=True, kw_only=True)
+class Landmarks:
+    """L landmarks. position (L, 3) in g; covariance (L, 3, 3) in M (g without a CAD model); label (L,): 1 = on the CAD model's
+    surface; deviation (L,) m, signed distance to the CAD model (NaN without one); views (L,); color (L, 3) RGB."""
+
+    position: Array
+    covariance: Array
+    label: Ints
+    deviation: Array
+    views: Ints
+    color: NDArray[np.uint8]
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HullPose:
+    """T_g_M (a batch of one). covariance (6, 6) of (translation in g, rotation right-perturbed in M), both about survey_center (3,)
+    in M: of where the hull lies given the dive's own frame, the CAD model's error in it; as published, the solve's marginal."""
+
+    global_from_hull: Poses
+    covariance: Array
+    survey_center: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mounts:
+    """Where the sensors sit as adjusted, each a batch of one; None where the sensor was not carried."""
+
+    tray_from_dvl: Poses
+    tray_from_camera: Poses | None
+    top_from_bottom: Poses | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeviationField:
+    """Normal offsets of the hull from its CAD model at the nodes of a grid on the hull chart, outward positive. origin (2,) m and
+    step (2,) m along and girth; value, sigma (a, g) m."""
+
+    origin: Array
+    step: Array
+    value: Array
+    sigma: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solution:
+    """The adjusted dive. By node: t_ns (n,), image (n, 2) rows in the cameras' indices (-1 where none), global_from_vehicle,
+    tray (n,) rad and its sigma, pose_covariance (n, 6, 6) of T_M_v (of T_g_v without a CAD model): (translation in M, rotation
+    right-perturbed in v). navigation_errors (6,): DVL scale error, heading drift rad/s, roll and pitch bias rad, depth bias m,
+    tray backlash rad. hull_pose, deviation_field: None without a CAD model."""
+
+    t_ns: Ints
+    image: Ints
+    global_from_vehicle: Poses
+    tray: Array
+    tray_sigma: Array
+    pose_covariance: Array
+    landmarks: Landmarks
+    mounts: Mounts
+    navigation_errors: Array
+    hull_pose: HullPose | None
+    deviation_field: DeviationField | None
+
+    @property
+    def frame(self) -> Frame:
+        """Return the frame that results are given in: M, or g without a CAD model."""
+        return Frame.GLOBAL if self.hull_pose is None else Frame.HULL
+
+    def result_from_global(self) -> Poses:
+        """Return T_M_g (a batch of one); the identity without a CAD model, where results stay in g."""
+        return identity() if self.hull_pose is None else self.hull_pose.global_from_hull.inverse()
+
+    def track(self) -> VehicleTrack:
+        """Return the vehicle in the result's frame: T_M_v, or T_g_v without a CAD model."""
+        return VehicleTrack(
+            t_ns=self.t_ns,
+            poses=self.result_from_global() @ self.global_from_vehicle,
+            tray=self.tray,
+            covariance=self.pose_covariance,
+            image=self.image,
+            frame=self.frame,
+        )

@@ -1,0 +1,25 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Surfaces with their uncertainty."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hullrecon.geometry.meshes import Mesh
+from hullrecon.typing import Array, Ints, Ints32
+
+
+@dataclass(frozen=True, kw_only=True)
+class Surface:
+    """vertices (n, 3) in M (g without a CAD model), faces (m, 3); deviation (n,) m against the CAD model, outward positive, NaN
+    without; sigma (n,) m; support (n,) int: returns (surface) or views (as found) behind a vertex, 0 = unseen."""
+
+    vertices: Array
+    faces: Ints32
+    deviation: Array
+    sigma: Array
+    support: Ints
+
+    def mesh(self) -> Mesh:
+        return Mesh(self.vertices, self.faces)

@@ -1,0 +1,24 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Image features followed over images."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.typing import Array, Ints
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tracks:
+    """Observations, sorted by (landmark, node): landmark (m,), node (m,), top (m, 2) and bottom (m, 2) pixels in the raw
+    (distorted) images, NaN where that camera did not see it. color (landmarks, 3) uint8 RGB."""
+
+    landmark: Ints
+    node: Ints
+    top: Array
+    bottom: Array
+    color: NDArray[np.uint8]

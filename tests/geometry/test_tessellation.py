@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.tessellation import facet_sagitta, tessellation_error
+
+RADIUS_M = 5.0
+
+
+def cylinder(sides: int, length_m: float = 2.0, radius_m: float = RADIUS_M) -> Mesh:
+    """A cylinder about x as a strip of quads of `sides` facets, each of two triangles, every quad with corners of its own."""
+    angle = 2 * np.pi * np.arange(sides + 1) / sides
+    ring = radius_m * np.stack([np.zeros_like(angle), np.cos(angle), np.sin(angle)], axis=1)
+    vertices, faces = [], []
+    for k in range(sides):
+        quad = [ring[k], ring[k + 1], ring[k + 1] + [length_m, 0, 0], ring[k] + [length_m, 0, 0]]
+        vertices += quad
+        faces += [[4 * k, 4 * k + 1, 4 * k + 2], [4 * k, 4 * k + 2, 4 * k + 3]]
+    return Mesh(np.array(vertices), np.array(faces, np.int32))
+
+
+@pytest.mark.parametrize("sides", [24, 48, 96])
+def test_facets_of_a_cylinder_stand_off_it_by_the_height_of_their_arc(sides: int) -> None:
+    exact = RADIUS_M * (1 - np.cos(np.pi / sides))
+    np.testing.assert_allclose(facet_sagitta(cylinder(sides)), exact, rtol=0.02)
+    near = tessellation_error(cylinder(sides), cylinder(sides).vertices)
+    assert near.sigma_m == pytest.approx(exact, rel=0.02)
+    assert near.length_m == pytest.approx(2 * RADIUS_M * np.sin(np.pi / sides), rel=0.02)
+
+
+def test_edges_drawn_on_purpose_do_not_count() -> None:
+    assert np.allclose(facet_sagitta(cylinder(6)), 0)  # turns of 60 degrees
+    assert tessellation_error(cylinder(6), cylinder(6).vertices).sigma_m == 0
+
+
+def test_a_turn_of_35_degrees_is_a_curve_for_every_user_alike() -> None:
+    coarse = cylinder(10)  # turns of 36 degrees
+    assert facet_sagitta(coarse).min() > 0
+    assert tessellation_error(coarse, coarse.vertices).sigma_m == pytest.approx(facet_sagitta(coarse).mean(), rel=1e-6)
+
+
+def test_faces_out_of_reach_say_nothing() -> None:
+    fine, coarse = cylinder(96), cylinder(16)
+    far = Mesh(
+        np.vstack([fine.vertices, coarse.vertices + [100.0, 0, 0]]), np.vstack([fine.faces, coarse.faces + len(fine.vertices)])
+    )
+    assert tessellation_error(far, fine.vertices) == tessellation_error(fine, fine.vertices)
+
+
+def test_a_flat_plate_has_no_error() -> None:
+    plate = Mesh(np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+    assert np.allclose(facet_sagitta(plate), 0)
+    assert tessellation_error(plate, plate.vertices).sigma_m == 0
