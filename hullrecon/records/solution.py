@@ -33,8 +33,11 @@ class Landmarks:
 
 @dataclass(frozen=True, kw_only=True)
 class HullPose:
-    """T_g_M (a batch of one). covariance (6, 6) of (translation in g, rotation right-perturbed in M), both about survey_center (3,)
-    in M: of where the hull lies given the dive's own frame, the CAD model's error in it; as published, the solve's marginal."""
+    """T_g_M (a batch of one) and its covariance (6, 6) of (translation in g, rotation right-perturbed in M), about survey_center.
+
+    survey_center (3,) in M. The covariance is that of where the hull lies given the dive's own frame, the CAD model's error in it;
+    as published, the solve's own marginal.
+    """
 
     global_from_hull: Poses
     covariance: Array
@@ -52,8 +55,10 @@ class Mounts:
 
 @dataclass(frozen=True, kw_only=True)
 class DeviationField:
-    """Normal offsets of the hull from its CAD model at the nodes of a grid on the hull chart, outward positive. origin (2,) m and
-    step (2,) m along and girth; value, sigma (a, g) m."""
+    """Normal offsets of the hull from its CAD model, outward positive, at the nodes of a grid on the hull chart.
+
+    origin (2,) m and step (2,) m along and girth; value, sigma (a, g) m.
+    """
 
     origin: Array
     step: Array

@@ -31,8 +31,8 @@ class VehiclePath:
 class VehicleTrack:
     """The best path of a dive that there is, in the frame of its results.
 
-    t_ns (n,); poses: T_M_v, or T_g_v where frame is g; tray (n,) rad; covariance (n, 6, 6) of (translation in that frame, rotation
-    perturbed on the right); image (n, 2): rows in the indices of the cameras, -1 where none.
+    t_ns (n,); poses: T_M_v, or T_g_v where frame is g; tray (n,) rad; covariance (n, 6, 6) of (translation in that frame,
+    rotation perturbed on the right); image (n, 2): rows in the indices of the cameras, -1 where none.
     """
 
     t_ns: Ints

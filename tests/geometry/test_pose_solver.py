@@ -45,7 +45,7 @@ def test_directions_that_are_not_free_are_not_moved_along() -> None:
     no_x = np.eye(6)[:, 1:]
     found = minimise_over_pose(
         identity(),
-        point_to_point(SOURCE + [1.0, 2.0, 3.0]),
+        point_to_point(SOURCE + np.array([1.0, 2.0, 3.0])),
         moved,
         max_iterations=50,
         min_relative_decrease=1e-12,

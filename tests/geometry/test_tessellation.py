@@ -46,7 +46,8 @@ def test_a_turn_of_35_degrees_is_a_curve_for_every_user_alike() -> None:
 def test_faces_out_of_reach_say_nothing() -> None:
     fine, coarse = cylinder(96), cylinder(16)
     far = Mesh(
-        np.vstack([fine.vertices, coarse.vertices + [100.0, 0, 0]]), np.vstack([fine.faces, coarse.faces + len(fine.vertices)])
+        np.vstack([fine.vertices, coarse.vertices + np.array([100.0, 0, 0])]),
+        np.vstack([fine.faces, coarse.faces + len(fine.vertices)]),
     )
     assert tessellation_error(far, fine.vertices) == tessellation_error(fine, fine.vertices)
 

@@ -28,7 +28,9 @@ def solution(with_cad_model: bool = True) -> Solution:
             position=rng.normal(size=(3, 3)), covariance=np.tile(np.eye(3), (3, 1, 1)), label=np.array([1, 0, 1]),
             deviation=rng.normal(size=3), views=np.array([2, 3, 4]), color=np.zeros((3, 3), np.uint8),
         ),
-        mounts=Mounts(tray_from_dvl=exp(rng.normal(size=(1, 6))), tray_from_camera=exp(rng.normal(size=(1, 6))), top_from_bottom=None),
+        mounts=Mounts(
+            tray_from_dvl=exp(rng.normal(size=(1, 6))), tray_from_camera=exp(rng.normal(size=(1, 6))), top_from_bottom=None
+        ),
         navigation_errors=rng.normal(size=6),
         hull_pose=HullPose(global_from_hull=exp(rng.normal(size=(1, 6))), covariance=np.eye(6), survey_center=np.ones(3))
         if with_cad_model
