@@ -45,7 +45,7 @@ def covariance(misfit: Misfit, drawing: Drawing, at: Array) -> Array:
     """Covariance (n, n) of the signed distances of points (n, 3) in M to the drawing: smooth error, offset, facets, noise.
 
     The facets' pattern repeats all over a survey, which no stationary covariance says: the points on one facet share out the
-    information of one (METHODS 5), with three of its sigmas, lest a slide by one facet look like a better place.
+    information of one (docs/methods.md 9), with three of its sigmas, lest a slide by one facet look like a better place.
     """
     along_girth = np.nan_to_num(drawing.chart.to_chart(at)[:, :2])
     return _covariance(misfit, along_girth, _facet_variance(drawing, at, along_girth))
