@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 """The outer loop of hard EM [Ozog2016 4.2.2], kept to be compared with labels decided inside the solve [Ozog2016 4.2.4]
-(docs/adr/0010).
+(docs/adr/0007).
 
 E: each landmark takes the likelier label. M: solve with these labels held. Both steps lower the same cost, constants
 included, so the loop ends where no label changes, or after as many turns as it is given.

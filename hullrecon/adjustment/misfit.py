@@ -3,7 +3,7 @@
 """How wrong the drawing is expected to be, as the covariance of distances to it, and which points say nothing of it.
 
 Sigma and lengths of the smooth error are the package's. Fitted by likelihood instead, they follow what the points have in
-common for other reasons (facets, smoothed landmarks): docs/adr/0013. An offset of the whole hull is always possible.
+common for other reasons (facets, smoothed landmarks): docs/adr/0010. An offset of the whole hull is always possible.
 """
 
 from __future__ import annotations
