@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The field's problem (O Table 4.1) by the three methods: python -m benchmarks.adjustment --size mono|stereo --json FILE
+"""The field's problem [Ozog2016 Table 4.1] by the three methods: python -m benchmarks.adjustment --size mono|stereo --json FILE
 
 The problem is made once, in a process of its own; each solve runs in another that does nothing else, so that its peak memory
 is the solver's. Prints a table, writes a list `methods` (with --repeat: the run of median total time, and all runs under

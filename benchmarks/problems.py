@@ -1,17 +1,18 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Adjustment problems of the field's size (O Table 4.1) on a ship's side, with truth, started from dead reckoning.
+"""Adjustment problems of the field's size [Ozog2016 Table 4.1] on a ship's side, with truth, started from dead reckoning.
 
-Each landmark is seen from two poses: neighbours on a leg, one in eight from the neighbouring leg (a loop closure, O 4.4).
+Each landmark is seen from two poses: neighbours on a leg, one in eight from the neighbouring leg (a loop closure,
+[Ozog2016 4.4]).
 
 Realistic: the counts; legs of 115 m, 0.25 m apart, on a side with curvature both ways; a start by the raw log (DVL scale and
 mounting angle, a gyro's bias and random walk: decimetres between neighbouring legs, a metre or so in the whole); landmarks
 triangulated from that start; noise of 1 px; mounts, tray and the place on the drawing off by what a rig and a registration
 leave; one landmark in twenty off the hull.
 Not realistic: the drawing is right and the hull scatters by 5 mm about it, where sigma_1 is 2 cm; matches are all true; each
-landmark has exactly two views; scale and mounting angle are calibrated in the odometry's factors (O has no such unknowns,
-the chain solves for them). With 2 cm of scatter the joint maximum over landmarks and scale would shrink the mono survey by
-0.06 %: the scatter's cost falls with the scale by one unit a landmark, and odometry alone holds against it.
+landmark has exactly two views; scale and mounting angle are calibrated in the odometry's factors ([Ozog2016] has no such
+unknowns, the chain solves for them). With 2 cm of scatter the joint maximum over landmarks and scale would shrink the mono
+survey by 0.06 %: the scatter's cost falls with the scale by one unit a landmark, and odometry alone holds against it.
 """
 
 from __future__ import annotations
@@ -161,7 +162,8 @@ def _pairs(size: Size, rng: np.random.Generator) -> tuple[Ints, Ints]:
 def _landmarks(
     size: Size, hull: MeshIndex, in_hull: Poses, tray: Array, first: Ints, second: Ints, rng: np.random.Generator
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """(L, 3) in M, seen by both poses; one in twenty stands 0.1 to 0.3 m off the hull (O Fig. 4.15), the rest scatter."""
+    """(L, 3) in M, seen by both poses; one in twenty stands 0.1 to 0.3 m off the hull [Ozog2016 Fig. 4.15], the rest
+    scatter."""
     x, z = tracks(size)
     points = np.empty((size.landmarks, 3))
     off = rng.random(size.landmarks) < OFF_HULL

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from hullrecon.evaluation.comparison import Reckoned, Solved
 
 COMPARED = "compare"  # RUNS/<dive>/compare/<variant>/adjust: one workspace a variant, beside the chain's own artifacts
-WHOLE_SOLVE_ITERATIONS = 200  # O's took 26 to 51 (Fig. 4.13)
+WHOLE_SOLVE_ITERATIONS = 200  # 26 to 51 in [Ozog2016 Fig. 4.13]
 
 
 def variants() -> list[tuple[str, str, bool]]:
@@ -62,7 +62,7 @@ def _solve(chain: Chain, upstream: Workspace, place: Workspace, means: Means) ->
 
 
 def _with(chain: Chain, method: str, as_published: bool) -> Chain:
-    """As printed is one solve from the registration on, as O did it, so that its history is that of one function."""
+    """As printed is one solve from the registration on, as [Ozog2016] did it, so that its history is that of one function."""
     own = msgspec.structs.replace(chain.sections["adjust"], method=method, as_published=as_published)
     if as_published:
         own = msgspec.structs.replace(own, rounds=1, max_iterations=max(own.max_iterations, WHOLE_SOLVE_ITERATIONS))

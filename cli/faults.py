@@ -20,7 +20,7 @@ UNEXPECTED, USAGE, INTERRUPTED = 1, 2, 130
 
 
 def exit_code_of(error: BaseException, state: State) -> int:
-    """Says in one line on standard error what happened and returns the exit code of OUTPUTS."""
+    """Says in one line on standard error what happened and returns the exit code (docs/deliverables.md)."""
     if isinstance(error, HullreconError):
         return _say(state, error.line(), type(error).__name__, error.exit_code, where=error.where, remedy=error.remedy)
     if isinstance(error, click.ClickException):

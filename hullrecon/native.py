@@ -66,8 +66,8 @@ class Problem:
     tray_origin: Array = _floats(3)  # in vehicle
     pressure_origin: Array = _floats(3)  # in vehicle
 
-    # full priors (O 4.8): residual = sqrt_information (6, 6) @ (translation, rotation vector) of prior^-1 . x, so the
-    # translation reads in the axes of the prior
+    # full priors [Ozog2016 eq. 4.8]: residual = sqrt_information (6, 6) @ (translation, rotation vector) of prior^-1 . x, so
+    # the translation reads in the axes of the prior
     prior_pose_node: Ints = _ints(0)
     prior_pose: Array = _floats(0, 7)
     prior_pose_sqrt: Array = _floats(0, 6, 6)
@@ -82,20 +82,21 @@ class Problem:
     prior_navigation_sigma: Array = default(default_factory=lambda: np.ones(6))  # about zero
     prior_intrinsics_sigma: Array = default(default_factory=lambda: np.ones(9))  # about the start, when not constant
 
-    # depth, roll, pitch (O 4.9): z of the pressure sensor + depth bias, roll + roll bias, pitch + pitch bias, less measured
+    # depth, roll, pitch [Ozog2016 eq. 4.9]: z of the pressure sensor + depth bias, roll + roll bias, pitch + pitch bias, less
+    # measured
     attitude_node: Ints = _ints(0)
     attitude_measured: Array = _floats(0, 3)  # depth, roll, pitch
     attitude_sigma: Array = _floats(0, 3)
 
-    # tray (O 4.10): (theta + play * direction - measured) / sigma
+    # tray [Ozog2016 eq. 4.10]: (theta + play * direction - measured) / sigma
     tray_node: Ints = _ints(0)
     tray_measured: Array = _floats(0)
     tray_direction: Array = _floats(0)
     tray_sigma: Array = _floats(0)
 
-    # odometry (O 4.11): sqrt @ (e - by_navigation @ (scale, drift) - by_mount @ Log(R_mount^-1 R_s_d) - by_tray * (mean tray
-    # angle - tray)), e = (t_ij - t_z in the axes of vehicle i, Log(R_z^-1 R_ij)), T_ij = T_i^-1 T_j; each by_* is a derivative
-    # of the measured motion z in these same coordinates
+    # odometry [Ozog2016 eq. 4.11]: sqrt @ (e - by_navigation @ (scale, drift) - by_mount @ Log(R_mount^-1 R_s_d) - by_tray *
+    # (mean tray angle - tray)), e = (t_ij - t_z in the axes of vehicle i, Log(R_z^-1 R_ij)), T_ij = T_i^-1 T_j; each by_* is a
+    # derivative of the measured motion z in these same coordinates
     odometry_first: Ints = _ints(0)
     odometry_second: Ints = _ints(0)
     odometry_measured: Array = _floats(0, 7)
@@ -106,8 +107,8 @@ class Problem:
     odometry_tray: Array = _floats(0)  # rad, mean tray angle that dead reckoning used
     odometry_mount: Array = default(default_factory=lambda: np.array([0, 0, 0, 0, 0, 0, 1.0]))  # T_s_d that it used
 
-    # stereo (O 4.12) and mono (O 4.13), raw pixels through the full camera model; one Huber loss on the norm of a factor's 4
-    # or 2 rows; a point behind its camera costs 10^4 px a row, without derivative
+    # stereo [Ozog2016 eq. 4.12] and mono [Ozog2016 eq. 4.13], raw pixels through the full camera model; one Huber loss on the
+    # norm of a factor's 4 or 2 rows; a point behind its camera costs 10^4 px a row, without derivative
     stereo_node: Ints = _ints(0)
     stereo_landmark: Ints = _ints(0)
     stereo_pixel: Array = _floats(0, 4)  # top u v, bottom u v
@@ -117,8 +118,8 @@ class Problem:
     mono_pixel: Array = _floats(0, 2)
     sigma_px: float = 1.0
 
-    # ray-cast ranges (O 4.14): (predicted - measured) / sigma; predicted is the distance to the drawing moved outward by
-    # the field: cast - field / cos(incidence)
+    # ray-cast ranges [Ozog2016 eq. 4.14]: (predicted - measured) / sigma; predicted is the distance to the drawing moved
+    # outward by the field: cast - field / cos(incidence)
     range_node: Ints = _ints(0)
     range_offset: Array = _floats(0, 7)  # vehicle at the ping in vehicle at the node
     range_tray_offset: Array = _floats(0)
@@ -128,7 +129,7 @@ class Problem:
     range_field_index: Ints = _ints(0, 4)  # nodes of the field, with their weights; (m, 4) or empty without a field
     range_field_weight: Array = _floats(0, 4)
 
-    # surface (O 4.4, 4.5, 4.7): signed distance of the landmark to the drawing minus the field
+    # surface [Ozog2016 eqs 4.4, 4.5, 4.7]: signed distance of the landmark to the drawing minus the field
     surface_landmark: Ints = _ints(0)
     surface_weight: Array = _floats(0)  # multiplies the mixture's cost
     surface_field_index: Ints = _ints(0, 4)

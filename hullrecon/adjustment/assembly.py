@@ -3,7 +3,7 @@
 """From records and the present state to the tables of a native problem, and back.
 
 The native problem's hull frame is M moved to the middle of the survey, so that a small rotation of T_g_M moves the hull
-by millimetres there and not by metres (METHODS 5: 'T_g_M is best perturbed about the survey's middle').
+by millimetres there and not by metres (docs/methods.md 6).
 """
 
 from __future__ import annotations

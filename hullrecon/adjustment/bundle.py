@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Model-assisted bundle adjustment of a dive (O ch. 4, METHODS 5): the story from dead reckoning to the adjusted dive."""
+"""Model-assisted bundle adjustment of a dive [Ozog2016 4.2] (docs/methods.md 6), from dead reckoning to the adjusted dive."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The smooth field of normal offsets between the drawing and the hull as it is (METHODS 5, 'Where the drawing is wrong').
+"""The smooth field of normal offsets between the drawing and the hull as it is (docs/methods.md 8).
 
 The field stands on a regular grid of the hull chart, bilinear between nodes. Its prior is the Gauss-Markov field that
-solves (1 - Laplace) b = noise in coordinates scaled by the correlation lengths: a Matern field of smoothness 1. The Matern
-3/2 of METHODS has no sparse precision in two dimensions; the lengths are matched so that both fall to 14 % at the same
+solves (1 - Laplace) b = noise in coordinates scaled by the correlation lengths: a Matern field of smoothness 1. Matern
+3/2 has no sparse precision in two dimensions; the lengths are matched so that both fall to 14 % at the same
 distance, and the sparse form costs the same per metre on a patch and on a 180 m hull.
 """
 

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The outer loop of hard EM (O 4.2.2), kept to be compared with labels decided inside the solve (O 4.2.4; docs/adr/0010).
+"""The outer loop of hard EM [Ozog2016 4.2.2], kept to be compared with labels decided inside the solve [Ozog2016 4.2.4]
+(docs/adr/0007).
 
 E: each landmark takes the likelier label. M: solve with these labels held. Both steps lower the same cost, constants
 included, so the loop ends where no label changes, or after as many turns as it is given.
@@ -39,7 +40,8 @@ def solve(problem: native.Problem, options: native.Options, most_turns: int = MO
 
 
 def labels(problem: native.Problem, distance: NDArray[np.float64], options: native.Options) -> NDArray[np.int32]:
-    """The likelier label (m,) of each surface row; distance (m,): signed, to the drawing without the field (O 4.4)."""
+    """The likelier label (m,) of each surface row; distance (m,): signed, to the drawing without the field
+    [Ozog2016 eq. 4.4]."""
     offset = distance
     if len(problem.surface_field_index):
         field = problem.deviation[problem.surface_field_index]
@@ -48,7 +50,7 @@ def labels(problem: native.Problem, distance: NDArray[np.float64], options: nati
 
 
 def boundary(sigma_on: float, sigma_off: float) -> float:
-    """How far off the hull (m) the two labels are equally likely (O 4.2.3); sigma_off must be larger than sigma_on."""
+    """How far off the hull (m) the two labels are equally likely [Ozog2016 4.2.3]; sigma_off must be larger than sigma_on."""
     return float(np.sqrt(2 * np.log(sigma_off / sigma_on) / (sigma_on**-2 - sigma_off**-2)))
 
 

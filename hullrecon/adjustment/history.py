@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the solver did, iteration by iteration over all rounds: columns for iterations.npz, lines for the log (O 4.4.1).
+"""What the solver did, iteration by iteration over all rounds: columns for iterations.npz, lines for the log
+[Ozog2016 4.4.1].
 
 Costs of two rounds do not compare: each round has the sigmas and the landmarks that the one before left it. So every row
 carries its round, and what the round's cost is whitened with.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The cameras' intrinsics as unknowns with priors (METHODS 5, 'intrinsics, each when asked'): off unless asked for.
+"""The cameras' intrinsics as unknowns with priors (docs/methods.md 6): off unless asked for.
 
 Every round starts from the calibration, not from what the round before found: the solver's prior stands about its start.
 """

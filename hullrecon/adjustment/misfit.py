@@ -3,7 +3,7 @@
 """How wrong the drawing is expected to be, as the covariance of distances to it, and which points say nothing of it.
 
 Sigma and lengths of the smooth error are the package's. Fitted by likelihood instead, they follow what the points have in
-common for other reasons (facets, smoothed landmarks): docs/adr/0013. An offset of the whole hull is always possible.
+common for other reasons (facets, smoothed landmarks): docs/adr/0010. An offset of the whole hull is always possible.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def covariance(misfit: Misfit, drawing: Drawing, at: Array) -> Array:
     """Covariance (n, n) of the signed distances of points (n, 3) in M to the drawing: smooth error, offset, facets, noise.
 
     The facets' pattern repeats all over a survey, which no stationary covariance says: the points on one facet share out the
-    information of one (METHODS 5), with three of its sigmas, lest a slide by one facet look like a better place.
+    information of one (docs/methods.md 9), with three of its sigmas, lest a slide by one facet look like a better place.
     """
     along_girth = np.nan_to_num(drawing.chart.to_chart(at)[:, :2])
     return _covariance(misfit, along_girth, _facet_variance(drawing, at, along_girth))

@@ -12,8 +12,8 @@ Positive = Annotated[float, Meta(gt=0)]
 
 
 class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How the dive is adjusted. `as_published` keeps O's weighting, for comparison with O: no deviation field, every surface
-    factor at full weight, no systematic errors of navigation, sigmas as in dive.toml."""
+    """How the dive is adjusted. `as_published` keeps the weighting of [Ozog2016], for comparison: no deviation field, every
+    surface factor at full weight, no systematic errors of navigation, sigmas as in dive.toml."""
 
     method: Annotated[
         Literal["naive", "geva", "maxmix"], Meta(description="surface factors: none, all, or by hidden label")

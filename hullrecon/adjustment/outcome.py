@@ -54,7 +54,7 @@ def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> O
 def _marginals(m: Measurements, adjusted: Adjusted, options: AdjustOptions, settings: native.Options) -> native.Covariance:
     """Covariances at the solution. As published: the solve's own. Else what the measurements leave open with the hull held
     where and as it was found, and the covariance of that place by the drawing's error: in the solve a field and many beams
-    with white noise are surer of the place than so few cells of the drawing's error allow (docs/adr/0014)."""
+    with white noise are surer of the place than so few cells of the drawing's error allow (docs/adr/0011)."""
     free = native.covariance(_place_free(adjusted.problem), settings)
     if m.drawing is None or adjusted.state.T_g_M is None or options.as_published:
         return free

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where on the hull the dive was: T_g_M settled by profile along the hull, and its covariance.
 
-The solve slides along a flat valley and stops at a facet's edge or where its tolerance lets it (METHODS 5). The posterior along
-the valley, with the drawing's error as correlated noise, is what is known; its mean is the place that the last round holds.
+The solve slides along a flat valley and stops at a facet's edge or where its tolerance lets it (docs/methods.md 9). The
+posterior along the valley, with the drawing's error as correlated noise, is what is known; its mean is the place that the last
+round holds.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tray's play: a bias of the angle that flips with the direction of motion (O 4.2.6), found from the adjusted angles.
+"""The tray's play: a bias of the angle that flips with the direction of motion [Ozog2016 4.2.6], found from the adjusted
+angles.
 
 The servo hangs on one side of its backlash or on the other. After a solve with a loose tray the sides show as two levels of
 (adjusted - logged); a two-state Viterbi path over time finds them better than the noisy logged motion does.

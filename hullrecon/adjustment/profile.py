@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The weak direction profiled: how sure the position along the hull really is (METHODS 5, 'Profile the weak direction').
+"""The weak direction profiled: how sure the position along the hull really is (docs/methods.md 9).
 
 The Hessian at the optimum sees the drawing's curvature at one place; the valley is flat and not parabolic. Here the hull is
 held at steps along its weak direction while the other five freedoms and the drawing's error (as correlated noise) settle. The

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Registration of DVL returns to the drawing (METHODS 4; O 4.2.5): GICP from a grid of starts, then a correlated fit.
+"""Registration of DVL returns to the drawing [Ozog2016 4.2.5] (docs/methods.md 5): GICP from a grid of starts, then a
+correlated fit.
 
 GICP finds the basin. Its information is that of independent points, which a drawing wrong by centimetres over metres does
 not give; so the last step is a generalised least-squares fit whose noise holds the drawing's error as a Matern 3/2 field

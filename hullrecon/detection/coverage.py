@@ -63,7 +63,7 @@ def near_surface(hull: Hull, vertices: Array, reach_m: float) -> Flags:
 def sonar_seen(hull: Hull, pings: SonarPings, T_x_o: Poses, half_elevation_rad: float, scene: Scene) -> Flags:
     """Pieces inside any ping's fan: range, bearing and elevation fit, facing the sonar, nothing in front.
 
-    T_x_o: the sonar at each ping. z looks along the middle of the fan, x out of its plane (INPUTS).
+    T_x_o: the sonar at each ping. z looks along the middle of the fan, x out of its plane (docs/conventions.md).
     """
     around = Around(hull.mesh.vertices)
     bearing = np.arctan2(pings.directions[:, 1], pings.directions[:, 2])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Shapes of all views fused into the mesh (O 4.3.3, Algorithm 5)."""
+"""Shapes of all views fused into the mesh [Ozog2016 4.3.3, Algorithm 5]."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Fused:
 def fuse_shapes(views: Views, features: Array, deviation: Array, vertices: Array, options: DetectOptions) -> Fused:
     """The vertices (n, 3) moved to the shapes that the views' features (m, 3) with deviations (m,) make.
 
-    (4.15) is a running mean in which the first observation replaces the prior: the mean of all intersections.
+    [Ozog2016 eq. 4.15] is a running mean in which the first observation replaces the prior: the mean of all intersections.
     """
     total, count = np.zeros_like(vertices), np.zeros(len(vertices), np.int64)
     off = np.flatnonzero(np.abs(deviation) > options.threshold)

@@ -29,7 +29,8 @@ NEAR_M = 0.02  # a landmark so near to a structure's vertices lies on it, or on 
 
 @dataclass(frozen=True)
 class HullObject:
-    """One structure, as OUTPUTS has it: lengths in m, points in the frame of the surface. deviation: None without a drawing."""
+    """One structure, as in objects.json (docs/deliverables.md): lengths in m, points in the frame of the surface. deviation:
+    None without a drawing."""
 
     center: list[float]
     normal: list[float]

@@ -13,7 +13,7 @@ Count = Annotated[int, Meta(ge=1)]
 
 
 class DetectOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How structures are told from the hull (METHODS 10; O 4.3)."""
+    """How structures are told from the hull [Ozog2016 4.3] (docs/methods.md 12)."""
 
     threshold: Annotated[Positive, Meta(description="m, a feature this far off the hull is part of a shape (tau in O)")] = 0.025
     least_height: Annotated[Positive, Meta(description="m, lower structures are not reported")] = 0.03

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Shapes in one view (O 4.3.2, Algorithm 4): features off the hull, clustered and meshed."""
+"""Shapes in one view [Ozog2016 4.3.2, Algorithm 4]: features off the hull, clustered and meshed."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """dive.toml as frozen structs: what was dived and how the sensors are mounted. Steps add a section each of their own.
 
-Units stand in each field's comment; angles are degrees where a key ends in `_deg`, as INPUTS says. Six-number mounts are
+Units stand in each field's comment; angles are degrees where a key ends in `_deg` (docs/conventions.md). Six-number mounts are
 x, y, z in metres, roll, pitch, yaw in degrees; their sigmas are metres and a small rotation vector in degrees.
 """
 

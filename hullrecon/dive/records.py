@@ -196,7 +196,7 @@ class Solution:
     in M, label (L,) 1 = on the drawn surface, deviation (L,) signed distance to the drawing (NaN without one), views (L,),
     color (L, 3). hull_from and mounts: T_g_M, T_s_ct, T_ct_cb, T_s_d as 7 numbers x y z qx qy qz qw (NaN where absent);
     hull_covariance (6, 6) of T_g_M, (translation in g, rotation right-perturbed in M) about survey_center (3,) in M: of where
-    the hull lies given the dive's own frame, the drawing's error in it (docs/adr/0014); as published, the solve's marginal.
+    the hull lies given the dive's own frame, the drawing's error in it (docs/adr/0011); as published, the solve's marginal.
     navigation (6,): DVL scale error, heading drift rad/s, roll and pitch bias rad, depth bias m, tray play rad.
     The deviation field on the chart: field_origin (2,), field_step (2,) m, field_value (a, g), field_sigma (a, g)."""
 

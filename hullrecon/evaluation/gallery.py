@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which of O's figures a comparison gives, and what is drawn in each."""
+"""Which figures of [Ozog2016] a comparison gives, and what is drawn in each."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 
 def draw(solved: Sequence[Solved], start: Reckoned, truth: Truth, detect: Path) -> list[Figure]:
-    """O's Figs 4.10 (4.11), 4.12, 4.13, 4.14 and 4.16 from those solves; one without its data is left out. detect: the
+    """[Ozog2016 Figs 4.10 (4.11), 4.12, 4.13, 4.14, 4.16] from those solves; one without its data is left out. detect: the
     artifact of the step of that name, whether it is there or not."""
     figures = [cost_history([_progress(s) for s in solved])]
     mixed = [_progress(s) for s in solved if s.method == "maxmix" and len(s.solution.landmark)]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""O's figures of how a solve goes: labels by iteration (4.12), cost by iteration and by time (4.13)."""
+"""How a solve goes: labels by iteration [Ozog2016 Fig. 4.12], cost by iteration and by time [Ozog2016 Fig. 4.13]."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ class Progress:
 
 
 def label_frequency(solves: Sequence[Progress]) -> Figure:
-    """O Fig. 4.12: share of the landmarks with label 1 by iteration, a panel a solve; below, how many labels changed."""
+    """[Ozog2016 Fig. 4.12]: share of the landmarks with label 1 by iteration, a panel a solve; below, how many labels
+    changed."""
     figure, axes = new_figure(4.4 * len(solves) + 0.4, 4.6, 2, len(solves), sharex="col", height_ratios=(3, 2))
     table, words = ["method,round,iteration,landmarks,on_surface,label_changes"], []
     for k, solve in enumerate(solves):
@@ -69,8 +70,8 @@ def label_frequency(solves: Sequence[Progress]) -> Figure:
 
 
 def cost_history(solves: Sequence[Progress]) -> Figure:
-    """O Fig. 4.13: cost by iteration and by time. Above the solves as printed, which share one weighting; below ours, whose
-    lines break where a round begins: sigmas and landmarks change there, so costs do not compare across the gap."""
+    """[Ozog2016 Fig. 4.13]: cost by iteration and by time. Above the solves as printed, which share one weighting; below ours,
+    whose lines break where a round begins: sigmas and landmarks change there, so costs do not compare across the gap."""
     groups = [g for g in ([s for s in solves if s.printed], [s for s in solves if not s.printed]) if g]
     figure, axes = new_figure(9.2, 3.1 * len(groups), len(groups), 2, sharey="row")
     table, words = ["method,round,iteration,seconds,cost"], []

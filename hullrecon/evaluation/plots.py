@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""O's figures of what a solve gives: cross-sections (4.10), the DVL's residuals (4.14), a structure's height (4.16)."""
+"""What a solve gives: cross-sections [Ozog2016 Fig. 4.10], the DVL's residuals [Ozog2016 Fig. 4.14], a structure's height
+[Ozog2016 Fig. 4.16]."""
 
 from __future__ import annotations
 
@@ -59,7 +60,8 @@ class Delivered:
 
 
 def cross_sections(rows: Sequence[Sequence[Section]], overviews: Sequence[Overview], kind: str) -> Figure:
-    """O Fig. 4.10 (4.11 for one camera): a column a method; above the whole section, below the structure by weighting."""
+    """[Ozog2016 Fig. 4.10] (4.11 for one camera): a column a method; above the whole section, below the structure by
+    weighting."""
     figure, axes = new_figure(4.1 * len(rows[0]), 2.9 + 2.5 * len(rows), 1 + len(rows), len(rows[0]), sharey="row")
     table = ["method,weighting,kind,tangent_m,height_m"]
     for axis, overview, section in zip(axes[0], overviews, rows[0], strict=True):
@@ -82,7 +84,7 @@ def cross_sections(rows: Sequence[Sequence[Section]], overviews: Sequence[Overvi
 
 
 def range_histogram(before: Mapping[str, Array], after: Mapping[str, Array], reach_m: float) -> Figure:
-    """O Fig. 4.14: residuals of the DVL's ranges against the drawing (m), before and after the adjustment."""
+    """[Ozog2016 Fig. 4.14]: residuals of the DVL's ranges against the drawing (m), before and after the adjustment."""
     figure, axes = new_figure(9.6, 3.4)
     axis, edges = axes[0, 0], np.linspace(-reach_m, reach_m, 101)
     counts = {name: np.histogram(values, edges)[0] for name, values in {**before, **after}.items()}
@@ -105,7 +107,8 @@ def range_histogram(before: Mapping[str, Array], after: Mapping[str, Array], rea
 
 
 def structure_heights(heights: Mapping[str, Array], true_m: float, kind: str, delivered: Delivered | None) -> Figure:
-    """O Fig. 4.16: heights of the landmarks on top of one structure by method, the height delivered, and the true one."""
+    """[Ozog2016 Fig. 4.16]: heights of the landmarks on top of one structure by method, the height delivered, and the true
+    one."""
     figure, axes = new_figure(7.2, 3.6)
     axis, table = axes[0, 0], ["what,height_m,sigma_m"]
     for k, (name, values) in enumerate(heights.items()):

@@ -52,8 +52,8 @@ def reckoned_beams(trajectory: Trajectory, T_g_M: Poses, T_s_d: Poses, returns: 
 
 
 def range_residuals(beams: Beams, drawing: Scene, field: Field | None = None) -> Array:
-    """Predicted minus measured range (m,) against the drawing (O 4.14), of the beams that meet it; with a field, against the
-    drawing moved outward by it: cast - field / cos(incidence), as in the adjustment."""
+    """Predicted minus measured range (m,) against the drawing [Ozog2016 eq. 4.14], of the beams that meet it; with a field,
+    against the drawing moved outward by it: cast - field / cos(incidence), as in the adjustment."""
     predicted = drawing.cast(beams.origin, beams.direction)
     met = np.isfinite(predicted)
     if field is not None:

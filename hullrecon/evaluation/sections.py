@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Thin slices across the hull at a structure, for O's Figs 4.10 and 4.11."""
+"""Thin slices across the hull at a structure, for [Ozog2016 Figs 4.10, 4.11]."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def cut(
 def whole(
     structure: dict[str, Any], landmarks: Array, on_surface: NDArray[np.bool_], dvl: Array, truth: Truth, half_m: float = 0.08
 ) -> Overview:
-    """The slice across the whole hull at the structure, in M's y and z (INPUTS: x forward)."""
+    """The slice across the whole hull at the structure, in M's y and z (x forward)."""
     at = np.array(structure["center"])
     near, hit = np.abs(landmarks[:, 0] - at[0]) < half_m, np.abs(dvl[:, 0] - at[0]) < 5 * half_m
     drawing = np.zeros((0, 2))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The truth of a simulated dive, as INPUTS describes truth/."""
+"""The truth of a simulated dive, read from its truth/ (docs/dive_package.md)."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Midpoint subdivision of a mesh until its edges are short enough where it matters (O 3.2.2.1), without cracks."""
+"""Midpoint subdivision of a mesh until its edges are short enough where it matters [Ozog2016 3.2.2.1], without cracks."""
 
 from __future__ import annotations
 

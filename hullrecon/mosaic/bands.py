@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Three bands of an image, and how much a view counts in each (O 3.2.4, METHODS 8)."""
+"""Three bands of an image, and how much a view counts in each [Ozog2016 3.2.4] (docs/methods.md 13)."""
 
 from __future__ import annotations
 

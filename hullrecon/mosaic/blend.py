@@ -16,7 +16,7 @@ from hullrecon.mosaic.ground import Ground, Patch, patch_of, unobstructed
 from hullrecon.mosaic.sight import Sight
 
 Array = NDArray[np.float64]
-VIEWS = 4  # at most so many a texel (O 3.2.4)
+VIEWS = 4  # at most so many a texel [Ozog2016 3.2.4]
 
 
 @dataclass(frozen=True)

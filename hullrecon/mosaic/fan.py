@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""An imaging sonar's image of beams by ranges: where a point of space falls in it (O 3.2.3, METHODS 9).
+"""An imaging sonar's image of beams by ranges: where a point of space falls in it [Ozog2016 3.2.3] (docs/methods.md 14).
 
 Frame `sonar`: z along the middle of the fan, beams in the y-z plane, x out of it. On the display u grows with the bearing and
 v towards the instrument; gamma cancels where distances are compared, so they are kept in metres.

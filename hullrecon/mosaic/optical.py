@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The optical mosaic (O 3.2.4, METHODS 8), from posed images and a surface to tiles."""
+"""The optical mosaic [Ozog2016 3.2.4] (docs/methods.md 13), from posed images and a surface to tiles."""
 
 from __future__ import annotations
 

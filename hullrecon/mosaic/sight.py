@@ -27,7 +27,7 @@ class Sight(Protocol):
 
     def project(self, points: Array) -> tuple[Array, Array]:
         """Of points (n, 3): pixel (n, 2) in the picture, and r / R (n,), the distance from the best place in the image over
-        the largest one considered (METHODS 8, 9); NaN where the image does not hold the point."""
+        the largest one considered (docs/methods.md 13, 14); NaN where the image does not hold the point."""
 
     def outline(self, ground: Ground) -> Array:
         """Points (n, 3) of the surface all over the image, NaN rows where it does not meet the surface."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The mosaic of an imaging sonar (O 3.2.3, 3.2.4, METHODS 9), from posed pings and a surface to tiles."""
+"""The mosaic of an imaging sonar [Ozog2016 3.2.3, 3.2.4] (docs/methods.md 14), from posed pings and a surface to tiles."""
 
 from __future__ import annotations
 

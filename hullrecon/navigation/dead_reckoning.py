@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Strapdown dead reckoning at the DVL's rate (O 1.2, METHODS 1), with the derivatives by the errors that persist.
+"""Strapdown dead reckoning at the DVL's rate [Ozog2016 1.2] (docs/methods.md 2), with the derivatives by the errors that
+persist.
 
 The DVL gives the velocity of the instrument in its own axes; through T_s_d, the tray's angle and the attitude it becomes a
 velocity in g, which is integrated. The vehicle stands one lever arm from the instrument: p_v = p_d - R_g_v r_v(theta). That

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The motion between two stereo pairs: points of the first seen again in the second (O D.2.3).
+"""The motion between two stereo pairs: points of the first seen again in the second [Ozog2016 D.2.3].
 
 Samples of three, the residual in pixels; then features are sought again where the motion says, and all are adjusted together
 with the points' own covariance.

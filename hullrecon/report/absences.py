@@ -21,7 +21,8 @@ _BY_STEP = {
 
 
 def absences(sections: Mapping[str, Any], steps: Collection[str], solution: Solution | None) -> dict[str, str]:
-    """Name to reason, in the order of OUTPUTS. sections: decoded, None when absent; steps: those that left an artifact."""
+    """Name to reason, in the order of docs/deliverables.md. sections: decoded, None when absent; steps: those that left an
+    artifact."""
     reasons: dict[str, str] = {}
     camera, sonar, hull = (sections.get(s) is not None for s in ("camera.top", "sonar", "hull"))
     if solution is None or not np.isfinite(solution.T_g_M).all():

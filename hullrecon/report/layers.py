@@ -24,7 +24,8 @@ def landmarks_in_hull(solution: Solution) -> NDArray[np.float64]:
 
 
 def landmarks_ply(solution: Solution) -> bytes:
-    """landmarks.ply of OUTPUTS. sigma is that of one axis: the square root of a third of the covariance's trace."""
+    """The bytes of landmarks.ply (docs/deliverables.md). sigma is that of one axis: the square root of a third of the
+    covariance's trace."""
     sigma = np.sqrt(np.einsum("nii->n", solution.landmark_covariance) / 3)
     color = {name: solution.color[:, k].astype(np.uint8) for k, name in enumerate(("red", "green", "blue"))}
     values = {
@@ -37,7 +38,7 @@ def landmarks_ply(solution: Solution) -> bytes:
 
 
 def surface_ply(surface: Surface) -> bytes:
-    """surface.ply and as_found.ply of OUTPUTS."""
+    """The bytes of surface.ply and as_found.ply (docs/deliverables.md)."""
     values = {
         "deviation": surface.deviation.astype(np.float32),
         "sigma": surface.sigma.astype(np.float32),
@@ -51,8 +52,8 @@ def motion_json(motion: Poses) -> dict[str, list[float]]:
 
 
 def alignment_json(solution: Solution, hull: Hull, weak: list[Mapping[str, Any]]) -> dict[str, Any]:
-    """alignment.json of OUTPUTS: T_g_M, the guess before, and the directions that stay weak. covariance: of where the hull lies
-    given the dive's own frame, with the drawing's error in it (Solution.hull_covariance)."""
+    """alignment.json (docs/deliverables.md): T_g_M, the guess before, and the directions that stay weak. covariance: of where
+    the hull lies given the dive's own frame, with the drawing's error in it (Solution.hull_covariance)."""
     motion = hull_motion(solution)
     if motion is None:
         raise ValueError("no drawing was aligned")

@@ -54,7 +54,7 @@ def convergence(iterations: Record) -> Plot:
 
 
 def labels(iterations: Record) -> Plot:
-    """Share of the landmarks on the hull and labels changed, by iteration (O Fig. 4.12), broken between rounds."""
+    """Share of the landmarks on the hull and labels changed, by iteration [Ozog2016 Fig. 4.12], broken between rounds."""
     on, changed = (np.asarray(iterations[k], np.int64) for k in ("on_surface", "label_changes"))
     rounds, step = _rounds(iterations, len(on)), np.arange(len(on))
     of = np.asarray(iterations["landmarks"], np.int64) if "landmarks" in iterations else np.full(len(on), on.max())

@@ -56,7 +56,7 @@ def track_of(trajectory: Trajectory, solution: Solution | None) -> Track:
 
 
 def trajectory_csv(track: Track) -> str:
-    """trajectory.csv of OUTPUTS: t, x .. qw, sigma_x .. sigma_yaw, tray."""
+    """trajectory.csv (docs/deliverables.md): t, x .. qw, sigma_x .. sigma_yaw, tray."""
     pose = {n: numbers(track.poses.translation[:, k]) for k, n in enumerate("xyz")}
     turn = {n: numbers(track.poses.quaternion[:, k]) for k, n in enumerate(("qx", "qy", "qz", "qw"))}
     names = ("sigma_x", "sigma_y", "sigma_z", "sigma_roll", "sigma_pitch", "sigma_yaw")

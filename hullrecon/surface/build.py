@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From returns on the chart to a triangulated surface with its sigma (METHODS 7)."""
+"""From returns on the chart to a triangulated surface with its sigma (docs/methods.md 11)."""
 
 from __future__ import annotations
 

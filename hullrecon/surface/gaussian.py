@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Exact Gaussian process regression with sparse kernels (O 3.2.2.2)."""
+"""Exact Gaussian process regression with sparse kernels [Ozog2016 3.2.2.2]."""
 
 from __future__ import annotations
 
@@ -28,11 +28,12 @@ class Regression:
     factor: Factor
 
     def mean(self, wanted: Array) -> Array:
-        """(O 3.2) at (m, 2)."""
+        """Predicted values [Ozog2016 eq. 3.2] at (m, 2)."""
         return np.asarray(self.kernel.matrix(wanted, self.at) @ self.weights)
 
     def sigma(self, wanted: Array, noise: float = 0.0) -> Array:
-        """(O 3.3) at (m, 2): one sigma of the surface; with the noise of a return, one sigma of the next return."""
+        """Deviations [Ozog2016 eq. 3.3] at (m, 2): one sigma of the surface; with the noise of a return, one sigma of the next
+        return."""
         parts = [self._explained(wanted[i : i + CHUNK]) for i in range(0, len(wanted), CHUNK)]
         variance = np.concatenate([np.zeros(0), *parts])
         return np.asarray(np.sqrt(np.maximum(0.0, self.kernel.sigma**2 - variance) + noise**2))
@@ -91,7 +92,7 @@ def most_likely(start: Kernel, at: Array, values: Array, noise: Array, limit: tu
 
 
 def _log_likelihood(covariance: Array, values: Array, noise: Array) -> float:
-    """(O 3.1); minus infinity where the kernel is no covariance on these points."""
+    """Log marginal likelihood [Ozog2016 eq. 3.1]; minus infinity where the kernel is no covariance on these points."""
     from scipy import linalg
 
     try:

@@ -20,7 +20,8 @@ class Kernel:
     """form; length (along, girth) m at which the covariance becomes zero; sigma m, of the field.
 
     product: the Melkumyan-Ramos function of each axis, multiplied: positive definite. radial: the same of the
-    two-dimensional radius, as O prints it: not positive definite in general. wendland: (1 - r)^4 (4 r + 1) of the radius.
+    two-dimensional radius, as [Ozog2016 3.2.2.2] prints it: not positive definite in general. wendland: (1 - r)^4 (4 r + 1) of
+    the radius.
     """
 
     form: Form
@@ -48,11 +49,11 @@ class Kernel:
 
 
 def compact(r: Array) -> Array:
-    """Melkumyan and Ramos' function (O 3.2.2.2): (2 + cos 2 pi r)/3 (1 - r) + sin(2 pi r)/(2 pi), zero from r = 1 on."""
+    """The function of [MelkumyanRamos2009]: (2 + cos 2 pi r)/3 (1 - r) + sin(2 pi r)/(2 pi), zero from r = 1 on."""
     turn = 2 * np.pi * r
     return np.where(r < 1, (2 + np.cos(turn)) / 3 * (1 - r) + np.sin(turn) / (2 * np.pi), 0.0)
 
 
 def wendland(r: Array) -> Array:
-    """Wendland's C2 function, positive definite in up to three dimensions."""
+    """Wendland's C2 function [Wendland1995], positive definite in up to three dimensions."""
     return np.asarray(np.maximum(0.0, 1 - r) ** 4 * (4 * r + 1))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Linear interpolation between returns (O 3.2.2.1), on the hull's chart instead of O's xy plane."""
+"""Linear interpolation between returns [Ozog2016 3.2.2.1], on the hull's chart instead of the xy plane."""
 
 from __future__ import annotations
 

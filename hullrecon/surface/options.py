@@ -12,7 +12,7 @@ Positive = Annotated[float, Meta(gt=0)]
 
 
 class SurfaceOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How the surface is made of the DVL's returns (METHODS 7)."""
+    """How the surface is made of the DVL's returns (docs/methods.md 11)."""
 
     method: Annotated[Literal["gp", "linear"], Meta(description="Gaussian process, or linear interpolation")] = "gp"
     outlier_neighbours: Annotated[int, Meta(ge=2, le=500, description="neighbours of a return that judge it (O: 30)")] = 30

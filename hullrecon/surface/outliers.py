@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Returns that stand apart from their neighbours (Rusu et al., as O 3.2.2.1 uses it)."""
+"""Returns that stand apart from their neighbours [Rusu2008], as [Ozog2016 3.2.2.1] uses it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 def statistical_inliers(points: Array, neighbours: int = 30, deviations: float = 1.0) -> NDArray[np.bool_]:
     """Which of the points (n, 3) belong: by their mean distance to the nearest neighbours, within so many deviations.
 
-    O takes 30 neighbours and one standard deviation.
+    [Ozog2016] takes 30 neighbours and one standard deviation.
     """
     count = min(neighbours, len(points) - 1)
     if count < 1:

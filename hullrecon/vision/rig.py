@@ -3,7 +3,7 @@
 """The cameras of a node as one rig, in coordinates where a stereo match lies on one column.
 
 Both cameras are turned in software so that the baseline becomes the y axis: whatever way the rig is built, a point then has
-the same x in both images and y differs by the baseline over its depth (O D.2.1). Frames rt, rb are the turned cameras.
+the same x in both images and y differs by the baseline over its depth [Ozog2016 D.2.1]. Frames rt, rb are the turned cameras.
 """
 
 from __future__ import annotations

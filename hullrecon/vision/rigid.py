@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Relative pose of two stereo nodes: 3-point RANSAC on triangulated points, residuals in pixels, then Levenberg-Marquardt.
 
-Residuals live in ideal coordinates; tolerances arrive divided by the focal length (O D.2.3 with METHODS' correction).
+Residuals live in ideal coordinates; tolerances arrive divided by the focal length [Ozog2016 D.2.3], which has metres.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How much there is to recognise in one image (local saliency of O 2.3.3): the entropy of its bag of words."""
+"""How much there is to recognise in one image [KimEustice2013; Ozog2016 2.3.3]: the entropy of its bag of words."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def no_matches() -> StereoMatches:
 def match_stereo(
     rectification: Rectification, top: tuple[Array, Floats], bottom: tuple[Array, Floats], limits: StereoLimits
 ) -> StereoMatches:
-    """Mutual best within the band of O D.2.1; each side is (ideal coordinates (n, 2), unit descriptors (n, 128))."""
+    """Mutual best within the band of [Ozog2016 D.2.1]; each side is (ideal coordinates (n, 2), unit descriptors (n, 128))."""
     xy_top, xy_bottom = rectification.top(top[0]), rectification.bottom(bottom[0])
     most, least = rectification.disparity(limits.nearest_m), rectification.disparity(limits.farthest_m)
     middle = np.array([0.0, 0.5 * float(most + least)])

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two-view geometry without depth: essential matrix or homography, chosen by the geometric information criterion (K III-B)."""
+"""Two-view geometry without depth: essential matrix or homography, chosen by the geometric information criterion
+[KimEustice2009 III-B]."""
 
 from __future__ import annotations
 
@@ -45,7 +46,8 @@ def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
 
 
 def criterion(whitened_squared: Array, dimension: int, parameters: int) -> float:
-    """sum e^2/sigma^2 + 2 d N + 4 P (Torr; K III-B), an outlier's share capped at 2 (4 - d) so that one cannot decide alone."""
+    """sum e^2/sigma^2 + 2 d N + 4 P [Torr1998; KimEustice2009 III-B], an outlier's share capped at 2 (4 - d) so that one
+    cannot decide alone."""
     capped = np.minimum(whitened_squared, 2.0 * (4 - dimension))
     return float(capped.sum() + 2.0 * dimension * len(whitened_squared) + 4.0 * parameters)
 

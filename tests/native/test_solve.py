@@ -100,7 +100,7 @@ def test_landmarks_on_a_structure_are_labelled_off_and_keep_their_height(make_su
     assert not by_method["naive"].label.any()
     height = {m: r.distance[raised].mean() for m, r in by_method.items()}
     assert height["maxmix"] == pytest.approx(height["naive"], rel=0.02)
-    assert height["geva"] < 0.9 * height["maxmix"]  # the squashing of O Figs 4.10 and 4.11
+    assert height["geva"] < 0.9 * height["maxmix"]  # the squashing of [Ozog2016 Figs 4.10, 4.11]
 
 
 def _project_again(p: Problem) -> Problem:

@@ -11,7 +11,8 @@ FOCAL = 1200.0
 
 
 def scene(relief_m, n=100, sigma_px=1.0, seed=0):
-    """Matches (n, 2) of a wall 1.5 m ahead with that relief, with noise, in ideal coordinates (K's camera)."""
+    """Matches (n, 2) of a wall 1.5 m ahead with that relief, with noise, in ideal coordinates (the camera of
+    [KimEustice2009])."""
     rng = np.random.default_rng(seed)
     points = np.column_stack([rng.uniform(-0.5, 0.7, n), rng.uniform(-0.35, 0.35, n), 1.5 + relief_m * rng.standard_normal(n)])
     there = points @ MOTION[:3, :3].T + MOTION[:3, 3]
