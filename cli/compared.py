@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from hullrecon.artifacts.chain import run_chain
-from hullrecon.artifacts.executor import Executor
-from hullrecon.artifacts.plan import Chain, assess, inputs_of
-from hullrecon.artifacts.progress import choose_progress
-from hullrecon.artifacts.runner import Means, build, make_job
-from hullrecon.artifacts.workspace import Workspace
+from hullrecon.artifacts.execution.chain_runner import run_chain
+from hullrecon.artifacts.execution.executor import Executor
+from hullrecon.artifacts.execution.progress import choose_progress
+from hullrecon.artifacts.execution.runner import Means, build, make_job
+from hullrecon.artifacts.graph.plan import Chain, assess, inputs_of
+from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import InputError
 
 from .dives import Opened

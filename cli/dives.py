@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 
 import click
 
-from hullrecon.artifacts.plan import Chain
-from hullrecon.artifacts.workspace import Workspace
+from hullrecon.artifacts.graph.plan import Chain
+from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import InputError
 
 from .state import state_of

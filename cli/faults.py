@@ -47,7 +47,7 @@ def _say(state: State, line: str, kind: str, code: int, **more: str) -> int:
 
 def _write_traceback(error: BaseException, state: State) -> Path:
     """Below the dive's folder, or where temporary files go when there is none or no room."""
-    from hullrecon.artifacts.disk import write_file
+    from hullrecon.artifacts.storage.disk import write_file
 
     name = f"fault-{time.strftime('%Y%m%dT%H%M%S')}-{os.getpid()}.txt"
     text = "".join(traceback.format_exception(error)).encode()

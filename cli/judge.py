@@ -10,8 +10,8 @@ from typing import Any
 
 import click
 
-from hullrecon.artifacts.executor import choose_executor
-from hullrecon.artifacts.writer import ArtifactWriter
+from hullrecon.artifacts.execution.executor import choose_executor
+from hullrecon.artifacts.storage.writer import ArtifactWriter
 
 from .compared import COMPARED, find_objects, reckoned_of, solve_all, solved_of
 from .dives import FOLDER, open_dive, runs_option, set_option

@@ -12,12 +12,12 @@ from typing import Any
 
 import click
 
-from hullrecon.artifacts.chain import Outcome, run_chain
-from hullrecon.artifacts.executor import choose_executor
-from hullrecon.artifacts.plan import Standing, survey
-from hullrecon.artifacts.progress import choose_progress
-from hullrecon.artifacts.runner import Means
-from hullrecon.artifacts.workspace import PUBLISHED, Workspace
+from hullrecon.artifacts.execution.chain_runner import Outcome, run_chain
+from hullrecon.artifacts.execution.executor import choose_executor
+from hullrecon.artifacts.execution.progress import choose_progress
+from hullrecon.artifacts.execution.runner import Means
+from hullrecon.artifacts.graph.plan import Standing, survey
+from hullrecon.artifacts.storage.workspace import PUBLISHED, Workspace
 from hullrecon.errors import StorageError, UsageError
 
 from .dives import FOLDER, Command, Opened, find_workspace, open_dive, runs_option, set_option

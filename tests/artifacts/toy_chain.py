@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 from msgspec import Struct
 
-from hullrecon.artifacts.chain import Outcome, run_chain
-from hullrecon.artifacts.executor import Serial
-from hullrecon.artifacts.plan import Chain
-from hullrecon.artifacts.runner import Means
-from hullrecon.artifacts.stage import Context, Stage, load_arrays
-from hullrecon.artifacts.workspace import Workspace
+from hullrecon.artifacts.execution.chain_runner import Outcome, run_chain
+from hullrecon.artifacts.execution.executor import Serial
+from hullrecon.artifacts.execution.runner import Means
+from hullrecon.artifacts.graph.plan import Chain
+from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
+from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import StageError
 
 

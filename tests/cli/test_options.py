@@ -11,9 +11,9 @@ from typing import Any
 import msgspec
 import pytest
 
-from hullrecon.artifacts.manifest import Recipe
-from hullrecon.artifacts.settings import resolved, settings_for
-from hullrecon.artifacts.staleness import differences
+from hullrecon.artifacts.graph.settings import resolved, settings_for
+from hullrecon.artifacts.graph.staleness import differences
+from hullrecon.artifacts.storage.manifest import Recipe
 from hullrecon.dive.config import CameraBottom, CameraTop, Hull, Sonar
 from hullrecon.dive.load import load_config
 from hullrecon.steps.chain import stages

@@ -17,9 +17,9 @@ from hullrecon_cli.compared import solved_of
 from hullrecon_cli.dives import Opened
 from msgspec import Struct
 
-from hullrecon.artifacts.plan import Chain
-from hullrecon.artifacts.stage import Context, Stage
-from hullrecon.artifacts.workspace import Workspace
+from hullrecon.artifacts.graph.plan import Chain
+from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.dive.config import Dvl, Tray
 from hullrecon.dive.records import Returns, Solution, Trajectory, to_arrays
 from hullrecon.errors import InputError

@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a run would do: for each step whether it is fresh, and if not, why not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from hullrecon.artifacts.execution.runner import Job, make_job
+from hullrecon.artifacts.graph.settings import settings_for
+from hullrecon.artifacts.graph.stage import Stage
+from hullrecon.artifacts.graph.staleness import differences
+from hullrecon.artifacts.storage.documents import DamagedError
+from hullrecon.artifacts.storage.hashing import HashCache
+from hullrecon.artifacts.storage.manifest import Manifest
+from hullrecon.artifacts.storage.workspace import Workspace, damage
+from hullrecon.errors import UsageError
+
+State = Literal["fresh", "missing", "stale", "damaged", "skipped"]
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Where one step stands. reasons: sentences, empty when fresh. manifest: of the artifact that is there, when readable."""
+
+    stage: Stage
+    state: State
+    reasons: tuple[str, ...] = ()
+    manifest: Manifest | None = None
+
+    @property
+    def to_do(self) -> bool:
+        return self.state not in ("fresh", "skipped")
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Stages in an order in which each comes after its inputs, with the configuration and the package that they run on."""
+
+    stages: tuple[Stage, ...]
+    sections: Mapping[str, Any]
+    package: Path
+
+    def up_to(self, name: str) -> Chain:
+        """The part that `name` needs. UsageError when there is no such step."""
+        by_name = {stage.name: stage for stage in self.stages}
+        if name not in by_name:
+            raise UsageError(f"no step is called {name}", remedy=f"the steps are {', '.join(by_name)}")
+        needed, open_names = set[str](), [name]
+        while open_names:
+            needed.add(current := open_names.pop())
+            stage = by_name[current]
+            open_names += [n for n in (*stage.inputs, *stage.optional) if n in by_name and n not in needed]
+        return replace(self, stages=tuple(s for s in self.stages if s.name in needed))
+
+    def skipped(self) -> dict[str, str]:
+        """Steps that this dive cannot have, with the reason; a step whose needed input is one of them is one too."""
+        reasons: dict[str, str] = {}
+        for stage in self.stages:
+            own = stage.applies(settings_for(stage, self.sections)) if stage.applies is not None else None
+            lost = next((name for name in stage.inputs if name in reasons), None)
+            if own is not None:
+                reasons[stage.name] = own
+            elif lost is not None:
+                reasons[stage.name] = f"it needs {lost}, which is skipped: {reasons[lost]}"
+        return reasons
+
+
+def inputs_of(stage: Stage, chain: Chain, workspace: Workspace, skipped: Mapping[str, str]) -> dict[str, Path]:
+    """Folders of the inputs that are part of this dive's chain."""
+    part = {s.name for s in chain.stages} - set(skipped)
+    return {name: workspace.artifact(name) for name in (*stage.inputs, *stage.optional) if name in part}
+
+
+def survey(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[Standing]:
+    """Where every step stands, in the chain's order. Reads only."""
+    skipped = chain.skipped()
+    found: list[Standing] = []
+    for stage in chain.stages:
+        if stage.name in skipped:
+            found.append(Standing(stage, "skipped", (skipped[stage.name],)))
+            continue
+        inputs = inputs_of(stage, chain, workspace, skipped)
+        waiting = [s.stage.name for s in found if s.to_do and s.stage.name in inputs]
+        found.append(_standing(stage, chain, workspace, inputs, waiting, hashes))
+    return found
+
+
+def _standing(
+    stage: Stage, chain: Chain, workspace: Workspace, inputs: Mapping[str, Path], waiting: Sequence[str], hashes: HashCache
+) -> Standing:
+    ready = {name: folder for name, folder in inputs.items() if name not in waiting}
+    standing = assess(make_job(stage, chain.sections, ready, chain.package, hashes), workspace, hashes)
+    if not waiting or standing.state in ("missing", "damaged"):
+        return standing
+    own = [r for r in standing.reasons if r not in {f"input {name} is gone" for name in waiting}]
+    return replace(standing, state="stale", reasons=(*own, *(f"input {name} is to be made anew" for name in waiting)))
+
+
+def assess(job: Job, workspace: Workspace, hashes: HashCache) -> Standing:
+    """Where one step stands whose inputs are as they will be."""
+    stage = job.stage
+    try:
+        manifest = workspace.manifest(stage.name)
+    except DamagedError as error:
+        return Standing(stage, "damaged", (str(error),))
+    if manifest is None:
+        return Standing(stage, "missing", ("it was never made",))
+    harmed = damage(workspace.artifact(stage.name), manifest, hashes)
+    if harmed:
+        return Standing(stage, "damaged", tuple(harmed), manifest)
+    changed = differences(manifest.recipe, job.recipe)
+    return Standing(stage, "stale" if changed else "fresh", tuple(changed), manifest)
