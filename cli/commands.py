@@ -38,9 +38,9 @@ STEPS = {
 }
 AROUND = {
     "simulate": Entry("dive", "simulate", "make a dive package with truth"),
-    "evaluate": Entry("judge", "evaluate", "figures of a run against the truth of a simulated dive"),
-    "compare": Entry("judge", "compare", "naive, geva and maxmix on a simulated dive, in one table"),
-    "figures": Entry("judge", "figures", "the sources' figures on a simulated dive, as pictures and tables"),
+    "evaluate": Entry("score", "evaluate", "figures of a run against the truth of a simulated dive"),
+    "compare": Entry("score", "compare", "naive, geva and maxmix on a simulated dive, in one table"),
+    "figures": Entry("score", "figures", "the sources' figures on a simulated dive, as pictures and tables"),
     "completion": Entry("completion", "completion", "the shell's completion script"),
 }
 SECTIONS = {"A dive": ON_A_DIVE, "Steps of the chain": STEPS, "Around it": AROUND}

@@ -23,7 +23,7 @@ CONFIGURATION = "dive.toml"
 
 
 @dataclass(frozen=True)
-class Opened:
+class DiveRun:
     """A dive package, read, with the place of its artifacts."""
 
     name: str
@@ -43,7 +43,7 @@ def set_option(command: Command) -> Command:
     return click.option("--set", "overrides", multiple=True, metavar="SECTION.KEY=VALUE", help=text)(command)
 
 
-def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> Opened:
+def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> DiveRun:
     """target: a dive package, or the folder of a run, whose package is the one that it last read.
 
     Raises InputError when it is neither, UsageError for a wrong configuration.
@@ -58,7 +58,7 @@ def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> Opened
     name = config.sections["dive"].name
     workspace = workspace or Workspace(runs / name)
     state_of().workspace = workspace.root
-    return Opened(name, Chain(all_stages, config.sections, package), workspace)
+    return DiveRun(name, Chain(all_stages, config.sections, package), workspace)
 
 
 def package_of(workspace: Workspace) -> Path:

@@ -16,7 +16,7 @@ import click
 from hullrecon import __version__
 
 from .commands import COMMANDS, SECTIONS
-from .faults import exit_code_of
+from .error_reporting import exit_code_of
 from .state import State, add_common_options, common_options, configure_logging
 
 PROGRAM = "hullrecon"

@@ -15,12 +15,12 @@ import click
 from hullrecon.artifacts.execution.chain_runner import Outcome, run_chain
 from hullrecon.artifacts.execution.executor import choose_executor
 from hullrecon.artifacts.execution.progress import choose_progress
-from hullrecon.artifacts.execution.runner import Means
-from hullrecon.artifacts.graph.plan import Standing, survey
+from hullrecon.artifacts.execution.runner import RunContext
+from hullrecon.artifacts.graph.plan import StepStatus, survey
 from hullrecon.artifacts.storage.workspace import PUBLISHED, Workspace
 from hullrecon.errors import StorageError, UsageError
 
-from .dives import FOLDER, Command, Opened, find_workspace, open_dive, runs_option, set_option
+from .dives import FOLDER, Command, DiveRun, find_workspace, open_dive, runs_option, set_option
 from .state import state_of
 
 log = logging.getLogger("hullrecon.cli")
@@ -55,18 +55,18 @@ def run(package: Path, runs: Path, last: str | None, overrides: tuple[str, ...],
 
 
 def execute(
-    dive: Opened, last: str | None, *, from_scratch: bool, read_data: bool, jobs: int, scheduler: str | None, wait_s: float
+    dive: DiveRun, last: str | None, *, from_scratch: bool, read_data: bool, jobs: int, scheduler: str | None, wait_s: float
 ) -> None:
     """Runs the chain up to `last` and says on standard output what came of it."""
     state = state_of()
     chain = dive.chain if last is None else dive.chain.up_to(last)
     hashes = dive.workspace.hashes(trusting=not read_data)
     with choose_executor(jobs, scheduler) as executor:
-        means = Means(hashes, executor, choose_progress(quiet=state.quiet))
+        run_context = RunContext(hashes, executor, choose_progress(quiet=state.quiet))
         outcomes = run_chain(
             chain,
             dive.workspace,
-            means,
+            run_context,
             from_scratch=from_scratch,
             wait_s=wait_s,
             preflight=lambda plan: _preflight(dive, plan),
@@ -82,9 +82,9 @@ def execute(
     state.emit(document, [*(_line(o) for o in outcomes), *([f"deliverables: {delivered}"] if delivered else [])])
 
 
-def _preflight(dive: Opened, plan: list[Standing]) -> None:
+def _preflight(dive: DiveRun, plan: list[StepStatus]) -> None:
     """Says what is to be done; a step is built beside its old artifact, so about that much space must be free."""
-    to_do = [standing.stage.name for standing in plan if standing.to_do]
+    to_do = [step.stage.name for step in plan if step.to_do]
     log.info("%s: %s", dive.name, f"to do: {', '.join(to_do)}" if to_do else "everything is fresh")
     needed = sum(r.size for s in plan if s.to_do and s.manifest is not None for r in s.manifest.outputs.values())
     free = shutil.disk_usage(dive.workspace.root).free
@@ -102,11 +102,11 @@ def _outcome(outcome: Outcome) -> dict[str, object]:
 
 
 def _line(outcome: Outcome) -> str:
-    standing = outcome.before
+    step = outcome.before
     if outcome.made and outcome.manifest is not None:
-        why = "; ".join(standing.reasons) or "from scratch"
-        return f"{standing.stage.name:16}made in {outcome.manifest.run['seconds']:.1f} s: {why}"
-    return _standing_line(standing)
+        why = "; ".join(step.reasons) or "from scratch"
+        return f"{step.stage.name:16}made in {outcome.manifest.run['seconds']:.1f} s: {why}"
+    return _status_line(step)
 
 
 @click.command()
@@ -117,7 +117,7 @@ def status(target: Path, runs: Path, overrides: tuple[str, ...]) -> None:
     """Say of each step whether it is fresh. TARGET is a dive package or a run's folder."""
     dive = open_dive(target, runs, overrides)
     plan = survey(dive.chain, dive.workspace, dive.workspace.hashes())
-    state_of().emit(_document(dive, plan), map(_standing_line, plan))
+    state_of().emit(_document(dive, plan), map(_status_line, plan))
 
 
 @click.command()
@@ -134,13 +134,13 @@ def explain(target: Path, steps: tuple[str, ...], runs: Path, overrides: tuple[s
     state_of().emit(_document(dive, plan), lines)
 
 
-def _document(dive: Opened, plan: Sequence[Standing]) -> dict[str, object]:
+def _document(dive: DiveRun, plan: Sequence[StepStatus]) -> dict[str, object]:
     steps = [{"name": s.stage.name, "state": s.state, "reasons": s.reasons} for s in plan]
     return {"dive": dive.name, "workspace": str(dive.workspace.root), "steps": steps}
 
 
-def _standing_line(standing: Standing) -> str:
-    return f"{standing.stage.name:16}{standing.state}" + (f": {'; '.join(standing.reasons)}" if standing.reasons else "")
+def _status_line(step: StepStatus) -> str:
+    return f"{step.stage.name:16}{step.state}" + (f": {'; '.join(step.reasons)}" if step.reasons else "")
 
 
 @click.command()

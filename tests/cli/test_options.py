@@ -11,7 +11,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from hullrecon.artifacts.graph.settings import resolved, settings_for
+from hullrecon.artifacts.graph.settings import resolve_settings, settings_for
 from hullrecon.artifacts.graph.staleness import differences
 from hullrecon.artifacts.storage.manifest import Recipe
 from hullrecon.dive.config import CameraBottom, CameraTop, Hull, Sonar
@@ -54,7 +54,7 @@ def keys() -> list[tuple[str, str]]:
 
 def recipes(sections: Mapping[str, Any]) -> dict[str, Recipe]:
     return {
-        stage.name: Recipe(stage=stage.name, version=stage.version, settings=resolved(settings_for(stage, sections)))
+        stage.name: Recipe(stage=stage.name, version=stage.version, settings=resolve_settings(settings_for(stage, sections)))
         for stage in STAGES
     }
 

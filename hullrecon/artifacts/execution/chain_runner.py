@@ -8,27 +8,27 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from hullrecon.artifacts.execution.runner import Job, Means, build, make_job
-from hullrecon.artifacts.graph.plan import Chain, Standing, assess, inputs_of, survey
+from hullrecon.artifacts.execution.runner import Job, RunContext, build, make_job
+from hullrecon.artifacts.graph.plan import Chain, StepStatus, assess, inputs_of, survey
 from hullrecon.artifacts.storage.manifest import Manifest
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import HullreconError
 
 log = logging.getLogger(__name__)
-Preflight = Callable[[list[Standing]], None]
+Preflight = Callable[[list[StepStatus]], None]
 
 
 @dataclass(frozen=True)
 class Outcome:
     """What a run did with one step: where it stood, whether it ran, and its artifact's manifest, None when skipped."""
 
-    before: Standing
+    before: StepStatus
     made: bool
     manifest: Manifest | None
 
 
 def run_chain(
-    chain: Chain, workspace: Workspace, means: Means, *, from_scratch: bool = False, wait_s: float = 0.0,
+    chain: Chain, workspace: Workspace, run_context: RunContext, *, from_scratch: bool = False, wait_s: float = 0.0,
     preflight: Preflight | None = None,
 ) -> list[Outcome]:  # fmt: skip
     """Brings every step of the chain up to date and publishes what is to be delivered.
@@ -40,42 +40,42 @@ def run_chain(
         workspace.tidy(stage.name for stage in chain.stages)
         workspace.remember_package(chain.package)
         if preflight is not None:
-            preflight(survey(chain, workspace, means.hashes))
+            preflight(survey(chain, workspace, run_context.hashes))
         try:
-            return _run_all(chain, workspace, means, from_scratch)
+            return _run_all(chain, workspace, run_context, from_scratch)
         finally:
-            means.hashes.save()
+            run_context.hashes.save()
 
 
-def _run_all(chain: Chain, workspace: Workspace, means: Means, from_scratch: bool) -> list[Outcome]:
-    skipped = chain.skipped()
+def _run_all(chain: Chain, workspace: Workspace, run_context: RunContext, from_scratch: bool) -> list[Outcome]:
+    skipped = chain.skip_reasons()
     done: list[Outcome] = []
     for stage in chain.stages:
         if stage.name in skipped:
             log.info("%s: skipped: %s", stage.name, skipped[stage.name])
-            done.append(Outcome(Standing(stage, "skipped", (skipped[stage.name],)), False, None))
+            done.append(Outcome(StepStatus(stage, "skipped", (skipped[stage.name],)), False, None))
             continue
         inputs = inputs_of(stage, chain, workspace, skipped)
-        job = make_job(stage, chain.sections, inputs, chain.package, means.hashes)
-        done.append(_bring_up_to_date(job, workspace, means, from_scratch))
+        job = make_job(stage, chain.sections, inputs, chain.package, run_context.hashes)
+        done.append(_bring_up_to_date(job, workspace, run_context, from_scratch))
         workspace.publish(stage.name)
     return done
 
 
-def _bring_up_to_date(job: Job, workspace: Workspace, means: Means, from_scratch: bool) -> Outcome:
+def _bring_up_to_date(job: Job, workspace: Workspace, run_context: RunContext, from_scratch: bool) -> Outcome:
     name = job.stage.name
-    standing = assess(job, workspace, means.hashes)
-    if standing.state == "fresh" and not from_scratch:
+    status = assess(job, workspace, run_context.hashes)
+    if status.state == "fresh" and not from_scratch:
         log.info("%s: fresh", name)
-        return Outcome(standing, False, standing.manifest)
-    log.info("%s: started: %s", name, "; ".join(standing.reasons) or "from scratch")
-    if standing.state == "damaged":
-        log.warning("%s: damaged (%s), set apart in %s", name, "; ".join(standing.reasons), workspace.quarantine(name))
+        return Outcome(status, False, status.manifest)
+    log.info("%s: started: %s", name, "; ".join(status.reasons) or "from scratch")
+    if status.state == "damaged":
+        log.warning("%s: damaged (%s), set apart in %s", name, "; ".join(status.reasons), workspace.quarantine(name))
     try:
-        manifest = build(job, workspace.root / name, workspace.building(name), means)
+        manifest = build(job, workspace.root / name, workspace.building(name), run_context)
     except HullreconError as error:
         error.add_note(name)
         raise
-    means.hashes.save()
+    run_context.hashes.save()
     log.info("%s: done in %.1f s, %.0f MB", name, manifest.run["seconds"], manifest.run["peak_rss_bytes"] / 1e6)
-    return Outcome(standing, True, manifest)
+    return Outcome(status, True, manifest)

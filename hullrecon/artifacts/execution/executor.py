@@ -59,7 +59,7 @@ class Processes:
         if len(items) < 2:
             yield from map(function, items)
             return
-        pool = self._started()
+        pool = self._start_pool()
         chunk = max(1, len(items) // (self._jobs * _CHUNKS_PER_WORKER))
         try:
             with one_thread_each():
@@ -67,9 +67,9 @@ class Processes:
             yield from results
         except BrokenProcessPool as error:
             self._pool = None
-            raise killed_worker() from error
+            raise worker_killed_error() from error
 
-    def _started(self) -> ProcessPoolExecutor:
+    def _start_pool(self) -> ProcessPoolExecutor:
         if self._pool is None:
             context = multiprocessing.get_context("spawn")  # fork would copy the lock and the threads of libraries
             self._pool = ProcessPoolExecutor(self._jobs, mp_context=context, initializer=_prepare_worker)
@@ -83,7 +83,7 @@ class Processes:
             self._pool.shutdown(wait=True, cancel_futures=True)
 
 
-def killed_worker() -> StageError:
+def worker_killed_error() -> StageError:
     remedy = "most likely the memory ran out: run again with a smaller --jobs, what is finished is kept"
     return StageError("a worker process was killed", remedy=remedy)
 

@@ -16,7 +16,7 @@ from hullrecon.artifacts.execution.context import StageContext
 from hullrecon.artifacts.execution.executor import Executor, choose_executor
 from hullrecon.artifacts.execution.machine import host, peak_rss, reset_peak_rss, versions
 from hullrecon.artifacts.execution.progress import Progress, Silent, choose_progress
-from hullrecon.artifacts.graph.recipe import gather_recipe
+from hullrecon.artifacts.graph.recipe import make_recipe
 from hullrecon.artifacts.graph.settings import StageSettings, settings_for
 from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.artifacts.storage.disk import commit_folder, make_folder, remove, storage_errors
@@ -38,7 +38,7 @@ class Job:
 
 
 @dataclass(frozen=True)
-class Means:
+class RunContext:
     """What a run works with, whatever the stage."""
 
     hashes: HashCache
@@ -57,7 +57,7 @@ def run_stage(
     hashes = HashCache()
     job = make_job(stage, settings, inputs, source, hashes)
     with choose_executor(jobs) as executor:
-        build(job, out, out.with_name(f".building-{out.name}"), Means(hashes, executor, choose_progress()))
+        build(job, out, out.with_name(f".building-{out.name}"), RunContext(hashes, executor, choose_progress()))
     return out
 
 
@@ -66,10 +66,10 @@ def make_job(
 ) -> Job:
     """InputError when a file of the package is missing; UsageError for an option that is not finite."""
     settings = settings_for(stage, sections)
-    return Job(stage, settings, inputs, source, gather_recipe(stage, settings, inputs, source, hashes))
+    return Job(stage, settings, inputs, source, make_recipe(stage, settings, inputs, source, hashes))
 
 
-def build(job: Job, out: Path, building: Path, means: Means) -> Manifest:
+def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manifest:
     """Runs the stage's function into the folder `building` and puts that, manifest last, at `out` in one step.
 
     Whatever goes wrong, `out` is as it was. StorageError when the disk refuses; StageError when the memory ran out.
@@ -78,19 +78,19 @@ def build(job: Job, out: Path, building: Path, means: Means) -> Manifest:
         remove(building)
     make_folder(building)
     try:
-        manifest = _fill(job, building, means)
+        manifest = _fill(job, building, run_context)
         commit_folder(building, out)
     except BaseException:
         remove(building)
         raise
     for name, record in manifest.outputs.items():
-        means.hashes.learn(out / name, record)
+        run_context.hashes.learn(out / name, record)
     return manifest
 
 
-def _fill(job: Job, building: Path, means: Means) -> Manifest:
+def _fill(job: Job, building: Path, run_context: RunContext) -> Manifest:
     context = StageContext(
-        job.stage, job.settings, job.inputs, job.source, ArtifactWriter(building), means.executor, means.progress
+        job.stage, job.settings, job.inputs, job.source, ArtifactWriter(building), run_context.executor, run_context.progress
     )
     spent = _call(job.stage, context, building)
     outputs = {name: hash_file(building / name) for name in files_below(building)}

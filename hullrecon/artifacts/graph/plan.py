@@ -16,14 +16,14 @@ from hullrecon.artifacts.graph.staleness import differences
 from hullrecon.artifacts.storage.documents import DamagedError
 from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.manifest import Manifest
-from hullrecon.artifacts.storage.workspace import Workspace, damage
+from hullrecon.artifacts.storage.workspace import Workspace, damaged_files
 from hullrecon.errors import UsageError
 
 State = Literal["fresh", "missing", "stale", "damaged", "skipped"]
 
 
 @dataclass(frozen=True)
-class Standing:
+class StepStatus:
     """Where one step stands. reasons: sentences, empty when fresh. manifest: of the artifact that is there, when readable."""
 
     stage: Stage
@@ -56,7 +56,7 @@ class Chain:
             open_names += [n for n in (*stage.inputs, *stage.optional) if n in by_name and n not in needed]
         return replace(self, stages=tuple(s for s in self.stages if s.name in needed))
 
-    def skipped(self) -> dict[str, str]:
+    def skip_reasons(self) -> dict[str, str]:
         """Steps that this dive cannot have, with the reason; a step whose needed input is one of them is one too."""
         reasons: dict[str, str] = {}
         for stage in self.stages:
@@ -75,42 +75,42 @@ def inputs_of(stage: Stage, chain: Chain, workspace: Workspace, skipped: Mapping
     return {name: workspace.artifact(name) for name in (*stage.inputs, *stage.optional) if name in part}
 
 
-def survey(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[Standing]:
+def survey(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[StepStatus]:
     """Where every step stands, in the chain's order. Reads only."""
-    skipped = chain.skipped()
-    found: list[Standing] = []
+    skipped = chain.skip_reasons()
+    found: list[StepStatus] = []
     for stage in chain.stages:
         if stage.name in skipped:
-            found.append(Standing(stage, "skipped", (skipped[stage.name],)))
+            found.append(StepStatus(stage, "skipped", (skipped[stage.name],)))
             continue
         inputs = inputs_of(stage, chain, workspace, skipped)
         waiting = [s.stage.name for s in found if s.to_do and s.stage.name in inputs]
-        found.append(_standing(stage, chain, workspace, inputs, waiting, hashes))
+        found.append(_status_of(stage, chain, workspace, inputs, waiting, hashes))
     return found
 
 
-def _standing(
+def _status_of(
     stage: Stage, chain: Chain, workspace: Workspace, inputs: Mapping[str, Path], waiting: Sequence[str], hashes: HashCache
-) -> Standing:
+) -> StepStatus:
     ready = {name: folder for name, folder in inputs.items() if name not in waiting}
-    standing = assess(make_job(stage, chain.sections, ready, chain.package, hashes), workspace, hashes)
-    if not waiting or standing.state in ("missing", "damaged"):
-        return standing
-    own = [r for r in standing.reasons if r not in {f"input {name} is gone" for name in waiting}]
-    return replace(standing, state="stale", reasons=(*own, *(f"input {name} is to be made anew" for name in waiting)))
+    status = assess(make_job(stage, chain.sections, ready, chain.package, hashes), workspace, hashes)
+    if not waiting or status.state in ("missing", "damaged"):
+        return status
+    own = [r for r in status.reasons if r not in {f"input {name} is gone" for name in waiting}]
+    return replace(status, state="stale", reasons=(*own, *(f"input {name} is to be made anew" for name in waiting)))
 
 
-def assess(job: Job, workspace: Workspace, hashes: HashCache) -> Standing:
+def assess(job: Job, workspace: Workspace, hashes: HashCache) -> StepStatus:
     """Where one step stands whose inputs are as they will be."""
     stage = job.stage
     try:
         manifest = workspace.manifest(stage.name)
     except DamagedError as error:
-        return Standing(stage, "damaged", (str(error),))
+        return StepStatus(stage, "damaged", (str(error),))
     if manifest is None:
-        return Standing(stage, "missing", ("it was never made",))
-    harmed = damage(workspace.artifact(stage.name), manifest, hashes)
+        return StepStatus(stage, "missing", ("it was never made",))
+    harmed = damaged_files(workspace.artifact(stage.name), manifest, hashes)
     if harmed:
-        return Standing(stage, "damaged", tuple(harmed), manifest)
+        return StepStatus(stage, "damaged", tuple(harmed), manifest)
     changed = differences(manifest.recipe, job.recipe)
-    return Standing(stage, "stale" if changed else "fresh", tuple(changed), manifest)
+    return StepStatus(stage, "stale" if changed else "fresh", tuple(changed), manifest)

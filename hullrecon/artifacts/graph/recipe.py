@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from hullrecon.artifacts.graph.settings import StageSettings, resolved
+from hullrecon.artifacts.graph.settings import StageSettings, resolve_settings
 from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.artifacts.storage.documents import digest
 from hullrecon.artifacts.storage.hashing import HashCache, files_below
@@ -15,14 +15,14 @@ from hullrecon.artifacts.storage.manifest import FILE_NAME, FileRecord, Recipe, 
 from hullrecon.errors import InputError
 
 
-def gather_recipe(
+def make_recipe(
     stage: Stage, settings: StageSettings, inputs: Mapping[str, Path], source: Path | None, hashes: HashCache
 ) -> Recipe:
     """The recipe as things are now. InputError when a file of the package is missing."""
     return Recipe(
         stage=stage.name,
         version=stage.version,
-        settings=resolved(settings),
+        settings=resolve_settings(settings),
         inputs={name: content_hash(folder, hashes) for name, folder in sorted(inputs.items())},
         external=external_files(stage, settings, source, hashes),
     )

@@ -38,7 +38,7 @@ def settings_for(stage: Stage, sections: Mapping[str, Any]) -> StageSettings:
     return StageSettings(stage.name, {**chosen, stage.name: stage.parameters() if own is None else own})
 
 
-def resolved(settings: Mapping[str, Any]) -> dict[str, Any]:
+def resolve_settings(settings: Mapping[str, Any]) -> dict[str, Any]:
     """The settings as plain values for the manifest. UsageError for a number that is not finite."""
     values: dict[str, Any] = plain(settings)
     for name, value in flatten(values).items():

@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 from hullrecon.artifacts.storage.documents import DamagedError
 from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.manifest import Manifest
-from hullrecon.artifacts.storage.workspace import PUBLISHED, Workspace, damage, unequal_files
+from hullrecon.artifacts.storage.workspace import PUBLISHED, Workspace, damaged_files, unequal_files
 
 
 @dataclass
-class Checked:
+class WorkspaceCheck:
     """artifacts and files looked at, and a sentence for each that is not as it was written."""
 
     artifacts: int = 0
@@ -23,9 +23,9 @@ class Checked:
     damaged: list[str] = field(default_factory=list)
 
 
-def check_workspace(workspace: Workspace, names: Sequence[str], *, read_data: bool) -> Checked:
+def check_workspace(workspace: Workspace, names: Sequence[str], *, read_data: bool) -> WorkspaceCheck:
     """Compares presence and size of every file with the manifests; with read_data every byte, the package's files too."""
-    result = Checked()
+    result = WorkspaceCheck()
     hashes = workspace.hashes(trusting=not read_data)
     for name in names:
         try:
@@ -40,12 +40,12 @@ def check_workspace(workspace: Workspace, names: Sequence[str], *, read_data: bo
     return result
 
 
-def _check_artifact(workspace: Workspace, name: str, manifest: Manifest, hashes: HashCache, result: Checked) -> None:
+def _check_artifact(workspace: Workspace, name: str, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck) -> None:
     folder = workspace.artifact(name)
     result.artifacts += 1
     result.files += len(manifest.outputs)
     result.read_bytes += sum(record.size for record in manifest.outputs.values())
-    result.damaged += [f"{name}/{sentence}" for sentence in damage(folder, manifest, hashes)]
+    result.damaged += [f"{name}/{sentence}" for sentence in damaged_files(folder, manifest, hashes)]
     if manifest.recipe.key != manifest.key:
         result.damaged.append(f"{name}/manifest.json: its key does not fit its recipe")
     if (folder / PUBLISHED).is_dir():
@@ -53,7 +53,7 @@ def _check_artifact(workspace: Workspace, name: str, manifest: Manifest, hashes:
         result.damaged += [f"{PUBLISHED}/{file} is not the one of {name}: `run` puts it right" for file in shown]
 
 
-def _check_package(workspace: Workspace, manifest: Manifest, hashes: HashCache, result: Checked) -> None:
+def _check_package(workspace: Workspace, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck) -> None:
     package = workspace.package
     if package is None:
         return

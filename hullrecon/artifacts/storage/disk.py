@@ -155,7 +155,7 @@ def set_aside(final: Path) -> Path:
     return final.with_name(f".old-{final.name}")
 
 
-def present(final: Path) -> Path:
+def existing_folder(final: Path) -> Path:
     """Where the folder is: at its place or, when a commit without swap was cut short, beside it."""
     return set_aside(final) if not final.exists() and set_aside(final).exists() else final
 

@@ -18,7 +18,7 @@ _POLL_S = 0.2
 
 
 @contextmanager
-def locked(path: Path, wait_s: float = 0.0) -> Iterator[None]:
+def hold_lock(path: Path, wait_s: float = 0.0) -> Iterator[None]:
     """Holds the lock of the workspace whose lock file is `path`. LockedError when another holds it after `wait_s` seconds."""
     make_folder(path.parent)
     with storage_errors(path.parent):

@@ -12,8 +12,8 @@ from pathlib import Path
 
 from hullrecon.artifacts.storage.disk import (
     commit_folder,
+    existing_folder,
     make_folder,
-    present,
     recover,
     remove,
     storage_errors,
@@ -22,7 +22,7 @@ from hullrecon.artifacts.storage.disk import (
 )
 from hullrecon.artifacts.storage.documents import DamagedError, seal, unseal
 from hullrecon.artifacts.storage.hashing import HashCache, files_below
-from hullrecon.artifacts.storage.lock import locked
+from hullrecon.artifacts.storage.lock import hold_lock
 from hullrecon.artifacts.storage.manifest import FILE_NAME, Manifest, read_manifest
 
 PRIVATE = ".hullrecon"  # lock, hashes, where the package lies, folders under construction
@@ -37,7 +37,7 @@ class Workspace:
 
     def artifact(self, name: str) -> Path:
         """The folder of a step's artifact, whether it is there or not."""
-        return present(self.root / name)
+        return existing_folder(self.root / name)
 
     def manifest(self, name: str) -> Manifest | None:
         """None when there is no artifact; DamagedError when its manifest cannot be trusted."""
@@ -50,7 +50,7 @@ class Workspace:
         return HashCache(self.root / PRIVATE / "hashes.json", trusting=trusting)
 
     def lock(self, wait_s: float = 0.0) -> AbstractContextManager[None]:
-        return locked(self.root / PRIVATE / "lock", wait_s)
+        return hold_lock(self.root / PRIVATE / "lock", wait_s)
 
     def exists(self) -> bool:
         return (self.root / PRIVATE).is_dir()
@@ -116,7 +116,7 @@ class Workspace:
         return shown
 
 
-def damage(folder: Path, manifest: Manifest, hashes: HashCache) -> list[str]:
+def damaged_files(folder: Path, manifest: Manifest, hashes: HashCache) -> list[str]:
     """Each file of an artifact that is not as its manifest says, in words."""
     found = []
     for name, record in sorted(manifest.outputs.items()):

@@ -13,8 +13,8 @@ import pytest
 
 from hullrecon.artifacts.execution.chain_runner import run_chain
 from hullrecon.artifacts.execution.executor import Serial
-from hullrecon.artifacts.execution.runner import Means
-from hullrecon.artifacts.graph.plan import Standing
+from hullrecon.artifacts.execution.runner import RunContext
+from hullrecon.artifacts.graph.plan import StepStatus
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import LockedError, StageError, StorageError
 
@@ -94,7 +94,7 @@ def test_a_skipped_step_is_absent_from_what_uses_it(toy: ModuleType, package: Pa
         toy.Stage("read", "read", (), toy.Options, 1, lambda c: c.out.arrays("numbers.npz", {"x": toy.np.ones(1)})),
         *chain.stages[1:],
     )
-    outcomes = run_chain(toy.Chain(stages, chain.sections, package), workspace, Means(workspace.hashes(), Serial()))
+    outcomes = run_chain(toy.Chain(stages, chain.sections, package), workspace, RunContext(workspace.hashes(), Serial()))
     assert [o.before.state for o in outcomes if o.before.stage.name == "right"] == ["skipped"]
     assert total(workspace) == {"total": 1.0, "of": ["left"]}
     assert outcomes[-1].manifest is not None
@@ -118,12 +118,12 @@ def test_a_run_beside_another_is_refused_and_changes_nothing(toy: ModuleType, pa
 def test_preflight_sees_the_plan_and_may_end_the_run(toy: ModuleType, package: Path, workspace: Workspace) -> None:
     seen: list[str] = []
 
-    def refuse(plan: list[Standing]) -> None:
-        seen.extend(standing.state for standing in plan)
+    def refuse(plan: list[StepStatus]) -> None:
+        seen.extend(status.state for status in plan)
         raise StorageError("too little space")
 
     with pytest.raises(StorageError):
-        run_chain(toy.chain(package), workspace, Means(workspace.hashes(), Serial()), preflight=refuse)
+        run_chain(toy.chain(package), workspace, RunContext(workspace.hashes(), Serial()), preflight=refuse)
     assert seen == ["missing"] * 4
     assert not (workspace.root / "read").exists()
 
@@ -142,5 +142,5 @@ def test_a_run_that_reads_all_data_finds_a_flip_that_hides_behind_its_time(
     path.write_bytes(bytes(256))
     os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
     assert toy.made(toy.run(package, workspace)) == []
-    means = Means(workspace.hashes(trusting=False), Serial())
-    assert toy.made(run_chain(toy.chain(package), workspace, means)) == ["left"]
+    run_context = RunContext(workspace.hashes(trusting=False), Serial())
+    assert toy.made(run_chain(toy.chain(package), workspace, run_context)) == ["left"]

@@ -44,7 +44,7 @@ def test_processes_are_other_processes_and_are_kept_between_maps() -> None:
     with Processes(1) as executor:
         first = set(executor.map(os.getpgid, [0, 0]))
         assert first == {os.getpgid(0)}
-        pids = {executor._started()._processes.keys().__iter__().__next__() for _ in range(2)}
+        pids = {executor._start_pool()._processes.keys().__iter__().__next__() for _ in range(2)}
     assert os.getpid() not in pids
     assert len(pids) == 1
 

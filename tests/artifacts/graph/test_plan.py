@@ -86,7 +86,7 @@ def test_what_needs_a_skipped_step_is_skipped_with_the_reason_named(toy: ModuleT
     needy = toy.Stage("needy", "needy", ("right",), toy.Options, 1, toy.join)
     needier = toy.Stage("needier", "needier", ("needy",), toy.Options, 1, toy.join)
     longer = toy.Chain((*chain.stages, needy, needier), chain.sections, package)
-    assert longer.skipped() == {
+    assert longer.skip_reasons() == {
         "right": "no scale was given",
         "needy": "it needs right, which is skipped: no scale was given",
         "needier": "it needs needy, which is skipped: it needs right, which is skipped: no scale was given",

@@ -7,7 +7,7 @@ from __future__ import annotations
 import pytest
 from msgspec import Struct
 
-from hullrecon.artifacts.graph.settings import flatten, resolved, settings_for
+from hullrecon.artifacts.graph.settings import flatten, resolve_settings, settings_for
 from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.errors import UsageError
 
@@ -63,12 +63,12 @@ def test_reading_a_section_that_was_not_declared_is_a_fault_even_with_get() -> N
 
 def test_resolved_settings_are_plain_values() -> None:
     settings = settings_for(stage("camera.top", "sonar"), {"camera.top": Top()})
-    assert resolved(settings) == {"camera.top": {"mount": [1.0, 2.0]}, "sonar": None, "find": {"size": 3.0}}
+    assert resolve_settings(settings) == {"camera.top": {"mount": [1.0, 2.0]}, "sonar": None, "find": {"size": 3.0}}
 
 
 def test_an_option_that_is_not_finite_is_named() -> None:
     with pytest.raises(UsageError, match=r"find\.size is nan"):
-        resolved(settings_for(stage(), {"find": Options(float("nan"))}))
+        resolve_settings(settings_for(stage(), {"find": Options(float("nan"))}))
 
 
 def test_flatten_names_leaves_by_their_path_and_keeps_lists_whole() -> None:

@@ -21,7 +21,7 @@ import pytest
 
 from hullrecon.artifacts.storage import disk
 from hullrecon.artifacts.storage.checking import check_workspace
-from hullrecon.artifacts.storage.disk import present
+from hullrecon.artifacts.storage.disk import existing_folder
 from hullrecon.artifacts.storage.manifest import read_manifest
 from hullrecon.artifacts.storage.workspace import Workspace
 
@@ -118,7 +118,7 @@ def test_a_crash_at_any_call_leaves_the_old_or_the_new_artifact(
     while not ended:
         workspace = Workspace(Path(shutil.copytree(before.root, tmp_path / f"crash-{calls}")))
         ended = _run_with_crash(calls, can_swap, lambda w=workspace: toy.run(package, w, **squared), monkeypatch)
-        assert json.loads((present(workspace.root / "deliver") / "total.json").read_text())["total"] in totals
+        assert json.loads((existing_folder(workspace.root / "deliver") / "total.json").read_text())["total"] in totals
         for name, content in contents(workspace).items():
             assert content in (old[name], new[name])
         toy.run(package, workspace, **squared)

@@ -151,7 +151,7 @@ def test_swapping_with_nothing_is_an_error(tmp_path: Path) -> None:
 def test_a_commit_without_swap_that_was_cut_short_keeps_the_old_folder_in_sight(tmp_path: Path) -> None:
     final = tmp_path / "final"
     _folder(disk.set_aside(final), "old")
-    assert (disk.present(final) / "a").read_text() == "old"
+    assert (disk.existing_folder(final) / "a").read_text() == "old"
     disk.recover(final)
     assert (final / "a").read_text() == "old"
     assert not disk.set_aside(final).exists()
@@ -160,6 +160,6 @@ def test_a_commit_without_swap_that_was_cut_short_keeps_the_old_folder_in_sight(
 def test_a_commit_without_swap_that_came_through_forgets_the_old_folder(tmp_path: Path) -> None:
     final = _folder(tmp_path / "final", "new")
     _folder(disk.set_aside(final), "old")
-    assert disk.present(final) == final
+    assert disk.existing_folder(final) == final
     disk.recover(final)
     assert os.listdir(tmp_path) == ["final"]

@@ -13,14 +13,14 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.artifacts.storage.lock import locked
+from hullrecon.artifacts.storage.lock import hold_lock
 from hullrecon.errors import LockedError, StorageError
 
 HOLD = """
 import sys, time
 from pathlib import Path
-from hullrecon.artifacts.storage.lock import locked
-with locked(Path(sys.argv[1])):
+from hullrecon.artifacts.storage.lock import hold_lock
+with hold_lock(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(60)
 """
@@ -28,7 +28,7 @@ with locked(Path(sys.argv[1])):
 
 def test_a_second_writer_is_refused_with_the_holders_number(tmp_path: Path) -> None:
     path = tmp_path / "dive" / ".hullrecon" / "lock"
-    with locked(path), pytest.raises(LockedError, match=f"process {os.getpid()}") as caught, locked(path):
+    with hold_lock(path), pytest.raises(LockedError, match=f"process {os.getpid()}") as caught, hold_lock(path):
         pytest.fail("two writers at once")
     assert caught.value.exit_code == 5
     assert caught.value.where == str(tmp_path / "dive")
@@ -36,9 +36,9 @@ def test_a_second_writer_is_refused_with_the_holders_number(tmp_path: Path) -> N
 
 def test_the_lock_is_free_after_use_and_after_an_error(tmp_path: Path) -> None:
     for _ in range(2):
-        with pytest.raises(RuntimeError), locked(tmp_path / "lock"):
+        with pytest.raises(RuntimeError), hold_lock(tmp_path / "lock"):
             raise RuntimeError
-    with locked(tmp_path / "lock"):
+    with hold_lock(tmp_path / "lock"):
         assert (tmp_path / "lock").read_text() == f"{os.getpid()}\n"
 
 
@@ -47,7 +47,7 @@ def test_a_writer_that_waits_gets_its_turn(tmp_path: Path) -> None:
     held = threading.Event()
 
     def hold() -> None:
-        with locked(tmp_path / "lock"):
+        with hold_lock(tmp_path / "lock"):
             held.set()
             release.wait(30)
 
@@ -55,7 +55,7 @@ def test_a_writer_that_waits_gets_its_turn(tmp_path: Path) -> None:
     holder.start()
     held.wait(30)
     threading.Timer(0.3, release.set).start()
-    with locked(tmp_path / "lock", wait_s=30):
+    with hold_lock(tmp_path / "lock", wait_s=30):
         assert release.is_set()
     holder.join()
 
@@ -65,14 +65,14 @@ def test_a_killed_holder_leaves_no_lock(tmp_path: Path) -> None:
     with subprocess.Popen([sys.executable, "-c", HOLD, str(path)], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "held\n"
-        with pytest.raises(LockedError, match=f"process {process.pid}"), locked(path):
+        with pytest.raises(LockedError, match=f"process {process.pid}"), hold_lock(path):
             pytest.fail("two writers at once")
         process.send_signal(signal.SIGKILL)
         process.wait()
-        with locked(path):
+        with hold_lock(path):
             assert path.read_text() == f"{os.getpid()}\n"
 
 
 def test_a_place_without_permission_is_a_storage_error(read_only_folder: Path) -> None:
-    with pytest.raises(StorageError, match="cannot write"), locked(read_only_folder / "dive" / "lock"):
+    with pytest.raises(StorageError, match="cannot write"), hold_lock(read_only_folder / "dive" / "lock"):
         pytest.fail("locked where nothing can be written")

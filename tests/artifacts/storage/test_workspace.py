@@ -13,7 +13,7 @@ import pytest
 from hullrecon.artifacts.storage import workspace as module
 from hullrecon.artifacts.storage.documents import DamagedError
 from hullrecon.artifacts.storage.hashing import HashCache
-from hullrecon.artifacts.storage.workspace import Workspace, damage, unequal_files
+from hullrecon.artifacts.storage.workspace import Workspace, damaged_files, unequal_files
 
 
 @pytest.fixture
@@ -48,17 +48,17 @@ def test_a_manifest_of_another_kind_is_damaged(ran: Workspace) -> None:
 def test_damage_names_each_file(ran: Workspace) -> None:
     folder, manifest = ran.artifact("left"), ran.manifest("left")
     assert manifest is not None
-    assert damage(folder, manifest, HashCache()) == []
+    assert damaged_files(folder, manifest, HashCache()) == []
     (folder / "raw.bin").write_bytes(bytes(256))
     (folder / "side.npz").write_bytes(b"short")
     (folder / "stray.txt").touch()
-    assert damage(folder, manifest, HashCache()) == [
+    assert damaged_files(folder, manifest, HashCache()) == [
         "raw.bin is altered",
         f"side.npz has 5 bytes, not {manifest.outputs['side.npz'].size}",
         "stray.txt does not belong there",
     ]
     (folder / "raw.bin").unlink()
-    assert damage(folder, manifest, HashCache())[0] == "raw.bin is missing"
+    assert damaged_files(folder, manifest, HashCache())[0] == "raw.bin is missing"
 
 
 def test_quarantine_never_overwrites(ran: Workspace, package: Path, toy: ModuleType) -> None:

@@ -12,12 +12,12 @@ import msgspec
 from hullrecon.artifacts.execution.chain_runner import run_chain
 from hullrecon.artifacts.execution.executor import Executor
 from hullrecon.artifacts.execution.progress import choose_progress
-from hullrecon.artifacts.execution.runner import Means, build, make_job
+from hullrecon.artifacts.execution.runner import RunContext, build, make_job
 from hullrecon.artifacts.graph.plan import Chain, assess, inputs_of
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import InputError
 
-from .dives import Opened
+from .dives import DiveRun
 from .state import state_of
 
 if TYPE_CHECKING:
@@ -34,31 +34,33 @@ def variants() -> list[tuple[str, str, bool]]:
     return [(method, weighting, printed) for weighting, printed in WEIGHTINGS.items() for method in METHODS]
 
 
-def solve_all(dive: Opened, executor: Executor) -> None:
+def solve_all(dive: DiveRun, executor: Executor) -> None:
     """Brings the steps before adjust up to date, then every variant of adjust that is not fresh."""
     hashes = dive.workspace.hashes()
-    means = Means(hashes, executor, choose_progress(quiet=state_of().quiet))
+    run_context = RunContext(hashes, executor, choose_progress(quiet=state_of().quiet))
     whole = dive.chain.up_to("adjust")
     before = replace(whole, stages=tuple(s for s in whole.stages if s.name != "adjust"))
-    run_chain(before, dive.workspace, means)
+    run_chain(before, dive.workspace, run_context)
     with dive.workspace.lock():
         for method, weighting, printed in variants():
-            _solve(_with(whole, method, printed), dive.workspace, place_of(dive, method, weighting, printed), means)
+            _solve(_with(whole, method, printed), dive.workspace, place_of(dive, method, weighting, printed), run_context)
         hashes.save()
 
 
-def find_objects(dive: Opened, executor: Executor) -> None:
+def find_objects(dive: DiveRun, executor: Executor) -> None:
     """Brings the chain's own steps up to `detect` up to date, where the dive can have it: the heights that are delivered."""
     if any(s.name == "detect" for s in dive.chain.stages):
-        means = Means(dive.workspace.hashes(), executor, choose_progress(quiet=state_of().quiet))
-        run_chain(dive.chain.up_to("detect"), dive.workspace, means)
+        run_context = RunContext(dive.workspace.hashes(), executor, choose_progress(quiet=state_of().quiet))
+        run_chain(dive.chain.up_to("detect"), dive.workspace, run_context)
 
 
-def _solve(chain: Chain, upstream: Workspace, place: Workspace, means: Means) -> None:
+def _solve(chain: Chain, upstream: Workspace, place: Workspace, run_context: RunContext) -> None:
     stage = next(s for s in chain.stages if s.name == "adjust")
-    job = make_job(stage, chain.sections, inputs_of(stage, chain, upstream, chain.skipped()), chain.package, means.hashes)
-    if assess(job, place, means.hashes).to_do:
-        build(job, place.root / stage.name, place.building(stage.name), means)
+    job = make_job(
+        stage, chain.sections, inputs_of(stage, chain, upstream, chain.skip_reasons()), chain.package, run_context.hashes
+    )
+    if assess(job, place, run_context.hashes).to_do:
+        build(job, place.root / stage.name, place.building(stage.name), run_context)
 
 
 def _with(chain: Chain, method: str, as_published: bool) -> Chain:
@@ -69,14 +71,14 @@ def _with(chain: Chain, method: str, as_published: bool) -> Chain:
     return replace(chain, sections={**chain.sections, "adjust": own})
 
 
-def place_of(dive: Opened, method: str, weighting: str, as_published: bool) -> Workspace:
+def place_of(dive: DiveRun, method: str, weighting: str, as_published: bool) -> Workspace:
     """The run's own folder for the variant that the chain itself solves, else one below `compare`."""
     if _with(dive.chain, method, as_published).sections["adjust"] == dive.chain.sections["adjust"]:
         return dive.workspace
     return Workspace(dive.workspace.root / COMPARED / f"{method}-{weighting.replace(' ', '-')}")
 
 
-def solved_of(dive: Opened) -> list[Solved]:
+def read_solutions(dive: DiveRun) -> list[Solved]:
     """What solve_all left. InputError when a variant is missing."""
     from hullrecon.evaluation.comparison import read_solved
 
@@ -90,7 +92,7 @@ def solved_of(dive: Opened) -> list[Solved]:
     return found
 
 
-def reckoned_of(dive: Opened) -> Reckoned:
+def read_dead_reckoning(dive: DiveRun) -> Reckoned:
     from hullrecon.evaluation.comparison import read_reckoned
     from hullrecon.geometry.poses import from_mount
 

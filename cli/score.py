@@ -13,8 +13,8 @@ import click
 from hullrecon.artifacts.execution.executor import choose_executor
 from hullrecon.artifacts.storage.writer import ArtifactWriter
 
-from .compared import COMPARED, find_objects, reckoned_of, solve_all, solved_of
 from .dives import FOLDER, open_dive, runs_option, set_option
+from .method_variants import COMPARED, find_objects, read_dead_reckoning, read_solutions, solve_all
 from .state import state_of
 
 _JOBS = click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="worker processes inside a step")
@@ -53,7 +53,7 @@ def compare(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int) ->
     truth = read_truth(dive.chain.package)
     with choose_executor(jobs) as executor:
         solve_all(dive, executor)
-    figures = side_by_side(solved_of(dive), reckoned_of(dive), truth)
+    figures = side_by_side(read_solutions(dive), read_dead_reckoning(dive), truth)
     heads, rows = table_rows(figures)
     state_of().emit(plain(figures), _table(heads, rows))
 
@@ -78,7 +78,7 @@ def figures(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int) ->
     with choose_executor(jobs) as executor:
         solve_all(dive, executor)
         find_objects(dive, executor)
-    drawn = draw(solved_of(dive), reckoned_of(dive), truth, dive.workspace.artifact("detect"))
+    drawn = draw(read_solutions(dive), read_dead_reckoning(dive), truth, dive.workspace.artifact("detect"))
     folder = dive.workspace.root / COMPARED / "figures"
     out = ArtifactWriter(folder)
     for figure in drawn:
