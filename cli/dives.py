@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import click
 
-from hullrecon.artifacts.graph.plan import Chain
+from hullrecon.artifacts.graph.chain import Chain
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import InputError
 

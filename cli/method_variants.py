@@ -12,8 +12,10 @@ import msgspec
 from hullrecon.artifacts.execution.chain_runner import run_chain
 from hullrecon.artifacts.execution.executor import Executor
 from hullrecon.artifacts.execution.progress import choose_progress
-from hullrecon.artifacts.execution.runner import RunContext, build, make_job
-from hullrecon.artifacts.graph.plan import Chain, assess, inputs_of
+from hullrecon.artifacts.execution.runner import RunContext, build
+from hullrecon.artifacts.graph.chain import Chain, inputs_of
+from hullrecon.artifacts.graph.job import make_job
+from hullrecon.artifacts.graph.plan import assess
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import InputError
 

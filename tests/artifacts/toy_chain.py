@@ -15,7 +15,7 @@ from msgspec import Struct
 from hullrecon.artifacts.execution.chain_runner import Outcome, run_chain
 from hullrecon.artifacts.execution.executor import Serial
 from hullrecon.artifacts.execution.runner import RunContext
-from hullrecon.artifacts.graph.plan import Chain
+from hullrecon.artifacts.graph.chain import Chain
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import StageError

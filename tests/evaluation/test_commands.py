@@ -17,7 +17,7 @@ from hullrecon_cli.dives import DiveRun
 from hullrecon_cli.method_variants import read_solutions
 from msgspec import Struct
 
-from hullrecon.artifacts.graph.plan import Chain
+from hullrecon.artifacts.graph.chain import Chain
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.dive.config import Dvl, Tray

@@ -7,7 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.execution.runner import make_job, run_stage
+from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.artifacts.graph.job import make_job
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.dive.images import ImageStore

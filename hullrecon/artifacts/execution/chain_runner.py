@@ -8,8 +8,10 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from hullrecon.artifacts.execution.runner import Job, RunContext, build, make_job
-from hullrecon.artifacts.graph.plan import Chain, StepStatus, assess, inputs_of, survey
+from hullrecon.artifacts.execution.runner import RunContext, build
+from hullrecon.artifacts.graph.chain import Chain, inputs_of
+from hullrecon.artifacts.graph.job import Job, make_job
+from hullrecon.artifacts.graph.plan import StepStatus, assess, survey
 from hullrecon.artifacts.storage.manifest import Manifest
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import HullreconError

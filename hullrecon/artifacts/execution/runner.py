@@ -16,25 +16,13 @@ from hullrecon.artifacts.execution.context import StageContext
 from hullrecon.artifacts.execution.executor import Executor, choose_executor
 from hullrecon.artifacts.execution.machine import host, peak_rss, reset_peak_rss, versions
 from hullrecon.artifacts.execution.progress import Progress, Silent, choose_progress
-from hullrecon.artifacts.graph.recipe import make_recipe
-from hullrecon.artifacts.graph.settings import StageSettings, settings_for
+from hullrecon.artifacts.graph.job import Job, make_job
 from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.artifacts.storage.disk import commit_folder, make_folder, remove, storage_errors
 from hullrecon.artifacts.storage.hashing import HashCache, files_below, hash_file
-from hullrecon.artifacts.storage.manifest import Manifest, Recipe, write_manifest
+from hullrecon.artifacts.storage.manifest import Manifest, write_manifest
 from hullrecon.artifacts.storage.writer import ArtifactWriter
 from hullrecon.errors import InputError, StageError
-
-
-@dataclass(frozen=True)
-class Job:
-    """One stage with all that it works on. source: the package's folder. recipe: what decides the result."""
-
-    stage: Stage
-    settings: StageSettings
-    inputs: Mapping[str, Path]
-    source: Path | None
-    recipe: Recipe
 
 
 @dataclass(frozen=True)
@@ -59,14 +47,6 @@ def run_stage(
     with choose_executor(jobs) as executor:
         build(job, out, out.with_name(f".building-{out.name}"), RunContext(hashes, executor, choose_progress()))
     return out
-
-
-def make_job(
-    stage: Stage, sections: Mapping[str, Any], inputs: Mapping[str, Path], source: Path | None, hashes: HashCache
-) -> Job:
-    """InputError when a file of the package is missing; UsageError for an option that is not finite."""
-    settings = settings_for(stage, sections)
-    return Job(stage, settings, inputs, source, make_recipe(stage, settings, inputs, source, hashes))
 
 
 def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manifest:
