@@ -52,5 +52,5 @@ def _check_run(folder: Path, read_data: bool) -> None:
         context.exit(InputError.exit_code)
     state_of().emit(document, [*(f"damaged: {sentence}" for sentence in found.damaged), summary])
     if found.damaged:
-        remedy = "`hullrecon run --read-data` sets damaged artifacts apart and makes them anew"
+        remedy = "`hullrecon run --read-data` sets damaged artifacts apart and reruns their steps"
         raise InputError(f"damaged: {'; '.join(found.damaged[:3])}", where=str(folder), remedy=remedy)

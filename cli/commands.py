@@ -19,10 +19,10 @@ class Entry:
 ON_A_DIVE = {
     "init": Entry("dive", "init", "write a dive.toml by looking into a log"),
     "check": Entry("check", "check", "say what a dive package or a run's folder holds and what is wrong with it"),
-    "run": Entry("run", "run", "run the whole chain, or what is stale of it"),
-    "status": Entry("run", "status", "say which steps are fresh"),
+    "run": Entry("run", "run", "run the chain: every step that is not up to date"),
+    "status": Entry("run", "status", "say which steps are up to date"),
     "explain": Entry("run", "explain", "say why a step would run again"),
-    "clean": Entry("run", "clean", "remove artifacts"),
+    "clean": Entry("clean", "clean", "remove artifacts, after asking"),
 }
 STEPS = {
     "ingest": Entry("steps", "ingest", "read the logs, the calibration and the drawing"),

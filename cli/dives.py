@@ -15,6 +15,7 @@ from hullrecon.artifacts.graph.chain import Chain
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import InputError
 
+from .set_errors import name_overrides
 from .state import state_of
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -54,7 +55,9 @@ def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> DiveRu
     workspace = Workspace(target) if Workspace(target).exists() else None
     package = target if workspace is None else package_of(workspace)
     all_stages = stages()
-    config = load_config(package, {stage.name: stage.parameters for stage in all_stages}, overrides)
+    step_sections = {stage.name: stage.parameters for stage in all_stages}
+    with name_overrides(step_sections, overrides):
+        config = load_config(package, step_sections, overrides)
     name = config.sections["dive"].name
     workspace = workspace or Workspace(runs / name)
     state_of().workspace = workspace.root

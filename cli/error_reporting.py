@@ -14,7 +14,7 @@ import click
 
 from hullrecon.errors import HullreconError, StorageError
 
-from .state import State
+from .state import State, log_to_file
 
 UNEXPECTED, USAGE, INTERRUPTED = 1, 2, 130
 
@@ -33,13 +33,14 @@ def exit_code_of(error: BaseException, state: State) -> int:
         error, SystemExit
     ):  # click: completion has been printed, or the reader of our output has left, as `head` does
         return error.code if isinstance(error.code, int) else UNEXPECTED
-    line = f"an unexpected fault of ours, sorry: {type(error).__name__}; please send us {_write_traceback(error, state)}"
-    return _say(state, line, "Fault", UNEXPECTED)
+    line = f"internal error; traceback in {_write_traceback(error, state)}"
+    return _say(state, line, "InternalError", UNEXPECTED)
 
 
 def _say(state: State, line: str, kind: str, code: int, **more: str) -> int:
     one_line = " ".join(line.split())
     click.echo(f"error: {one_line}", err=True)
+    log_to_file(f"error: {one_line}")
     if state.json:
         state.emit({"error": {"kind": kind, "message": one_line, "exit_code": code, **more}}, ())
     return code

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The solves that `compare` and `figures` set side by side: made when they are stale, read back when they are there."""
+"""The solves that `compare` and `figures` set side by side: solved when they are out of date, read back when they are there."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def variants() -> list[tuple[str, str, bool]]:
 
 
 def solve_all(dive: DiveRun, executor: Executor) -> None:
-    """Brings the steps before adjust up to date, then every variant of adjust that is not fresh."""
+    """Brings the steps before adjust up to date, then every variant of adjust that is not up to date."""
     hashes = dive.workspace.hashes()
     run_context = RunContext(hashes, executor, choose_progress(quiet=state_of().quiet))
     whole = dive.chain.up_to("adjust")

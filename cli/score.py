@@ -41,7 +41,7 @@ def evaluate(run: Path, package: Path) -> None:
 def compare(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int) -> None:
     """naive, geva and maxmix, each as printed and as weighted by us, on one simulated dive, in one table.
 
-    The steps before `adjust` run once, or not at all when they are fresh; `adjust` runs six times. As printed is one solve from
+    The steps before `adjust` run once if they are out of date; `adjust` runs six times. As printed is one solve from
     the registration on, without a deviation field, outliers left to the Huber loss.
     """
     from hullrecon.evaluation.comparison import compare as side_by_side

@@ -75,6 +75,13 @@ def configure_logging(state: State) -> None:
         logger.addHandler(_file_handler(state.log_file))
 
 
+def log_to_file(line: str) -> None:
+    """Write what was printed already to the log file too, where there is one."""
+    for handler in logging.getLogger("hullrecon").handlers:
+        if isinstance(handler, logging.FileHandler):
+            handler.handle(logging.LogRecord("hullrecon.cli", logging.ERROR, __file__, 0, line, None, None))
+
+
 def _file_handler(path: Path) -> logging.Handler:
     from hullrecon.artifacts.storage.disk import storage_errors
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a chain of stages in a workspace: what is fresh stays, what is not is made anew, in order."""
+"""Run a chain of stages in a workspace: what is up to date stays, the rest reruns in order."""
 
 from __future__ import annotations
 
@@ -67,10 +67,10 @@ def _run_all(chain: Chain, workspace: Workspace, run_context: RunContext, from_s
 def _bring_up_to_date(job: Job, workspace: Workspace, run_context: RunContext, from_scratch: bool) -> Outcome:
     name = job.stage.name
     status = assess(job, workspace, run_context.hashes)
-    if status.state == "fresh" and not from_scratch:
-        log.info("%s: fresh", name)
+    if status.state == "up to date" and not from_scratch:
+        log.debug("%s: up to date", name)
         return Outcome(status, False, status.manifest)
-    log.info("%s: started: %s", name, "; ".join(status.reasons) or "from scratch")
+    log.info("%s: started: %s", name, status.why_run())
     if status.state == "damaged":
         log.warning("%s: damaged (%s), set apart in %s", name, "; ".join(status.reasons), workspace.quarantine(name))
     try:
@@ -79,5 +79,5 @@ def _bring_up_to_date(job: Job, workspace: Workspace, run_context: RunContext, f
         error.add_note(name)
         raise
     run_context.hashes.save()
-    log.info("%s: done in %.1f s, %.0f MB", name, manifest.run["seconds"], manifest.run["peak_rss_bytes"] / 1e6)
+    log.debug("%s: done in %.1f s, %.0f MB", name, manifest.run["seconds"], manifest.run["peak_rss_bytes"] / 1e6)
     return Outcome(status, True, manifest)

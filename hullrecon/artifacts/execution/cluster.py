@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Callable, Iterator, Sequence
 from types import TracebackType
 from typing import Any, Self, TypeVar
+from urllib.parse import urlsplit
 
 from hullrecon.errors import StageError, UsageError
 
@@ -45,7 +47,30 @@ def _connect(address: str) -> Any:
         from distributed import Client
     except ImportError as error:
         raise UsageError("--scheduler needs Dask", remedy="install hullrecon[cluster]") from error
+    _refuse_unreachable(address)
     try:
         return Client(address, timeout=_CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:
-        raise UsageError("no Dask scheduler answers", where=address, remedy="start one with pipelines/dask-launch") from error
+        raise _no_scheduler(address) from error
+
+
+def _refuse_unreachable(address: str) -> None:
+    """Raise UsageError unless something listens at `tcp://HOST:PORT` or `tls://HOST:PORT`.
+
+    A Client that finds nobody keeps trying in a thread of its own, which ends long after the error, with a traceback.
+    """
+    try:
+        parts = urlsplit(address)
+        host, port = parts.hostname, parts.port
+        if parts.scheme not in ("tcp", "tls") or host is None or port is None:
+            raise ValueError(address)
+    except ValueError:
+        raise UsageError("not an address of a Dask scheduler", where=address, remedy="give tcp://HOST:PORT") from None
+    try:
+        socket.create_connection((host, port), timeout=_CONNECT_S).close()
+    except OSError:
+        raise _no_scheduler(address) from None
+
+
+def _no_scheduler(address: str) -> UsageError:
+    return UsageError("no Dask scheduler answers", where=address, remedy="start one with pipelines/dask-launch")

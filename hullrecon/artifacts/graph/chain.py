@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ class Chain:
         """The part that `name` needs. UsageError when there is no such step."""
         by_name = {stage.name: stage for stage in self.stages}
         if name not in by_name:
-            raise UsageError(f"no step is called {name}", remedy=f"the steps are {', '.join(by_name)}")
+            raise unknown_step(name, tuple(by_name))
         needed, open_names = set[str](), [name]
         while open_names:
             needed.add(current := open_names.pop())
@@ -46,6 +47,15 @@ class Chain:
             elif lost is not None:
                 reasons[stage.name] = f"it needs {lost}, which is skipped: {reasons[lost]}"
         return reasons
+
+
+def unknown_step(name: str, names: Sequence[str]) -> UsageError:
+    """Return the error for a step that does not exist, with the nearest name or all of them."""
+    near = get_close_matches(name, names, 1)
+    remedy = f"the steps are {', '.join(names)}"
+    return UsageError(
+        f"unknown step {name!r}" + (f"; did you mean {near[0]!r}?" if near else ""), remedy="" if near else remedy
+    )
 
 
 def inputs_of(stage: Stage, chain: Chain, workspace: Workspace, skipped: Mapping[str, str]) -> dict[str, Path]:

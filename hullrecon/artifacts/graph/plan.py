@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a run would do: for each step whether it is fresh, and if not, why not."""
+"""Say what a run would do: for each step whether it is up to date, and if not, why not."""
 
 from __future__ import annotations
 
@@ -18,21 +18,25 @@ from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.manifest import Manifest
 from hullrecon.artifacts.storage.workspace import Workspace, damaged_files
 
-State = Literal["fresh", "missing", "stale", "damaged", "skipped"]
+State = Literal["up to date", "not run yet", "out of date", "damaged", "skipped"]
 
 
 @dataclass(frozen=True)
 class StepStatus:
-    """Where one step stands. reasons: sentences, empty when fresh. manifest: of the artifact that is there, when readable."""
+    """Where one step stands. reasons: sentences, empty when up to date. manifest: that of the present artifact, if readable."""
 
     stage: Stage
     state: State
     reasons: tuple[str, ...] = ()
     manifest: Manifest | None = None
 
+    def why_run(self) -> str:
+        """Say in one line why the step runs."""
+        return "; ".join(self.reasons) or ("from scratch" if self.state == "up to date" else self.state)
+
     @property
     def to_do(self) -> bool:
-        return self.state not in ("fresh", "skipped")
+        return self.state not in ("up to date", "skipped")
 
 
 def survey(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[StepStatus]:
@@ -54,10 +58,10 @@ def _status_of(
 ) -> StepStatus:
     ready = {name: folder for name, folder in inputs.items() if name not in waiting}
     status = assess(make_job(stage, chain.sections, ready, chain.package, hashes), workspace, hashes)
-    if not waiting or status.state in ("missing", "damaged"):
+    if not waiting or status.state in ("not run yet", "damaged"):
         return status
     own = [r for r in status.reasons if r not in {f"input {name} is gone" for name in waiting}]
-    return replace(status, state="stale", reasons=(*own, *(f"input {name} is to be made anew" for name in waiting)))
+    return replace(status, state="out of date", reasons=(*own, *(f"input {name} will rerun" for name in waiting)))
 
 
 def assess(job: Job, workspace: Workspace, hashes: HashCache) -> StepStatus:
@@ -68,9 +72,9 @@ def assess(job: Job, workspace: Workspace, hashes: HashCache) -> StepStatus:
     except DamagedError as error:
         return StepStatus(stage, "damaged", (str(error),))
     if manifest is None:
-        return StepStatus(stage, "missing", ("it was never made",))
+        return StepStatus(stage, "not run yet", ())
     harmed = damaged_files(workspace.artifact(stage.name), manifest, hashes)
     if harmed:
         return StepStatus(stage, "damaged", tuple(harmed), manifest)
     changed = differences(manifest.recipe, job.recipe)
-    return StepStatus(stage, "stale" if changed else "fresh", tuple(changed), manifest)
+    return StepStatus(stage, "out of date" if changed else "up to date", tuple(changed), manifest)

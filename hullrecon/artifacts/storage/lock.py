@@ -41,8 +41,6 @@ def _acquire(descriptor: int, path: Path, until: float) -> None:
         except BlockingIOError:
             if time.monotonic() >= until:
                 holder = os.pread(descriptor, 32, 0).decode(errors="replace").strip() or "unknown"
-                remedy = "wait for it to end, or give --wait SECONDS"
-                raise LockedError(
-                    f"another run holds this dive, process {holder}", where=str(path.parent.parent), remedy=remedy
-                ) from None
+                remedy = "wait for it to end, or wait in the command with --wait SECONDS"
+                raise LockedError(f"dive is locked by process {holder}", where=str(path.parent.parent), remedy=remedy) from None
             time.sleep(_POLL_S)

@@ -124,7 +124,7 @@ def test_preflight_sees_the_plan_and_may_end_the_run(toy: ModuleType, package: P
 
     with pytest.raises(StorageError):
         run_chain(toy.chain(package), workspace, RunContext(workspace.hashes(), Serial()), preflight=refuse)
-    assert seen == ["missing"] * 4
+    assert seen == ["not run yet"] * 4
     assert not (workspace.root / "read").exists()
 
 

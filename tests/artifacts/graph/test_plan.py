@@ -35,38 +35,38 @@ def ran(toy: ModuleType, package: Path, workspace: Workspace) -> Workspace:
 
 
 def test_before_the_first_run_everything_is_missing(look: Look, workspace: Workspace) -> None:
-    assert look() == dict.fromkeys(("read", "left", "right", "join"), ("missing", ["it was never made"]))
+    assert look() == dict.fromkeys(("read", "left", "right", "join"), ("not run yet", []))
     assert not workspace.root.exists()
 
 
 def test_after_a_run_everything_is_fresh(look: Look, ran: Workspace) -> None:
-    assert look() == dict.fromkeys(("read", "left", "right", "join"), ("fresh", []))
+    assert look() == dict.fromkeys(("read", "left", "right", "join"), ("up to date", []))
 
 
 def test_a_changed_option_makes_its_step_stale_and_those_after_it_wait(look: Look, toy: ModuleType, ran: Workspace) -> None:
     assert look(left=toy.Options(power=2)) == {
-        "read": ("fresh", []),
-        "left": ("stale", ["option left.power changed from 1 to 2"]),
-        "right": ("fresh", []),
-        "join": ("stale", ["input left is to be made anew"]),
+        "read": ("up to date", []),
+        "left": ("out of date", ["option left.power changed from 1 to 2"]),
+        "right": ("up to date", []),
+        "join": ("out of date", ["input left will rerun"]),
     }
 
 
 def test_a_changed_section_makes_all_that_read_it_stale(look: Look, toy: ModuleType, ran: Workspace) -> None:
     seen = look(scale=toy.Scale(factor=2.0))
-    assert seen["read"] == ("stale", ["option scale.factor changed from 1.0 to 2.0"])
-    assert seen["right"] == ("stale", ["option scale.factor changed from 1.0 to 2.0", "input read is to be made anew"])
-    assert seen["left"] == ("stale", ["input read is to be made anew"])
+    assert seen["read"] == ("out of date", ["option scale.factor changed from 1.0 to 2.0"])
+    assert seen["right"] == ("out of date", ["option scale.factor changed from 1.0 to 2.0", "input read will rerun"])
+    assert seen["left"] == ("out of date", ["input read will rerun"])
 
 
 def test_a_changed_file_of_the_package_is_named(look: Look, package: Path, ran: Workspace) -> None:
     (package / "numbers.txt").write_text("4\n")
-    assert look()["read"] == ("stale", ["external file numbers.txt changed"])
+    assert look()["read"] == ("out of date", ["external file numbers.txt changed"])
 
 
 def test_a_file_that_was_only_touched_is_fresh(look: Look, package: Path, ran: Workspace) -> None:
     (package / "numbers.txt").write_text("1\n2\n3\n")
-    assert look()["read"] == ("fresh", [])
+    assert look()["read"] == ("up to date", [])
 
 
 def test_an_altered_artifact_is_damaged_and_named(look: Look, ran: Workspace) -> None:
