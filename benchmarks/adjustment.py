@@ -20,7 +20,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from benchmarks.handover import call, run
+from benchmarks.subprocess_runner import call, run
 
 METHODS = ("naive", "geva", "maxmix")
 GROWTH, GROWTH_ITERATIONS = 16, 10
@@ -28,8 +28,8 @@ GROWTH, GROWTH_ITERATIONS = 16, 10
 
 def write_problem(size: str, share: int, out: Path) -> None:
     """Of a size, or of a share of its poses at the same density; in the child process that `run` starts."""
-    from benchmarks.handover import save
     from benchmarks.problems import SIZES, simulate
+    from benchmarks.subprocess_runner import save
 
     problem, truth = simulate(SIZES[size].part(share))
     save(out, problem, position=truth.nodes.translation, off_hull=truth.off_hull)

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.bundle import Bundle
-from benchmarks.handover import ROOT, run
+from benchmarks.subprocess_runner import ROOT, run
 
 THEIRS = ROOT / "benchmarks" / ".venv" / "bin" / "python"
 SOLVERS: dict[str, tuple[str, list[str], bool]] = {

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One method on one problem in this process, which does nothing else: python -m benchmarks.solve_one PROBLEM OPTIONS OUT
 
-PROBLEM: an .npz of benchmarks.handover; OPTIONS: native.Options as JSON; OUT: the row as JSON.
+PROBLEM: an .npz of benchmarks.subprocess_runner; OPTIONS: native.Options as JSON; OUT: the row as JSON.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.bundle import Array, peak_mb
-from benchmarks.handover import load, load_truth
+from benchmarks.subprocess_runner import load, load_truth
 from hullrecon import native
 
 

@@ -21,7 +21,7 @@ from .state import state_of
 @click.pass_context
 def check(context: click.Context, target: Path, read_data: bool) -> None:
     """Check TARGET, a dive package or the folder of a run, and name what is wrong."""
-    from hullrecon.artifacts.workspace import Workspace
+    from hullrecon.artifacts.storage.workspace import Workspace
 
     if Workspace(target).exists() and not (target / CONFIGURATION).exists():
         if context.args:
@@ -36,8 +36,8 @@ def check(context: click.Context, target: Path, read_data: bool) -> None:
 
 
 def _check_run(folder: Path, read_data: bool) -> None:
-    from hullrecon.artifacts.checking import check_workspace
-    from hullrecon.artifacts.workspace import Workspace
+    from hullrecon.artifacts.storage.checking import check_workspace
+    from hullrecon.artifacts.storage.workspace import Workspace
     from hullrecon.steps.chain import NAMES
 
     found = check_workspace(Workspace(folder), NAMES, read_data=read_data)
@@ -52,5 +52,5 @@ def _check_run(folder: Path, read_data: bool) -> None:
         context.exit(InputError.exit_code)
     state_of().emit(document, [*(f"damaged: {sentence}" for sentence in found.damaged), summary])
     if found.damaged:
-        remedy = "`hullrecon run --read-data` sets damaged artifacts apart and makes them anew"
+        remedy = "`hullrecon run --read-data` sets damaged artifacts apart and reruns their steps"
         raise InputError(f"damaged: {'; '.join(found.damaged[:3])}", where=str(folder), remedy=remedy)

@@ -19,10 +19,10 @@ class Entry:
 ON_A_DIVE = {
     "init": Entry("dive", "init", "write a dive.toml by looking into a log"),
     "check": Entry("check", "check", "say what a dive package or a run's folder holds and what is wrong with it"),
-    "run": Entry("run", "run", "run the whole chain, or what is stale of it"),
-    "status": Entry("run", "status", "say which steps are fresh"),
+    "run": Entry("run", "run", "run the chain: every step that is not up to date"),
+    "status": Entry("run", "status", "say which steps are up to date"),
     "explain": Entry("run", "explain", "say why a step would run again"),
-    "clean": Entry("run", "clean", "remove artifacts"),
+    "clean": Entry("clean", "clean", "remove artifacts, after asking"),
 }
 STEPS = {
     "ingest": Entry("steps", "ingest", "read the logs, the calibration and the drawing"),
@@ -38,9 +38,9 @@ STEPS = {
 }
 AROUND = {
     "simulate": Entry("dive", "simulate", "make a dive package with truth"),
-    "evaluate": Entry("judge", "evaluate", "figures of a run against the truth of a simulated dive"),
-    "compare": Entry("judge", "compare", "naive, geva and maxmix on a simulated dive, in one table"),
-    "figures": Entry("judge", "figures", "the sources' figures on a simulated dive, as pictures and tables"),
+    "evaluate": Entry("score", "evaluate", "figures of a run against the truth of a simulated dive"),
+    "compare": Entry("score", "compare", "naive, geva and maxmix on a simulated dive, in one table"),
+    "figures": Entry("score", "figures", "the sources' figures on a simulated dive, as pictures and tables"),
     "completion": Entry("completion", "completion", "the shell's completion script"),
 }
 SECTIONS = {"A dive": ON_A_DIVE, "Steps of the chain": STEPS, "Around it": AROUND}

@@ -21,7 +21,7 @@ from .state import state_of
 @click.option("--force", is_flag=True, help=f"replace a {CONFIGURATION} that is there")
 def init(log: Path, out: Path | None, force: bool) -> None:
     """Write a commented dive.toml by looking into LOG."""
-    from hullrecon.artifacts.disk import storage_errors, write_file
+    from hullrecon.artifacts.storage.disk import storage_errors, write_file
     from hullrecon.dive.initial import first_config
     from hullrecon.dive.readers.open import open_log
     from hullrecon.dive.survey import survey
@@ -48,7 +48,7 @@ def check(package: Path, overrides: tuple[str, ...]) -> None:
     if package.is_file() or (package.is_dir() and not (package / CONFIGURATION).exists() and _is_log(package)):
         _check_log(package)
         return
-    from hullrecon.artifacts.progress import choose_progress
+    from hullrecon.artifacts.execution.progress import choose_progress
     from hullrecon.dive.checking import check_package
     from hullrecon.dive.load import load_config
     from hullrecon.steps.chain import stages

@@ -11,10 +11,11 @@ from typing import Any, TypeVar
 
 import click
 
-from hullrecon.artifacts.plan import Chain
-from hullrecon.artifacts.workspace import Workspace
+from hullrecon.artifacts.graph.chain import Chain
+from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import InputError
 
+from .set_errors import name_overrides
 from .state import state_of
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -23,7 +24,7 @@ CONFIGURATION = "dive.toml"
 
 
 @dataclass(frozen=True)
-class Opened:
+class DiveRun:
     """A dive package, read, with the place of its artifacts."""
 
     name: str
@@ -43,7 +44,7 @@ def set_option(command: Command) -> Command:
     return click.option("--set", "overrides", multiple=True, metavar="SECTION.KEY=VALUE", help=text)(command)
 
 
-def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> Opened:
+def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> DiveRun:
     """target: a dive package, or the folder of a run, whose package is the one that it last read.
 
     Raises InputError when it is neither, UsageError for a wrong configuration.
@@ -54,11 +55,13 @@ def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> Opened
     workspace = Workspace(target) if Workspace(target).exists() else None
     package = target if workspace is None else package_of(workspace)
     all_stages = stages()
-    config = load_config(package, {stage.name: stage.parameters for stage in all_stages}, overrides)
+    step_sections = {stage.name: stage.parameters for stage in all_stages}
+    with name_overrides(step_sections, overrides):
+        config = load_config(package, step_sections, overrides)
     name = config.sections["dive"].name
     workspace = workspace or Workspace(runs / name)
     state_of().workspace = workspace.root
-    return Opened(name, Chain(all_stages, config.sections, package), workspace)
+    return DiveRun(name, Chain(all_stages, config.sections, package), workspace)
 
 
 def package_of(workspace: Workspace) -> Path:

@@ -16,7 +16,7 @@ import click
 from hullrecon import __version__
 
 from .commands import COMMANDS, SECTIONS
-from .faults import exit_code_of
+from .error_reporting import exit_code_of
 from .state import State, add_common_options, common_options, configure_logging
 
 PROGRAM = "hullrecon"
@@ -57,21 +57,24 @@ def _version(context: click.Context, parameter: click.Parameter, value: bool) ->
         context.exit()
 
 
-@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=LazyGroup, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
 @click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="print the version")
-def cli() -> None:
+@click.pass_context
+def cli(context: click.Context) -> None:
     """From the logs of an underwater hull inspection and the ship's drawing to the hull as found.
 
-    Exit codes: 0 done, 1 a fault of ours, 2 usage or configuration, 3 the input cannot be used, 4 a step reached no result,
+    Exit codes: 0 done, 1 an internal error, 2 usage or configuration, 3 the input cannot be used, 4 a step reached no result,
     5 the dive is locked by another run, 6 no space or no permission, 130 interrupted.
     """
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
 
 
 cli.params += common_options()
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs one command and returns the exit code."""
+    """Run one command and returns the exit code."""
     # One thread for BLAS: sums must not depend on the number of cores, and worker processes take the same.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     signal.signal(signal.SIGTERM, _interrupt)

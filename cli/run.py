@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""run, status, explain, clean."""
+"""run, status, explain."""
 
 from __future__ import annotations
 
@@ -12,15 +12,17 @@ from typing import Any
 
 import click
 
-from hullrecon.artifacts.chain import Outcome, run_chain
-from hullrecon.artifacts.executor import choose_executor
-from hullrecon.artifacts.plan import Standing, survey
-from hullrecon.artifacts.progress import choose_progress
-from hullrecon.artifacts.runner import Means
-from hullrecon.artifacts.workspace import PUBLISHED, Workspace
-from hullrecon.errors import StorageError, UsageError
+from hullrecon.artifacts.execution.chain_runner import Outcome, run_chain
+from hullrecon.artifacts.execution.executor import choose_executor
+from hullrecon.artifacts.execution.progress import choose_progress
+from hullrecon.artifacts.execution.runner import RunContext
+from hullrecon.artifacts.graph.chain import unknown_step
+from hullrecon.artifacts.graph.plan import StepStatus, survey
+from hullrecon.artifacts.storage.workspace import PUBLISHED
+from hullrecon.errors import StorageError
 
-from .dives import FOLDER, Command, Opened, find_workspace, open_dive, runs_option, set_option
+from .delivery import delivery_lines
+from .dives import FOLDER, Command, DiveRun, open_dive, runs_option, set_option
 from .state import state_of
 
 log = logging.getLogger("hullrecon.cli")
@@ -29,7 +31,7 @@ log = logging.getLogger("hullrecon.cli")
 def run_options(command: Command) -> Command:
     """What `run` and the single steps share."""
     for option in (
-        click.option("--from-scratch", is_flag=True, help="make every step anew, fresh or not"),
+        click.option("--from-scratch", is_flag=True, help="rerun every step, up to date or not"),
         click.option(
             "--read-data", is_flag=True, help="read every byte that a step depends on instead of trusting times and sizes"
         ),
@@ -50,23 +52,23 @@ def run_options(command: Command) -> Command:
 @run_options
 @click.option("--to", "last", metavar="STEP", help="stop after this step, running only what it needs")
 def run(package: Path, runs: Path, last: str | None, overrides: tuple[str, ...], **how: Any) -> None:
-    """Run the chain on a dive PACKAGE; what is fresh is left as it is."""
+    """Run the chain on a dive PACKAGE; steps that are up to date are left as they are."""
     execute(open_dive(package, runs, overrides), last, **how)
 
 
 def execute(
-    dive: Opened, last: str | None, *, from_scratch: bool, read_data: bool, jobs: int, scheduler: str | None, wait_s: float
+    dive: DiveRun, last: str | None, *, from_scratch: bool, read_data: bool, jobs: int, scheduler: str | None, wait_s: float
 ) -> None:
     """Runs the chain up to `last` and says on standard output what came of it."""
     state = state_of()
     chain = dive.chain if last is None else dive.chain.up_to(last)
     hashes = dive.workspace.hashes(trusting=not read_data)
     with choose_executor(jobs, scheduler) as executor:
-        means = Means(hashes, executor, choose_progress(quiet=state.quiet))
+        run_context = RunContext(hashes, executor, choose_progress(quiet=state.quiet))
         outcomes = run_chain(
             chain,
             dive.workspace,
-            means,
+            run_context,
             from_scratch=from_scratch,
             wait_s=wait_s,
             preflight=lambda plan: _preflight(dive, plan),
@@ -79,13 +81,13 @@ def execute(
         "deliver": delivered,
         "steps": [_outcome(o) for o in outcomes],
     }
-    state.emit(document, [*(_line(o) for o in outcomes), *([f"deliverables: {delivered}"] if delivered else [])])
+    state.emit(document, [*(_line(o) for o in outcomes), *_warning_lines(outcomes), *delivery_lines(shown)])
 
 
-def _preflight(dive: Opened, plan: list[Standing]) -> None:
+def _preflight(dive: DiveRun, plan: list[StepStatus]) -> None:
     """Says what is to be done; a step is built beside its old artifact, so about that much space must be free."""
-    to_do = [standing.stage.name for standing in plan if standing.to_do]
-    log.info("%s: %s", dive.name, f"to do: {', '.join(to_do)}" if to_do else "everything is fresh")
+    to_do = [step.stage.name for step in plan if step.to_do]
+    log.info("%s: %s", dive.name, f"to do: {', '.join(to_do)}" if to_do else "everything is up to date")
     needed = sum(r.size for s in plan if s.to_do and s.manifest is not None for r in s.manifest.outputs.values())
     free = shutil.disk_usage(dive.workspace.root).free
     if needed > free:
@@ -101,12 +103,21 @@ def _outcome(outcome: Outcome) -> dict[str, object]:
     return {"name": outcome.before.stage.name, "state": state, "reasons": outcome.before.reasons, "warnings": warnings, **spent}
 
 
+def _warning_lines(outcomes: Sequence[Outcome]) -> list[str]:
+    """Recall every warning in one place: those of the log have scrolled away."""
+    warnings = [(o.before.stage.name, w) for o in outcomes if o.manifest is not None for w in o.manifest.warnings]
+    return (
+        [f"{len(warnings)} warning{'s' if len(warnings) > 1 else ''}:", *(f"  {n}: {w}" for n, w in warnings)]
+        if warnings
+        else []
+    )
+
+
 def _line(outcome: Outcome) -> str:
-    standing = outcome.before
+    step = outcome.before
     if outcome.made and outcome.manifest is not None:
-        why = "; ".join(standing.reasons) or "from scratch"
-        return f"{standing.stage.name:16}made in {outcome.manifest.run['seconds']:.1f} s: {why}"
-    return _standing_line(standing)
+        return f"{step.stage.name:16}ran in {outcome.manifest.run['seconds']:.1f} s: {step.why_run()}"
+    return _status_line(step)
 
 
 @click.command()
@@ -114,10 +125,10 @@ def _line(outcome: Outcome) -> str:
 @set_option
 @runs_option
 def status(target: Path, runs: Path, overrides: tuple[str, ...]) -> None:
-    """Say of each step whether it is fresh. TARGET is a dive package or a run's folder."""
+    """Say of each step whether it is up to date. TARGET is a dive package or a run's folder."""
     dive = open_dive(target, runs, overrides)
     plan = survey(dive.chain, dive.workspace, dive.workspace.hashes())
-    state_of().emit(_document(dive, plan), map(_standing_line, plan))
+    state_of().emit(_document(dive, plan), map(_status_line, plan))
 
 
 @click.command()
@@ -128,37 +139,23 @@ def status(target: Path, runs: Path, overrides: tuple[str, ...]) -> None:
 def explain(target: Path, steps: tuple[str, ...], runs: Path, overrides: tuple[str, ...]) -> None:
     """Say why steps would run again: which option, input or file changed, and from what to what."""
     dive = open_dive(target, runs, overrides)
-    _known(steps, [stage.name for stage in dive.chain.stages])
+    refuse_unknown(steps, [stage.name for stage in dive.chain.stages])
     plan = [s for s in survey(dive.chain, dive.workspace, dive.workspace.hashes()) if not steps or s.stage.name in steps]
     lines = (f"{s.stage.name}: {reason}" for s in plan for reason in s.reasons or (f"{s.state}",))
     state_of().emit(_document(dive, plan), lines)
 
 
-def _document(dive: Opened, plan: Sequence[Standing]) -> dict[str, object]:
+def _document(dive: DiveRun, plan: Sequence[StepStatus]) -> dict[str, object]:
     steps = [{"name": s.stage.name, "state": s.state, "reasons": s.reasons} for s in plan]
     return {"dive": dive.name, "workspace": str(dive.workspace.root), "steps": steps}
 
 
-def _standing_line(standing: Standing) -> str:
-    return f"{standing.stage.name:16}{standing.state}" + (f": {'; '.join(standing.reasons)}" if standing.reasons else "")
+def _status_line(step: StepStatus) -> str:
+    return f"{step.stage.name:16}{step.state}" + (f": {'; '.join(step.reasons)}" if step.reasons else "")
 
 
-@click.command()
-@click.argument("target", type=FOLDER)
-@click.argument("steps", nargs=-1, metavar="[STEP]...")
-@runs_option
-def clean(target: Path, steps: tuple[str, ...], runs: Path) -> None:
-    """Remove the artifacts of steps, or of all of them. The package is never touched, nor is what lies in quarantine."""
-    from hullrecon.steps.chain import NAMES
-
-    _known(steps, NAMES)
-    workspace: Workspace = find_workspace(target, runs)
-    with workspace.lock():
-        removed = [name for name in steps or NAMES if workspace.remove(name)]
-    state_of().emit({"workspace": str(workspace.root), "removed": removed}, [f"removed {name}" for name in removed])
-
-
-def _known(steps: Sequence[str], names: Sequence[str]) -> None:
+def refuse_unknown(steps: Sequence[str], names: Sequence[str]) -> None:
+    """Raise UsageError for the first name that is no step."""
     for step in steps:
         if step not in names:
-            raise UsageError(f"no step is called {step}", remedy=f"the steps are {', '.join(names)}")
+            raise unknown_step(step, names)

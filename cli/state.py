@@ -27,7 +27,7 @@ class State:
     def emit(self, document: object, lines: Iterable[str]) -> None:
         """The result on standard output: the document with --json, else the lines, nothing when quiet."""
         if self.json:
-            from hullrecon.artifacts.documents import encode
+            from hullrecon.artifacts.storage.documents import encode
 
             click.echo(encode(document), nl=False)
         elif not self.quiet:
@@ -75,8 +75,15 @@ def configure_logging(state: State) -> None:
         logger.addHandler(_file_handler(state.log_file))
 
 
+def log_to_file(line: str) -> None:
+    """Write what was printed already to the log file too, where there is one."""
+    for handler in logging.getLogger("hullrecon").handlers:
+        if isinstance(handler, logging.FileHandler):
+            handler.handle(logging.LogRecord("hullrecon.cli", logging.ERROR, __file__, 0, line, None, None))
+
+
 def _file_handler(path: Path) -> logging.Handler:
-    from hullrecon.artifacts.disk import storage_errors
+    from hullrecon.artifacts.storage.disk import storage_errors
 
     with storage_errors(path.parent):
         handler = logging.FileHandler(path, encoding="utf-8")

@@ -14,7 +14,7 @@ import click
 import msgspec
 from msgspec import inspect as types
 
-from hullrecon.artifacts.stage import Stage
+from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.steps.chain import stage as find_stage
 
 from .dives import FOLDER, open_dive
@@ -49,7 +49,7 @@ def fields(stage: Stage) -> tuple[types.Field, ...]:
 
 def _help(stage: Stage) -> str:
     needs = ", ".join(stage.inputs) or "the package alone"
-    return f"{stage.summary[0].upper()}{stage.summary[1:]}.\n\nTakes {needs}; what of it is stale is run first."
+    return f"{stage.summary[0].upper()}{stage.summary[1:]}.\n\nTakes {needs}; what is out of date of it runs first."
 
 
 def _option(field: types.Field, comment: str) -> click.Option:

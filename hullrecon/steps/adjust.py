@@ -21,7 +21,7 @@ from hullrecon.adjustment.model import Drawing, Measurements, rig_from_config
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.outcome import outcome_of
 from hullrecon.adjustment.triangulation import camera_poses
-from hullrecon.artifacts.stage import Context, Stage, load_arrays
+from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.dive.records import Attitude, ImageIndex, Odometry, Returns, Tracks, Trajectory, from_arrays, to_arrays
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import Camera

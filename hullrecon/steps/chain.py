@@ -7,7 +7,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import cast
 
-from hullrecon.artifacts.stage import Stage
+from hullrecon.artifacts.graph.stage import Stage
 
 NAMES = (
     "ingest", "navigate", "features", "matches", "adjust", "surface", "detect", "mosaic-optical", "mosaic-sonar", "report",

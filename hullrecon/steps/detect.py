@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.artifacts.stage import Context, Stage, load_arrays
+from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.detection import coverage
 from hullrecon.detection.background import Background, FieldBackground, median_background
 from hullrecon.detection.found import Found, find_hull

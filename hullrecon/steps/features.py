@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.artifacts.stage import Context, Stage, load_arrays
+from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.dive.images import ImageStore
 from hullrecon.errors import StageError
 from hullrecon.vision.features import FeatureOptions, Features, extract

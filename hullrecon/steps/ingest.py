@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 import msgspec
 import numpy as np
 
-from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.dive.ingest import Ingested, Request, ingest, offset_ns
 from hullrecon.dive.readers.plain import PlainLog
 from hullrecon.dive.records import to_arrays

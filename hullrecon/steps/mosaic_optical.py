@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.dive.images import ImageStore
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import Camera

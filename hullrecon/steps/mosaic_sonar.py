@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.artifacts.stage import Context, Stage, load_arrays
+from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.dive.config import Sonar
 from hullrecon.dive.records import JointSamples, SonarPings, from_arrays
 from hullrecon.errors import StageError

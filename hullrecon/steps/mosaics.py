@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.artifacts.stage import Context, load_arrays
+from hullrecon.artifacts.graph.stage import Context, load_arrays
 from hullrecon.dive.records import Solution, Surface, Trajectory, from_arrays
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.chart import chart_from_arrays

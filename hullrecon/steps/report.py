@@ -13,7 +13,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from hullrecon.artifacts.stage import Context, Stage, load_arrays
+from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.dive.config import Dive
 from hullrecon.dive.images import ImageStore
 from hullrecon.dive.records import DvlPings, Record, Solution, Surface, Trajectory, from_arrays

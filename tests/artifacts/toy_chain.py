@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 from msgspec import Struct
 
-from hullrecon.artifacts.chain import Outcome, run_chain
-from hullrecon.artifacts.executor import Serial
-from hullrecon.artifacts.plan import Chain
-from hullrecon.artifacts.runner import Means
-from hullrecon.artifacts.stage import Context, Stage, load_arrays
-from hullrecon.artifacts.workspace import Workspace
+from hullrecon.artifacts.execution.chain_runner import Outcome, run_chain
+from hullrecon.artifacts.execution.executor import Serial
+from hullrecon.artifacts.execution.runner import RunContext
+from hullrecon.artifacts.graph.chain import Chain
+from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
+from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import StageError
 
 
@@ -76,8 +76,8 @@ def chain(package: Path, **sections: object) -> Chain:
 
 
 def run(package: Path, workspace: Workspace, *, from_scratch: bool = False, **sections: object) -> list[Outcome]:
-    means = Means(workspace.hashes(), Serial())
-    return run_chain(chain(package, **sections), workspace, means, from_scratch=from_scratch)
+    run_context = RunContext(workspace.hashes(), Serial())
+    return run_chain(chain(package, **sections), workspace, run_context, from_scratch=from_scratch)
 
 
 def made(outcomes: list[Outcome]) -> list[str]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from datasets import dataset
 
-from benchmarks import adjustment, handover, libmv
+from benchmarks import adjustment, libmv, subprocess_runner
 from benchmarks.bundle import rms_px
 from benchmarks.peer_hullrecon import problem_of
 from benchmarks.solve_one import rigid_rmse_m
@@ -19,11 +19,11 @@ from hullrecon.native import Options, solve
 
 def test_a_problem_comes_back_from_its_file(small, tmp_path):
     problem, truth = small
-    handover.save(tmp_path / "p.npz", problem, position=truth.nodes.translation)
-    again = handover.load(tmp_path / "p.npz")
+    subprocess_runner.save(tmp_path / "p.npz", problem, position=truth.nodes.translation)
+    again = subprocess_runner.load(tmp_path / "p.npz")
     for field in dataclasses.fields(problem):
         assert np.array_equal(getattr(again, field.name), getattr(problem, field.name)), field.name
-    assert list(handover.load_truth(tmp_path / "p.npz")) == ["position"]
+    assert list(subprocess_runner.load_truth(tmp_path / "p.npz")) == ["position"]
 
 
 def test_the_command_writes_a_row_for_each_method(tmp_path, capsys, monkeypatch):
@@ -56,7 +56,7 @@ def test_the_run_of_median_time_stands_for_a_method():
 
 def test_a_failing_process_says_why():
     with pytest.raises(RuntimeError, match="No module named"):
-        handover.call("benchmarks.nothing")
+        subprocess_runner.call("benchmarks.nothing")
 
 
 def test_a_rigid_motion_and_nothing_else_is_taken_off():

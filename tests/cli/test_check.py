@@ -36,7 +36,7 @@ def test_what_check_found_a_run_that_reads_data_makes_anew(program, package: Pat
     program("run", package, "--runs", runs)
     (runs / "toy" / "ingest" / "words.txt").write_text("one two threE\n")
     answer = program("run", package, "--runs", runs, "--read-data", "--json")
-    assert [step["state"] for step in json.loads(answer.out)["steps"]] == ["made", "fresh", "fresh"]
+    assert [step["state"] for step in json.loads(answer.out)["steps"]] == ["made", "up to date", "up to date"]
     assert program("check", runs / "toy", "--read-data").code == 0
 
 

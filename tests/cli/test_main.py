@@ -28,6 +28,13 @@ def test_help_lists_every_command_with_its_line(program) -> None:
         assert entry.summary.split()[0] in answer.out
 
 
+def test_the_bare_program_prints_its_help(program) -> None:
+    answer = program()
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out == program("--help").out
+    assert max(map(len, answer.out.splitlines())) <= 100
+
+
 def test_help_imports_nothing_heavy() -> None:
     loaded = f"' '.join(set({HEAVY!r}) & set(sys.modules))"
     code = f"import sys; from hullrecon_cli.main import main; main(['--help']); sys.exit({loaded} or 0)"

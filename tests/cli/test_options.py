@@ -11,9 +11,9 @@ from typing import Any
 import msgspec
 import pytest
 
-from hullrecon.artifacts.manifest import Recipe
-from hullrecon.artifacts.settings import resolved, settings_for
-from hullrecon.artifacts.staleness import differences
+from hullrecon.artifacts.graph.settings import resolve_settings, settings_for
+from hullrecon.artifacts.graph.staleness import differences
+from hullrecon.artifacts.storage.manifest import Recipe
 from hullrecon.dive.config import CameraBottom, CameraTop, Hull, Sonar
 from hullrecon.dive.load import load_config
 from hullrecon.steps.chain import stages
@@ -54,7 +54,7 @@ def keys() -> list[tuple[str, str]]:
 
 def recipes(sections: Mapping[str, Any]) -> dict[str, Recipe]:
     return {
-        stage.name: Recipe(stage=stage.name, version=stage.version, settings=resolved(settings_for(stage, sections)))
+        stage.name: Recipe(stage=stage.name, version=stage.version, settings=resolve_settings(settings_for(stage, sections)))
         for stage in STAGES
     }
 

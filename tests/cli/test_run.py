@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.artifacts.workspace import Workspace
+from hullrecon.artifacts.storage.workspace import Workspace
 
 
 def states(answer) -> dict[str, str]:
@@ -22,7 +22,7 @@ def test_a_run_says_what_it_made_and_where_the_deliverables_are(program, package
     answer = program("run", package, "--runs", runs)
     assert answer.code == 0
     lines = answer.out.splitlines()
-    assert [line.split()[:2] for line in lines[:3]] == [["ingest", "made"], ["navigate", "made"], ["report", "made"]]
+    assert [line.split()[:2] for line in lines[:3]] == [["ingest", "ran"], ["navigate", "ran"], ["report", "ran"]]
     assert lines[3] == f"deliverables: {runs / 'toy' / 'deliver'}"
     assert "toy: to do: ingest, navigate, report" in answer.err
     assert json.loads((runs / "toy/deliver/report.txt").read_text())["words"] == 3
@@ -46,7 +46,7 @@ def test_common_options_may_stand_before_and_after_the_command(place: str, progr
 def test_a_second_run_makes_nothing(program, package: Path, runs: Path) -> None:
     program("run", package, "--runs", runs)
     answer = program("run", package, "--runs", runs, "--json")
-    assert set(states(answer).values()) == {"fresh"}
+    assert set(states(answer).values()) == {"up to date"}
 
 
 def test_a_run_up_to_a_step_stops_there(program, package: Path, runs: Path) -> None:
@@ -77,20 +77,20 @@ def test_a_log_file_has_everything_with_the_time(program, package: Path, runs: P
         handler.close()
     text = (tmp_path / "run.log").read_text()
     assert text.startswith("20")
-    assert "INFO hullrecon.artifacts.chain: navigate: started: it was never made" in text
+    assert "INFO hullrecon.artifacts.execution.chain_runner: navigate: started: not run yet" in text
 
 
 def test_status_says_where_each_step_stands_and_changes_nothing(program, package: Path, runs: Path) -> None:
     assert states(program("status", package, "--runs", runs, "--json")) == dict.fromkeys(
-        ("ingest", "navigate", "report"), "missing"
+        ("ingest", "navigate", "report"), "not run yet"
     )
     assert not runs.exists()
     program("run", package, "--runs", runs)
     answer = program("status", package, "--runs", runs, "--set", "navigate.times=2")
     assert answer.out.splitlines() == [
-        "ingest          fresh",
-        "navigate        stale: option navigate.times changed from 1 to 2",
-        "report          stale: input navigate is to be made anew",
+        "ingest          up to date",
+        "navigate        out of date: option navigate.times changed from 1 to 2",
+        "report          out of date: input navigate will rerun",
     ]
 
 
@@ -104,7 +104,7 @@ def test_status_needs_no_lock(program, package: Path, runs: Path) -> None:
 
 def test_a_runs_folder_stands_for_the_package_that_it_read(program, package: Path, runs: Path) -> None:
     program("run", package, "--runs", runs)
-    assert set(states(program("status", runs / "toy", "--json")).values()) == {"fresh"}
+    assert set(states(program("status", runs / "toy", "--json")).values()) == {"up to date"}
     (runs / "toy" / ".hullrecon" / "workspace.json").unlink()
     answer = program("status", runs / "toy")
     assert answer.code == 3
@@ -119,26 +119,26 @@ def test_explain_says_which_option_and_from_what_to_what(program, package: Path,
         "ingest: external file log.txt changed",
         "navigate: option navigate.margin_m changed from 0.5 to 0.7",
         "navigate: option tray.sigma_deg changed from 0.8 to 1.5",
-        "navigate: input ingest is to be made anew",
-        "report: input navigate is to be made anew",
+        "navigate: input ingest will rerun",
+        "report: input navigate will rerun",
     ]
     assert program("explain", package, "ingest", "--runs", runs).out == "ingest: external file log.txt changed\n"
 
 
 def test_explain_of_an_unknown_step_is_wrong_usage(program, package: Path, runs: Path) -> None:
     answer = program("explain", package, "navgate", "--runs", runs)
-    assert (answer.code, answer.err) == (2, "error: no step is called navgate: the steps are ingest, navigate, report\n")
+    assert (answer.code, answer.err) == (2, "error: unknown step 'navgate'; did you mean 'navigate'?\n")
 
 
 def test_clean_removes_the_artifacts_that_are_named_or_all(program, package: Path, runs: Path) -> None:
     program("run", package, "--runs", runs)
     assert program("clean", package, "navigate", "--runs", runs).out == "removed navigate\n"
     assert states(program("run", package, "--runs", runs, "--json")) == {
-        "ingest": "fresh",
+        "ingest": "up to date",
         "navigate": "made",
-        "report": "fresh",
+        "report": "up to date",
     }
-    assert json.loads(program("clean", runs / "toy", "--json").out)["removed"] == ["ingest", "navigate", "report"]
+    assert json.loads(program("clean", runs / "toy", "--yes", "--json").out)["removed"] == ["ingest", "navigate", "report"]
     assert not (runs / "toy" / "deliver").exists()
     assert (package / "log.txt").exists()
 
@@ -151,7 +151,7 @@ def test_too_little_space_is_said_before_anything_is_done(
     answer = program("run", package, "--runs", runs, "--set", "navigate.times=2")
     assert answer.code == 6
     assert "only 0 MB are free" in answer.err
-    assert set(states(program("status", package, "--runs", runs, "--json")).values()) == {"fresh"}
+    assert set(states(program("status", package, "--runs", runs, "--json")).values()) == {"up to date"}
 
 
 @pytest.mark.parametrize(
@@ -159,7 +159,7 @@ def test_too_little_space_is_said_before_anything_is_done(
     [
         ("badly", 4, "error: too few words (log.txt): write more"),
         ("never", 130, "error: interrupted"),
-        ("fault", 1, "error: an unexpected fault of ours, sorry: ZeroDivisionError; please send us "),
+        ("fault", 1, "error: internal error; traceback in "),
     ],
 )
 def test_a_step_that_fails_ends_the_run_with_its_code(
@@ -170,7 +170,7 @@ def test_a_step_that_fails_ends_the_run_with_its_code(
     assert answer.err.lstrip().startswith(words)
     assert answer.err.strip().count("\n") == 0
     assert states(program("run", package, "--runs", runs, "--json")) == {
-        "ingest": "fresh",
+        "ingest": "up to date",
         "navigate": "made",
         "report": "made",
     }
@@ -187,7 +187,7 @@ def test_a_run_beside_another_ends_with_code_5(program, package: Path, runs: Pat
     with Workspace(runs / "toy").lock():
         answer = program("run", package, "--runs", runs, "--quiet")
     assert answer.code == 5
-    assert answer.err.startswith("error: another run holds this dive, process ")
+    assert answer.err.startswith("error: dive is locked by process ")
     assert answer.err.count("\n") == 1
 
 
@@ -216,3 +216,64 @@ def test_a_package_that_cannot_be_used_is_one_line(change, code: int, words: str
     assert answer.code == code
     assert words in answer.err
     assert answer.err.count("\n") == 1
+
+
+def test_a_run_ends_with_its_warnings_and_findings(program, package: Path, runs: Path) -> None:
+    answer = program("run", package, "--runs", runs, "--set", "navigate.loud=true")
+    assert answer.out.splitlines()[3:] == [
+        "1 warning:", "  navigate: the log is loud", f"deliverables: {runs / 'toy' / 'deliver'}",
+    ]  # fmt: skip
+
+
+def test_the_end_of_a_step_is_printed_once(program, package: Path, runs: Path) -> None:
+    answer = program("run", package, "--runs", runs)
+    assert "done in" not in answer.err
+    assert answer.out.count("ran in") == 3
+    again = program("run", package, "--runs", runs)
+    assert again.err == "toy: everything is up to date\n"
+    assert again.out.count("up to date") == 3
+
+
+def test_the_findings_are_those_at_the_head_of_the_report(tmp_path: Path) -> None:
+    from hullrecon_cli.delivery import delivery_lines
+
+    assert delivery_lines(tmp_path / "absent") == []
+    (tmp_path / "report").mkdir()
+    (tmp_path / "report" / "index.html").touch()
+    (tmp_path / "summary.json").write_text('{"summary": ["2 objects were found.", "8.4 m2 were seen."]}')
+    assert delivery_lines(tmp_path) == [
+        "2 objects were found.", "8.4 m2 were seen.",
+        f"report: {tmp_path / 'report' / 'index.html'}", f"deliverables: {tmp_path}",
+    ]  # fmt: skip
+    (tmp_path / "summary.json").write_text("[]")
+    assert len(delivery_lines(tmp_path)) == 2
+
+
+def test_a_wrong_choice_given_by_set_lists_the_choices_and_does_not_blame_the_file(program, package: Path, runs: Path) -> None:
+    answer = program("run", package, "--runs", runs, "--set", "navigate.end=wel")
+    assert answer.code == 2
+    assert answer.err == "error: navigate.end: 'wel' is not one of badly, fault, never, well (from --set)\n"
+    (package / "dive.toml").write_text((package / "dive.toml").read_text() + '[navigate]\nend = "wel"\n')
+    answer = program("run", package, "--runs", runs)
+    assert answer.err == "error: navigate.end: 'wel' is not one of badly, fault, never, well (dive.toml)\n"
+
+
+def test_a_value_out_of_bounds_given_by_set_is_said_to_come_from_there(program, package: Path, runs: Path) -> None:
+    answer = program("run", package, "--runs", runs, "--set", "navigate.times=99")
+    assert answer.code == 2
+    assert answer.err.endswith("(from --set)\n")
+
+
+def test_a_scheduler_that_is_not_there_is_one_line_at_once(program, package: Path, runs: Path) -> None:
+    for address in ("nonsense", "tcp://nonsense.invalid:8786", "tcp://127.0.0.1:1", "tcp://127.0.0.1:many"):
+        answer = program("run", package, "--runs", runs, "--scheduler", address, "--quiet")
+        assert answer.code == 2
+        assert answer.err.count("\n") == 1, answer.err
+        assert address in answer.err
+
+
+def test_the_log_file_of_a_run_that_fails_holds_the_error(program, package: Path, runs: Path, tmp_path: Path) -> None:
+    (package / "log.txt").unlink()
+    answer = program("run", package, "--runs", runs, "--quiet", "--log-file", tmp_path / "run.log")
+    assert answer.code == 3
+    assert answer.err.strip() in (tmp_path / "run.log").read_text()

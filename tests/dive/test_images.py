@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hullrecon.artifacts.writer import ArtifactWriter
+from hullrecon.artifacts.storage.writer import ArtifactWriter
 from hullrecon.dive.image_sink import ImageSink
 from hullrecon.dive.images import ImageStore, decode
 from hullrecon.dive.pixels import jpeg_is_whole, size_of

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from hullrecon_cli import judge
-from hullrecon_cli.compared import solved_of
-from hullrecon_cli.dives import Opened
+from hullrecon_cli import score
+from hullrecon_cli.dives import DiveRun
+from hullrecon_cli.method_variants import read_solutions
 from msgspec import Struct
 
-from hullrecon.artifacts.plan import Chain
-from hullrecon.artifacts.stage import Context, Stage
-from hullrecon.artifacts.workspace import Workspace
+from hullrecon.artifacts.graph.chain import Chain
+from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.dive.config import Dvl, Tray
 from hullrecon.dive.records import Returns, Solution, Trajectory, to_arrays
 from hullrecon.errors import InputError
@@ -37,7 +37,7 @@ class Method(Struct, frozen=True, kw_only=True):
 
 
 @pytest.fixture
-def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) -> Callable[..., Opened]:
+def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) -> Callable[..., DiveRun]:
     """A dive whose chain is navigate and adjust; the calls of adjust are counted in `calls`."""
 
     def navigate(context: Context) -> None:
@@ -67,9 +67,9 @@ def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) 
     count = np.full(3, len(solution.landmark))
     record = {"cost": np.array([4.0, 2.0, 1.0]), "on_surface": count - [20, 0, 0], "landmarks": count, "round": np.ones(3, int)}
     record |= {"accepted": np.ones(3, bool), "label_changes": np.array([0, 20, 0])}
-    dive = Opened("wall", Chain(stages, sections, package), Workspace(tmp_path / "runs" / "wall"))
+    dive = DiveRun("wall", Chain(stages, sections, package), Workspace(tmp_path / "runs" / "wall"))
 
-    def open_dive(*_: Any) -> Opened:
+    def open_dive(*_: Any) -> DiveRun:
         return dive
 
     open_dive.calls = calls  # type: ignore[attr-defined]
@@ -83,7 +83,7 @@ def call(command: Any, *arguments: object) -> Any:
 
 def test_evaluate_prints_a_figure_a_line_with_its_unit(deliver: Any, package: Path) -> None:
     deliver.track()
-    lines = call(judge.evaluate, deliver.folder, package).stdout.splitlines()
+    lines = call(score.evaluate, deliver.folder, package).stdout.splitlines()
     rigid = next(line.split() for line in lines if line.startswith("trajectory.rigid_rmse_m"))
     assert float(rigid[1]) < 1e-6
     assert rigid[2] == "m"
@@ -93,12 +93,12 @@ def test_evaluate_prints_a_figure_a_line_with_its_unit(deliver: Any, package: Pa
 def test_evaluate_of_a_package_without_truth_is_refused(deliver: Any, tmp_path: Path) -> None:
     deliver.track()
     with pytest.raises(InputError, match="no truth"):
-        call(judge.evaluate, deliver.folder, tmp_path)
+        call(score.evaluate, deliver.folder, tmp_path)
 
 
 def test_compare_solves_six_times_and_prints_one_table(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(judge, "open_dive", opened)
-    lines = call(judge.compare, package).stdout.splitlines()
+    monkeypatch.setattr(score, "open_dive", opened)
+    lines = call(score.compare, package).stdout.splitlines()
     assert len(opened.calls) == 6
     assert set(opened.calls) == {(m, p) for m in ("naive", "geva", "maxmix") for p in (True, False)}
     table = lines[-7:]
@@ -107,24 +107,24 @@ def test_compare_solves_six_times_and_prints_one_table(opened: Any, package: Pat
 
 
 def test_compare_again_solves_nothing(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(judge, "open_dive", opened)
-    call(judge.compare, package)
+    monkeypatch.setattr(score, "open_dive", opened)
+    call(score.compare, package)
     opened.calls.clear()
-    call(judge.compare, package)
+    call(score.compare, package)
     assert opened.calls == []
 
 
 def test_as_printed_is_one_whole_solve(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(judge, "open_dive", opened)
-    call(judge.compare, package)
+    monkeypatch.setattr(score, "open_dive", opened)
+    call(score.compare, package)
     assert set(opened.rounds) == {(True, 1, 200), (False, 3, 60)}
 
 
 def test_what_the_chain_solves_itself_stands_in_its_own_place(
     opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(judge, "open_dive", opened)
-    call(judge.compare, package)
+    monkeypatch.setattr(score, "open_dive", opened)
+    call(score.compare, package)
     root = opened().workspace.root
     assert (root / "adjust" / "solution.npz").exists()
     assert (root / "compare" / "maxmix-as-printed" / "adjust" / "solution.npz").exists()
@@ -134,8 +134,8 @@ def test_what_the_chain_solves_itself_stands_in_its_own_place(
 def test_figures_alone_solves_what_is_missing_and_leaves_pictures_and_tables(
     opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(judge, "open_dive", opened)
-    printed = call(judge.figures, package).stdout.splitlines()  # a log that another test set up goes to standard error
+    monkeypatch.setattr(score, "open_dive", opened)
+    printed = call(score.figures, package).stdout.splitlines()  # a log that another test set up goes to standard error
     assert len(opened.calls) == 6
     assert len(printed) == 5
     for line in printed:
@@ -146,16 +146,16 @@ def test_figures_alone_solves_what_is_missing_and_leaves_pictures_and_tables(
 
 
 def test_figures_after_compare_solves_nothing(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(judge, "open_dive", opened)
-    call(judge.compare, package)
+    monkeypatch.setattr(score, "open_dive", opened)
+    call(score.compare, package)
     opened.calls.clear()
-    call(judge.figures, package)
+    call(score.figures, package)
     assert opened.calls == []
 
 
 def test_a_variant_that_is_not_there_says_what_to_run(opened: Any) -> None:
     with pytest.raises(InputError, match="hullrecon compare"):
-        solved_of(opened())
+        read_solutions(opened())
 
 
 def test_a_json_of_figures_has_no_nan(deliver: Any, package: Path) -> None:

@@ -17,7 +17,7 @@ from hullrecon_cli.main import main
 from msgspec import Struct
 
 import hullrecon.steps.chain as chain
-from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.errors import StageError
 
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.artifacts.runner import run_stage
-from hullrecon.artifacts.stage import load_arrays
+from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.detection.options import DetectOptions
 from hullrecon.dive import config
 from hullrecon.dive.records import ImageIndex, JointSamples, Solution, SonarPings, Surface, from_arrays, to_arrays

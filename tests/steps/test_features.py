@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config import Cameras, CameraTop, Dive, Logs
 from hullrecon.dive.records import ImageIndex, to_arrays
 from hullrecon.errors import StageError

@@ -7,9 +7,10 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.hashing import HashCache
-from hullrecon.artifacts.runner import make_job, run_stage
-from hullrecon.artifacts.stage import load_arrays
+from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.artifacts.graph.job import make_job
+from hullrecon.artifacts.graph.stage import load_arrays
+from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.dive.images import ImageStore
 from hullrecon.dive.load import load_config
 from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SonarPings, from_arrays

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config import CameraBottom, Cameras, CameraTop, Dvl, Tray
 from hullrecon.dive.records import Tracks, Trajectory, from_arrays, to_arrays
 from hullrecon.errors import StageError

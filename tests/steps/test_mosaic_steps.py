@@ -14,7 +14,7 @@ import pytest
 import tifffile
 from numpy.typing import NDArray
 
-from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config import Cameras, CameraTop, Dive, DiveConfig, Logs, Sonar, Topics
 from hullrecon.dive.records import ImageIndex, JointSamples, SonarPings, Surface, Trajectory, to_arrays
 from hullrecon.errors import StageError

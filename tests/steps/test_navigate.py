@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.artifacts.runner import run_stage
-from hullrecon.artifacts.stage import load_arrays
+from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.dive import config
 from hullrecon.dive.records import (
     Attitude,
@@ -137,7 +137,7 @@ def test_without_a_dvl_the_stereo_cameras_give_the_path(ingest: Path, tmp_path: 
 
 
 def test_mounts_and_sigmas_reach_navigation_in_radians() -> None:
-    from hullrecon.artifacts.settings import settings_for
+    from hullrecon.artifacts.graph.settings import settings_for
 
     vehicle = vehicle_of(settings_for(STAGE, sections()))
     assert vehicle.tray_origin.tolist() == [0.4, 0.0, 0.1]

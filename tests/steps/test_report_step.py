@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config import Dive, DiveConfig, Logs
 from hullrecon.dive.records import Trajectory, to_arrays
 from hullrecon.steps.report import STAGE

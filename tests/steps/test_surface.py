@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.artifacts.runner import run_stage
-from hullrecon.artifacts.stage import load_arrays
+from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.dive import config
 from hullrecon.dive.records import Returns, Solution, Surface, Trajectory, from_arrays, to_arrays
 from hullrecon.errors import StageError

@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The solves that `compare` and `figures` set side by side: solved when they are out of date, read back when they are there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from hullrecon.artifacts.execution.chain_runner import run_chain
+from hullrecon.artifacts.execution.executor import Executor
+from hullrecon.artifacts.execution.progress import choose_progress
+from hullrecon.artifacts.execution.runner import RunContext, build
+from hullrecon.artifacts.graph.chain import Chain, inputs_of
+from hullrecon.artifacts.graph.job import make_job
+from hullrecon.artifacts.graph.plan import assess
+from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.errors import InputError
+
+from .dives import DiveRun
+from .state import state_of
+
+if TYPE_CHECKING:
+    from hullrecon.evaluation.comparison import Reckoned, Solved
+
+COMPARED = "compare"  # RUNS/<dive>/compare/<variant>/adjust: one workspace a variant, beside the chain's own artifacts
+WHOLE_SOLVE_ITERATIONS = 200  # 26 to 51 in [Ozog2016 Fig. 4.13]
+
+
+def variants() -> list[tuple[str, str, bool]]:
+    """(method, weighting, as_published) of every solve that is compared."""
+    from hullrecon.evaluation.methods import METHODS, WEIGHTINGS
+
+    return [(method, weighting, printed) for weighting, printed in WEIGHTINGS.items() for method in METHODS]
+
+
+def solve_all(dive: DiveRun, executor: Executor) -> None:
+    """Brings the steps before adjust up to date, then every variant of adjust that is not up to date."""
+    hashes = dive.workspace.hashes()
+    run_context = RunContext(hashes, executor, choose_progress(quiet=state_of().quiet))
+    whole = dive.chain.up_to("adjust")
+    before = replace(whole, stages=tuple(s for s in whole.stages if s.name != "adjust"))
+    run_chain(before, dive.workspace, run_context)
+    with dive.workspace.lock():
+        for method, weighting, printed in variants():
+            _solve(_with(whole, method, printed), dive.workspace, place_of(dive, method, weighting, printed), run_context)
+        hashes.save()
+
+
+def find_objects(dive: DiveRun, executor: Executor) -> None:
+    """Brings the chain's own steps up to `detect` up to date, where the dive can have it: the heights that are delivered."""
+    if any(s.name == "detect" for s in dive.chain.stages):
+        run_context = RunContext(dive.workspace.hashes(), executor, choose_progress(quiet=state_of().quiet))
+        run_chain(dive.chain.up_to("detect"), dive.workspace, run_context)
+
+
+def _solve(chain: Chain, upstream: Workspace, place: Workspace, run_context: RunContext) -> None:
+    stage = next(s for s in chain.stages if s.name == "adjust")
+    job = make_job(
+        stage, chain.sections, inputs_of(stage, chain, upstream, chain.skip_reasons()), chain.package, run_context.hashes
+    )
+    if assess(job, place, run_context.hashes).to_do:
+        build(job, place.root / stage.name, place.building(stage.name), run_context)
+
+
+def _with(chain: Chain, method: str, as_published: bool) -> Chain:
+    """As printed is one solve from the registration on, as [Ozog2016] did it, so that its history is that of one function."""
+    own = msgspec.structs.replace(chain.sections["adjust"], method=method, as_published=as_published)
+    if as_published:
+        own = msgspec.structs.replace(own, rounds=1, max_iterations=max(own.max_iterations, WHOLE_SOLVE_ITERATIONS))
+    return replace(chain, sections={**chain.sections, "adjust": own})
+
+
+def place_of(dive: DiveRun, method: str, weighting: str, as_published: bool) -> Workspace:
+    """The run's own folder for the variant that the chain itself solves, else one below `compare`."""
+    if _with(dive.chain, method, as_published).sections["adjust"] == dive.chain.sections["adjust"]:
+        return dive.workspace
+    return Workspace(dive.workspace.root / COMPARED / f"{method}-{weighting.replace(' ', '-')}")
+
+
+def read_solutions(dive: DiveRun) -> list[Solved]:
+    """What solve_all left. InputError when a variant is missing."""
+    from hullrecon.evaluation.comparison import read_solved
+
+    found = []
+    for method, weighting, printed in variants():
+        place = place_of(dive, method, weighting, printed)
+        manifest = place.manifest("adjust")
+        if manifest is None:
+            raise InputError(f"{method} {weighting} was not solved", where=str(place.root), remedy="run `hullrecon compare`")
+        found.append(read_solved(method, weighting, place.artifact("adjust"), manifest.run))
+    return found
+
+
+def read_dead_reckoning(dive: DiveRun) -> Reckoned:
+    from hullrecon.evaluation.comparison import read_reckoned
+    from hullrecon.geometry.poses import from_mount
+
+    sections = dive.chain.sections
+    return read_reckoned(dive.workspace.artifact("navigate"), sections["tray"].origin, from_mount(sections["dvl"].mount))

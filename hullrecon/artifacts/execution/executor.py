@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where `context.map` runs: here, in worker processes, or on a Dask cluster; in order and with the same results."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing.connection import wait
+from types import TracebackType
+from typing import Protocol, Self, TypeVar
+
+from hullrecon.errors import StageError
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+# A worker has one core: libraries that count the machine's cores would start that many threads in each.
+THREAD_VARIABLES = (
+    "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"
+)  # fmt: skip
+_CHUNKS_PER_WORKER = 8
+
+
+class Executor(Protocol):
+    def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+        """Results in the order of the items. StageError when a worker dies; a function's own error passes through."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None: ...
+
+
+class Serial:
+    def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+        return map(function, items)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        return None
+
+
+class Processes:
+    """`jobs` worker processes, started at the first map and kept until the end of the run."""
+
+    def __init__(self, jobs: int) -> None:
+        self._jobs = jobs
+        self._pool: ProcessPoolExecutor | None = None
+
+    def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
+        if len(items) < 2:
+            yield from map(function, items)
+            return
+        pool = self._start_pool()
+        chunk = max(1, len(items) // (self._jobs * _CHUNKS_PER_WORKER))
+        try:
+            with one_thread_each():
+                results = pool.map(function, items, chunksize=chunk)
+            yield from results
+        except BrokenProcessPool as error:
+            self._pool = None
+            raise worker_killed_error() from error
+
+    def _start_pool(self) -> ProcessPoolExecutor:
+        if self._pool is None:
+            context = multiprocessing.get_context("spawn")  # fork would copy the lock and the threads of libraries
+            self._pool = ProcessPoolExecutor(self._jobs, mp_context=context, initializer=_prepare_worker)
+        return self._pool
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+
+
+def worker_killed_error() -> StageError:
+    remedy = "most likely the memory ran out: run again with a smaller --jobs, what is finished is kept"
+    return StageError("a worker process was killed", remedy=remedy)
+
+
+@contextmanager
+def one_thread_each() -> Iterator[None]:
+    """Processes started inside take the parent's number of threads where it is set, else one."""
+    added = [name for name in THREAD_VARIABLES if name not in os.environ]
+    os.environ.update(dict.fromkeys(added, "1"))
+    try:
+        yield
+    finally:
+        for name in added:
+            del os.environ[name]
+
+
+def _prepare_worker() -> None:
+    """Ctrl-C is the parent's business; a worker whose parent was killed ends too."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)
+
+
+def choose_executor(jobs: int = 1, scheduler: str | None = None) -> Executor:
+    if scheduler is not None:
+        from hullrecon.artifacts.execution.cluster import Cluster
+
+        return Cluster(scheduler)
+    return Processes(jobs) if jobs > 1 else Serial()

@@ -1,0 +1,35 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""One stage with all that it works on, and the recipe that decides its result."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hullrecon.artifacts.graph.recipe import make_recipe
+from hullrecon.artifacts.graph.settings import StageSettings, settings_for
+from hullrecon.artifacts.graph.stage import Stage
+from hullrecon.artifacts.storage.hashing import HashCache
+from hullrecon.artifacts.storage.manifest import Recipe
+
+
+@dataclass(frozen=True)
+class Job:
+    """One stage with all that it works on. source: the package's folder. recipe: what decides the result."""
+
+    stage: Stage
+    settings: StageSettings
+    inputs: Mapping[str, Path]
+    source: Path | None
+    recipe: Recipe
+
+
+def make_job(
+    stage: Stage, sections: Mapping[str, Any], inputs: Mapping[str, Path], source: Path | None, hashes: HashCache
+) -> Job:
+    """InputError when a file of the package is missing; UsageError for an option that is not finite."""
+    settings = settings_for(stage, sections)
+    return Job(stage, settings, inputs, source, make_recipe(stage, settings, inputs, source, hashes))

@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What decides a stage's result: its settings, its inputs by content, its files of the package, its version."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from hullrecon.artifacts.graph.settings import StageSettings, resolve_settings
+from hullrecon.artifacts.graph.stage import Stage
+from hullrecon.artifacts.storage.documents import digest
+from hullrecon.artifacts.storage.hashing import HashCache, files_below
+from hullrecon.artifacts.storage.manifest import FILE_NAME, FileRecord, Recipe, read_manifest
+from hullrecon.errors import InputError
+
+
+def make_recipe(
+    stage: Stage, settings: StageSettings, inputs: Mapping[str, Path], source: Path | None, hashes: HashCache
+) -> Recipe:
+    """The recipe as things are now. InputError when a file of the package is missing."""
+    return Recipe(
+        stage=stage.name,
+        version=stage.version,
+        settings=resolve_settings(settings),
+        inputs={name: content_hash(folder, hashes) for name, folder in sorted(inputs.items())},
+        external=external_files(stage, settings, source, hashes),
+    )
+
+
+def external_files(stage: Stage, settings: StageSettings, source: Path | None, hashes: HashCache) -> dict[str, FileRecord]:
+    """The files of the package that the stage reads, a folder as all files below it, by path relative to the package."""
+    if stage.external is None or source is None:
+        return {}
+    found: dict[str, FileRecord] = {}
+    for named in stage.external(settings, source):
+        path = source / named
+        members = [path / name for name in files_below(path)] if path.is_dir() else [path]
+        for member in members:
+            name = member.relative_to(source).as_posix() if member.is_relative_to(source) else str(member)
+            found[name] = _external_record(member, name, hashes)
+    return found
+
+
+def content_hash(folder: Path, hashes: HashCache) -> str:
+    """That of the artifact's manifest; of a folder made by hand, the hash of its files."""
+    manifest = read_manifest(folder) if (folder / FILE_NAME).exists() else None
+    if manifest is not None:
+        return manifest.content_hash
+    return digest({name: hashes.record(folder / name).sha256 for name in files_below(folder)})
+
+
+def _external_record(path: Path, name: str, hashes: HashCache) -> FileRecord:
+    try:
+        return hashes.record(path)
+    except FileNotFoundError as error:
+        raise InputError(f"{name} is missing", where=str(path.parent), remedy="put it there or correct dive.toml") from error
+    except OSError as error:
+        raise InputError(f"{name} cannot be read: {error.strerror}", where=str(path.parent)) from error

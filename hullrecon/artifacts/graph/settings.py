@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The part of the configuration that one stage sees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from hullrecon.artifacts.graph.stage import Stage
+from hullrecon.artifacts.storage.documents import plain
+from hullrecon.errors import UsageError
+
+
+class StageSettings(Mapping[str, Any]):
+    """Sections by name. Reading one that the stage did not declare is a fault: the artifact would not go stale with it."""
+
+    def __init__(self, stage: str, sections: Mapping[str, Any]) -> None:
+        self._stage, self._sections = stage, dict(sections)
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._sections:
+            raise RuntimeError(f"step {self._stage} reads section {name!r} without naming it in its `uses`")
+        return self._sections[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._sections)
+
+    def __len__(self) -> int:
+        return len(self._sections)
+
+
+def settings_for(stage: Stage, sections: Mapping[str, Any]) -> StageSettings:
+    """The sections in the stage's `uses` (None where absent) and its own (its defaults where absent)."""
+    own = _section(sections, stage.name)
+    chosen = {name: _section(sections, name) for name in stage.uses}
+    return StageSettings(stage.name, {**chosen, stage.name: stage.parameters() if own is None else own})
+
+
+def resolve_settings(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings as plain values for the manifest. UsageError for a number that is not finite."""
+    values: dict[str, Any] = plain(settings)
+    for name, value in flatten(values).items():
+        if isinstance(value, float) and not math.isfinite(value):
+            raise UsageError(f"option {name} is {value}", where="dive.toml", remedy="give a finite number")
+    return values
+
+
+def flatten(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Options by dotted name; lists stay whole."""
+    flat: dict[str, Any] = {}
+    for name, member in value.items():
+        dotted = f"{prefix}{name}"
+        if isinstance(member, Mapping) and member:
+            flat.update(flatten(member, f"{dotted}."))
+        else:
+            flat[dotted] = member
+    return flat
+
+
+def _section(sections: Mapping[str, Any], dotted: str) -> Any:
+    """`camera.top` is the field `top` of section `camera`, unless a section has that very name; None below an absent one."""
+    if dotted in sections:
+        return sections[dotted]
+    outer, _, inner = dotted.rpartition(".")
+    section = _section(sections, outer) if outer else None
+    if section is not None and not hasattr(section, inner):
+        raise RuntimeError(f"section {outer} has no option {inner}")
+    return getattr(section, inner, None)

@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Why an artifact is no longer what a run would make now, in words."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from hullrecon.artifacts.graph.settings import flatten
+from hullrecon.artifacts.storage.manifest import FileRecord, Recipe
+
+_ABSENT = object()
+
+
+def differences(made: Recipe, now: Recipe) -> list[str]:
+    """Each part of the recipe that changed; empty exactly when the keys are equal."""
+    return [
+        *_options(made.settings, now.settings),
+        *_inputs(made.inputs, now.inputs),
+        *_external(made.external, now.external),
+        *([f"code version {made.version} -> {now.version}"] if made.version != now.version else []),
+        *([f"it was made by step {made.stage}"] if made.stage != now.stage else []),
+    ]
+
+
+def _options(made: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
+    """A section that came or went is one sentence, not one for each of its options."""
+    for section in sorted({*made, *now}):
+        before, after = made.get(section, _ABSENT), now.get(section, _ABSENT)
+        if isinstance(before, dict) and isinstance(after, dict):
+            yield from _changed_options(flatten(before, f"{section}."), flatten(after, f"{section}."))
+        elif before != after:
+            yield f"{section} changed from {_shown(before)} to {_shown(after)}"
+
+
+def _changed_options(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[str]:
+    for name in sorted({*before, *after}):
+        one, two = before.get(name, _ABSENT), after.get(name, _ABSENT)
+        if one is _ABSENT:
+            yield f"option {name} is new, it is {_shown(two)}"
+        elif two is _ABSENT:
+            yield f"option {name} is gone, it was {_shown(one)}"
+        elif one != two or type(one) is not type(two):
+            yield f"option {name} changed from {_shown(one)} to {_shown(two)}"
+
+
+def _inputs(made: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
+    for name in sorted({*made, *now}):
+        if made.get(name) != now.get(name):
+            yield f"input {name} {_verb(name in made, name in now)}"
+
+
+def _external(made: Mapping[str, FileRecord], now: Mapping[str, FileRecord]) -> Iterator[str]:
+    for name in sorted({*made, *now}):
+        if made.get(name) != now.get(name):
+            yield f"external file {name} {_verb(name in made, name in now)}"
+
+
+def _verb(before: bool, after: bool) -> str:
+    return "changed" if before and after else "is new" if after else "is gone"
+
+
+def _shown(value: Any) -> str:
+    """A whole section as the word for it; else as in JSON."""
+    if value is _ABSENT or value is None:
+        return "none"
+    return "a section" if isinstance(value, dict) else json.dumps(value, ensure_ascii=False)

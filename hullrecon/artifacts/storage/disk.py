@@ -1,0 +1,182 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The one place that changes files in RUNS: durable files, folders renamed whole, errors of the disk in words."""
+
+from __future__ import annotations
+
+import ctypes
+import errno
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import BinaryIO
+
+from hullrecon.errors import StorageError
+
+_REMEDIES = {
+    errno.ENOSPC: "free some space there, or choose another folder with --runs, and run again: what is finished is kept",
+    errno.EDQUOT: "the quota is used up: free some space there and run again, what is finished is kept",
+    errno.EFBIG: "this file system takes no file of that size: choose another folder with --runs",
+    errno.EROFS: "the file system is read-only: choose another folder with --runs",
+    errno.EACCES: "write permission is missing: choose another folder with --runs",
+    errno.EPERM: "write permission is missing: choose another folder with --runs",
+    errno.ENOTDIR: "a file lies where a folder is needed: choose another folder with --runs",
+    errno.EEXIST: "a file lies where a folder is needed: choose another folder with --runs",
+}
+_AT_FDCWD = -100
+_RENAME_EXCHANGE = 2
+_NO_EXCHANGE = {errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EXDEV}
+
+
+@contextmanager
+def storage_errors(folder: Path, only_below: Path | None = None) -> Iterator[None]:
+    """Turns a full, read-only or forbidden disk into a StorageError that names the folder.
+
+    only_below: an error that names a file outside that folder is not ours and passes.
+    """
+    try:
+        yield
+    except OSError as error:
+        remedy = _REMEDIES.get(error.errno or 0)
+        foreign = only_below is not None and error.filename is not None and not Path(error.filename).is_relative_to(only_below)
+        if remedy is None or foreign:
+            raise
+        raise StorageError(f"cannot write: {os.strerror(error.errno or 0)}", where=str(folder), remedy=remedy) from error
+
+
+@contextmanager
+def durable_file(path: Path) -> Iterator[BinaryIO]:
+    """A new binary file under a temporary name; on leaving it is synced and renamed to `path`, and the folder synced."""
+    temporary = temporary_name(path)
+    with storage_errors(path.parent):
+        make_folder(path.parent)
+        try:
+            with open(temporary, "wb") as file:
+                yield file
+                file.flush()
+                os.fsync(file.fileno())
+        except BaseException:
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
+            raise
+        os.replace(temporary, path)
+        sync_folder(path.parent)
+
+
+def write_file(path: Path, data: bytes) -> None:
+    """All of `data` is in `path`, durably, or `path` is as it was."""
+    with durable_file(path) as file:
+        file.write(data)
+
+
+@contextmanager
+def durable_path(path: Path) -> Iterator[Path]:
+    """A temporary path, of the same suffix, for a library to write a file or a folder to; synced and renamed on leaving."""
+    temporary = temporary_name(path)
+    with storage_errors(path.parent):
+        make_folder(path.parent)
+        remove(temporary)
+        try:
+            yield temporary
+            sync_tree(temporary)
+        except BaseException:
+            with suppress(OSError):
+                remove(temporary)
+            raise
+        os.replace(temporary, path)
+        sync_folder(path.parent)
+
+
+def temporary_name(path: Path) -> Path:
+    return path.with_name(f".tmp-{path.name}")
+
+
+def make_folder(path: Path) -> None:
+    """Creates the folder and its parents, and syncs each parent that got a new entry."""
+    with storage_errors(path):
+        missing = [p for p in (path, *path.parents) if not p.exists()]
+        path.mkdir(parents=True, exist_ok=True)
+        for created in missing:
+            sync_folder(created.parent)
+
+
+def sync_folder(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def sync_tree(path: Path) -> None:
+    """Syncs a file, or every file and folder below a folder; FileNotFoundError when nothing was written."""
+    if not path.is_dir():
+        descriptor = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+        return
+    for entry in sorted(path.iterdir()):
+        sync_tree(entry)
+    sync_folder(path)
+
+
+def remove(path: Path) -> None:
+    """Removes a file or a folder with all it holds; nothing there is fine."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def commit_folder(built: Path, final: Path) -> None:
+    """Puts the folder `built` at `final` in one step; what was there is removed afterwards.
+
+    Linux swaps two folders in one call. Where the file system cannot (NFS), the old folder is first set aside under the name
+    that `set_aside` gives and that `recover` and `present` know.
+    """
+    with storage_errors(final.parent):
+        make_folder(final.parent)
+        old = built
+        if not final.exists():
+            os.rename(built, final)
+        elif not exchange(built, final):
+            old = set_aside(final)
+            os.rename(final, old)
+            os.rename(built, final)
+        sync_folder(final.parent)
+        remove(old)
+
+
+def set_aside(final: Path) -> Path:
+    return final.with_name(f".old-{final.name}")
+
+
+def existing_folder(final: Path) -> Path:
+    """Where the folder is: at its place or, when a commit without swap was cut short, beside it."""
+    return set_aside(final) if not final.exists() and set_aside(final).exists() else final
+
+
+def recover(final: Path) -> None:
+    """Ends a commit that was cut short: the old folder returns when the new one never came, else it goes."""
+    old = set_aside(final)
+    with storage_errors(final.parent):
+        if old.exists() and not final.exists():
+            os.rename(old, final)
+        remove(old)
+
+
+def exchange(first: Path, second: Path) -> bool:
+    """Swaps two folders in one call; False when this system or file system has no such call."""
+    renameat2 = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None)
+    if renameat2 is None:
+        return False
+    if renameat2(_AT_FDCWD, os.fsencode(first), _AT_FDCWD, os.fsencode(second), _RENAME_EXCHANGE) == 0:
+        return True
+    number = ctypes.get_errno()
+    if number in _NO_EXCHANGE:
+        return False
+    raise OSError(number, os.strerror(number), str(second))

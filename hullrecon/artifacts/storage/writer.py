@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the files of one artifact into a folder under construction."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
+from pathlib import Path, PurePosixPath
+from typing import Any, BinaryIO, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.artifacts.storage.disk import durable_file, durable_path, write_file
+from hullrecon.artifacts.storage.documents import encode
+from hullrecon.artifacts.storage.manifest import FILE_NAME
+
+_ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date that zip can say: the clock must not show in an artifact
+_UNIX = 3
+
+
+class ArtifactWriter:
+    """Implements `stage.Writer` over one folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def arrays(self, name: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """An uncompressed .npz, members sorted by name, in C order, without dates. ValueError for arrays of objects."""
+        with durable_file(self._place(name)) as file:
+            _write_npz(file, arrays)
+
+    def json(self, name: str, value: object) -> None:
+        try:
+            data = encode(value)
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from error
+        write_file(self._place(name), data)
+
+    def text(self, name: str, value: str) -> None:
+        write_file(self._place(name), value.encode())
+
+    def bytes(self, name: str, value: bytes) -> None:
+        write_file(self._place(name), value)
+
+    def path(self, name: str) -> AbstractContextManager[Path]:
+        return durable_path(self._place(name))
+
+    def _place(self, name: str) -> Path:
+        parts = PurePosixPath(name).parts
+        if not parts or parts[0] == "/" or ".." in parts or name == FILE_NAME:
+            raise ValueError(f"{name!r} is no name for a file of an artifact")
+        return self._folder.joinpath(*parts)
+
+
+def _write_npz(file: BinaryIO, arrays: Mapping[str, NDArray[Any]]) -> None:
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
+        for name, array in sorted(arrays.items()):
+            member = zipfile.ZipInfo(f"{name}.npy", _ZIP_EPOCH)
+            member.create_system = _UNIX
+            member.external_attr = 0o644 << 16
+            with archive.open(member, "w", force_zip64=True) as stream:
+                np.lib.format.write_array(cast(BinaryIO, stream), np.asarray(array, order="C"), allow_pickle=False)
