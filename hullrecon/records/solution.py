@@ -33,10 +33,10 @@ class Landmarks:
 
 @dataclass(frozen=True, kw_only=True)
 class HullPose:
-    """T_g_M (a batch of one) and its covariance (6, 6) of (translation in g, rotation right-perturbed in M), about survey_center.
+    """T_g_M (a batch of one) and its covariance (6, 6) of (translation in g, rotation right-perturbed in M).
 
-    survey_center (3,) in M. The covariance is that of where the hull lies given the dive's own frame, the CAD model's error in it;
-    as published, the solve's own marginal.
+    Both parts are about survey_center (3,) in M. The covariance is that of where the hull lies given the dive's own frame, with
+    the CAD model's error in it; as published, the solve's own marginal.
     """
 
     global_from_hull: Poses
