@@ -49,7 +49,7 @@ def sections(dive, **options):
     top = config.CameraTop(calibration="top.yaml", mount=six(m.rig.T_s_ct.nominal), mount_sigma=sigma) if m.rig.T_s_ct else None
     bottom = config.CameraBottom(calibration="bottom.yaml", pose_in_top=six(TOP_FROM_BOTTOM)) if m.rig.T_ct_cb else None
     hull = (
-        config.Hull(mesh="hull.stl", pose=six(m.drawing.guess), pose_sigma=tuple(GUESS_SIGMA * TO_DEGREES))
+        config.Hull(mesh="hull.stl", pose=six(m.drawing.guess), pose_sigma=tuple((GUESS_SIGMA * TO_DEGREES).tolist()))
         if m.drawing
         else None
     )
@@ -133,7 +133,8 @@ def test_the_summary_agrees_with_the_solution(stereo):
     summary, found = json.loads((out / "adjust.json").read_text()), solution_in(out)
     assert summary["converged"] is True
     assert summary["landmarks"] == len(found.landmark)
-    assert list(summary["navigation"].values()) == found.navigation.tolist()
+    assert sorted(summary["navigation"].values()) == sorted(found.navigation.tolist())
+    assert summary["navigation"]["dvl_scale"] == found.navigation[0]
     assert summary["mounts"]["T_g_M"] == found.T_g_M.tolist()
 
 
