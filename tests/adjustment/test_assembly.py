@@ -1,0 +1,266 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""State and measurements to a native problem and back."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from adjustment.simulated_dive import (
+    GLOBAL_FROM_HULL,
+    NAVIGATION,
+    SEMI_AXES_M,
+    TRAY_FROM_DVL,
+    TRAY_NOISE_RAD,
+    drawn_hull,
+    moved,
+    records_poses,
+    simulate,
+)
+from adjustment.solved_dives import solved
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from hullrecon import native
+from hullrecon.adjustment import selection, weighting
+from hullrecon.adjustment.assembly import assemble, cell_share, read_back
+from hullrecon.adjustment.deviation import grid_over
+from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.state import State
+from hullrecon.geometry.poses import Poses
+
+UNKNOWNS = (
+    "pose", "landmark", "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top", "intrinsics_bottom",
+)  # fmt: skip
+CENTER = np.array([0.1, 2.4, 0.2])
+SEEN_BY = ("stereo", "mono", "none")
+
+
+def some_poses(rng, n=1):
+    return Poses(Rotation.random(n, rng=rng).as_quat(), rng.normal(0, 5, (n, 3)))
+
+
+def some_state(rng, measured, stereo, cad, camera):
+    """Any state that fits the measurements in its shapes."""
+    n, count = len(measured.trajectory.t_ns), selection.landmark_count(measured)
+    grid = grid_over(rng.uniform(0, 4, (20, 2)), (3.0, 1.5)) if cad else None
+    return State(
+        nodes=some_poses(rng, n),
+        tray=rng.normal(0, 1, n),
+        landmark=rng.normal(0, 5, (count, 3)),
+        T_g_M=some_poses(rng) if cad else None,
+        T_s_ct=some_poses(rng) if camera else None,
+        T_ct_cb=some_poses(rng) if camera and stereo else None,
+        T_s_d=some_poses(rng),
+        navigation=rng.normal(0, 1, 6),
+        grid=grid,
+        field=rng.normal(0, 0.02, grid.size if grid else 0),
+    )
+
+
+def chosen_from(rng, measured):
+    """Some landmarks, observations and returns."""
+    count = selection.landmark_count(measured)
+    rows = 0 if measured.tracks is None else len(measured.tracks.node)
+    returns = 0 if measured.returns is None else len(measured.returns.node)
+    top, bottom = (rng.random(rows) < 0.7 for _ in range(2))
+    landmarks = np.flatnonzero(rng.random(count) < 0.6)
+    return selection.Selection(top, bottom, rng.random(returns) < 0.8, landmarks)
+
+
+def true_state(dive):
+    """The truth as a state, its field on a grid of zeros."""
+    m = dive.measured
+    start = solved().adjusted.state
+    hull = records_poses(GLOBAL_FROM_HULL)
+    return replace(
+        start,
+        nodes=records_poses(dive.global_from_vehicle),
+        tray=dive.tray,
+        landmark=dive.landmark,
+        T_g_M=hull if m.drawing is not None else None,
+        navigation=NAVIGATION,
+        field=0 * start.field,
+    )
+
+
+def problem_at(dive, state, **held):
+    chosen = selection.select(dive.measured, state, 40.0)
+    weights = weighting.first(dive.measured, AdjustOptions())
+    return assemble(dive.measured, state, weights, chosen, CENTER, held.pop("as_published", False), **held), chosen, weights
+
+
+def assert_same_motion(a, b):
+    """T_a_b equal, whichever sign their quaternions have."""
+    if a is None or b is None:
+        assert a is b
+        return
+    np.testing.assert_allclose(a.matrix(), b.matrix(), atol=1e-12)
+
+
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(seed=st.integers(0, 2**32 - 1), seen_by=st.sampled_from(SEEN_BY), cad=st.booleans())
+def test_a_state_comes_back_as_it_went_in(seed, seen_by, cad):
+    rng = np.random.default_rng(seed)
+    stereo, camera = seen_by == "stereo", seen_by != "none"
+    measured = simulate(stereo=stereo, cad=cad, camera=camera, per_leg=3, landmarks=60).measured
+    state = some_state(rng, measured, stereo, cad, camera)
+    chosen = chosen_from(rng, measured)
+    weights = weighting.first(measured, AdjustOptions())
+    problem = assemble(measured, state, weights, chosen, CENTER, as_published=False)
+    back = read_back(state, {name: getattr(problem, name) for name in UNKNOWNS}, chosen, CENTER)
+    for name in ("nodes", "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d"):
+        assert_same_motion(getattr(back, name), getattr(state, name))
+    for name in ("tray", "navigation", "field"):
+        np.testing.assert_array_equal(getattr(back, name), getattr(state, name))
+    np.testing.assert_array_equal(back.landmark[chosen.landmarks], state.landmark[chosen.landmarks])
+    out = np.setdiff1d(np.arange(len(state.landmark)), chosen.landmarks)
+    assert np.isnan(back.landmark[out]).all()
+    assert back.grid is state.grid
+
+
+@pytest.mark.parametrize("factor", ["odometry", "attitude", "tray"])
+def test_truth_leaves_residuals_of_one_sigma(factor):
+    dive = simulate()
+    state = replace(true_state(dive), T_s_d=records_poses(TRAY_FROM_DVL))
+    chosen = selection.select(dive.measured, state, 40.0)
+    weights = replace(weighting.first(dive.measured, AdjustOptions()), tray=TRAY_NOISE_RAD)
+    found = native.evaluate(assemble(dive.measured, state, weights, chosen, CENTER, as_published=False))
+    rows = found.residual[found.factor == native.FACTORS.index(factor)]
+    assert np.sqrt(np.mean(rows**2)) == pytest.approx(1.0, abs=0.25)
+
+
+def test_the_hull_is_moved_to_the_surveys_centre_and_stays_where_it_is_in_g():
+    dive = simulate()
+    problem, _, _ = problem_at(dive, true_state(dive))
+    hull = Poses(problem.T_g_M[None, 3:], problem.T_g_M[None, :3])
+    expected = moved(GLOBAL_FROM_HULL, drawn_hull().vertices)
+    np.testing.assert_allclose(hull.apply(problem.vertices), expected, atol=1e-9)
+
+
+def test_every_observation_chosen_stands_in_one_table_once():
+    dive = simulate()
+    problem, chosen, _ = problem_at(dive, true_state(dive))
+    tracks = dive.measured.tracks
+    known = np.isin(tracks.landmark, chosen.landmarks)
+    assert len(problem.stereo_node) == (known & chosen.top & chosen.bottom).sum()
+    assert len(problem.mono_node) == (known & (chosen.top ^ chosen.bottom)).sum()
+    assert set(np.unique(problem.mono_camera)) == {0, 1}
+    seen = np.flatnonzero(known & chosen.top & chosen.bottom)
+    np.testing.assert_array_equal(chosen.landmarks[problem.stereo_landmark], tracks.landmark[seen])
+    np.testing.assert_array_equal(problem.stereo_pixel, np.hstack([tracks.top[seen], tracks.bottom[seen]]))
+    assert np.isfinite(problem.mono_pixel).all()
+
+
+def test_a_mono_rig_has_no_stereo_rows_and_holds_the_second_camera():
+    dive = simulate(stereo=False)
+    state = replace(true_state(dive), T_ct_cb=None)
+    problem, _, _ = problem_at(dive, state)
+    assert len(problem.stereo_node) == 0
+    assert not problem.mono_camera.any()
+    assert "T_ct_cb" in problem.constant
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "held"),
+    [
+        ({}, {}, {"T_ct_cb"}),
+        ({}, {"hold_place": True}, {"T_ct_cb", "T_g_M"}),
+        ({}, {"as_published": True}, {"T_ct_cb", "T_s_d", "navigation"}),
+        ({"cad": False}, {}, {"T_ct_cb", "T_g_M", "deviation"}),
+        ({"camera": False}, {}, {"T_ct_cb", "T_s_ct"}),
+    ],
+)
+def test_what_is_calibrated_absent_or_asked_to_stay_is_held(scene, options, held):
+    dive = simulate(**scene)
+    problem, _, _ = problem_at(dive, true_state(dive), **options)
+    assert set(problem.constant) == held | {"intrinsics_top", "intrinsics_bottom"}
+
+
+def test_the_beams_meet_the_field_where_they_meet_the_drawing():
+    """Their four weights at the nodes give back the chart's coordinates of a point of the ellipsoid."""
+    dive = simulate()
+    state = true_state(dive)
+    problem, chosen, _ = problem_at(dive, state)
+    grid, chart = state.grid, dive.measured.drawing.chart
+    row, column = np.divmod(problem.range_field_index, grid.shape[1])
+    node = grid.origin + np.stack([row, column], -1) * grid.step
+    at = np.einsum("nk,nkc->nc", problem.range_field_weight, node)
+    on_drawing, _ = chart.from_chart(at)
+    known = np.isfinite(on_drawing[:, 0])
+    assert known.mean() > 0.9
+    np.testing.assert_allclose(np.sum((on_drawing[known] / SEMI_AXES_M) ** 2, 1), 1.0, atol=5e-3)
+    returns = dive.measured.returns
+    assert len(problem.range_measured) == chosen.returns.sum()
+    origin = moved(np.linalg.inv(GLOBAL_FROM_HULL), dive.global_from_vehicle[returns.node, :3, 3])
+    assert np.abs(on_drawing[known, 0] - origin[chosen.returns][known, 0]).max() < 1.5
+
+
+def test_a_beam_that_misses_the_drawing_takes_the_field_at_its_measured_end():
+    dive = simulate()
+    turned = dive.measured.returns.beam * [1, 1, -1]  # away from the hull
+    measured = replace(dive.measured, returns=replace(dive.measured.returns, beam=turned))
+    state = true_state(dive)
+    chosen, weights = selection.select(measured, state, 40.0), weighting.first(measured, AdjustOptions())
+    problem = assemble(measured, state, weights, chosen, CENTER, as_published=False)
+    np.testing.assert_allclose(problem.range_field_weight.sum(1), 1.0)
+    assert (problem.range_field_index < state.grid.size).all()
+
+
+def test_without_a_field_ranges_and_landmarks_have_no_nodes():
+    dive = simulate()
+    problem, _, _ = problem_at(dive, replace(true_state(dive), grid=None, field=np.zeros(0)))
+    assert problem.range_field_index.shape == problem.surface_field_index.shape == (0, 4)
+    assert len(problem.deviation) == 0
+
+
+def test_weights_go_into_the_tables_of_their_measurements():
+    dive = simulate()
+    state = true_state(dive)
+    chosen = selection.select(dive.measured, state, 40.0)
+    first = weighting.first(dive.measured, AdjustOptions())
+    surface = np.linspace(0.1, 1.0, len(state.landmark))
+    weights = replace(first, pixel=0.7, depth=0.5, tray=0.003, range_sigma=0.02, surface=surface)
+    problem = assemble(dive.measured, state, weights, chosen, CENTER, as_published=False)
+    assert problem.sigma_px == 0.7
+    np.testing.assert_allclose(problem.attitude_sigma, dive.measured.attitude.sigma * [0.5, 1, 1])
+    assert set(problem.tray_sigma) == {0.003}
+    assert set(problem.range_sigma) == {0.02}
+    np.testing.assert_array_equal(problem.surface_weight, surface[chosen.landmarks])
+
+
+def test_odometry_enters_whitened_by_its_covariance():
+    dive = simulate()
+    problem, _, _ = problem_at(dive, true_state(dive))
+    white = problem.odometry_sqrt @ dive.measured.odometry.covariance @ problem.odometry_sqrt.transpose(0, 2, 1)
+    np.testing.assert_allclose(white, np.tile(np.eye(6), (len(white), 1, 1)), atol=1e-9)
+
+
+@pytest.mark.parametrize("levelled", [True, False])
+def test_the_first_pose_fixes_what_no_sensor_measures(levelled):
+    """With roll, pitch and depth measured, x, y and heading alone; else all six."""
+    dive = simulate()
+    attitude = dive.measured.attitude
+    if not levelled:
+        attitude = replace(attitude, node=attitude.node[:0], depth=attitude.depth[:0], roll=attitude.roll[:0],
+                           pitch=attitude.pitch[:0], sigma=attitude.sigma[:0])  # fmt: skip
+    measured = replace(dive.measured, attitude=attitude)
+    problem, _, _ = problem_at(replace(dive, measured=measured), true_state(dive))
+    to_global = Rotation.from_quat(measured.trajectory.quaternion[0]).as_matrix()
+    rows = problem.prior_pose_sqrt[0] @ np.kron(np.eye(2), to_global.T)  # by steps in g
+    sigma = 1 / np.linalg.norm(rows, axis=0)
+    assert (sigma < 1e-3).tolist() == ([True, True, False, False, False, True] if levelled else [True] * 6)
+
+
+def test_landmarks_of_one_cell_share_one_observations_weight():
+    dive = simulate()
+    state = true_state(dive)
+    landmarks = np.arange(0, len(state.landmark), 2)
+    weight = cell_share(dive.measured, state, landmarks, (0.5, 0.5))
+    assert set(weight[1::2]) == {1.0}
+    cells = dive.measured.drawing.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[landmarks]))[:, :2]
+    occupied = len(np.unique(np.floor(cells / 0.5), axis=0))
+    assert weight[landmarks].sum() == pytest.approx(occupied)
+    with pytest.raises(ValueError, match="drawing"):
+        cell_share(simulate(cad=False).measured, state, landmarks, (0.5, 0.5))

@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""`adjust` where the measurements are spoilt or too few."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from adjustment.simulated_dive import simulate
+from adjustment.solved_dives import solved
+
+from hullrecon.adjustment.bundle import adjust, deviation_from_hull
+from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.dive.records import from_arrays, to_arrays
+from hullrecon.errors import StageError
+
+
+def quietly(measured, **options):
+    return adjust(measured, AdjustOptions(**options), lambda _: None)
+
+
+def rows(record, kept):
+    """Those rows of a record all whose fields have one a row, but `color`."""
+    return from_arrays(type(record), {k: v if k == "color" else v[kept] for k, v in to_arrays(record).items()})
+
+
+def shifted(tracks, landmark, by_px):
+    """The tracks with the bottom pixels of one landmark moved."""
+    bottom = tracks.bottom.copy()
+    bottom[tracks.landmark == landmark] += by_px
+    return replace(tracks, bottom=bottom)
+
+
+def well_seen(tracks):
+    both = np.isfinite(tracks.top[:, 0]) & np.isfinite(tracks.bottom[:, 0])
+    return int(np.argmax(np.bincount(tracks.landmark[both])))
+
+
+def seen_once_by_both(tracks, landmark):
+    """The tracks with a single stereo observation of that landmark."""
+    own = np.flatnonzero((tracks.landmark == landmark) & np.isfinite(tracks.top[:, 0]) & np.isfinite(tracks.bottom[:, 0]))
+    return rows(
+        tracks, np.setdiff1d(np.arange(len(tracks.node)), np.setdiff1d(np.flatnonzero(tracks.landmark == landmark), own[:1]))
+    )
+
+
+def test_a_landmark_whose_rays_meet_behind_the_cameras_is_left_out():
+    measured = simulate().measured
+    landmark = well_seen(measured.tracks)
+    lone = seen_once_by_both(measured.tracks, landmark)
+    assert landmark in quietly(replace(measured, tracks=lone)).chosen.landmarks
+    behind = shifted(lone, landmark, [0.0, 130.0])  # the bottom camera lies 0.1 m down the image: more is behind
+    left = quietly(replace(measured, tracks=behind))
+    assert landmark not in left.chosen.landmarks
+    assert np.isnan(left.state.landmark[landmark]).all()
+
+
+def test_an_observation_far_from_where_the_others_put_its_landmark_is_left_out():
+    measured = simulate().measured
+    tracks, landmark = measured.tracks, well_seen(measured.tracks)
+    row = int(np.flatnonzero(tracks.landmark == landmark)[0])
+    top = tracks.top.copy()
+    top[row] += 15.0
+    found = quietly(replace(measured, tracks=replace(tracks, top=top)))
+    assert not found.chosen.top[row]
+    assert landmark in found.chosen.landmarks
+
+
+@pytest.mark.parametrize("cad", [True, False])
+def test_too_few_landmarks_are_an_error_that_says_how_many_and_what_to_check(cad):
+    measured = simulate(cad=cad).measured
+    few = rows(measured.tracks, measured.tracks.landmark < 12)
+    with pytest.raises(StageError, match=r"only \d+ landmarks agree") as error:
+        quietly(replace(measured, tracks=few))
+    assert "mounts" in error.value.remedy
+
+
+def test_nothing_to_lay_onto_the_drawing_is_an_error_with_a_remedy():
+    measured = simulate().measured
+    with pytest.raises(StageError, match="fewer than 30") as error:
+        quietly(replace(measured, returns=None, tracks=None))
+    assert "[hull]" in error.value.remedy
+
+
+def test_flagged_returns_count_for_nothing():
+    measured = simulate(camera=False).measured
+    flagged = replace(measured.returns, flagged=np.ones(len(measured.returns.node), bool))
+    with pytest.raises(StageError, match="fewer than 30"):
+        quietly(replace(measured, returns=flagged))
+
+
+def test_flagged_returns_do_not_enter():
+    measured = simulate().measured
+    wrong = measured.returns.range_m.copy()
+    wrong[::20] += 1.0
+    flagged = np.zeros(len(wrong), bool)
+    flagged[::20] = True
+    returns = replace(measured.returns, range_m=wrong, flagged=flagged)
+    found = quietly(replace(measured, returns=returns))
+    np.testing.assert_array_equal(found.chosen.returns, ~flagged)
+    assert len(found.problem.range_measured) == (~flagged).sum()
+    assert np.abs(found.state.nodes.translation - solved().adjusted.state.nodes.translation).max() < 0.01
+
+
+def test_without_returns_the_stereo_landmarks_lay_the_dive_onto_the_drawing():
+    found = solved(ranges=False)
+    assert found.adjusted.registration.fitness > 0.8
+    assert len(found.adjusted.problem.range_measured) == 0
+
+
+def test_a_dive_without_pressure_keeps_its_depth_by_dead_reckoning():
+    measured = simulate().measured
+    none = {k: v[:0] for k, v in to_arrays(measured.attitude).items() if k != "tray_direction"}
+    attitude = replace(measured.attitude, **none)
+    found = quietly(replace(measured, attitude=attitude))
+    assert found.result.converged
+    np.testing.assert_allclose(found.state.nodes.translation[0], measured.trajectory.translation[0], atol=1e-3)
+
+
+def test_a_deviation_from_a_hull_needs_a_drawing():
+    found = solved(cad=False)
+    with pytest.raises(ValueError, match="drawing"):
+        deviation_from_hull(found.dive.measured, found.adjusted.state, np.zeros((1, 3)))
+
+
+def test_the_deviation_from_the_hull_is_the_drawings_less_the_field():
+    found = solved()
+    state, solution = found.adjusted.state, found.outcome.solution
+    on = solution.label == 1
+    apart = deviation_from_hull(found.dive.measured, state, solution.landmark[on])
+    bare = deviation_from_hull(found.dive.measured, replace(state, grid=None), solution.landmark[on])
+    np.testing.assert_allclose(bare, solution.deviation[on], atol=1e-6)
+    assert np.std(apart) < np.std(bare)

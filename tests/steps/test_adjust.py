@@ -1,0 +1,223 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The step on artifacts made from the simulated dive: what it reads, and what it leaves."""
+
+import json
+import zipfile
+from dataclasses import asdict
+
+import numpy as np
+import pycolmap
+import pytest
+from adjustment.simulated_dive import (
+    CAMERA,
+    GLOBAL_FROM_HULL,
+    GUESS_SIGMA,
+    MOUNT_SIGMA,
+    PRESSURE_ORIGIN_M,
+    TOP_FROM_BOTTOM,
+    TRAY_ORIGIN_M,
+    aligning,
+    drawn_hull,
+    hull_chart,
+    moved,
+    simulate,
+)
+from scipy.spatial.transform import Rotation
+
+from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.artifacts.runner import run_stage
+from hullrecon.artifacts.stage import load_arrays
+from hullrecon.dive import config
+from hullrecon.dive.records import ImageIndex, Solution, from_arrays, to_arrays
+from hullrecon.geometry.chart import chart_from_arrays
+from hullrecon.steps.adjust import STAGE
+
+TO_DEGREES = np.r_[np.ones(3), np.full(3, 180 / np.pi)]
+
+
+def six(pose):
+    """A mount as dive.toml has it, of a matrix (4, 4) or a batch of one."""
+    matrix = pose if isinstance(pose, np.ndarray) else pose.matrix()[0]
+    return tuple(np.r_[matrix[:3, 3], Rotation.from_matrix(matrix[:3, :3]).as_euler("xyz", degrees=True)].tolist())
+
+
+def sections(dive, **options):
+    """dive.toml of the simulated dive."""
+    m = dive.measured
+    sigma = tuple((MOUNT_SIGMA * TO_DEGREES).tolist())
+    top = config.CameraTop(calibration="top.yaml", mount=six(m.rig.T_s_ct.nominal), mount_sigma=sigma) if m.rig.T_s_ct else None
+    bottom = config.CameraBottom(calibration="bottom.yaml", pose_in_top=six(TOP_FROM_BOTTOM)) if m.rig.T_ct_cb else None
+    hull = (
+        config.Hull(mesh="hull.stl", pose=six(m.drawing.guess), pose_sigma=tuple((GUESS_SIGMA * TO_DEGREES).tolist()))
+        if m.drawing
+        else None
+    )
+    return {
+        "tray": config.Tray(origin=tuple(TRAY_ORIGIN_M.tolist())),
+        "imu": config.Imu(heading_drift_deg_per_hour=200.0),
+        "pressure": config.Pressure(origin=tuple(PRESSURE_ORIGIN_M.tolist())),
+        "dvl": config.Dvl(mount=six(m.rig.T_s_d.nominal), mount_sigma=sigma, scale_sigma=0.01),
+        "camera": config.Cameras(top=top, bottom=bottom),
+        "hull": hull,
+        "adjust": AdjustOptions(**options),
+    }
+
+
+def keep(folder, name, record):
+    folder.mkdir(exist_ok=True)
+    with zipfile.ZipFile(folder / f"{name}.npz", "w") as file:  # np.savez cannot hold a member called `file`
+        for member, value in to_arrays(record).items():
+            with file.open(f"{member}.npy", "w") as stream:
+                np.save(stream, value)
+
+
+def ingested(folder, m):
+    """Calibrations, stamps of the images and the hull."""
+    folder.mkdir()
+    n = len(m.trajectory.t_ns)
+    if m.rig.top is not None:
+        cameras = {"top": asdict(CAMERA)} | ({"bottom": asdict(CAMERA)} if m.rig.bottom is not None else {})
+        (folder / "cameras.json").write_text(json.dumps(cameras))
+        zero = np.zeros(n, np.int64)
+        index = ImageIndex(m.trajectory.t_ns, np.full(n, ""), zero, zero, np.ones(n, bool))
+        for name in cameras:
+            keep(folder, f"images_camera_{name}", index)
+    if m.drawing is not None:
+        np.savez(folder / "hull.npz", vertices=m.drawing.mesh.vertices, faces=m.drawing.mesh.faces)
+
+
+def run(root, dive, **options):
+    """The folder that the step leaves."""
+    m, inputs = dive.measured, {name: root / name for name in ("ingest", "navigate")}
+    ingested(inputs["ingest"], m)
+    for name in ("trajectory", "odometry", "attitude", "returns"):
+        if getattr(m, name) is not None:
+            keep(inputs["navigate"], name, getattr(m, name))
+    if m.tracks is not None:
+        inputs["matches"] = root / "matches"
+        keep(inputs["matches"], "tracks", m.tracks)
+    return run_stage(STAGE, sections(dive, **options), inputs, root / "adjust")
+
+
+def solution_in(folder):
+    return from_arrays(Solution, load_arrays(folder / "solution.npz"))
+
+
+@pytest.fixture(scope="module")
+def stereo(tmp_path_factory):
+    """The dive, and what the step left of it."""
+    dive = simulate()
+    return dive, run(tmp_path_factory.mktemp("stereo"), dive)
+
+
+def test_the_solution_is_the_dive_to_millimetres(stereo):
+    dive, out = stereo
+    found = solution_in(out)
+    truth = dive.global_from_vehicle[:, :3, 3]
+    error = np.linalg.norm(moved(aligning(found.translation, truth), found.translation) - truth, axis=1)
+    assert np.sqrt(np.mean(error**2)) < 2e-3
+    assert np.median(found.label) == 1
+
+
+def test_the_files_are_those_that_later_steps_read(stereo):
+    _, out = stereo
+    names = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
+    colmap = {f"colmap/{name}.bin" for name in ("cameras", "rigs", "frames", "images", "points3D")}
+    assert {"solution.npz", "iterations.npz", "adjust.json", "chart.npz", "manifest.json"} | colmap <= names
+    assert "cameras.json" not in names
+
+
+def test_the_summary_agrees_with_the_solution(stereo):
+    _, out = stereo
+    summary, found = json.loads((out / "adjust.json").read_text()), solution_in(out)
+    assert summary["converged"] is True
+    assert summary["landmarks"] == len(found.landmark)
+    assert sorted(summary["navigation"].values()) == sorted(found.navigation.tolist())
+    assert summary["navigation"]["dvl_scale"] == found.navigation[0]
+    assert summary["mounts"]["T_g_M"] == found.T_g_M.tolist()
+
+
+def test_warnings_and_times_go_into_the_manifest_and_not_into_the_result(stereo):
+    _, out = stereo
+    manifest = json.loads((out / "manifest.json").read_text())
+    assert "along the hull" in json.dumps(manifest)
+    assert "seconds" not in load_arrays(out / "iterations.npz")
+
+
+def test_the_chart_is_the_hulls(stereo):
+    _, out = stereo
+    at = drawn_hull().vertices[5000:5200]
+    np.testing.assert_allclose(chart_from_arrays(load_arrays(out / "chart.npz")).to_chart(at), hull_chart().to_chart(at))
+
+
+def test_pycolmap_opens_the_model_and_finds_images_and_points_in_the_hull_frame(stereo):
+    dive, out = stereo
+    found, model = solution_in(out), pycolmap.Reconstruction(str(out / "colmap"))
+    n = len(dive.tray)
+    assert len(model.images) == 2 * n
+    assert len(model.points3D) == len(found.landmark)
+    assert model.compute_mean_reprojection_error() < 0.6  # px; the noise is 0.3 in each coordinate
+    hull_from_global = np.linalg.inv(found_hull(found))
+    expected = moved(hull_from_global, found.landmark)
+    points = np.array([model.points3D[k].xyz for k in sorted(model.points3D)])
+    np.testing.assert_allclose(points, expected, atol=1e-9)
+    stamps = {int(image.name.split("/")[1].removesuffix(".jpg")) for image in model.images.values()}
+    assert stamps == set(dive.measured.trajectory.t_ns.tolist())
+
+
+def found_hull(solution):
+    out = np.eye(4)
+    out[:3, :3], out[:3, 3] = Rotation.from_quat(solution.T_g_M[3:]).as_matrix(), solution.T_g_M[:3]
+    return out
+
+
+def test_two_runs_leave_the_same_bytes(stereo, tmp_path):
+    dive, out = stereo
+    again = run(tmp_path, dive)
+    for path in sorted(p for p in out.rglob("*") if p.is_file() and p.name != "manifest.json"):
+        assert (again / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name
+
+
+def test_without_a_drawing_there_is_no_chart_and_the_model_stands_in_g(tmp_path):
+    out = run(tmp_path, simulate(cad=False))
+    assert not (out / "chart.npz").exists()
+    found, model = solution_in(out), pycolmap.Reconstruction(str(out / "colmap"))
+    assert np.isnan(found.T_g_M).all()
+    points = np.array([model.points3D[k].xyz for k in sorted(model.points3D)])
+    np.testing.assert_allclose(points, found.landmark, atol=1e-9)
+
+
+def test_without_cameras_there_is_no_model(tmp_path):
+    out = run(tmp_path, simulate(camera=False))
+    assert not (out / "colmap").exists()
+    assert len(solution_in(out).landmark) == 0
+    assert np.isfinite(solution_in(out).T_g_M).all()
+
+
+def test_a_single_camera_makes_a_model_of_one(tmp_path):
+    dive = simulate(stereo=False)
+    model = pycolmap.Reconstruction(str(run(tmp_path, dive) / "colmap"))
+    assert len(model.cameras) == 1
+    assert len(model.images) == len(dive.tray)
+
+
+def test_refined_intrinsics_are_written_for_the_steps_that_follow(tmp_path):
+    out = run(tmp_path, simulate(), refine_intrinsics=True)
+    cameras = json.loads((out / "cameras.json").read_text())
+    assert set(cameras) == {"top", "bottom"}
+    assert cameras["top"]["fx"] == pytest.approx(CAMERA.fx, rel=0.01)
+    assert cameras["top"]["fx"] != CAMERA.fx
+    assert "intrinsics" in json.loads((out / "adjust.json").read_text())
+
+
+def test_the_true_hull_is_found_where_the_guess_was_centimetres_off(stereo):
+    dive, out = stereo
+    found = solution_in(out)
+    guess = dive.measured.drawing.guess.matrix()[0]
+    middle = found.survey_center
+
+    def off(pose):
+        return np.abs((GLOBAL_FROM_HULL[:3, :3].T @ (moved(pose, middle) - moved(GLOBAL_FROM_HULL, middle)))[1])
+
+    assert off(found_hull(found)) < 0.03 < off(guess)
