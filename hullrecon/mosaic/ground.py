@@ -58,12 +58,14 @@ class Patch:
 
 
 def patch_of(ground: Ground, grid: TexelGrid, window: Window) -> Patch:
-    """The outermost surface at each texel: a ray along the chart's normal from outside."""
+    """The outermost surface at each texel of the grid: a ray along the chart's normal from outside."""
     base, normal = _chart_at(ground.chart, grid, window)
     shape = base.shape
     start = (base + ground.reach_m * normal).reshape(-1, 3)
     direction = -normal.reshape(-1, 3)
-    good = np.isfinite(start).all(axis=1)
+    inside = np.zeros(shape[:2], bool)
+    inside[window.meet(grid.whole).within(window)] = True
+    good = np.isfinite(start).all(axis=1) & inside.ravel()
     gone = np.full(len(start), np.inf)
     gone[good] = ground.scene.cast(start[good], direction[good])
     gone[gone > 2 * ground.reach_m] = np.nan

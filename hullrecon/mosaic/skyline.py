@@ -14,8 +14,8 @@ from hullrecon.geometry.meshes import Mesh
 from hullrecon.geometry.refinement import refine
 
 Array = NDArray[np.float64]
-CELL_M = 0.05  # of the chart, for each of which the outermost point of the surface is kept
-BLOCK_M = 0.05  # texels that share one answer
+CELL_M = 0.1  # of the chart, for each of which the outermost point of the surface is kept
+BLOCK_M = 0.1  # texels that share one answer
 LEAST_RELIEF_M = 0.012  # lower relief is within the surface's own error and hides nothing
 PAIRS = 2_000_000  # of blocks and cells at a time: bounds memory at some 100 MB
 
