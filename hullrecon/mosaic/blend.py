@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hullrecon.mosaic.bands import STEEPNESS, split, weight
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.ground import Ground, Patch, patch_of, unobstructed
+from hullrecon.mosaic.ground import Ground, Patch, patch_of, seen
 from hullrecon.mosaic.sight import Sight
 
 Array = NDArray[np.float64]
@@ -75,20 +75,16 @@ def choose(
 
 def view_cost(ground: Ground, patch: Patch, part: tuple[slice, slice], sight: Sight, limits: Limits) -> NDArray[np.float32]:
     """(h, w) of the part: lower is better, inf where the view does not see the texel."""
-    point, normal = patch.point[part].reshape(-1, 3), patch.normal[part].reshape(-1, 3)
+    inside = patch.part(part)
+    point = inside.point.reshape(-1, 3)
     cost = np.full(len(point), np.inf, np.float32)
     rows = np.flatnonzero(np.isfinite(point[:, 0]))
     _, ratio = sight.project(point[rows])
     held = np.isfinite(ratio)
     rows, ratio = rows[held], ratio[held]
-    away = sight.center - point[rows]
-    cosine = np.einsum("ni,ni->n", away, normal[rows]) / np.linalg.norm(away, axis=1)
-    facing = cosine > limits.least_cosine
-    tangent = np.sqrt(np.maximum(1 - cosine**2, 0)) / np.maximum(cosine, 1e-6)
-    doubtful = facing & (tangent > patch.hidden_from[part].ravel()[rows])
-    facing[doubtful] = unobstructed(ground, point[rows[doubtful]], normal[rows[doubtful]], sight.center)
-    cost[rows[facing]] = ratio[facing] + limits.slant * (1 - cosine[facing])
-    return cost.reshape(patch.point[part].shape[:2])
+    free, cosine = seen(ground, inside, rows, sight.center, limits.least_cosine)
+    cost[rows[free]] = ratio[free] + limits.slant * (1 - cosine[free])
+    return cost.reshape(inside.point.shape[:2])
 
 
 def _enter(best: Choice, part: tuple[slice, slice], view: int, cost: NDArray[np.float32]) -> None:

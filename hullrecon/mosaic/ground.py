@@ -4,55 +4,75 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.chart import Chart
+from hullrecon.geometry.meshes import Mesh
 from hullrecon.mosaic.grid import TexelGrid, Window
+from hullrecon.mosaic.skyline import Skyline, hidden_from, skyline_of
 
 Array = NDArray[np.float64]
 COARSE = 8  # texels between points of the chart; between them it is linear, 0.1 mm off on a radius of a metre at 4 mm texels
-SHADOW_RINGS_M = (0.0, 0.03, 0.1, 0.3)  # rings around a texel in which structures are looked for that may hide it
-SHADOW_HEIGHT_M = 0.012  # lower relief hides nothing that matters at 4 mm texels
 OFF_SURFACE_M = 0.004  # rays start so far off the surface, not to hit it where they start
 
 
 @dataclass(frozen=True)
 class Ground:
-    """A mesh, and the chart that unrolls it; reach_m: how far from the chart's surface the mesh may lie."""
+    """A mesh, and the chart that unrolls it; reach_m: how far from the chart's surface the mesh may lie; skyline: what may
+    stand in the way of a view, None to cast a ray for every texel of every view."""
 
+    mesh: Mesh
     scene: Scene
     chart: Chart
     reach_m: float
+    skyline: Skyline | None = None
+
+    def with_skyline(self, grid: TexelGrid, span_m: float) -> Ground:
+        """The same, for views of the grid's texels from up to span_m away."""
+        low = [grid.west, grid.north - grid.height * grid.step_m]
+        bounds = np.array([low, [grid.west + grid.width * grid.step_m, grid.north]])
+        return replace(self, skyline=skyline_of(self.mesh, self.chart, bounds, span_m))
+
+
+def ground_of(mesh: Mesh, chart: Chart, reach_m: float) -> Ground:
+    """A ground without a skyline."""
+    return Ground(mesh, Scene(mesh), chart, reach_m)
 
 
 @dataclass(frozen=True)
 class Patch:
     """The surface at the texels of a window: point (h, w, 3), NaN where there is none, normal (h, w, 3) of the chart,
-    hidden_from (h, w): the tangent of the incidence from which on something near may hide the texel, inf where nothing does."""
+    hidden_from (h, w): the tangent of the incidence from which on something may hide the texel, inf where nothing does."""
 
     point: Array
     normal: Array
     hidden_from: NDArray[np.float32]
 
+    def part(self, which: tuple[slice, slice]) -> Patch:
+        """The patch of some of its rows and columns."""
+        return Patch(self.point[which], self.normal[which], self.hidden_from[which])
+
 
 def patch_of(ground: Ground, grid: TexelGrid, window: Window) -> Patch:
-    """The outermost surface at each texel: a ray along the chart's normal from outside."""
+    """The outermost surface at each texel of the grid: a ray along the chart's normal from outside."""
     base, normal = _chart_at(ground.chart, grid, window)
     shape = base.shape
     start = (base + ground.reach_m * normal).reshape(-1, 3)
     direction = -normal.reshape(-1, 3)
-    good = np.isfinite(start).all(axis=1)
+    inside = np.zeros(shape[:2], bool)
+    inside[window.meet(grid.whole).within(window)] = True
+    good = np.isfinite(start).all(axis=1) & inside.ravel()
     gone = np.full(len(start), np.inf)
     gone[good] = ground.scene.cast(start[good], direction[good])
     gone[gone > 2 * ground.reach_m] = np.nan
     point = (start + gone[:, None] * direction).reshape(shape)
-    offset = (ground.reach_m - gone).reshape(shape[:2])
-    return Patch(point, normal, _hidden_from(offset, grid.step_m))
+    if ground.skyline is None:
+        return Patch(point, normal, np.zeros(shape[:2], np.float32))
+    return Patch(point, normal, hidden_from(ground.skyline, point, normal, grid.step_m))
 
 
 def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Array]:
@@ -75,17 +95,23 @@ def _between(values: Array, count: int, axis: int) -> Array:
     return np.asarray(np.take(values, low, axis) * (1 - share) + np.take(values, low + 1, axis) * share)
 
 
-def _hidden_from(offset: Array, step_m: float) -> NDArray[np.float32]:
-    """What stands a height above a texel, nearest at some distance, can hide it only from a flatter view than their ratio."""
-    import cv2
+def seen(
+    ground: Ground, patch: Patch, rows: NDArray[np.int64], eye: Array, least_cosine: float
+) -> tuple[NDArray[np.bool_], Array]:
+    """Whether the eye (3,) sees the texels of these flat rows of the patch, and the cosines of the incidence there.
 
-    level = np.where(np.isfinite(offset), offset, -1e3).astype(np.float32)
-    least = np.full(level.shape, np.inf, np.float32)
-    for near, far in pairwise(SHADOW_RINGS_M):
-        side = 2 * max(1, round(far / step_m)) + 1
-        rise = np.asarray(cv2.dilate(level, np.ones((side, side), np.uint8))) - level
-        least = np.where(rise > SHADOW_HEIGHT_M, np.minimum(least, near / np.maximum(rise, 1e-6)), least)
-    return least.astype(np.float32)
+    A texel is seen when it faces the eye, no flatter than least_cosine, and no other part of the surface lies on the straight
+    line between them: for a sonar, nothing nearer in the same direction, so at the same bearing (METHODS 9). Rays are cast only
+    where the skyline reaches up to the line.
+    """
+    point, normal = patch.point.reshape(-1, 3)[rows], patch.normal.reshape(-1, 3)[rows]
+    away = eye - point
+    cosine = np.einsum("ni,ni->n", away, normal) / np.linalg.norm(away, axis=1)
+    free = cosine > least_cosine
+    tangent = np.sqrt(np.maximum(1 - cosine**2, 0)) / np.maximum(cosine, 1e-6)
+    doubtful = free & (tangent >= patch.hidden_from.ravel()[rows])
+    free[doubtful] = unobstructed(ground, point[doubtful], normal[doubtful], eye)
+    return free, cosine
 
 
 def unobstructed(ground: Ground, points: Array, normals: Array, eye: Array) -> NDArray[np.bool_]:

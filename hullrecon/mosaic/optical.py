@@ -35,6 +35,7 @@ def optical_mosaic(ground: Ground, stations: Sequence[Station], options: Optical
     footprint = footprint_of(ground, sights)
     gsd = ground_sample_distance(stations, footprint)
     grid = grid_around(footprint.at.reshape(-1, 2), texel_of(gsd, options))
+    ground = ground.with_skyline(grid, footprint.span_m)
     light = light_of(ground, stations, sights, footprint, lambda rows: progress(rows, "light")) if options.even_light else None
     lit = lit_sights(stations, light)
     windows = windows_of(grid, footprint)

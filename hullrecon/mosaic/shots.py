@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.grid import TexelGrid, Window, grid_around
-from hullrecon.mosaic.ground import Ground, patch_of
+from hullrecon.mosaic.ground import Ground, patch_of, seen
 from hullrecon.mosaic.radiometry import FIELD, FLOOR, Light, Samples, first_fields, solve_light
 from hullrecon.mosaic.sight import CameraSight, Sight
 
@@ -37,10 +37,12 @@ class Station:
 
 @dataclass(frozen=True)
 class Footprint:
-    """Where images meet the surface: chart points (views, k, 2), NaN where they do not; distance (views,) m in the median."""
+    """Where images meet the surface: chart points (views, k, 2), NaN where they do not; distance (views,) m in the median;
+    span_m: the largest of all distances, 0 when no image meets it."""
 
     at: Array
     distance: Array
+    span_m: float
 
 
 def plain_sights(stations: Sequence[Station]) -> list[CameraSight]:
@@ -56,7 +58,9 @@ def footprint_of(ground: Ground, sights: Sequence[Sight]) -> Footprint:
     at = np.full((*points.shape[:2], 2), np.nan)
     at[good] = ground.chart.to_chart(points[good])[:, :2]
     distance = [float(np.median(m[np.isfinite(m)])) if np.isfinite(m).any() else np.nan for m in middle]
-    return Footprint(at, np.array(distance))
+    return Footprint(
+        at, np.array(distance), float(np.nanmax([0.0, *(m.max(initial=0.0, where=np.isfinite(m)) for m in middle)]))
+    )
 
 
 def windows_of(grid: TexelGrid, footprint: Footprint, margin_share: float = 0.06) -> list[Window]:
@@ -131,7 +135,8 @@ def _samples(
                 continue
             part = window.within(tile)
             rows, columns = np.mgrid[window.top : window.bottom, window.left : window.right]
-            known = np.isfinite(patch.point[part][..., 0]) & ~np.isfinite(patch.hidden_from[part])
+            known = np.isfinite(patch.point[part][..., 0])
+            known[known] = seen(ground, patch.part(part), np.flatnonzero(known), sight.center, 0.0)[0]
             pixel, ratio = sight.project(patch.point[part][known])
             held = np.isfinite(ratio)
             share = (pixel[held] + 0.5) / [sight.camera.width, sight.camera.height]

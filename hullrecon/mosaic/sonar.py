@@ -16,7 +16,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.blend import Limits, blend_tile
 from hullrecon.mosaic.fan import Fan, fan_of
 from hullrecon.mosaic.grid import grid_around
-from hullrecon.mosaic.ground import Ground, patch_of
+from hullrecon.mosaic.ground import Ground, Patch, patch_of, seen
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.shots import Footprint, footprint_of, windows_of
 from hullrecon.mosaic.store import TileStore, lay
@@ -77,6 +77,7 @@ def sonar_mosaic(
     footprint = footprint_of(ground, sights)
     step = options.resolution_m or round(float(np.median(np.diff(pings.range_m))), 4)
     grid = grid_around(footprint.at.reshape(-1, 2), step)
+    ground = ground.with_skyline(grid, footprint.span_m)
     limits = Limits(least_cosine=float(np.cos(np.radians(options.most_incidence_deg))), slant=0.0)
     levels = learn_levels(ground, sights, footprint, limits.least_cosine) if options.even_light else None
     if levels is not None:
@@ -93,8 +94,8 @@ def sonar_mosaic(
 def learn_levels(ground: Ground, sights: Sequence[SonarSight], footprint: Footprint, least_cosine: float) -> list[Array] | None:
     """What the hull returns on average at each range and beam, times each ping's gain: beam pattern, spreading, grazing angle.
 
-    Only pixels on which the surface lies are counted, so that water before the first return does not darken the mean. None
-    when too little of the hull was seen.
+    Only pixels on which the surface lies and is seen are counted, so that neither water before the first return nor shadows
+    darken the mean. None when too little of the hull was seen.
     """
     grid = grid_around(footprint.at.reshape(-1, 2), 0.05)
     shape = sights[0].image.shape
@@ -105,8 +106,7 @@ def learn_levels(ground: Ground, sights: Sequence[SonarSight], footprint: Footpr
         patch = patch_of(ground, grid, tile)
         for k, sight in enumerate(sights):
             part = windows[k].meet(tile).within(tile)
-            point, normal = patch.point[part].reshape(-1, 3), patch.normal[part].reshape(-1, 3)
-            cells[k] = np.concatenate([cells[k], _hull_cells(sight, point, normal, least_cosine)])
+            cells[k] = np.concatenate([cells[k], _hull_cells(ground, sight, patch.part(part), least_cosine)])
     for sight, cell in zip(sights, cells, strict=True):
         flat = np.bincount(cell, minlength=shape[0] * shape[1]).reshape(shape)
         total += flat * sight.image
@@ -117,12 +117,14 @@ def learn_levels(ground: Ground, sights: Sequence[SonarSight], footprint: Footpr
     return [mean * _gain(sight.image.ravel()[cell], mean.ravel()[cell]) for sight, cell in zip(sights, cells, strict=True)]
 
 
-def _hull_cells(sight: SonarSight, point: Array, normal: Array, least_cosine: float) -> NDArray[np.int64]:
+def _hull_cells(ground: Ground, sight: SonarSight, patch: Patch, least_cosine: float) -> NDArray[np.int64]:
     """Flat indices into the image of the pixels that hold these pieces of hull."""
-    away = sight.center - point
-    cosine = np.einsum("ni,ni->n", away, normal) / np.linalg.norm(away, axis=1)
-    pixel, ratio = sight.project(point[cosine > least_cosine])
-    near = np.rint(pixel[np.isfinite(ratio)]).astype(np.int64)
+    point = patch.point.reshape(-1, 3)
+    rows = np.flatnonzero(np.isfinite(point[:, 0]))
+    pixel, ratio = sight.project(point[rows])
+    held = np.isfinite(ratio)
+    free, _ = seen(ground, patch, rows[held], sight.center, least_cosine)
+    near = np.rint(pixel[held][free]).astype(np.int64)
     return np.asarray(near[:, 1] * sight.image.shape[1] + near[:, 0])
 
 

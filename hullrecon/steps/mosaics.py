@@ -12,11 +12,10 @@ import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, load_arrays
 from hullrecon.dive.records import Solution, Surface, Trajectory, from_arrays
-from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.chart import chart_from_arrays
 from hullrecon.geometry.outside import UP, flips
 from hullrecon.mosaic.grid import TexelGrid
-from hullrecon.mosaic.ground import Ground
+from hullrecon.mosaic.ground import Ground, ground_of
 from hullrecon.mosaic.preview import Caption, preview_png
 from hullrecon.mosaic.raster import write_raster
 from hullrecon.mosaic.store import TileStore
@@ -46,7 +45,7 @@ def scenery(context: Context, reach_m: float) -> Scenery:
     name = "as found" if found and found.exists() else "of the survey"
     surface = from_arrays(Surface, load_arrays(found if found and found.exists() else folder["surface"] / "surface.npz"))
     chart = chart_from_arrays(load_arrays(folder["surface"] / "chart.npz"))
-    ground = Ground(Scene(surface.mesh()), chart, reach_m)
+    ground = ground_of(surface.mesh(), chart, reach_m)
     return Scenery(ground, track_of(trajectory, solution), solution, name)
 
 

@@ -12,10 +12,9 @@ import pytest
 from numpy.typing import NDArray
 
 from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.meshes import Mesh
 from hullrecon.geometry.poses import Poses
-from hullrecon.mosaic.ground import Ground
+from hullrecon.mosaic.ground import Ground, ground_of
 
 Array = NDArray[np.float64]
 DOWN = np.array([1.0, 0.0, 0.0, 0.0])  # quaternion of a camera that looks along -z, its x along x, its y against y
@@ -53,7 +52,7 @@ def flat_ground() -> Callable[..., Ground]:
         if block is not None:
             more, cells = box(*block)
             vertices, faces = np.vstack([vertices, more]), np.vstack([faces, cells + 4])
-        return Ground(Scene(Mesh(vertices, faces.astype(np.int32))), FlatChart(), 0.5)
+        return ground_of(Mesh(vertices, faces.astype(np.int32)), FlatChart(), 0.5)
 
     return make
 

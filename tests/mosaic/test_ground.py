@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.ground import Ground, patch_of, unobstructed
+from hullrecon.mosaic.ground import Ground, patch_of, seen, unobstructed
 
 GRID = TexelGrid(west=-1.2, north=1.2, step_m=0.02, height=120, width=120)
 
@@ -32,12 +32,43 @@ def test_the_top_of_a_block_is_what_is_seen(flat_ground: Callable[..., Ground]) 
     np.testing.assert_allclose(patch.point[60, 75, 2], 0.0, atol=1e-6)
 
 
-def test_only_beside_a_block_can_something_be_hidden(flat_ground: Callable[..., Ground]) -> None:
-    patch = patch_of(flat_ground(([-0.2, -0.2, 0.0], [0.2, 0.2, 0.15])), GRID, GRID.whole)
-    assert patch.hidden_from[60, 60] == np.inf  # on top
-    assert patch.hidden_from[60, 71] == 0.0  # 1 cm off: any view may be blocked
-    assert 0.1 < patch.hidden_from[60, 80] < 1.0  # 20 cm off: only flat views, at least 0.1 / 0.15
-    assert patch.hidden_from[60, 100] == np.inf
+def test_without_a_skyline_every_texel_of_every_view_is_checked(flat_ground: Callable[..., Ground]) -> None:
+    assert (patch_of(flat_ground(), GRID, GRID.whole).hidden_from == 0).all()
+
+
+def test_a_view_past_a_block_is_blocked_as_far_as_its_shadow_reaches(flat_ground: Callable[..., Ground]) -> None:
+    ground = flat_ground(([-0.9, -0.2, 0.0], [-0.7, 0.2, 0.15])).with_skyline(GRID, 3.0)
+    patch = patch_of(ground, GRID, GRID.whole)
+    eye = np.array([-1.3, 0.0, 0.3])  # over the block's far upper edge the line reaches the plate 0.6 m behind that edge
+    row, columns = 60, np.arange(46, 108)
+    free, cosine = seen(ground, patch, row * 120 + columns, eye, 0.05)
+    x = GRID.west + (columns + 0.5) * GRID.step_m
+    np.testing.assert_allclose(cosine, 0.3 / np.hypot(np.hypot(x + 1.3, 0.01), 0.3), atol=1e-6)
+    np.testing.assert_array_equal(free, x > -0.1 - 0.02)  # rays start 4 mm off the plate, which is 1.6 cm of shadow
+
+
+def test_a_block_in_the_next_tile_hides_as_well(flat_ground: Callable[..., Ground]) -> None:
+    ground = flat_ground(([-0.9, -0.2, 0.0], [-0.7, 0.2, 0.15])).with_skyline(GRID, 3.0)
+    tile = Window(40, 80, 40, 80)  # from x = -0.4 on
+    patch = patch_of(ground, GRID, tile)
+    free, _ = seen(ground, patch, 20 * 40 + np.array([5, 30]), np.array([-1.3, 0.0, 0.3]), 0.05)  # x = -0.29 and 0.21
+    np.testing.assert_array_equal(free, [False, True])
+
+
+def test_texels_outside_the_grid_are_not_known(flat_ground: Callable[..., Ground]) -> None:
+    small = TexelGrid(west=-0.5, north=0.5, step_m=0.02, height=30, width=20)
+    patch = patch_of(flat_ground(), small, Window(0, 64, 0, 64))
+    known = np.isfinite(patch.point[..., 0])
+    assert known[:30, :20].all()
+    assert known.sum() == 600
+
+
+def test_a_texel_that_turns_away_is_not_seen(flat_ground: Callable[..., Ground]) -> None:
+    patch = patch_of(flat_ground(), GRID, GRID.whole)
+    rows = np.array([60 * 120 + 60])
+    assert seen(flat_ground(), patch, rows, np.array([0.0, 0.0, 1.0]), 0.2)[0][0]
+    assert not seen(flat_ground(), patch, rows, np.array([0.0, 0.0, -1.0]), 0.2)[0][0]
+    assert not seen(flat_ground(), patch, rows, np.array([6.0, 0.0, 1.0]), 0.2)[0][0]
 
 
 def test_a_block_stands_in_the_line_of_a_slanted_view(flat_ground: Callable[..., Ground]) -> None:

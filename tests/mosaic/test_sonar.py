@@ -75,14 +75,39 @@ def test_an_even_plate_becomes_even_whatever_the_beam_pattern(flat_ground: Calla
     assert seen.std() < 0.15 * LEVEL
 
 
-def test_what_a_block_shadows_is_not_mapped(flat_ground: Callable[..., Ground]) -> None:
-    block = ([-0.1, -0.05, 0.0], [0.1, 0.05, 0.2])
+def test_what_a_block_shadows_is_not_mapped_to_the_end_of_its_shadow(flat_ground: Callable[..., Ground]) -> None:
     pings, poses = pings_over([0.0], lambda points: np.full(len(points), 90.0))
     free = sonar_mosaic(flat_ground(), pings, poses, np.radians(14), OPTIONS, still).store
-    made = sonar_mosaic(flat_ground(block), pings, poses, np.radians(14), OPTIONS, still).store
-    # behind the block as seen from y = -0.8 at 0.5 m height: its shadow reaches 0.05 + 0.85 * 0.2 / 0.3 m
-    assert seen_at(free, 0.0, 0.2)
-    assert not seen_at(made, 0.0, 0.2)
+    girth = girths(free)
+    girth = girth[(girth > 0.06) & [seen_at(free, 0.0, g) for g in girth]]
+    assert girth.max() > 0.2
+    # the shadow as seen from y = -0.8 at 0.5 m height, behind the block's far upper edge at y = 0.05
+    for height, end in ((0.05, 0.05 + 0.85 * 0.05 / 0.45), (0.2, 0.05 + 0.85 * 0.2 / 0.3)):
+        block = ([-0.1, -0.05, 0.0], [0.1, 0.05, height])
+        made = sonar_mosaic(flat_ground(block), pings, poses, np.radians(14), OPTIONS, still).store
+        mapped = [seen_at(made, 0.0, g) for g in girth]
+        clear = np.abs(girth - end) > 0.02
+        np.testing.assert_array_equal(np.array(mapped)[clear], (girth > end)[clear])
+
+
+def test_a_long_shadow_is_found_to_its_end(flat_ground: Callable[..., Ground]) -> None:
+    """From 25 cm height a block of 12 cm, half a metre off, throws a shadow of 46 cm."""
+    turn = Rotation.from_matrix(np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]))
+    turn = Rotation.from_euler("x", -18, degrees=True) * turn
+    poses = Poses(turn.as_quat()[None], np.array([[0.0, -0.9, 0.25]]))
+    directions = np.stack([np.zeros(49), np.sin(BEARING), np.cos(BEARING)], axis=1)
+    pings = SonarPings(np.arange(1), np.full((1, 49, 141), 90, np.uint8), directions, RANGES)
+    made = sonar_mosaic(
+        flat_ground(([-0.3, -0.45, 0.0], [0.3, -0.4, 0.12])), pings, poses, np.radians(40), OPTIONS, still
+    ).store
+    end = -0.4 + 0.5 * 0.12 / 0.13
+    girth = girths(made)
+    girth = girth[(girth > -0.39) & (girth < 0.4) & (np.abs(girth - end) > 0.04)]  # rays start 4 mm, 1.5 cm of shadow, off it
+    np.testing.assert_array_equal([seen_at(made, 0.0, g) for g in girth], girth > end)
+
+
+def girths(store) -> np.ndarray:
+    return store.grid.north - (np.arange(store.grid.height) + 0.5) * store.grid.step_m
 
 
 def seen_at(store, along: float, girth: float) -> bool:
