@@ -15,6 +15,11 @@ from msgspec import Meta, Struct, field
 
 Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]
+BeamAngle = Annotated[float, Meta(gt=0, lt=90, description="degrees from the z axis of dvl to each beam")]
+Azimuth = Annotated[float, Meta(ge=-360, le=360)]
+BeamAzimuths = Annotated[
+    tuple[Azimuth, ...], Meta(min_length=1, description="degrees about the z axis of dvl, from x towards y, of each beam")
+]
 Three = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 
@@ -73,7 +78,9 @@ class Dvl(Section, frozen=True):
     sigma_velocity: Positive = 0.003  # m/s
     sigma_range: Positive = 0.01  # m
     scale_sigma: NotNegative = 0.005
-    beams: tuple[Three, ...] | None = None  # unit vectors in dvl; absent: the message's, else a 30 degree Janus
+    beams: tuple[Three, ...] | None = None  # unit vectors in dvl, for messages without
+    beam_angle_deg: BeamAngle | None = None
+    beam_azimuth_deg: BeamAzimuths | None = None
 
 
 class CameraTop(Section, frozen=True):

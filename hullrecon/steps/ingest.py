@@ -12,8 +12,10 @@ from typing import Any, BinaryIO
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from hullrecon.artifacts.stage import Context, Stage
+from hullrecon.dive.dvl_beams import tilted_beams
 from hullrecon.dive.ingest import Ingested, Request, ingest, offset_ns
 from hullrecon.dive.readers.plain import PlainLog
 from hullrecon.dive.records import to_arrays
@@ -22,7 +24,8 @@ from hullrecon.dive.sensors import PressureModel
 CAMERAS = {"camera_top": "camera.top", "camera_bottom": "camera.bottom"}
 USES = (
     "logs", "topics", "tray.joint", "sonar.joint", "imu.frame", "pressure.density", "pressure.gravity", "pressure.atmosphere",
-    "dvl.beams", "dvl.sigma_velocity", "camera.top.calibration", "camera.top.time_offset", "camera.bottom.calibration",
+    "dvl.beams", "dvl.beam_angle_deg", "dvl.beam_azimuth_deg", "dvl.sigma_velocity",
+    "camera.top.calibration", "camera.top.time_offset", "camera.bottom.calibration",
     "camera.bottom.time_offset", "hull.mesh", "hull.units",
 )  # fmt: skip
 
@@ -36,20 +39,27 @@ def request_of(settings: Mapping[str, Any]) -> Request:
     topics = {name: getattr(settings["topics"], name) for name in settings["topics"].__struct_fields__}
     calibration = {name: settings[f"{section}.calibration"] for name, section in CAMERAS.items()}
     joints = {"tray": settings["tray.joint"], "sonar_tray": settings["sonar.joint"]}
-    beams = settings["dvl.beams"]
     return Request(
         logs=settings["logs"].files,
         topics=_present(topics),
         joints=_present(joints),
         imu_frame=settings["imu.frame"],
         pressure=PressureModel(*(settings[f"pressure.{key}"] for key in ("density", "gravity", "atmosphere"))),
-        beams=None if beams is None else np.array(beams, float),
+        beams=_beams(settings),
         sigma_velocity=settings["dvl.sigma_velocity"],
         calibration=_present(calibration),
         offset_ns={name: offset_ns(settings[f"{section}.time_offset"] or 0.0) for name, section in CAMERAS.items()},
         mesh=settings["hull.mesh"],
         units=settings["hull.units"] or "m",
     )
+
+
+def _beams(settings: Mapping[str, Any]) -> NDArray[np.float64] | None:
+    """Return (b, 3) unit vectors of the DVL's beams as dive.toml has them, either way; None where it has none."""
+    if settings["dvl.beam_angle_deg"] is not None:
+        return tilted_beams(settings["dvl.beam_angle_deg"], settings["dvl.beam_azimuth_deg"])
+    beams = settings["dvl.beams"]
+    return None if beams is None else np.array(beams, float)
 
 
 def external(settings: Mapping[str, Any], package: Path) -> list[Path]:
@@ -97,7 +107,7 @@ STAGE = Stage(
     summary="read the logs, the calibration and the drawing",
     inputs=(),
     parameters=IngestOptions,
-    version=1,
+    version=2,
     run=run,
     uses=USES,
     external=external,

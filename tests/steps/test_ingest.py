@@ -23,6 +23,9 @@ name = "plain"
 files = ["logs"]
 [tray]
 joint = "tray"
+[dvl]
+beam_angle_deg = 30.0
+beam_azimuth_deg = [180, 0, 90, -90]
 [sonar]
 joint = "fan"
 [camera.top]
@@ -118,7 +121,7 @@ def key(package: Path, *overrides: str) -> str:
 @pytest.mark.parametrize(
     "override",
     ["pressure.density=1000", "imu.frame=enu", "tray.joint=other", "camera.top.time_offset=0", "dvl.sigma_velocity=0.1",
-     "dvl.beams=[[0,0,1],[0,0,1],[0,0,1],[0,0,1]]", "topics.dvl='/x'"],
+     "dvl.beam_angle_deg=25", "dvl.beam_azimuth_deg=[0, 90, 180, 270]", "topics.dvl='/x'"],
 )  # fmt: skip
 def test_an_option_that_ingest_reads_makes_it_stale(package, override):
     assert key(package, override) != key(package)
