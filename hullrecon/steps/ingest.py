@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 from hullrecon.artifacts.stage import Context, Stage
 from hullrecon.dive.dvl_beams import tilted_beams
 from hullrecon.dive.ingest import Ingested, Request, ingest, offset_ns
+from hullrecon.dive.readers.open import open_log
 from hullrecon.dive.readers.plain import PlainLog
+from hullrecon.dive.readers.rosbag2 import METADATA, STORAGE
 from hullrecon.dive.records import to_arrays
 from hullrecon.dive.sensors import PressureModel
 
@@ -65,9 +67,21 @@ def _beams(settings: Mapping[str, Any]) -> NDArray[np.float64] | None:
 def external(settings: Mapping[str, Any], package: Path) -> list[Path]:
     """Logs, with the files that their tables name; calibrations; drawing."""
     request = request_of(settings)
-    names = [*request.logs, *request.calibration.values(), *([request.mesh] if request.mesh else [])]
-    tables = [PlainLog(package / name, package) for name in request.logs if (package / name).is_dir()]
-    return [*(Path(name) for name in names), *(file for table in tables for file in table.named_files())]
+    names = [*request.calibration.values(), *([request.mesh] if request.mesh else [])]
+    logs = [file for name in request.logs for file in _log_files(package, name)]
+    return [*logs, *(Path(name) for name in names)]
+
+
+def _log_files(package: Path, name: str) -> list[Path]:
+    """Return the files of one log, relative to the package where they lie in it. Of a folder only those that are read: a run
+    may keep its own folder below it."""
+    folder = package / name
+    if not folder.is_dir():
+        return [Path(name)]
+    log = open_log(folder, package)
+    if isinstance(log, PlainLog):
+        return [*(Path(name) / table for table in log.tables()), *log.named_files()]
+    return [Path(name) / path.name for path in sorted(folder.iterdir()) if path.name == METADATA or path.suffix in STORAGE]
 
 
 def run(context: Context) -> None:
@@ -99,7 +113,7 @@ def _write(context: Context, found: Ingested) -> None:
 
 
 def _present(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in values.items() if value is not None}
+    return {name: value for name, value in values.items() if value not in (None, "")}
 
 
 STAGE = Stage(

@@ -185,3 +185,43 @@ def test_topics_do_not_apply_to_plain_files(package):
     (package / "plain" / "pressure.csv").write_text("t,pascal\n1,101325\n")
     found, _ = run(package, logs=("plain",), calibration={})
     assert found.records["pressure"].depth.tolist() == [0.0]
+
+
+def test_a_misspelt_joint_is_refused_with_the_nearest_name(package):
+    with pytest.raises(InputError, match="joint tary is not in the log, which holds other, tray") as caught:
+        run(package, joints={"tray": "tary"})
+    assert caught.value.where == "tray.joint"
+    assert caught.value.remedy == 'did you mean "tray"?'
+
+
+def test_a_misspelt_joint_of_the_sonar_is_refused_too(package):
+    with pytest.raises(InputError, match="joint othre is not in the log") as caught:
+        run(package, joints={"tray": "tray", "sonar_tray": "othre"})
+    assert caught.value.where == "sonar.joint"
+    assert caught.value.remedy == 'did you mean "other"?'
+
+
+def test_a_joint_that_resembles_none_is_refused_with_all_of_them_and_a_way_out(package):
+    with pytest.raises(InputError, match="holds other, tray") as caught:
+        run(package, joints={"tray": "xyz"})
+    assert 'tray.joint = ""' in caught.value.remedy
+
+
+def test_a_joint_that_a_damaged_log_lost_is_only_remarked(package):
+    path = package / "logs" / "dive.mcap"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    found, _ = run(package, joints={"tray": "tary"})
+    assert any("no reading of tary" in remark for remark in found.remarks)
+
+
+def test_a_sonar_joint_without_any_joint_message_is_remarked(package):
+    topics = {name: topic for name, topic in REQUEST.topics.items() if name != "joints"}
+    found, _ = run(package, topics=topics)
+    assert "sonar.joint: no reading of other is in the log; it is taken as fixed at 0 degrees" in found.remarks
+
+
+def test_a_reading_of_another_millennium_is_left_out_and_counted(kit, package):
+    entries = kit.dive()
+    kit.mcap(package / "logs" / "dive.mcap", [*entries, dataclasses.replace(entries[-1], t_ns=(1 << 63) + 1)])
+    found, _ = run(package)
+    assert any("beyond the year 2262" in remark for remark in found.remarks)
