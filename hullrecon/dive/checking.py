@@ -72,7 +72,8 @@ class Check:
 def check_package(loaded: LoadedConfig, request: Request, watch: Watch = iter) -> Check:
     """Reads the whole package. Raises InputError for what cannot be used."""
     found = ingest(loaded.package, request, _nowhere, watch)
-    present = {"joints" if name == "tray" else name for name in (*found.records, *found.images)}
+    held = {name: record for name, record in {**found.records, **found.images}.items() if record is not None}
+    present = {"joints" if name == "tray" else name for name, record in held.items() if len(record.t_ns)}
     return Check(
         loaded.config.dive.name,
         loaded.config.dive.vessel,

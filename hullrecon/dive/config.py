@@ -15,6 +15,12 @@ from msgspec import Meta, Struct, field
 
 Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]
+Offset = Annotated[float, Meta(ge=-4e9, le=4e9)]
+BeamAngle = Annotated[float, Meta(gt=0, lt=90, description="degrees from the z axis of dvl to each beam")]
+Azimuth = Annotated[float, Meta(ge=-360, le=360)]
+BeamAzimuths = Annotated[
+    tuple[Azimuth, ...], Meta(min_length=1, description="degrees about the z axis of dvl, from x towards y, of each beam")
+]
 Three = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 
@@ -46,7 +52,7 @@ class Topics(Section, frozen=True):
 
 
 class Tray(Section, frozen=True):
-    joint: str = "tray"
+    joint: str = "tray"  # its name in the joint messages; "": nothing turns
     origin: Three = (0.0, 0.0, 0.0)  # m, in vehicle
     sigma_deg: Positive = 0.8
 
@@ -73,14 +79,16 @@ class Dvl(Section, frozen=True):
     sigma_velocity: Positive = 0.003  # m/s
     sigma_range: Positive = 0.01  # m
     scale_sigma: NotNegative = 0.005
-    beams: tuple[Three, ...] | None = None  # unit vectors in dvl; absent: the message's, else a 30 degree Janus
+    beams: tuple[Three, ...] | None = None  # unit vectors in dvl, for messages without
+    beam_angle_deg: BeamAngle | None = None
+    beam_azimuth_deg: BeamAzimuths | None = None
 
 
 class CameraTop(Section, frozen=True):
     calibration: str
     mount: Six = (0.0, 0.0, 0.0, 90.0, 0.0, 90.0)  # T_s_ct
     mount_sigma: Six = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
-    time_offset: float = 0.0  # s, added to the stamps
+    time_offset: Offset = 0.0  # s, added to the stamps
     sigma_px: Positive = 1.0
 
 
@@ -88,7 +96,7 @@ class CameraBottom(Section, frozen=True):
     calibration: str
     pose_in_top: Six = (0.0, 0.1, 0.0, 0.0, 0.0, 0.0)  # T_ct_cb
     pose_sigma: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # zero: calibrated, held
-    time_offset: float = 0.0  # s
+    time_offset: Offset = 0.0  # s
 
 
 class Cameras(Section, frozen=True):

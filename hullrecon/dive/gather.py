@@ -17,6 +17,7 @@ from hullrecon.errors import InputError
 
 TakeImage = Callable[[ImageSample, int], None]  # the sample and when it was logged, ns
 Watch = Callable[[Iterable[Message]], Iterable[Message]]
+LIMIT_NS = 1 << 63  # of int64, the year 2262
 SENSORS = tuple(TYPES)
 
 
@@ -81,6 +82,8 @@ def _samples(message: Message, topics: Mapping[str, str], out: Gathered) -> Iter
         stamp = stamp_ns(fields.header)
         if stamp == 0:
             out.unstamped[channel.topic] += 1
+        if not (abs(stamp) < LIMIT_NS and abs(message.t_ns) < LIMIT_NS):
+            raise DamagedError("their stamps lie beyond the year 2262")
         found = translate(fields, stamp or message.t_ns, sensor)
     except DamagedError as error:
         out.undecoded[channel.topic, str(error)] += 1

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,6 +26,7 @@ from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.meshes import Mesh
 
+JOINT_KEYS = {"tray": "tray.joint", "sonar_tray": "sonar.joint"}
 OpenFile = Callable[[str], BinaryIO]  # a file for the images of that camera
 
 
@@ -123,11 +125,30 @@ def _records(out: Ingested, request: Request, found: Gathered) -> None:
         if samples:
             out.records[name] = build(samples)
     joints = list(zip(found.samples["joints"], found.logged_ns["joints"], strict=True))
+    _check_joints(request, found, {str(s.name) for s, _ in joints}, out.remarks)  # type: ignore[union-attr]
     for record, joint in request.joints.items():
         mine = [(s, t) for s, t in joints if s.name == joint]  # type: ignore[union-attr]
         samples = _ordered(f"joint {joint}", [s for s, _ in mine], [t for _, t in mine], out.remarks)
         if samples:
             out.records[record] = sensors.joint_samples(samples, joint, out.remarks)
+
+
+def _check_joints(request: Request, found: Gathered, held: set[str], remarks: list[str]) -> None:
+    """InputError for a servo that is named but that no joint message holds, unless the log is damaged. Without any joint
+    message the tray is known to be taken as fixed; of the sonar's servo that is remarked."""
+    for record, joint in request.joints.items():
+        where = JOINT_KEYS[record]
+        if joint in held:
+            continue
+        if not held or found.losses:
+            if held or record != "tray":
+                remarks.append(f"{where}: no reading of {joint} is in the log; it is taken as fixed at 0 degrees")
+            continue
+        near = difflib.get_close_matches(joint, held, 1, 0.5)
+        raise InputError(
+            f"joint {joint} is not in the log, which holds {', '.join(sorted(held))}", where=where,
+            remedy=f'did you mean "{near[0]}"?' if near else f'name one of them, or set {where} = "" if nothing turns there',
+        )  # fmt: skip
 
 
 def _ordered(name: str, samples: list[Any], logged_ns: list[int], remarks: list[str]) -> list[Any]:

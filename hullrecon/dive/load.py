@@ -16,7 +16,7 @@ import msgspec
 from msgspec import Struct
 
 from hullrecon.dive.complaints import in_words, refuse_not_finite
-from hullrecon.dive.config import DiveConfig
+from hullrecon.dive.config import DiveConfig, Dvl
 from hullrecon.errors import InputError, UsageError
 
 FILE = "dive.toml"
@@ -120,3 +120,14 @@ def _check_whole(config: DiveConfig) -> None:
     lengths = [reduce(lambda s, x: s + x * x, beam, 0.0) ** 0.5 for beam in config.dvl.beams or ()]
     if any(abs(length - 1) > 0.02 for length in lengths):
         raise UsageError("dvl.beams are not unit vectors", where=FILE, remedy="give each beam as x, y, z of length 1")
+    _check_tilt(config.dvl)
+
+
+def _check_tilt(dvl: Dvl) -> None:
+    """The angle of the beams needs their azimuths, and both stand in place of unit vectors."""
+    given = [name for name in ("beam_angle_deg", "beam_azimuth_deg") if getattr(dvl, name) is not None]
+    if len(given) == 1:
+        other = "beam_azimuth_deg" if given[0] == "beam_angle_deg" else "beam_angle_deg"
+        raise UsageError(f"dvl.{given[0]} without dvl.{other}", where=FILE, remedy="give both")
+    if given and dvl.beams is not None:
+        raise UsageError("dvl.beams and dvl.beam_angle_deg are both given", where=FILE, remedy="leave one of them away")

@@ -15,13 +15,15 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, slots=True)
 class DvlSample:
     """velocity (3,) m/s of the instrument in `dvl`; sigma m/s (NaN: not given); ranges (b,) m along the beams; beams (b, 3)
-    unit vectors in `dvl`, None where the log does not carry them. ranges is empty where the log has none."""
+    unit vectors in `dvl`, None where the log does not carry them. ranges is empty where the log has none. instrument: set where
+    the beams are not logged but those of the one instrument that the message's type names."""
 
     t_ns: int
     velocity: Array
     sigma: float
     ranges: Array
     beams: Array | None
+    instrument: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.dvl_beams import choose_beams, unit
 from hullrecon.dive.records import DvlPings, ImuSamples, JointSamples, PressureSamples, SonarPings
 from hullrecon.dive.samples import DvlSample, ImuSample, JointSample, PressureSample, SonarSample
 from hullrecon.errors import InputError
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-JANUS_DEG = 30.0
-JANUS_AZIMUTH_DEG = (180.0, 0.0, 90.0, -90.0)
 FASTEST = 15.0  # m/s; no vehicle at a hull is faster
 NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
@@ -32,14 +31,9 @@ class PressureModel:
     atmosphere: float  # Pa
 
 
-def janus_beams() -> Array:
-    """(4, 3) unit vectors in `dvl` of the beams that are assumed where nobody says otherwise."""
-    azimuth, tilt = np.radians(JANUS_AZIMUTH_DEG), np.radians(JANUS_DEG)
-    return np.stack([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), np.full(4, np.cos(tilt))], axis=1)
-
-
 def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, remarks: list[str]) -> DvlPings:
-    """beams: those of dive.toml, which win over the message's; sigma m/s where a message has none."""
+    """beams: those of dive.toml, for messages without (INPUTS); sigma m/s where a message has none. InputError for ranges along
+    beams that nothing describes."""
     count = Counter(len(s.ranges) for s in samples if len(s.ranges)).most_common(1)
     width = count[0][0] if count else 0
     ranges = np.full((len(samples), width), np.nan)
@@ -47,6 +41,9 @@ def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, r
         if len(sample.ranges) == width:
             ranges[row] = sample.ranges
     ranges[~(ranges > 0)] = np.nan
+    if width and not np.isfinite(ranges).any():
+        remarks.append("dvl: every range is lost; it measures no distance to the hull")
+        ranges, width = ranges[:, :0], 0
     velocity = np.array([s.velocity for s in samples]).reshape(-1, 3)
     velocity[~np.isfinite(velocity).all(axis=1)] = np.nan
     absurd = np.linalg.norm(np.nan_to_num(velocity), axis=1) > FASTEST
@@ -55,27 +52,7 @@ def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, r
         remarks.append(f"dvl: {absurd.sum()} velocities above {FASTEST:.0f} m/s were taken as lost (are they in mm/s?)")
     given = np.array([s.sigma for s in samples])
     used = np.where(np.isfinite(given) & (given > 0), given, sigma)
-    return DvlPings(_times(samples), velocity, used, ranges, _beams(samples, beams, width, remarks))
-
-
-def _beams(samples: Sequence[DvlSample], configured: Array | None, width: int, remarks: list[str]) -> Array:
-    """(width, 3) unit vectors, from dive.toml, the messages or the default."""
-    if configured is not None and width:
-        if len(configured) != width:
-            raise InputError(f"dvl.beams names {len(configured)} beams, the log has {width}", where="dive.toml")
-        return _unit(configured)
-    logged = [s.beams for s in samples if s.beams is not None and len(s.beams) == width]
-    if not width:
-        return np.zeros((0, 3))
-    if logged:
-        if max(float(np.abs(b - logged[0]).max()) for b in logged) > 1e-6:
-            remarks.append("dvl: the beams' directions change during the dive; their mean was used")
-        return _unit(np.mean(logged, axis=0))
-    if width != 4:
-        raise InputError(f"the DVL has {width} beams and nobody says where they point", remedy="give [dvl] beams in dive.toml")
-    azimuths = ", ".join(f"{a:.0f}" for a in JANUS_AZIMUTH_DEG)
-    remarks.append(f"dvl: the log has no beam directions; a {JANUS_DEG:.0f} degree Janus with azimuths {azimuths} was assumed")
-    return janus_beams()
+    return DvlPings(_times(samples), velocity, used, ranges, choose_beams(samples, beams, width, remarks))
 
 
 def imu_samples(samples: Sequence[ImuSample], frame: str, remarks: list[str]) -> ImuSamples:
@@ -131,7 +108,7 @@ def sonar_pings(samples: Sequence[SonarSample], remarks: list[str]) -> SonarPing
         )
     kept = [s for s in samples if s.image.shape == shape and round(float(s.range_m[-1]), 6) == reach]
     image = _eight_bits([s.image for s in kept], remarks)
-    return SonarPings(_times(kept), image, _unit(kept[0].directions), np.asarray(kept[0].range_m, float))
+    return SonarPings(_times(kept), image, unit(kept[0].directions), np.asarray(kept[0].range_m, float))
 
 
 def _eight_bits(images: Sequence[NDArray[np.generic]], remarks: list[str]) -> NDArray[np.uint8]:
@@ -141,11 +118,6 @@ def _eight_bits(images: Sequence[NDArray[np.generic]], remarks: list[str]) -> ND
     remarks.append(f"sonar: {images[0].dtype} pixels were scaled to 8 bits, {brightest:g} to 255")
     scale = 255.0 / brightest if brightest > 0 else 0.0
     return np.stack([np.clip(np.nan_to_num(i.astype(float)) * scale, 0, 255).round().astype(np.uint8) for i in images])
-
-
-def _unit(vectors: Array) -> Array:
-    v = np.asarray(vectors, float)
-    return np.asarray(v / np.linalg.norm(v, axis=1, keepdims=True))
 
 
 def _times(samples: Sequence[object]) -> Ints:

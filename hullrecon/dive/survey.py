@@ -54,9 +54,9 @@ class Survey:
             head += f", {(last - first) / NS:.1f} s from {moment(first)}"
         guessed = guess_topics(self.topics)
         sensors = [f"{topic} can be {'joints' if name == 'joints' else 'the ' + name}" for name, topic in guessed.items()]
-        unused = sorted(t.channel.topic for t in span if t.channel.topic not in guessed.values())
-        unread = [f"a run would not use {', '.join(unused)}: of other types than it reads"] if unused else []
-        return [head, *(t.sentence() for t in span), *sensors, *unread, *self.lost, *self.remarks, *missing(set(guessed))]
+        unused = _unused(span, set(guessed.values()))
+        told = [head, *(t.sentence() for t in span), *sensors, *unused]
+        return [*told, *self.lost, *self.remarks, *missing(set(guessed))]
 
     def document(self) -> dict[str, object]:
         topics = [
@@ -68,6 +68,18 @@ class Survey:
             "kind": self.kind, "topics": topics, "guessed": guessed, "lost": self.lost, "remarks": self.remarks,
             "missing": missing(set(guessed)),
         }  # fmt: skip
+
+
+def _unused(topics: Sequence[TopicNote], chosen: set[str]) -> list[str]:
+    """Return what is said of topics that no sensor was given: of those of a type that is read, and of the others."""
+    left = sorted((t for t in topics if t.channel.topic not in chosen), key=lambda t: t.channel.topic)
+    sensors = {t.channel.topic: [name for name, types in TYPES.items() if _fits(t, types)] for t in left}
+    known = [f"{topic} (could be {' or '.join(names)})" for topic, names in sensors.items() if names]
+    other = [topic for topic, names in sensors.items() if not names]
+    return [
+        *([f"not chosen, though of a type that is read: {', '.join(known)}; name it in [topics] to use it"] if known else []),
+        *([f"a run would not use {', '.join(other)}: of other types than it reads"] if other else []),
+    ]
 
 
 def survey(log: Log) -> Survey:
@@ -116,7 +128,7 @@ def missing(sensors: set[str], hull: bool | None = None) -> list[str]:
     stereo = {"camera_top", "camera_bottom"} <= sensors
     consequences = {
         "dvl": "motion comes from stereo images" if stereo else "and no stereo images either: no motion, no run is possible",
-        "imu": "there is no attitude: no run is possible" if not stereo else "attitude comes from stereo images and drifts",
+        "imu": _without_imu("dvl" in sensors, stereo),
         "pressure": "depth comes from dead reckoning and drifts",
         "joints": "the tray is taken as fixed at 0 degrees",
         "camera_top": "there will be no images, landmarks or optical mosaic",
@@ -129,6 +141,14 @@ def missing(sensors: set[str], hull: bool | None = None) -> list[str]:
     if hull is False:
         out.append("no hull: without a drawing the run maps onto its own surface, in the frame global")
     return out
+
+
+def _without_imu(dvl: bool, stereo: bool) -> str:
+    """As `navigate` has it: velocities need a heading; stereo images alone do not."""
+    if dvl:
+        advice = "; without the DVL it could take motion and attitude from stereo images" if stereo else ""
+        return f"the DVL's velocities have no heading: no run is possible{advice}"
+    return "attitude comes from stereo images and drifts" if stereo else "there is no attitude: no run is possible"
 
 
 def _fits(note: TopicNote, types: Mapping[str, object]) -> bool:

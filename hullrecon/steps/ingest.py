@@ -12,17 +12,22 @@ from typing import Any, BinaryIO
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.dive.dvl_beams import tilted_beams
 from hullrecon.dive.ingest import Ingested, Request, ingest, offset_ns
+from hullrecon.dive.readers.open import open_log
 from hullrecon.dive.readers.plain import PlainLog
+from hullrecon.dive.readers.rosbag2 import METADATA, STORAGE
 from hullrecon.dive.records import to_arrays
 from hullrecon.dive.sensors import PressureModel
 
 CAMERAS = {"camera_top": "camera.top", "camera_bottom": "camera.bottom"}
 USES = (
     "logs", "topics", "tray.joint", "sonar.joint", "imu.frame", "pressure.density", "pressure.gravity", "pressure.atmosphere",
-    "dvl.beams", "dvl.sigma_velocity", "camera.top.calibration", "camera.top.time_offset", "camera.bottom.calibration",
+    "dvl.beams", "dvl.beam_angle_deg", "dvl.beam_azimuth_deg", "dvl.sigma_velocity",
+    "camera.top.calibration", "camera.top.time_offset", "camera.bottom.calibration",
     "camera.bottom.time_offset", "hull.mesh", "hull.units",
 )  # fmt: skip
 
@@ -36,14 +41,13 @@ def request_of(settings: Mapping[str, Any]) -> Request:
     topics = {name: getattr(settings["topics"], name) for name in settings["topics"].__struct_fields__}
     calibration = {name: settings[f"{section}.calibration"] for name, section in CAMERAS.items()}
     joints = {"tray": settings["tray.joint"], "sonar_tray": settings["sonar.joint"]}
-    beams = settings["dvl.beams"]
     return Request(
         logs=settings["logs"].files,
         topics=_present(topics),
         joints=_present(joints),
         imu_frame=settings["imu.frame"],
         pressure=PressureModel(*(settings[f"pressure.{key}"] for key in ("density", "gravity", "atmosphere"))),
-        beams=None if beams is None else np.array(beams, float),
+        beams=_beams(settings),
         sigma_velocity=settings["dvl.sigma_velocity"],
         calibration=_present(calibration),
         offset_ns={name: offset_ns(settings[f"{section}.time_offset"] or 0.0) for name, section in CAMERAS.items()},
@@ -52,12 +56,32 @@ def request_of(settings: Mapping[str, Any]) -> Request:
     )
 
 
+def _beams(settings: Mapping[str, Any]) -> NDArray[np.float64] | None:
+    """Return (b, 3) unit vectors of the DVL's beams as dive.toml has them, either way; None where it has none."""
+    if settings["dvl.beam_angle_deg"] is not None:
+        return tilted_beams(settings["dvl.beam_angle_deg"], settings["dvl.beam_azimuth_deg"])
+    beams = settings["dvl.beams"]
+    return None if beams is None else np.array(beams, float)
+
+
 def external(settings: Mapping[str, Any], package: Path) -> list[Path]:
     """Logs, with the files that their tables name; calibrations; drawing."""
     request = request_of(settings)
-    names = [*request.logs, *request.calibration.values(), *([request.mesh] if request.mesh else [])]
-    tables = [PlainLog(package / name, package) for name in request.logs if (package / name).is_dir()]
-    return [*(Path(name) for name in names), *(file for table in tables for file in table.named_files())]
+    names = [*request.calibration.values(), *([request.mesh] if request.mesh else [])]
+    logs = [file for name in request.logs for file in _log_files(package, name)]
+    return [*logs, *(Path(name) for name in names)]
+
+
+def _log_files(package: Path, name: str) -> list[Path]:
+    """Return the files of one log, relative to the package where they lie in it. Of a folder only those that are read: a run
+    may keep its own folder below it."""
+    folder = package / name
+    if not folder.is_dir():
+        return [Path(name)]
+    log = open_log(folder, package)
+    if isinstance(log, PlainLog):
+        return [*(Path(name) / table for table in log.tables()), *log.named_files()]
+    return [Path(name) / path.name for path in sorted(folder.iterdir()) if path.name == METADATA or path.suffix in STORAGE]
 
 
 def run(context: Context) -> None:
@@ -89,7 +113,7 @@ def _write(context: Context, found: Ingested) -> None:
 
 
 def _present(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in values.items() if value is not None}
+    return {name: value for name, value in values.items() if value not in (None, "")}
 
 
 STAGE = Stage(
@@ -97,7 +121,7 @@ STAGE = Stage(
     summary="read the logs, the calibration and the drawing",
     inputs=(),
     parameters=IngestOptions,
-    version=1,
+    version=2,
     run=run,
     uses=USES,
     external=external,

@@ -14,6 +14,7 @@ import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.dive.images import CAMERAS, ImageStore
+from hullrecon.dive.readers.plain import PlainLog
 from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, from_arrays, to_arrays
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import Camera
@@ -50,8 +51,8 @@ class PairReader:
 
 def external(settings: Mapping[str, Any], package: Path) -> list[Path]:
     """Images that lie in the package as files; read again for visual odometry."""
-    folders = [package / file for file in settings["logs"].files]
-    return sorted(p for folder in folders if folder.is_dir() for p in folder.rglob("*") if p.suffix.lower() in SUFFIXES)
+    tables = [PlainLog(package / name, package) for name in settings["logs"].files if (package / name).is_dir()]
+    return sorted(file for table in tables for file in table.named_files() if file.suffix.lower() in SUFFIXES)
 
 
 def run(context: Context) -> None:

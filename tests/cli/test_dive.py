@@ -17,6 +17,9 @@ name = "small"
 vessel = "MV Small"
 [logs]
 files = ["logs"]
+[dvl]
+beam_angle_deg = 30.0
+beam_azimuth_deg = [180, 0, 90, -90]
 [camera.top]
 calibration = "top.yaml"
 [hull]
@@ -66,7 +69,14 @@ def test_check_says_in_words_what_a_package_holds(capsys, package):
     assert "the first camera image is 0.4 s after the first DVL ping" in lines
     assert any(line.startswith("no imu") for line in lines)
     assert any(line.startswith("defaults used: ") and "dvl.mount_sigma = [0.01, " in line for line in lines)
-    assert any("30 degree Janus" in line for line in lines)
+
+
+def test_check_asks_where_the_beams_point(capsys, package):
+    (package / "dive.toml").write_text(TOML.replace("beam_angle_deg = 30.0\nbeam_azimuth_deg = [180, 0, 90, -90]", ""))
+    code, line = complaint(capsys, "check", package)
+    assert code == 3
+    assert "nothing says where the DVL's 4 beams point" in line
+    assert "beam_azimuth_deg" in line
 
 
 def test_check_as_json_is_one_document(capsys, package):

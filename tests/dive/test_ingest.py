@@ -105,12 +105,12 @@ def test_plain_files_give_the_same_records_as_the_log(package):
     table(folder / "imu.csv", "t,qx,qy,qz,qw", imu.t_ns, imu.quaternion)
     table(folder / "dvl.csv", "t,vx,vy,vz,range_1,range_2,range_3,range_4", dvl.t_ns, dvl.velocity, dvl.ranges)
     table(folder / "pressure.csv", "t,pascal", depth.t_ns, 101325 + 1025 * 9.81 * depth.depth)
-    found, _ = run(package, logs=("plain",), topics={}, calibration={})
+    found, _ = run(package, logs=("plain",), topics={}, calibration={}, beams=dvl.beams)
     for name in ("imu", "dvl", "pressure"):
         np.testing.assert_array_equal(found.records[name].t_ns, whole.records[name].t_ns)
     np.testing.assert_array_equal(found.records["dvl"].velocity, dvl.velocity)
     np.testing.assert_allclose(found.records["pressure"].depth, depth.depth, atol=1e-9)
-    assert any("30 degree Janus" in remark for remark in found.remarks)
+    np.testing.assert_array_equal(found.records["dvl"].beams, dvl.beams)
 
 
 def test_ros1_and_ros2_give_the_same_records(kit, package):
@@ -185,3 +185,43 @@ def test_topics_do_not_apply_to_plain_files(package):
     (package / "plain" / "pressure.csv").write_text("t,pascal\n1,101325\n")
     found, _ = run(package, logs=("plain",), calibration={})
     assert found.records["pressure"].depth.tolist() == [0.0]
+
+
+def test_a_misspelt_joint_is_refused_with_the_nearest_name(package):
+    with pytest.raises(InputError, match="joint tary is not in the log, which holds other, tray") as caught:
+        run(package, joints={"tray": "tary"})
+    assert caught.value.where == "tray.joint"
+    assert caught.value.remedy == 'did you mean "tray"?'
+
+
+def test_a_misspelt_joint_of_the_sonar_is_refused_too(package):
+    with pytest.raises(InputError, match="joint othre is not in the log") as caught:
+        run(package, joints={"tray": "tray", "sonar_tray": "othre"})
+    assert caught.value.where == "sonar.joint"
+    assert caught.value.remedy == 'did you mean "other"?'
+
+
+def test_a_joint_that_resembles_none_is_refused_with_all_of_them_and_a_way_out(package):
+    with pytest.raises(InputError, match="holds other, tray") as caught:
+        run(package, joints={"tray": "xyz"})
+    assert 'tray.joint = ""' in caught.value.remedy
+
+
+def test_a_joint_that_a_damaged_log_lost_is_only_remarked(package):
+    path = package / "logs" / "dive.mcap"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    found, _ = run(package, joints={"tray": "tary"})
+    assert any("no reading of tary" in remark for remark in found.remarks)
+
+
+def test_a_sonar_joint_without_any_joint_message_is_remarked(package):
+    topics = {name: topic for name, topic in REQUEST.topics.items() if name != "joints"}
+    found, _ = run(package, topics=topics)
+    assert "sonar.joint: no reading of other is in the log; it is taken as fixed at 0 degrees" in found.remarks
+
+
+def test_a_reading_of_another_millennium_is_left_out_and_counted(kit, package):
+    entries = kit.dive()
+    kit.mcap(package / "logs" / "dive.mcap", [*entries, dataclasses.replace(entries[-1], t_ns=(1 << 63) + 1)])
+    found, _ = run(package)
+    assert any("beyond the year 2262" in remark for remark in found.remarks)

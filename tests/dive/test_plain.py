@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -65,7 +67,7 @@ def test_images_are_found_beside_the_csv_or_below_the_package(tmp_path):
     (folder / "camera_top.csv").write_text("t,file\n0,top/a.jpg\n1,b.jpg\n2,gone.jpg\n")
     samples, log = read(folder, tmp_path)
     assert [s.file for s in samples] == ["logs/top/a.jpg", "b.jpg", "gone.jpg"]
-    assert log.named_files() == [tmp_path / "b.jpg", folder / "top" / "a.jpg"]
+    assert log.named_files() == [Path("b.jpg"), Path("logs/top/a.jpg")]
 
 
 def test_a_sonar_ping_has_its_beams_in_the_fan_plane(tmp_path):
@@ -122,3 +124,52 @@ def test_any_bytes_below_the_header_are_survived(tmp_path, tail):
     samples, log = read(tmp_path)
     assert all(s.ranges.shape == (1,) for s in samples)
     assert all(loss.why for loss in log.losses())
+
+
+@pytest.mark.parametrize(
+    ("scale", "unit"), [(10**3, "milliseconds"), (10**6, "microseconds"), (10**9, "nanoseconds")]
+)  # fmt: skip
+def test_stamps_in_another_unit_than_seconds_are_refused_with_the_unit_that_they_look_like(tmp_path, scale, unit):
+    rows = "".join(f"{1_777_887_000 * scale + i},{101_325 + i}\n" for i in range(3))
+    (tmp_path / "pressure.csv").write_text("t,pascal\n" + rows)
+    with pytest.raises(InputError, match=f"pressure.csv has stamps such as .* look like {unit}") as caught:
+        list(PlainLog(tmp_path).messages())
+    assert "seconds since 1970" in caught.value.remedy
+
+
+@pytest.mark.parametrize("stamp", ["1e300", "inf", "9" * 40])
+def test_a_stamp_that_no_unit_explains_is_refused_all_the_same(tmp_path, stamp):
+    (tmp_path / "pressure.csv").write_text(f"t,pascal\n{stamp},101325\n")
+    with pytest.raises(InputError, match="has stamps such as") as caught:
+        list(PlainLog(tmp_path).messages())
+    assert "look like" not in caught.value.what
+
+
+def test_one_absurd_stamp_among_good_ones_is_lost_alone(tmp_path):
+    (tmp_path / "pressure.csv").write_text("t,pascal\n0,1\n99999999999999,2\n2,3\n")
+    samples, log = read(tmp_path)
+    assert [s.pascal for s in samples] == [1.0, 3.0]
+    assert log.losses()[0].why == "lines 3 of pressure.csv cannot be read"
+
+
+def test_a_row_that_is_cut_short_is_lost_alone(tmp_path):
+    (tmp_path / "joints.csv").write_text("t,name,rad\n0,tray,0.1\n1")
+    samples, log = read(tmp_path)
+    assert [s.angle for s in samples] == [0.1]
+    assert log.losses()[0].messages == 1
+
+
+def test_the_tables_that_are_there_are_listed(tmp_path):
+    for name in ("pressure.csv", "imu.csv", "notes.csv"):
+        (tmp_path / name).write_text("t\n")
+    assert PlainLog(tmp_path).tables() == ["imu.csv", "pressure.csv"]
+
+
+def test_a_relative_folder_names_the_same_files_as_an_absolute_one(tmp_path, monkeypatch):
+    folder = tmp_path / "p" / "logs"
+    folder.mkdir(parents=True)
+    (folder / "a.jpg").write_bytes(b"a")
+    (folder / "camera_top.csv").write_text("t,file\n0,a.jpg\n")
+    monkeypatch.chdir(tmp_path)
+    assert PlainLog(Path("p/logs"), Path("p")).named_files() == [Path("logs/a.jpg")]
+    assert PlainLog(folder, tmp_path / "p").named_files() == [Path("logs/a.jpg")]

@@ -16,33 +16,6 @@ def ping(t=0, velocity=(0.1, 0.2, 0.3), sigma=np.nan, ranges=(1, 2, 3, 4), beams
     return DvlSample(t, np.array(velocity, float), sigma, np.array(ranges, float), beams)
 
 
-def test_the_default_beams_are_a_thirty_degree_janus_aft_fore_starboard_port():
-    assert sensors.janus_beams() == pytest.approx(BEAMS)
-
-
-def test_pings_without_beams_get_the_default_and_say_so():
-    remarks = []
-    pings = sensors.dvl_pings([ping(beams=None)], None, 0.003, remarks)
-    assert pings.beams == pytest.approx(BEAMS)
-    assert remarks == ["dvl: the log has no beam directions; a 30 degree Janus with azimuths 180, 0, 90, -90 was assumed"]
-
-
-def test_the_beams_of_the_message_win_over_the_default_and_those_of_the_file_over_both():
-    assert sensors.dvl_pings([ping(beams=BEAMS[::-1])], None, 0.003, []).beams == pytest.approx(BEAMS[::-1])
-    given = np.roll(BEAMS, 1, axis=0)
-    assert sensors.dvl_pings([ping()], given, 0.003, []).beams == pytest.approx(given)
-
-
-def test_another_number_of_beams_in_the_file_than_in_the_log_is_refused():
-    with pytest.raises(InputError, match="names 3 beams, the log has 4"):
-        sensors.dvl_pings([ping()], BEAMS[:3], 0.003, [])
-
-
-def test_five_beams_that_nobody_describes_are_refused():
-    with pytest.raises(InputError, match=r"\[dvl\] beams"):
-        sensors.dvl_pings([ping(ranges=[1] * 5, beams=None)], None, 0.003, [])
-
-
 def test_beams_that_change_are_averaged_and_remarked():
     remarks = []
     tilted = BEAMS @ Rotation.from_euler("z", 0.02).as_matrix()

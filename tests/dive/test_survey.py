@@ -77,6 +77,24 @@ def test_what_is_missing_depends_on_what_else_there_is():
     assert "without a drawing" in missing(everything, hull=False)[0]
 
 
+def test_a_dvl_without_an_imu_can_not_be_run_even_with_stereo():
+    stereo = {"dvl", "camera_top", "camera_bottom"}
+    assert any(line.startswith("no imu: ") and "no run is possible" in line for line in missing(stereo))
+    assert "no imu: attitude comes from stereo images and drifts" in missing(stereo - {"dvl"})
+    assert "no imu: there is no attitude: no run is possible" in missing({"camera_top"})
+
+
+def test_topics_that_were_not_chosen_are_told_from_those_of_types_that_are_not_read(kit, tmp_path):
+    entries = kit.dive()
+    entry = type(entries[0])
+    second = [entry("/second_imu", "sensor_msgs/msg/Imu", e.t_ns, e.message) for e in entries if e.topic == "/imu"]
+    text = kit.make("std_msgs/msg/String", data="hello")
+    log = kit.mcap(tmp_path / "x.mcap", [*entries, *second, entry("/talk", "std_msgs/msg/String", entries[0].t_ns, text)])
+    lines = survey(open_log(log)).lines()
+    assert "not chosen, though of a type that is read: /second_imu (could be imu); name it in [topics] to use it" in lines
+    assert "a run would not use /talk: of other types than it reads" in lines
+
+
 def test_the_first_configuration_loads_and_names_the_log_topics_joints_drawing_and_calibration(kit, tmp_path, calibration):
     path = kit.mcap(tmp_path / "logs" / "x.mcap", kit.dive())
     (tmp_path / "ship.stl").write_bytes(b"")

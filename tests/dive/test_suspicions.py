@@ -5,12 +5,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.config import CameraBottom, Cameras, CameraTop, Dive, DiveConfig, Dvl, Imu, Logs
+from hullrecon.dive.dvl_beams import tilted_beams
 from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
-from hullrecon.dive.sensors import janus_beams
 from hullrecon.dive.suspicions import first_difference, suspicions
 
 NS = 1_000_000_000
 T = np.arange(100, dtype=np.int64) * NS // 5
+
+JANUS = tilted_beams(30.0, (180.0, 0.0, 90.0, -90.0))
 
 
 def config(**more) -> DiveConfig:
@@ -26,7 +28,7 @@ def dive(depth=3.0, mount_pitch_deg=90.0, turn: Rotation | None = None, accelera
     velocity = (attitude * vehicle_from_dvl).inv().apply(np.outer(down, [0, 0, 1.0]))
     n = len(T)
     return {
-        "dvl": DvlPings(T, velocity, np.full(n, 0.003), np.ones((n, 4)), janus_beams()),
+        "dvl": DvlPings(T, velocity, np.full(n, 0.003), np.ones((n, 4)), JANUS),
         "imu": ImuSamples(
             T, np.tile(attitude.as_quat(), (n, 1)), np.zeros((n, 3)), np.tile(acceleration, (n, 1)).astype(float)
         ),
@@ -61,7 +63,7 @@ def test_a_dvl_that_is_mounted_upside_down_runs_against_the_pressure():
 def test_a_dvl_whose_axes_are_mixed_up_does_not_follow_the_pressure():
     records = dive(depth=9.0, mount_pitch_deg=0.0)
     noise = np.random.default_rng(1).normal(0, 0.05, records["dvl"].velocity.shape)
-    records["dvl"] = DvlPings(T, records["dvl"].velocity + noise, np.full(len(T), 0.003), np.ones((len(T), 4)), janus_beams())
+    records["dvl"] = DvlPings(T, records["dvl"].velocity + noise, np.full(len(T), 0.003), np.ones((len(T), 4)), JANUS)
     (line,) = suspicions(config(dvl=Dvl(mount=(0, 0, 0, 0, 90, 0))), records, {})
     assert "does not follow" in line
 

@@ -15,7 +15,7 @@ from hullrecon.dive.images import ImageStore
 from hullrecon.dive.load import load_config
 from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SonarPings, from_arrays
 from hullrecon.errors import InputError
-from hullrecon.steps.ingest import STAGE, USES, request_of
+from hullrecon.steps.ingest import STAGE, USES, external, request_of
 
 TOML = """
 [dive]
@@ -24,6 +24,9 @@ name = "plain"
 files = ["logs"]
 [tray]
 joint = "tray"
+[dvl]
+beam_angle_deg = 30.0
+beam_azimuth_deg = [180, 0, 90, -90]
 [sonar]
 joint = "fan"
 [camera.top]
@@ -119,7 +122,7 @@ def key(package: Path, *overrides: str) -> str:
 @pytest.mark.parametrize(
     "override",
     ["pressure.density=1000", "imu.frame=enu", "tray.joint=other", "camera.top.time_offset=0", "dvl.sigma_velocity=0.1",
-     "dvl.beams=[[0,0,1],[0,0,1],[0,0,1],[0,0,1]]", "topics.dvl='/x'"],
+     "dvl.beam_angle_deg=25", "dvl.beam_azimuth_deg=[0, 90, 180, 270]", "topics.dvl='/x'"],
 )  # fmt: skip
 def test_an_option_that_ingest_reads_makes_it_stale(package, override):
     assert key(package, override) != key(package)
@@ -162,3 +165,33 @@ def test_a_failure_leaves_nothing_behind(package, tmp_path):
     with pytest.raises(InputError, match=r"hull\.off is missing"):
         run(package, tmp_path / "ingest")
     assert not (tmp_path / "ingest").exists()
+
+
+def test_a_relative_path_of_the_package_reads_the_same_files(package, tmp_path, monkeypatch):
+    absolute = key(package)
+    monkeypatch.chdir(package.parent)
+    assert key(Path(package.name)) == absolute
+    assert (run(Path(package.name), tmp_path / "ingest") / "images_camera_top.npz").exists()
+
+
+def test_what_a_run_leaves_beside_the_logs_does_not_make_it_stale(package):
+    before = key(package)
+    (package / "logs" / "runs").mkdir()
+    (package / "logs" / "runs" / "ortho.png").write_bytes(b"made by a run")
+    assert key(package) == before
+
+
+def test_a_fixed_tray_has_no_joint(package):
+    loaded = load_config(package, {}, ["tray.joint=''"])
+    assert request_of({name: loaded.value(name) for name in USES}).joints == {"sonar_tray": "fan"}
+
+
+def test_the_files_of_a_ros2_folder_are_its_own(package):
+    folder = package / "bag"
+    (folder / "runs").mkdir(parents=True)
+    for name in ("metadata.yaml", "a.mcap", "notes.txt", "runs/b.mcap"):
+        (folder / name).write_bytes(b"x")
+    loaded = load_config(package, {}, ["logs.files=['bag']"])
+    found = external({name: loaded.value(name) for name in USES}, package)
+    assert [f.as_posix() for f in found[:2]] == ["bag/a.mcap", "bag/metadata.yaml"]
+    assert len([f for f in found if f.parts[0] == "bag"]) == 2

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.dive.dvl_beams import A50, a50_beams
 from hullrecon.dive.messages.pictures import encode_raw
 from hullrecon.dive.readers.unpack import DamagedError
 from hullrecon.dive.samples import DvlSample, ImageSample, ImuSample, JointSample, PressureSample, Sample, SonarSample
@@ -57,11 +58,14 @@ def twist(message: Any, t_ns: int, role: str) -> list[Sample]:
 
 
 def water_linked(message: Any, t_ns: int, role: str) -> list[Sample]:
-    """The A50's report: figure of merit as sigma, one entry a beam with its own validity."""
+    """The A50's report: figure of merit as sigma, one entry a beam with its own validity. Its beams are those of the A50: the
+    message has none."""
     valid = bool(message.velocity_valid)
     ranges = [b.distance if b.valid and b.distance > 0 else np.nan for b in sorted(message.beams, key=lambda b: int(b.id))]
     sigma = float(message.fom) if 0 < message.fom < FIGURE_OF_MERIT_LIMIT else np.nan
-    return [DvlSample(t_ns, vector(message.velocity) if valid else LOST, sigma, np.array(ranges, float), None)]
+    beams = a50_beams() if len(ranges) == 4 else None
+    velocity = vector(message.velocity) if valid else LOST
+    return [DvlSample(t_ns, velocity, sigma, np.array(ranges, float), beams, A50 if beams is not None else "")]
 
 
 def girona_dvl(message: Any, t_ns: int, role: str) -> list[Sample]:

@@ -24,6 +24,8 @@ COLUMNS = {
     "camera_bottom": ("t", "file"),
     "sonar": ("t", "file"),
 }
+UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
+EARLIEST_S, LATEST_S = 3e8, 4.2e9  # 1979 and 2103: no log of a dive lies outside
 RATES, ACCELERATION = ("wx", "wy", "wz"), ("ax", "ay", "az")
 
 
@@ -40,31 +42,46 @@ class PlainLog:
 
     def messages(self) -> Iterator[Message]:
         self.remarks, self._losses = [], []
-        for sensor in COLUMNS:
-            if (self.path / f"{sensor}.csv").exists():
-                yield from self._table(sensor)
+        for table in self.tables():
+            yield from self._table(table.removesuffix(".csv"))
 
     def losses(self) -> list[Loss]:
         return list(self._losses)
 
+    def tables(self) -> list[str]:
+        """Return the names of the CSVs that are there and read."""
+        return [f"{sensor}.csv" for sensor in COLUMNS if (self.path / f"{sensor}.csv").exists()]
+
     def named_files(self) -> list[Path]:
-        """Every file that a CSV of images or pings names, as far as it exists."""
+        """Return the files that a CSV of images or pings names and that exist, relative to the package if they lie in it."""
         out = []
         for sensor in ("camera_top", "camera_bottom", "sonar"):
             if (self.path / f"{sensor}.csv").exists():
                 out += [self._locate(row["file"]) for _, row in self._read(sensor) if row.get("file")]
-        return sorted({path for path in out if path.is_file()})
+        return sorted({self._in_package(path) for path in out if path.is_file()})
 
     def _table(self, sensor: str) -> Iterator[Message]:
         channel = Channel(sensor, f"{sensor}.csv", "sample")
         bad: list[int] = []
+        late: list[float] = []
+        rows = 0
         for line, row in self._read(sensor):
+            rows += 1
             try:
                 sample = self._samples()[sensor](row)
-            except (ValueError, TypeError, KeyError, OverflowError):
+            except _LateStampError as error:
+                late.append(error.seconds)
+                bad.append(line)
+                continue
+            except (ValueError, TypeError, KeyError, OverflowError, AttributeError):
                 bad.append(line)
                 continue
             yield Message(channel, sample.t_ns, sample)
+        if 2 * len(late) > rows:
+            raise InputError(
+                f"{sensor}.csv has stamps such as {late[0]:.17g}{unit_of_stamp(late[0])}", where=str(self.path),
+                remedy="write column t in seconds since 1970",
+            )  # fmt: skip
         if bad:
             lines = ", ".join(map(str, bad[:5])) + (", ..." if len(bad) > 5 else "")
             self._losses.append(Loss(f"lines {lines} of {sensor}.csv cannot be read", sensor, messages=len(bad)))
@@ -102,8 +119,10 @@ class PlainLog:
 
     def _image(self, camera: str, row: Row) -> ImageSample:
         path = self._locate(row["file"])
-        file = path.relative_to(self.package).as_posix() if path.is_relative_to(self.package) else str(path)
-        return ImageSample(_ns(row), camera, b"", file)
+        return ImageSample(_ns(row), camera, b"", self._in_package(path).as_posix())
+
+    def _in_package(self, path: Path) -> Path:
+        return path.relative_to(self.package) if path.is_relative_to(self.package) else path.absolute()
 
     def _sonar(self, row: Row) -> SonarSample:
         """Beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
@@ -116,6 +135,18 @@ class PlainLog:
             raise ValueError("the sonar image's shape is not [beams, ranges]")
         directions = np.stack([np.zeros(len(azimuth)), np.sin(azimuth), np.cos(azimuth)], axis=1)
         return SonarSample(_ns(row), image, directions, range_m.astype(float))
+
+
+class _LateStampError(ValueError):
+    def __init__(self, seconds: float) -> None:
+        super().__init__()
+        self.seconds = seconds
+
+
+def unit_of_stamp(value: float) -> str:
+    """Return in words the unit in which a stamp that is none in seconds would be one; "" where none fits."""
+    fits = [name for name, size in UNITS.items() if EARLIEST_S <= value / size <= LATEST_S]
+    return f", which look like {fits[0]}" if fits else ""
 
 
 def _dvl(row: Row) -> DvlSample:
@@ -140,7 +171,10 @@ def _number(value: str, lost: bool = False) -> float:
 
 def _ns(row: Row) -> int:
     """Nanoseconds of seconds since 1970, exact to the digits written."""
+    seconds = float(row["t"])
+    if seconds > LATEST_S:
+        raise _LateStampError(seconds)
     whole, _, fraction = row["t"].strip().partition(".")
     if whole.lstrip("-").isdigit() and (not fraction or fraction.isdigit()) and not whole.startswith("-"):
         return int(whole) * 1_000_000_000 + int((fraction + "0" * 9)[:9])
-    return round(float(row["t"]) * 1e9)
+    return round(seconds * 1e9)
