@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hullrecon.dive.records import Returns, Trajectory
+from hullrecon.dive.records import Returns, Trajectory, TrajectoryErrorModel
 from hullrecon.geometry.poses import from_mount, from_rpy, identity
 from hullrecon.vision.survey import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, depth_priors, survey_of
 
@@ -19,8 +19,17 @@ def path(n=10, image=None):
     return Trajectory(np.arange(n) * 10**9, np.tile([0, 0, 0, 1.0], (n, 1)), move, covariance, np.zeros(n), rows)
 
 
-def survey(trajectory, sigma=0.0, top_from_bottom=None):
-    return survey_of(trajectory, [0.45, 0.0, 0.1], FORWARD, top_from_bottom, sigma)
+def random_walk(covariance):
+    """An error model without errors that persist: covariance (n, 6, 6) of twists that accumulates."""
+    n = len(covariance)
+    return TrajectoryErrorModel(
+        by_error=np.zeros((n, 6, 0)), error_covariance=np.zeros((0, 0)), walk=covariance, white=np.zeros((n, 6, 6))
+    )
+
+
+def survey(trajectory, sigma=0.0, top_from_bottom=None, errors=None):
+    errors = random_walk(trajectory.covariance) if errors is None else errors
+    return survey_of(trajectory, errors, [0.45, 0.0, 0.1], FORWARD, top_from_bottom, sigma)
 
 
 def test_the_camera_stands_where_tray_and_mount_put_it():
