@@ -19,9 +19,10 @@ from hullrecon.dive.records import (
     PressureSamples,
     Returns,
     Trajectory,
+    TrajectoryErrorModel,
 )
 from hullrecon.errors import StageError
-from hullrecon.geometry.poses import roll_pitch_yaw
+from hullrecon.geometry.poses import Poses, roll_pitch_yaw
 from hullrecon.navigation.attitude import attitude_history
 from hullrecon.navigation.clock import in_order
 from hullrecon.navigation.dead_reckoning import Instant, Reckoning, reckon
@@ -32,7 +33,7 @@ from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.remarks import remarks_of
 from hullrecon.navigation.returns import flag_ranges, returns
 from hullrecon.navigation.servo import servo
-from hullrecon.navigation.spread import trajectory_covariance
+from hullrecon.navigation.spread import dead_reckoning_errors, trajectory_covariance
 from hullrecon.navigation.vehicle import Vehicle
 from hullrecon.navigation.velocity import usable_velocities
 
@@ -58,6 +59,7 @@ class Navigated:
     """The records of the step, and what to say about them: remarks in words, `facts` for navigation.json."""
 
     trajectory: Trajectory
+    error_model: TrajectoryErrorModel
     odometry: Odometry
     returns: Returns
     attitude: Attitude
@@ -78,9 +80,12 @@ def dead_reckon(logs: Logs, vehicle: Vehicle, options: NavigateOptions, sigma_ra
     flagged = flag_ranges(logs.dvl, options.beam_window_s, options.beam_jump_m, options.beam_sigmas, sigma_range_m)
     hung = returns(logs.dvl, path, at, flagged)
     notes, facts = remarks_of(logs.dvl.t_ns, logs.tray is None, path, nodes, depth, hung)
-    return Navigated(
-        _trajectory(path, at, nodes, depth), odometry(path, at), hung, _attitude(at, depth, vehicle), [*said, *notes], facts
-    )
+    poses = _poses(path, at, depth)
+    errors = dead_reckoning_errors(path, at, poses, depth)
+    covariance = trajectory_covariance(errors, poses)
+    trajectory = Trajectory(at.t_ns, poses.quaternion, poses.translation, covariance, at.tray.copy(), nodes.image.copy())
+    attitude = _attitude(at, depth, vehicle)
+    return Navigated(trajectory, errors, odometry(path, at), hung, attitude, [*said, *notes], facts)
 
 
 def _ordered(logs: Logs) -> tuple[Logs, list[str]]:
@@ -144,14 +149,13 @@ def usable_frames(index: ImageIndex | None) -> tuple[Ints, Ints]:
     return index.t_ns[rows], rows
 
 
-def _trajectory(path: Reckoning, at: Instant, nodes: Nodes, depth: Depth | None) -> Trajectory:
+def _poses(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
+    """T_g_v (n,) counted from the start; z by the pressure where there is one."""
     start = path.at(np.array([path.start_ns])).poses().translation[0]
     place = at.poses().translation - start
     if depth is not None:
         place[:, 2] = at.poses().translation[:, 2] + depth.shift
-    return Trajectory(
-        at.t_ns, at.rotation.as_quat(), place, trajectory_covariance(path, at, depth), at.tray.copy(), nodes.image.copy()
-    )
+    return Poses(at.rotation.as_quat(), place)
 
 
 def _attitude(at: Instant, depth: Depth | None, vehicle: Vehicle) -> Attitude:

@@ -21,9 +21,10 @@ from hullrecon.navigation.navigate import UNKNOWN_SIGMA_M, Navigated, finite_att
 from hullrecon.navigation.nodes import pair_frames
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.servo import servo
+from hullrecon.navigation.spread import trajectory_covariance
 from hullrecon.navigation.stereo_frame import StereoFrame, StereoRig
 from hullrecon.navigation.vehicle import Vehicle
-from hullrecon.navigation.visual_odometry import Chain, chain_covariance, compose, follow, in_vehicle
+from hullrecon.navigation.visual_odometry import Chain, chain_errors, compose, follow, in_vehicle
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -74,13 +75,18 @@ def stereo_navigate(
     history = _history(aids.imu, vehicle, options)
     depth = _depths(aids.pressure, t_ns)
     path = compose(_start(history, depth, t_ns, vehicle), step)
-    trajectory = Trajectory(
-        t_ns, path.quaternion, path.translation, chain_covariance(path, covariance) + 1e-8 * np.eye(6), angle, image
-    )
+    errors = chain_errors(path, covariance)
+    trajectory = Trajectory(t_ns, path.quaternion, path.translation, trajectory_covariance(errors, path), angle, image)
     attitude = _attitude(history, depth, t_ns, vehicle, hung.direction_at(t_ns))
     lonely = len(views.top[0]) + len(views.bottom[0]) - 2 * len(pair)
     return Navigated(
-        trajectory, _edges(step, covariance), no_returns(), attitude, _remarks(chain, lonely, aids), _facts(chain, step, t_ns)
+        trajectory,
+        errors,
+        _edges(step, covariance),
+        no_returns(),
+        attitude,
+        _remarks(chain, lonely, aids),
+        _facts(chain, step, t_ns),
     )
 
 

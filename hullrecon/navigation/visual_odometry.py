@@ -14,7 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.dive.records import TrajectoryErrorModel
 from hullrecon.geometry.poses import Poses
+from hullrecon.navigation.spread import twist_by_pose_error
 from hullrecon.navigation.stereo_frame import StereoFrame, StereoRig
 from hullrecon.navigation.stereo_motion import StereoMotion, stereo_motion
 from hullrecon.navigation.vehicle import cross_matrix
@@ -22,6 +24,7 @@ from hullrecon.navigation.vehicle import cross_matrix
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 LOOK_BACK = 3  # pairs that a motion is sought from, the nearest first
+LEAST_VARIANCE = 1e-8  # m2, rad2: keeps the covariance of the first pose invertible
 LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # of a step that no pair could tell
 
 
@@ -121,8 +124,8 @@ def compose(start: Poses, step: Poses) -> Poses:
     return Poses(np.vstack([p.quaternion for p in found]), np.vstack([p.translation for p in found]))
 
 
-def chain_covariance(path: Poses, covariance: Array) -> Array:
-    """(n, 6, 6) of T_g_v relative to the first, from that of the steps.
+def chain_errors(path: Poses, covariance: Array) -> TrajectoryErrorModel:
+    """Return what makes T_g_v (n,) wrong relative to the first, from the covariance (n - 1, 6, 6) of the steps.
 
     Written as twists about the origin of g the steps' errors simply add: omega = R_j w, rho = R_i t + p_j x omega.
     """
@@ -131,9 +134,11 @@ def chain_covariance(path: Poses, covariance: Array) -> Array:
     to_twist[:, 3:, 3:] = R[1:]
     to_twist[:, :3, :3] = R[:-1]
     to_twist[:, :3, 3:] = cross_matrix(p[1:]) @ R[1:]
-    twist = np.concatenate([np.zeros((1, 6, 6)), np.cumsum(to_twist @ covariance @ np.swapaxes(to_twist, 1, 2), axis=0)])
-    at = np.zeros((len(R), 6, 6))
-    at[:, :3, :3] = np.eye(3)
-    at[:, :3, 3:] = -cross_matrix(p)
-    at[:, 3:, 3:] = np.swapaxes(R, 1, 2)
-    return np.asarray(at @ twist @ np.swapaxes(at, 1, 2))
+    steps = to_twist @ covariance @ np.swapaxes(to_twist, 1, 2)
+    at_node = twist_by_pose_error(path)
+    return TrajectoryErrorModel(
+        by_error=np.zeros((len(R), 6, 0)),
+        error_covariance=np.zeros((0, 0)),
+        walk=np.concatenate([np.zeros((1, 6, 6)), np.cumsum(steps, axis=0)]),
+        white=LEAST_VARIANCE * at_node @ np.swapaxes(at_node, 1, 2),
+    )

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.dive.records import Returns, Tracks, Trajectory, from_arrays, to_arrays
+from hullrecon.dive.records import Returns, Tracks, Trajectory, TrajectoryErrorModel, from_arrays, to_arrays
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import from_mount
@@ -86,7 +86,8 @@ def _survey(context: Context, trajectory: Trajectory, rig: Rig) -> tuple[Survey,
     """The cameras' places, and the depth of the scene at each by the DVL."""
     origin, play = context.settings["tray.origin"], np.radians(context.settings["tray.sigma_deg"])
     mount = from_mount(context.settings["camera.top.mount"])
-    survey = survey_of(trajectory, origin, mount, rig.top_from_bottom, play)
+    errors = from_arrays(TrajectoryErrorModel, load_arrays(context.inputs["navigate"] / "error_model.npz"))
+    survey = survey_of(trajectory, errors, origin, mount, rig.top_from_bottom, play)
     path = context.inputs["navigate"] / "returns.npz"
     if not path.exists():
         return survey, [None] * len(survey)
@@ -176,7 +177,7 @@ STAGE = Stage(
     summary="match images and join the matches to landmarks",
     inputs=("ingest", "navigate", "features"),
     parameters=MatchOptions,
-    version=2,
+    version=3,
     run=run,
     uses=("tray.origin", "tray.sigma_deg", "dvl.mount", "camera.top.mount", "camera.bottom.pose_in_top"),
     applies=applies,

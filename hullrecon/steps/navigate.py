@@ -135,7 +135,7 @@ def _record(ingest: Path, name: str, kind: type[Record]) -> Record | None:
 
 
 def _write(context: Context, found: Navigated, source: str) -> None:
-    for name in ("trajectory", "odometry", "attitude"):
+    for name in ("trajectory", "error_model", "odometry", "attitude"):
         context.out.arrays(f"{name}.npz", to_arrays(getattr(found, name)))
     if len(found.returns.t_ns):
         context.out.arrays("returns.npz", to_arrays(found.returns))
@@ -151,7 +151,7 @@ STAGE = Stage(
     summary="reckon the vehicle's path",
     inputs=("ingest",),
     parameters=NavigateOptions,
-    version=1,
+    version=2,
     run=run,
     uses=USES,
     external=external,

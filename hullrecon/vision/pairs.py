@@ -73,16 +73,10 @@ def _share(survey: Survey, source: Ints, target: Ints, depth_m: Array, camera: C
     seen = points @ relative[:, :3, :3].swapaxes(1, 2) + relative[:, None, :3, 3]
     ahead = seen[..., 2] > 0.05
     image = np.where(ahead[..., None], seen[..., :2] / np.where(ahead, seen[..., 2], 1.0)[..., None], np.inf)
-    margin = sigmas * _doubt(survey, source, target) / np.where(np.isfinite(depth_m[source]), depth_m[source], 1.0)
+    margin = sigmas * survey.relative_sigma(source, target) / np.where(np.isfinite(depth_m[source]), depth_m[source], 1.0)
     low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
     inside = ((image >= low - margin[:, None, None]) & (image <= high + margin[:, None, None])).all(axis=2)
     return np.asarray(np.where(np.isfinite(depth_m[source]), inside.mean(axis=1), np.nan))
-
-
-def _doubt(survey: Survey, first: Ints, second: Ints) -> Array:
-    """Sigma (m,) in metres of the relative position, the mean over the axes."""
-    gained = survey.covariance[second][:, :3, :3] - survey.covariance[first][:, :3, :3]
-    return np.asarray(np.sqrt(np.abs(np.trace(gained, axis1=1, axis2=2)) / 3))
 
 
 def _keyframes(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, most: float) -> Ints:
@@ -134,7 +128,8 @@ def _near(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, reach: in
     at = nodes[known]
     middle = survey.global_from_camera[at].apply(np.stack([0 * depth_m[at], 0 * depth_m[at], depth_m[at]], axis=1))
     size = float(np.median(depth_m[at])) * np.hypot(camera.width / camera.fx, camera.height / camera.fy)
-    doubt = 3 * float(np.sqrt(np.trace(survey.covariance[at, :3, :3], axis1=1, axis2=2).max() / 3))
+    # Two nodes' relative sigma is at most the sum of theirs relative to a third one.
+    doubt = 3 * 2 * float(survey.relative_sigma(at, np.full(len(at), at[len(at) // 2])).max())
     pairs = cKDTree(middle).query_pairs(size + min(doubt, 3 * size), output_type="ndarray")
     pairs = pairs[known[pairs[:, 1]] - known[pairs[:, 0]] > reach]
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]

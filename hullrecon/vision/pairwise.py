@@ -10,7 +10,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.vision import rigid, twoview
+from hullrecon.vision import mono_motion, rigid, twoview
 from hullrecon.vision.candidates import in_ellipse
 from hullrecon.vision.descriptors import Floats, Putative, best_of_all, best_of_candidates, sparse_distance
 from hullrecon.vision.options import MatchOptions
@@ -82,24 +82,24 @@ def match_pair(
 
 
 def agrees(found: PairMatch, prior: Motion, most_chi2: float) -> bool:
-    """Whether the motion lies within navigation's covariance plus its own (rotation alone where the scale is not measured)."""
+    """Whether the motion lies within navigation's covariance plus its own (its length aside where that is not measured)."""
     if found.motion is None:
         return False
+    if not found.scaled:
+        return mono_motion.navigation_chi2(found.motion, prior) <= most_chi2
     own, wanted = found.motion.second_from_first, prior.second_from_first
     turn = np.linalg.inv(wanted[:3, :3]) @ own[:3, :3]
     from scipy.spatial.transform import Rotation
 
     gap = np.concatenate([own[:3, 3] - wanted[:3, 3], Rotation.from_matrix(turn).as_rotvec()])
     covariance = prior.covariance + found.motion.covariance
-    if not found.scaled:
-        gap, covariance = gap[3:], prior.covariance[3:, 3:]
     return bool(gap @ np.linalg.solve(covariance, gap) <= most_chi2)
 
 
 def _match(
     rig: Rig, first: View, second: View, prior: Motion | None, options: MatchOptions, seed: tuple[int, ...]
 ) -> PairMatch:
-    """By triangulated points of both sides; where too few, of one side; without any, by two-view geometry."""
+    """By triangulated points of both sides; where too few, of one side; where too few of either, by two-view geometry."""
     result = _failed(0, Reason.FEW_PUTATIVE)
     tolerance = options.ransac_px / rig.focal(0)
     if first.stereo.any() and second.stereo.any():
@@ -117,7 +117,8 @@ def _match(
     seeds = _best(first, second, near, options, *everywhere)
     if not _enough(seeds, options):
         return _failed(len(seeds), Reason.FEW_PUTATIVE)
-    if first.stereo.any() or second.stereo.any():
+    with_point = max(int(first.stereo[seeds.first].sum()), int(second.stereo[seeds.second].sum()))
+    if with_point >= max(options.min_putative, options.min_inliers):
         return _with_points(rig, first, second, seeds, _resection(first, second, seeds, tolerance, options), options)
     return _without_points(rig, first, second, seeds, near, prior, options)
 
@@ -254,8 +255,9 @@ def _without_points(
     choices = twoview.motions_of(found, first.xy[seeds.first], second.xy[seeds.second])
     if not choices:
         return _failed(len(seeds), Reason.FEW_INLIERS)
-    motion = _closest(choices, prior)
-    kept = Putative(seeds.first[found.inlier], seeds.second[found.inlier], seeds.distance[found.inlier])
+    inlier = found.inlier
+    motion = mono_motion.choose(choices, (first.xy[seeds.first[inlier]], second.xy[seeds.second[inlier]]), prior, first.normal)
+    kept = Putative(seeds.first[inlier], seeds.second[inlier], seeds.distance[inlier])
     near = (seeds.first, seeds.second) if near is None else near
     near = _on_lines(rig, first, second, motion.second_from_first, options, *near)
     distance = sparse_distance(first.descriptor, second.descriptor, *near)
@@ -269,18 +271,6 @@ def _joined(kept: Putative, more: Putative) -> Putative:
     new = ~np.isin(more.first, kept.first) & ~np.isin(more.second, kept.second)
     first, second = np.r_[kept.first, more.first[new]], np.r_[kept.second, more.second[new]]
     return Putative(first, second, np.r_[kept.distance, more.distance[new]])
-
-
-def _closest(choices: list[Array], prior: Motion | None) -> Motion:
-    """The motion whose rotation is closest to navigation's, with navigation's length; the first without navigation."""
-    unknown = np.eye(6)
-    if prior is None:
-        return Motion(choices[0], unknown)
-    wanted = prior.second_from_first
-    trace = [float(np.trace(wanted[:3, :3].T @ c[:3, :3])) for c in choices]
-    best = choices[int(np.argmax(trace))].copy()
-    best[:3, 3] *= np.linalg.norm(wanted[:3, 3])
-    return Motion(best, unknown)
 
 
 def _failed(putative: int, reason: Reason) -> PairMatch:

@@ -24,6 +24,15 @@ class TwoView:
     inlier: Mask
 
 
+@dataclass(frozen=True)
+class PossibleMotion:
+    """motion (4, 4) second from first, |t| = 1; normal (3,) of the plane in the first camera's axes, pointing away from it,
+    where the motion is that of a homography."""
+
+    motion: Array
+    normal: Array | None = None
+
+
 def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
     """Both models by RANSAC on ideal coordinates (n, 2), scored on all matches; None when fewer than 8 or neither fits."""
     import cv2
@@ -76,19 +85,19 @@ def essential_of(second_from_first: Array) -> Array:
     return np.asarray(cross @ second_from_first[:3, :3])
 
 
-def motions_of(found: TwoView, first: Array, second: Array) -> list[Array]:
-    """Rigid motions (4, 4), translation of unit length, that the matrix may stand for; points ahead of both cameras."""
+def motions_of(found: TwoView, first: Array, second: Array) -> list[PossibleMotion]:
+    """Return the motions that the matrix may stand for; points ahead of both cameras."""
     import cv2
 
     a, b = first[found.inlier], second[found.inlier]
     if found.model == "essential":
         _, rotation, translation, _ = cv2.recoverPose(found.matrix, a, b, np.eye(3))
-        return [_motion(rotation, translation.ravel())]
+        return [PossibleMotion(_motion(rotation, translation.ravel()))]
     _, rotations, translations, normals = cv2.decomposeHomographyMat(found.matrix, np.eye(3))
     seen = a[:, None].astype(np.float32), b[:, None].astype(np.float32)
     kept = cv2.filterHomographyDecompByVisibleRefpoints(rotations, normals, *seen)
     keep = range(len(rotations)) if kept is None else kept.ravel()
-    return [_motion(rotations[k], translations[k].ravel()) for k in keep]
+    return [PossibleMotion(_motion(rotations[k], translations[k].ravel()), normals[k].ravel()) for k in keep]
 
 
 def _motion(rotation: Array, translation: Array) -> Array:

@@ -23,12 +23,14 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class DepthPrior:
-    """Depth of the scene along the camera's axis from the DVL: mean, sigma, nearest and farthest, metres."""
+    """Depth of the scene along the camera's axis from the DVL: mean, sigma, nearest and farthest, metres. normal: unit normal
+    of the surface in the camera's axes, pointing away from it; None where the returns lie on a line."""
 
     mean: float
     sigma: float
     nearest: float
     farthest: float
+    normal: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class View:
 
     xy (n, 2) ideal coordinates in the leading camera, descriptor (n, 128) unit. other (n, 2): ideal coordinates in the bottom
     camera of the stereo match, NaN where none; point (n, 3) in the leading camera, NaN where none. depth, depth_sigma (n,):
-    measured, carried over from stereo neighbours, from the prior, or NaN.
+    measured, carried over from stereo neighbours, from the prior, or NaN. normal: the prior's, in the leading camera's axes.
     """
 
     camera: int
@@ -47,6 +49,7 @@ class View:
     point: Array
     depth: Array
     depth_sigma: Array
+    normal: tuple[float, float, float] | None = None
 
     def __len__(self) -> int:
         return len(self.xy)
@@ -96,7 +99,7 @@ def view_of_node(
         other[stereo.top] = rig.bottom.undistort(bottom.keypoints[stereo.bottom, :2])
         point[stereo.top] = stereo.point
     depth, sigma = _depths(rig, xy, point, prior, sigma_px)
-    return View(camera, xy, unit(lead.descriptors), other, point, depth, sigma)
+    return View(camera, xy, unit(lead.descriptors), other, point, depth, sigma, prior.normal if prior else None)
 
 
 def _depths(rig: Rig, xy: Array, point: Array, prior: DepthPrior | None, sigma_px: float) -> tuple[Array, Array]:

@@ -15,6 +15,7 @@ from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.navigate import Navigated
 from hullrecon.navigation.options import NavigateOptions
+from hullrecon.navigation.spread import trajectory_covariance
 from hullrecon.navigation.stereo_frame import (
     Features,
     StereoFrame,
@@ -27,7 +28,7 @@ from hullrecon.navigation.stereo_frame import (
 )
 from hullrecon.navigation.stereo_motion import stereo_motion
 from hullrecon.navigation.stereo_path import Aids, Views, stereo_navigate
-from hullrecon.navigation.visual_odometry import chain_covariance, compose
+from hullrecon.navigation.visual_odometry import chain_errors, compose
 
 CAMERA = Camera(640, 512, 600.0, 600.0, 319.5, 255.5)
 RIG = StereoRig(CAMERA, CAMERA, poses.from_mount([0.01, 0.12, 0.0, 1.0, -0.5, 0.7]), sigma_px=0.5)
@@ -164,7 +165,7 @@ def test_the_covariance_of_a_chain_is_the_spread_of_disturbed_chains() -> None:
     shift = np.vstack([e.translation for e in ends]) - path.translation[-1]
     turn = np.vstack([(path[[-1]].rotation.inv() * e.rotation).as_rotvec() for e in ends])
     spread = np.cov(np.hstack([shift, turn]).T)
-    predicted = chain_covariance(path, np.tile(np.diag(sigma**2), (8, 1, 1)))[-1]
+    predicted = trajectory_covariance(chain_errors(path, np.tile(np.diag(sigma**2), (8, 1, 1))), path)[-1]
     assert np.allclose(np.sqrt(np.diag(predicted)), np.sqrt(np.diag(spread)), rtol=0.12)
     assert predicted[0, 5] == pytest.approx(spread[0, 5], rel=0.25)
 

@@ -10,7 +10,7 @@ import pytest
 
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config import CameraBottom, Cameras, CameraTop, Dvl, Tray
-from hullrecon.dive.records import Tracks, Trajectory, from_arrays, to_arrays
+from hullrecon.dive.records import Tracks, Trajectory, TrajectoryErrorModel, from_arrays, to_arrays
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import exp, from_mount
@@ -73,6 +73,10 @@ def write_trajectory(folder, global_from_top, image=None):
         np.arange(n) * 10**9, global_from_top.quaternion, global_from_top.translation + off, covariance, np.zeros(n), rows
     )
     np.savez(folder / "trajectory.npz", **to_arrays(record))
+    errors = TrajectoryErrorModel(
+        by_error=np.zeros((n, 6, 0)), error_covariance=np.zeros((0, 0)), walk=covariance, white=np.zeros((n, 6, 6))
+    )
+    np.savez(folder / "error_model.npz", **to_arrays(errors))
 
 
 def run(dive, out, navigate="navigate", stereo=True, jobs=1, **options):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from hullrecon.dive.records import TrajectoryErrorModel
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.vision.options import MatchOptions
@@ -13,12 +14,21 @@ CAMERA = Camera(640, 512, 640.0, 640.0, 319.5, 255.5)  # at 1 m: 1 m wide, 0.8 m
 DEPTH = 1.0
 
 
+def random_walk(covariance):
+    """An error model without errors that persist: covariance (n, 6, 6) of twists that accumulates."""
+    n = len(covariance)
+    return TrajectoryErrorModel(
+        by_error=np.zeros((n, 6, 0)), error_covariance=np.zeros((0, 0)), walk=covariance, white=np.zeros((n, 6, 6))
+    )
+
+
 def survey(places, sigma_m=0.0):
     """Cameras that all look along z, at x, y."""
     n = len(places)
     covariance = np.zeros((n, 6, 6))
     covariance[:, [0, 1, 2], [0, 1, 2]] = (sigma_m**2 * np.arange(n) / max(n - 1, 1))[:, None]
-    return Survey(Poses(np.tile([0, 0, 0, 1.0], (n, 1)), np.column_stack([places, np.zeros(n)])), covariance, np.zeros((n, 3)))
+    poses = Poses(np.tile([0, 0, 0, 1.0], (n, 1)), np.column_stack([places, np.zeros(n)]))
+    return Survey(global_from_camera=poses, errors=random_walk(covariance))
 
 
 def lawnmower(step=0.2, leg=11, apart=0.5):

@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -70,6 +72,47 @@ def test_two_mono_nodes_give_a_direction_and_right_matches(rig, two, informed):
     mono = Rig(rig.top)
     depth, prior = (PRIOR, expected(first, second)) if informed else (None, None)
     found = match_pair(mono, mono_view(mono, first, depth), mono_view(mono, second, depth), prior, OPTIONS, (1,), True)
+    assert found.reason is Reason.MATCHED
+    assert not found.scaled
+    assert (first.top_id[found.first] == second.top_id[found.second]).mean() > 0.97
+
+
+def test_a_mono_motion_has_the_covariance_of_its_five_numbers(rig, two):
+    first, second = two
+    mono = Rig(rig.top)
+    found = match_pair(mono, mono_view(mono, first), mono_view(mono, second), expected(first, second), OPTIONS, (1,), True)
+    sigma = np.sqrt(np.linalg.eigvalsh(found.motion.covariance))
+    assert sigma[-1] == pytest.approx(0.02, rel=0.05)  # navigation's, along the motion
+    assert sigma[:-1].max() < 0.02
+    gap = np.linalg.inv(found.motion.second_from_first[:3, :3]) @ truth(first, second)[:3, :3]
+    assert np.arccos(0.5 * (np.trace(gap) - 1)) < 0.01
+
+
+def test_a_mono_motion_in_another_direction_than_navigations_is_refused(rig, two):
+    """Navigation has the rotation right and is sure that the vehicle went down the image, not across it."""
+    first, second = two
+    mono = Rig(rig.top)
+    wrong = truth(first, second)
+    wrong[:3, 3] = [0.0, 0.3, 0.0]
+    views = mono_view(mono, first, None), mono_view(mono, second, None)
+    assert match_pair(mono, *views, Motion(wrong, DOUBT), OPTIONS, (1,), True).reason is Reason.AGAINST_NAVIGATION
+    right = Motion(truth(first, second), DOUBT)
+    assert match_pair(mono, *views, right, OPTIONS, (1,), True).reason is Reason.MATCHED
+
+
+def few_points(view, count):
+    """The view with all but `count` of its stereo points lost."""
+    rows = np.flatnonzero(view.stereo)[count:]
+    point, other = view.point.copy(), view.other.copy()
+    point[rows] = other[rows] = np.nan
+    return replace(view, point=point, other=other)
+
+
+@pytest.mark.parametrize("count", [1, 5])
+def test_a_pair_with_too_few_stereo_points_is_matched_like_a_mono_pair(rig, two, count):
+    first, second = two
+    views = few_points(stereo_view(rig, first), count), few_points(stereo_view(rig, second), count)
+    found = match_pair(rig, *views, expected(first, second), OPTIONS, (1,), True)
     assert found.reason is Reason.MATCHED
     assert not found.scaled
     assert (first.top_id[found.first] == second.top_id[found.second]).mean() > 0.97

@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import dataclasses
+
 import numpy as np
 import pytest
 
-from hullrecon.dive.records import Returns, Trajectory
+from hullrecon.dive.records import Returns, Trajectory, TrajectoryErrorModel
 from hullrecon.geometry.poses import from_mount, from_rpy, identity
 from hullrecon.vision.survey import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, depth_priors, survey_of
 
@@ -19,8 +21,17 @@ def path(n=10, image=None):
     return Trajectory(np.arange(n) * 10**9, np.tile([0, 0, 0, 1.0], (n, 1)), move, covariance, np.zeros(n), rows)
 
 
-def survey(trajectory, sigma=0.0, top_from_bottom=None):
-    return survey_of(trajectory, [0.45, 0.0, 0.1], FORWARD, top_from_bottom, sigma)
+def random_walk(covariance):
+    """An error model without errors that persist: covariance (n, 6, 6) of twists that accumulates."""
+    n = len(covariance)
+    return TrajectoryErrorModel(
+        by_error=np.zeros((n, 6, 0)), error_covariance=np.zeros((0, 0)), walk=covariance, white=np.zeros((n, 6, 6))
+    )
+
+
+def survey(trajectory, sigma=0.0, top_from_bottom=None, errors=None):
+    errors = random_walk(trajectory.covariance) if errors is None else errors
+    return survey_of(trajectory, errors, [0.45, 0.0, 0.1], FORWARD, top_from_bottom, sigma)
 
 
 def test_the_camera_stands_where_tray_and_mount_put_it():
@@ -78,3 +89,32 @@ def test_depth_comes_from_the_returns_of_neighbouring_nodes():
 def test_flagged_and_lost_returns_say_nothing():
     found = priors(returns([0, 1, 2], [1.2, np.nan, 9.0], [False, False, True]), path())
     assert found[1].mean == pytest.approx(1.2)
+
+
+def spread_returns(shift):
+    """Returns of nine beams about the forward axis on a wall x = 1.75 m of g, `shift` m farther a metre to starboard."""
+    y, z = (v.ravel() for v in np.meshgrid([-0.3, 0.0, 0.3], [-0.3, 0.0, 0.3]))
+    dvl = np.array([0.45 + 0.08, 0.0, 2.1])
+    points = np.column_stack([1.75 + shift * y, y, 2.1 + z]) - dvl
+    range_m = np.linalg.norm(points, axis=1)
+    beam = from_mount([0, 0, 0, 0.0, 90.0, 0.0]).rotation.inv().apply(points / range_m[:, None])
+    made = returns([0] * 9, range_m)
+    return dataclasses.replace(made, beam=beam)
+
+
+def normal_of(shift, rows=slice(None)):
+    made = spread_returns(shift)
+    part = {f.name: getattr(made, f.name)[rows] for f in dataclasses.fields(made)}
+    dvl = from_mount([0.08, 0.0, 0.0, 0.0, 90.0, 0.0])
+    return depth_priors(survey(path()), path(), Returns(**part), [0.45, 0.0, 0.1], dvl, 1.5)[0].normal
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.4])
+def test_the_returns_give_the_surfaces_normal_in_the_cameras_axes(shift):
+    want = np.array([-shift, 0.0, 1.0]) / np.hypot(shift, 1.0)  # the camera's x is starboard, its z ahead
+    np.testing.assert_allclose(normal_of(shift), want, atol=1e-9)
+
+
+def test_returns_on_a_line_have_no_normal():
+    assert normal_of(0.0, slice(0, 3)) is None
+    assert normal_of(0.0, slice(0, 2)) is None

@@ -51,7 +51,7 @@ def test_the_sampson_error_is_the_distance_to_the_nearest_pair_that_fits():
 def test_the_motion_is_recovered_up_to_its_length(relief_m):
     first, second = scene(relief_m, n=300, sigma_px=0.1)
     found = twoview.fit(first, second, 1.5 / FOCAL)
-    motions = twoview.motions_of(found, first, second)
+    motions = [p.motion for p in twoview.motions_of(found, first, second)]
     direction = MOTION[:3, 3] / np.linalg.norm(MOTION[:3, 3])
     assert min(np.abs(m[:3, 3] - direction).max() + np.abs(m[:3, :3] - MOTION[:3, :3]).max() for m in motions) < 0.05
 

@@ -1,0 +1,220 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Attitude, velocities and depth, each by itself: what is kept, what is bridged and how sure each is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.records import DvlPings, ImuSamples, PressureSamples
+from hullrecon.navigation.attitude import (
+    BRIDGED_RATE_RAD_S,
+    LEAST_SIGMA_RAD,
+    AttitudeHistory,
+    attitude_history,
+)
+from hullrecon.navigation.dead_reckoning import reckon
+from hullrecon.navigation.depth import hold_to_pressure
+from hullrecon.navigation.edges import velocity_variance
+from hullrecon.navigation.servo import servo
+from hullrecon.navigation.vehicle import cross_matrix
+from hullrecon.navigation.velocity import Velocities, usable_velocities
+
+SECOND = 1_000_000_000
+NO_HOLES = np.zeros((0, 2), np.int64)
+
+
+def stamps(t_s: np.ndarray) -> np.ndarray:
+    return np.round(np.asarray(t_s) * SECOND).astype(np.int64)
+
+
+# attitude
+
+
+def imu(seed: int = 0, white_rad: float = 0.002, bias: float = 0.0, n: int = 2000) -> tuple[ImuSamples, Rotation]:
+    """A heading that swings at 50 Hz: noisy orientations, rates with a bias; and the truth."""
+    t = np.arange(n) / 50
+    truth = Rotation.from_euler("xyz", np.stack([0.05 * np.sin(t), 0 * t, 0.4 * np.sin(0.3 * t)], axis=1))
+    h = 1e-4
+    later = Rotation.from_euler("xyz", np.stack([0.05 * np.sin(t + h), 0 * t, 0.4 * np.sin(0.3 * (t + h))], axis=1))
+    rates = (truth.inv() * later).as_rotvec() / h + bias
+    noise = Rotation.from_rotvec(white_rad * np.random.default_rng(seed).standard_normal((n, 3)))
+    return ImuSamples(stamps(t), (truth * noise).as_quat(), rates, np.zeros((n, 3))), truth
+
+
+def departure(history: AttitudeHistory, record: ImuSamples, truth: Rotation) -> np.ndarray:
+    return (truth.inv() * history.rotation(record.t_ns)).as_rotvec()
+
+
+def test_fused_attitude_is_as_good_as_its_sigma_says_and_far_better_than_a_reading() -> None:
+    record, truth = imu()
+    history = attitude_history(record, 0.01, 0.5)
+    error = departure(history, record, truth)[200:-200]
+    assert history.fused
+    assert np.std(error) < 0.3 * 0.002
+    assert 0.3 < np.std(error) / history.sigma_rad < 3
+
+
+def test_a_bias_of_the_rates_does_not_turn_the_attitude() -> None:
+    error = [departure(attitude_history(r, 0.01, 0.5), r, t)[200:-200] for r, t in (imu(), imu(bias=0.01))]
+    assert np.abs(error[1] - error[0]).max() < 3e-4
+
+
+def test_without_rates_the_readings_stand_as_they_are() -> None:
+    record, _ = imu()
+    silent = replace(record, angular_velocity=np.full_like(record.angular_velocity, np.nan))
+    history = attitude_history(silent, 0.01, 0.5)
+    assert not history.fused
+    assert history.sigma_rad == 0.01
+    assert np.array_equal(history.quaternion, record.quaternion)
+
+
+def history(fused: bool, walk: float = 1e-8, holes: np.ndarray = NO_HOLES, sigma: float = 0.001) -> AttitudeHistory:
+    return AttitudeHistory(stamps([0, 100]), np.tile([0, 0, 0, 1.0], (2, 1)), sigma, walk, holes, fused)
+
+
+def test_a_short_turn_is_as_sure_as_the_rates_and_a_long_one_as_two_attitudes() -> None:
+    short, long = history(True).turn_variance(stamps([0, 0]), stamps([0.1, 1e4]))
+    assert short == pytest.approx(1e-9 + LEAST_SIGMA_RAD**2, rel=1e-3)
+    assert long == pytest.approx(2e-6 + LEAST_SIGMA_RAD**2)
+    assert history(False).turn_variance(stamps([0]), stamps([0.1]))[0] == pytest.approx(2e-6 + LEAST_SIGMA_RAD**2)
+
+
+def test_a_turn_across_a_hole_is_as_unsure_as_the_hole_is_long() -> None:
+    holed = history(True, holes=np.array([stamps([10, 12])]))
+    out, part, whole = holed.turn_variance(stamps([5, 11, 9]), stamps([6, 15, 15]))
+    assert out < 1e-6
+    assert part == pytest.approx((BRIDGED_RATE_RAD_S * 1.0) ** 2, rel=0.01)
+    assert whole == pytest.approx((BRIDGED_RATE_RAD_S * 2.0) ** 2, rel=0.01)
+
+
+def test_attitude_between_two_readings_is_on_the_shortest_turn() -> None:
+    ends = Rotation.from_euler("z", [[0.0], [0.2]])
+    between = replace(history(False), quaternion=ends.as_quat()).rotation(stamps([25.0]))
+    assert between.as_rotvec()[0] == pytest.approx([0, 0, 0.05])
+
+
+# velocity
+
+
+def pings(velocity: np.ndarray, hz: float = 5.0) -> DvlPings:
+    n = len(velocity)
+    return DvlPings(stamps(np.arange(n) / hz), velocity, np.full(n, 0.003), np.ones((n, 4)), np.eye(4)[:, :3])
+
+
+ALWAYS = (-(10**18), 10**18)
+
+
+def test_lost_velocities_and_those_outside_the_attitude_are_left_out() -> None:
+    velocity = np.tile([0.2, 0, 0], (50, 1))
+    velocity[20] = np.nan
+    record = pings(velocity)
+    record.velocity_sigma[30] = 0.0
+    found = usable_velocities(record, (int(record.t_ns[5]), int(record.t_ns[44])), 0.6)
+    assert found.t_ns.tolist() == record.t_ns[[k for k in range(5, 45) if k not in (20, 30)]].tolist()
+
+
+def test_a_jump_is_a_stray_and_a_steady_acceleration_is_none() -> None:
+    velocity = np.column_stack([0.02 * np.arange(60), np.zeros((60, 2))])
+    assert len(usable_velocities(pings(velocity), ALWAYS, 0.6).strays) == 0
+    velocity[25, 1] += 0.4
+    found = usable_velocities(pings(velocity), ALWAYS, 0.6)
+    assert found.strays.tolist() == [5 * SECOND]
+    assert len(found.t_ns) == 59
+
+
+def test_an_outage_adds_its_variance_by_the_share_that_an_interval_has_of_it() -> None:
+    v = Velocities(stamps([0, 10]), np.zeros((2, 3)), np.ones(2), np.array([stamps([2, 6])]), 0.01, np.zeros(0, np.int64))
+    whole, half, none = v.bridged_variance(stamps([0, 4, 7]), stamps([9, 9, 9]))
+    assert whole == pytest.approx(0.01 * 4**3 / 12)
+    assert half == pytest.approx(whole / 2)
+    assert none == 0
+
+
+def test_a_vehicle_that_darts_about_has_a_wider_bridge() -> None:
+    t = np.arange(200) / 5
+    calm, wild = (np.column_stack([a * np.sin(2 * t), 0 * t, 0 * t]) for a in (0.01, 0.3))
+    agitation = [usable_velocities(pings(v), ALWAYS, 0.6).agitation for v in (calm, wild)]
+    assert agitation[0] == 1e-4
+    assert agitation[1] > 100 * agitation[0]
+
+
+# a path of one's own making: straight ahead and level
+
+
+def straight(vehicle, speed: float = 0.2, down: float = 0.0, duration_s: float = 60.0):
+    """The vehicle swims along x of g; the DVL looks forward, so its z is the vehicle's x and its x is up."""
+    n = int(duration_s * 5)
+    mount = vehicle.T_s_d.rotation.as_matrix()[0]
+    velocity = np.tile(mount.T @ [speed, 0.0, down], (n, 1))
+    level = AttitudeHistory(stamps([-1, duration_s + 1]), np.tile([0, 0, 0, 1.0], (2, 1)), 1e-3, 0.0, NO_HOLES, False)
+    return reckon(usable_velocities(pings(velocity), ALWAYS, 0.6), level, servo(None, 0), vehicle)
+
+
+def test_a_straight_run_is_as_long_as_its_speed_and_time_say(vehicle) -> None:
+    at = straight(vehicle, 0.25).at(stamps([0, 10, 30]))
+    assert np.allclose(np.diff(at.poses().translation, axis=0), [[2.5, 0, 0], [5.0, 0, 0]], atol=1e-12)
+
+
+def test_velocity_noise_grows_with_time_and_with_the_pings_period(vehicle) -> None:
+    path = straight(vehicle)
+    short, long = velocity_variance(path, stamps([10, 10]), stamps([11, 20]))
+    assert short == pytest.approx(0.003**2 * 0.2 * 1.0)
+    assert long == pytest.approx(10 * short)
+
+
+def test_a_cross_matrix_gives_the_cross_product() -> None:
+    v, w = np.random.default_rng(0).standard_normal((2, 7, 3))
+    assert np.allclose(np.einsum("nij,nj->ni", cross_matrix(v), w), np.cross(v, w))
+
+
+# depth
+
+
+def readings(depth: np.ndarray, hz: float = 10.0) -> PressureSamples:
+    return PressureSamples(stamps(np.arange(len(depth)) / hz), depth)
+
+
+def held(vehicle, depth: np.ndarray, at_s, **path):
+    reckoned = straight(vehicle, **path)
+    nodes = stamps(at_s)
+    found = hold_to_pressure(readings(depth), reckoned, nodes, 0.2)
+    z = reckoned.at(nodes).poses().translation[:, 2] + found.shift
+    return found, z + vehicle.pressure_origin[2]
+
+
+def test_the_sensor_stands_where_the_pressure_says(vehicle) -> None:
+    found, depth = held(vehicle, np.full(600, 3.0), [10, 30, 50])
+    assert np.allclose(depth, 3.0, atol=1e-9)
+    assert np.allclose(found.measured, 3.0, atol=1e-9)
+    assert found.sigma == 1e-3
+    assert len(found.steps) == 0
+
+
+def test_a_scatter_of_the_pressure_is_smoothed_and_its_sigma_said(vehicle) -> None:
+    noise = 0.02 * np.random.default_rng(1).standard_normal(600)
+    found, depth = held(vehicle, 3.0 + noise, np.arange(10, 50, 0.5))
+    assert np.abs(depth - 3.0).max() < 0.012
+    assert found.white == pytest.approx(0.02, rel=0.15)
+    assert found.sigma == pytest.approx(0.02 * np.sqrt(0.1 / (2 * np.sqrt(np.pi) * 5)), rel=0.15)
+
+
+def test_a_dvl_that_sinks_is_held_to_the_pressure_without_lag(vehicle) -> None:
+    _, depth = held(vehicle, np.full(600, 3.0), [20, 40], down=0.02)
+    assert np.allclose(depth, 3.0, atol=1e-6)
+
+
+def test_a_step_that_the_dvl_did_not_see_is_named(vehicle) -> None:
+    depth = np.full(600, 3.0)
+    depth[300:] += 0.8
+    assert held(vehicle, depth, [10])[0].steps.tolist() == [30 * SECOND]
+
+
+def test_lost_readings_are_left_out(vehicle) -> None:
+    depth = np.full(600, 3.0)
+    depth[100:150] = np.nan
+    assert np.allclose(held(vehicle, depth, [12.0])[1], 3.0)

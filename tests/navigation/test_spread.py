@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The errors of dead reckoning, against paths that were reckoned anew with the error in the instruments."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.records import TrajectoryErrorModel
+from hullrecon.geometry import poses
+from hullrecon.geometry.poses import Poses
+from hullrecon.navigation import spread
+from hullrecon.navigation.attitude import AttitudeHistory
+from hullrecon.navigation.dead_reckoning import Reckoning, reckon
+from hullrecon.navigation.navigate import Logs, dead_reckon
+from hullrecon.navigation.options import NavigateOptions
+from hullrecon.navigation.servo import servo
+from hullrecon.navigation.spread import pose_by_error, trajectory_covariance, twist_by_pose_error
+from hullrecon.navigation.vehicle import Vehicle
+from hullrecon.navigation.velocity import usable_velocities
+from hullrecon.vision.survey import Survey
+
+NO_HOLES = np.zeros((0, 2), np.int64)
+
+
+def path_of(logs: Logs, vehicle: Vehicle, error: np.ndarray) -> Reckoning:
+    """Dead reckoning of instruments that err by `error` (ERRORS,), the depth's bias aside."""
+    span = int(logs.imu.t_ns[0]), int(logs.imu.t_ns[-1])
+    velocities = usable_velocities(logs.dvl, span, 0.6)
+    velocities = replace(velocities, velocity=(1 + error[spread.SCALE]) * velocities.velocity)
+    t = (logs.imu.t_ns - logs.dvl.t_ns[0]) * 1e-9
+    heading = error[spread.HEADING] + error[spread.DRIFT] * t
+    turned = Rotation.from_euler("z", heading[:, None]) * Rotation.from_quat(logs.imu.quaternion)
+    turned = turned * Rotation.from_rotvec([*error[spread.ROLL_PITCH], 0.0])
+    history = AttitudeHistory(logs.imu.t_ns, turned.as_quat(), 1e-4, 0.0, NO_HOLES, False)
+    mount = vehicle.T_s_d.rotation * Rotation.from_rotvec(error[spread.MOUNT_TURN])
+    off = replace(vehicle, T_s_d=Poses(mount.as_quat(), vehicle.T_s_d.translation))
+    hung = servo(logs.tray, 0)
+    hung = replace(hung, angle=hung.angle + error[spread.TRAY_PLAY] * hung.direction)
+    return reckon(velocities, history, hung, off)
+
+
+def nodes_of(logs: Logs) -> np.ndarray:
+    return logs.dvl.t_ns[40::60]
+
+
+def numeric(logs: Logs, vehicle: Vehicle, column: int, step: float = 1e-4) -> np.ndarray:
+    """(n, 6): central difference of the poses by one error."""
+    error = np.zeros(spread.ERRORS)
+    error[column] = step
+    plus, minus = (path_of(logs, vehicle, sign * error).at(nodes_of(logs)).poses() for sign in (1, -1))
+    turn = (minus.rotation.inv() * plus.rotation).as_rotvec()
+    return np.hstack([plus.translation - minus.translation, turn]) / (2 * step)
+
+
+@pytest.mark.parametrize(
+    ("column", "tolerance"),
+    # The drift's turn of a velocity grows between two pings, the play flips between two readings.
+    [(0, 1e-6), (1, 5e-3), (2, 1e-5), (3, 1e-5), (4, 1e-5), (5, 2e-2), (6, 1e-5), (7, 1e-5), (8, 1e-5)],
+)
+def test_the_path_changes_with_each_error_as_reckoning_anew_says(perfect, vehicle, column: int, tolerance: float) -> None:
+    analytic = pose_by_error(path_of(perfect, vehicle, np.zeros(spread.ERRORS)).at(nodes_of(perfect)))[:, :, column]
+    assert np.abs(analytic).max() > 0.5
+    assert np.abs(analytic - numeric(perfect, vehicle, column)).max() < tolerance
+
+
+def certain(vehicle: Vehicle, **sigma: float) -> Vehicle:
+    """Every error that persists is nothing, but for those named."""
+    none = {"sigma_scale": 0.0, "sigma_drift": 0.0, "sigma_tilt_bias": 0.0, "sigma_tray": 0.0, "sigma_tilt": 0.0}
+    return replace(vehicle, sigma_mount=np.zeros(6), **(none | sigma))
+
+
+def test_the_covariance_by_heading_drift_is_that_of_a_path_that_turns_and_changes_its_speed(perfect, vehicle) -> None:
+    drift = 1e-3
+    silent = replace(
+        perfect,
+        imu=replace(perfect.imu, angular_velocity=np.full_like(perfect.imu.angular_velocity, np.nan)),
+        dvl=replace(perfect.dvl, velocity_sigma=np.full(len(perfect.dvl.t_ns), 1e-6)),
+    )
+    t = (silent.imu.t_ns - silent.dvl.t_ns[0]) * 1e-9
+    turned = Rotation.from_euler("z", (drift * t)[:, None]) * Rotation.from_quat(silent.imu.quaternion)
+    drifted = replace(silent, imu=replace(silent.imu, quaternion=turned.as_quat()))
+    off = certain(vehicle, sigma_drift=drift)
+    base, other = (dead_reckon(logs, off, NavigateOptions(), 0.01).trajectory for logs in (silent, drifted))
+    moved = (other.translation - base.translation)[:, :2]
+    assert np.linalg.norm(moved[-1]) > 0.1
+    for k in (20, 40, 60, -1):
+        assert np.allclose(base.covariance[k, :2, :2], np.outer(moved[k], moved[k]), atol=0.02 * moved[k] @ moved[k])
+
+
+def relative_by_error(logs: Logs, vehicle: Vehicle, first: np.ndarray, second: np.ndarray, step: float = 1e-4) -> np.ndarray:
+    """(m, 6, ERRORS): central differences of the relative poses of paths that were reckoned anew."""
+    out = np.zeros((len(first), 6, spread.ERRORS))
+    for k in range(spread.DEPTH_BIAS):
+        error = step * np.eye(spread.ERRORS)[k]
+        plus, minus = (path_of(logs, vehicle, sign * error).at(nodes_of(logs)).poses() for sign in (1, -1))
+        after, before = plus[second].inverse() @ plus[first], minus[second].inverse() @ minus[first]
+        turn = (before.rotation.inv() * after.rotation).as_rotvec()
+        out[:, :, k] = np.hstack([after.translation - before.translation, turn]) / (2 * step)
+    return out
+
+
+def test_the_relative_covariance_of_two_nodes_is_that_of_paths_reckoned_anew(perfect, vehicle) -> None:
+    """Scale, drift, mount, play, attitude bias and heading at once; of nodes far apart, near, and in the other order."""
+    sigma = np.array([0.005, 2e-4, 0.005, 0.005, 0.005, 0.01, 0.003, 0.003, 0.01, 0.0])
+    truth = path_of(perfect, vehicle, np.zeros(spread.ERRORS)).at(nodes_of(perfect))
+    by_error = twist_by_pose_error(truth.poses()) @ pose_by_error(truth)
+    none = np.zeros((len(truth.t_ns), 6, 6))
+    model = TrajectoryErrorModel(by_error=by_error, error_covariance=np.diag(sigma**2), walk=none, white=none)
+    first, second = np.array([0, 3, 9]), np.array([12, 5, 1])
+    predicted = Survey(global_from_camera=truth.poses(), errors=model).relative_covariance(first, second)
+    J = relative_by_error(perfect, vehicle, first, second)
+    wanted = (J * sigma**2) @ J.swapaxes(1, 2)
+    for p in range(len(first)):
+        scale = np.repeat([np.sqrt(np.trace(wanted[p][k, k])) for k in (slice(0, 3), slice(3, 6))], 3)
+        assert np.abs((predicted[p] - wanted[p]) / np.outer(scale, scale)).max() < 0.02
+
+
+def test_an_error_of_a_pose_and_its_twist_are_one_motion() -> None:
+    rng = np.random.default_rng(1)
+    true = poses.exp(rng.normal(0, 1, (4, 6)) + np.array([5, 9, 2, 0, 0, 0]))
+    error = 1e-6 * rng.standard_normal((4, 6))
+    off = Poses((true.rotation * Rotation.from_rotvec(error[:, 3:])).as_quat(), true.translation + error[:, :3])
+    carried = off @ true.inverse()  # what moves the true frame onto the wrong one
+    assert np.allclose(np.einsum("nij,nj->ni", twist_by_pose_error(true), error), carried.log(), atol=1e-11)
+
+
+def test_a_model_gives_each_nodes_own_covariance_back() -> None:
+    """One error that shifts x by 3 m a unit, a walk of 4 mm2 and white noise of 2 mrad, at a node away from the origin."""
+    at = poses.exp([[10.0, 5.0, 2.0, 0.1, 0.2, 0.3]])
+    by_error, walk, white = np.zeros((1, 6, 1)), np.zeros((1, 6, 6)), np.zeros((1, 6, 6))
+    by_error[0, 0, 0], walk[0, 1, 1] = 3.0, 4e-6
+    white[0, [3, 4, 5], [3, 4, 5]] = 0.002**2
+    to_twist = twist_by_pose_error(at)
+    model = TrajectoryErrorModel(
+        by_error=by_error, error_covariance=np.array([[0.01]]), walk=walk, white=to_twist @ white @ to_twist.swapaxes(1, 2)
+    )
+    assert np.allclose(trajectory_covariance(model, at)[0], np.diag([0.09, 4e-6, 0, 4e-6, 4e-6, 4e-6]), atol=1e-12)
+
+
+def test_with_pressure_no_error_of_the_dvl_moves_the_depth(perfect, vehicle) -> None:
+    found = dead_reckon(perfect, vehicle, NavigateOptions(), 0.01)
+    z = found.trajectory.covariance[:, 2, 2]
+    assert np.allclose(z, z[0])
+    assert z[0] == pytest.approx(vehicle.sigma_depth_bias**2, rel=0.01)
+
+
+def test_without_pressure_the_depth_of_the_start_is_one_unknown_for_the_dive(perfect, vehicle) -> None:
+    found = dead_reckon(replace(perfect, pressure=None), vehicle, NavigateOptions(), 0.01)
+    assert found.trajectory.covariance[30, 2, 2] > 100.0
+    survey = Survey(global_from_camera=found.trajectory.poses(), errors=found.error_model)
+    assert survey.relative_sigma(np.array([30]), np.array([32]))[0] < 0.05
+
+
+def test_velocity_noise_accumulates_and_is_no_smaller_later(noisy, vehicle) -> None:
+    walk = dead_reckon(noisy, vehicle, NavigateOptions(), 0.01).error_model.walk
+    assert (np.diff(walk[:, 0, 0]) > 0).all()
+    assert walk[-1, 0, 0] == pytest.approx(0.003**2 * 0.05 * 39.5, rel=0.05)  # sigma^2 period duration
