@@ -45,7 +45,12 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path)
     bundles.keep_to(threads)
     bundle = bundles.load(path)
     options = native.Options(
-        method="naive", threads=threads, max_iterations=iterations, function_tolerance=tolerance, huber_pixel=np.inf
+        method="naive",
+        threads=threads,
+        max_iterations=iterations,
+        function_tolerance=tolerance,
+        huber_stereo=np.inf,
+        huber_mono=np.inf,
     )
     problem, before = problem_of(bundle), time.process_time()
     result = native.solve(problem, options)

@@ -136,6 +136,6 @@ STAGE = Stage(
     optional=("matches",),
     uses=("tray", "imu", "pressure", "dvl", "camera.top", "camera.bottom", "hull"),
     parameters=AdjustOptions,
-    version=3,
+    version=4,
     run=run,
 )

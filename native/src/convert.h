@@ -55,8 +55,8 @@ inline Options read_options(const py::object& options) {
     }
   };
   read("method", o.method), read("core", o.core), read("sigma_on", o.sigma_on), read("sigma_off", o.sigma_off);
-  read("huber_pixel", o.huber_pixel), read("huber_range", o.huber_range), read("max_iterations", o.max_iterations);
-  read("function_tolerance", o.function_tolerance), read("gradient_tolerance", o.gradient_tolerance);
+  read("huber_stereo", o.huber_stereo), read("huber_mono", o.huber_mono), read("huber_range", o.huber_range);
+  read("max_iterations", o.max_iterations), read("function_tolerance", o.function_tolerance), read("gradient_tolerance", o.gradient_tolerance);
   read("parameter_tolerance", o.parameter_tolerance), read("initial_radius", o.initial_radius), read("threads", o.threads);
   read("labels_in_solve", o.labels_in_solve);
   return o;

@@ -52,7 +52,7 @@ struct Sights::Eyes {
   Motion bottom;
   Mat3 bottom_from_top;
   double inverse_sigma;
-  Robust robust;
+  Robust pair, single;
 
   explicit Eyes(const Model& model)
       : tables(model.tables()),
@@ -60,29 +60,34 @@ struct Sights::Eyes {
         bottom(model.blocks()[model.block("T_ct_cb")].data),
         bottom_from_top(bottom.rotation().transpose()),
         inverse_sigma(1 / tables.sigma_px),
-        robust{model.options().huber_pixel, nullptr} {}
+        pair{model.options().huber_stereo, nullptr},
+        single{model.options().huber_mono, nullptr} {}
 
   template <bool kDerive>
   void look(const Arm& arm, const Vec3& landmark, int32_t sight, Sight& out) const {
     const auto stereo = static_cast<int32_t>(tables.stereo_node.rows());
     const int32_t mono = sight - stereo;
-    const bool pair = mono < 0, above = pair || tables.mono_camera.data[mono] == 0, below = pair || !above;
-    const double* measured = pair ? tables.stereo_pixel.row(sight) : tables.mono_pixel.row(mono);
+    const bool both = mono < 0, above = both || tables.mono_camera.data[mono] == 0, below = both || !above;
+    const double* measured = both ? tables.stereo_pixel.row(sight) : tables.mono_pixel.row(mono);
     out.top.noalias() = arm.camera_from_global * (landmark - arm.centre);
-    out.rows = pair ? 4 : 2;
+    out.rows = both ? 4 : 2;
     out.in_front = true;
     if (above) out.in_front = image<kDerive>(lens[0], out.top, arm.camera_from_global, measured, inverse_sigma, 0, out);
     if (below) {
       out.bottom.noalias() = bottom_from_top * (out.top - bottom.t);
       const Mat3 chain = kDerive ? Mat3(bottom_from_top * arm.camera_from_global) : Mat3();
       out.in_front &=
-          image<kDerive>(lens[1], out.bottom, chain, pair ? measured + 2 : measured, inverse_sigma, out.rows - 2, out);
+          image<kDerive>(lens[1], out.bottom, chain, both ? measured + 2 : measured, inverse_sigma, out.rows - 2, out);
     }
     if (out.in_front) return;
     out.r.setConstant(kBehindPixels * inverse_sigma);
     out.by.setZero();
   }
-  double squared(const Sight& s) const { return s.rows == 4 ? s.r.squaredNorm() : s.r.head<2>().squaredNorm(); }
+  // Huber's cost of a sight and its slope, by the norm of all its rows.
+  void robust(const Sight& s, double& rho, double& slope) const {
+    if (s.rows == 4) return pair(s.r.squaredNorm(), rho, slope);
+    single(s.r.head<2>().squaredNorm(), rho, slope);
+  }
 };
 
 Sights::Sights(const Model& model) : model_(model), optics_(model), arm_(model.poses()) {
@@ -153,7 +158,7 @@ std::array<double, 2> Sights::cost() {
       for (int32_t v = view_start_[r]; v < view_start_[r + 1]; ++v) {
         for (int32_t k = view_[v].first_sight; k < view_[v + 1].first_sight; ++k) {
           eyes.look<false>(arm_[view_[v].pose], landmark, sight_[k], s);
-          eyes.robust(eyes.squared(s), rho, slope);
+          eyes.robust(s, rho, slope);
           sum[s.rows == 2] += 0.5 * rho;
         }
       }
@@ -173,7 +178,7 @@ void Sights::linearise() {
       view.information.fill(0), view.gradient.setZero();
       for (int32_t k = view.first_sight; k < view_[v + 1].first_sight; ++k) {
         eyes.look<true>(arm_[view.pose], landmark, sight_[k], s);
-        eyes.robust(eyes.squared(s), rho, slope);
+        eyes.robust(s, rho, slope);
         for (int row = 0; row < s.rows; ++row) {
           const double x = s.by(row, 0), y = s.by(row, 1), z = s.by(row, 2), wx = slope * x, wy = slope * y, wz = slope * z;
           view.information[0] += wx * x, view.information[1] += wx * y, view.information[2] += wx * z;
@@ -196,7 +201,7 @@ void Sights::by_optics(int64_t v, Eigen::Matrix3Xd& cross, Eigen::MatrixXd* own,
   for (int32_t k = view.first_sight; k < view_[v + 1].first_sight; ++k) {
     eyes.look<true>(arm_[view.pose], landmark, sight_[k], s);
     if (!s.in_front) continue;
-    eyes.robust(eyes.squared(s), rho, slope);
+    eyes.robust(s, rho, slope);
     J.setZero();
     const bool below = s.rows == 4 || model_.tables().mono_camera.data[sight_[k] - model_.tables().stereo_node.rows()] == 1;
     const bool above = s.rows == 4 || !below;

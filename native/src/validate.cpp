@@ -214,7 +214,8 @@ void validate(const Options& o) {
   option(o.core == "schur" || o.core == "ceres", "core", "it must be schur or ceres");
   option(positive(o.sigma_on), "sigma_on", "it must be positive");
   option(std::isfinite(o.sigma_off) && o.sigma_off > o.sigma_on, "sigma_off", "it must be larger than sigma_on");
-  option(o.huber_pixel > 0, "huber_pixel", "it must be positive; inf switches it off");
+  option(o.huber_stereo > 0, "huber_stereo", "it must be positive; inf switches it off");
+  option(o.huber_mono > 0, "huber_mono", "it must be positive; inf switches it off");
   option(o.huber_range > 0, "huber_range", "it must be positive; inf switches it off");
   option(o.max_iterations >= 0, "max_iterations", "it must not be negative");
   option(o.function_tolerance >= 0, "function_tolerance", "it must not be negative");

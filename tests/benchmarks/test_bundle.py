@@ -20,7 +20,7 @@ def test_a_rotation_matrix_is_that_of_the_quaternion():
 def test_the_pixels_of_a_bundle_are_those_of_the_problem_it_was_cut_from(small):
     bundle = bundle_of(small[0])
     mine = bundles.residuals(bundle, bundle.pose, bundle.point)
-    theirs = evaluate(small[0], Options(method="naive", huber_pixel=np.inf))
+    theirs = evaluate(small[0], Options(method="naive", huber_stereo=np.inf, huber_mono=np.inf))
     rows = theirs.residual[np.isin(theirs.factor, [4, 5])].reshape(mine.shape)
     np.testing.assert_allclose(mine, rows, atol=1e-6)
 
@@ -41,7 +41,7 @@ def test_a_bundle_comes_back_from_its_file(small, tmp_path):
 
 def test_the_bundle_solved_holds_its_gauge_and_brings_the_pixels_to_their_noise(small):
     bundle = bundle_of(small[0])
-    found = solve(problem_of(bundle), Options(method="naive", huber_pixel=np.inf)).unknowns
+    found = solve(problem_of(bundle), Options(method="naive", huber_stereo=np.inf, huber_mono=np.inf)).unknowns
     pose = found["pose"][:, :7]
     np.testing.assert_allclose(pose[0, :3], bundle.pose[0, :3], atol=1e-6)
     views, unknowns = bundle.pixel.size, 6 * len(pose) + 3 * len(bundle.point)
@@ -55,6 +55,6 @@ def test_the_bundle_solved_holds_its_gauge_and_brings_the_pixels_to_their_noise(
 def test_the_distortion_is_that_of_the_native_camera(small):
     bundle = bundle_of(small[0])
     bent = bundles.Bundle(**(vars(bundle) | {"camera": bundle.camera + np.r_[np.zeros(4), 0.1, -0.05, 0.002, -0.001, 0.01]}))
-    rows = evaluate(problem_of(bent), Options(method="naive", huber_pixel=np.inf))
+    rows = evaluate(problem_of(bent), Options(method="naive", huber_stereo=np.inf, huber_mono=np.inf))
     theirs = rows.residual[np.isin(rows.factor, [4, 5])]
     np.testing.assert_allclose(bundles.residuals(bent, bent.pose, bent.point).ravel(), theirs, atol=1e-6)

@@ -70,7 +70,7 @@ def test_a_rigid_motion_and_nothing_else_is_taken_off():
 def test_a_libmv_problem_ends_where_plain_ceres_and_gtsam_end(number, sizes, rms):
     bundle = libmv.read(dataset("ba-small") / f"libmv_problem_0{number}.bin")
     assert (len(bundle.pose), len(bundle.point)) == sizes
-    options = Options(method="naive", huber_pixel=np.inf, function_tolerance=1e-14, max_iterations=30)
+    options = Options(method="naive", huber_stereo=np.inf, huber_mono=np.inf, function_tolerance=1e-14, max_iterations=30)
     found = solve(problem_of(bundle), options).unknowns
     assert rms_px(bundle, found["pose"][:, :7], found["landmark"]) == pytest.approx(rms, rel=5e-7)
 

@@ -171,12 +171,14 @@ def test_both_cores_take_the_same_steps(case: str, make_survey: Survey, shaken: 
         np.testing.assert_allclose(cost[:rows], ceres.cost_by_factor[name][:rows], rtol=1e-6, atol=1e-9, err_msg=name)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [2, 4])
 def test_steps_that_fail_shrink_the_radius_alike(seed: int, make_survey: Survey, shaken: Survey) -> None:
-    p = shaken(make_survey(pixel_noise=0.5), 0.15, 0.05, seed)
-    schur, ceres = both(p, Options(function_tolerance=1e-10, initial_radius=1e8))
-    assert (~schur.iterations.accepted).any() or len(schur.iterations.cost) > 5
-    assert schur.iterations.cost[-1] == pytest.approx(ceres.iterations.cost[-1], rel=1e-6)
+    p = shaken(make_survey(pixel_noise=0.5), 0.3, 0.1, seed)
+    schur, ceres = (r.iterations for r in both(p, Options(function_tolerance=1e-10, initial_radius=1e8)))
+    assert (~schur.accepted).sum() >= 8
+    np.testing.assert_array_equal(schur.accepted, ceres.accepted)
+    np.testing.assert_allclose(schur.radius, ceres.radius, rtol=1e-3)
+    assert schur.cost[-1] == pytest.approx(ceres.cost[-1], rel=1e-6)
 
 
 @pytest.mark.parametrize("case", ["as it is", "everything free, mono", "two surfaces"])

@@ -118,19 +118,52 @@ def measured_again(p: Problem, rng: np.random.Generator) -> Problem:
     return p
 
 
+PLAIN = Options(method="naive", huber_stereo=np.inf, huber_mono=np.inf, huber_range=np.inf, function_tolerance=1e-9)
+ROBUST = Options(method="naive", function_tolerance=1e-9)
+
+
 def test_the_errors_of_noisy_dives_are_as_large_as_the_covariance_says(make_survey: Survey) -> None:
     truth, landmark, hull = make_survey(), [], []
-    plain = Options(method="naive", huber_pixel=np.inf, huber_range=np.inf, function_tolerance=1e-9)
     for seed in range(20):
         p = measured_again(make_survey(), np.random.default_rng(seed))
-        for name, value in solve(p, plain).unknowns.items():
+        for name, value in solve(p, PLAIN).unknowns.items():
             setattr(p, name, value)
-        sigma, error = covariance(p, plain), p.landmark - truth.landmark
+        sigma, error = covariance(p, PLAIN), p.landmark - truth.landmark
         landmark.append(np.einsum("ki,kij,kj->k", error, np.linalg.inv(sigma.landmark), error).mean())
         moved = p.T_g_M[:3] - truth.T_g_M[:3]
         hull.append(moved @ np.linalg.inv(sigma.T_g_M[:3, :3]) @ moved)
     assert 2.6 < np.mean(landmark) < 3.4  # of three degrees of freedom each; twenty dives scatter the mean by 0.2
     assert 1.6 < np.mean(hull) < 4.6
+
+
+def images_at_known_poses(p: Problem, mono: bool) -> Problem:
+    """Leaves the cameras' noise as the one cause of the landmarks' errors."""
+    p.constant = (*p.constant, "T_s_ct", "tray")
+    n = len(p.pose)
+    p.prior_pose_node, p.prior_pose, p.prior_pose_sqrt = np.arange(n), p.pose[:, :7].copy(), np.tile(np.eye(6) * 1e6, (n, 1, 1))
+    if mono:
+        rows = len(p.stereo_node)
+        p.mono_node, p.mono_landmark = np.tile(p.stereo_node, 2), np.tile(p.stereo_landmark, 2)
+        p.mono_camera, p.mono_pixel = np.repeat([0, 1], rows), np.vstack([p.stereo_pixel[:, :2], p.stereo_pixel[:, 2:]])
+        cleared(p, "stereo")
+    return p
+
+
+@pytest.mark.parametrize("mono", [False, True], ids=["stereo", "mono"])
+def test_hubers_loss_widens_the_sigmas_of_normal_noise_by_less_than_three_percent(mono: bool, make_survey: Survey) -> None:
+    p = images_at_known_poses(make_survey(poses=20, landmarks=300, pixel_noise=1.0), mono)
+    robust, plain = (np.sqrt(np.trace(covariance(p, o).landmark, axis1=1, axis2=2)) for o in (ROBUST, PLAIN))
+    assert 1.005 < np.median(robust / plain) < 1.03
+
+
+@pytest.mark.parametrize("mono", [False, True], ids=["stereo", "mono"])
+def test_under_hubers_loss_landmarks_err_as_much_as_their_covariance_says(mono: bool, make_survey: Survey) -> None:
+    p = images_at_known_poses(make_survey(poses=20, landmarks=2000, pixel_noise=1.0), mono)
+    truth = p.landmark
+    p.landmark = solve(p, ROBUST).unknowns["landmark"]
+    error, sigma = p.landmark - truth, covariance(p, ROBUST).landmark
+    squared = np.einsum("ki,kij,kj->k", error, np.linalg.inv(sigma), error)
+    assert np.mean(squared) == pytest.approx(3, abs=0.25)  # two thousand landmarks scatter the mean by 0.055
 
 
 def cleared(p: Problem, table: str) -> Problem:

@@ -89,7 +89,8 @@ def chosen(rng: np.random.Generator) -> Options:
         method=str(rng.choice(["naive", "geva", "maxmix"])),
         core=str(rng.choice(["schur", "schur", "schur", "ceres"])),
         sigma_on=float(rng.choice([0.02, 1e-9])),
-        huber_pixel=float(rng.choice([1.345, np.inf, 1e-12])),
+        huber_stereo=float(rng.choice([2.508, np.inf, 1e-12])),
+        huber_mono=float(rng.choice([1.856, np.inf, 1e-12])),
         max_iterations=int(rng.integers(0, 6)),
         threads=int(rng.integers(1, 3)),
     )

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy.stats import chi2, norm
 
 from hullrecon.native import FACTORS, Options, Problem, evaluate
 
@@ -154,11 +155,46 @@ def test_huber_acts_once_on_the_four_rows_of_a_pair(empty: Empty) -> None:
     p.intrinsics_top[4] = p.intrinsics_bottom[6] = 0
     p.stereo_pixel = np.array([[370.0 - 2, 260.0, 370.0, 240.0 - 2]])  # 4 sigma in two rows
     e = evaluate(p)
-    norm = np.sqrt(32)
-    assert e.cost_by_factor["stereo"] == pytest.approx(1.345 * norm - 0.5 * 1.345**2)
-    np.testing.assert_allclose(e.weight[e.factor == FACTORS.index("stereo")] ** 2, np.full(4, 1.345 / norm))
-    plain = evaluate(p, Options(huber_pixel=np.inf))
+    length = np.sqrt(32)
+    assert e.cost_by_factor["stereo"] == pytest.approx(2.508 * length - 0.5 * 2.508**2)
+    np.testing.assert_allclose(e.weight[e.factor == FACTORS.index("stereo")] ** 2, np.full(4, 2.508 / length))
+    plain = evaluate(p, Options(huber_stereo=np.inf, huber_mono=np.inf))
     assert plain.cost_by_factor["stereo"] == pytest.approx(16.0)
+
+
+def of_normal_noise(p: Problem, table: str, rows: int) -> None:
+    """`rows` measurements of one point straight ahead, each with normal noise of one sigma."""
+    rng, zeros = np.random.default_rng(2), np.zeros(rows, np.int32)
+    floor(p)
+    p.landmark = np.array([[0.0, 0.0, 3.0]])
+    p.intrinsics_top = p.intrinsics_bottom = np.array([500.0, 500, 320, 240, 0, 0, 0, 0, 0])
+    p.sigma_px = 0.5
+    if table == "stereo":
+        p.stereo_node, p.stereo_landmark = zeros, zeros
+        p.stereo_pixel = [320.0, 240, 320, 240] + 0.5 * rng.normal(size=(rows, 4))
+    elif table == "mono":
+        p.mono_node, p.mono_landmark, p.mono_camera = zeros, zeros, zeros
+        p.mono_pixel = [320.0, 240] + 0.5 * rng.normal(size=(rows, 2))
+    else:
+        p.range_node, p.range_offset, p.range_tray_offset = zeros, np.tile(UP, (rows, 1)), np.zeros(rows)
+        p.range_beam, p.range_sigma = np.tile([0.0, 0, 1], (rows, 1)), np.full(rows, 0.1)
+        p.range_measured = 3 + 0.1 * rng.normal(size=rows)
+
+
+@pytest.mark.parametrize(("threshold", "rows"), [("huber_stereo", 4), ("huber_mono", 2), ("huber_range", 1)])
+def test_hubers_thresholds_leave_the_tail_of_the_chi_distribution_of_their_rows(threshold: str, rows: int) -> None:
+    assert chi2.sf(getattr(Options(), threshold) ** 2, rows) == pytest.approx(2 * norm.sf(1.345), abs=1e-3)
+
+
+@pytest.mark.parametrize("table", ["stereo", "mono", "range"])
+def test_the_same_share_of_normal_measurements_lies_beyond_hubers_threshold_whatever_the_rows(table: str, empty: Empty) -> None:
+    p = empty(1)
+    of_normal_noise(p, table, 20000)
+    e = evaluate(p)
+    weight = e.weight[e.factor == FACTORS.index(table)]
+    expected = 2 * norm.sf(1.345)
+    # twenty thousand draws scatter the share by 0.0027
+    assert np.mean(weight < 1) == pytest.approx(expected, abs=0.01)
 
 
 def test_the_fields_prior_is_a_row_times_the_nodes(empty: Empty) -> None:

@@ -32,7 +32,8 @@ struct InTopCamera {
 };
 
 // Stereo (O 4.12), 4 rows (px): predicted - measured, top u v, bottom u v, raw pixels; by landmark, pose, T_s_ct, T_ct_cb,
-// intrinsics of top and bottom. One sigma for all rows; one Huber loss on the norm of the four (a pair is good or bad as one).
+// intrinsics of top and bottom. One sigma for all rows; one Huber loss on the norm of the four (a pair is good or bad as one; its
+// threshold is that of four rows, Options.huber_stereo).
 struct Stereo {
   static constexpr int kRows = 4;
   Vec3 tray_origin;

@@ -68,7 +68,7 @@ struct Tables {
 struct Options {
   std::string method = "maxmix", core = "schur";
   double sigma_on = 0.02, sigma_off = 1.0;
-  double huber_pixel = 1.345, huber_range = 1.345;
+  double huber_stereo = 2.508, huber_mono = 1.856, huber_range = 1.345;
   int max_iterations = 100;
   double function_tolerance = 1e-6, gradient_tolerance = 1e-10, parameter_tolerance = 1e-8;
   double initial_radius = 1e4;
