@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from adjustment.scenes import ERROR, TRUTH, drawing, side, survey
 from scipy.linalg import cho_factor
 
 from hullrecon.adjustment import misfit
-from hullrecon.adjustment.profile import Valley, inflated, profile
+from hullrecon.adjustment.profile import Valley, descended, inflated, posterior, profile
 from hullrecon.adjustment.registration import perturbed, thin
 from hullrecon.native import MeshIndex
 
@@ -56,3 +58,19 @@ def test_the_tangent_follows_the_valley():
     moved = perturbed(found.hull_from, center, 0.1 * found.tangent)
     shift = found.hull_from.inverse().apply(moved.apply(center[None]))[0] - center
     assert shift[0] == pytest.approx(0.1, rel=0.1)
+
+
+def test_where_the_valley_is_a_parabola_the_profiles_sigma_is_the_hessians():
+    """A tight prior along the hull makes it one."""
+    mesh = side(0.0)
+    points = thin(TRUTH.apply(survey(mesh, np.random.default_rng(4))), 0.3, 600)
+    drawn = replace(drawing(mesh, TRUTH, 0 * ERROR), guess_sigma=np.r_[0.05, 0.3, 0.3, np.radians([1, 1, 5])])
+    center = TRUTH.inverse().apply(points).mean(0)
+    known = misfit.Misfit(0.02, drawn.deviation_length, noise=0.01, offset=0.0)
+    factor = cho_factor(misfit.covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
+    valley = Valley(points, ALONG, drawn, center, MeshIndex(mesh.vertices, mesh.faces), factor)
+    best, _ = descended(valley, TRUTH)
+    along = np.r_[best.rotation.as_matrix()[0] @ ALONG, np.zeros(3)]
+    hessian = np.sqrt(along @ posterior(valley, best) @ along)
+    assert profile(valley, best, reach=0.2).sigma == pytest.approx(hessian, rel=0.1)
+    assert hessian == pytest.approx(0.05, rel=0.1)
