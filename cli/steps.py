@@ -50,7 +50,7 @@ def _help(stage: Stage) -> str:
 
 
 def _option(field: types.Field) -> click.Option:
-    inner, text = described(field.type)
+    inner, text = unwrap_type(field.type)
     dashed = field.name.replace("_", "-")
     default = field.default if field.default is not msgspec.NODEFAULT else None
     text = "; ".join(part for part in (text, _bounds(inner), f"default {_toml(default)}") if part)
@@ -61,14 +61,14 @@ def _option(field: types.Field) -> click.Option:
     return click.Option([f"--{dashed}", field.name], metavar=type(inner).__name__.removesuffix("Type").upper(), help=text)
 
 
-def described(kind: types.Type) -> tuple[types.Type, str]:
+def unwrap_type(kind: types.Type) -> tuple[types.Type, str]:
     """Return the type without its metadata, and its description."""
     if isinstance(kind, types.Metadata):
-        inner, text = described(kind.type)
+        inner, text = unwrap_type(kind.type)
         return inner, str((kind.extra_json_schema or {}).get("description", "")) or text
     if isinstance(kind, types.UnionType):
         members = [member for member in kind.types if not isinstance(member, types.NoneType)]
-        return described(members[0]) if len(members) == 1 else (kind, "")
+        return unwrap_type(members[0]) if len(members) == 1 else (kind, "")
     return kind, ""
 
 

@@ -8,7 +8,7 @@ import json
 from pathlib import Path
 
 import pytest
-from hullrecon_cli.steps import command, described, fields
+from hullrecon_cli.steps import command, fields, unwrap_type
 from msgspec import inspect as types
 
 from hullrecon.steps.chain import stages
@@ -62,7 +62,7 @@ SUFFIXES = {"_m": "m", "_s": "s", "_px": "px", "_deg": "deg", "_sigmas": "sigmas
 @pytest.mark.parametrize("stage", stages(), ids=lambda stage: stage.name)
 def test_every_option_has_a_description_and_a_number_its_unit(stage) -> None:
     for field in fields(stage):
-        inner, text = described(field.type)
+        inner, text = unwrap_type(field.type)
         assert text, f"{stage.name}.{field.name} has no description"
         assert not set(text.replace("(", " ").split()) & {"O", "METHODS", "Alg."}, f"{field.name} cites a paper: {text}"
         unit = text.partition(",")[0]
