@@ -6,7 +6,8 @@
 #   make bench-peers   the environment of the peers that benchmarks/peers.py measures (pycolmap, GTSAM)
 #   make check   lint, types, imports and format (what CI checks besides)
 #
-# Set-up needs `make` and `git` alone; everything else it installs (pipelines/setup.sh says how) or names.
+# Set-up needs `make` and `git` alone. It lists the system packages that are missing and installs them with apt-get as root or
+# with sudo; SKIP_SYSTEM_PACKAGES=1 leaves the system as it is. All else goes into .venv.
 
 SHELL := /bin/bash
 PYTHON ?= python3

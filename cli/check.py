@@ -15,7 +15,19 @@ from .dives import CONFIGURATION, FOLDER
 from .state import state_of
 
 
-@click.command(context_settings={"ignore_unknown_options": True, "allow_extra_args": True})
+class _Check(click.Command):
+    """Its help lists the options of a package's check as well, which are parsed by that command."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        super().format_options(ctx, formatter)
+        package_check: click.Command = import_module(".dive", __package__).check
+        known = {parameter.name for parameter in self.get_params(ctx)}
+        more = [parameter.get_help_record(ctx) for parameter in package_check.params if parameter.name not in known]
+        with formatter.section("Options for a dive package"):
+            formatter.write_dl([record for record in more if record is not None])
+
+
+@click.command(cls=_Check, context_settings={"ignore_unknown_options": True, "allow_extra_args": True})
 @click.argument("target", type=FOLDER)
 @click.option("--read-data", is_flag=True, help="run's folder: read every byte, those of the package too")
 @click.pass_context

@@ -62,7 +62,7 @@ def _solve(chain: Chain, upstream: Workspace, place: Workspace, run_context: Run
         stage, chain.sections, inputs_of(stage, chain, upstream, chain.skip_reasons()), chain.package, run_context.hashes
     )
     if assess(job, place, run_context.hashes).to_do:
-        build(job, place.root / stage.name, place.building(stage.name), run_context)
+        build(job, place.root / stage.name, place.build_folder(stage.name), run_context)
 
 
 def _with(chain: Chain, method: str, as_published: bool) -> Chain:

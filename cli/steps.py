@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-import inspect
-import io
-import tokenize
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +33,7 @@ def command(name: str) -> click.Command:
             rest.pop(field.name, None)
         execute(open_dive(package, runs, [*overrides, *given]), name, from_scratch=from_scratch, **rest)
 
-    step.params = [*step.params, *(_option(f, comments(stage.parameters).get(f.name, "")) for f in fields(stage))]
+    step.params = [*step.params, *(_option(f) for f in fields(stage))]
     return step
 
 
@@ -52,11 +49,11 @@ def _help(stage: Stage) -> str:
     return f"{stage.summary[0].upper()}{stage.summary[1:]}.\n\nTakes {needs}; what is out of date of it runs first."
 
 
-def _option(field: types.Field, comment: str) -> click.Option:
-    inner, described = _unwrapped(field.type)
+def _option(field: types.Field) -> click.Option:
+    inner, text = unwrap_type(field.type)
     dashed = field.name.replace("_", "-")
     default = field.default if field.default is not msgspec.NODEFAULT else None
-    text = "; ".join(part for part in (described or comment, _bounds(inner), f"default {_toml(default)}") if part)
+    text = "; ".join(part for part in (text, _bounds(inner), f"default {_toml(default)}") if part)
     if isinstance(inner, types.BoolType):
         return click.Option([f"--{dashed}/--no-{dashed}", field.name], default=None, help=text)
     if isinstance(inner, types.LiteralType):
@@ -64,14 +61,14 @@ def _option(field: types.Field, comment: str) -> click.Option:
     return click.Option([f"--{dashed}", field.name], metavar=type(inner).__name__.removesuffix("Type").upper(), help=text)
 
 
-def _unwrapped(kind: types.Type) -> tuple[types.Type, str]:
-    """The type without its metadata, and its description."""
+def unwrap_type(kind: types.Type) -> tuple[types.Type, str]:
+    """Return the type without its metadata, and its description."""
     if isinstance(kind, types.Metadata):
-        inner, described = _unwrapped(kind.type)
-        return inner, str((kind.extra_json_schema or {}).get("description", "")) or described
+        inner, text = unwrap_type(kind.type)
+        return inner, str((kind.extra_json_schema or {}).get("description", "")) or text
     if isinstance(kind, types.UnionType):
         members = [member for member in kind.types if not isinstance(member, types.NoneType)]
-        return _unwrapped(members[0]) if len(members) == 1 else (kind, "")
+        return unwrap_type(members[0]) if len(members) == 1 else (kind, "")
     return kind, ""
 
 
@@ -86,14 +83,3 @@ def _toml(value: Any) -> str:
     if isinstance(value, tuple | list):
         return f"[{', '.join(_toml(v) for v in value)}]"
     return "none" if value is None else str(value)
-
-
-def comments(parameters: type[msgspec.Struct]) -> dict[str, str]:
-    """What stands behind a field in the source, with its unit: the words for fields without a description of their own."""
-    found: dict[str, str] = {}
-    tokens = list(tokenize.generate_tokens(io.StringIO(inspect.getsource(parameters)).readline))
-    first = {token.start[0]: token.string for token in reversed(tokens) if token.type == tokenize.NAME}
-    for token in tokens:
-        if token.type == tokenize.COMMENT and first.get(token.start[0]) in parameters.__struct_fields__:
-            found[first[token.start[0]]] = token.string.lstrip("# ")
-    return found

@@ -4,6 +4,8 @@
 #
 # Called by the Makefile.   setup.sh packages VENV   system packages, virtual environment, locked wheels
 #                           setup.sh install VENV    hullrecon itself, with its native module
+#
+# SKIP_SYSTEM_PACKAGES=1 leaves the system as it is: then the compiler and the libraries have to be there.
 set -euo pipefail
 
 # libegl1, libgl1 and libusb-1.0-0 are for open3d alone; libopenblas-dev keeps libceres-dev from choosing the slow ATLAS.
@@ -19,18 +21,28 @@ missing_packages() {
     done
 }
 
+announce() {
+    echo "setup: running in ${SETUP_DELAY_S:-5} s: $1"
+    echo "setup: Ctrl-C stops it; SKIP_SYSTEM_PACKAGES=1 goes on without"
+    sleep "${SETUP_DELAY_S:-5}"
+}
+
 system_packages() {
+    [ "${SKIP_SYSTEM_PACKAGES:-}" = 1 ] && return
     command -v dpkg-query >/dev/null || die "this is neither Debian nor Ubuntu: install the equals of: ${SYSTEM[*]}"
     local missing
     mapfile -t missing < <(missing_packages)
     [ ${#missing[@]} -eq 0 ] && return
     local line="apt-get install -y --no-install-recommends ${missing[*]}"
+    echo "setup: these system packages are missing: ${missing[*]}"
     if [ "$(id -u)" -eq 0 ]; then
+        announce "$line"
         apt-get update -q && DEBIAN_FRONTEND=noninteractive $line
     elif command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+        announce "sudo $line"
         sudo apt-get update -q && sudo DEBIAN_FRONTEND=noninteractive $line
     else
-        die "system packages are missing; as root, run: apt-get update && $line"
+        die "as root, run: apt-get update && $line (or set SKIP_SYSTEM_PACKAGES=1 if they are there in another way)"
     fi
 }
 

@@ -14,11 +14,15 @@ Positive = Annotated[float, Meta(gt=0)]
 class NavigateOptions(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the logs become a path."""
 
-    longest_gap_s: Positive = 0.6  # s between two velocities or attitudes; beyond it an outage is bridged and reported
-    node_spacing_s: Positive = 0.4  # s between nodes where there is no camera
-    reach_s: Positive = 1.0  # s before the first and after the last velocity in which a frame still gets a node
-    beam_window_s: Positive = 3.0  # s of neighbours that a return is compared with
-    beam_jump_m: Positive = 0.5  # m
-    beam_sigmas: Positive = 5.0  # robust sigmas
-    stereo_features: Annotated[int, Meta(ge=100)] = 4000  # an image, for visual odometry
-    stereo_inliers: Annotated[int, Meta(ge=6)] = 15  # features that must agree on a step
+    longest_gap_s: Annotated[
+        Positive, Meta(description="s, between two velocities or attitudes; a longer outage is bridged and reported")
+    ] = 0.6
+    node_spacing_s: Annotated[Positive, Meta(description="s, between nodes where there is no camera")] = 0.4
+    reach_s: Annotated[
+        Positive, Meta(description="s, before the first and after the last velocity in which an image still gets a node")
+    ] = 1.0
+    beam_window_s: Annotated[Positive, Meta(description="s, of neighbouring ranges that a DVL range is compared with")] = 3.0
+    beam_jump_m: Annotated[Positive, Meta(description="m, smallest jump from its neighbours that rejects a DVL range")] = 0.5
+    beam_sigmas: Annotated[Positive, Meta(description="sigmas, robust, beyond which a DVL range is rejected")] = 5.0
+    stereo_features: Annotated[int, Meta(ge=100, description="features of an image for visual odometry")] = 4000
+    stereo_inliers: Annotated[int, Meta(ge=6, description="features that must agree on a motion")] = 15

@@ -37,7 +37,7 @@ def run(context: Context) -> None:
         context.warn(sentence)
     context.out.arrays("solution.npz", to_arrays(outcome.solution))
     context.out.arrays("iterations.npz", outcome.iterations)
-    context.spent("iterations_s", outcome.iterations_s.tolist())
+    context.record_times("iterations_s", outcome.iterations_s.tolist())
     context.out.json("adjust.json", outcome.summary)
     if measured.drawing is not None:
         context.out.arrays("chart.npz", measured.drawing.chart.to_arrays())

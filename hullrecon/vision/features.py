@@ -20,13 +20,21 @@ Bytes = NDArray[np.uint8]
 class FeatureOptions(Section, frozen=True):
     """Section [features] of dive.toml."""
 
-    clahe_clip: NotNegative = 3.0  # contrast limit; 0 leaves the image as it is
-    clahe_tiles: Annotated[int, Meta(ge=1, le=64)] = 8  # tiles along each side
-    max_features: Annotated[int, Meta(ge=50, le=100_000)] = 4000  # an image; the strongest are kept
-    contrast_threshold: Positive = 0.02  # OpenCV's contrastThreshold
-    edge_threshold: Positive = 10.0
-    octave_layers: Annotated[int, Meta(ge=1, le=8)] = 3
-    reduction: Annotated[float, Meta(ge=1.0, le=8.0)] = 2.0  # images are shrunk by this before SIFT doubles them
+    clahe_clip: Annotated[
+        NotNegative, Meta(description="ratio, contrast limit of the equalisation; 0 leaves the image as it is")
+    ] = 3.0
+    clahe_tiles: Annotated[int, Meta(ge=1, le=64, description="tiles of the equalisation along each side")] = 8
+    max_features: Annotated[int, Meta(ge=50, le=100_000, description="features of an image; the strongest are kept")] = 4000
+    contrast_threshold: Annotated[
+        Positive, Meta(description="ratio, smallest contrast of a feature (SIFT contrastThreshold)")
+    ] = 0.02
+    edge_threshold: Annotated[
+        Positive, Meta(description="ratio, largest of a feature's two curvatures (SIFT edgeThreshold)")
+    ] = 10.0
+    octave_layers: Annotated[int, Meta(ge=1, le=8, description="scales in an octave (SIFT nOctaveLayers)")] = 3
+    reduction: Annotated[
+        float, Meta(ge=1.0, le=8.0, description="ratio, images are shrunk by this before SIFT doubles them")
+    ] = 2.0
 
 
 @dataclass(frozen=True)

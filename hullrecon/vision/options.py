@@ -18,37 +18,49 @@ class MatchOptions(Section, frozen=True):
     """Section [matches] of dive.toml."""
 
     # which nodes are compared
-    sequential: Annotated[int, Meta(ge=1, le=50)] = 3  # each node with that many following ones
-    across: Annotated[int, Meta(ge=0, le=50)] = 3  # and with that many of other legs, those of most overlap first
-    min_overlap: Share = 0.15  # of the predicted footprints
-    max_overlap: Share = 0.98  # a node that overlaps the last keyframe by more is not a keyframe
-    min_saliency: Share = 0.5  # images below it stay in the chain but are not compared across legs
+    sequential: Annotated[int, Meta(ge=1, le=50, description="following nodes that each node is compared with")] = 3
+    across: Annotated[
+        int, Meta(ge=0, le=50, description="nodes of other legs that each node is compared with, largest overlap first")
+    ] = 3
+    min_overlap: Annotated[Share, Meta(description="share, of the predicted footprints that two nodes must have in common")] = (
+        0.15
+    )
+    max_overlap: Annotated[
+        Share, Meta(description="share, a node that overlaps the last keyframe by more is not a keyframe")
+    ] = 0.98
+    min_saliency: Annotated[Share, Meta(description="share, images below it are not compared across legs")] = 0.5
 
     # tolerances
-    column_px: Positive = 1.5  # of a stereo match across its epipolar line
-    verify_px: Positive = 1.0  # of a match against its epipolar line once the motion is known
-    ransac_px: Positive = 3.0  # of a triangulated point transferred into the other images
-    sigma_px: Positive = 0.4  # of a feature's place, in ellipses and depths
-    gate_chi2: Positive = 9.21  # 99 % of a plane Gaussian: the ellipse in which descriptors are compared
+    column_px: Annotated[Positive, Meta(description="px, of a stereo match across its epipolar line")] = 1.5
+    verify_px: Annotated[Positive, Meta(description="px, of a match from its epipolar line once the motion is known")] = 1.0
+    ransac_px: Annotated[Positive, Meta(description="px, of a triangulated point projected into the other images")] = 3.0
+    sigma_px: Annotated[Positive, Meta(description="px, sigma of a feature's position, in search ellipses and depths")] = 0.4
+    gate_chi2: Annotated[
+        Positive, Meta(description="chi2, size of the search ellipse; 9.21 holds 99 % of a plane Gaussian")
+    ] = 9.21
 
     # descriptors: ratio to the next best, and largest distance between unit vectors
-    ratio: Share = 0.8
-    guided_ratio: Share = 0.8  # where the place alone leaves few to choose from
-    max_distance: Positive = 0.75
+    ratio: Annotated[Share, Meta(description="ratio, of the best to the next best descriptor distance")] = 0.8
+    guided_ratio: Annotated[Share, Meta(description="ratio, the same where the position leaves few candidates")] = 0.8
+    max_distance: Annotated[Positive, Meta(description="ratio, largest distance of two unit descriptors")] = 0.75
 
-    seeds: Count = 500  # features that look for the motion where navigation predicts it; the guided search takes all
+    seeds: Annotated[
+        Count, Meta(description="features that look for the motion near navigation's; the guided search takes all")
+    ] = 500
 
     # acceptance
-    min_putative: Count = 8
-    min_inliers: Count = 12
-    ransac_trials: Annotated[int, Meta(ge=10, le=100_000)] = 400
-    navigation_chi2: Positive = 50.0  # of six numbers: a motion farther from navigation's is not believed
+    min_putative: Annotated[Count, Meta(description="matches before verification that a pair must have")] = 8
+    min_inliers: Annotated[Count, Meta(description="matches after verification that a pair must have")] = 12
+    ransac_trials: Annotated[int, Meta(ge=10, le=100_000, description="RANSAC trials of a pair")] = 400
+    navigation_chi2: Annotated[
+        Positive, Meta(description="chi2, of six numbers; a motion farther from navigation's is rejected")
+    ] = 50.0
 
     # depth of the scene when nothing has measured it, m
-    nearest_m: Positive = 0.3
-    farthest_m: Positive = 15.0
-    range_margin: Positive = 1.8  # with DVL: depth lies within this factor of the ranges' spread
+    nearest_m: Annotated[Positive, Meta(description="m, smallest depth of the scene when nothing has measured it")] = 0.3
+    farthest_m: Annotated[Positive, Meta(description="m, largest depth of the scene when nothing has measured it")] = 15.0
+    range_margin: Annotated[Positive, Meta(description="ratio, depths lie within this factor of the DVL's ranges")] = 1.8
 
-    single_node: bool = True  # landmarks that the two cameras of one node alone saw
+    single_node: Annotated[bool, Meta(description="keep landmarks that only the two cameras of one node saw")] = True
 
-    seed: Annotated[int, Meta(ge=0)] = 1
+    seed: Annotated[int, Meta(ge=0, description="seed of the random numbers")] = 1

@@ -30,7 +30,7 @@ class NoOptions(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 class Options(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     times: Annotated[int, Meta(ge=1, le=9, description="how often the log is counted")] = 1
-    margin_m: Annotated[float, Meta(gt=0)] = 0.5  # of nothing, m
+    margin_m: Annotated[float, Meta(gt=0, description="m, of nothing")] = 0.5
     end: Literal["well", "badly", "never", "fault"] = "well"
     loud: bool = False
     span: tuple[float, float] = (0.0, 1.0)

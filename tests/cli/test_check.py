@@ -57,3 +57,11 @@ def test_a_folder_that_is_neither_is_an_input_error(program, tmp_path: Path) -> 
     answer = program("check", tmp_path)
     assert answer.code == 3
     assert answer.err.count("\n") == 1
+
+
+def test_the_help_shows_the_options_for_packages_too(program) -> None:
+    answer = program("check", "--help")
+    assert answer.code == 0
+    assert "--read-data" in answer.out
+    assert "--set SECTION.KEY=VALUE" in answer.out
+    assert answer.out.count("--json") == 1

@@ -264,7 +264,8 @@ def test_a_value_out_of_bounds_given_by_set_is_said_to_come_from_there(program, 
     assert answer.err.endswith("(from --set)\n")
 
 
-def test_a_scheduler_that_is_not_there_is_one_line_at_once(program, package: Path, runs: Path) -> None:
+def test_a_scheduler_that_is_not_there_is_one_line(program, package: Path, runs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("hullrecon.artifacts.execution.cluster._CONNECT_S", 0.1)
     for address in ("nonsense", "tcp://nonsense.invalid:8786", "tcp://127.0.0.1:1", "tcp://127.0.0.1:many"):
         answer = program("run", package, "--runs", runs, "--scheduler", address, "--quiet")
         assert answer.code == 2

@@ -8,31 +8,17 @@ import json
 from pathlib import Path
 
 import pytest
-from hullrecon_cli.steps import command, comments, fields
-from msgspec import Struct
+from hullrecon_cli.steps import command, fields, unwrap_type
+from msgspec import inspect as types
 
 from hullrecon.steps.chain import stages
-
-
-class Commented(Struct):
-    """# not a comment of a field"""
-
-    plain: int = 1
-    near: float = 0.5  # m, from the hull
-    word: str = "#"  # has a hash itself
-    # a line of its own
-    many: tuple[int, ...] = (1, 2)
-
-
-def test_words_come_from_the_comment_behind_the_field() -> None:
-    assert comments(Commented) == {"near": "m, from the hull", "word": "has a hash itself"}
 
 
 def test_help_gives_words_bounds_and_default_of_each_option(program) -> None:
     text = " ".join(program("navigate", "--help").out.split())
     assert "Count the words." in text
     assert "--times INT how often the log is counted; at least 1, at most 9; default 1" in text
-    assert "--margin-m FLOAT of nothing, m; above 0; default 0.5" in text
+    assert "--margin-m FLOAT m, of nothing; above 0; default 0.5" in text
     assert "--end [badly|fault|never|well] default well" in text
     assert "--loud / --no-loud default false" in text
     assert "default [0.0, 1.0]" in text
@@ -67,3 +53,21 @@ def test_every_field_of_every_step_is_an_option_that_hides_no_common_one(stage) 
     flags = [flag for parameter in command(stage.name).params for flag in (*parameter.opts, *parameter.secondary_opts)]
     assert len(flags) == len(set(flags))
     assert {f"--{field.name.replace('_', '-')}" for field in fields(stage)} <= set(flags)
+
+
+UNITS = {"m", "m2", "s", "px", "deg", "share", "ratio", "sigmas", "chi2", "probability"}
+SUFFIXES = {"_m": "m", "_s": "s", "_px": "px", "_deg": "deg", "_sigmas": "sigmas", "_chi2": "chi2"}
+
+
+@pytest.mark.parametrize("stage", stages(), ids=lambda stage: stage.name)
+def test_every_option_has_a_description_and_a_number_its_unit(stage) -> None:
+    for field in fields(stage):
+        inner, text = unwrap_type(field.type)
+        assert text, f"{stage.name}.{field.name} has no description"
+        assert not set(text.replace("(", " ").split()) & {"O", "METHODS", "Alg."}, f"{field.name} cites a paper: {text}"
+        unit = text.partition(",")[0]
+        if isinstance(inner, types.FloatType):
+            assert unit in UNITS, f"{stage.name}.{field.name} has no unit: {text}"
+        for suffix, expected in SUFFIXES.items():
+            if field.name.endswith(suffix):
+                assert unit == expected, f"{stage.name}.{field.name}: {text}"

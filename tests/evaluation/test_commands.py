@@ -54,7 +54,7 @@ def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) 
         rounds.append((p.as_published, p.rounds, p.max_iterations))
         context.out.arrays("solution.npz", to_arrays(solution))
         context.out.arrays("iterations.npz", record)
-        context.spent("iterations_s", [0.5, 1.0, 1.5])
+        context.record_times("iterations_s", [0.5, 1.0, 1.5])
 
     stages = (
         Stage("navigate", "walk", (), Nothing, 1, navigate),

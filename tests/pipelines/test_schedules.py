@@ -31,7 +31,7 @@ def toy_steps() -> dict[str, str]:
 
 def cron_command(pipelines: Path) -> str:
     (line,) = [line for line in (pipelines / "fleet.cron").read_text().splitlines() if line.startswith("*")]
-    return line.split(maxsplit=5)[5]
+    return line.split(maxsplit=6)[6]
 
 
 @pytest.fixture
@@ -78,12 +78,13 @@ def test_cron_reports_a_dive_that_cannot_be_run(cron, make_package, tmp_path: Pa
     (package / "log.mcap").unlink()
     answer = cron()
     assert answer.returncode == 2
-    assert "error: log.mcap is missing" in answer.stderr
+    assert answer.stderr.startswith("a: error: log.mcap is missing")
+    assert answer.stderr.count("\n") == 1
 
 
 def test_the_cron_line_has_five_times_and_no_percent_sign(pipelines: Path) -> None:
     (line,) = [line for line in (pipelines / "fleet.cron").read_text().splitlines() if line.startswith("*")]
-    assert re.match(r"(\S+ ){5}flock ", line)
+    assert re.match(r"(\S+ ){5}hullrecon flock ", line)
     assert "%" not in line
 
 
@@ -114,12 +115,19 @@ def test_the_services_command_makes_what_is_new_and_prints_nothing(
     make_package(tmp_path / "dives" / "a", "kestrel")
     text = (units / "hullrecon-fleet.service").read_text()
     (command,) = re.findall(r"^ExecStart=(.*)$", text, re.MULTILINE)
-    (variables,) = re.findall(r"^Environment=(.*)$", text, re.MULTILINE)
+    variables = " ".join(re.findall(r"^Environment=(.*)$", text, re.MULTILINE))
     environment = dict(pair.split("=", 1) for pair in variables.split())
     words = [re.sub(r"\$\{(\w+)\}", lambda m: environment[m[1]], word) for word in command.split()]
     answer = call(*words, env={"PATH": "/usr/bin:/bin", "TOY_TRACE": str(trace), **toy_steps(), **environment})
     assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
     assert trace.read_text().split().count("report") == 1
+
+
+def test_neither_schedule_runs_as_root_or_replaces_a_crontab(pipelines: Path) -> None:
+    assert "\nUser=hullrecon\n" in (pipelines / "hullrecon-fleet.service").read_text()
+    text = (pipelines / "fleet.cron").read_text()
+    assert "/etc/cron.d/" in text
+    assert "crontab pipelines" not in text
 
 
 def _free_port() -> str:
@@ -134,7 +142,8 @@ def test_a_dask_launch_gives_the_same_bytes_and_leaves_no_process(
     pytest.importorskip("distributed")
     package = make_package(tmp_path / "package", "kestrel")
     port = _free_port()
-    environment = os.environ | {"PYTHON": sys.executable, "HULLRECON": str(program), "PORT": port}
+    (scratch := tmp_path / "scratch").mkdir()
+    environment = os.environ | {"PYTHON": sys.executable, "HULLRECON": str(program), "PORT": port, "TMPDIR": str(scratch)}
     answer = call(pipelines / "dask-launch", 2, "--quiet", "run", package, "--runs", tmp_path / "dask", env=environment)
     assert (answer.returncode, answer.stdout) == (0, ""), answer.stderr
     call(program, "--quiet", "run", package, "--runs", tmp_path / "alone")
@@ -142,6 +151,7 @@ def test_a_dask_launch_gives_the_same_bytes_and_leaves_no_process(
     assert texts
     for text in texts:
         assert (tmp_path / "dask" / text).read_bytes() == (tmp_path / "alone" / text).read_bytes()
+    assert list(scratch.iterdir()) == []
     assert port not in call("ps", "-eo", "args").stdout.replace("ps -eo args", "")
 
 

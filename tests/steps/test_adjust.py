@@ -26,8 +26,8 @@ from adjustment.simulated_dive import (
 from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.artifacts.runner import run_stage
-from hullrecon.artifacts.stage import load_arrays
+from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.dive import config
 from hullrecon.dive.records import ImageIndex, Solution, from_arrays, to_arrays
 from hullrecon.geometry.chart import chart_from_arrays

@@ -74,7 +74,7 @@ def _bring_up_to_date(job: Job, workspace: Workspace, run_context: RunContext, f
     if status.state == "damaged":
         log.warning("%s: damaged (%s), set apart in %s", name, "; ".join(status.reasons), workspace.quarantine(name))
     try:
-        manifest = build(job, workspace.root / name, workspace.building(name), run_context)
+        manifest = build(job, workspace.root / name, workspace.build_folder(name), run_context)
     except HullreconError as error:
         error.add_note(name)
         raise

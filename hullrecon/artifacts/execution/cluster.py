@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import socket
+import time
 from collections.abc import Callable, Iterator, Sequence
 from types import TracebackType
 from typing import Any, Self, TypeVar
@@ -15,6 +16,7 @@ from hullrecon.errors import StageError, UsageError
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 _CONNECT_S = 10
+_RETRY_S = 0.1
 
 
 class Cluster:
@@ -66,10 +68,17 @@ def _refuse_unreachable(address: str) -> None:
             raise ValueError(address)
     except ValueError:
         raise UsageError("not an address of a Dask scheduler", where=address, remedy="give tcp://HOST:PORT") from None
-    try:
-        socket.create_connection((host, port), timeout=_CONNECT_S).close()
-    except OSError:
-        raise _no_scheduler(address) from None
+    until = time.monotonic() + _CONNECT_S
+    while True:
+        try:
+            socket.create_connection((host, port), timeout=_CONNECT_S).close()
+            return
+        except socket.gaierror:
+            raise _no_scheduler(address) from None
+        except OSError:  # it may be starting
+            if time.monotonic() >= until:
+                raise _no_scheduler(address) from None
+            time.sleep(_RETRY_S)
 
 
 def _no_scheduler(address: str) -> UsageError:

@@ -58,5 +58,5 @@ class StageContext:
         log.warning("%s: %s", self._stage.name, message)
         self.warnings.append(message)
 
-    def spent(self, name: str, seconds: Sequence[float]) -> None:
+    def record_times(self, name: str, seconds: Sequence[float]) -> None:
         self.times[name] = [round(float(s), 3) for s in seconds]

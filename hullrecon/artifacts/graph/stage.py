@@ -59,7 +59,7 @@ class Context(Protocol):
     def warn(self, message: str) -> None:
         """A sentence for the log, the manifest and summary.json."""
 
-    def spent(self, name: str, seconds: Sequence[float]) -> None:
+    def record_times(self, name: str, seconds: Sequence[float]) -> None:
         """Wall-clock times for the manifest's run block: they differ between equal runs, so no file holds them."""
 
 

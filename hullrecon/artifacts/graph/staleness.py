@@ -32,18 +32,18 @@ def _options(made: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
         if isinstance(before, dict) and isinstance(after, dict):
             yield from _changed_options(flatten(before, f"{section}."), flatten(after, f"{section}."))
         elif before != after:
-            yield f"{section} changed from {_shown(before)} to {_shown(after)}"
+            yield f"{section} changed from {_as_text(before)} to {_as_text(after)}"
 
 
 def _changed_options(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[str]:
     for name in sorted({*before, *after}):
         one, two = before.get(name, _ABSENT), after.get(name, _ABSENT)
         if one is _ABSENT:
-            yield f"option {name} is new, it is {_shown(two)}"
+            yield f"option {name} is new, it is {_as_text(two)}"
         elif two is _ABSENT:
-            yield f"option {name} is gone, it was {_shown(one)}"
+            yield f"option {name} is gone, it was {_as_text(one)}"
         elif one != two or type(one) is not type(two):
-            yield f"option {name} changed from {_shown(one)} to {_shown(two)}"
+            yield f"option {name} changed from {_as_text(one)} to {_as_text(two)}"
 
 
 def _inputs(made: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
@@ -62,7 +62,7 @@ def _verb(before: bool, after: bool) -> str:
     return "changed" if before and after else "is new" if after else "is gone"
 
 
-def _shown(value: Any) -> str:
+def _as_text(value: Any) -> str:
     """A whole section as the word for it; else as in JSON."""
     if value is _ABSENT or value is None:
         return "none"

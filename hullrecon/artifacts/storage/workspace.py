@@ -43,7 +43,7 @@ class Workspace:
         """None when there is no artifact; DamagedError when its manifest cannot be trusted."""
         return read_manifest(self.artifact(name))
 
-    def building(self, name: str) -> Path:
+    def build_folder(self, name: str) -> Path:
         return self.root / PRIVATE / "building" / name
 
     def hashes(self, *, trusting: bool = True) -> HashCache:
@@ -79,7 +79,7 @@ class Workspace:
         folder = self.artifact(name)
         if not folder.exists():
             return False
-        gone = self.building(f"removed-{name}")
+        gone = self.build_folder(f"removed-{name}")
         make_folder(gone.parent)
         with storage_errors(self.root):
             remove(gone)
@@ -105,7 +105,7 @@ class Workspace:
             return None
         if not unequal_files(inside, shown):
             return shown
-        copy = self.building(PUBLISHED)
+        copy = self.build_folder(PUBLISHED)
         with storage_errors(self.root):
             remove(copy)
             for file in files_below(inside):

@@ -73,7 +73,7 @@ def test_an_artifact_lies_at_its_place_with_a_manifest_of_all_it_holds(tmp_path:
 
 
 def test_times_that_a_stage_tells_stand_in_the_run_block(tmp_path: Path) -> None:
-    manifest = read_manifest(run_stage(stage(lambda c: c.spent("iterations_s", [0.12345, 2])), {}, {}, tmp_path / "make"))
+    manifest = read_manifest(run_stage(stage(lambda c: c.record_times("iterations_s", [0.12345, 2])), {}, {}, tmp_path / "a"))
     assert manifest is not None
     assert manifest.run["times"] == {"iterations_s": [0.123, 2.0]}
     assert "times" not in (manifest.recipe.settings | manifest.outputs)

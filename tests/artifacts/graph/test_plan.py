@@ -98,6 +98,8 @@ def test_the_part_up_to_a_step_holds_what_it_needs_and_may_use(toy: ModuleType, 
     assert names == {"read": ["read"], "left": ["read", "left"], "join": ["read", "left", "right", "join"]}
 
 
-def test_an_unknown_step_is_refused_with_the_known_ones(toy: ModuleType, package: Path) -> None:
-    with pytest.raises(UsageError, match="no step is called rihgt: the steps are read, left, right, join"):
+def test_an_unknown_step_is_refused_with_the_nearest_or_all(toy: ModuleType, package: Path) -> None:
+    with pytest.raises(UsageError, match="unknown step 'rihgt'; did you mean 'right'"):
         toy.chain(package).up_to("rihgt")
+    with pytest.raises(UsageError, match="unknown step 'xyzzy': the steps are read, left, right, join"):
+        toy.chain(package).up_to("xyzzy")

@@ -111,9 +111,9 @@ def test_removing_an_artifact_removes_what_it_showed(ran: Workspace) -> None:
 
 
 def test_tidying_ends_what_was_half_done(ran: Workspace) -> None:
-    ran.building("left").mkdir(parents=True)
+    ran.build_folder("left").mkdir(parents=True)
     os.rename(ran.root / "right", ran.root / ".old-right")
     ran.tidy(["read", "left", "right", "join"])
-    assert not ran.building("left").exists()
+    assert not ran.build_folder("left").exists()
     assert ran.manifest("right") is not None
     assert not (ran.root / ".old-right").exists()
