@@ -106,8 +106,10 @@ def _simulate_options() -> list[click.Option]:
 @click.argument("folder", type=FOLDER)
 def simulate(folder: Path, **options: Any) -> None:
     """Make a dive package with truth in FOLDER."""
+    from hullrecon.artifacts.progress import choose_progress
     from hullrecon.synthetic.command import simulate as make
 
-    made = make(folder, **options)
+    state = state_of()
+    made = make(folder, choose_progress(quiet=state.quiet).track, **options)
     lines = [f"wrote {folder}: {made['seconds']} s, {made['frames']} camera frames, {made['objects']} objects to be found"]
-    state_of().emit(made, lines)
+    state.emit(made, lines)

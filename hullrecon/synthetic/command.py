@@ -6,10 +6,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hullrecon.errors import UsageError
 from hullrecon.synthetic.spec import DiveSpec
+
+if TYPE_CHECKING:
+    from hullrecon.synthetic.recorder import Track
 
 
 @dataclass(frozen=True)
@@ -90,10 +93,11 @@ BOUNDS: dict[str, tuple[float, float]] = {
 }
 
 
-def simulate(folder: Path, **options: Any) -> dict[str, Any]:
-    """Write a dive package; options by field name of DiveSpec. Returns counts for the terminal.
+def simulate(folder: Path, track: Track | None = None, **options: Any) -> dict[str, Any]:
+    """Write a dive package and return counts for the terminal. options: by field name of DiveSpec; track: shows the images
+    as they are written.
 
-    Raises UsageError for an option out of bounds or unknown."""
+    Raises UsageError for an option out of bounds or unknown, StorageError when the folder cannot be written."""
     from hullrecon.synthetic.package import write_package
 
     known = {option.field for option in OPTIONS}
@@ -103,7 +107,8 @@ def simulate(folder: Path, **options: Any) -> dict[str, Any]:
         low, high = BOUNDS.get(name, (float("-inf"), float("inf")))
         if isinstance(value, (int, float)) and not low <= value <= high:
             raise UsageError(f"{name} is {value}", remedy=f"choose from {low:g} to {high:g}")
-    dive = write_package(folder, DiveSpec(**options))
+    spec = DiveSpec(**options)
+    dive = write_package(folder, spec) if track is None else write_package(folder, spec, track)
     return {
         "package": str(folder),
         "seconds": round(float(dive.motion.t_s[-1]), 1),

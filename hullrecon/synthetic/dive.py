@@ -16,17 +16,19 @@ from hullrecon.synthetic.as_built import AsBuilt, build
 from hullrecon.synthetic.forms import hull_of
 from hullrecon.synthetic.motion import Motion
 from hullrecon.synthetic.planting import plant
+from hullrecon.synthetic.plate_atlas import PlateAtlas
 from hullrecon.synthetic.rays import Rays
-from hullrecon.synthetic.rendering import Lens, Scene, lens, photograph
+from hullrecon.synthetic.rendering import Scene, lens, photograph
 from hullrecon.synthetic.rig import LAMP_IN_TOP, SONAR_ORIGIN, TRAY_ORIGIN, Rig, rig_of
 from hullrecon.synthetic.sheet import Sheet, cut_sheet
 from hullrecon.synthetic.spec import DiveSpec, Item
 from hullrecon.synthetic.survey import legs_of, swim
-from hullrecon.synthetic.texture import paint_atlas
+from hullrecon.synthetic.texture import Atlas, paint_atlas
 
 Array = NDArray[np.float64]
 Window = tuple[float, float]
 BELOW_M, BEYOND_M = 3.0, 2.6  # skin kept around the legs, for the sonar
+ATLAS_TEXELS = 24e6  # up to there the texture is one image: painting it takes 0.5 GB
 
 
 @dataclass(frozen=True)
@@ -73,10 +75,11 @@ def photographs(dive: Dive) -> Iterator[tuple[NDArray[np.uint8], NDArray[np.uint
     top = lens(rig.camera_top)
     bottom = lens(rig.camera_bottom) if rig.camera_bottom is not None else None
     T_M_ct = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s, rig.T_s_ct, TRAY_ORIGIN))
+    T_M_cb = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s, rig.T_s_ct @ rig.T_ct_cb, TRAY_ORIGIN))
     for k in range(len(dive.frame_s)):
         lamp = T_M_ct[k].apply(LAMP_IN_TOP[None])[0]
         first = photograph(scene, top, T_M_ct[k], lamp, random)
-        yield first, _second(scene, bottom, dive, k, lamp, random)
+        yield first, None if bottom is None else photograph(scene, bottom, T_M_cb[k], lamp, random)
 
 
 def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
@@ -88,20 +91,15 @@ def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
     return t, (sonar.ping(T_M_o[k], dive.hull, dive.built, fan, random) for k in range(len(t)))
 
 
-def _second(
-    scene: Scene, bottom: Lens | None, dive: Dive, k: int, lamp: Array, random: np.random.Generator
-) -> NDArray[np.uint8] | None:
-    if bottom is None:
-        return None
-    T_s_cb = dive.rig.T_s_ct @ dive.rig.T_ct_cb
-    at = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s[k : k + 1], T_s_cb, TRAY_ORIGIN))
-    return photograph(scene, bottom, at, lamp, random)
-
-
 def _scene(dive: Dive) -> Scene:
     spec = dive.spec
     texel = max(0.001, 0.75 * spec.standoff_m / dive.rig.camera_top.fx)
-    atlas = paint_atlas(spec, dive.items, dive.seen_along, dive.seen_girth, texel)
+    texels = np.ptp(dive.seen_along) * np.ptp(dive.seen_girth) / texel**2
+    atlas: Atlas | PlateAtlas = (
+        paint_atlas(spec, dive.items, dive.seen_along, dive.seen_girth, texel)
+        if texels <= ATLAS_TEXELS
+        else PlateAtlas(spec, dive.items, texel)
+    )
     return Scene(dive.built, dive.hull, dive.sheet, atlas, 2.0 / spec.visibility_m)
 
 

@@ -142,7 +142,7 @@ MESSAGES = {
     "imu": _imu,
     "pressure": _pressure,
     "joints": _joints,
-    "camera_top": lambda s, k, ns: _camera("camera_top", s.jpeg_top[k], ns),
-    "camera_bottom": lambda s, k, ns: _camera("camera_bottom", s.jpeg_bottom[k], ns),
+    "camera_top": lambda s, k, ns: _camera("camera_top", s.frames[k][0], ns),
+    "camera_bottom": lambda s, k, ns: _camera("camera_bottom", s.frames[k][1], ns),
     "sonar": _sonar,
 }

@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.errors import StorageError
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import Poses, roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive, simulate_dive
 from hullrecon.synthetic.forms import write_stl
 from hullrecon.synthetic.instruments import DEPTH_SIGMA, RANGE_SIGMA, VELOCITY_SIGMA
 from hullrecon.synthetic.mcap_log import TOPICS, write_mcap
+from hullrecon.synthetic.new_folder import new_folder
 from hullrecon.synthetic.plain_log import write_plain
-from hullrecon.synthetic.recorder import record
+from hullrecon.synthetic.recorder import Track, record, untracked
 from hullrecon.synthetic.rig import (
     BEAMS,
     BOTTOM_IN_TOP,
@@ -32,24 +32,27 @@ from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.truth import write_truth
 
 
-def write_package(folder: Path, spec: DiveSpec) -> Dive:
-    """Simulate and write; the folder may exist but must be empty. Returns the dive, truth and all.
+def write_package(folder: Path, spec: DiveSpec, track: Track = untracked) -> Dive:
+    """Simulate a dive, write its package and return it, truth and all. The folder may exist but must be empty; it is written
+    beside under a temporary name, so that a simulation that fails or is interrupted leaves nothing. track: shows the
+    images as they are written.
 
     Raises StorageError when the folder is not empty or cannot be written."""
-    _prepare(folder)
-    dive = simulate_dive(spec)
-    streams = record(dive)
-    write_stl(folder / "hull.stl", dive.drawing)
-    if spec.form == "mcap":
-        write_mcap(folder / "logs" / "dive.mcap", streams)
-    else:
-        write_plain(folder / "logs", streams)
-    for name, camera in _cameras(dive).items():
-        (folder / "calibration").mkdir(exist_ok=True)
-        (folder / "calibration" / f"{name}.yaml").write_text(camera_info(name, camera))
-    (folder / "truth").mkdir()
-    write_truth(folder / "truth", dive)
-    (folder / "dive.toml").write_text(dive_toml(dive))
+    with new_folder(folder) as place:
+        dive = simulate_dive(spec)
+        write_stl(place / "hull.stl", dive.drawing)
+        (place / "logs").mkdir()
+        streams = record(dive, track)
+        if spec.form == "mcap":
+            write_mcap(place / "logs" / "dive.mcap", streams)
+        else:
+            write_plain(place / "logs", streams)
+        for name, camera in _cameras(dive).items():
+            (place / "calibration").mkdir(exist_ok=True)
+            (place / "calibration" / f"{name}.yaml").write_text(camera_info(name, camera))
+        (place / "truth").mkdir()
+        write_truth(place / "truth", dive)
+        (place / "dive.toml").write_text(dive_toml(dive))
     return dive
 
 
@@ -187,14 +190,3 @@ def _cameras(dive: Dive) -> dict[str, Camera]:
 
 def _row(values: object) -> str:
     return "[" + ", ".join(repr(round(float(v), 9)) for v in np.asarray(values, float)) + "]"
-
-
-def _prepare(folder: Path) -> None:
-    try:
-        (folder / "logs").mkdir(parents=True)
-        if any(p.name != "logs" for p in folder.iterdir()):
-            raise FileExistsError(folder)
-    except FileExistsError:
-        raise StorageError("the folder is not empty", where=str(folder), remedy="name a new one") from None
-    except OSError as error:
-        raise StorageError("cannot write there", where=str(folder), remedy=str(error.strerror)) from error

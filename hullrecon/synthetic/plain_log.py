@@ -27,8 +27,7 @@ def write_plain(folder: Path, streams: Streams) -> None:
     write_table(folder / "imu.csv", ["qx", "qy", "qz", "qw", "wx", "wy", "wz", "ax", "ay", "az"], streams.imu.t_s, imu)
     write_table(folder / "pressure.csv", ["pascal"], streams.pressure.t_s, streams.pressure.value[:, None], "%.2f")
     _joints(folder / "joints.csv", streams)
-    _images(folder, "camera_top", streams.frame_s, streams.jpeg_top)
-    _images(folder, "camera_bottom", streams.frame_s, streams.jpeg_bottom)
+    _images(folder, streams)
     _pings(folder, streams)
 
 
@@ -52,24 +51,28 @@ def _joints(path: Path, streams: Streams) -> None:
     path.write_text("\n".join(lines) + "\n")
 
 
-def _images(folder: Path, camera: str, frame_s: Array, jpegs: list[bytes]) -> None:
-    if not jpegs:
-        return
-    (folder / camera).mkdir(exist_ok=True)
-    lines = ["t,file"]
-    for k, (stamp, jpeg) in enumerate(zip(seconds(frame_s), jpegs, strict=True)):
-        (folder / camera / f"{k:06d}.jpg").write_bytes(jpeg)
-        lines.append(f"{stamp},{camera}/{k:06d}.jpg")
-    (folder / f"{camera}.csv").write_text("\n".join(lines) + "\n")
+def _images(folder: Path, streams: Streams) -> None:
+    """Write the images of all cameras frame by frame, then a table for each camera."""
+    for camera in streams.cameras:
+        (folder / camera).mkdir(exist_ok=True)
+    stamps = seconds(streams.frame_s) if streams.cameras else []
+    for k in range(len(stamps)):
+        for camera, jpeg in zip(streams.cameras, streams.frames[k], strict=True):
+            (folder / camera / f"{k:06d}.jpg").write_bytes(jpeg)
+    for camera in streams.cameras:
+        rows = [f"{stamp},{camera}/{k:06d}.jpg" for k, stamp in enumerate(stamps)]
+        (folder / f"{camera}.csv").write_text("\n".join(["t,file", *rows]) + "\n")
 
 
 def _pings(folder: Path, streams: Streams) -> None:
-    if not len(streams.pings):
+    if not len(streams.ping_s):
         return
     (folder / "sonar").mkdir(exist_ok=True)
     lines = ["t,file"]
-    for k, (stamp, image) in enumerate(zip(seconds(streams.ping_s), streams.pings, strict=True)):
-        _write_npz(folder / "sonar" / f"{k:06d}.npz", {"image": image, "azimuth": sonar.AZIMUTH, "range": sonar.RANGE})
+    for k, stamp in enumerate(seconds(streams.ping_s)):
+        _write_npz(
+            folder / "sonar" / f"{k:06d}.npz", {"image": streams.pings[k], "azimuth": sonar.AZIMUTH, "range": sonar.RANGE}
+        )
         lines.append(f"{stamp},sonar/{k:06d}.npz")
     (folder / "sonar.csv").write_text("\n".join(lines) + "\n")
 

@@ -6,49 +6,81 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.synthetic import instruments
 from hullrecon.synthetic.dive import Dive, photographs, pings
-from hullrecon.synthetic.sonar import BEAM_COUNT, BIN_COUNT
 
 Array = NDArray[np.float64]
 START_NS = 1_777_887_000_000_000_000  # 2026-05-04T09:30:00Z
 
 
-@dataclass(frozen=True)
+Item = TypeVar("Item")
+
+
+class Track(Protocol):
+    """Show the items of a long loop while they pass, and hand them on."""
+
+    def __call__(self, items: Iterator[bytes], label: str, total: int, /) -> Iterator[bytes]: ...
+
+
+def untracked(items: Iterator[bytes], label: str, total: int, /) -> Iterator[bytes]:
+    """Hand on the items and show nothing."""
+    return items
+
+
+class InTurn(Generic[Item]):
+    """Give the items of an iterator by number, keeping the last one alone: a number may repeat or grow, never fall."""
+
+    def __init__(self, items: Iterator[Item]) -> None:
+        self._items, self._number = items, -1
+        self._last: Item
+
+    def __getitem__(self, number: int) -> Item:
+        if number < self._number:
+            raise IndexError(f"item {number} is gone, {self._number} is the last one")
+        while self._number < number:
+            self._last = next(self._items)
+            self._number += 1
+        return self._last
+
+
+@dataclass(frozen=True, kw_only=True)
 class Streams:
-    """What the sensors gave. jpeg_top, jpeg_bottom: one file a frame; pings (n, beams, ranges)."""
+    """Hold what the sensors gave; images and pings are made as they are asked for, in the order of time.
+
+    cameras: names of those carried; frames: by frame, a JPEG file for each of them; pings: by ping, (beams, ranges) uint8."""
 
     dvl: instruments.Dvl
     imu: instruments.Imu
     pressure: instruments.Series
     joints: instruments.Series
+    cameras: tuple[str, ...]
     frame_s: Array
-    jpeg_top: list[bytes]
-    jpeg_bottom: list[bytes]
+    frames: InTurn[tuple[bytes, ...]]
     ping_s: Array
-    pings: NDArray[np.uint8]
+    pings: InTurn[NDArray[np.uint8]]
 
 
-def record(dive: Dive) -> Streams:
-    """All sensors of the dive, images last: they take the time."""
+def record(dive: Dive, track: Track = untracked) -> Streams:
+    """Return the readings of all sensors of the dive."""
     spec, motion = dive.spec, dive.motion
-    ping_s, images = pings(dive) if spec.sonar else (np.zeros(0), iter(()))
-    heard = np.array(list(images), np.uint8).reshape(len(ping_s), BEAM_COUNT, BIN_COUNT)
-    top, bottom = _jpegs(dive)
+    cameras = {"stereo": ("camera_top", "camera_bottom"), "mono": ("camera_top",), "none": ()}[spec.cameras]
+    images = track(_jpegs(dive), "images written", len(cameras) * len(dive.frame_s))
+    ping_s, pinged = pings(dive) if spec.sonar else (np.zeros(0), iter(()))
     return Streams(
-        instruments.dvl(spec, motion, dive.rig, dive.hull),
-        instruments.imu(spec, motion),
-        instruments.pressure(spec, motion),
-        instruments.joints(spec, motion),
-        dive.frame_s,
-        top,
-        bottom,
-        ping_s,
-        heard,
+        dvl=instruments.dvl(spec, motion, dive.rig, dive.hull),
+        imu=instruments.imu(spec, motion),
+        pressure=instruments.pressure(spec, motion),
+        joints=instruments.joints(spec, motion),
+        cameras=cameras,
+        frame_s=dive.frame_s,
+        frames=InTurn(zip(*[images] * len(cameras), strict=True)),
+        ping_s=ping_s,
+        pings=InTurn(pinged),
     )
 
 
@@ -64,22 +96,18 @@ def in_order(streams: Streams) -> Iterator[tuple[int, str, int]]:
         "pressure": streams.pressure.t_s,
         "dvl": streams.dvl.t_s,
         "sonar": streams.ping_s,
-        "camera_bottom": streams.frame_s[: len(streams.jpeg_bottom)],
-        "camera_top": streams.frame_s[: len(streams.jpeg_top)],
+        **dict.fromkeys(streams.cameras, streams.frame_s),
     }
     rows = [(int(ns), name, k) for name, t in times.items() for k, ns in enumerate(stamp_ns(t))]
     return iter(sorted(rows))
 
 
-def _jpegs(dive: Dive) -> tuple[list[bytes], list[bytes]]:
-    top, bottom = list[bytes](), list[bytes]()
-    if dive.spec.cameras == "none":
-        return top, bottom
-    for first, second in photographs(dive):
-        top.append(_jpeg(first, dive.spec.jpeg_quality))
-        if second is not None:
-            bottom.append(_jpeg(second, dive.spec.jpeg_quality))
-    return top, bottom
+def _jpegs(dive: Dive) -> Iterator[bytes]:
+    """Yield the images of all cameras, frame by frame."""
+    for frame in photographs(dive):
+        for image in frame:
+            if image is not None:
+                yield _jpeg(image, dive.spec.jpeg_quality)
 
 
 def _jpeg(image: NDArray[np.uint8], quality: int) -> bytes:

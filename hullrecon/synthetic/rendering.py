@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.as_built import AsBuilt
+from hullrecon.synthetic.plate_atlas import PlateAtlas
 from hullrecon.synthetic.rays import Rays
 from hullrecon.synthetic.sheet import Sheet
 from hullrecon.synthetic.texture import Atlas
@@ -30,7 +31,7 @@ class Scene:
     built: AsBuilt
     hull: Rays
     sheet: Sheet
-    atlas: Atlas
+    atlas: Atlas | PlateAtlas
     absorption: float
 
 
@@ -58,7 +59,8 @@ def photograph(scene: Scene, view: Lens, T_M_c: Poses, lamp: Array, random: np.r
     corner = scene.built.mesh.faces[hits.face]
     chart = np.einsum("nk,nkd->nd", hits.weight, scene.built.chart[corner])
     normal = np.einsum("nk,nkd->nd", hits.weight, scene.built.normal[corner])
-    albedo = scene.atlas.look_up(chart[:, 0].reshape(shape), chart[:, 1].reshape(shape)).reshape(-1, 3)
+    along_m, girth_m, seen = chart[:, 0].reshape(shape), chart[:, 1].reshape(shape), hits.hit.reshape(shape)
+    albedo = scene.atlas.look_up(along_m, girth_m, seen).reshape(-1, 3)
     point = direction * range_m[:, None]
     light, lamp_way = _lamp(scene, hits.hit, point, normal, chart, T_M_c.translation[0], lamp)
     water = np.exp(-scene.absorption * ABSORPTION * (range_m + lamp_way)[:, None])

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,25 +52,30 @@ def cut_sheet(
     constant girth keep their depth near bow and stern), grows up to the height `top_z_m`, and falls over `down_m`, past the
     keel if need be. Raises InputError where the drawing has no skin there."""
     along = np.arange(np.floor(span_m[0] / step_m), np.ceil(span_m[1] / step_m) + 1) * step_m
-    sections = [_zeroed(arc, line, zero_z_m) for arc, line in _sections(drawing, along)]
-    high = min(_arc_at(arc, line, top_z_m) for arc, line in sections)
-    low = max(-down_m, *(float(arc[0]) for arc, _ in sections))
+    caster = Rays(drawing)
+    low, high = -down_m, np.inf
+    for arc, line in _sections(caster, drawing, along, zero_z_m):
+        low, high = max(low, float(arc[0])), min(high, _arc_at(arc, line, top_z_m))
     girth = np.arange(np.ceil(low / step_m), np.floor(high / step_m) + 1) * step_m
     if len(girth) < 10:
         raise InputError("the hull has too little skin where the dive is", remedy="move `along_m`, or dive deeper with `top_m`")
-    point = np.stack([np.stack([np.interp(girth, arc, line[:, k]) for k in range(3)], -1) for arc, line in sections])
+    point = np.empty((len(along), len(girth), 3))
+    for row, (arc, line) in zip(point, _sections(caster, drawing, along, zero_z_m), strict=True):  # cut again: all at
+        row[:] = np.stack([np.interp(girth, arc, line[:, k]) for k in range(3)], -1)  # once they would fill the memory
     return Sheet(along, girth, point, _normals(point))
 
 
-def _sections(drawing: Mesh, along: Array, rays: int = 3000) -> list[tuple[Array, Array]]:
-    """Each section as (arc length from the point under the spine, points): rays from far outside towards a spine within."""
-    caster = Rays(drawing)
+def _sections(caster: Rays, drawing: Mesh, along: Array, zero_z_m: float, rays: int = 3000) -> Iterator[tuple[Array, Array]]:
+    """Yield each section as (arc length from where the port side passes that height, points): rays from far outside towards
+    a spine within."""
     high = drawing.vertices[:, 2].max()
     spine = np.array([0.0, 1e-3 * high, 0.55 * high])
     angle = np.linspace(-1.25, 2.5, rays)
     out = np.stack([np.zeros(rays), np.sin(angle), -np.cos(angle)], 1)
     far = 2.0 * float(np.abs(drawing.vertices[:, 1:]).max())
-    return [_section(caster, spine + np.array([x, 0.0, 0.0]), out, far, angle) for x in along]
+    for x in along:
+        arc, line = _section(caster, spine + np.array([x, 0.0, 0.0]), out, far, angle)
+        yield arc - _arc_at(arc, line, zero_z_m), line
 
 
 def _section(caster: Rays, spine: Array, out: Array, far: float, angle: Array) -> tuple[Array, Array]:
@@ -84,10 +90,6 @@ def _section(caster: Rays, spine: Array, out: Array, far: float, angle: Array) -
     first, last = int(np.max(gap[gap < middle], initial=-1)) + 1, int(np.min(gap[gap >= middle], initial=len(jump)))
     arc = np.concatenate([[0.0], np.cumsum(jump[first:last])])
     return arc - arc[middle - first], line[first : last + 1]
-
-
-def _zeroed(arc: Array, line: Array, z_m: float) -> tuple[Array, Array]:
-    return arc - _arc_at(arc, line, z_m), line
 
 
 def _arc_at(arc: Array, line: Array, z_m: float) -> float:

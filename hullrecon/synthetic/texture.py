@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,24 +22,30 @@ SLIME = np.array([0.20, 0.23, 0.17], np.float32)
 ALGAE = np.array([0.30, 0.46, 0.20], np.float32)
 PALE = np.array([0.62, 0.64, 0.56], np.float32)
 PLATE_M, SEAM_M = (2.4, 1.3), 0.011
+ITEM_TONES = (70.0, 150.0)  # grey of a structure
+PAINTS = {"digits": (205, 205, 195), "stripe": (200, 190, 70), "ring": (205, 205, 195), "barnacles": (185, 180, 160)}
 
 
 @dataclass(frozen=True)
 class Atlas:
-    """image (rows along girth, columns along the hull, 3) albedo x 255, RGB; its first texel's centre lies at origin_m."""
+    """Hold the albedo of a window of the chart as one image.
+
+    image: (rows along girth, columns along the hull, 3) albedo x 255, RGB; its first texel's centre lies at origin_m."""
 
     image: Image
     origin_m: tuple[float, float]
     texel_m: float
 
-    def look_up(self, along_m: Floats, girth_m: Floats) -> Floats:
-        """Albedo (h, w, 3) at chart coordinates (h, w), bilinear."""
+    def look_up(self, along_m: Floats, girth_m: Floats, seen: NDArray[np.bool_]) -> Floats:
+        """Return the albedo (h, w, 3) at chart coordinates (h, w), bilinear, where `seen` (h, w); anything elsewhere."""
         import cv2
 
         x = (along_m - np.float32(self.origin_m[0])) / np.float32(self.texel_m)
         y = (girth_m - np.float32(self.origin_m[1])) / np.float32(self.texel_m)
-        left, right = _window(x, self.image.shape[1])
-        top, bottom = _window(y, self.image.shape[0])
+        if not seen.any():
+            return np.zeros((*seen.shape, 3), np.float32)
+        left, right = _window(x[seen], self.image.shape[1])
+        top, bottom = _window(y[seen], self.image.shape[0])
         part = np.ascontiguousarray(self.image[top:bottom, left:right])
         out = cv2.remap(part, x - np.float32(left), y - np.float32(top), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
         return np.asarray(out, np.float32) / np.float32(255)
@@ -47,19 +54,34 @@ class Atlas:
 def paint_atlas(
     spec: DiveSpec, items: tuple[Item, ...], along_m: tuple[float, float], girth_m: tuple[float, float], texel_m: float
 ) -> Atlas:
-    """The texture of that window of the chart."""
+    """Return the texture of that window of the chart, painted as a whole."""
     random = spec.random("texture")
+    atlas = paint_steel(random, along_m, girth_m, texel_m)
+    paint_items(atlas, items, random.uniform(*ITEM_TONES, len(items)))
+    return atlas
+
+
+def paint_steel(
+    random: np.random.Generator, along_m: tuple[float, float], girth_m: tuple[float, float], texel_m: float
+) -> Atlas:
+    """Return the texture of that window of the chart without items."""
     shape = (int((girth_m[1] - girth_m[0]) / texel_m), int((along_m[1] - along_m[0]) / texel_m))
     origin = (along_m[0], girth_m[0])
-    colour = _fouling(random, shape, texel_m)
-    _plates(random, colour, origin, texel_m)
-    image = np.clip(255 * colour, 0, 255).astype(np.uint8)
+    fouling = _fouling(random, shape, texel_m)
+    plates = _plates(random, shape, origin, texel_m)
+    image = np.empty((*shape, 3), np.uint8)
+    for k in range(0, shape[0], 256):  # in strips: three colours in float32 of the whole window would not fit into memory
+        strip = slice(k, k + 256)
+        image[strip] = np.clip(255 * (_colour(fouling, strip) * plates(strip)[..., None]), 0, 255).astype(np.uint8)
     _specks(random, image, texel_m)
     _scratches(random, image, texel_m)
-    atlas = Atlas(image, origin, texel_m)
-    for item in items:
-        _mark(atlas, item, random)
-    return atlas
+    return Atlas(image, origin, texel_m)
+
+
+def paint_items(atlas: Atlas, items: tuple[Item, ...], tones: NDArray[np.float64]) -> None:
+    """Paint the items that lie in the atlas: marks white or yellow, structures in their tone, the barnacles' patch pale."""
+    for item, tone in zip(items, tones.tolist(), strict=True):
+        _mark(atlas, item, tone)
 
 
 def value_noise(random: np.random.Generator, shape: tuple[int, int], cell_px: float) -> Floats:
@@ -84,35 +106,64 @@ def _octaves(
     return total
 
 
-def _fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: float) -> Floats:
-    """Paint under slime, algae in patches, pale spots where something fell off."""
+@dataclass(frozen=True)
+class _Fouling:
+    """Say what covers the steel. paint (rows, columns): share of bare paint; patches: tone and share (rows, columns) of algae
+    and of pale spots."""
+
+    paint: Floats
+    patches: tuple[tuple[Floats, Floats], ...]
+
+
+def _fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: float) -> _Fouling:
+    """Return where the paint shows through the slime, and where algae grow or something fell off."""
     fine = _octaves(random, shape, [0.30, 0.12, 0.055, 0.026, 0.013, 0.0065], [0.45, 0.5, 0.6, 0.65, 0.5, 0.35], texel_m)
-    share = _soft(1.6 * fine)
-    out = PAINT * share[..., None] + SLIME * (1 - share[..., None])
+    fine *= np.float32(1.6)
+    patches = []
     for tone, cells, gains, level in (
         (ALGAE, [0.6, 0.2, 0.07, 0.02], [1.0, 0.6, 0.4, 0.35], 0.55),
         (PALE, [0.4, 0.1, 0.03, 0.011], [0.9, 0.6, 0.5, 0.4], 0.8),
     ):
-        patch = _soft(5 * (_octaves(random, shape, cells, gains, texel_m) - level))[..., None]
-        out = out * (1 - 0.75 * patch) + 0.75 * tone * patch
+        patch = _octaves(random, shape, cells, gains, texel_m)
+        patch -= np.float32(level)
+        patch *= np.float32(5)
+        patches.append((tone, _soften(patch)))
+    return _Fouling(_soften(fine), tuple(patches))
+
+
+def _soften(x: Floats) -> Floats:
+    """Return 0.5 + 0.5 tanh x, in the place of x."""
+    np.tanh(x, out=x)
+    x *= np.float32(0.5)
+    x += np.float32(0.5)
+    return x
+
+
+def _colour(fouling: _Fouling, rows: slice) -> Floats:
+    """Return the albedo (rows, columns, 3) of some rows: paint under slime, algae in patches, pale spots."""
+    share = fouling.paint[rows, :, None]
+    out = PAINT * share + SLIME * (1 - share)
+    for tone, patch in fouling.patches:
+        part = patch[rows, :, None]
+        out = out * (1 - 0.75 * part) + 0.75 * tone * part
     return np.asarray(out, np.float32)
 
 
-def _soft(x: Floats) -> Floats:
-    return np.asarray(0.5 + 0.5 * np.tanh(x), np.float32)
-
-
-def _plates(random: np.random.Generator, colour: Floats, origin_m: tuple[float, float], texel_m: float) -> None:
-    """A tone of its own for each plate, and the weld between."""
-    rows, columns = colour.shape[:2]
-    g = origin_m[1] + texel_m * np.arange(rows)
-    a = origin_m[0] + texel_m * np.arange(columns)
+def _plates(
+    random: np.random.Generator, shape: tuple[int, int], origin_m: tuple[float, float], texel_m: float
+) -> Callable[[slice], Floats]:
+    """Return the brightness (rows, columns) of some rows: a tone of its own for each plate, and the weld between."""
+    g = origin_m[1] + texel_m * np.arange(shape[0])
+    a = origin_m[0] + texel_m * np.arange(shape[1])
     row, column = np.floor(g / PLATE_M[1]).astype(int), np.floor(a / PLATE_M[0]).astype(int)
     tone = random.uniform(0.85, 1.12, (np.ptp(row) + 1, np.ptp(column) + 1)).astype(np.float32)
-    seam = np.minimum(_seam(random, g, PLATE_M[1])[:, None], _seam(random, a, PLATE_M[0])[None, :])
-    for k in range(0, rows, 512):  # in strips: the tones of a long hull need not stand in memory at once
-        strip = slice(k, k + 512)
-        colour[strip] *= (tone[np.ix_(row[strip] - row.min(), column - column.min())] * seam[strip])[..., None]
+    across, along = _seam(random, g, PLATE_M[1]), _seam(random, a, PLATE_M[0])
+
+    def brightness(rows: slice) -> Floats:
+        seam = np.minimum(across[rows, None], along)
+        return np.asarray(tone[np.ix_(row[rows] - row.min(), column - column.min())] * seam, np.float32)
+
+    return brightness
 
 
 def _seam(random: np.random.Generator, x: NDArray[np.floating], every_m: float) -> Floats:
@@ -147,15 +198,13 @@ def _scratches(random: np.random.Generator, image: Image, texel_m: float) -> Non
         cv2.polylines(image, [line], False, (tone, tone, 0.9 * tone), 1, cv2.LINE_AA, 4)
 
 
-def _mark(atlas: Atlas, item: Item, random: np.random.Generator) -> None:
-    """Marks in white or yellow paint; structures in the tones around them, the barnacles' patch pale."""
+def _mark(atlas: Atlas, item: Item, tone: float) -> None:
     row, column, mask = _stamp(atlas, item)
     if mask.size == 0:
         return
     part = atlas.image[row : row + mask.shape[0], column : column + mask.shape[1]]
-    tone = {"digits": (205, 205, 195), "stripe": (200, 190, 70), "ring": (205, 205, 195), "barnacles": (185, 180, 160)}
+    paint = np.array(PAINTS.get(item.kind, (tone,) * 3))
     strength = 0.85 if item.kind in ("digits", "stripe", "ring") else 0.2
-    paint = np.array(tone.get(item.kind, (random.uniform(70, 150),) * 3))
     weight = (strength * mask)[..., None]
     part[...] = np.clip(part * (1 - weight) + paint * weight, 0, 255).astype(np.uint8)
 

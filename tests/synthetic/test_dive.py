@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from hullrecon.synthetic.dive import Dive, photographs, pings, simulate_dive
-from hullrecon.synthetic.recorder import START_NS, in_order, record, stamp_ns
+from hullrecon.synthetic.recorder import START_NS, InTurn, in_order, record, stamp_ns
 from hullrecon.synthetic.rig import rig_of
 from hullrecon.synthetic.spec import DiveSpec
 
@@ -74,3 +75,27 @@ def test_a_dive_on_another_hull_follows_its_waterline() -> None:
     depth = dive.motion.position[:, 2]
     first = dive.motion.t_s < 9
     assert np.ptp(depth[first]) < 0.35
+
+
+def test_images_are_made_when_they_are_asked_for_and_not_before(dive: Dive) -> None:
+    made = []
+
+    def track(items: Iterator[bytes], label: str, total: int) -> Iterator[bytes]:
+        for item in items:
+            made.append(label)
+            yield item
+
+    streams = record(dive, track)
+    assert made == []
+    top, bottom = streams.frames[1]
+    assert len(made) == 4
+    assert top.startswith(b"\xff\xd8")
+    assert streams.frames[1] == (top, bottom)
+    assert len(made) == 4
+
+
+def test_items_in_turn_may_repeat_but_not_go_back() -> None:
+    items = InTurn(iter("abc"))
+    assert [items[k] for k in (0, 0, 2, 2)] == ["a", "a", "c", "c"]
+    with pytest.raises(IndexError, match="item 1 is gone"):
+        items[1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import pytest
 from hullrecon.dive.config import DiveConfig
 from hullrecon.errors import StorageError
 from hullrecon.geometry.poses import from_mount
+from hullrecon.synthetic import package as package_module
 from hullrecon.synthetic.dive import Dive, simulate_dive
 from hullrecon.synthetic.package import camera_info, dive_toml, guess_of, write_package
 from hullrecon.synthetic.rig import CAMERA_MOUNT
@@ -112,3 +114,43 @@ def test_a_file_in_the_way_is_named(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("")
     with pytest.raises(StorageError, match="taken"):
         write_package(tmp_path / "taken" / "dive", DiveSpec())
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, StorageError("the disk is full"), OSError(28, "No space left on device")])
+def test_a_simulation_that_fails_or_is_interrupted_leaves_nothing_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException
+) -> None:
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(package_module, "write_truth", fail)
+    spec = DiveSpec(legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", sonar=False)
+    with pytest.raises((KeyboardInterrupt, StorageError)):
+        write_package(tmp_path / "dive", spec)
+    assert list(tmp_path.iterdir()) == []
+    monkeypatch.undo()
+    write_package(tmp_path / "dive", spec)
+    assert [p.name for p in tmp_path.iterdir()] == ["dive"]
+
+
+def test_an_empty_folder_is_filled(tmp_path: Path) -> None:
+    (tmp_path / "dive").mkdir()
+    spec = DiveSpec(legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", sonar=False)
+    write_package(tmp_path / "dive", spec)
+    assert (tmp_path / "dive" / "dive.toml").exists()
+
+
+def test_progress_counts_every_image_while_it_is_written(tmp_path: Path) -> None:
+    seen: list[tuple[str, int, int]] = []
+
+    def track(items: Iterator[bytes], label: str, total: int) -> Iterator[bytes]:
+        for k, item in enumerate(items):
+            seen.append((label, k + 1, total))
+            yield item
+
+    spec = DiveSpec(
+        legs=1, leg_length_m=0.7, structures=0, marks=0, barnacles=0, image_width=160, image_height=128, views=1.0, sonar=False
+    )
+    dive = write_package(tmp_path / "dive", spec, track)
+    images = 2 * len(dive.frame_s)
+    assert seen == [("images written", k + 1, images) for k in range(images)]

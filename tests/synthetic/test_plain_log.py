@@ -11,25 +11,29 @@ import pytest
 from hullrecon.synthetic import sonar
 from hullrecon.synthetic.instruments import Dvl, Imu, Series
 from hullrecon.synthetic.plain_log import write_plain
-from hullrecon.synthetic.recorder import START_NS, Streams
+from hullrecon.synthetic.recorder import START_NS, InTurn, Streams
 
 
-@pytest.fixture
-def streams() -> Streams:
+def made() -> Streams:
     """Two readings of each sensor; the second beam of the first ping is lost."""
     t = np.array([0.25, 0.450000001])
     ranges = np.array([[1.1, np.nan, 1.3, 1.4], [1.5, 1.6, 1.7, 1.8]])
     return Streams(
-        Dvl(t, np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]), ranges),
-        Imu(t, np.tile([0.0, 0, 0, 1], (2, 1)), np.zeros((2, 3)), np.tile([0.0, 0, -9.81], (2, 1))),
-        Series(t, np.array([120000.0, 120001.5])),
-        Series(t, np.array([[0.1, -0.6], [0.2, -0.5]])),
-        t,
-        [b"first", b"second"],
-        [],
-        t[:1],
-        np.full((1, 96, 256), 7, np.uint8),
+        dvl=Dvl(t, np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]), ranges),
+        imu=Imu(t, np.tile([0.0, 0, 0, 1], (2, 1)), np.zeros((2, 3)), np.tile([0.0, 0, -9.81], (2, 1))),
+        pressure=Series(t, np.array([120000.0, 120001.5])),
+        joints=Series(t, np.array([[0.1, -0.6], [0.2, -0.5]])),
+        cameras=("camera_top",),
+        frame_s=t,
+        frames=InTurn(iter([(b"first",), (b"second",)])),
+        ping_s=t[:1],
+        pings=InTurn(iter([np.full((96, 256), 7, np.uint8)])),
     )
+
+
+@pytest.fixture
+def streams() -> Streams:
+    return made()
 
 
 def rows(path: Path) -> list[dict[str, str]]:
@@ -82,10 +86,10 @@ def test_the_imu_has_the_columns_of_the_format(streams: Streams, tmp_path: Path)
     assert list(rows(tmp_path / "imu.csv")[0]) == ["t", "qx", "qy", "qz", "qw", "wx", "wy", "wz", "ax", "ay", "az"]
 
 
-def test_same_streams_same_bytes(streams: Streams, tmp_path: Path) -> None:
+def test_same_streams_same_bytes(tmp_path: Path) -> None:
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
-        write_plain(tmp_path / name, streams)
+        write_plain(tmp_path / name, made())
     files = sorted(p.relative_to(tmp_path / "one") for p in (tmp_path / "one").rglob("*") if p.is_file())
     assert len(files) == 9
     assert all((tmp_path / "one" / f).read_bytes() == (tmp_path / "two" / f).read_bytes() for f in files)

@@ -32,12 +32,12 @@ def test_looking_up_a_texel_gives_its_colour() -> None:
     a = (10.0 + 0.002 * column).astype(np.float32)
     g = (4.0 + 0.002 * row).astype(np.float32)
     expected = made.image[row, column] / 255
-    np.testing.assert_allclose(made.look_up(a, g), expected, atol=0.02)
+    np.testing.assert_allclose(made.look_up(a, g, np.ones((1, 2), bool)), expected, atol=0.02)
 
 
 def test_looking_up_between_texels_is_linear() -> None:
     made = Atlas(np.tile(np.arange(0, 200, 10, np.uint8)[:, None, None], (1, 20, 3)), (0.0, 0.0), 0.1)
-    value = made.look_up(np.full((1, 1), 0.55, np.float32), np.full((1, 1), 0.75, np.float32))
+    value = made.look_up(np.full((1, 1), 0.55, np.float32), np.full((1, 1), 0.75, np.float32), np.ones((1, 1), bool))
     np.testing.assert_allclose(value[0, 0] * 255, 75, atol=1)
 
 
@@ -87,3 +87,11 @@ def test_digits_read_from_outside_on_the_port_side() -> None:
 
 def test_an_item_outside_the_window_changes_nothing() -> None:
     np.testing.assert_array_equal(atlas((Item("ring", 30.0, 4.5, 0.0, (0.3, 0.3)),)).image, atlas().image)
+
+
+def test_what_is_not_seen_does_not_widen_the_look_up() -> None:
+    """A ray that misses the hull has no chart coordinates; OpenCV takes no image wider than 32,767 pixels."""
+    wide = Atlas(np.full((8, 40_000, 3), 51, np.uint8), (0.0, 0.0), 0.001)
+    along = np.array([[39.9, 0.0]], np.float32)
+    value = wide.look_up(along, np.full((1, 2), 0.004, np.float32), np.array([[True, False]]))
+    np.testing.assert_allclose(value[0, 0], 0.2)
