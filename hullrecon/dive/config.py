@@ -30,7 +30,7 @@ class Section(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
 
 
 class Dive(Section, frozen=True):
-    name: Annotated[str, Meta(pattern=r"^[A-Za-z0-9._-]+$")]
+    name: Annotated[str, Meta(pattern=r"^[A-Za-z0-9_][A-Za-z0-9._-]*\Z", max_length=100)]  # also that of the run's folder
     vessel: str = ""
     date: datetime | None = None
 

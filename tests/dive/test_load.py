@@ -130,3 +130,9 @@ def test_a_file_that_is_not_toml_is_a_usage_error(tmp_path, content):
     (tmp_path / "dive.toml").write_bytes(content)
     with pytest.raises(UsageError, match=r"TOML|UTF-8"):
         load_config(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["..", ".", "a/b", "-x", "", "x\\n", "x" * 101, "$(shell)"])
+def test_a_name_that_is_no_plain_folder_is_refused(package, name):
+    with pytest.raises(UsageError, match=r"dive\.name"):
+        load_config(package, {}, [f'dive.name="{name}"'])

@@ -56,6 +56,26 @@ def _open_folder(path: Path, package: Path | None) -> Log:
     raise InputError(f"the folder {path.name} holds no log that is read here", where=str(path.parent), remedy=f"give {FORMS}")
 
 
+def find_logs(path: Path) -> list[Path]:
+    """Return the log that a path is, or those that lie in a folder or in its folder `logs`. InputError when there is none."""
+    if not path.is_dir() or _holds_log(path):
+        return [path]
+    for folder in (path, path / "logs"):
+        if folder.is_dir() and _holds_log(folder):
+            return [folder]
+        inside = sorted(folder.iterdir()) if folder.is_dir() else []
+        found = [p for p in inside if p.suffix.lower() in BY_SUFFIX or (p.is_dir() and p.name != "logs" and _holds_log(p))]
+        if found:
+            return found
+    raise InputError(f"the folder {path.name} holds no log that is read here", where=str(path), remedy=f"give {FORMS}")
+
+
+def _holds_log(folder: Path) -> bool:
+    """Whether a folder is itself a log: of CSVs, or with the metadata of ROS 2."""
+    names = {p.name for p in folder.iterdir()}
+    return METADATA in names or any(f"{sensor}.csv" in names for sensor in COLUMNS)
+
+
 def _start(path: Path) -> bytes:
     with path.open("rb") as stream:
         return stream.read(64)
