@@ -36,7 +36,7 @@ class Dive(Section, frozen=True):
 
 
 class Logs(Section, frozen=True):
-    files: tuple[str, ...]  # relative to dive.toml
+    files: Annotated[tuple[str, ...], Meta(min_length=1)]  # relative to dive.toml
 
 
 class Topics(Section, frozen=True):

@@ -30,9 +30,9 @@ def open_log(path: Path, package: Path | None = None) -> Log:
     package: the folder that paths in plain files may be relative to.
     """
     where = str(path.parent)
-    if path.is_dir():
-        return _open_folder(path, package)
     try:
+        if path.is_dir():
+            return _open_folder(path, package)
         start = _start(path)
     except FileNotFoundError:
         raise InputError(f"the log {path.name} is missing{_beside(path)}", where=where, remedy="correct logs.files") from None
