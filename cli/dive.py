@@ -17,27 +17,34 @@ from .state import state_of
 
 @click.command()
 @click.argument("log", type=FOLDER)
-@click.option("--out", type=FOLDER, help="the package's folder  [default: that of the log]")
+@click.option("--out", type=FOLDER, help="the package's folder  [default: LOG where it is a folder, else the current one]")
 @click.option("--force", is_flag=True, help=f"replace a {CONFIGURATION} that is there")
 def init(log: Path, out: Path | None, force: bool) -> None:
-    """Write a commented dive.toml by looking into LOG."""
+    """Write a commented dive.toml by looking into LOG, a file or a folder with one."""
     from hullrecon.artifacts.storage.disk import storage_errors, write_file
-    from hullrecon.dive.initial import first_config
-    from hullrecon.dive.readers.open import open_log
-    from hullrecon.dive.survey import survey
+    from hullrecon.dive.dvl_beams import ask_for_beams
+    from hullrecon.dive.initial import beams_to_ask_for, first_config
+    from hullrecon.dive.load import load_config
+    from hullrecon.dive.readers.open import find_logs, open_log
+    from hullrecon.dive.survey import guess_topics, survey_all
+    from hullrecon.dive.unknowns import to_fill_in
 
-    found = survey(open_log(log))
+    logs = find_logs(log)
+    found = survey_all([open_log(path) for path in logs])
     if not found.topics:
         raise InputError("nothing could be read of the log", where=str(log))
-    folder = out or (log.parent.parent if log.parent.name == "logs" else log.parent)
+    folder = out or (log if log.is_dir() else Path())
     path = folder / CONFIGURATION
     if path.exists() and not force:
         raise UsageError(f"{CONFIGURATION} is there already", where=str(folder), remedy="--force replaces it")
     with storage_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    write_file(path, first_config(found, log, folder).encode())
-    lines = [*found.lines(), f"wrote {path}", f"next: read it through, then `hullrecon check {folder}`"]
-    state_of().emit({**found.document(), "wrote": str(path)}, lines)
+    write_file(path, first_config(found, logs, folder).encode())
+    unknown = to_fill_in(load_config(folder), guess_topics(found.topics).keys())
+    beams = beams_to_ask_for(found)
+    unknown += [f"to fill in: {ask_for_beams(beams).line()}"] if beams else []
+    lines = [*found.lines(), f"wrote {path}", *unknown, f"next: read it through, then `hullrecon check {folder}`"]
+    state_of().emit({**found.document(), "wrote": str(path), "to_fill_in": unknown}, lines)
 
 
 @click.command()

@@ -41,6 +41,8 @@ def read_yaml(path: Path) -> Mapping[str, Any]:
         raise InputError(f"{path.name} is missing", where=str(path.parent), remedy="correct the path in dive.toml") from None
     except OSError as error:
         raise InputError(f"{path.name} cannot be read: {error.strerror}", where=str(path.parent)) from None
+    except RecursionError:
+        raise InputError(f"{path.name} is not YAML: nested too deeply", where=str(path.parent)) from None
     except (YAMLError, UnicodeDecodeError, ValueError) as error:
         raise InputError(f"{path.name} is not YAML: {str(error).splitlines()[0]}", where=str(path.parent)) from None
     if not isinstance(data, Mapping):

@@ -14,9 +14,11 @@ import msgspec
 from hullrecon.dive.gather import Watch
 from hullrecon.dive.ingest import Ingested, Request, ingest
 from hullrecon.dive.load import LoadedConfig
+from hullrecon.dive.messages.samples import TYPES
 from hullrecon.dive.survey import missing
 from hullrecon.dive.suspicions import first_difference, suspicions
 from hullrecon.dive.timeline import rate_hz
+from hullrecon.dive.unknowns import to_fill_in
 
 
 class _Nowhere(BytesIO):
@@ -38,6 +40,7 @@ class Check:
     vessel: str
     found: Ingested
     missing: list[str]
+    to_fill_in: list[str]
     suspicious: list[str]
     defaults: dict[str, Any]
 
@@ -48,6 +51,7 @@ class Check:
             f"{self.name}: {self.vessel}" if self.vessel else self.name,
             *told["spans"], *first_difference(self.found.records, self.found.images), *told["hull"],
             *(f"lost: {line}" for line in told["lost"]), *(f"note: {line}" for line in told["remarks"]), *self.missing,
+            *self.to_fill_in,
             *(f"suspicious: {line}" for line in self.suspicious), f"defaults used: {defaults}",
         ]  # fmt: skip
 
@@ -64,6 +68,7 @@ class Check:
         }
         return {
             "name": self.name, "vessel": self.vessel, "streams": streams, **self.found.findings(), "missing": self.missing,
+            "to_fill_in": self.to_fill_in,
             "suspicious": self.suspicious, "topics": self.found.counts,
             "offset": first_difference(self.found.records, self.found.images), "defaults": self.defaults,
         }  # fmt: skip
@@ -74,11 +79,14 @@ def check_package(loaded: LoadedConfig, request: Request, watch: Watch = iter) -
     found = ingest(loaded.package, request, _nowhere, watch)
     held = {name: record for name, record in {**found.records, **found.images}.items() if record is not None}
     present = {"joints" if name == "tray" else name for name, record in held.items() if len(record.t_ns)}
+    named = {sensor for sensor, topic in request.topics.items() if topic in found.counts}
+    logged = named | (TYPES.keys() & found.counts.keys())
     return Check(
         loaded.config.dive.name,
         loaded.config.dive.vessel,
         found,
         missing(present, hull=found.hull is not None),
+        to_fill_in(loaded, logged),
         suspicions(loaded.config, found.records, found.images),
         defaults_of(loaded),
     )

@@ -30,13 +30,13 @@ class Section(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
 
 
 class Dive(Section, frozen=True):
-    name: Annotated[str, Meta(pattern=r"^[A-Za-z0-9._-]+$")]
+    name: Annotated[str, Meta(pattern=r"^[A-Za-z0-9_][A-Za-z0-9._-]*\Z", max_length=100)]  # also that of the run's folder
     vessel: str = ""
     date: datetime | None = None
 
 
 class Logs(Section, frozen=True):
-    files: tuple[str, ...]  # relative to dive.toml
+    files: Annotated[tuple[str, ...], Meta(min_length=1)]  # relative to dive.toml
 
 
 class Topics(Section, frozen=True):

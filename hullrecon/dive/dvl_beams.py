@@ -50,7 +50,12 @@ def choose_beams(samples: Sequence[DvlSample], configured: Array | None, width: 
     if described and described[0].beams is not None:
         remarks.append(f"dvl: the messages have no beam directions; those of a {described[0].instrument} were used")
         return unit(described[0].beams)
-    raise InputError(f"nothing says where the DVL's {width} beams point", where="dvl.beams", remedy=ADVICE)
+    raise ask_for_beams(width)
+
+
+def ask_for_beams(count: int) -> InputError:
+    """Return the error that asks where so many beams point."""
+    return InputError(f"nothing says where the DVL's {count} beams point", where="dvl.beams", remedy=ADVICE)
 
 
 def _logged_beams(logged: Sequence[Array], configured: Array | None, remarks: list[str]) -> Array:

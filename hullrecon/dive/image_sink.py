@@ -48,6 +48,9 @@ class ImageSink:
         if not self._rows:
             return None
         self._check_size()
+        if not any(row[-1] for row in self._rows):
+            many = f"none of the {len(self._rows)} images" if len(self._rows) > 1 else "the only image"
+            raise InputError(f"{many} of {self._camera} can be read", remedy="see that the files are there and whole")
         stamp, logged, file, offset, size, usable = (list(column) for column in zip(*self._rows, strict=True))
         line = put_in_order(self._camera, stamp, logged)
         remarks += line.remarks + self._bad(usable)

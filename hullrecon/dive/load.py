@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import posixpath
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ import msgspec
 from msgspec import Struct
 
 from hullrecon.dive.complaints import in_words, refuse_not_finite
-from hullrecon.dive.config import DiveConfig, Dvl
+from hullrecon.dive.config import DiveConfig, Dvl, Topics
 from hullrecon.errors import InputError, UsageError
 
 FILE = "dive.toml"
@@ -78,6 +79,10 @@ def _read(package: Path) -> dict[str, Any]:
         raise UsageError(f"{FILE} is not valid TOML: {error}", where=str(path)) from None
     except UnicodeDecodeError as error:
         raise UsageError(f"{FILE} is not UTF-8: byte {error.start}", where=str(path)) from None
+    except RecursionError:
+        raise UsageError(f"{FILE} is not valid TOML: its values are nested too deeply", where=str(path)) from None
+    except ValueError as error:  # Python reads no number of more than some thousand digits
+        raise UsageError(f"{FILE} is not valid TOML: {str(error).partition(';')[0]}", where=str(path)) from None
 
 
 def _apply(raw: dict[str, Any], text: str) -> None:
@@ -88,7 +93,7 @@ def _apply(raw: dict[str, Any], text: str) -> None:
         raise UsageError(f"--set {text} is not of the form section.key=value")
     try:
         decoded = tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         decoded = value.strip()
     tables = raw
     for part in parts[:-1]:
@@ -117,10 +122,26 @@ def _check_whole(config: DiveConfig) -> None:
     """What no single field can say."""
     if config.camera.bottom is not None and config.camera.top is None:
         raise UsageError("[camera.bottom] without [camera.top]", where=FILE, remedy="a mono rig has camera.top only")
+    files = [posixpath.normpath(name) for name in config.logs.files]
+    twice = [name for name in files if files.count(name) > 1]
+    if twice:
+        raise UsageError(f"logs.files names {twice[0]} twice", where=FILE, remedy="name each log once")
+    _check_topics(config.topics)
     lengths = [reduce(lambda s, x: s + x * x, beam, 0.0) ** 0.5 for beam in config.dvl.beams or ()]
     if any(abs(length - 1) > 0.02 for length in lengths):
         raise UsageError("dvl.beams are not unit vectors", where=FILE, remedy="give each beam as x, y, z of length 1")
     _check_tilt(config.dvl)
+
+
+def _check_topics(topics: Topics) -> None:
+    """One topic is one sensor's."""
+    sensor_of: dict[str, str] = {}
+    for sensor in topics.__struct_fields__:
+        topic = getattr(topics, sensor)
+        if topic is not None and topic in sensor_of:
+            what = f"topics.{sensor} and topics.{sensor_of[topic]} are both {topic}"
+            raise UsageError(what, where=FILE, remedy="give each sensor its own topic")
+        sensor_of[topic] = sensor
 
 
 def _check_tilt(dvl: Dvl) -> None:

@@ -93,6 +93,23 @@ def survey(log: Log) -> Survey:
     return Survey(log.kind, topics, words.losses([(log.path.name, loss) for loss in log.losses()]), list(log.remarks))
 
 
+def survey_all(logs: Sequence[Log]) -> Survey:
+    """Return what several logs of one dive hold together."""
+    parts = [survey(log) for log in logs]
+    notes: dict[Channel, TopicNote] = {}
+    for note in (note for part in parts for note in part.topics):
+        kept = notes.setdefault(note.channel, note)
+        if kept is not note:
+            kept.count += note.count
+            kept.start_ns, kept.end_ns = min(kept.start_ns, note.start_ns), max(kept.end_ns, note.end_ns)
+    return Survey(
+        " and ".join(dict.fromkeys(part.kind for part in parts)),
+        sorted(notes.values(), key=lambda n: n.channel.topic),
+        [line for part in parts for line in part.lost],
+        [line for part in parts for line in part.remarks],
+    )
+
+
 def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
     """Topic by sensor: those whose type fits, by name where several do; for a DVL, whose types are common ones, by both."""
     found: dict[str, str] = {}

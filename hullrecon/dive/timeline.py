@@ -10,11 +10,14 @@ from datetime import UTC, datetime
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hullrecon.errors import InputError
+
 Ints = NDArray[np.int64]
 NS = 1_000_000_000
 JUMP_S = 1.0  # a clock that moves that much against the logger's has jumped; logging delays stay below
 GAP_PERIODS = 5.0  # and at least GAP_S: a silence that is named
 GAP_S = 1.0
+FEW = 2  # readings with one stamp are duplicates; more, and no other, are a clock that stands still
 
 
 @dataclass(frozen=True)
@@ -26,8 +29,14 @@ class Timeline:
 
 
 def put_in_order(name: str, stamp_ns: ArrayLike, logged_ns: ArrayLike) -> Timeline:
-    """Rows by time; of rows with one stamp the first stays. stamp_ns, logged_ns (n,) in the order of the log."""
+    """Return rows by time; of rows with one stamp the first stays. stamp_ns, logged_ns (n,) in the order of the log. InputError
+    for a clock that stands still."""
     stamp, logged = np.asarray(stamp_ns, np.int64), np.asarray(logged_ns, np.int64)
+    if len(stamp) > FEW and (stamp == stamp[0]).all():
+        raise InputError(
+            f"{name}: all {len(stamp)} stamps are the same, {moment(int(stamp[0]))}",
+            remedy="record the sensor with a clock that runs",
+        )
     order = np.argsort(stamp, kind="stable")
     fresh = np.ones(len(order), bool)
     fresh[1:] = np.diff(stamp[order]) > 0

@@ -76,8 +76,11 @@ def _log_files(package: Path, name: str) -> list[Path]:
     """Return the files of one log, relative to the package where they lie in it. Of a folder only those that are read: a run
     may keep its own folder below it."""
     folder = package / name
-    if not folder.is_dir():
-        return [Path(name)]
+    try:
+        if not folder.is_dir():
+            return [Path(name)]
+    except OSError:  # a name that no file can have: the reader says so
+        open_log(folder, package)
     log = open_log(folder, package)
     if isinstance(log, PlainLog):
         return [*(Path(name) / table for table in log.tables()), *log.named_files()]

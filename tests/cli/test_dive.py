@@ -111,7 +111,50 @@ def test_init_writes_a_configuration_that_check_accepts(capsys, package):
     code, out, _ = call(capsys, "init", package / "logs", "--out", package)
     assert code == 0
     assert "wrote" in out
-    assert call(capsys, "check", package, "--set", "camera.top.calibration=top.yaml")[0] == 0
+    asked = [line for line in out.splitlines() if line.startswith("to fill in: ")]
+    assert any("dvl.mount" in line for line in asked)
+    beams = ["--set", "dvl.beam_angle_deg=30", "--set", "dvl.beam_azimuth_deg=[180, 0, 90, -90]"]
+    code, out, _ = call(capsys, "check", package, *beams)
+    assert code == 0
+    told = [line for line in out.splitlines() if line.startswith("to fill in: ")]
+    assert told == [line for line in asked if "beams" not in line]
+
+
+def test_init_and_check_ask_for_the_beams_in_the_same_words(capsys, package):
+    (package / "dive.toml").unlink()
+    _, out, _ = call(capsys, "init", package)
+    asked = next(line for line in out.splitlines() if "beams point" in line)
+    code, line = complaint(capsys, "check", package)
+    assert code == 3
+    assert line.removeprefix("error: ") == asked.removeprefix("to fill in: ")
+
+
+def test_init_of_a_folder_writes_into_it(capsys, package, monkeypatch, tmp_path):
+    (package / "dive.toml").unlink()
+    monkeypatch.chdir(tmp_path)
+    assert call(capsys, "init", "package")[0] == 0
+    assert not (tmp_path / "dive.toml").exists()
+    assert 'files = ["logs"]' in (package / "dive.toml").read_text()
+    assert call(capsys, "init", "package/logs")[0] == 0
+    assert 'files = ["."]' in (package / "logs" / "dive.toml").read_text()
+
+
+def test_init_of_a_file_writes_into_the_current_folder(capsys, monkeypatch, tmp_path):
+    log = dataset("ros1-micron-bag") / "static_sonar.bag"
+    (tmp_path / "here").mkdir()
+    (tmp_path / "logs").mkdir()
+    shutil.copy(log, tmp_path / "logs" / "x.bag")
+    monkeypatch.chdir(tmp_path / "here")
+    assert call(capsys, "init", "../logs/x.bag")[0] == 0
+    assert 'files = ["../logs/x.bag"]' in (tmp_path / "here" / "dive.toml").read_text()
+    assert not (tmp_path / "dive.toml").exists()
+
+
+def test_init_of_a_folder_without_a_log_is_an_input_error(capsys, tmp_path):
+    (tmp_path / "photos").mkdir()
+    code, line = complaint(capsys, "init", tmp_path / "photos")
+    assert code == 3
+    assert "photos holds no log" in line
 
 
 def test_init_does_not_replace_a_configuration_unasked(capsys, package):

@@ -59,3 +59,9 @@ def test_a_missing_file_is_refused_by_name(tmp_path):
 def test_the_calibrations_of_the_simulated_dive_are_read(data):
     camera = read_camera(data / "dive-a" / "calibration" / "camera_top.yaml")
     assert (camera.width, camera.height, camera.fx) == (640, 512, 658.7216182)
+
+
+def test_a_yaml_that_is_nested_without_end_is_refused(tmp_path):
+    (tmp_path / "x.yaml").write_text("[" * 3000)
+    with pytest.raises(InputError, match=r"x\.yaml is not YAML"):
+        read_camera(tmp_path / "x.yaml")

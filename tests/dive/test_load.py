@@ -130,3 +130,30 @@ def test_a_file_that_is_not_toml_is_a_usage_error(tmp_path, content):
     (tmp_path / "dive.toml").write_bytes(content)
     with pytest.raises(UsageError, match=r"TOML|UTF-8"):
         load_config(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["..", ".", "a/b", "-x", "", "x\\n", "x" * 101, "$(shell)"])
+def test_a_name_that_is_no_plain_folder_is_refused(package, name):
+    with pytest.raises(UsageError, match=r"dive\.name"):
+        load_config(package, {}, [f'dive.name="{name}"'])
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("topics.pressure='/imu'", "topics.pressure and topics.imu are both /imu"),
+        ("logs.files=[]", "logs.files"),
+        ("logs.files=['a.mcap', './a.mcap']", "logs.files names a.mcap twice"),
+        ("camera.top.time_offset=1e12", "time_offset"),
+    ],
+)
+def test_what_contradicts_itself_is_refused(package, override, message):
+    with pytest.raises(UsageError, match=message):
+        load_config(package, {}, [override])
+
+
+@pytest.mark.parametrize("text", ["x = " + "[" * 3000, "x = " + "1" * 10_000])
+def test_values_that_the_parser_gives_up_on_are_no_fault_of_ours(tmp_path, text):
+    (tmp_path / "dive.toml").write_text(text)
+    with pytest.raises(UsageError, match="not valid TOML"):
+        load_config(tmp_path)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.dive.readers.open import open_log
+from hullrecon.dive.readers.open import find_logs, open_log
 from hullrecon.errors import InputError
 
 
@@ -52,3 +52,25 @@ def test_what_is_no_log_is_an_input_error_that_lists_the_formats(tmp_path: Path,
     (tmp_path / "x.txt").write_text("hello")
     with pytest.raises(InputError, match="MCAP"):
         open_log(tmp_path / name)
+
+
+def test_the_logs_of_a_folder_are_found_in_it_or_in_its_folder_logs(tmp_path):
+    (tmp_path / "logs").mkdir()
+    for name in ("b.mcap", "a.pd0", "notes.txt"):
+        (tmp_path / "logs" / name).write_bytes(b"x")
+    assert [p.name for p in find_logs(tmp_path)] == ["a.pd0", "b.mcap"]
+    (tmp_path / "top.bag").write_bytes(b"x")
+    assert find_logs(tmp_path) == [tmp_path / "top.bag"]
+    assert find_logs(tmp_path / "top.bag") == [tmp_path / "top.bag"]
+
+
+def test_a_folder_that_is_a_log_is_found_as_such(tmp_path):
+    (tmp_path / "bag").mkdir()
+    (tmp_path / "bag" / "metadata.yaml").write_text("{}")
+    assert find_logs(tmp_path) == [tmp_path / "bag"]
+    assert find_logs(tmp_path / "bag") == [tmp_path / "bag"]
+
+
+def test_a_folder_without_logs_is_an_input_error(tmp_path):
+    with pytest.raises(InputError, match="holds no log"):
+        find_logs(tmp_path)

@@ -84,9 +84,10 @@ def test_a_sonar_ping_has_its_beams_in_the_fan_plane(tmp_path):
 def test_a_sonar_file_that_is_damaged_or_gone_is_a_named_loss(tmp_path, content):
     if content is not None:
         (tmp_path / "p.npz").write_bytes(content)
-    (tmp_path / "sonar.csv").write_text("t,file\n0,p.npz\n")
+    np.savez(tmp_path / "good.npz", image=np.eye(2, dtype=np.uint8), azimuth=[0.0, 0.1], range=[1.0, 2.0])
+    (tmp_path / "sonar.csv").write_text("t,file\n0,p.npz\n1,good.npz\n")
     samples, log = read(tmp_path)
-    assert samples == []
+    assert [s.t_ns for s in samples] == [1_000_000_000]
     assert log.losses()[0].why == "lines 2 of sonar.csv cannot be read"
 
 
@@ -120,7 +121,7 @@ def test_a_byte_order_mark_and_spaces_do_no_harm(tmp_path):
 @QUICK
 @given(st.binary(max_size=200))
 def test_any_bytes_below_the_header_are_survived(tmp_path, tail):
-    (tmp_path / "dvl.csv").write_bytes(b"t,vx,vy,vz,range_1\n" + tail)
+    (tmp_path / "dvl.csv").write_bytes(b"t,vx,vy,vz,range_1\n0,1,1,1,1\n" + tail)
     samples, log = read(tmp_path)
     assert all(s.ranges.shape == (1,) for s in samples)
     assert all(loss.why for loss in log.losses())
@@ -173,3 +174,17 @@ def test_a_relative_folder_names_the_same_files_as_an_absolute_one(tmp_path, mon
     monkeypatch.chdir(tmp_path)
     assert PlainLog(Path("p/logs"), Path("p")).named_files() == [Path("logs/a.jpg")]
     assert PlainLog(folder, tmp_path / "p").named_files() == [Path("logs/a.jpg")]
+
+
+@pytest.mark.parametrize(
+    ("sensor", "text", "reason"),
+    [
+        ("pressure", "t,pascal\n0,deep\n", "line 2: could not convert string to float: 'deep'"),
+        ("dvl", "t,vx,vy,vz,range_a\n0,1,1,1,1\n", "line 2: column range_a is none of range_1, range_2"),
+        ("sonar", "t,file\n0,gone.npz\n", "line 2: gone.npz: "),
+    ],
+)
+def test_a_table_without_any_readable_row_is_refused_with_the_first_reason(tmp_path, sensor, text, reason):
+    (tmp_path / f"{sensor}.csv").write_text(text)
+    with pytest.raises(InputError, match=f"{sensor}.csv has no row that can be read: {reason}"):
+        read(tmp_path)

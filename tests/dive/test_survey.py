@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from hullrecon.dive.initial import first_config
+from hullrecon.dive.initial import beams_to_ask_for, first_config
 from hullrecon.dive.load import load_config
 from hullrecon.dive.readers.open import open_log
 from hullrecon.dive.readers.protocol import Channel
-from hullrecon.dive.survey import TopicNote, guess_topics, missing, survey
+from hullrecon.dive.survey import TopicNote, guess_topics, missing, survey, survey_all
+from hullrecon.dive.unknowns import to_fill_in
 
 IMAGE = "sensor_msgs/msg/CompressedImage"
 
@@ -99,7 +100,7 @@ def test_the_first_configuration_loads_and_names_the_log_topics_joints_drawing_a
     path = kit.mcap(tmp_path / "logs" / "x.mcap", kit.dive())
     (tmp_path / "ship.stl").write_bytes(b"")
     calibration(tmp_path / "cal" / "my_top.yaml")
-    text = first_config(survey(open_log(path)), path, tmp_path)
+    text = first_config(survey(open_log(path)), [path], tmp_path)
     (tmp_path / "dive.toml").write_text(text)
     loaded = load_config(tmp_path)
     assert loaded.config.logs.files == ("logs/x.mcap",)
@@ -116,7 +117,7 @@ def test_the_first_configuration_loads_and_names_the_log_topics_joints_drawing_a
 def test_the_first_configuration_of_plain_files_has_no_topics(tmp_path):
     (tmp_path / "logs").mkdir()
     (tmp_path / "logs" / "pressure.csv").write_text("t,pascal\n1777887000,101325\n")
-    text = first_config(survey(open_log(tmp_path / "logs")), tmp_path / "logs", tmp_path)
+    text = first_config(survey(open_log(tmp_path / "logs")), [tmp_path / "logs"], tmp_path)
     (tmp_path / "dive.toml").write_text(text)
     assert load_config(tmp_path).config.logs.files == ("logs",)
     assert load_config(tmp_path).config.topics.pressure is None
@@ -127,5 +128,55 @@ def test_a_sonar_in_the_log_gives_a_sonar_section(kit, tmp_path):
     entry = type(kit.dive()[0])
     ping = entry("/sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", 5, kit.sonar(5, np.zeros((3, 2), np.uint8)))
     path = kit.mcap(tmp_path / "x.mcap", [*kit.dive(), ping])
-    (tmp_path / "dive.toml").write_text(first_config(survey(open_log(path)), path, tmp_path))
+    (tmp_path / "dive.toml").write_text(first_config(survey(open_log(path)), [path], tmp_path))
     assert load_config(tmp_path).sections["sonar"].elevation_deg == 14.0
+
+
+def test_what_a_log_names_can_not_break_out_of_the_configuration(kit, tmp_path):
+    entries = kit.dive()
+    entry = type(entries[0])
+    evil = '/imu"\n[dive]\nname = "x\x7f'
+    path = kit.mcap(
+        tmp_path / "x.mcap", [entry(evil if e.topic == "/imu" else e.topic, e.kind, e.t_ns, e.message) for e in entries]
+    )
+    (tmp_path / "dive.toml").write_text(first_config(survey(open_log(path)), [path], tmp_path))
+    assert load_config(tmp_path).config.topics.imu == evil
+
+
+def test_cameras_without_a_calibration_stand_in_comments(kit, tmp_path):
+    path = kit.mcap(tmp_path / "x.mcap", kit.dive())
+    (tmp_path / "dive.toml").write_text(first_config(survey(open_log(path)), [path], tmp_path))
+    loaded = load_config(tmp_path)
+    assert loaded.config.camera.top is None
+    assert "# [camera.top]" in (tmp_path / "dive.toml").read_text()
+    assert any("camera.top.calibration" in line for line in to_fill_in(loaded, {"camera_top"}))
+
+
+def test_what_no_log_tells_is_asked_for_and_not_written(kit, tmp_path, calibration):
+    path = kit.mcap(tmp_path / "x.mcap", kit.dive())
+    calibration(tmp_path / "top.yaml")
+    (tmp_path / "dive.toml").write_text(first_config(survey(open_log(path)), [path], tmp_path))
+    lines = to_fill_in(load_config(tmp_path), {"dvl", "imu", "pressure", "camera_top"})
+    keys = [line.split(": ")[1] for line in lines]
+    assert keys == ["tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount"]
+    assert lines[1].endswith("until then [0, 0, 0] is used")
+
+
+def test_what_is_given_or_not_carried_is_not_asked_for(package):
+    assert to_fill_in(load_config(package, {}, ["pressure.origin=[0, 0, 1]"]), {"pressure", "imu"}) == []
+
+
+def test_several_logs_are_told_as_one(kit, tmp_path):
+    entries = kit.dive()
+    logs = [kit.mcap(tmp_path / "a.mcap", entries[:50]), kit.mcap(tmp_path / "b.mcap", entries[50:])]
+    both = survey_all([open_log(log) for log in logs])
+    whole = survey(open_log(kit.mcap(tmp_path / "c.mcap", entries)))
+    assert both.lines() == whole.lines()
+
+
+def test_beams_are_asked_for_only_where_ranges_come_without_them(kit, tmp_path):
+    (tmp_path / "dvl.csv").write_text("t,vx,vy,vz,range_1,range_2,range_3\n0,1,0,0,1,1,1\n")
+    assert beams_to_ask_for(survey(open_log(tmp_path))) == 3
+    (tmp_path / "dvl.csv").write_text("t,vx,vy,vz\n0,1,0,0\n")
+    assert beams_to_ask_for(survey(open_log(tmp_path))) == 0
+    assert beams_to_ask_for(survey(open_log(kit.mcap(tmp_path / "x.mcap", kit.dive())))) == 0

@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
-from hypothesis import given
+import pytest
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from hullrecon.dive.timeline import NS, clock_jumps, gaps, moment, put_in_order, rate_hz
+from hullrecon.errors import InputError
 
 
 def ns(*seconds):
@@ -74,7 +76,20 @@ def test_a_stamp_beyond_every_calendar_is_shown_in_seconds():
 
 @given(st.lists(st.integers(0, 10**12), min_size=1, max_size=50))
 def test_what_is_kept_is_strictly_increasing_and_complete(stamps):
+    assume(len(stamps) <= 2 or len(set(stamps)) > 1)
     keep = put_in_order("x", stamps, [0] * len(stamps)).keep
     kept = np.array(stamps)[keep]
     assert (np.diff(kept) > 0).all()
     assert set(kept) == set(stamps)
+
+
+def test_a_clock_that_stands_still_is_refused():
+    with pytest.raises(InputError, match="imu: all 3 stamps are the same, 1970-01-01T00:00:05") as caught:
+        put_in_order("imu", [5_000_000_000] * 3, [1, 2, 3])
+    assert "clock that runs" in caught.value.remedy
+
+
+def test_two_readings_of_one_stamp_are_duplicates():
+    line = put_in_order("imu", [5, 5], [1, 2])
+    assert line.keep.tolist() == [0]
+    assert line.remarks == ["imu: 1 of 2 stamps are duplicates; the first of each was kept"]

@@ -30,9 +30,9 @@ def open_log(path: Path, package: Path | None = None) -> Log:
     package: the folder that paths in plain files may be relative to.
     """
     where = str(path.parent)
-    if path.is_dir():
-        return _open_folder(path, package)
     try:
+        if path.is_dir():
+            return _open_folder(path, package)
         start = _start(path)
     except FileNotFoundError:
         raise InputError(f"the log {path.name} is missing{_beside(path)}", where=where, remedy="correct logs.files") from None
@@ -54,6 +54,26 @@ def _open_folder(path: Path, package: Path | None) -> Log:
     if any(f"{sensor}.csv" in names for sensor in COLUMNS):
         return PlainLog(path, package)
     raise InputError(f"the folder {path.name} holds no log that is read here", where=str(path.parent), remedy=f"give {FORMS}")
+
+
+def find_logs(path: Path) -> list[Path]:
+    """Return the log that a path is, or those that lie in a folder or in its folder `logs`. InputError when there is none."""
+    if not path.is_dir() or _holds_log(path):
+        return [path]
+    for folder in (path, path / "logs"):
+        if folder.is_dir() and _holds_log(folder):
+            return [folder]
+        inside = sorted(folder.iterdir()) if folder.is_dir() else []
+        found = [p for p in inside if p.suffix.lower() in BY_SUFFIX or (p.is_dir() and p.name != "logs" and _holds_log(p))]
+        if found:
+            return found
+    raise InputError(f"the folder {path.name} holds no log that is read here", where=str(path), remedy=f"give {FORMS}")
+
+
+def _holds_log(folder: Path) -> bool:
+    """Whether a folder is itself a log: of CSVs, or with the metadata of ROS 2."""
+    names = {p.name for p in folder.iterdir()}
+    return METADATA in names or any(f"{sensor}.csv" in names for sensor in COLUMNS)
 
 
 def _start(path: Path) -> bytes:

@@ -64,6 +64,7 @@ class PlainLog:
         channel = Channel(sensor, f"{sensor}.csv", "sample")
         bad: list[int] = []
         late: list[float] = []
+        first_reason = ""
         rows = 0
         for line, row in self._read(sensor):
             rows += 1
@@ -73,7 +74,8 @@ class PlainLog:
                 late.append(error.seconds)
                 bad.append(line)
                 continue
-            except (ValueError, TypeError, KeyError, OverflowError, AttributeError):
+            except (ValueError, TypeError, KeyError, OverflowError, AttributeError) as error:
+                first_reason = first_reason or f"line {line}: {error}"
                 bad.append(line)
                 continue
             yield Message(channel, sample.t_ns, sample)
@@ -82,6 +84,8 @@ class PlainLog:
                 f"{sensor}.csv has stamps such as {late[0]:.17g}{unit_of_stamp(late[0])}", where=str(self.path),
                 remedy="write column t in seconds since 1970",
             )  # fmt: skip
+        if rows and len(bad) == rows:
+            raise InputError(f"{sensor}.csv has no row that can be read: {first_reason}", where=str(self.path))
         if bad:
             lines = ", ".join(map(str, bad[:5])) + (", ..." if len(bad) > 5 else "")
             self._losses.append(Loss(f"lines {lines} of {sensor}.csv cannot be read", sensor, messages=len(bad)))
@@ -128,9 +132,12 @@ class PlainLog:
         """Beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
         try:
             with self._locate(row["file"]).open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
+                absent = [key for key in ("image", "azimuth", "range") if key not in arrays]
+                if absent:
+                    raise ValueError(f"it has no {' and no '.join(absent)}")
                 image, azimuth, range_m = (np.asarray(arrays[key]) for key in ("image", "azimuth", "range"))
         except Exception as error:  # numpy and zipfile raise a dozen kinds over a damaged .npz
-            raise ValueError(str(error)) from None
+            raise ValueError(f"{row['file']}: {error}") from None
         if image.shape != (len(azimuth), len(range_m)) or not image.size:
             raise ValueError("the sonar image's shape is not [beams, ranges]")
         directions = np.stack([np.zeros(len(azimuth)), np.sin(azimuth), np.cos(azimuth)], axis=1)
@@ -150,7 +157,11 @@ def unit_of_stamp(value: float) -> str:
 
 
 def _dvl(row: Row) -> DvlSample:
-    names = sorted((n for n in row if n and n.startswith("range_")), key=lambda n: int(n[6:]))
+    names = [n for n in row if n and n.startswith("range_")]
+    odd = [n for n in names if not n[6:].isdecimal()]
+    if odd:
+        raise ValueError(f"column {odd[0]} is none of range_1, range_2, ...")
+    names.sort(key=lambda n: int(n[6:]))
     velocity = np.array([_number(row[name], lost=True) for name in ("vx", "vy", "vz")])
     ranges = np.array([_number(row[name], lost=True) for name in names])
     return DvlSample(_ns(row), velocity, float("nan"), ranges, None)
