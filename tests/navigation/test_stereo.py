@@ -29,6 +29,7 @@ from hullrecon.navigation.stereo_frame import (
 from hullrecon.navigation.stereo_motion import stereo_motion
 from hullrecon.navigation.stereo_path import Aids, Views, stereo_navigate
 from hullrecon.navigation.visual_odometry import chain_errors, compose
+from hullrecon.vision.survey import Survey
 
 CAMERA = Camera(640, 512, 600.0, 600.0, 319.5, 255.5)
 RIG = StereoRig(CAMERA, CAMERA, poses.from_mount([0.01, 0.12, 0.0, 1.0, -0.5, 0.7]), sigma_px=0.5)
@@ -168,6 +169,19 @@ def test_the_covariance_of_a_chain_is_the_spread_of_disturbed_chains() -> None:
     predicted = trajectory_covariance(chain_errors(path, np.tile(np.diag(sigma**2), (8, 1, 1))), path)[-1]
     assert np.allclose(np.sqrt(np.diag(predicted)), np.sqrt(np.diag(spread)), rtol=0.12)
     assert predicted[0, 5] == pytest.approx(spread[0, 5], rel=0.25)
+
+
+def test_two_nodes_of_a_chain_know_nothing_of_the_steps_before_them() -> None:
+    """Their relative covariance is that of a chain that starts at the first of the two."""
+    step = poses.exp(np.tile([0.4, 0.05, 0.0, 0.02, 0.05, 0.1], (8, 1)))
+    covariance = np.tile(np.diag([4e-3, 3e-3, 2e-3, 1e-3, 2e-3, 3e-3]) ** 2, (8, 1, 1))
+    path = compose(poses.from_mount([50.0, -20.0, 3.0, 5.0, 10.0, 70.0]), step)
+    survey = Survey(global_from_camera=path, errors=chain_errors(path, covariance))
+    found = survey.relative_covariance(np.array([7]), np.array([3]))[0]
+    anew = compose(poses.identity(), step[3:7])
+    wanted = trajectory_covariance(chain_errors(anew, covariance[3:7]), anew)[-1]
+    assert np.allclose(found, wanted, atol=1e-7)  # 1e-8 is new at each node
+    assert np.sqrt(wanted[0, 0]) > 4e-3
 
 
 # the whole path

@@ -23,6 +23,7 @@ from hullrecon.dive.records import (
     PressureSamples,
     Returns,
     Trajectory,
+    TrajectoryErrorModel,
     from_arrays,
     to_arrays,
 )
@@ -73,7 +74,7 @@ def run(ingest: Path, out: Path) -> Path:
     return run_stage(STAGE, sections(), {"ingest": ingest}, out, source=ingest.parent)
 
 
-def test_the_step_leaves_its_four_records_and_says_where_the_path_comes_from(ingest: Path, tmp_path: Path) -> None:
+def test_the_step_leaves_its_records_and_says_where_the_path_comes_from(ingest: Path, tmp_path: Path) -> None:
     out = run(ingest, tmp_path / "navigate")
     path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))
     assert np.allclose(
@@ -90,9 +91,18 @@ def test_the_step_leaves_its_four_records_and_says_where_the_path_comes_from(ing
     assert any("tray" in words for words in said["remarks"])
 
 
+def test_the_step_leaves_what_makes_its_poses_wrong(ingest: Path, tmp_path: Path) -> None:
+    out = run(ingest, tmp_path / "navigate")
+    path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))
+    errors = from_arrays(TrajectoryErrorModel, load_arrays(out / "error_model.npz"))
+    assert errors.by_error.shape == (len(path.t_ns), 6, 10)
+    assert np.allclose(errors.by_error[:, 0, 0], path.translation[:, 0])  # by the DVL's scale: the way it has come
+    assert errors.error_covariance[0, 0] == pytest.approx(config.Dvl().scale_sigma ** 2)
+
+
 def test_twice_the_same_input_gives_the_same_bytes(ingest: Path, tmp_path: Path) -> None:
     a, b = run(ingest, tmp_path / "a"), run(ingest, tmp_path / "b")
-    for name in ("trajectory.npz", "odometry.npz", "returns.npz", "attitude.npz", "navigation.json"):
+    for name in ("trajectory.npz", "error_model.npz", "odometry.npz", "returns.npz", "attitude.npz", "navigation.json"):
         assert (a / name).read_bytes() == (b / name).read_bytes()
 
 

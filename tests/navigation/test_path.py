@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The path of dead reckoning and its steps, on runs simple enough to work out by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.records import DvlPings, JointSamples
+from hullrecon.geometry import poses
+from hullrecon.geometry.poses import Poses
+from hullrecon.navigation.attitude import AttitudeHistory
+from hullrecon.navigation.dead_reckoning import Reckoning, reckon
+from hullrecon.navigation.edges import LEAST_SIGMA_M, odometry, white_covariance
+from hullrecon.navigation.nodes import Nodes
+from hullrecon.navigation.remarks import remarks_of
+from hullrecon.navigation.returns import returns
+from hullrecon.navigation.servo import servo
+from hullrecon.navigation.vehicle import Vehicle
+from hullrecon.navigation.velocity import Velocities
+
+SECOND = 1_000_000_000
+NO_HOLES = np.zeros((0, 2), np.int64)
+SIGMA_M_S, SIGMA_RAD = 0.003, 0.001
+
+
+def stamps(t_s) -> np.ndarray:
+    return np.round(np.asarray(t_s, float) * SECOND).astype(np.int64)
+
+
+@pytest.fixture
+def plain(vehicle: Vehicle) -> Vehicle:
+    """The DVL's axes are the vehicle's; it sits 0.5 m ahead of it, on a tray that turns about the vehicle's origin."""
+    ahead = poses.from_mount([0.5, 0.0, 0.0, 0.0, 0.0, 0.0])
+    return replace(vehicle, tray_origin=np.zeros(3), T_s_d=ahead)
+
+
+def run(vehicle: Vehicle, velocity, turn_rad_s: float = 0.0, tray=None, outages: np.ndarray = NO_HOLES) -> Reckoning:
+    """Ten seconds at 20 Hz; velocity (3,) of the instrument in dvl, heading turn_rad_s t, tray (n,) rad at each ping."""
+    t = np.arange(0, 10.001, 0.05)
+    n = len(t)
+    heading = Rotation.from_euler("z", (turn_rad_s * t)[:, None])
+    attitude = AttitudeHistory(stamps(t), heading.as_quat(), SIGMA_RAD, 0.0, NO_HOLES, False)
+    v = Velocities(
+        stamps(t), np.tile(np.asarray(velocity, float), (n, 1)), np.full(n, SIGMA_M_S), outages, 0.01, np.zeros(0, np.int64)
+    )
+    joint = None if tray is None else JointSamples(stamps(t), np.full(n, tray))
+    return reckon(v, attitude, servo(joint, 0), vehicle)
+
+
+def test_a_vehicle_that_turns_on_the_spot_stays_there(plain) -> None:
+    """The instrument, half a metre ahead, moves sideways at 0.05 m/s; the vehicle's own origin does not."""
+    at = run(plain, [0.0, 0.05, 0.0], turn_rad_s=0.1).at(stamps([0, 3, 10]))
+    assert np.allclose(at.poses().translation, [[-0.5, 0, 0]] * 3, atol=1e-5)
+    assert np.linalg.norm(at.instrument[2]) == pytest.approx(2 * 0.5 * np.sin(0.5), abs=1e-5)
+
+
+def test_a_circle_closes(plain) -> None:
+    on_axis = replace(plain, T_s_d=poses.identity())
+    rate = 2 * np.pi / 10
+    at = run(on_axis, [0.3, 0.0, 0.0], turn_rad_s=rate).at(stamps([0, 5, 10]))
+    assert np.allclose(at.instrument[2], 0, atol=1e-9)
+    assert np.allclose(at.instrument[1], [0, 2 * 0.3 / rate, 0], atol=1e-3)  # a diameter to starboard
+
+
+def test_a_tray_that_is_turned_down_turns_the_velocity(plain) -> None:
+    at = run(plain, [0.2, 0.0, 0.0], tray=np.radians(90.0)).at(stamps([0, 10]))
+    assert np.allclose(np.diff(at.instrument, axis=0), [[0, 0, -2.0]], atol=1e-9)  # +90 degrees about y: x becomes -z
+    assert np.allclose(at.lever[0], [0, 0, -0.5], atol=1e-12)
+
+
+def test_steps_put_together_are_the_path(plain) -> None:
+    path = run(plain, [0.2, 0.03, -0.01], turn_rad_s=0.2)
+    at = path.at(stamps([0, 1, 2.5, 7, 10]))
+    found = odometry(path, at)
+    end = at.poses()[[0]]
+    for k in range(4):
+        end = end @ Poses(found.quaternion[[k]], found.translation[[k]])
+    assert np.allclose(end.matrix(), at.poses()[[4]].matrix(), atol=1e-12)
+    assert found.first.tolist() == [0, 1, 2, 3]
+    assert found.second.tolist() == [1, 2, 3, 4]
+
+
+def test_the_drift_of_a_straight_step_bends_it_by_half_its_time(plain) -> None:
+    """0.2 m/s over 4 s with a drift c: sideways c * 0.2 * 16 / 2, less the lever's swing c * 4 * 0.5."""
+    path = run(plain, [0.2, 0.0, 0.0])
+    step = odometry(path, path.at(stamps([3, 7])))
+    assert np.allclose(step.by_navigation[0, :, 1], [0, 1.6 - 2.0, 0, 0, 0, 4.0], atol=1e-9)
+    assert np.allclose(step.by_navigation[0, :, 0], [0.8, 0, 0, 0, 0, 0], atol=1e-9)
+
+
+def test_the_white_covariance_is_that_of_velocity_noise_and_of_a_turn_that_swings_the_lever(plain) -> None:
+    path = run(plain, [0.2, 0.0, 0.0])
+    at = path.at(stamps([2, 6]))
+    found = white_covariance(path, at, at.poses()[[0]].inverse() @ at.poses()[[1]])[0]
+    shift = SIGMA_M_S**2 * 0.05 * 4 + LEAST_SIGMA_M**2
+    turn = path.attitude.turn_variance(stamps([2]), stamps([6]))[0]
+    assert np.allclose(np.diag(found)[:3], shift + turn * np.array([0, 0.25, 0.25]))
+    assert np.allclose(found[3:, 3:], turn * np.eye(3))
+    assert found[1, 5] == pytest.approx(-0.5 * turn)  # a turn to starboard about the instrument moves the vehicle to port
+    assert np.array_equal(found, found.T)
+
+
+# remarks
+
+
+def said_of(path: Reckoning, pings: DvlPings, nodes: Nodes, flagged: np.ndarray):
+    hung = returns(pings, path, path.at(nodes.t_ns), flagged)
+    return remarks_of(pings.t_ns, False, path, nodes, None, hung)
+
+
+def test_what_was_bridged_and_what_was_flagged_is_said_with_its_times(plain) -> None:
+    path = run(plain, [0.2, 0, 0], outages=np.array([stamps([1.0, 2.0]), stamps([4.0, 7.5])]))
+    pings = DvlPings(
+        path.velocities.t_ns, path.velocities.velocity, path.velocities.sigma, np.full((201, 2), 1.5), np.eye(3)[:2]
+    )
+    nodes = Nodes(stamps([0, 5, 10]), np.full((3, 2), -1), 0, 2)
+    flagged = np.zeros((201, 2), bool)
+    flagged[100, 1] = True
+    words, facts = said_of(path, pings, nodes, flagged)
+    assert "DVL: 2 outages bridged at constant velocity, the longest 3.5 s" in words
+    assert "DVL: 1 return of 402 flagged as strays" in words
+    assert "2 images before or after the DVL's log have no pose" in words
+    assert facts["outages_s"] == [[1.0, 2.0], [4.0, 7.5]]
+    assert facts["flagged_returns_s"] == [5.0]
+    assert facts["path_length_m"] == pytest.approx(2.0)
+    assert facts["depth_white_sigma_m"] is None
+
+
+def test_a_run_without_a_flaw_says_only_what_was_not_logged(plain) -> None:
+    path = run(plain, [0.2, 0, 0])
+    pings = DvlPings(
+        path.velocities.t_ns, path.velocities.velocity, path.velocities.sigma, np.full((201, 2), np.nan), np.eye(3)[:2]
+    )
+    words, facts = said_of(path, pings, Nodes(stamps([0, 10]), np.full((2, 2), -1), 0, 0), np.zeros((201, 2), bool))
+    assert words == [
+        "IMU: no rates; the attitude between readings is interpolated",
+        "no pressure: the depth is counted from the start and drifts",
+    ]
+    assert facts["returns"] == 0
