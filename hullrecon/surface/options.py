@@ -15,6 +15,13 @@ class SurfaceOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     """How the surface is made of the DVL's returns (METHODS 7)."""
 
     method: Annotated[Literal["gp", "linear"], Meta(description="Gaussian process, or linear interpolation")] = "gp"
+    reference: Annotated[
+        Literal["cad", "plane", "none"],
+        Meta(
+            description="what is regressed: offsets from the drawing (from a plane without one), offsets from a plane through "
+            "the returns, or heights over that plane on the drawing's chart"
+        ),
+    ] = "cad"
     outlier_neighbours: Annotated[int, Meta(ge=2, le=500, description="neighbours of a return that judge it (O: 30)")] = 30
     outlier_deviations: Annotated[Positive, Meta(description="mean distance to them, in standard deviations (O: 1)")] = 1.0
     landmarks: Annotated[bool, Meta(description="landmarks on the hull are observations too")] = False

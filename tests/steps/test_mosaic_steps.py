@@ -126,12 +126,19 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
     save(passed["ingest"], "sonar.npz", to_arrays(SonarPings(TIMES, image.astype(np.uint8), directions, ranges)))
     # z of the sonar to starboard, its fan along x: x of the sonar is up
     sonar = Sonar(mount=(0.0, 0.0, 0.0, -90.0, 90.0, 0.0), elevation_deg=20.0)
+    loose = Sonar(mount=sonar.mount, elevation_deg=20.0, mount_sigma=(0.0, 0.0, 0.0, 2.0, 2.0, 2.0))
     blind = {**settings(sonar), "camera": Cameras()}
     out = run_stage(mosaic_sonar.STAGE, blind, passed, tmp_path / "out")
     document = json.loads((out / "mosaic.json").read_text())
     assert document["poses"] == "dead reckoned"
     assert document["pings"] == NODES
     assert document["area_m2"] > 0.2
+    # the vehicle is known to 1 cm and 0.01 rad, the mount to 1 cm and half a degree, at some 1.1 m
+    assert 0.014 < document["position_sigma_of_mount_m"] < document["position_sigma_m"] < 0.03
+    out = run_stage(mosaic_sonar.STAGE, {**blind, "sonar": loose}, passed, tmp_path / "loose")
+    worse = json.loads((out / "mosaic.json").read_text())
+    assert worse["position_sigma_of_mount_m"] > 0.038
+    assert any("one sigma" in r for r in worse["remarks"])
 
 
 def test_steps_apply_only_where_their_sensor_was_carried() -> None:
