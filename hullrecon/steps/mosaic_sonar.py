@@ -44,9 +44,6 @@ def run(context: Context) -> None:
         raise StageError(f"no sonar mosaic: {error}", where="mosaic-sonar", remedy="check the mount of the sonar") from error
     spread = place_spread(place, pings.t_ns, poses, sonar, made.footprint)
     remarks = ["returns brought to one level by range, beam and ping"] if made.lit else ["returns left as they were"]
-    known = spread["position_sigma_m"]
-    if known is not None:
-        remarks.append(f"a pixel's place on the hull is known to {1000 * known:.0f} mm (one sigma)")
     facts = {
         **spread,
         "pings": len(pings.t_ns),
