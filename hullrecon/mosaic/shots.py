@@ -37,9 +37,10 @@ class Station:
 
 @dataclass(frozen=True)
 class Footprint:
-    """Where images meet the surface: chart points (views, k, 2), NaN where they do not; distance (views,) m in the median;
-    span_m: the largest of all distances, 0 when no image meets it."""
+    """Where images meet the surface: point (views, k, 3), at (views, k, 2) on the chart, NaN where they do not; distance
+    (views,) m in the median; span_m: the largest of all distances, 0 when no image meets it."""
 
+    point: Array
     at: Array
     distance: Array
     span_m: float
@@ -58,9 +59,8 @@ def footprint_of(ground: Ground, sights: Sequence[Sight]) -> Footprint:
     at = np.full((*points.shape[:2], 2), np.nan)
     at[good] = ground.chart.to_chart(points[good])[:, :2]
     distance = [float(np.median(m[np.isfinite(m)])) if np.isfinite(m).any() else np.nan for m in middle]
-    return Footprint(
-        at, np.array(distance), float(np.nanmax([0.0, *(m.max(initial=0.0, where=np.isfinite(m)) for m in middle)]))
-    )
+    span_m = max((float(m.max(initial=0.0, where=np.isfinite(m))) for m in middle), default=0.0)
+    return Footprint(points, at, np.array(distance), span_m)
 
 
 def windows_of(grid: TexelGrid, footprint: Footprint, margin_share: float = 0.06) -> list[Window]:

@@ -62,10 +62,11 @@ class SonarSight:
 
 @dataclass(frozen=True)
 class SonarMosaicked:
-    """The tiles; whether the level of the returns was learnt from the dive."""
+    """The tiles; whether the level of the returns was learnt from the dive; where the pings met the surface."""
 
     store: TileStore
     lit: bool
+    footprint: Footprint
 
 
 def sonar_mosaic(
@@ -88,7 +89,7 @@ def sonar_mosaic(
         lambda window: blend_tile(ground, grid, window, sights, windows, limits, 1),
         lambda tiles: progress(tiles, "tiles"),
     )  # fmt: skip
-    return SonarMosaicked(store, levels is not None)
+    return SonarMosaicked(store, levels is not None, footprint)
 
 
 def learn_levels(ground: Ground, sights: Sequence[SonarSight], footprint: Footprint, least_cosine: float) -> list[Array] | None:

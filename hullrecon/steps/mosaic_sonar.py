@@ -16,9 +16,11 @@ from hullrecon.dive.records import JointSamples, SonarPings, from_arrays
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses, from_mount, interpolate, tray
 from hullrecon.mosaic.options import SonarOptions
+from hullrecon.mosaic.place_sigma import Stance, place_sigma
+from hullrecon.mosaic.shots import Footprint
 from hullrecon.mosaic.sonar import sonar_mosaic
 from hullrecon.report.track import Track
-from hullrecon.steps.mosaics import scenery, write_mosaic
+from hullrecon.steps.mosaics import Scenery, scenery, write_mosaic
 
 
 def applies(settings: Mapping[str, Any]) -> str | None:
@@ -40,10 +42,13 @@ def run(context: Context) -> None:
         made = sonar_mosaic(place.ground, pings, poses, np.radians(sonar.elevation_deg), options, context.progress)
     except ValueError as error:
         raise StageError(f"no sonar mosaic: {error}", where="mosaic-sonar", remedy="check the mount of the sonar") from error
+    spread = place_spread(place, pings.t_ns, poses, sonar, made.footprint)
+    remarks = ["returns brought to one level by range, beam and ping"] if made.lit else ["returns left as they were"]
     facts = {
+        **spread,
         "pings": len(pings.t_ns),
         "poses": "adjusted" if place.solution is not None else "dead reckoned",
-        "remarks": ["returns brought to one level by range, beam and ping"] if made.lit else ["returns left as they were"],
+        "remarks": remarks,
     }
     write_mosaic(context, place, made.store, "Sonar mosaic", facts, (options.texture_px, options.faces))
 
@@ -58,6 +63,23 @@ def sonar_poses(track: Track, t_ns: NDArray[np.int64], angles: JointSamples | No
     else:
         angle = np.interp(t_ns - t_ns[0], angles.t_ns - t_ns[0], angles.angle)
     return vehicle @ tray(sonar.origin, angle) @ from_mount(sonar.mount)
+
+
+def place_spread(
+    place: Scenery, t_ns: NDArray[np.int64], poses: Poses, sonar: Sonar, footprint: Footprint
+) -> dict[str, float | None]:
+    """One sigma of a texel's place on the hull, in the median over pings and their footprints, and what the mount has of it."""
+    track, chart = place.track, place.ground.chart
+    near = np.minimum(np.searchsorted(track.t_ns, t_ns), len(track.t_ns) - 1)
+    stance = Stance(
+        sonar=poses, vehicle=interpolate(track.t_ns, track.poses, t_ns), pose_covariance=track.covariance[near],
+        servo_from_sonar=from_mount(sonar.mount),
+        mount_sigma=np.r_[sonar.mount_sigma[:3], np.radians(sonar.mount_sigma[3:])],
+    )  # fmt: skip
+    normals = chart.from_chart(footprint.at.reshape(-1, 2))[1].reshape(footprint.point.shape)
+    names = ("position_sigma_m", "position_sigma_of_mount_m")
+    both = place_sigma(stance, footprint.point, normals)
+    return {n: float(np.nanmedian(s)) if np.isfinite(s).any() else None for n, s in zip(names, both, strict=True)}
 
 
 STAGE = Stage(

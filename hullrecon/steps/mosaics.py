@@ -86,6 +86,9 @@ def mosaic_document(store: TileStore, frame: str, facts: Mapping[str, Any]) -> d
         f"{area:.1f} m² at {1000 * grid.step_m:.1f} mm a pixel, at most four best views a pixel, "
         f"laid on the surface {facts['surface']}."
     )
+    known = facts.get("position_sigma_m")
+    if known is not None:
+        caption += f" A pixel's place on the hull is known to {1000 * known:.0f} mm (one sigma)."
     return {
         "frame": frame,
         "resolution_m": grid.step_m,

@@ -18,13 +18,15 @@ from hullrecon.geometry import poses
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.chart import Chart, chart_for_hull, chart_for_points, chart_from_arrays
 from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.plane_chart import PlaneChart, fit_plane_chart
 from hullrecon.geometry.poses import Poses
-from hullrecon.surface.build import Cloud, build_surface
+from hullrecon.surface.build import LEAST_LEAN, Cloud, build_surface
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.surface.outliers import statistical_inliers
 from hullrecon.surface.returns import pose_sigma_along, return_points
 
 Array = NDArray[np.float64]
+MOST_FOLDED = 0.01  # share of returns that may lie where the hull turns away from the plane
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,9 @@ def run(context: Context) -> None:
     cloud = _cloud(points, returns, place, chart, context.settings["dvl"].sigma_range)
     if options.landmarks or not len(points):
         cloud = _with_landmarks(cloud, marks, noise)
-    surface, facts = build_surface(cloud, chart, options)
+    on, datum = _reference(cloud, chart, options.reference, place)
+    surface, facts = build_surface(cloud, on, options, datum)
+    facts["reference"], facts["comparison"] = _circularity(options.reference, hull is not None, solution is not None)
     if hull is not None:
         surface = replace(surface, deviation=Scene(hull).closest(surface.vertices).distance)
     _write(context, surface, chart, {**facts, "poses": place.source, **counts})
@@ -161,6 +165,38 @@ def _with_landmarks(cloud: Cloud, points: Array, noise: Array) -> Cloud:
     )
 
 
+def _reference(cloud: Cloud, chart: Chart, reference: str, place: Placement) -> tuple[Chart, PlaneChart | None]:
+    """The chart on which is regressed, and the plane whose heights are, None where it is the chart's own offsets."""
+    if reference == "cad":
+        return chart, None
+    plane = fit_plane_chart(cloud.point, place.T_x_v.translation.mean(axis=0), np.array([0.0, 0.0, 1.0]))
+    if reference == "none":
+        return chart, plane
+    _, normals = chart.from_chart(chart.to_chart(cloud.point)[:, :2])
+    facing = normals[np.isfinite(normals).all(axis=1)] @ plane.axes[2]
+    if np.mean(facing < LEAST_LEAN) > MOST_FOLDED:
+        raise StageError(
+            "the hull bends too far around for a plane",
+            where="surface",
+            remedy='set surface.reference = "cad", or a shorter survey',
+        )
+    return plane, None
+
+
+def _circularity(reference: str, drawn: bool, adjusted: bool) -> tuple[str, str | None]:
+    """The reference in force, and what a comparison of the surface with the drawing is worth; None without a drawing."""
+    if not drawn:
+        return "none" if reference == "none" else "plane", None
+    placed = " The poses that place the returns were adjusted to the drawing." if adjusted else ""
+    if reference == "cad":
+        return reference, (
+            "The surface is a regression of the returns' offsets from the drawing and leans on it between and beyond returns: "
+            f"a comparison with the drawing is partly circular.{placed} "
+            'surface.reference = "plane" or "none" regresses without it.'
+        )
+    return reference, f"The drawing's shape does not enter the regression of the returns.{placed}"
+
+
 def _counts(returns: Returns, kept: NDArray[np.bool_]) -> dict[str, object]:
     flagged = int(returns.flagged.sum())
     return {"returns": len(kept), "flagged": flagged, "outliers": int((~kept).sum()) - flagged, "used": int(kept.sum())}
@@ -178,7 +214,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("adjust",),
     parameters=SurfaceOptions,
-    version=1,
+    version=2,
     run=run,
     uses=("tray", "dvl", "hull"),
 )

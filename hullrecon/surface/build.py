@@ -14,6 +14,7 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.chart import Chart
 from hullrecon.geometry.meshes import Mesh
 from hullrecon.geometry.neighbours import count_within, nearest
+from hullrecon.geometry.plane_chart import PlaneChart
 from hullrecon.geometry.refinement import refine
 from hullrecon.surface.gaussian import fit_robust, most_likely
 from hullrecon.surface.kernels import Kernel
@@ -24,6 +25,7 @@ from hullrecon.surface.thinning import Observations, cell_means
 
 Array = NDArray[np.float64]
 Facts = dict[str, object]
+LEAST_LEAN = 0.2  # cosine between the chart's normal and the datum's below which a height places nothing
 LEARNING = 400  # observations that the marginal likelihood looks at: a step of the search takes some 10 ms
 
 
@@ -38,21 +40,29 @@ class Cloud:
     gives_support: NDArray[np.bool_]
 
 
-def build_surface(cloud: Cloud, chart: Chart, options: SurfaceOptions) -> tuple[Surface, Facts]:
+def build_surface(
+    cloud: Cloud, chart: Chart, options: SurfaceOptions, datum: PlaneChart | None = None
+) -> tuple[Surface, Facts]:
     """The surface (deviation NaN) and what was found on the way, for surface.json.
 
-    Offsets from the chart's base surface are regressed; so the mean, far from returns, is the base surface.
+    Without a datum, offsets from the chart's base surface are regressed; so the mean, far from returns, is the base surface.
+    With a datum, heights over that plane are: the chart only numbers places, its shape does not enter the mean. Where the chart
+    stands too steep on the datum there is no surface.
     """
     charted = chart.to_chart(cloud.point)
     known = np.asarray(np.isfinite(charted).all(axis=1))
     if not (known & cloud.gives_support).any():
         raise StageError("no return lies on the chart", where="surface", remedy="check hull.pose, dvl.mount and tray.origin")
     charted, cloud = charted[known], _take(cloud, known)
+    if datum is not None:
+        charted[:, 2] = datum.to_chart(cloud.point)[:, 2]
     grid = supported_lattice(charted[cloud.gives_support, :2], options.grid, options.reach)
     if not len(grid.faces):
         raise StageError("the returns are too sparse for a surface", where="surface", remedy="raise surface.reach")
     estimate = _by_process if options.method == "gp" else _by_triangles
     offset, sigma, facts = estimate(charted, cloud, grid.vertices[:, :2], options)
+    if datum is not None:
+        offset, sigma = _along_normals(offset, sigma, grid.vertices[:, :2], chart, datum)
     mesh, values = refine(grid, options.edge, np.stack([offset, sigma], axis=1))
     shared = _nearest(charted[:, :2], cloud.pose_sigma, mesh.vertices[:, :2])
     support = count_within(charted[cloud.gives_support, :2], mesh.vertices[:, :2], options.reach)
@@ -81,6 +91,14 @@ def _by_triangles(charted: Array, cloud: Cloud, wanted: Array, options: SurfaceO
     sigma = scatter(seen.at, seen.offset)
     facts: Facts = {"method": "linear", "observations": len(seen.at), "scatter_m": sigma}
     return interpolate(seen.at, seen.offset, wanted), np.full(len(wanted), sigma), facts
+
+
+def _along_normals(height: Array, sigma: Array, at: Array, chart: Chart, datum: PlaneChart) -> tuple[Array, Array]:
+    """How far along the chart's normals the places of height (n,) over the datum lie, and their sigma; NaN where too steep."""
+    base, normal = chart.from_chart(at)
+    lean = normal @ datum.axes[2]
+    lean = np.where(lean > LEAST_LEAN, lean, np.nan)
+    return (height - datum.to_chart(base)[:, 2]) / lean, sigma / lean
 
 
 def _sample(seen: Observations) -> Observations:

@@ -15,6 +15,13 @@ class SurfaceOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     """How the surface is made of the DVL's returns."""
 
     method: Annotated[Literal["gp", "linear"], Meta(description="Gaussian process, or linear interpolation")] = "gp"
+    reference: Annotated[
+        Literal["cad", "plane", "none"],
+        Meta(
+            description="what is regressed: offsets from the CAD model (from a plane without one), offsets from a plane through "
+            "the returns, or heights over that plane on the CAD model's chart"
+        ),
+    ] = "cad"
     outlier_neighbours: Annotated[int, Meta(ge=2, le=500, description="neighbours with which a return is compared")] = 30
     outlier_deviations: Annotated[
         Positive, Meta(description="sigmas, mean distance to the neighbours beyond which a return is an outlier")

@@ -38,3 +38,9 @@ def test_the_number_of_vertices_is_limited() -> None:
 
 def test_a_part_without_a_face_has_no_outline() -> None:
     assert outline(FINE, np.array([0, 2])).shape == (0, 3)
+
+
+def test_of_two_parts_the_longer_line_counts() -> None:
+    left = np.flatnonzero(np.linalg.norm(FINE.vertices[:, :2] - [0.25, 0.5], axis=1) < 0.12)
+    right = np.flatnonzero(np.linalg.norm(FINE.vertices[:, :2] - [0.7, 0.5], axis=1) < 0.22)
+    assert (outline(FINE, np.union1d(left, right))[:, 0] > 0.45).all()

@@ -75,3 +75,10 @@ def test_a_bump_and_the_hole_beside_it_are_two_shapes() -> None:
 def test_a_higher_threshold_finds_fewer_shapes() -> None:
     in_camera, deviation = _features()
     assert detect_shapes(in_camera, deviation, 0.11, 0.06, 3, 0.06) == []
+
+
+def test_a_shape_keeps_the_places_of_its_features_in_the_camera() -> None:
+    in_camera, deviation = _features()
+    bump, hole = detect_shapes(in_camera, deviation, 0.03, 0.06, 3, 0.06)
+    np.testing.assert_array_equal(bump.vertices, in_camera[:25])
+    np.testing.assert_array_equal(hole.vertices, in_camera[25:50])

@@ -126,12 +126,20 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
     save(passed["ingest"], "sonar.npz", to_arrays(SonarPings(TIMES, image.astype(np.uint8), directions, ranges)))
     # z of the sonar to starboard, its fan along x: x of the sonar is up
     sonar = Sonar(mount=(0.0, 0.0, 0.0, -90.0, 90.0, 0.0), elevation_deg=20.0)
+    loose = Sonar(mount=sonar.mount, elevation_deg=20.0, mount_sigma=(0.0, 0.0, 0.0, 2.0, 2.0, 2.0))
     blind = {**settings(sonar), "camera": Cameras()}
     out = run_stage(mosaic_sonar.STAGE, blind, passed, tmp_path / "out")
     document = json.loads((out / "mosaic.json").read_text())
     assert document["poses"] == "dead reckoned"
     assert document["pings"] == NODES
     assert document["area_m2"] > 0.2
+    # the mount is known to 1 cm and half a degree, the vehicle to 1 cm and 0.01 rad, the wall some 1.07 m away
+    assert document["position_sigma_of_mount_m"] == pytest.approx(np.hypot(0.01, 1.07 * np.radians(0.5)), abs=5e-4)
+    assert document["position_sigma_m"] == pytest.approx(0.0200, abs=1e-3)
+    assert "known to 20 mm (one sigma)" in document["caption"]
+    out = run_stage(mosaic_sonar.STAGE, {**blind, "sonar": loose}, passed, tmp_path / "loose")
+    worse = json.loads((out / "mosaic.json").read_text())
+    assert worse["position_sigma_of_mount_m"] == pytest.approx(np.hypot(0.01, 1.05 * np.radians(2.0)), abs=2e-3)
 
 
 def test_steps_apply_only_where_their_sensor_was_carried() -> None:

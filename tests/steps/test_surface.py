@@ -200,3 +200,48 @@ def test_two_runs_give_the_same_bytes(bench: Bench, tmp_path: Path) -> None:
     (tmp_path / "again").mkdir()
     first, second = bench.run(), Bench(tmp_path / "again").run()
     assert (first / "surface.npz").read_bytes() == (second / "surface.npz").read_bytes()
+
+
+def test_with_a_drawing_the_record_says_that_the_comparison_is_partly_circular(bench: Bench) -> None:
+    _, facts = _read(bench.run())
+    assert facts["reference"] == "cad"
+    assert "partly circular" in str(facts["comparison"])
+    assert "poses that place the returns were adjusted" in str(facts["comparison"])
+
+
+def test_without_a_drawing_there_is_nothing_to_compare(bench: Bench) -> None:
+    bench.sections["hull"] = None
+    _, facts = _read(bench.run())
+    assert facts["reference"] == "plane"
+    assert facts["comparison"] is None
+
+
+@pytest.mark.parametrize("reference", ["cad", "plane", "none"])
+def test_a_bump_that_the_drawing_lacks_is_found_with_every_reference(bench: Bench, reference: str) -> None:
+    beam_end = _ends(bench)
+    bump = 0.08 * np.exp(-0.5 * ((beam_end[:, 0] - 5) ** 2 + (beam_end[:, 2] - 3) ** 2) / 0.5**2)
+    bench.returns = replace(bench.returns, range_m=bench.returns.range_m - bump)
+    surface, facts = _read(bench.run(reference=reference, outlier_deviations=3.0))
+    x, z = surface.vertices[:, 0], surface.vertices[:, 2]
+    top = np.hypot(x - 5, z - 3) < 0.15
+    aside = (np.hypot(x - 5, z - 3) > 1.3) & (np.abs(x - 5) < 1.8) & (np.abs(z - 3) < 0.6)
+    assert facts["reference"] == reference
+    assert ("circular" in str(facts["comparison"])) == (reference == "cad")
+    assert np.median(surface.deviation[top]) == pytest.approx(OFF + 0.08, abs=0.012)
+    assert np.median(surface.deviation[aside]) == pytest.approx(OFF, abs=0.006)
+
+
+def _ends(bench: Bench) -> np.ndarray:
+    hull_from_vehicle = from_mount(TURN).inverse()[np.zeros(240, int)] @ bench.T_g_v[bench.returns.node]
+    beam = hull_from_vehicle @ from_mount([0, 0, 0, 90, 0, 0])
+    return beam.apply(bench.returns.beam * bench.returns.range_m[:, None])
+
+
+def test_a_hull_that_bends_around_is_no_plane(bench: Bench) -> None:
+    # landmarks all around the bilge: no plane faces them all
+    angle = np.radians(np.linspace(-100, 100, 400))
+    x = np.tile(np.linspace(3, 7, 20), 20)
+    marks = np.column_stack([x, RADIUS * np.sin(angle), 3 - RADIUS * np.cos(angle)])
+    bench.solution = _solution(bench.T_g_v, from_mount(TURN).apply(marks))
+    with pytest.raises(StageError, match="bends too far"):
+        bench.run(dvl=False, reference="plane")

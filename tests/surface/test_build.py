@@ -84,3 +84,17 @@ def test_returns_too_sparse_for_a_surface_are_an_error_with_advice(wall: PlaneCh
     sparse = Cloud(np.array([[0.1, 2, 0.1], [9.1, 2, 0.1]]), np.ones(2), np.ones(2), np.ones(2, bool))
     with pytest.raises(StageError, match=r"surface\.reach"):
         build_surface(sparse, wall, SurfaceOptions(reach=0.05))
+
+
+def test_heights_over_a_plane_give_the_same_wall_as_offsets_from_it(wall: PlaneChart, rng: np.random.Generator) -> None:
+    cloud = _cloud(rng)
+    by_offset, _ = build_surface(cloud, wall, SurfaceOptions())
+    by_height, _ = build_surface(cloud, wall, SurfaceOptions(), datum=wall)
+    np.testing.assert_allclose(by_height.vertices, by_offset.vertices, atol=1e-9)
+    np.testing.assert_allclose(by_height.sigma, by_offset.sigma, atol=1e-9)
+
+
+def test_a_chart_that_stands_on_edge_over_the_datum_gives_no_surface(wall: PlaneChart, rng: np.random.Generator) -> None:
+    floor = PlaneChart(np.zeros(3), np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1]]))
+    surface, _ = build_surface(_cloud(rng), wall, SurfaceOptions(fit=False), datum=floor)
+    assert len(surface.faces) == 0
