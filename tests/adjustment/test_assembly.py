@@ -12,7 +12,9 @@ from adjustment.simulated_dive import (
     SEMI_AXES_M,
     TRAY_FROM_DVL,
     TRAY_NOISE_RAD,
+    TRAY_ORIGIN_M,
     drawn_hull,
+    matrix,
     moved,
     records_poses,
     simulate,
@@ -178,23 +180,34 @@ def test_what_is_calibrated_absent_or_asked_to_stay_is_held(scene, options, held
     assert set(problem.constant) == held | {"intrinsics_top", "intrinsics_bottom"}
 
 
+def ellipsoid_hits(origin, direction):
+    """Where rays in M first meet the drawn ellipsoid, (n, 3); NaN where they pass it."""
+    o, d = origin / SEMI_AXES_M, direction / SEMI_AXES_M
+    a, b, c = (d * d).sum(1), (o * d).sum(1), (o * o).sum(1) - 1
+    inside = b * b - a * c
+    length = (-b - np.sqrt(np.where(inside > 0.01, inside, np.nan))) / a
+    return origin + length[:, None] * direction
+
+
 def test_the_beams_meet_the_field_where_they_meet_the_drawing():
-    """Their four weights at the nodes give back the chart's coordinates of a point of the ellipsoid."""
+    """Their four weights at the nodes give back the chart's coordinates of the beam's first point on the ellipsoid."""
     dive = simulate()
-    state = true_state(dive)
+    state = replace(true_state(dive), T_s_d=records_poses(TRAY_FROM_DVL))
     problem, chosen, _ = problem_at(dive, state)
-    grid, chart = state.grid, dive.measured.drawing.chart
-    row, column = np.divmod(problem.range_field_index, grid.shape[1])
-    node = grid.origin + np.stack([row, column], -1) * grid.step
-    at = np.einsum("nk,nkc->nc", problem.range_field_weight, node)
-    on_drawing, _ = chart.from_chart(at)
-    known = np.isfinite(on_drawing[:, 0])
-    assert known.mean() > 0.9
-    np.testing.assert_allclose(np.sum((on_drawing[known] / SEMI_AXES_M) ** 2, 1), 1.0, atol=5e-3)
     returns = dive.measured.returns
-    assert len(problem.range_measured) == chosen.returns.sum()
-    origin = moved(np.linalg.inv(GLOBAL_FROM_HULL), dive.global_from_vehicle[returns.node, :3, 3])
-    assert np.abs(on_drawing[known, 0] - origin[chosen.returns][known, 0]).max() < 1.5
+    assert chosen.returns.all()
+    assert len(problem.range_measured) == len(returns.node)
+    ping = dive.global_from_vehicle[returns.node] @ matrix(returns.translation, Rotation.from_quat(returns.quaternion))
+    angle = (dive.tray[returns.node] + returns.tray_offset)[:, None]
+    tray = matrix(np.tile(TRAY_ORIGIN_M, (len(angle), 1)), Rotation.from_euler("y", angle))
+    hull_from_dvl = np.linalg.inv(GLOBAL_FROM_HULL) @ ping @ tray @ TRAY_FROM_DVL
+    hits = ellipsoid_hits(hull_from_dvl[:, :3, 3], np.einsum("nij,nj->ni", hull_from_dvl[:, :3, :3], returns.beam))
+    row, column = np.divmod(problem.range_field_index, state.grid.shape[1])
+    node = state.grid.origin + np.stack([row, column], -1) * state.grid.step
+    found = np.einsum("nk,nkc->nc", problem.range_field_weight, node)
+    met = np.isfinite(hits[:, 0])
+    assert met.mean() > 0.9
+    np.testing.assert_allclose(found[met], dive.measured.drawing.chart.to_chart(hits[met])[:, :2], atol=0.01)
 
 
 def test_a_beam_that_misses_the_drawing_takes_the_field_at_its_measured_end():
