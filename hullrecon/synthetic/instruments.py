@@ -18,10 +18,9 @@ from hullrecon.synthetic.spec import DiveSpec
 Array = NDArray[np.float64]
 
 ATMOSPHERE_PA, DENSITY, GRAVITY = 101325.0, 1025.0, 9.81
-VELOCITY_SIGMA, RANGE_SIGMA, SCALE_ERROR = 0.003, 0.01, 0.003
+VELOCITY_SIGMA, RANGE_SIGMA = 0.003, 0.01
 LOST_SHARE, WILD_SHARE = 0.02, 0.005
 ROLL_PITCH_SIGMA, HEADING_SIGMA = np.radians(0.1), np.radians(0.05)
-HEADING_DRIFT = np.radians(1.0) / 3600  # rad/s
 GYRO_SIGMA, ACCELERATION_SIGMA = 0.002, 0.03
 DEPTH_SIGMA = 0.02
 
@@ -66,7 +65,7 @@ def dvl(spec: DiveSpec, motion: Motion, rig: Rig, hull: Rays) -> Dvl:
     at = motion.on_tray(t, rig.T_s_d, TRAY_ORIGIN)
     ahead, behind = (motion.on_tray(t + dt, rig.T_s_d, TRAY_ORIGIN).translation for dt in (0.04, -0.04))
     true = at.rotation.inv().apply((ahead - behind) / 0.08)
-    velocity = true * (1 + SCALE_ERROR) + VELOCITY_SIGMA * random.standard_normal(true.shape)
+    velocity = true * (1 + spec.dvl_scale_error) + VELOCITY_SIGMA * random.standard_normal(true.shape)
     return Dvl(t, velocity, _ranges(random, motion.in_hull(at), hull))
 
 
@@ -79,7 +78,8 @@ def imu(spec: DiveSpec, motion: Motion) -> Imu:
     n = len(t)
     level = ROLL_PITCH_SIGMA * (random.standard_normal(2) + 0.3 * random.standard_normal((n, 2)))
     walk = HEADING_SIGMA * np.cumsum(random.standard_normal(n)) * np.sqrt(0.04 / 60)
-    heading = HEADING_DRIFT * t + walk + 0.5 * HEADING_SIGMA * random.standard_normal(n)
+    drift = np.radians(spec.heading_drift_deg_per_hour) / 3600
+    heading = drift * t + walk + 0.5 * HEADING_SIGMA * random.standard_normal(n)
     error = Rotation.from_euler("xyz", np.column_stack([level, np.zeros(n)]))
     turn = Rotation.from_euler("z", heading[:, None]) * motion.vehicle(t).rotation * error
     down = np.array([0.0, 0.0, GRAVITY])
@@ -102,8 +102,8 @@ def joints(spec: DiveSpec, motion: Motion) -> Series:
     random = spec.random("joints")
     t = ticks(motion, 10.0, random, 0.09)
     series = (motion.encoder, motion.sonar_tray)
-    told = np.stack([motion.angle(s, t) for s in series], axis=1)
-    return Series(t, told + np.radians(spec.slop_deg) * random.standard_normal(told.shape))
+    reported = np.stack([motion.angle(s, t) for s in series], axis=1)
+    return Series(t, reported + np.radians(spec.servo_sigma_deg) * random.standard_normal(reported.shape))
 
 
 def _ranges(random: np.random.Generator, T_M_d: Poses, hull: Rays) -> Array:

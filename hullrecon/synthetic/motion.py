@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the vehicle is at any time: smooth in position and attitude, with a tray whose servo has play."""
+"""Where the vehicle is at any time: smooth in position and attitude, with a tray whose servo has backlash."""
 
 from __future__ import annotations
 
@@ -61,11 +61,12 @@ class Motion:
         return spline
 
 
-def with_play(command: Array, play: float) -> Array:
-    """The load behind a gear with that play (half the dead band): it stands still while the gear crosses the band."""
+def with_backlash(command: Array, backlash: float) -> Array:
+    """Return the angle (n,) of the load behind a gear with that backlash (half the dead band): it stands still while the gear
+    crosses the band."""
     out = np.empty_like(command)
     at = float(command[0])
     for k, c in enumerate(command.tolist()):
-        at = min(max(at, c - play), c + play)
+        at = min(max(at, c - backlash), c + backlash)
         out[k] = at
     return out

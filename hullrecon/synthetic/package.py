@@ -31,6 +31,11 @@ from hullrecon.synthetic.rig import (
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.truth import write_truth
 
+# What dive.toml tells of instruments of this class, one sigma; more where more was simulated.
+TRAY_SIGMA_DEG = 0.8
+HEADING_DRIFT_SIGMA = 1.0  # degrees an hour
+DVL_SCALE_SIGMA = 0.005  # assumed by readers where the key is absent
+
 
 def write_package(folder: Path, spec: DiveSpec, track: Track = untracked) -> Dive:
     """Simulate a dive, write its package and return it, truth and all. The folder may exist but must be empty; it is written
@@ -140,16 +145,18 @@ files = {files}
 
 
 def _vehicle(spec: DiveSpec) -> str:
+    scale = abs(spec.dvl_scale_error)
+    scale_sigma = f"scale_sigma = {scale}\n" if scale > DVL_SCALE_SIGMA else ""
     beams = "" if spec.form == "mcap" else "beams = [" + ", ".join(_row(b) for b in BEAMS) + "]\n"
     return f"""[tray]
 joint = "tray"
 origin = {_row(TRAY_ORIGIN)}
-sigma_deg = 0.8
+sigma_deg = {max(TRAY_SIGMA_DEG, float(np.hypot(spec.backlash_deg, spec.servo_sigma_deg))):.4g}
 
 [imu]
 frame = "ned"
 sigma_roll_pitch_deg = 0.1
-heading_drift_deg_per_hour = 1.0
+heading_drift_deg_per_hour = {max(HEADING_DRIFT_SIGMA, abs(spec.heading_drift_deg_per_hour))}
 
 [pressure]
 origin = [0.0, 0.0, 0.0]
@@ -162,7 +169,7 @@ sigma_m = {DEPTH_SIGMA}
 mount = {_row(DVL_MOUNT)}
 sigma_velocity = {VELOCITY_SIGMA}
 sigma_range = {RANGE_SIGMA}
-{beams}"""
+{scale_sigma}{beams}"""
 
 
 def _camera_sections(spec: DiveSpec) -> str:

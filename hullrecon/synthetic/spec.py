@@ -39,7 +39,8 @@ class DiveSpec:
     length each) or the path of a mesh, scaled to length_m. The dive starts `top_m` below the water and steps down the girth.
     views: images that see a point of the steel during one leg; it sets the frame rate. items: None plants `structures` and
     `marks` and `barnacles` at random places. guess_*: how far the first guess of the hull's pose is off. form: how the logs
-    are written."""
+    are written. heading_drift_deg_per_hour, dvl_scale_error: what the instruments truly do, dive.toml tells no smaller sigma;
+    backlash_deg: half the dead band of the tray's servo; servo_sigma_deg: white noise of the encoders."""
 
     name: str = "simulated"
     seed: int = 1
@@ -64,8 +65,10 @@ class DiveSpec:
     jpeg_quality: int = 88
     sonar: bool = True
     visibility_m: float = 6.0
-    play_deg: float = 0.5
-    slop_deg: float = 0.05
+    heading_drift_deg_per_hour: float = 1.0
+    dvl_scale_error: float = 0.003
+    backlash_deg: float = 0.5
+    servo_sigma_deg: float = 0.05
     deviation_mean_m: float = -0.008
     deviation_sigma_m: float = 0.012
     deviation_length_m: float = 2.5

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, from_rpy
-from hullrecon.synthetic.motion import Motion, with_play
+from hullrecon.synthetic.motion import Motion, with_backlash
 from hullrecon.synthetic.rig import TRAY_ORIGIN
 from hullrecon.synthetic.sheet import Sheet
 from hullrecon.synthetic.spec import DiveSpec
@@ -52,7 +52,7 @@ def swim(spec: DiveSpec, sheet: Sheet, corners: Array) -> Motion:
     encoder = elevation + wobble[:, 6]
     attitude[:, 2] -= attitude[0, 2]
     hull = T_g_level @ Poses(level.as_quat()[None], np.zeros((1, 3)))
-    tray = with_play(encoder, np.radians(spec.play_deg))
+    tray = with_backlash(encoder, np.radians(spec.backlash_deg))
     sonar = encoder - SONAR_BELOW[0] + SONAR_BELOW[1] * elevation
     return Motion(t, T_g_level.apply(smooth), attitude, encoder, tray, sonar, hull)
 

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.poses import Poses, identity
+from hullrecon.geometry.poses import Poses, identity, roll_pitch_yaw
 from hullrecon.synthetic import instruments
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.motion import Motion
@@ -35,7 +36,7 @@ def test_velocity_is_that_of_the_instrument_in_its_own_frame(dive: Dive) -> None
     place = lambda t: dive.motion.on_tray(t, dive.rig.T_s_d, TRAY_ORIGIN)  # noqa: E731
     moved = (place(dvl.t_s + step).translation - place(dvl.t_s - step).translation) / (2 * step)
     true = place(dvl.t_s).rotation.inv().apply(moved)
-    error = dvl.velocity - (1 + instruments.SCALE_ERROR) * true
+    error = dvl.velocity - (1 + dive.spec.dvl_scale_error) * true
     assert np.abs(error).max() < 6 * instruments.VELOCITY_SIGMA
     assert error.std() == pytest.approx(instruments.VELOCITY_SIGMA, rel=0.3)
 
@@ -75,10 +76,6 @@ def test_a_level_imu_at_rest_feels_gravity_upwards(hovering: Motion) -> None:
 
 
 def test_attitude_has_a_bias_in_roll_and_pitch_of_tenths_of_a_degree(hovering: Motion) -> None:
-    from scipy.spatial.transform import Rotation
-
-    from hullrecon.geometry.poses import roll_pitch_yaw
-
     imu = instruments.imu(DiveSpec(), hovering)
     rpy = np.degrees(roll_pitch_yaw(Rotation.from_quat(imu.quaternion)))
     assert 0.005 < np.abs(rpy[:, :2].mean(0)).max() < 0.5
@@ -96,6 +93,35 @@ def test_rates_of_the_sensors_are_as_promised(hovering: Motion) -> None:
 
 
 def test_joints_report_the_encoder_not_the_tray(dive: Dive) -> None:
-    told = instruments.joints(replace(dive.spec, slop_deg=0.0), dive.motion)
-    np.testing.assert_allclose(told.value[:, 0], dive.motion.angle(dive.motion.encoder, told.t_s))
-    np.testing.assert_allclose(told.value[:, 1], dive.motion.angle(dive.motion.sonar_tray, told.t_s))
+    reported = instruments.joints(replace(dive.spec, servo_sigma_deg=0.0), dive.motion)
+    np.testing.assert_allclose(reported.value[:, 0], dive.motion.angle(dive.motion.encoder, reported.t_s))
+    np.testing.assert_allclose(reported.value[:, 1], dive.motion.angle(dive.motion.sonar_tray, reported.t_s))
+
+
+@pytest.mark.parametrize("drift", [0.0, 90.0, -360.0])
+def test_the_heading_drifts_by_what_was_asked_for(hovering: Motion, drift: float) -> None:
+    imu = instruments.imu(DiveSpec(heading_drift_deg_per_hour=drift), hovering)
+    heading = np.degrees(roll_pitch_yaw(Rotation.from_quat(imu.quaternion))[:, 2])
+    assert 3600 * np.polyfit(imu.t_s, heading, 1)[0] == pytest.approx(drift, abs=6.0)  # the walk is not noiseless
+
+
+def test_drift_alone_changes_nothing_but_the_heading(hovering: Motion) -> None:
+    calm, drifting = (instruments.imu(DiveSpec(heading_drift_deg_per_hour=d), hovering) for d in (0.0, 90.0))
+    np.testing.assert_array_equal(calm.rates, drifting.rates)
+    np.testing.assert_array_equal(calm.force, drifting.force)
+    turned = roll_pitch_yaw(Rotation.from_quat(drifting.quaternion)) - roll_pitch_yaw(Rotation.from_quat(calm.quaternion))
+    np.testing.assert_allclose(turned, np.radians(90.0) / 3600 * calm.t_s[:, None] * [0, 0, 1], atol=1e-9)
+
+
+@pytest.mark.parametrize("error", [0.0, 0.05, -0.02])
+def test_velocities_are_too_long_by_the_scale_error(dive: Dive, error: float) -> None:
+    plain = instruments.dvl(replace(dive.spec, dvl_scale_error=0.0), dive.motion, dive.rig, dive.hull)
+    scaled = instruments.dvl(replace(dive.spec, dvl_scale_error=error), dive.motion, dive.rig, dive.hull)
+    slope = ((scaled.velocity - plain.velocity) * plain.velocity).sum() / (plain.velocity**2).sum()
+    assert slope == pytest.approx(error, rel=0.02, abs=1e-12)
+    np.testing.assert_array_equal(plain.ranges, scaled.ranges)
+
+
+def test_the_encoder_is_as_noisy_as_asked(dive: Dive) -> None:
+    quiet, noisy = (instruments.joints(replace(dive.spec, servo_sigma_deg=s), dive.motion).value for s in (0.0, 0.3))
+    assert np.degrees(noisy - quiet).std() == pytest.approx(0.3, rel=0.15)

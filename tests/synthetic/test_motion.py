@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import from_mount, identity
-from hullrecon.synthetic.motion import Motion, with_play
+from hullrecon.synthetic.motion import Motion, with_backlash
 
 
 @pytest.fixture
@@ -18,14 +18,14 @@ def turning() -> Motion:
     return Motion(t, position, attitude, zero + 0.1, zero + 0.1, zero - 0.6, identity())
 
 
-def test_the_load_stands_still_while_the_gear_crosses_its_play() -> None:
+def test_the_load_stands_still_while_the_gear_crosses_its_backlash() -> None:
     command = np.array([0.0, 0.5, 1.0, 2.0, 1.5, 1.0, 0.5, -1.0])
-    np.testing.assert_allclose(with_play(command, 0.5), [0.0, 0.0, 0.5, 1.5, 1.5, 1.5, 1.0, -0.5])
+    np.testing.assert_allclose(with_backlash(command, 0.5), [0.0, 0.0, 0.5, 1.5, 1.5, 1.5, 1.0, -0.5])
 
 
-def test_without_play_the_load_follows() -> None:
+def test_without_backlash_the_load_follows() -> None:
     command = np.sin(np.arange(50))
-    np.testing.assert_array_equal(with_play(command, 0.0), command)
+    np.testing.assert_array_equal(with_backlash(command, 0.0), command)
 
 
 def test_pose_and_rates_are_those_of_the_path(turning: Motion) -> None:

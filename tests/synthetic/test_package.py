@@ -154,3 +154,28 @@ def test_progress_counts_every_image_while_it_is_written(tmp_path: Path) -> None
     dive = write_package(tmp_path / "dive", spec, track)
     images = 2 * len(dive.frame_s)
     assert seen == [("images written", k + 1, images) for k in range(images)]
+
+
+def told(dive: Dive, **errors: float) -> DiveConfig:
+    return decode(dive_toml(replace(dive, spec=replace(dive.spec, **errors))))
+
+
+@pytest.mark.parametrize("drift", [144.0, -144.0])
+def test_dive_toml_tells_a_sigma_as_large_as_the_drift(dive: Dive, drift: float) -> None:
+    assert told(dive, heading_drift_deg_per_hour=drift).imu.heading_drift_deg_per_hour == 144.0
+
+
+@pytest.mark.parametrize("error", [0.02, -0.02])
+def test_dive_toml_tells_a_sigma_as_large_as_the_scale_error(dive: Dive, error: float) -> None:
+    assert told(dive, dvl_scale_error=error).dvl.scale_sigma == 0.02
+
+
+def test_dive_toml_tells_a_sigma_as_large_as_the_backlash(dive: Dive) -> None:
+    assert told(dive, backlash_deg=3.0, servo_sigma_deg=0.0).tray.sigma_deg == 3.0
+    assert told(dive, backlash_deg=3.0, servo_sigma_deg=4.0).tray.sigma_deg == 5.0
+
+
+def test_dive_toml_tells_an_instruments_class_where_its_errors_are_smaller(dive: Dive) -> None:
+    config = told(dive, heading_drift_deg_per_hour=0.0, dvl_scale_error=0.0, backlash_deg=0.0, servo_sigma_deg=0.0)
+    assert config == decode(dive_toml(dive))
+    assert (config.imu.heading_drift_deg_per_hour, config.dvl.scale_sigma, config.tray.sigma_deg) == (1.0, 0.005, 0.8)

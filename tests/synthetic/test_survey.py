@@ -59,8 +59,8 @@ def test_the_motion_is_smooth(dive: Dive) -> None:
     assert np.abs(dive.motion.rates(t)).max() < 0.3
 
 
-def test_the_true_tray_differs_from_the_encoder_by_the_play(dive: Dive) -> None:
+def test_the_true_tray_differs_from_the_encoder_by_the_backlash(dive: Dive) -> None:
     gap = np.degrees(dive.motion.tray - dive.motion.encoder)
-    assert np.abs(gap).max() == pytest.approx(dive.spec.play_deg, rel=1e-6)
-    rigid = swim(replace(dive.spec, play_deg=0.0), dive.sheet, legs_of(dive.spec, float(dive.sheet.along_m.mean()), 0.0))
+    assert np.abs(gap).max() == pytest.approx(dive.spec.backlash_deg, rel=1e-6)
+    rigid = swim(replace(dive.spec, backlash_deg=0.0), dive.sheet, legs_of(dive.spec, float(dive.sheet.along_m.mean()), 0.0))
     np.testing.assert_array_equal(rigid.tray, rigid.encoder)
