@@ -77,7 +77,7 @@ def test_a_log_file_has_everything_with_the_time(program, package: Path, runs: P
         handler.close()
     text = (tmp_path / "run.log").read_text()
     assert text.startswith("20")
-    assert "INFO hullrecon.artifacts.execution.chain_runner: navigate: started: not run yet" in text
+    assert "INFO hullrecon.artifacts.execution.chain_runner: navigate: started: first run" in text
 
 
 def test_status_says_where_each_step_stands_and_changes_nothing(program, package: Path, runs: Path) -> None:

@@ -32,7 +32,7 @@ class StepStatus:
 
     def why_run(self) -> str:
         """Say in one line why the step runs."""
-        return "; ".join(self.reasons) or ("from scratch" if self.state == "up to date" else self.state)
+        return "; ".join(self.reasons) or ("first run" if self.state == "not run yet" else "from scratch")
 
     @property
     def to_do(self) -> bool:
