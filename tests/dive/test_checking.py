@@ -71,3 +71,23 @@ def test_the_simulated_dive_raises_no_suspicion(data):
 )
 def test_a_wrong_entry_for_the_simulated_dive_is_suspected(data, override, suspicion):
     assert any(suspicion in line for line in check(data / "dive-a", override).suspicious)
+
+
+def test_lever_arms_that_are_left_to_defaults_are_asked_for(package):
+    found = check(package)
+    asked = [line.split(": ")[1] for line in found.lines() if line.startswith("to fill in: ")]
+    assert asked == ["tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount"]
+    assert found.document()["to_fill_in"] == found.to_fill_in
+
+
+def test_a_camera_that_is_logged_without_a_calibration_is_asked_for(package):
+    path = package / "dive.toml"
+    path.write_text(path.read_text().split("[camera.top]")[0])
+    assert any(line.startswith("to fill in: camera.top.calibration: ") for line in check(package).lines())
+
+
+def test_a_dvl_without_an_imu_is_said_to_be_no_run(package):
+    path = package / "dive.toml"
+    path.write_text(path.read_text().replace('imu = "/imu"\n', ""))
+    lines = check(package).lines()
+    assert "no imu: the DVL's velocities have no heading: no run is possible" in lines
