@@ -18,8 +18,8 @@ class SurfaceOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     reference: Annotated[
         Literal["cad", "plane", "none"],
         Meta(
-            description="what is regressed: offsets from the CAD model (from a plane without one), offsets from a plane through the "
-            "returns, or heights over that plane on the CAD model's chart"
+            description="what is regressed: offsets from the CAD model (from a plane without one), offsets from a plane through "
+            "the returns, or heights over that plane on the CAD model's chart"
         ),
     ] = "cad"
     outlier_neighbours: Annotated[int, Meta(ge=2, le=500, description="neighbours with which a return is compared")] = 30
