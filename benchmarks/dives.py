@@ -24,8 +24,8 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.evaluation.judge import judge
-from hullrecon.evaluation.truth import read_truth
+from hullrecon.evaluation.scoring.score import judge
+from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.poses import Poses, of_seven
 
 BASE = "--no-sonar --legs 4 --leg-length-m 5 --views 6"

@@ -22,12 +22,12 @@ from .state import state_of
 def init(log: Path, out: Path | None, force: bool) -> None:
     """Write a commented dive.toml by looking into LOG, a file or a folder with one."""
     from hullrecon.artifacts.storage.disk import storage_errors, write_file
-    from hullrecon.dive.dvl_beams import ask_for_beams
-    from hullrecon.dive.initial import beams_to_ask_for, first_config
-    from hullrecon.dive.load import load_config
-    from hullrecon.dive.readers.open import find_logs, open_log
-    from hullrecon.dive.survey import guess_topics, survey_all
-    from hullrecon.dive.unknowns import to_fill_in
+    from hullrecon.dive.check.to_fill_in import to_fill_in
+    from hullrecon.dive.config.config_template import beams_to_ask_for, first_config
+    from hullrecon.dive.config.load import load_config
+    from hullrecon.dive.logs.dvl_beams import ask_for_beams
+    from hullrecon.dive.logs.readers.open import find_logs, open_log
+    from hullrecon.dive.logs.summary import guess_topics, survey_all
 
     logs = find_logs(log)
     found = survey_all([open_log(path) for path in logs])
@@ -56,8 +56,8 @@ def check(package: Path, overrides: tuple[str, ...]) -> None:
         _check_log(package)
         return
     from hullrecon.artifacts.execution.progress import choose_progress
-    from hullrecon.dive.checking import check_package
-    from hullrecon.dive.load import load_config
+    from hullrecon.dive.check.package_check import check_package
+    from hullrecon.dive.config.load import load_config
     from hullrecon.steps.chain import stages
     from hullrecon.steps.ingest import STAGE, USES, request_of
 
@@ -69,8 +69,8 @@ def check(package: Path, overrides: tuple[str, ...]) -> None:
 
 
 def _check_log(path: Path) -> None:
-    from hullrecon.dive.readers.open import open_log
-    from hullrecon.dive.survey import survey
+    from hullrecon.dive.logs.readers.open import open_log
+    from hullrecon.dive.logs.summary import survey
 
     found = survey(open_log(path))
     advice = "this is a log without a dive.toml: `hullrecon init` writes one beside it"
@@ -78,7 +78,7 @@ def _check_log(path: Path) -> None:
 
 
 def _is_log(folder: Path) -> bool:
-    from hullrecon.dive.readers.open import open_log
+    from hullrecon.dive.logs.readers.open import open_log
 
     try:
         open_log(folder)

@@ -49,7 +49,7 @@ def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> DiveRu
 
     Raises InputError when it is neither, UsageError for a wrong configuration.
     """
-    from hullrecon.dive.load import load_config
+    from hullrecon.dive.config.load import load_config
     from hullrecon.steps.chain import stages
 
     workspace = Workspace(target) if Workspace(target).exists() else None

@@ -23,7 +23,7 @@ from .dives import DiveRun
 from .state import state_of
 
 if TYPE_CHECKING:
-    from hullrecon.evaluation.comparison import Reckoned, Solved
+    from hullrecon.evaluation.comparison.comparison import Reckoned, Solved
 
 COMPARED = "compare"  # RUNS/<dive>/compare/<variant>/adjust: one workspace a variant, beside the chain's own artifacts
 WHOLE_SOLVE_ITERATIONS = 200  # 26 to 51 in [Ozog2016 Fig. 4.13]
@@ -31,7 +31,7 @@ WHOLE_SOLVE_ITERATIONS = 200  # 26 to 51 in [Ozog2016 Fig. 4.13]
 
 def variants() -> list[tuple[str, str, bool]]:
     """(method, weighting, as_published) of every solve that is compared."""
-    from hullrecon.evaluation.methods import METHODS, WEIGHTINGS
+    from hullrecon.evaluation.comparison.method_comparison import METHODS, WEIGHTINGS
 
     return [(method, weighting, printed) for weighting, printed in WEIGHTINGS.items() for method in METHODS]
 
@@ -82,7 +82,7 @@ def place_of(dive: DiveRun, method: str, weighting: str, as_published: bool) -> 
 
 def read_solutions(dive: DiveRun) -> list[Solved]:
     """What solve_all left. InputError when a variant is missing."""
-    from hullrecon.evaluation.comparison import read_solved
+    from hullrecon.evaluation.comparison.comparison import read_solved
 
     found = []
     for method, weighting, printed in variants():
@@ -95,7 +95,7 @@ def read_solutions(dive: DiveRun) -> list[Solved]:
 
 
 def read_dead_reckoning(dive: DiveRun) -> Reckoned:
-    from hullrecon.evaluation.comparison import read_reckoned
+    from hullrecon.evaluation.comparison.comparison import read_reckoned
     from hullrecon.geometry.poses import from_mount
 
     sections = dive.chain.sections

@@ -25,7 +25,7 @@ _JOBS = click.option("--jobs", type=click.IntRange(min=1), default=1, show_defau
 @click.argument("package", type=FOLDER)
 def evaluate(run: Path, package: Path) -> None:
     """Figures of a run (RUNS/<dive> or its deliver/) against the truth in a simulated dive's PACKAGE."""
-    from hullrecon.evaluation.judge import judge, plain, rows
+    from hullrecon.evaluation.scoring.score import judge, plain, rows
 
     figures = judge(run, package)
     width = max(len(name) for name, _, _ in rows(figures))
@@ -44,10 +44,10 @@ def compare(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int) ->
     The steps before `adjust` run once if they are out of date; `adjust` runs six times. As printed is one solve from
     the registration on, without a deviation field, outliers left to the Huber loss.
     """
-    from hullrecon.evaluation.comparison import compare as side_by_side
-    from hullrecon.evaluation.comparison import table_rows
-    from hullrecon.evaluation.judge import plain
-    from hullrecon.evaluation.truth import read_truth
+    from hullrecon.evaluation.comparison.comparison import compare as side_by_side
+    from hullrecon.evaluation.comparison.comparison import table_rows
+    from hullrecon.evaluation.scoring.score import plain
+    from hullrecon.evaluation.scoring.truth import read_truth
 
     dive = open_dive(package, runs, overrides)
     truth = read_truth(dive.chain.package)
@@ -70,8 +70,8 @@ def figures(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int) ->
     the DVL's residuals before and after (4.14), the height of a structure (4.16). Solves what `compare` has not solved, and
     runs the chain up to `detect`, whose heights are the ones delivered.
     """
-    from hullrecon.evaluation.gallery import draw
-    from hullrecon.evaluation.truth import read_truth
+    from hullrecon.evaluation.figures.figures import draw
+    from hullrecon.evaluation.scoring.truth import read_truth
 
     dive = open_dive(package, runs, overrides)
     truth = read_truth(dive.chain.package)

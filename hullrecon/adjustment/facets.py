@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 
 Array = NDArray[np.float64]
 

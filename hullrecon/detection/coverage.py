@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.detection.mesh import vertex_normals
+from hullrecon.detection.as_found.mesh import vertex_normals
 from hullrecon.detection.views import GRAZING, Sightings
 from hullrecon.dive.records import SonarPings
-from hullrecon.geometry.casting import Scene
-from hullrecon.geometry.chart import Chart
-from hullrecon.geometry.meshes import Mesh, vertex_areas
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.poses import Poses
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 
 Array = NDArray[np.float64]
 SHARPEST_RAD = np.radians(40.0)  # a sharper edge is a real one (chine, keel), not a curve's facets

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.neighbours import Around
 from hullrecon.geometry.poses import Poses
 

@@ -13,18 +13,19 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive import sensors, words
-from hullrecon.dive.calibration import read_camera
-from hullrecon.dive.gather import Gathered, Watch, gather
-from hullrecon.dive.hull import read_hull
-from hullrecon.dive.image_sink import ImageSink
-from hullrecon.dive.readers.open import open_log
+from hullrecon.dive.check import messages
+from hullrecon.dive.config.calibration import read_camera
+from hullrecon.dive.hull.load import read_hull
+from hullrecon.dive.images.sink import ImageSink
+from hullrecon.dive.logs import streams
+from hullrecon.dive.logs.read_streams import Gathered, Watch, gather
+from hullrecon.dive.logs.readers.open import open_log
+from hullrecon.dive.logs.samples import ImageSample
+from hullrecon.dive.logs.timeline import NS, put_in_order
 from hullrecon.dive.records import ImageIndex
-from hullrecon.dive.samples import ImageSample
-from hullrecon.dive.timeline import NS, put_in_order
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 
 JOINT_KEYS = {"tray": "tray.joint", "sonar_tray": "sonar.joint"}
 OpenFile = Callable[[str], BinaryIO]  # a file for the images of that camera
@@ -39,7 +40,7 @@ class Request:
     topics: Mapping[str, str]
     joints: Mapping[str, str]
     imu_frame: str
-    pressure: sensors.PressureModel
+    pressure: streams.PressureModel
     beams: NDArray[np.float64] | None
     sigma_velocity: float
     calibration: Mapping[str, str]
@@ -63,7 +64,7 @@ class Ingested:
 
     def findings(self) -> dict[str, Any]:
         """findings.json: sentences."""
-        spans = words.spans(self.records, self.images)
+        spans = messages.spans(self.records, self.images)
         return {"spans": spans, "lost": self.lost, "hull": self.hull_words, "remarks": self.remarks}
 
 
@@ -87,7 +88,7 @@ def ingest(package: Path, request: Request, open_file: OpenFile, watch: Watch = 
     found = gather(logs, {topic: sensor for sensor, topic in topics.items()}, take_image, watch)
     _check_topics(topics, found)
     out.remarks += found.remarks
-    out.lost = words.losses(found.losses)
+    out.lost = messages.losses(found.losses)
     out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
     _records(out, request, found)
     for name, sink in sinks.items():
@@ -115,10 +116,10 @@ def _check_topics(topics: Mapping[str, str], found: Gathered) -> None:
 
 def _records(out: Ingested, request: Request, found: Gathered) -> None:
     make: dict[str, Callable[[list[Any]], Any]] = {
-        "dvl": lambda s: sensors.dvl_pings(s, request.beams, request.sigma_velocity, out.remarks),
-        "imu": lambda s: sensors.imu_samples(s, request.imu_frame, out.remarks),
-        "pressure": lambda s: sensors.pressure_samples(s, request.pressure, out.remarks),
-        "sonar": lambda s: sensors.sonar_pings(s, out.remarks),
+        "dvl": lambda s: streams.dvl_pings(s, request.beams, request.sigma_velocity, out.remarks),
+        "imu": lambda s: streams.imu_samples(s, request.imu_frame, out.remarks),
+        "pressure": lambda s: streams.pressure_samples(s, request.pressure, out.remarks),
+        "sonar": lambda s: streams.sonar_pings(s, out.remarks),
     }
     for name, build in make.items():
         samples = _ordered(name, found.samples[name], found.logged_ns[name], out.remarks)
@@ -130,7 +131,7 @@ def _records(out: Ingested, request: Request, found: Gathered) -> None:
         mine = [(s, t) for s, t in joints if s.name == joint]  # type: ignore[union-attr]
         samples = _ordered(f"joint {joint}", [s for s, _ in mine], [t for _, t in mine], out.remarks)
         if samples:
-            out.records[record] = sensors.joint_samples(samples, joint, out.remarks)
+            out.records[record] = streams.joint_samples(samples, joint, out.remarks)
 
 
 def _check_joints(request: Request, found: Gathered, held: set[str], remarks: list[str]) -> None:

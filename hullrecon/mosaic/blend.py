@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hullrecon.mosaic.bands import STEEPNESS, split, weight
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.ground import Ground, Patch, patch_of, seen
-from hullrecon.mosaic.sight import Sight
+from hullrecon.mosaic.imagery.image_view import Sight
 
 Array = NDArray[np.float64]
 VIEWS = 4  # at most so many a texel [Ozog2016 3.2.4]

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.casting import Scene
-from hullrecon.geometry.chart import Chart
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.skyline import Skyline, hidden_from, skyline_of
 

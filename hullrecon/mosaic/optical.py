@@ -13,9 +13,17 @@ import numpy as np
 from hullrecon.mosaic.blend import Limits, blend_tile
 from hullrecon.mosaic.grid import grid_around
 from hullrecon.mosaic.ground import Ground
+from hullrecon.mosaic.imagery.camera_views import (
+    Footprint,
+    Station,
+    footprint_of,
+    light_of,
+    lit_sights,
+    plain_sights,
+    windows_of,
+)
 from hullrecon.mosaic.options import OpticalOptions
-from hullrecon.mosaic.shots import Footprint, Station, footprint_of, light_of, lit_sights, plain_sights, windows_of
-from hullrecon.mosaic.store import TileStore, lay
+from hullrecon.mosaic.output.store import TileStore, lay
 
 Progress = Callable[[Sequence[Any], str], Iterable[Any]]
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.chart import Chart
-from hullrecon.geometry.meshes import Mesh
-from hullrecon.geometry.refinement import refine
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.refinement import refine
 
 Array = NDArray[np.float64]
 CELL_M = 0.1  # of the chart, for each of which the outermost point of the surface is kept

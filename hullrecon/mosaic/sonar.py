@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from hullrecon.dive.records import SonarPings
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.blend import Limits, blend_tile
-from hullrecon.mosaic.fan import Fan, fan_of
 from hullrecon.mosaic.grid import grid_around
 from hullrecon.mosaic.ground import Ground, Patch, patch_of, seen
+from hullrecon.mosaic.imagery.camera_views import Footprint, footprint_of, windows_of
+from hullrecon.mosaic.imagery.sonar_fan import Fan, fan_of
 from hullrecon.mosaic.options import SonarOptions
-from hullrecon.mosaic.shots import Footprint, footprint_of, windows_of
-from hullrecon.mosaic.store import TileStore, lay
+from hullrecon.mosaic.output.store import TileStore, lay
 
 Array = NDArray[np.float64]
 Picture = NDArray[np.float32]

@@ -14,19 +14,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.adjustment.bundle import Adjusted, adjust
-from hullrecon.adjustment.colmap import SparseModel, write_model
-from hullrecon.adjustment.lenses import fields
-from hullrecon.adjustment.model import Drawing, Measurements, rig_from_config
+from hullrecon.adjustment.bundle_adjustment import Adjusted, adjust
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.outcome import outcome_of
-from hullrecon.adjustment.triangulation import camera_poses
+from hullrecon.adjustment.problem.intrinsics import fields
+from hullrecon.adjustment.problem.measurements import Drawing, Measurements, rig_from_config
+from hullrecon.adjustment.problem.triangulation import camera_poses
+from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
+from hullrecon.adjustment.results.solution import outcome_of
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.dive.records import Attitude, ImageIndex, Odometry, Returns, Tracks, Trajectory, from_arrays, to_arrays
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.chart import chart_for_hull
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.charts.chart import chart_for_hull
+from hullrecon.geometry.meshes.mesh import Mesh
 
 
 def run(context: Context) -> None:

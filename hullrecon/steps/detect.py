@@ -13,20 +13,20 @@ from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.detection import coverage
-from hullrecon.detection.background import Background, FieldBackground, median_background
-from hullrecon.detection.found import Found, find_hull
-from hullrecon.detection.landmarks import Measured, measure
-from hullrecon.detection.mesh import refine_near
-from hullrecon.detection.objects import find_objects
+from hullrecon.detection.as_found.background import Background, FieldBackground, median_background
+from hullrecon.detection.as_found.estimate import Found, find_hull
+from hullrecon.detection.as_found.landmarks import Measured, measure
+from hullrecon.detection.as_found.mesh import refine_near
+from hullrecon.detection.as_found.record import found_surface, surface_on_drawing
+from hullrecon.detection.objects.detection import find_objects
 from hullrecon.detection.options import DetectOptions
-from hullrecon.detection.record import found_surface, surface_on_drawing
 from hullrecon.detection.views import Views, sightings
 from hullrecon.dive.records import ImageIndex, JointSamples, Solution, SonarPings, Surface, from_arrays, to_arrays
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.casting import Scene
-from hullrecon.geometry.chart import Chart, address, chart_from_arrays
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.charts.chart import Chart, address, chart_from_arrays
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.poses import Poses
 from hullrecon.steps.cameras import cameras_file

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.dive.images import ImageStore
+from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import StageError
-from hullrecon.vision.features import FeatureOptions, Features, extract
-from hullrecon.vision.saliency import local_saliency
-from hullrecon.vision.store import CAMERAS, GrowingArray
+from hullrecon.vision.features.extraction import FeatureOptions, Features, extract
+from hullrecon.vision.features.saliency import local_saliency
+from hullrecon.vision.features.store import CAMERAS, GrowingArray
 
 BLOCK = 128  # images whose features are in memory at a time
 SUFFIXES = frozenset((".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff"))

@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.dive.dvl_beams import tilted_beams
 from hullrecon.dive.ingest import Ingested, Request, ingest, offset_ns
-from hullrecon.dive.readers.open import open_log
-from hullrecon.dive.readers.plain import PlainLog
-from hullrecon.dive.readers.rosbag2 import METADATA, STORAGE
+from hullrecon.dive.logs.dvl_beams import tilted_beams
+from hullrecon.dive.logs.readers.open import open_log
+from hullrecon.dive.logs.readers.plain import PlainLog
+from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE
+from hullrecon.dive.logs.streams import PressureModel
 from hullrecon.dive.records import to_arrays
-from hullrecon.dive.sensors import PressureModel
 
 CAMERAS = {"camera_top": "camera.top", "camera_bottom": "camera.bottom"}
 USES = (

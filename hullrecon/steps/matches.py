@@ -18,16 +18,16 @@ from hullrecon.dive.records import Returns, Tracks, Trajectory, TrajectoryErrorM
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import from_mount
-from hullrecon.vision.bench import Bench, MatchNode, MatchPairs, Node, Pair
-from hullrecon.vision.examine import Link, doubtful
-from hullrecon.vision.landmarks import Matches, build
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pairs import Proposal, propose
-from hullrecon.vision.pairwise import WORDS, PairMatch, Reason
-from hullrecon.vision.rig import Rig
-from hullrecon.vision.stereo import no_matches
-from hullrecon.vision.survey import Survey, depth_priors, survey_of
-from hullrecon.vision.views import DepthPrior
+from hullrecon.vision.pairs.camera_track import Survey, depth_priors, survey_of
+from hullrecon.vision.pairs.match_worker import Bench, MatchNode, MatchPairs, Node, Pair
+from hullrecon.vision.pairs.matching import WORDS, PairMatch, Reason
+from hullrecon.vision.pairs.selection import Proposal, propose
+from hullrecon.vision.stereo.matching import no_matches
+from hullrecon.vision.stereo.node_view import DepthPrior
+from hullrecon.vision.stereo.rectification import Rig
+from hullrecon.vision.tracks.landmarks import Matches, build
+from hullrecon.vision.tracks.track_verification import Link, doubtful
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

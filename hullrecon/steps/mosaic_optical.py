@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.dive.images import ImageStore
+from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import Poses, tray
+from hullrecon.mosaic.imagery.camera_views import Station
 from hullrecon.mosaic.optical import optical_mosaic
 from hullrecon.mosaic.options import OpticalOptions
-from hullrecon.mosaic.shots import Station
-from hullrecon.report.track import Track
+from hullrecon.report.export.trajectory import Track
 from hullrecon.steps.cameras import cameras_file, mount_of
 from hullrecon.steps.features import external
 from hullrecon.steps.mosaics import Scenery, scenery, write_mosaic

@@ -11,15 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.dive.config import Sonar
+from hullrecon.dive.config.schema import Sonar
 from hullrecon.dive.records import JointSamples, SonarPings, from_arrays
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses, from_mount, interpolate, tray
+from hullrecon.mosaic.imagery.camera_views import Footprint
 from hullrecon.mosaic.options import SonarOptions
-from hullrecon.mosaic.place_sigma import Stance, place_sigma
-from hullrecon.mosaic.shots import Footprint
+from hullrecon.mosaic.position_sigma import Stance, place_sigma
 from hullrecon.mosaic.sonar import sonar_mosaic
-from hullrecon.report.track import Track
+from hullrecon.report.export.trajectory import Track
 from hullrecon.steps.mosaics import Scenery, scenery, write_mosaic
 
 

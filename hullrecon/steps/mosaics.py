@@ -12,15 +12,15 @@ import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, load_arrays
 from hullrecon.dive.records import Solution, Surface, Trajectory, from_arrays
-from hullrecon.geometry.chart import chart_from_arrays
-from hullrecon.geometry.outside import UP, flips
+from hullrecon.geometry.charts.chart import chart_from_arrays
+from hullrecon.geometry.charts.viewing_side import UP, flips
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.ground import Ground, ground_of
-from hullrecon.mosaic.preview import Caption, preview_png
-from hullrecon.mosaic.raster import write_raster
-from hullrecon.mosaic.store import TileStore
-from hullrecon.mosaic.textured import glb_bytes, sheet_of
-from hullrecon.report.track import Track, track_of
+from hullrecon.mosaic.output.preview import Caption, preview_png
+from hullrecon.mosaic.output.raster import write_raster
+from hullrecon.mosaic.output.store import TileStore
+from hullrecon.mosaic.output.textured import glb_bytes, sheet_of
+from hullrecon.report.export.trajectory import Track, track_of
 
 PERCENT = (50, 90, 95, 99)
 

@@ -13,16 +13,16 @@ from typing import Any, TypeVar
 import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.dive.images import CAMERAS, ImageStore
-from hullrecon.dive.readers.plain import PlainLog
+from hullrecon.dive.images.store import CAMERAS, ImageStore
+from hullrecon.dive.logs.readers.plain import PlainLog
 from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, from_arrays, to_arrays
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import from_mount
-from hullrecon.navigation.navigate import Logs, Navigated, dead_reckon, usable_frames
+from hullrecon.navigation.dead_reckoning.dead_reckon import Logs, Navigated, dead_reckon, usable_frames
 from hullrecon.navigation.options import NavigateOptions
-from hullrecon.navigation.stereo_frame import StereoFrame, StereoRig, stereo_frame
-from hullrecon.navigation.stereo_path import Aids, Views, stereo_navigate
+from hullrecon.navigation.stereo_odometry.stereo_frame import StereoFrame, StereoRig, stereo_frame
+from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Views, stereo_navigate
 from hullrecon.navigation.vehicle import Vehicle
 
 Record = TypeVar("Record")

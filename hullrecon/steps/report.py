@@ -14,23 +14,23 @@ from typing import Any
 from msgspec import Struct
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.dive.config import Dive
-from hullrecon.dive.images import ImageStore
+from hullrecon.dive.config.schema import Dive
+from hullrecon.dive.images.store import ImageStore
 from hullrecon.dive.records import DvlPings, Record, Solution, Surface, Trajectory, from_arrays
 from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.chart import chart_from_arrays
+from hullrecon.geometry.charts.chart import chart_from_arrays
 from hullrecon.geometry.poses import Poses
-from hullrecon.report.absences import absences
-from hullrecon.report.csvtext import csv_text
-from hullrecon.report.gallery import all_plots
-from hullrecon.report.layers import alignment_json, landmarks_ply, surface_ply
-from hullrecon.report.objects import objects_csv
-from hullrecon.report.page import render
-from hullrecon.report.story import weak_directions
-from hullrecon.report.summary import summary_json
-from hullrecon.report.survey import Eye, Mosaic, StepRun, Survey
-from hullrecon.report.track import track_of, trajectory_csv, trajectory_tum
-from hullrecon.report.view import page_view
+from hullrecon.report.content.headline import weak_directions
+from hullrecon.report.content.missing_deliverables import absences
+from hullrecon.report.content.objects import objects_csv
+from hullrecon.report.content.page import render
+from hullrecon.report.content.page_context import page_view
+from hullrecon.report.content.survey import Eye, Mosaic, StepRun, Survey
+from hullrecon.report.export.csv_export import csv_text
+from hullrecon.report.export.geometry_export import alignment_json, landmarks_ply, surface_ply
+from hullrecon.report.export.summary import summary_json
+from hullrecon.report.export.trajectory import track_of, trajectory_csv, trajectory_tum
+from hullrecon.report.figures.gallery import all_plots
 from hullrecon.steps.cameras import cameras_file, mount_of
 from hullrecon.steps.features import external
 

@@ -15,10 +15,10 @@ from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.dive.records import Returns, Solution, Surface, Trajectory, from_arrays, to_arrays
 from hullrecon.errors import StageError
 from hullrecon.geometry import poses
-from hullrecon.geometry.casting import Scene
-from hullrecon.geometry.chart import Chart, chart_for_hull, chart_for_points, chart_from_arrays
-from hullrecon.geometry.meshes import Mesh
-from hullrecon.geometry.plane_chart import PlaneChart, fit_plane_chart
+from hullrecon.geometry.charts.chart import Chart, chart_for_hull, chart_for_points, chart_from_arrays
+from hullrecon.geometry.charts.plane_chart import PlaneChart, fit_plane_chart
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.surface.build import LEAST_LEAN, Cloud, build_surface
 from hullrecon.surface.options import SurfaceOptions

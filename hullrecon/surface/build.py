@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from hullrecon.dive.records import Surface
 from hullrecon.errors import StageError
-from hullrecon.geometry.chart import Chart
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.charts.plane_chart import PlaneChart
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.neighbours import count_within, nearest
-from hullrecon.geometry.plane_chart import PlaneChart
-from hullrecon.geometry.refinement import refine
 from hullrecon.surface.gaussian import fit_robust, most_likely
 from hullrecon.surface.kernels import Kernel
 from hullrecon.surface.lattice import supported_lattice

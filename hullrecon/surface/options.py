@@ -18,7 +18,7 @@ class SurfaceOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     reference: Annotated[
         Literal["cad", "plane", "none"],
         Meta(
-            description="what is regressed: offsets from the CAD model (from a plane without one), offsets from a plane through "
+            description="what is regressed: offsets from the CAD model (a plane without one), offsets from a plane through "
             "the returns, or heights over that plane on the CAD model's chart"
         ),
     ] = "cad"

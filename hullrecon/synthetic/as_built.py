@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.deviation import deviation_m
 from hullrecon.synthetic.relief import height_of
 from hullrecon.synthetic.sheet import Sheet

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic import instruments, sonar
 from hullrecon.synthetic.as_built import AsBuilt, build
 from hullrecon.synthetic.forms import hull_of

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.errors import InputError
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import DiveSpec
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from hullrecon.dive.messages.definitions import DVL, PING_INFO, PROJECTED_SONAR_IMAGE
+from hullrecon.dive.logs.messages.definitions import DVL, PING_INFO, PROJECTED_SONAR_IMAGE
 
 # Of the published one without the types that no simulated image has: logs carry this text, and are the same bytes as ever.
 SONAR_IMAGE_DATA = """

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from hullrecon.vision.landmarks import NodeFeatures
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pairwise import PairMatch, match_pair
-from hullrecon.vision.rig import Rig
-from hullrecon.vision.views import View, stereo_of_node, view_of_node
+from hullrecon.vision.pairs.matching import PairMatch, match_pair
+from hullrecon.vision.stereo.node_view import View, stereo_of_node, view_of_node
+from hullrecon.vision.stereo.rectification import Rig
+from hullrecon.vision.tracks.landmarks import NodeFeatures
 
 
 def view(rig: Rig, features: NodeFeatures, options: MatchOptions) -> View:

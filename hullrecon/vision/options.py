@@ -8,7 +8,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from hullrecon.dive.config import Positive, Section
+from hullrecon.dive.config.schema import Positive, Section
 
 Share = Annotated[float, Meta(ge=0, le=1)]
 Count = Annotated[int, Meta(ge=1)]

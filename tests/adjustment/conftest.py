@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hullrecon.adjustment.model import Mount, Rig
+from hullrecon.adjustment.problem.measurements import Mount, Rig
 from hullrecon.dive.records import Tracks
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import Camera

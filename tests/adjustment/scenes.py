@@ -4,9 +4,9 @@
 
 import numpy as np
 
-from hullrecon.adjustment.model import Drawing
+from hullrecon.adjustment.problem.measurements import Drawing
 from hullrecon.geometry import poses
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 
 
 class SideChart:

@@ -12,11 +12,11 @@ from functools import lru_cache
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.adjustment.model import Drawing, Measurements, Mount, Rig
+from hullrecon.adjustment.problem.measurements import Drawing, Measurements, Mount, Rig
 from hullrecon.dive.records import Attitude, Odometry, Returns, Tracks, Trajectory
 from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.chart import chart_for_hull
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.charts.chart import chart_for_hull
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 
 SEMI_AXES_M = np.array([6.0, 2.5, 2.0])  # of the drawn hull, x forward, y port, z up: it curves both ways

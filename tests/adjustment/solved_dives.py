@@ -9,9 +9,9 @@ import numpy as np
 from adjustment.simulated_dive import GLOBAL_FROM_HULL, SimulatedDive, aligning, moved, simulate
 from scipy.spatial.transform import Rotation
 
-from hullrecon.adjustment.bundle import Adjusted, adjust
+from hullrecon.adjustment.bundle_adjustment import Adjusted, adjust
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.outcome import Outcome, outcome_of
+from hullrecon.adjustment.results.solution import Outcome, outcome_of
 
 SCENE = ("stereo", "cad", "ranges", "camera", "per_leg", "landmarks", "seed")
 

@@ -25,11 +25,11 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from hullrecon import native
-from hullrecon.adjustment import selection, weighting
-from hullrecon.adjustment.assembly import assemble, cell_share, read_back
-from hullrecon.adjustment.deviation import grid_over
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.state import State
+from hullrecon.adjustment.problem import selection, weighting
+from hullrecon.adjustment.problem.assembly import assemble, cell_share, read_back
+from hullrecon.adjustment.problem.deviation_field import grid_over
+from hullrecon.adjustment.problem.state import State
 from hullrecon.geometry.poses import Poses
 
 UNKNOWNS = (

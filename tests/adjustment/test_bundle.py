@@ -19,7 +19,7 @@ from adjustment.simulated_dive import (
 from adjustment.simulated_dive import GLOBAL_FROM_HULL as TRUTH
 from adjustment.solved_dives import solved
 
-from hullrecon.adjustment.bundle import adjust
+from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
 
 SCALE, DRIFT, ROLL, PITCH, DEPTH, BACKLASH = range(6)

@@ -9,7 +9,7 @@ import pytest
 from adjustment.simulated_dive import simulate
 from adjustment.solved_dives import solved
 
-from hullrecon.adjustment.bundle import adjust, deviation_from_hull
+from hullrecon.adjustment.bundle_adjustment import adjust, deviation_from_hull
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.dive.records import from_arrays, to_arrays
 from hullrecon.errors import StageError

@@ -5,7 +5,7 @@ import hashlib
 import numpy as np
 import pytest
 
-from hullrecon.adjustment.colmap import SparseModel, write_model
+from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
 
-from hullrecon.adjustment.deviation import DeviationGrid, grid_over, prior_rows
+from hullrecon.adjustment.problem.deviation_field import DeviationGrid, grid_over, prior_rows
 
 LENGTH = (3.0, 1.5)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hullrecon import native
-from hullrecon.adjustment import em
+from hullrecon.adjustment.problem import hard_em
 from hullrecon.geometry import poses
 
 OPTIONS = native.Options(function_tolerance=1e-10)
@@ -41,7 +41,7 @@ def wall():
 
 def test_both_ways_reach_the_same_cost_and_labels(wall) -> None:
     problem, off = wall
-    inside, outer = native.solve(problem, OPTIONS), em.solve(problem, OPTIONS)
+    inside, outer = native.solve(problem, OPTIONS), hard_em.solve(problem, OPTIONS)
     assert outer.converged
     np.testing.assert_array_equal(outer.label == 0, off)
     np.testing.assert_array_equal(inside.label, outer.label)
@@ -49,7 +49,7 @@ def test_both_ways_reach_the_same_cost_and_labels(wall) -> None:
 
 
 def test_the_cost_never_rises_from_turn_to_turn(wall) -> None:
-    record = em.solve(wall[0], OPTIONS).iterations
+    record = hard_em.solve(wall[0], OPTIONS).iterations
     assert (np.diff(record.cost[record.accepted]) <= 1e-9 * record.cost[0]).all()
     assert all(len(values) == len(record.cost) for values in record.cost_by_factor.values())
 
@@ -63,7 +63,7 @@ def test_seconds_run_on_from_turn_to_turn(wall, monkeypatch) -> None:
         return dataclasses.replace(done, iterations=dataclasses.replace(done.iterations, seconds=np.arange(float(turns[-1]))))
 
     monkeypatch.setattr(native, "solve", a_second_an_iteration)
-    record = em.solve(wall[0], OPTIONS).iterations
+    record = hard_em.solve(wall[0], OPTIONS).iterations
     assert len(turns) > 1
     assert record.seconds.tolist() == np.arange(1 + sum(turns) - len(turns)).tolist()
 
@@ -71,7 +71,7 @@ def test_seconds_run_on_from_turn_to_turn(wall, monkeypatch) -> None:
 def test_labels_that_change_between_solves_are_counted(wall) -> None:
     problem, _ = wall
     started = native.solve(problem, dataclasses.replace(OPTIONS, labels_in_solve=False, max_iterations=1)).label
-    got = em.solve(problem, OPTIONS)
+    got = hard_em.solve(problem, OPTIONS)
     changed = int((started != got.label).sum())
     assert got.iterations.label_changes.sum() >= changed
     assert "0 labels changed after the last" in got.message
@@ -80,7 +80,7 @@ def test_labels_that_change_between_solves_are_counted(wall) -> None:
 def test_a_loop_that_is_cut_short_says_that_it_did_not_settle(wall) -> None:
     problem, _ = wall
     problem.landmark[:, 2] += 0.2
-    got = em.solve(problem, dataclasses.replace(OPTIONS, max_iterations=2), most_turns=1)
+    got = hard_em.solve(problem, dataclasses.replace(OPTIONS, max_iterations=2), most_turns=1)
     assert not got.converged
     assert got.message.startswith("1 turns of EM")
 
@@ -93,11 +93,11 @@ def test_labels_are_those_that_the_solver_gives_with_a_field_too(wall) -> None:
     problem.surface_field_weight = np.tile([0.5, 0.5, 0.0, 0.0], (count, 1))
     got = native.solve(problem, OPTIONS)
     problem.landmark, problem.pose = got.unknowns["landmark"], got.unknowns["pose"]
-    np.testing.assert_array_equal(em.labels(problem, got.distance, OPTIONS), got.label)
+    np.testing.assert_array_equal(hard_em.labels(problem, got.distance, OPTIONS), got.label)
     assert (got.label == 0).sum() > 5
 
 
 def test_at_the_boundary_both_labels_cost_the_same() -> None:
-    h = em.boundary(0.02, 1.0)
+    h = hard_em.boundary(0.02, 1.0)
     assert h == pytest.approx(0.05595, abs=1e-5)
     assert (h / 0.02) ** 2 == pytest.approx((h / 1.0) ** 2 + 2 * np.log(1.0 / 0.02))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hullrecon.adjustment.facets import facets_near
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 
 
 def cylinder(radius, width, length=4.0):

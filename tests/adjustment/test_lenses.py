@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from hullrecon import native
-from hullrecon.adjustment import lenses
 from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.problem import intrinsics
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import Camera
 
@@ -66,19 +66,19 @@ def problem():
 
 
 def test_nothing_is_freed_unless_asked_for(problem, rig) -> None:
-    assert lenses.freed(problem, rig, AdjustOptions()) is problem
+    assert intrinsics.freed(problem, rig, AdjustOptions()) is problem
 
 
 def test_only_a_camera_that_saw_something_is_freed(problem, rig) -> None:
-    constant = lenses.freed(problem, rig, ASKED).constant
+    constant = intrinsics.freed(problem, rig, ASKED).constant
     assert "intrinsics_top" not in constant
     assert "intrinsics_bottom" in constant
 
 
 def test_a_wrong_focal_length_is_found(problem, rig) -> None:
-    free = lenses.freed(problem, rig, ASKED)
+    free = intrinsics.freed(problem, rig, ASKED)
     result = native.solve(free, native.Options(function_tolerance=1e-12))
-    found = lenses.applied(Measured(rig), free, result).rig
+    found = intrinsics.applied(Measured(rig), free, result).rig
     assert found.top.fx == pytest.approx(TRUE.fx, abs=0.7)
     assert found.top.fy == pytest.approx(TRUE.fy, abs=0.7)
     assert found.bottom is CALIBRATED
@@ -87,13 +87,13 @@ def test_a_wrong_focal_length_is_found(problem, rig) -> None:
 
 def test_every_round_starts_from_the_calibration(problem, rig) -> None:
     problem.intrinsics_top = TRUE.parameters()  # what the round before found
-    free = lenses.freed(problem, rig, ASKED)
+    free = intrinsics.freed(problem, rig, ASKED)
     np.testing.assert_array_equal(free.intrinsics_top, CALIBRATED.parameters())
     np.testing.assert_array_equal(problem.intrinsics_top, TRUE.parameters())
 
 
 def test_priors_are_shares_of_the_focal_length_and_pixels() -> None:
-    sigma = lenses.prior_sigma(CALIBRATED, AdjustOptions(focal_sigma=0.01, center_sigma=4, distortion_sigma=0.02))
+    sigma = intrinsics.prior_sigma(CALIBRATED, AdjustOptions(focal_sigma=0.01, center_sigma=4, distortion_sigma=0.02))
     np.testing.assert_allclose(sigma, [5, 5, 4, 4, 0.02, 0.02, 0.002, 0.002, 0.02])
 
 
@@ -101,10 +101,10 @@ def test_what_moved_is_told_in_sigmas_and_far_moves_are_complained_of(rig) -> No
     found = Lenses(replace(CALIBRATED, fx=520.0, cx=321.0), CALIBRATED)
     nothing = np.zeros((9, 9))
     marginals = SimpleNamespace(intrinsics_top=np.diag(np.full(9, 0.04)), intrinsics_bottom=nothing)
-    figures = lenses.in_figures(rig, found, marginals, ASKED)
+    figures = intrinsics.in_figures(rig, found, marginals, ASKED)
     assert list(figures) == ["top"]
     assert figures["top"]["fx"] == {"calibrated": 500.0, "found": 520.0, "sigma": 0.2, "moved_in_prior_sigma": 4.0}
-    said = lenses.complaints(figures)
+    said = intrinsics.complaints(figures)
     assert len(said) == 1
     assert "camera.top" in said[0]
     assert "fx from 500 to 520" in said[0]
@@ -113,9 +113,9 @@ def test_what_moved_is_told_in_sigmas_and_far_moves_are_complained_of(rig) -> No
 
 def test_held_cameras_have_no_figures_and_no_complaint(rig) -> None:
     marginals = SimpleNamespace(intrinsics_top=np.zeros((9, 9)), intrinsics_bottom=np.zeros((9, 9)))
-    assert lenses.in_figures(rig, rig, marginals, ASKED) == {}
-    assert lenses.complaints({}) == []
+    assert intrinsics.in_figures(rig, rig, marginals, ASKED) == {}
+    assert intrinsics.complaints({}) == []
 
 
 def test_a_camera_is_written_as_it_is_read() -> None:
-    assert Camera(**lenses.fields(TRUE)) == TRUE
+    assert Camera(**intrinsics.fields(TRUE)) == TRUE

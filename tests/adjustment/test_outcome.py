@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.outcome import outcome_of
+from hullrecon.adjustment.results.solution import outcome_of
 
 SCENES = {
     "stereo": {},

@@ -9,11 +9,11 @@ import pytest
 from adjustment.scenes import TRUTH, drawing, side, survey
 from adjustment.solved_dives import solved
 
-from hullrecon.adjustment import place
 from hullrecon.adjustment.facets import facets_near
-from hullrecon.adjustment.registration import about, perturbed, register, thin
-from hullrecon.adjustment.uncertainty import hull_axes
-from hullrecon.adjustment.weak import weak_directions
+from hullrecon.adjustment.hull_pose import estimate
+from hullrecon.adjustment.hull_pose.observability import weak_directions
+from hullrecon.adjustment.hull_pose.registration import about, perturbed, register, thin
+from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry import poses
 
 ALONG = np.array([1.0, 0.0, 0.0])
@@ -30,8 +30,8 @@ def placed(fullness, error=GUESS_ERROR, noise_m=0.003, structure_m=0.0, seed=5):
     center = TRUTH.inverse().apply(points).mean(0)
     drawn = drawing(mesh, TRUTH, 0 * GUESS_ERROR)
     drawn = replace(drawn, guess=perturbed(TRUTH, center, error), deviation_sigma=0.01)
-    ground, best = place.surveyed(points, drawn.guess, drawn, center)
-    return ground, best, place.settled(ground, best)
+    ground, best = estimate.surveyed(points, drawn.guess, drawn, center)
+    return ground, best, estimate.settled(ground, best)
 
 
 def apart(found, center):
@@ -41,7 +41,7 @@ def apart(found, center):
 
 
 def along_axes(ground, found):
-    return hull_axes(place.covariance(ground, found), found)
+    return hull_axes(estimate.covariance(ground, found), found)
 
 
 def test_a_curved_hull_is_found_within_three_sigmas_and_across_it_to_centimetres():
@@ -81,7 +81,7 @@ def test_curvature_makes_the_place_along_the_hull_surer():
 @pytest.mark.parametrize("fullness", [CURVED, CYLINDER])
 def test_the_covariance_is_symmetric_positive_and_no_narrower_than_the_points_alone_allow(fullness):
     ground, _, found = placed(fullness)
-    covariance = place.covariance(ground, found)
+    covariance = estimate.covariance(ground, found)
     np.testing.assert_allclose(covariance, covariance.T, rtol=1e-6, atol=1e-12)
     assert (np.linalg.eigvalsh(covariance) > 0).all()
     assert covariance[0, 0] <= 1.5 * (ground.drawing.guess_sigma[:3] ** 2).max()
@@ -96,16 +96,18 @@ def test_points_on_a_structure_say_nothing_of_the_place():
 def test_the_answer_does_not_depend_on_where_the_search_starts():
     _, _, found = placed(CYLINDER)
     ground, best, _ = placed(CYLINDER)
-    again = place.settled(ground, perturbed(best, ground.center, np.r_[TRUTH.rotation.as_matrix()[0] @ [0.1, 0, 0], 0, 0, 0]))
+    again = estimate.settled(
+        ground, perturbed(best, ground.center, np.r_[TRUTH.rotation.as_matrix()[0] @ [0.1, 0, 0], 0, 0, 0])
+    )
     assert abs(apart(again, ground.center)[0] - apart(found, ground.center)[0]) < 0.05
 
 
 def test_the_points_of_a_dive_are_landmarks_on_the_hull_and_returns():
     found = solved()
     m, adjusted = found.dive.measured, found.adjusted
-    both = place.points_on_hull(m, adjusted.state, adjusted.chosen, adjusted.result.label)
-    no_returns = place.points_on_hull(replace(m, returns=None), adjusted.state, adjusted.chosen, adjusted.result.label)
-    none = place.points_on_hull(replace(m, returns=None), adjusted.state, adjusted.chosen, 0 * adjusted.result.label + 1)
+    both = estimate.points_on_hull(m, adjusted.state, adjusted.chosen, adjusted.result.label)
+    no_returns = estimate.points_on_hull(replace(m, returns=None), adjusted.state, adjusted.chosen, adjusted.result.label)
+    none = estimate.points_on_hull(replace(m, returns=None), adjusted.state, adjusted.chosen, 0 * adjusted.result.label + 1)
     assert len(both) > len(no_returns) > 50
     assert len(none) > len(no_returns)  # those of the box
     on = found.outcome.solution.landmark[found.outcome.solution.label == 1]
@@ -145,7 +147,7 @@ def test_points_on_one_facet_share_out_its_information():
     coarse = replace(ground, drawing=replace(ground.drawing, mesh=type(ground.drawing.mesh)(v, faces)))
     at = best.inverse().apply(ground.points)
     assert facets_near(coarse.drawing.mesh, at).sigma > 5 * facets_near(ground.drawing.mesh, at).sigma
-    fine, rough = (np.linalg.det(place.covariance(g, best)[:3, :3]) for g in (ground, coarse))
+    fine, rough = (np.linalg.det(estimate.covariance(g, best)[:3, :3]) for g in (ground, coarse))
     assert rough > fine
 
 
@@ -155,5 +157,5 @@ def test_a_hull_pose_turned_in_g_turns_its_covariance_with_it():
     turned = replace(
         ground, points=turn.apply(ground.points), drawing=replace(ground.drawing, guess=turn @ ground.drawing.guess)
     )
-    spun = place.covariance(turned, turn @ found)
+    spun = estimate.covariance(turned, turn @ found)
     np.testing.assert_allclose(hull_axes(spun, turn @ found), along_axes(ground, found), rtol=0.05, atol=1e-5)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from hullrecon.adjustment.play import sides
+from hullrecon.adjustment.problem.backlash import sides
 
 
 def square_wave(n, period):

@@ -7,9 +7,9 @@ import pytest
 from adjustment.scenes import ERROR, TRUTH, drawing, side, survey
 from scipy.linalg import cho_factor
 
-from hullrecon.adjustment import misfit
-from hullrecon.adjustment.profile import Valley, descended, inflated, posterior, profile
-from hullrecon.adjustment.registration import perturbed, thin
+from hullrecon.adjustment.hull_pose import cad_error
+from hullrecon.adjustment.hull_pose.profile_likelihood import Valley, descended, inflated, posterior, profile
+from hullrecon.adjustment.hull_pose.registration import perturbed, thin
 from hullrecon.native import MeshIndex
 
 ALONG = np.array([1.0, 0.0, 0.0])
@@ -22,8 +22,8 @@ def profiled(fullness, span=(2.0, 11.0), sigma=0.02):
     drawn = drawn.__class__(**{**drawn.__dict__, "deviation_sigma": sigma})
     center = TRUTH.inverse().apply(points).mean(0)
     index = MeshIndex(mesh.vertices, mesh.faces)
-    known = misfit.Misfit(sigma, drawn.deviation_length, noise=0.01, offset=0.0)
-    factor = cho_factor(misfit.covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
+    known = cad_error.Misfit(sigma, drawn.deviation_length, noise=0.01, offset=0.0)
+    factor = cho_factor(cad_error.covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
     return profile(Valley(points, ALONG, drawn, center, index, factor), TRUTH, reach=3.0), center
 
 
@@ -66,8 +66,8 @@ def test_where_the_valley_is_a_parabola_the_profiles_sigma_is_the_hessians():
     points = thin(TRUTH.apply(survey(mesh, np.random.default_rng(4))), 0.3, 600)
     drawn = replace(drawing(mesh, TRUTH, 0 * ERROR), guess_sigma=np.r_[0.05, 0.3, 0.3, np.radians([1, 1, 5])])
     center = TRUTH.inverse().apply(points).mean(0)
-    known = misfit.Misfit(0.02, drawn.deviation_length, noise=0.01, offset=0.0)
-    factor = cho_factor(misfit.covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
+    known = cad_error.Misfit(0.02, drawn.deviation_length, noise=0.01, offset=0.0)
+    factor = cho_factor(cad_error.covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
     valley = Valley(points, ALONG, drawn, center, MeshIndex(mesh.vertices, mesh.faces), factor)
     best, _ = descended(valley, TRUTH)
     along = np.r_[best.rotation.as_matrix()[0] @ ALONG, np.zeros(3)]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from hullrecon import native
-from hullrecon.adjustment.pruning import result_without, without
+from hullrecon.adjustment.problem.pruning import result_without, without
 
 
 def problem():

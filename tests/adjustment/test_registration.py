@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from adjustment.scenes import ERROR, TRUTH, drawing, side, survey
 
-from hullrecon.adjustment.misfit import matern32
-from hullrecon.adjustment.registration import about, perturbed, register, thin
-from hullrecon.adjustment.weak import weak_directions
+from hullrecon.adjustment.hull_pose.cad_error import matern32
+from hullrecon.adjustment.hull_pose.observability import weak_directions
+from hullrecon.adjustment.hull_pose.registration import about, perturbed, register, thin
 
 
 def test_a_curved_side_is_found_from_a_wrong_guess():

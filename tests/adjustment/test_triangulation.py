@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from hullrecon.adjustment.triangulation import camera_poses, reprojection_errors, triangulate
+from hullrecon.adjustment.problem.triangulation import camera_poses, reprojection_errors, triangulate
 from hullrecon.dive.records import Tracks
 
 

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from hullrecon.adjustment.registration import perturbed
-from hullrecon.adjustment.uncertainty import cross_matrices, hull_axes, points_in_hull, poses_in_hull
+from hullrecon.adjustment.hull_pose.registration import perturbed
+from hullrecon.adjustment.results.covariance import cross_matrices, hull_axes, points_in_hull, poses_in_hull
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 

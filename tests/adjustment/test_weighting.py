@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.state import Weights
-from hullrecon.adjustment.weighting import depth_sigma, settled
+from hullrecon.adjustment.problem.state import Weights
+from hullrecon.adjustment.problem.weighting import depth_sigma, settled
 from hullrecon.dive.records import Attitude
 from hullrecon.geometry import poses
 
@@ -33,7 +33,7 @@ def dive(scene, depth, noise_m, given_m=GIVEN_M):
 @pytest.fixture
 def depth_weight(scene, monkeypatch):
     """The sigma of depths that a round settles, in the sigma given."""
-    monkeypatch.setattr("hullrecon.adjustment.selection.pixel_sigma", lambda *_: 0.5)
+    monkeypatch.setattr("hullrecon.adjustment.problem.selection.pixel_sigma", lambda *_: 0.5)
 
     def found(*of, **more):
         measured, state = dive(scene, *of, **more)

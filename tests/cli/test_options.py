@@ -14,8 +14,8 @@ import pytest
 from hullrecon.artifacts.graph.settings import resolve_settings, settings_for
 from hullrecon.artifacts.graph.staleness import differences
 from hullrecon.artifacts.storage.manifest import Recipe
-from hullrecon.dive.config import CameraBottom, CameraTop, Hull, Sonar
-from hullrecon.dive.load import load_config
+from hullrecon.dive.config.load import load_config
+from hullrecon.dive.config.schema import CameraBottom, CameraTop, Hull, Sonar
 from hullrecon.steps.chain import stages
 
 STAGES = stages()
@@ -45,7 +45,7 @@ def sections(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
 
 def keys() -> list[tuple[str, str]]:
     """(section, key) of everything that dive.toml may say."""
-    from hullrecon.dive.config import DiveConfig
+    from hullrecon.dive.config.schema import DiveConfig
 
     plain = {f.name: f.type for f in msgspec.structs.fields(DiveConfig) if f.name not in ("camera", "sonar", "hull")}
     kinds = {**plain, **KINDS, **{stage.name: stage.parameters for stage in STAGES}}

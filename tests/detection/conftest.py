@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.detection.background import Background, MedianBackground
-from hullrecon.detection.found import Found, find_hull
-from hullrecon.detection.landmarks import Measured
+from hullrecon.detection.as_found.background import Background, MedianBackground
+from hullrecon.detection.as_found.estimate import Found, find_hull
+from hullrecon.detection.as_found.landmarks import Measured
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import Views
 from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.meshes import Mesh
-from hullrecon.geometry.plane_chart import PlaneChart
+from hullrecon.geometry.charts.plane_chart import PlaneChart
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 
 CAMERA = Camera(640, 512, 640.0, 640.0, 319.5, 255.5)

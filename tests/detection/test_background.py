@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.background import FieldBackground, median_background
-from hullrecon.geometry.plane_chart import PlaneChart
+from hullrecon.detection.as_found.background import FieldBackground, median_background
+from hullrecon.geometry.charts.plane_chart import PlaneChart
 
 CHART = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
 

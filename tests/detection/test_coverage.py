@@ -8,9 +8,9 @@ import pytest
 from hullrecon.detection import coverage
 from hullrecon.detection.views import sightings
 from hullrecon.dive.records import SonarPings
-from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.poses import Poses, from_rpy
-from hullrecon.geometry.refinement import refine
 
 
 @pytest.fixture

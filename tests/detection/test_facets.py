@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon.detection.facets import facet_sagitta
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 
 
 def _cylinder(radius: float, sides: int, split: bool = False) -> Mesh:

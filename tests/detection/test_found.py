@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hullrecon.detection.found import find_hull
+from hullrecon.detection.as_found.estimate import find_hull
 from hullrecon.detection.options import DetectOptions
 
 OFF = -0.012  # of the whole wall

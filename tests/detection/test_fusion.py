@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.detection.fusion import fuse_shapes
+from hullrecon.detection.as_found.fusion import fuse_shapes
 from hullrecon.detection.options import DetectOptions
 
 OPTIONS = DetectOptions()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.heights import local_heights
+from hullrecon.detection.objects.heights import local_heights
 
 
 def _feet(n: int = 4000, seed: int = 1) -> np.ndarray:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.detection.landmarks import LEAST_SIGMA_M, measure, shared_variance
-from hullrecon.geometry.casting import Scene
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.detection.as_found.landmarks import LEAST_SIGMA_M, measure, shared_variance
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 
 WALL = Scene(Mesh(np.array([[0.0, 0, 0], [0, 0, 4], [4, 0, 4], [4, 0, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32)))
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.mesh import affordable_edge, refine_near, vertex_normals
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.detection.as_found.mesh import affordable_edge, refine_near, vertex_normals
+from hullrecon.geometry.meshes.mesh import Mesh
 
 FLOOR = Mesh(np.array([[0.0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
 ROOF = Mesh(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.detection.outline import outline
-from hullrecon.geometry.meshes import Mesh
-from hullrecon.geometry.refinement import refine
+from hullrecon.detection.objects.outline import outline
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.refinement import refine
 
 FLOOR = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
 FINE, _ = refine(FLOOR, 0.05)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.record import found_surface, surface_on_drawing
+from hullrecon.detection.as_found.record import found_surface, surface_on_drawing
 from hullrecon.dive.records import Surface
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hullrecon.detection.objects.regions import find_regions, weighted_quantile
 from hullrecon.detection.options import DetectOptions
-from hullrecon.detection.regions import find_regions, weighted_quantile
 
 OPTIONS = DetectOptions()
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.detection.shapes import alpha_shape, dbscan, detect_shapes
-from hullrecon.geometry.meshes import Mesh, face_areas
+from hullrecon.detection.objects.shapes import alpha_shape, dbscan, detect_shapes
+from hullrecon.geometry.meshes.mesh import Mesh, face_areas
 
 
 def _square(x: float, y: float, n: int = 5, step: float = 0.04) -> np.ndarray:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hullrecon.detection.objects.regions import find_regions
+from hullrecon.detection.objects.significance import height_sigma, p_value, relief_left, roughness
 from hullrecon.detection.options import DetectOptions
-from hullrecon.detection.regions import find_regions
-from hullrecon.detection.significance import height_sigma, p_value, relief_left, roughness
 
 
 def test_one_place_gives_the_two_sided_normal_probability() -> None:

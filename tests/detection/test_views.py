@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.detection.views import each_view, in_frame, seen_from, sightings, sightings_by_cell
-from hullrecon.geometry.casting import Scene
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 
 
 def test_a_point_is_in_frame_where_the_image_is(views_at) -> None:

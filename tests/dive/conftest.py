@@ -34,7 +34,7 @@ class Kit:
     def __init__(self) -> None:
         from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-        from hullrecon.dive.messages.definitions import BUNDLED
+        from hullrecon.dive.logs.messages.definitions import BUNDLED
 
         self.stores = {2: get_typestore(Stores.ROS2_JAZZY), 1: get_typestore(Stores.ROS1_NOETIC)}
         for store in self.stores.values():
@@ -136,7 +136,7 @@ class Kit:
     def mcap(self, path: Path, entries: list[Entry], chunk_size: int = 4000, compression: str = "zstd", **more: Any) -> Path:
         from mcap.writer import CompressionType, Writer
 
-        from hullrecon.dive.messages.definitions import BUNDLED
+        from hullrecon.dive.logs.messages.definitions import BUNDLED
 
         assert BUNDLED
         path.parent.mkdir(parents=True, exist_ok=True)

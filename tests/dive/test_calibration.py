@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import pytest
 
-from hullrecon.dive.calibration import read_camera
+from hullrecon.dive.config.calibration import read_camera
 from hullrecon.errors import InputError
 
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.dive.checking import check_package, defaults_of
-from hullrecon.dive.load import load_config
+from hullrecon.dive.check.package_check import check_package, defaults_of
+from hullrecon.dive.config.load import load_config
 from hullrecon.steps.ingest import USES, request_of
 
 

@@ -3,8 +3,8 @@
 import msgspec
 import pytest
 
-from hullrecon.dive.complaints import in_words, known_keys, refuse_not_finite
-from hullrecon.dive.config import DiveConfig
+from hullrecon.dive.config.config_errors import in_words, known_keys, refuse_not_finite
+from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.errors import UsageError
 
 

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hullrecon.dive.dvl_beams import A50, a50_beams, choose_beams, tilted_beams, unit
-from hullrecon.dive.load import load_config
-from hullrecon.dive.messages.samples import DVL_TYPES
-from hullrecon.dive.samples import DvlSample
-from hullrecon.dive.sensors import dvl_pings
+from hullrecon.dive.config.load import load_config
+from hullrecon.dive.logs.dvl_beams import A50, a50_beams, choose_beams, tilted_beams, unit
+from hullrecon.dive.logs.messages.samples import DVL_TYPES
+from hullrecon.dive.logs.samples import DvlSample
+from hullrecon.dive.logs.streams import dvl_pings
 from hullrecon.errors import InputError, UsageError
 from hullrecon.steps.ingest import USES, request_of
 

@@ -4,8 +4,8 @@ import dataclasses
 
 import pytest
 
-from hullrecon.dive.gather import gather
-from hullrecon.dive.readers.mcap import McapLog
+from hullrecon.dive.logs.read_streams import gather
+from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.errors import InputError
 
 TOPICS = {"/imu": "imu", "/pressure": "pressure", "/joints": "joints", "/dvl": "dvl", "/cam": "camera_top"}

@@ -9,12 +9,12 @@ import trimesh
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hullrecon.dive.hull import read_hull
-from hullrecon.dive.hull_cleaning import cleaned, degenerate, merge_corners
-from hullrecon.dive.hull_mirrors import boundary, possible_cuts, reflected
-from hullrecon.dive.hull_orientation import outward
+from hullrecon.dive.hull.cleaning import cleaned, degenerate, merge_corners
+from hullrecon.dive.hull.load import read_hull
+from hullrecon.dive.hull.mirrors import boundary, possible_cuts, reflected
+from hullrecon.dive.hull.orientation import outward
 from hullrecon.errors import HullreconError, InputError
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 
 QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
 

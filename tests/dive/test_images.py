@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hullrecon.artifacts.storage.writer import ArtifactWriter
-from hullrecon.dive.image_sink import ImageSink
-from hullrecon.dive.images import ImageStore, decode
-from hullrecon.dive.pixels import jpeg_is_whole, size_of
+from hullrecon.dive.images.integrity import jpeg_is_whole, size_of
+from hullrecon.dive.images.sink import ImageSink
+from hullrecon.dive.images.store import ImageStore, decode
+from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.dive.records import to_arrays
-from hullrecon.dive.samples import ImageSample
 from hullrecon.errors import InputError
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hullrecon.dive.ingest import Request, ingest, offset_ns
-from hullrecon.dive.sensors import PressureModel
+from hullrecon.dive.logs.streams import PressureModel
 from hullrecon.errors import InputError
 
 REQUEST = Request(

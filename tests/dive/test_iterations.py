@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from hullrecon.dive.iterations import broken, count, reached
+from hullrecon.records.iterations import broken, count, reached
 
 ROUNDS = np.array([1, 1, 1, 2, 2])
 

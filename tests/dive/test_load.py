@@ -5,7 +5,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from hullrecon.dive.load import load_config
+from hullrecon.dive.config.load import load_config
 from hullrecon.errors import InputError, UsageError
 
 PLAIN = '[dive]\nname = "x"\n[logs]\nfiles = ["logs"]\n'

@@ -8,8 +8,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mcap.writer import IndexType
 
-from hullrecon.dive.messages.decode import decode
-from hullrecon.dive.readers.mcap import McapLog
+from hullrecon.dive.logs.messages.decode import decode
+from hullrecon.dive.logs.readers.mcap import McapLog
 
 QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
 

@@ -4,10 +4,10 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.dive.messages.decode import decode
-from hullrecon.dive.messages.samples import TYPES, stamp_ns
-from hullrecon.dive.readers.protocol import Channel
-from hullrecon.dive.readers.unpack import DamagedError
+from hullrecon.dive.logs.messages.decode import decode
+from hullrecon.dive.logs.messages.samples import TYPES, stamp_ns
+from hullrecon.dive.logs.readers.protocol import Channel
+from hullrecon.dive.logs.readers.unpack import DamagedError
 
 T = 1_777_887_000_123_456_789
 

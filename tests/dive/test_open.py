@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from hullrecon.dive.readers.open import find_logs, open_log
+from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.errors import InputError
 
 

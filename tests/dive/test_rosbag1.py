@@ -7,8 +7,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hullrecon.dive.messages.decode import decode
-from hullrecon.dive.readers.rosbag1 import Rosbag1Log
+from hullrecon.dive.logs.messages.decode import decode
+from hullrecon.dive.logs.readers.rosbag1 import Rosbag1Log
 
 QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
 

@@ -9,9 +9,9 @@ import zstandard
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hullrecon.dive.messages.decode import decode
-from hullrecon.dive.readers.rosbag2 import Rosbag2Log
-from hullrecon.dive.readers.sqlite import SqliteLog
+from hullrecon.dive.logs.messages.decode import decode
+from hullrecon.dive.logs.readers.rosbag2 import Rosbag2Log
+from hullrecon.dive.logs.readers.sqlite import SqliteLog
 from hullrecon.errors import HullreconError, InputError
 
 QUICK = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)

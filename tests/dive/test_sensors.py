@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive import sensors
-from hullrecon.dive.samples import DvlSample, ImuSample, JointSample, PressureSample, SonarSample
+from hullrecon.dive.logs import streams
+from hullrecon.dive.logs.samples import DvlSample, ImuSample, JointSample, PressureSample, SonarSample
 from hullrecon.errors import InputError
 
 S, C = 0.5, np.sqrt(0.75)
@@ -19,30 +19,30 @@ def ping(t=0, velocity=(0.1, 0.2, 0.3), sigma=np.nan, ranges=(1, 2, 3, 4), beams
 def test_beams_that_change_are_averaged_and_remarked():
     remarks = []
     tilted = BEAMS @ Rotation.from_euler("z", 0.02).as_matrix()
-    found = sensors.dvl_pings([ping(0), ping(1, beams=tilted)], None, 0.003, remarks).beams
+    found = streams.dvl_pings([ping(0), ping(1, beams=tilted)], None, 0.003, remarks).beams
     assert np.linalg.norm(found, axis=1) == pytest.approx(np.ones(4))
     assert "change during the dive" in remarks[0]
 
 
 def test_the_sigma_of_the_file_stands_where_the_message_has_none():
-    pings = sensors.dvl_pings([ping(0), ping(1, sigma=0.02), ping(2, sigma=0.0)], None, 0.003, [])
+    pings = streams.dvl_pings([ping(0), ping(1, sigma=0.02), ping(2, sigma=0.0)], None, 0.003, [])
     assert pings.velocity_sigma.tolist() == [0.003, 0.02, 0.003]
 
 
 def test_a_half_lost_velocity_and_a_senseless_one_are_lost_whole():
     remarks = []
-    pings = sensors.dvl_pings([ping(0, (0.1, np.nan, 0)), ping(1, (300, 0, 0)), ping(2)], None, 0.003, remarks)
+    pings = streams.dvl_pings([ping(0, (0.1, np.nan, 0)), ping(1, (300, 0, 0)), ping(2)], None, 0.003, remarks)
     assert np.isnan(pings.velocity).all(axis=1).tolist() == [True, True, False]
     assert "1 velocities above 15 m/s" in remarks[0]
 
 
 def test_ranges_that_are_not_positive_are_lost():
-    pings = sensors.dvl_pings([ping(ranges=(0, -1, np.inf, 2))], None, 0.003, [])
+    pings = streams.dvl_pings([ping(ranges=(0, -1, np.inf, 2))], None, 0.003, [])
     assert np.isnan(pings.ranges[0]).tolist() == [True, True, False, False]
 
 
 def test_pings_without_any_range_have_no_beams():
-    pings = sensors.dvl_pings([ping(ranges=(), beams=None)], None, 0.003, [])
+    pings = streams.dvl_pings([ping(ranges=(), beams=None)], None, 0.003, [])
     assert pings.ranges.shape == (1, 0)
     assert pings.beams.shape == (0, 3)
 
@@ -52,7 +52,7 @@ def imu(t, quaternion, rates=(1, 2, 3), acceleration=(4, 5, 6)):
 
 
 def test_ned_attitudes_are_taken_as_they_are():
-    found = sensors.imu_samples([imu(0, [0, 0, 0, 1])], "ned", [])
+    found = streams.imu_samples([imu(0, [0, 0, 0, 1])], "ned", [])
     assert found.quaternion[0] == pytest.approx([0, 0, 0, 1])
     assert found.angular_velocity[0].tolist() == [1, 2, 3]
 
@@ -62,14 +62,14 @@ def test_ned_attitudes_are_taken_as_they_are():
 )  # east is 0 in ENU and 90 in NED
 def test_enu_headings_become_ned_headings(enu_yaw_deg, ned_yaw_deg):
     quaternion = Rotation.from_euler("z", enu_yaw_deg, degrees=True).as_quat()
-    found = sensors.imu_samples([imu(0, quaternion)], "enu", [])
+    found = streams.imu_samples([imu(0, quaternion)], "enu", [])
     want = Rotation.from_euler("z", ned_yaw_deg, degrees=True)
     assert (Rotation.from_quat(found.quaternion[0]).inv() * want).magnitude() == pytest.approx(0, abs=1e-9)
 
 
 def test_in_enu_nose_up_is_a_negative_pitch_and_becomes_a_positive_one():
     quaternion = Rotation.from_euler("ZYX", [90, -10, 5], degrees=True).as_quat()
-    found = sensors.imu_samples([imu(0, quaternion)], "enu", [])
+    found = streams.imu_samples([imu(0, quaternion)], "enu", [])
     yaw, pitch, roll = Rotation.from_quat(found.quaternion[0]).as_euler("ZYX", degrees=True)
     assert (roll, pitch, yaw) == pytest.approx((5, 10, 0), abs=1e-9)
     assert found.angular_velocity[0].tolist() == [1, -2, -3]
@@ -78,7 +78,7 @@ def test_in_enu_nose_up_is_a_negative_pitch_and_becomes_a_positive_one():
 
 def test_readings_without_attitude_are_left_out_and_counted():
     remarks = []
-    found = sensors.imu_samples([imu(0, [0, 0, 0, 0]), imu(1, [0, 0, 0, 1.001]), imu(2, [np.nan] * 4)], "ned", remarks)
+    found = streams.imu_samples([imu(0, [0, 0, 0, 0]), imu(1, [0, 0, 0, 1.001]), imu(2, [np.nan] * 4)], "ned", remarks)
     assert found.t_ns.tolist() == [1]
     assert np.linalg.norm(found.quaternion[0]) == pytest.approx(1)
     assert "2 of 3 readings" in remarks[0]
@@ -86,27 +86,27 @@ def test_readings_without_attitude_are_left_out_and_counted():
 
 def test_an_imu_without_any_attitude_is_refused():
     with pytest.raises(InputError, match="no attitude"):
-        sensors.imu_samples([imu(0, [0, 0, 0, 0])], "ned", [])
+        streams.imu_samples([imu(0, [0, 0, 0, 0])], "ned", [])
 
 
-MODEL = sensors.PressureModel(1025.0, 9.81, 101325.0)
+MODEL = streams.PressureModel(1025.0, 9.81, 101325.0)
 
 
 def test_a_hundredth_of_a_megapascal_is_a_metre_of_sea_water():
-    found = sensors.pressure_samples([PressureSample(0, 101325 + 1025 * 9.81 * 2), PressureSample(1, np.nan)], MODEL, [])
+    found = streams.pressure_samples([PressureSample(0, 101325 + 1025 * 9.81 * 2), PressureSample(1, np.nan)], MODEL, [])
     assert found.depth == pytest.approx([2.0])
     assert found.t_ns.tolist() == [0]
 
 
 def test_a_gauge_pressure_or_another_unit_is_suspected():
     remarks = []
-    sensors.pressure_samples([PressureSample(0, 1013.25)], MODEL, remarks)
+    streams.pressure_samples([PressureSample(0, 1013.25)], MODEL, remarks)
     assert "absolute and in pascal" in remarks[0]
 
 
 def test_joint_angles_in_degrees_are_suspected_and_lost_ones_left_out():
     remarks = []
-    found = sensors.joint_samples([JointSample(0, "tray", 45.0), JointSample(1, "tray", np.nan)], "tray", remarks)
+    found = streams.joint_samples([JointSample(0, "tray", 45.0), JointSample(1, "tray", np.nan)], "tray", remarks)
     assert found.angle.tolist() == [45.0]
     assert "in degrees?" in remarks[0]
 
@@ -120,7 +120,7 @@ def sonar(t, image, reach=3.0):
 def test_sonar_pings_of_another_range_are_left_out_and_counted():
     remarks = []
     pixels = np.zeros((2, 3), np.uint8)
-    found = sensors.sonar_pings([sonar(0, pixels), sonar(1, pixels, 5.0), sonar(2, pixels)], remarks)
+    found = streams.sonar_pings([sonar(0, pixels), sonar(1, pixels, 5.0), sonar(2, pixels)], remarks)
     assert found.t_ns.tolist() == [0, 2]
     assert found.directions[0] == pytest.approx([0, 0, 1])
     assert "1 of 3 pings" in remarks[0]
@@ -128,14 +128,14 @@ def test_sonar_pings_of_another_range_are_left_out_and_counted():
 
 def test_sonar_pixels_of_more_bits_are_scaled_to_eight_by_the_brightest():
     remarks = []
-    found = sensors.sonar_pings([sonar(0, np.array([[0, 500], [1000, 250]], np.uint16))], remarks)
+    found = streams.sonar_pings([sonar(0, np.array([[0, 500], [1000, 250]], np.uint16))], remarks)
     assert found.image.tolist() == [[[0, 128], [255, 64]]]
     assert "scaled to 8 bits" in remarks[0]
 
 
 def test_black_pings_stay_black():
-    assert not sensors.sonar_pings([sonar(0, np.zeros((2, 2), np.float32))], []).image.any()
+    assert not streams.sonar_pings([sonar(0, np.zeros((2, 2), np.float32))], []).image.any()
 
 
 def test_no_pings_are_no_record():
-    assert sensors.sonar_pings([], []) is None
+    assert streams.sonar_pings([], []) is None

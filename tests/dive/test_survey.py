@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from hullrecon.dive.initial import beams_to_ask_for, first_config
-from hullrecon.dive.load import load_config
-from hullrecon.dive.readers.open import open_log
-from hullrecon.dive.readers.protocol import Channel
-from hullrecon.dive.survey import TopicNote, guess_topics, missing, survey, survey_all
-from hullrecon.dive.unknowns import to_fill_in
+from hullrecon.dive.check.to_fill_in import to_fill_in
+from hullrecon.dive.config.config_template import beams_to_ask_for, first_config
+from hullrecon.dive.config.load import load_config
+from hullrecon.dive.logs.readers.open import open_log
+from hullrecon.dive.logs.readers.protocol import Channel
+from hullrecon.dive.logs.summary import TopicNote, guess_topics, missing, survey, survey_all
 
 IMAGE = "sensor_msgs/msg/CompressedImage"
 

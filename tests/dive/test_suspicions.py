@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.config import CameraBottom, Cameras, CameraTop, Dive, DiveConfig, Dvl, Imu, Logs
-from hullrecon.dive.dvl_beams import tilted_beams
+from hullrecon.dive.check.consistency_checks import first_difference, suspicions
+from hullrecon.dive.config.schema import CameraBottom, Cameras, CameraTop, Dive, DiveConfig, Dvl, Imu, Logs
+from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
-from hullrecon.dive.suspicions import first_difference, suspicions
 
 NS = 1_000_000_000
 T = np.arange(100, dtype=np.int64) * NS // 5

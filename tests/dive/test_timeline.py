@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from hullrecon.dive.timeline import NS, clock_jumps, gaps, moment, put_in_order, rate_hz
+from hullrecon.dive.logs.timeline import NS, clock_jumps, gaps, moment, put_in_order, rate_hz
 from hullrecon.errors import InputError
 
 

@@ -8,7 +8,7 @@ import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hullrecon.dive.readers.unpack import DamagedError, decompress, fields, text
+from hullrecon.dive.logs.readers.unpack import DamagedError, decompress, fields, text
 
 PACK = {
     "": lambda data: data,

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from hullrecon.dive.readers.ledger import Ledger
-from hullrecon.dive.readers.protocol import Channel, Loss, Message
+from hullrecon.dive.check.messages import losses, spans
+from hullrecon.dive.logs.readers.ledger import Ledger
+from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
 from hullrecon.dive.records import JointSamples, PressureSamples
-from hullrecon.dive.words import losses, spans
 
 A, B = Channel("/a", "x/msg/A", "cdr"), Channel("/b", "x/msg/B", "cdr")
 

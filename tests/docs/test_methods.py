@@ -35,7 +35,7 @@ def test_every_section_and_equation_cited_exists() -> None:
 
 
 def test_the_label_boundary_is_the_one_derived() -> None:
-    from hullrecon.adjustment.em import boundary
+    from hullrecon.adjustment.problem.hard_em import boundary
 
     assert f"{boundary(0.02, 1.0):.5f}" in _methods()
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from hullrecon.evaluation.alignment import STILL, rigid, rms, rms_length, scale_after
+from hullrecon.evaluation.scoring.alignment import STILL, rigid, rms, rms_length, scale_after
 
 POINTS = np.random.default_rng(3).standard_normal((20, 3))
 

@@ -20,7 +20,7 @@ from msgspec import Struct
 from hullrecon.artifacts.graph.chain import Chain
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.storage.workspace import Workspace
-from hullrecon.dive.config import Dvl, Tray
+from hullrecon.dive.config.schema import Dvl, Tray
 from hullrecon.dive.records import Returns, Solution, Trajectory, to_arrays
 from hullrecon.errors import InputError
 
@@ -159,8 +159,8 @@ def test_a_variant_that_is_not_there_says_what_to_run(opened: Any) -> None:
 
 
 def test_a_json_of_figures_has_no_nan(deliver: Any, package: Path) -> None:
-    from hullrecon.evaluation.judge import judge as judged
-    from hullrecon.evaluation.judge import plain
+    from hullrecon.evaluation.scoring.score import judge as judged
+    from hullrecon.evaluation.scoring.score import plain
 
     deliver.track()
     deliver.objects()

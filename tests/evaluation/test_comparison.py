@@ -12,10 +12,10 @@ import pytest
 
 from hullrecon.dive.records import Returns, Solution, Trajectory, to_arrays
 from hullrecon.errors import InputError
-from hullrecon.evaluation.comparison import Reckoned, Solved, compare, read_reckoned, read_solved, table_rows
-from hullrecon.evaluation.gallery import draw
-from hullrecon.evaluation.sections import cut, whole
-from hullrecon.evaluation.truth import Truth, read_truth
+from hullrecon.evaluation.comparison.comparison import Reckoned, Solved, compare, read_reckoned, read_solved, table_rows
+from hullrecon.evaluation.figures.figures import draw
+from hullrecon.evaluation.figures.sections import cut, whole
+from hullrecon.evaluation.scoring.truth import Truth, read_truth
 from hullrecon.geometry.poses import of_seven
 
 NOWHERE = Path("no such artifact")

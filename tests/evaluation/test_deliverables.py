@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hullrecon.errors import InputError
-from hullrecon.evaluation.deliverables import deliver_folder, read_cloud, read_table, read_track
+from hullrecon.evaluation.scoring.deliverables import deliver_folder, read_cloud, read_table, read_track
 
 
 def test_empty_cells_are_nan(tmp_path: Path) -> None:

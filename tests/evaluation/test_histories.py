@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.drawing import Figure
-from hullrecon.evaluation.histories import Progress, cost_history, label_frequency
+from hullrecon.evaluation.figures.figure_style import Figure
+from hullrecon.evaluation.figures.histories import Progress, cost_history, label_frequency
 
 
 def solve(printed: bool) -> Progress:

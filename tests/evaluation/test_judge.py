@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.judge import judge, plain, rows, unit_of
+from hullrecon.evaluation.scoring.score import judge, plain, rows, unit_of
 
 STEEL_M = 0.012
 

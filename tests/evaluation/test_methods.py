@@ -9,9 +9,17 @@ import numpy as np
 import pytest
 
 from hullrecon.dive.records import Returns, Solution
-from hullrecon.evaluation.alignment import STILL
-from hullrecon.evaluation.methods import METHODS, TABLE, WEIGHTINGS, frame_of, gap_figures, height_figures, method_figures
-from hullrecon.evaluation.truth import Truth, read_truth
+from hullrecon.evaluation.comparison.method_comparison import (
+    METHODS,
+    TABLE,
+    WEIGHTINGS,
+    frame_of,
+    gap_figures,
+    height_figures,
+    method_figures,
+)
+from hullrecon.evaluation.scoring.alignment import STILL
+from hullrecon.evaluation.scoring.truth import Truth, read_truth
 
 ORIGIN = np.array([0.45, 0.0, 0.1])
 

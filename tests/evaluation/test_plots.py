@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from hullrecon.evaluation.drawing import Figure
-from hullrecon.evaluation.plots import Delivered, Overview, Section, cross_sections, range_histogram, structure_heights
+from hullrecon.evaluation.figures.figure_style import Figure
+from hullrecon.evaluation.figures.plots import Delivered, Overview, Section, cross_sections, range_histogram, structure_heights
 
 LINE = np.stack([np.linspace(-0.5, 0.5, 20), np.zeros(20)], 1)
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from hullrecon.dive.records import Returns, Solution, Trajectory
-from hullrecon.evaluation.returns import adjusted_beams, field_at, range_residuals, reckoned_beams
-from hullrecon.evaluation.truth import read_truth
+from hullrecon.evaluation.comparison.beams import adjusted_beams, field_at, range_residuals, reckoned_beams
+from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.poses import of_seven
 
 ORIGIN = np.array([0.45, 0.0, 0.1])

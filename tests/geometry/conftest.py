@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from datasets import dataset
 
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 
 
 def barge(length: float = 20.0, radius: float = 3.0, rings: int = 41, corners: int = 72, half: bool = False) -> Mesh:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.geometry.casting import Scene
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 
 FLOOR = Mesh(np.array([[40.0, 0, 2], [41, 0, 2], [41, 1, 2], [40, 1, 2]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
 

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hullrecon.geometry.mesh_topology import find_edges, find_shared_edges, weld_vertices
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.topology import find_edges, find_shared_edges, weld_vertices
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], np.int32)
 

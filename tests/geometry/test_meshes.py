@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.geometry.meshes import Mesh, face_areas, vertex_areas
+from hullrecon.geometry.meshes.mesh import Mesh, face_areas, vertex_areas
 
 FLOOR = Mesh(np.array([[0.0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hullrecon.geometry.outside import UP, flips
+from hullrecon.geometry.charts.viewing_side import UP, flips
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from collections import Counter
 
 import numpy as np
 
-from hullrecon.geometry.meshes import Mesh
-from hullrecon.geometry.refinement import refine
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.refinement import refine
 
 SQUARE = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
 

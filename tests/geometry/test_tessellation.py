@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.geometry.meshes import Mesh
-from hullrecon.geometry.tessellation import facet_sagitta, tessellation_error
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.tessellation import facet_sagitta, tessellation_error
 
 RADIUS_M = 5.0
 

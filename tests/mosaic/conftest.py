@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.ground import Ground, ground_of
 

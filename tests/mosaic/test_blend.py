@@ -12,7 +12,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.blend import VIEWS, Limits, blend_tile, choose
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.ground import Ground, patch_of
-from hullrecon.mosaic.sight import CameraSight
+from hullrecon.mosaic.imagery.image_view import CameraSight
 
 GRID = TexelGrid(west=-0.4, north=0.3, step_m=0.004, height=150, width=200)
 LIMITS = Limits()

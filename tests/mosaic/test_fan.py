@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.mosaic.fan import fan_of
+from hullrecon.mosaic.imagery.sonar_fan import fan_of
 
 BEARING = np.radians(np.linspace(14, -14, 57))  # numbered from port to starboard, as a driver may have it
 DIRECTIONS = np.stack([np.zeros(57), np.sin(BEARING), np.cos(BEARING)], axis=1)

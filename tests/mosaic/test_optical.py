@@ -12,9 +12,9 @@ import pytest
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.ground import Ground
+from hullrecon.mosaic.imagery.camera_views import Station
 from hullrecon.mosaic.optical import optical_mosaic, texel_of
 from hullrecon.mosaic.options import OpticalOptions
-from hullrecon.mosaic.shots import Station
 
 OPTIONS = OpticalOptions(tile_px=64, resolution_m=0.01)
 

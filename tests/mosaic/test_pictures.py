@@ -14,8 +14,8 @@ from PIL import Image
 
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.ground import Ground
-from hullrecon.mosaic.preview import Caption, preview_png, stretched
-from hullrecon.mosaic.textured import UPRIGHT, glb_bytes, sheet_of
+from hullrecon.mosaic.output.preview import Caption, preview_png, stretched
+from hullrecon.mosaic.output.textured import UPRIGHT, glb_bytes, sheet_of
 
 GRID = TexelGrid(west=-0.8, north=0.6, step_m=0.01, height=120, width=160)
 

@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, from_mount, identity
-from hullrecon.mosaic.place_sigma import Stance, place_sigma
+from hullrecon.mosaic.position_sigma import Stance, place_sigma
 
 AHEAD = np.array([[[0.0, 0.0, 2.0]]])
 BACK = np.array([[[0.0, 0.0, -1.0]]])

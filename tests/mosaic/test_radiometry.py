@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.mosaic.radiometry import FIELD, Light, Samples, first_fields, solve_light
+from hullrecon.mosaic.imagery.radiometry import FIELD, Light, Samples, first_fields, solve_light
 
 
 def lamp() -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.ground import Ground
-from hullrecon.mosaic.sight import CameraSight
+from hullrecon.mosaic.imagery.image_view import CameraSight
 
 
 def test_a_point_below_the_camera_falls_on_the_middle_and_is_best(camera: Camera, above: Callable[..., Poses]) -> None:

@@ -11,8 +11,8 @@ import tifffile
 
 from hullrecon.mosaic.blend import Tile
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.raster import write_raster
-from hullrecon.mosaic.store import TileStore, lay
+from hullrecon.mosaic.output.raster import write_raster
+from hullrecon.mosaic.output.store import TileStore, lay
 
 GRID = TexelGrid(west=30.0, north=6.0, step_m=0.01, height=100, width=150)
 

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation.navigate import Logs
+from hullrecon.navigation.dead_reckoning.dead_reckon import Logs
 from hullrecon.navigation.vehicle import Vehicle
 
 START_NS = 1_777_887_000_000_000_000

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation.navigate import Logs, Navigated, dead_reckon
+from hullrecon.navigation.dead_reckoning.dead_reckon import Logs, Navigated, dead_reckon
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.vehicle import Vehicle
 

@@ -11,18 +11,18 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.records import DvlPings, ImuSamples, PressureSamples
-from hullrecon.navigation.attitude import (
+from hullrecon.navigation.dead_reckoning.odometry import velocity_variance
+from hullrecon.navigation.dead_reckoning.reckoning import reckon
+from hullrecon.navigation.sensors.attitude import (
     BRIDGED_RATE_RAD_S,
     LEAST_SIGMA_RAD,
     AttitudeHistory,
     attitude_history,
 )
-from hullrecon.navigation.dead_reckoning import reckon
-from hullrecon.navigation.depth import hold_to_pressure
-from hullrecon.navigation.edges import velocity_variance
-from hullrecon.navigation.servo import servo
+from hullrecon.navigation.sensors.depth import hold_to_pressure
+from hullrecon.navigation.sensors.servo import servo
+from hullrecon.navigation.sensors.velocity import Velocities, usable_velocities
 from hullrecon.navigation.vehicle import cross_matrix
-from hullrecon.navigation.velocity import Velocities, usable_velocities
 
 SECOND = 1_000_000_000
 NO_HOLES = np.zeros((0, 2), np.int64)

@@ -13,15 +13,15 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.records import DvlPings, JointSamples
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation.attitude import AttitudeHistory
-from hullrecon.navigation.dead_reckoning import Reckoning, reckon
-from hullrecon.navigation.edges import LEAST_SIGMA_M, odometry, white_covariance
-from hullrecon.navigation.nodes import Nodes
-from hullrecon.navigation.remarks import remarks_of
-from hullrecon.navigation.returns import returns
-from hullrecon.navigation.servo import servo
+from hullrecon.navigation.dead_reckoning.nodes import Nodes
+from hullrecon.navigation.dead_reckoning.odometry import LEAST_SIGMA_M, odometry, white_covariance
+from hullrecon.navigation.dead_reckoning.reckoning import Reckoning, reckon
+from hullrecon.navigation.dead_reckoning.remarks import remarks_of
+from hullrecon.navigation.dead_reckoning.returns import returns
+from hullrecon.navigation.sensors.attitude import AttitudeHistory
+from hullrecon.navigation.sensors.servo import servo
+from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.navigation.vehicle import Vehicle
-from hullrecon.navigation.velocity import Velocities
 
 SECOND = 1_000_000_000
 NO_HOLES = np.zeros((0, 2), np.int64)

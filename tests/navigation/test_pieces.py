@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hullrecon.dive.records import DvlPings, JointSamples, PressureSamples
-from hullrecon.navigation.clock import gaps, in_order
-from hullrecon.navigation.integral import integral
-from hullrecon.navigation.nodes import choose_nodes, nearest, pair_frames
-from hullrecon.navigation.returns import flag_ranges
-from hullrecon.navigation.servo import servo
-from hullrecon.navigation.smoothing import local_line, running_median
+from hullrecon.navigation.dead_reckoning.integral import integral
+from hullrecon.navigation.dead_reckoning.nodes import choose_nodes, nearest, pair_frames
+from hullrecon.navigation.dead_reckoning.returns import flag_ranges
+from hullrecon.navigation.sensors.clock import gaps, in_order
+from hullrecon.navigation.sensors.servo import servo
+from hullrecon.navigation.sensors.smoothing import local_line, running_median
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True)
 

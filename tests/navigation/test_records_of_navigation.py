@@ -9,7 +9,7 @@ import pytest
 
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation.navigate import dead_reckon
+from hullrecon.navigation.dead_reckoning.dead_reckon import dead_reckon
 from hullrecon.navigation.options import NavigateOptions
 
 

@@ -13,16 +13,16 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.records import TrajectoryErrorModel
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation import spread
-from hullrecon.navigation.attitude import AttitudeHistory
-from hullrecon.navigation.dead_reckoning import Reckoning, reckon
-from hullrecon.navigation.navigate import Logs, dead_reckon
+from hullrecon.navigation.dead_reckoning import error_propagation
+from hullrecon.navigation.dead_reckoning.dead_reckon import Logs, dead_reckon
+from hullrecon.navigation.dead_reckoning.error_propagation import pose_by_error, trajectory_covariance, twist_by_pose_error
+from hullrecon.navigation.dead_reckoning.reckoning import Reckoning, reckon
 from hullrecon.navigation.options import NavigateOptions
-from hullrecon.navigation.servo import servo
-from hullrecon.navigation.spread import pose_by_error, trajectory_covariance, twist_by_pose_error
+from hullrecon.navigation.sensors.attitude import AttitudeHistory
+from hullrecon.navigation.sensors.servo import servo
+from hullrecon.navigation.sensors.velocity import usable_velocities
 from hullrecon.navigation.vehicle import Vehicle
-from hullrecon.navigation.velocity import usable_velocities
-from hullrecon.vision.survey import Survey
+from hullrecon.vision.pairs.camera_track import Survey
 
 NO_HOLES = np.zeros((0, 2), np.int64)
 
@@ -31,16 +31,16 @@ def path_of(logs: Logs, vehicle: Vehicle, error: np.ndarray) -> Reckoning:
     """Dead reckoning of instruments that err by `error` (ERRORS,), the depth's bias aside."""
     span = int(logs.imu.t_ns[0]), int(logs.imu.t_ns[-1])
     velocities = usable_velocities(logs.dvl, span, 0.6)
-    velocities = replace(velocities, velocity=(1 + error[spread.SCALE]) * velocities.velocity)
+    velocities = replace(velocities, velocity=(1 + error[error_propagation.SCALE]) * velocities.velocity)
     t = (logs.imu.t_ns - logs.dvl.t_ns[0]) * 1e-9
-    heading = error[spread.HEADING] + error[spread.DRIFT] * t
+    heading = error[error_propagation.HEADING] + error[error_propagation.DRIFT] * t
     turned = Rotation.from_euler("z", heading[:, None]) * Rotation.from_quat(logs.imu.quaternion)
-    turned = turned * Rotation.from_rotvec([*error[spread.ROLL_PITCH], 0.0])
+    turned = turned * Rotation.from_rotvec([*error[error_propagation.ROLL_PITCH], 0.0])
     history = AttitudeHistory(logs.imu.t_ns, turned.as_quat(), 1e-4, 0.0, NO_HOLES, False)
-    mount = vehicle.T_s_d.rotation * Rotation.from_rotvec(error[spread.MOUNT_TURN])
+    mount = vehicle.T_s_d.rotation * Rotation.from_rotvec(error[error_propagation.MOUNT_TURN])
     off = replace(vehicle, T_s_d=Poses(mount.as_quat(), vehicle.T_s_d.translation))
     hung = servo(logs.tray, 0)
-    hung = replace(hung, angle=hung.angle + error[spread.TRAY_PLAY] * hung.direction)
+    hung = replace(hung, angle=hung.angle + error[error_propagation.TRAY_PLAY] * hung.direction)
     return reckon(velocities, history, hung, off)
 
 
@@ -50,7 +50,7 @@ def nodes_of(logs: Logs) -> np.ndarray:
 
 def numeric(logs: Logs, vehicle: Vehicle, column: int, step: float = 1e-4) -> np.ndarray:
     """(n, 6): central difference of the poses by one error."""
-    error = np.zeros(spread.ERRORS)
+    error = np.zeros(error_propagation.ERRORS)
     error[column] = step
     plus, minus = (path_of(logs, vehicle, sign * error).at(nodes_of(logs)).poses() for sign in (1, -1))
     turn = (minus.rotation.inv() * plus.rotation).as_rotvec()
@@ -63,7 +63,7 @@ def numeric(logs: Logs, vehicle: Vehicle, column: int, step: float = 1e-4) -> np
     [(0, 1e-6), (1, 5e-3), (2, 1e-5), (3, 1e-5), (4, 1e-5), (5, 2e-2), (6, 1e-5), (7, 1e-5), (8, 1e-5)],
 )
 def test_the_path_changes_with_each_error_as_reckoning_anew_says(perfect, vehicle, column: int, tolerance: float) -> None:
-    analytic = pose_by_error(path_of(perfect, vehicle, np.zeros(spread.ERRORS)).at(nodes_of(perfect)))[:, :, column]
+    analytic = pose_by_error(path_of(perfect, vehicle, np.zeros(error_propagation.ERRORS)).at(nodes_of(perfect)))[:, :, column]
     assert np.abs(analytic).max() > 0.5
     assert np.abs(analytic - numeric(perfect, vehicle, column)).max() < tolerance
 
@@ -94,9 +94,9 @@ def test_the_covariance_by_heading_drift_is_that_of_a_path_that_turns_and_change
 
 def relative_by_error(logs: Logs, vehicle: Vehicle, first: np.ndarray, second: np.ndarray, step: float = 1e-4) -> np.ndarray:
     """(m, 6, ERRORS): central differences of the relative poses of paths that were reckoned anew."""
-    out = np.zeros((len(first), 6, spread.ERRORS))
-    for k in range(spread.DEPTH_BIAS):
-        error = step * np.eye(spread.ERRORS)[k]
+    out = np.zeros((len(first), 6, error_propagation.ERRORS))
+    for k in range(error_propagation.DEPTH_BIAS):
+        error = step * np.eye(error_propagation.ERRORS)[k]
         plus, minus = (path_of(logs, vehicle, sign * error).at(nodes_of(logs)).poses() for sign in (1, -1))
         after, before = plus[second].inverse() @ plus[first], minus[second].inverse() @ minus[first]
         turn = (before.rotation.inv() * after.rotation).as_rotvec()
@@ -107,7 +107,7 @@ def relative_by_error(logs: Logs, vehicle: Vehicle, first: np.ndarray, second: n
 def test_the_relative_covariance_of_two_nodes_is_that_of_paths_reckoned_anew(perfect, vehicle) -> None:
     """Scale, drift, mount, play, attitude bias and heading at once; of nodes far apart, near, and in the other order."""
     sigma = np.array([0.005, 2e-4, 0.005, 0.005, 0.005, 0.01, 0.003, 0.003, 0.01, 0.0])
-    truth = path_of(perfect, vehicle, np.zeros(spread.ERRORS)).at(nodes_of(perfect))
+    truth = path_of(perfect, vehicle, np.zeros(error_propagation.ERRORS)).at(nodes_of(perfect))
     by_error = twist_by_pose_error(truth.poses()) @ pose_by_error(truth)
     none = np.zeros((len(truth.t_ns), 6, 6))
     model = TrajectoryErrorModel(by_error=by_error, error_covariance=np.diag(sigma**2), walk=none, white=none)

@@ -13,10 +13,10 @@ from hullrecon.errors import StageError
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation.navigate import Navigated
+from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated
+from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_covariance
 from hullrecon.navigation.options import NavigateOptions
-from hullrecon.navigation.spread import trajectory_covariance
-from hullrecon.navigation.stereo_frame import (
+from hullrecon.navigation.stereo_odometry.stereo_frame import (
     Features,
     StereoFrame,
     StereoRig,
@@ -26,10 +26,10 @@ from hullrecon.navigation.stereo_frame import (
     stereo_matches,
     triangulate,
 )
-from hullrecon.navigation.stereo_motion import stereo_motion
-from hullrecon.navigation.stereo_path import Aids, Views, stereo_navigate
-from hullrecon.navigation.visual_odometry import chain_errors, compose
-from hullrecon.vision.survey import Survey
+from hullrecon.navigation.stereo_odometry.stereo_motion import stereo_motion
+from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Views, stereo_navigate
+from hullrecon.navigation.stereo_odometry.visual_odometry import chain_errors, compose
+from hullrecon.vision.pairs.camera_track import Survey
 
 CAMERA = Camera(640, 512, 600.0, 600.0, 319.5, 255.5)
 RIG = StereoRig(CAMERA, CAMERA, poses.from_mount([0.01, 0.12, 0.0, 1.0, -0.5, 0.7]), sigma_px=0.5)

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hullrecon.dive.config import Dive, Hull
+from hullrecon.dive.config.schema import Dive, Hull
 from hullrecon.dive.records import DvlPings, ImageIndex, Solution, Surface, Trajectory
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import from_rpy
-from hullrecon.report.survey import Eye, StepRun, Survey
-from hullrecon.report.track import track_of
+from hullrecon.report.content.survey import Eye, StepRun, Survey
+from hullrecon.report.export.trajectory import track_of
 
 NODES = 5
 START = 1_777_887_000_468_241_234

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from hullrecon.dive.records import Solution
-from hullrecon.report.absences import absences
+from hullrecon.report.content.missing_deliverables import absences
 
 ALL = {"camera.top": object(), "sonar": object(), "hull": object()}
 CHAIN = ("ingest", "navigate", "adjust", "surface", "detect", "mosaic-optical", "mosaic-sonar")

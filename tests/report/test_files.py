@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hullrecon.dive.config import Hull
+from hullrecon.dive.config.schema import Hull
 from hullrecon.dive.records import Solution, Surface, Trajectory
-from hullrecon.report.csvtext import csv_text, numbers, seconds
-from hullrecon.report.layers import alignment_json, landmarks_ply, surface_ply
-from hullrecon.report.objects import objects_csv
-from hullrecon.report.ply import ply_bytes
-from hullrecon.report.track import track_of, trajectory_csv, trajectory_tum
+from hullrecon.report.content.objects import objects_csv
+from hullrecon.report.export.csv_export import csv_text, numbers, seconds
+from hullrecon.report.export.geometry_export import alignment_json, landmarks_ply, surface_ply
+from hullrecon.report.export.ply import ply_bytes
+from hullrecon.report.export.trajectory import track_of, trajectory_csv, trajectory_tum
 
 Reader = Callable[[bytes], tuple[np.ndarray, np.ndarray | None]]
 

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.report.gallery import all_plots
-from hullrecon.report.page import render
-from hullrecon.report.story import area, summary_lines, weak_sentences
-from hullrecon.report.summary import summary_json
-from hullrecon.report.survey import Mosaic, Survey
-from hullrecon.report.view import coverage_rows, page_view
+from hullrecon.report.content.headline import area, summary_lines, weak_sentences
+from hullrecon.report.content.page import render
+from hullrecon.report.content.page_context import coverage_rows, page_view
+from hullrecon.report.content.survey import Mosaic, Survey
+from hullrecon.report.export.summary import summary_json
+from hullrecon.report.figures.gallery import all_plots
 
 FILES = {"trajectory.csv": {"bytes": 1234, "sha256": "ab" * 32}}
 

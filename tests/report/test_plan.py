@@ -12,10 +12,10 @@ import pytest
 from PIL import Image
 
 from hullrecon.dive.records import Surface
-from hullrecon.report.chartmap import Extent, charted, extent_of, ground_png, seen_faces, weighted_percentiles
-from hullrecon.report.plan import LEFT, TOP, WIDTH, Mark, Plan, nice_below, nice_step, plan_svg
-from hullrecon.report.survey import Survey
-from hullrecon.report.view import chart_view, path_sigma
+from hullrecon.report.content.page_context import chart_view, path_sigma
+from hullrecon.report.content.survey import Survey
+from hullrecon.report.figures.chart_map import Extent, charted, extent_of, ground_png, seen_faces, weighted_percentiles
+from hullrecon.report.figures.plan_view import LEFT, TOP, WIDTH, Mark, Plan, nice_below, nice_step, plan_svg
 
 EXTENT = Extent((30.0, 40.0), (2.0, 7.0))
 PLAN = Plan(

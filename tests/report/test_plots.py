@@ -10,9 +10,9 @@ import pytest
 from PIL import Image
 
 from hullrecon.dive.records import DvlPings, Solution, Surface
-from hullrecon.report.gallery import all_plots
-from hullrecon.report.plots import convergence, depth_and_standoff, deviation_histogram, labels, residuals, standoff
-from hullrecon.report.survey import Survey
+from hullrecon.report.content.survey import Survey
+from hullrecon.report.figures.gallery import all_plots
+from hullrecon.report.figures.plots import convergence, depth_and_standoff, deviation_histogram, labels, residuals, standoff
 
 
 def test_all_plots_of_a_whole_survey_have_pictures_words_and_numbers(survey: Survey) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.report.words import count, duration, join, length, probability, with_sigma
+from hullrecon.report.content.phrases import count, duration, join, length, probability, with_sigma
 
 
 @pytest.mark.parametrize(

@@ -28,9 +28,9 @@ from scipy.spatial.transform import Rotation
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.artifacts.graph.stage import load_arrays
-from hullrecon.dive import config
+from hullrecon.dive.config import schema
 from hullrecon.dive.records import ImageIndex, Solution, from_arrays, to_arrays
-from hullrecon.geometry.chart import chart_from_arrays
+from hullrecon.geometry.charts.chart import chart_from_arrays
 from hullrecon.steps.adjust import STAGE
 
 TO_DEGREES = np.r_[np.ones(3), np.full(3, 180 / np.pi)]
@@ -46,19 +46,19 @@ def sections(dive, **options):
     """dive.toml of the simulated dive."""
     m = dive.measured
     sigma = tuple((MOUNT_SIGMA * TO_DEGREES).tolist())
-    top = config.CameraTop(calibration="top.yaml", mount=six(m.rig.T_s_ct.nominal), mount_sigma=sigma) if m.rig.T_s_ct else None
-    bottom = config.CameraBottom(calibration="bottom.yaml", pose_in_top=six(TOP_FROM_BOTTOM)) if m.rig.T_ct_cb else None
+    top = schema.CameraTop(calibration="top.yaml", mount=six(m.rig.T_s_ct.nominal), mount_sigma=sigma) if m.rig.T_s_ct else None
+    bottom = schema.CameraBottom(calibration="bottom.yaml", pose_in_top=six(TOP_FROM_BOTTOM)) if m.rig.T_ct_cb else None
     hull = (
-        config.Hull(mesh="hull.stl", pose=six(m.drawing.guess), pose_sigma=tuple((GUESS_SIGMA * TO_DEGREES).tolist()))
+        schema.Hull(mesh="hull.stl", pose=six(m.drawing.guess), pose_sigma=tuple((GUESS_SIGMA * TO_DEGREES).tolist()))
         if m.drawing
         else None
     )
     return {
-        "tray": config.Tray(origin=tuple(TRAY_ORIGIN_M.tolist())),
-        "imu": config.Imu(heading_drift_deg_per_hour=200.0),
-        "pressure": config.Pressure(origin=tuple(PRESSURE_ORIGIN_M.tolist())),
-        "dvl": config.Dvl(mount=six(m.rig.T_s_d.nominal), mount_sigma=sigma, scale_sigma=0.01),
-        "camera": config.Cameras(top=top, bottom=bottom),
+        "tray": schema.Tray(origin=tuple(TRAY_ORIGIN_M.tolist())),
+        "imu": schema.Imu(heading_drift_deg_per_hour=200.0),
+        "pressure": schema.Pressure(origin=tuple(PRESSURE_ORIGIN_M.tolist())),
+        "dvl": schema.Dvl(mount=six(m.rig.T_s_d.nominal), mount_sigma=sigma, scale_sigma=0.01),
+        "camera": schema.Cameras(top=top, bottom=bottom),
         "hull": hull,
         "adjust": AdjustOptions(**options),
     }

@@ -14,13 +14,13 @@ from scipy.spatial.transform import Rotation
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.detection.options import DetectOptions
-from hullrecon.dive import config
+from hullrecon.dive.config import schema
 from hullrecon.dive.records import ImageIndex, JointSamples, Solution, SonarPings, Surface, from_arrays, to_arrays
 from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.meshes import Mesh
-from hullrecon.geometry.plane_chart import PlaneChart
+from hullrecon.geometry.charts.plane_chart import PlaneChart
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.poses import Poses, from_mount
-from hullrecon.geometry.refinement import refine
 from hullrecon.steps.detect import STAGE
 
 OFF, HEIGHT = -0.010, 0.09  # the wall is 1 cm behind its drawing and carries a disc 9 cm high
@@ -94,11 +94,11 @@ class Bench:
 
     def run(self, **options: object) -> Path:
         ingest, adjust, surface = (self._folder(name) for name in ("ingest", "adjust", "surface"))
-        sections: dict[str, object] = {"tray": config.Tray(), "hull": None, "sonar": None}
+        sections: dict[str, object] = {"tray": schema.Tray(), "hull": None, "sonar": None}
         if self.hull:
             mesh = _wall()
             np.savez(ingest / "hull.npz", vertices=mesh.vertices, faces=mesh.faces)
-            sections["hull"] = config.Hull(mesh="hull.stl", frame_spacing=0.5)
+            sections["hull"] = schema.Hull(mesh="hull.stl", frame_spacing=0.5)
         if self.camera:
             (ingest / "cameras.json").write_text(json.dumps({"top": asdict(Camera(640, 512, 640.0, 640.0, 319.5, 255.5))}))
             n = len(self.solution.t_ns)
@@ -108,7 +108,7 @@ class Bench:
             _write(ingest / "images_camera_top.npz", to_arrays(index))
         if self.sonar:
             self._carry_sonar(ingest)
-            sections["sonar"] = config.Sonar(mount=(0, 0, 0, 0, 0, 90), elevation_deg=20)
+            sections["sonar"] = schema.Sonar(mount=(0, 0, 0, 0, 0, 90), elevation_deg=20)
         np.savez(adjust / "solution.npz", **to_arrays(self.solution))
         np.savez(surface / "surface.npz", **to_arrays(self.surface))
         origin, axes = (

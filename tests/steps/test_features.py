@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from hullrecon.artifacts.execution.runner import run_stage
-from hullrecon.dive.config import Cameras, CameraTop, Dive, Logs
+from hullrecon.dive.config.schema import Cameras, CameraTop, Dive, Logs
 from hullrecon.dive.records import ImageIndex, to_arrays
 from hullrecon.errors import StageError
 from hullrecon.steps.features import STAGE
-from hullrecon.vision.features import FeatureOptions, extract
-from hullrecon.vision.store import FeatureStore
+from hullrecon.vision.features.extraction import FeatureOptions, extract
+from hullrecon.vision.features.store import FeatureStore
 
 SECTIONS = {
     "dive": Dive(name="t"),

@@ -11,8 +11,8 @@ from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.artifacts.graph.job import make_job
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.artifacts.storage.hashing import HashCache
-from hullrecon.dive.images import ImageStore
-from hullrecon.dive.load import load_config
+from hullrecon.dive.config.load import load_config
+from hullrecon.dive.images.store import ImageStore
 from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SonarPings, from_arrays
 from hullrecon.errors import InputError
 from hullrecon.steps.ingest import STAGE, USES, external, request_of

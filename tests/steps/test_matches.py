@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from hullrecon.artifacts.execution.runner import run_stage
-from hullrecon.dive.config import CameraBottom, Cameras, CameraTop, Dvl, Tray
+from hullrecon.dive.config.schema import CameraBottom, Cameras, CameraTop, Dvl, Tray
 from hullrecon.dive.records import Tracks, Trajectory, TrajectoryErrorModel, from_arrays, to_arrays
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import exp, from_mount
 from hullrecon.steps.matches import STAGE
-from hullrecon.vision.features import FeatureOptions, extract
+from hullrecon.vision.features.extraction import FeatureOptions, extract
+from hullrecon.vision.features.store import CAMERAS, GrowingArray
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.store import CAMERAS, GrowingArray
 
 CAMERA = Camera(320, 256, 330.0, 330.0, 160.0, 128.0)
 BELOW = (0.0, 0.1, 0.0, 0.0, 0.0, 0.0)

@@ -15,12 +15,12 @@ import tifffile
 from numpy.typing import NDArray
 
 from hullrecon.artifacts.execution.runner import run_stage
-from hullrecon.dive.config import Cameras, CameraTop, Dive, DiveConfig, Logs, Sonar, Topics
+from hullrecon.dive.config.schema import Cameras, CameraTop, Dive, DiveConfig, Logs, Sonar, Topics
 from hullrecon.dive.records import ImageIndex, JointSamples, SonarPings, Surface, Trajectory, to_arrays
 from hullrecon.errors import StageError
-from hullrecon.geometry.chart import chart_for_points
+from hullrecon.geometry.charts.chart import chart_for_points
 from hullrecon.geometry.poses import Poses, from_rpy
-from hullrecon.report.track import Track
+from hullrecon.report.export.trajectory import Track
 from hullrecon.steps import mosaic_optical, mosaic_sonar
 from hullrecon.steps.mosaic_sonar import sonar_poses
 

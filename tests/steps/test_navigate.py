@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.artifacts.graph.stage import load_arrays
-from hullrecon.dive import config
+from hullrecon.dive.config import schema
 from hullrecon.dive.records import (
     Attitude,
     DvlPings,
@@ -36,13 +36,13 @@ JANUS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5]
 
 
 def sections() -> dict[str, object]:
-    camera = config.Cameras(top=config.CameraTop(calibration="top.yaml"), bottom=config.CameraBottom(calibration="bottom.yaml"))
+    camera = schema.Cameras(top=schema.CameraTop(calibration="top.yaml"), bottom=schema.CameraBottom(calibration="bottom.yaml"))
     return {
-        "logs": config.Logs(files=()),
-        "tray": config.Tray(origin=(0.4, 0.0, 0.1)),
-        "imu": config.Imu(),
-        "pressure": config.Pressure(),
-        "dvl": config.Dvl(mount_sigma=(0.01, 0.01, 0.01, 0.9, 0.9, 0.9)),
+        "logs": schema.Logs(files=()),
+        "tray": schema.Tray(origin=(0.4, 0.0, 0.1)),
+        "imu": schema.Imu(),
+        "pressure": schema.Pressure(),
+        "dvl": schema.Dvl(mount_sigma=(0.01, 0.01, 0.01, 0.9, 0.9, 0.9)),
         "camera": camera,
         "sonar": None,
     }
@@ -97,7 +97,7 @@ def test_the_step_leaves_what_makes_its_poses_wrong(ingest: Path, tmp_path: Path
     errors = from_arrays(TrajectoryErrorModel, load_arrays(out / "error_model.npz"))
     assert errors.by_error.shape == (len(path.t_ns), 6, 10)
     assert np.allclose(errors.by_error[:, 0, 0], path.translation[:, 0])  # by the DVL's scale: the way it has come
-    assert errors.error_covariance[0, 0] == pytest.approx(config.Dvl().scale_sigma ** 2)
+    assert errors.error_covariance[0, 0] == pytest.approx(schema.Dvl().scale_sigma ** 2)
 
 
 def test_twice_the_same_input_gives_the_same_bytes(ingest: Path, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from hullrecon.artifacts.execution.runner import run_stage
-from hullrecon.dive.config import Dive, DiveConfig, Logs
+from hullrecon.dive.config.schema import Dive, DiveConfig, Logs
 from hullrecon.dive.records import Trajectory, to_arrays
 from hullrecon.steps.report import STAGE
 

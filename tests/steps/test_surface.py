@@ -11,11 +11,11 @@ import pytest
 
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.artifacts.graph.stage import load_arrays
-from hullrecon.dive import config
+from hullrecon.dive.config import schema
 from hullrecon.dive.records import Returns, Solution, Surface, Trajectory, from_arrays, to_arrays
 from hullrecon.errors import StageError
-from hullrecon.geometry.chart import chart_for_hull, chart_from_arrays
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.charts.chart import chart_for_hull, chart_from_arrays
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.steps.surface import STAGE
 from hullrecon.surface.options import SurfaceOptions
@@ -86,9 +86,9 @@ class Bench:
         marks = np.column_stack([x, grown * np.sin(angle), 3 - grown * np.cos(angle)])
         self.solution = _solution(self.T_g_v, from_mount(TURN).apply(marks))
         self.sections = {
-            "tray": config.Tray(),
-            "dvl": config.Dvl(mount=(0, 0, 0, 90, 0, 0)),
-            "hull": config.Hull(mesh="hull.stl", pose=TURN),
+            "tray": schema.Tray(),
+            "dvl": schema.Dvl(mount=(0, 0, 0, 90, 0, 0)),
+            "hull": schema.Hull(mesh="hull.stl", pose=TURN),
         }
 
     def run(self, adjusted: bool = True, dvl: bool = True, **options: object) -> Path:

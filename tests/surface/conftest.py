@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.geometry.plane_chart import PlaneChart
+from hullrecon.geometry.charts.plane_chart import PlaneChart
 
 
 @pytest.fixture

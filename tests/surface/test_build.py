@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hullrecon.errors import StageError
-from hullrecon.geometry.plane_chart import PlaneChart
+from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.surface.build import Cloud, build_surface
 from hullrecon.surface.options import SurfaceOptions
 

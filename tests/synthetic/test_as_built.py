@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hullrecon.geometry.casting import Scene
+from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.synthetic.as_built import AsBuilt, build, crop
 from hullrecon.synthetic.forms import ship_form
 from hullrecon.synthetic.sheet import Sheet, cut_sheet

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from hullrecon.errors import InputError
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.forms import hull_from_mesh, hull_of, ship_form, write_stl
 from hullrecon.synthetic.spec import DiveSpec
 

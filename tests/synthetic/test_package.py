@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from hullrecon.dive.config import DiveConfig
+from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.errors import StorageError
 from hullrecon.geometry.poses import from_mount
 from hullrecon.synthetic import package as package_module

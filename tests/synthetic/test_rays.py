@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.rays import Rays
 
 FAR = np.array([1000.0, -2000.0, 50.0])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from hullrecon.errors import InputError
-from hullrecon.geometry.casting import Scene
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.forms import ship_form
 from hullrecon.synthetic.sheet import Sheet, cut_sheet
 from hullrecon.synthetic.spec import DiveSpec

@@ -22,7 +22,7 @@ def test_legs_go_back_and_forth_and_step_down() -> None:
 def test_the_sensors_keep_their_standoff(dive: Dive) -> None:
     t = np.arange(2.0, dive.motion.t_s[-1] - 2.0, 0.5)
     tray = dive.motion.in_hull(dive.motion.on_tray(t, identity(), TRAY_ORIGIN))
-    from hullrecon.geometry.casting import Scene
+    from hullrecon.geometry.meshes.casting import Scene
 
     distance = Scene(dive.drawing).closest(tray.translation).distance
     np.testing.assert_allclose(distance, dive.spec.standoff_m, atol=0.08)

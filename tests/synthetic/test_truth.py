@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from hullrecon.geometry.casting import Scene
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, tray
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.recorder import START_NS

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import exp
-from hullrecon.vision.bench import Bench, MatchNode, MatchPairs, Node, Pair
+from hullrecon.vision.features.store import GrowingArray
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pairwise import Reason, match_pair
-from hullrecon.vision.rig import Rig
-from hullrecon.vision.stereo import no_matches
-from hullrecon.vision.store import GrowingArray
-from hullrecon.vision.transfer import Motion
-from hullrecon.vision.views import DepthPrior
+from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.match_worker import Bench, MatchNode, MatchPairs, Node, Pair
+from hullrecon.vision.pairs.matching import Reason, match_pair
+from hullrecon.vision.stereo.matching import no_matches
+from hullrecon.vision.stereo.node_view import DepthPrior
+from hullrecon.vision.stereo.rectification import Rig
 
 PRIOR = DepthPrior(1.3, 0.2, 0.8, 2.0)
 DOUBT = np.diag([0.02**2] * 3 + [0.01**2] * 3)

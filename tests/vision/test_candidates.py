@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from hullrecon.vision.candidates import in_box, in_ellipse
+from hullrecon.vision.pairs.gated_search import in_box, in_ellipse
 
 
 def pairs(found):

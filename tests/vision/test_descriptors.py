@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hullrecon.vision.descriptors import best_of_all, best_of_candidates, sparse_distance, unit
+from hullrecon.vision.features.descriptors import best_of_all, best_of_candidates, sparse_distance, unit
 
 
 @pytest.fixture

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import exp
-from hullrecon.vision.examine import Link, doubtful
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.transfer import Motion
+from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.tracks.track_verification import Link, doubtful
 
 
 @pytest.fixture

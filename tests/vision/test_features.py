@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hullrecon.vision.features import FeatureOptions, extract, nothing, root_sift
+from hullrecon.vision.features.extraction import FeatureOptions, extract, nothing, root_sift
 
 
 @pytest.fixture

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hullrecon.vision.features import Features, nothing
-from hullrecon.vision.landmarks import Matches, NodeFeatures, build
-from hullrecon.vision.stereo import StereoMatches, no_matches
+from hullrecon.vision.features.extraction import Features, nothing
+from hullrecon.vision.stereo.matching import StereoMatches, no_matches
+from hullrecon.vision.tracks.landmarks import Matches, NodeFeatures, build
 
 
 def features(base, n, color):

@@ -5,9 +5,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import exp
-from hullrecon.vision import mono_motion, twoview
-from hullrecon.vision.transfer import Motion
-from hullrecon.vision.twoview import PossibleMotion
+from hullrecon.vision.pairs import mono_motion, two_view
+from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.two_view import PossibleMotion
 
 TRUE = exp([[0.3, 0.02, 0.05, 0.02, -0.05, 0.01]]).matrix()[0]
 LENGTH = float(np.linalg.norm(TRUE[:3, 3]))
@@ -138,9 +138,9 @@ def test_a_direction_says_little_where_the_vehicle_hardly_moved():
 def plane_choices():
     """The motions of a wall seen twice without relief, and which is the true one."""
     first, second = matches(relief_m=0.0, sigma=0.01 * SIGMA, width=0.3)
-    found = twoview.fit(first, second, 1.5 / 1200)
+    found = two_view.fit(first, second, 1.5 / 1200)
     assert found.model == "homography"
-    choices = twoview.motions_of(found, first, second)
+    choices = two_view.motions_of(found, first, second)
     truth = [float(np.abs(five(c.motion)).max()) < 0.02 for c in choices]
     return choices, truth, (first, second)
 

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from hullrecon.vision.features import nothing
-from hullrecon.vision.landmarks import NodeFeatures
+from hullrecon.vision.features.extraction import nothing
 from hullrecon.vision.odometry import chain, view
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pairwise import Reason
+from hullrecon.vision.pairs.matching import Reason
+from hullrecon.vision.tracks.landmarks import NodeFeatures
 
 
 def pairs(look, places, lost=()):

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import exp
-from hullrecon.vision.features import nothing
-from hullrecon.vision.landmarks import NodeFeatures
+from hullrecon.vision.features.extraction import nothing
 from hullrecon.vision.odometry import chain
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pairwise import WORDS, Reason, agrees, match_pair
-from hullrecon.vision.rig import Rig
-from hullrecon.vision.stereo import no_matches
-from hullrecon.vision.transfer import Motion
-from hullrecon.vision.views import DepthPrior, stereo_of_node, view_of_node
+from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.matching import WORDS, Reason, agrees, match_pair
+from hullrecon.vision.stereo.matching import no_matches
+from hullrecon.vision.stereo.node_view import DepthPrior, stereo_of_node, view_of_node
+from hullrecon.vision.stereo.rectification import Rig
+from hullrecon.vision.tracks.landmarks import NodeFeatures
 
 OPTIONS = MatchOptions()
 PRIOR = DepthPrior(1.3, 0.2, 0.8, 2.0)

@@ -7,7 +7,7 @@ import pytest
 
 from hullrecon.dive.records import TrajectoryErrorModel
 from hullrecon.geometry.poses import Poses, exp
-from hullrecon.vision.survey import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, Survey
+from hullrecon.vision.pairs.camera_track import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, Survey
 
 
 def model(n, by_error=None, sigma=(), walk=None, white=None):

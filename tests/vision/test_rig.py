@@ -5,7 +5,7 @@ import pytest
 
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import from_rpy, identity
-from hullrecon.vision.rig import Rig, rectify, triangulate
+from hullrecon.vision.stereo.rectification import Rig, rectify, triangulate
 
 POINTS = np.array([[0.1, -0.2, 1.5], [-0.4, 0.3, 1.1], [0.0, 0.0, 4.0]])
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import exp
-from hullrecon.vision import rigid
+from hullrecon.vision.pairs import pose_from_points
 
 TRUTH = exp([[0.2, -0.05, 0.03, 0.02, -0.08, 0.04]]).matrix()[0]
 DOWN = exp([[0.0, -0.1, 0.0, 0.0, 0.0, 0.01]]).matrix()[0]  # the other node's bottom camera
@@ -29,35 +29,35 @@ def sights(points, noise=0.0, seed=1):
     there = move(TRUTH, points)
     shake = lambda: noise * rng.standard_normal((len(points), 2))  # noqa: E731
     return [
-        rigid.Sight(points, image(there) + shake(), np.eye(4), False, 0.1),
-        rigid.Sight(points, image(move(DOWN, there)) + shake(), DOWN, False, 0.1),
-        rigid.Sight(there, image(points) + shake(), np.eye(4), True, 0.1),
+        pose_from_points.Sight(points, image(there) + shake(), np.eye(4), False, 0.1),
+        pose_from_points.Sight(points, image(move(DOWN, there)) + shake(), DOWN, False, 0.1),
+        pose_from_points.Sight(there, image(points) + shake(), np.eye(4), True, 0.1),
     ]
 
 
 def test_three_points_give_the_motion(scene):
-    np.testing.assert_allclose(rigid.align(scene[None, :3], move(TRUTH, scene)[None, :3])[0], TRUTH, atol=1e-9)
+    np.testing.assert_allclose(pose_from_points.align(scene[None, :3], move(TRUTH, scene)[None, :3])[0], TRUTH, atol=1e-9)
 
 
 def test_a_mirrored_set_is_still_fitted_by_a_rotation(scene):
     mirrored = scene * [1, 1, -1]
-    assert np.linalg.det(rigid.align(scene[None], mirrored[None])[0, :3, :3]) == pytest.approx(1.0)
+    assert np.linalg.det(pose_from_points.align(scene[None], mirrored[None])[0, :3, :3]) == pytest.approx(1.0)
 
 
 def test_errors_are_zero_at_the_truth_both_ways(scene):
     for sight in sights(scene):
-        np.testing.assert_allclose(rigid.squared_errors(TRUTH[None], sight), 0, atol=1e-20)
+        np.testing.assert_allclose(pose_from_points.squared_errors(TRUTH[None], sight), 0, atol=1e-20)
 
 
 def test_an_error_is_the_distance_in_the_image():
-    sight = rigid.Sight(np.array([[0.0, 0.0, 2.0]]), np.array([[0.03, -0.04]]), np.eye(4), False, 0.1)
-    np.testing.assert_allclose(rigid.squared_errors(np.eye(4)[None], sight), [[0.05**2]])
+    sight = pose_from_points.Sight(np.array([[0.0, 0.0, 2.0]]), np.array([[0.03, -0.04]]), np.eye(4), False, 0.1)
+    np.testing.assert_allclose(pose_from_points.squared_errors(np.eye(4)[None], sight), [[0.05**2]])
 
 
 def test_a_point_behind_the_camera_is_infinitely_wrong_and_one_not_seen_is_silent():
     points = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])
-    sight = rigid.Sight(points, np.array([[0.0, 0.0], [np.nan, np.nan]]), np.eye(4), False, 0.1)
-    np.testing.assert_array_equal(rigid.squared_errors(np.eye(4)[None], sight), [[np.inf, 0.0]])
+    sight = pose_from_points.Sight(points, np.array([[0.0, 0.0], [np.nan, np.nan]]), np.eye(4), False, 0.1)
+    np.testing.assert_array_equal(pose_from_points.squared_errors(np.eye(4)[None], sight), [[np.inf, 0.0]])
 
 
 def test_ransac_finds_the_motion_among_three_quarters_of_wrong_matches(scene):
@@ -65,39 +65,46 @@ def test_ransac_finds_the_motion_among_three_quarters_of_wrong_matches(scene):
     wrong = rng.permutation(200)[:150]
     seen = move(TRUTH, scene)
     seen[wrong] = seen[np.roll(wrong, 1)]
-    all_sights = [rigid.Sight(scene, image(seen), np.eye(4), False, 0.1), rigid.Sight(seen, image(scene), np.eye(4), True, 0.1)]
-    np.testing.assert_allclose(rigid.ransac(scene, seen, all_sights, 0.004, 2000, (1,)), TRUTH, atol=1e-6)
+    all_sights = [
+        pose_from_points.Sight(scene, image(seen), np.eye(4), False, 0.1),
+        pose_from_points.Sight(seen, image(scene), np.eye(4), True, 0.1),
+    ]
+    np.testing.assert_allclose(pose_from_points.ransac(scene, seen, all_sights, 0.004, 2000, (1,)), TRUTH, atol=1e-6)
 
 
 def test_ransac_repeats_itself_for_one_seed(scene):
     noisy = move(TRUTH, scene) + 0.01 * np.random.default_rng(1).standard_normal(scene.shape)
-    first, second = (rigid.ransac(scene, noisy, sights(scene), 0.01, 256, (4, 2)) for _ in range(2))
+    first, second = (pose_from_points.ransac(scene, noisy, sights(scene), 0.01, 256, (4, 2)) for _ in range(2))
     np.testing.assert_array_equal(first, second)
 
 
 def test_two_points_are_too_few(scene):
-    assert rigid.ransac(scene[:2], scene[:2], sights(scene[:2]), 0.01, 100, (1,)) is None
+    assert pose_from_points.ransac(scene[:2], scene[:2], sights(scene[:2]), 0.01, 100, (1,)) is None
 
 
 def test_refinement_reaches_the_truth_from_a_rough_guess(scene):
     start = TRUTH @ exp([[0.003, -0.002, 0.002, 0.001, 0.002, -0.001]]).matrix()[0]
-    np.testing.assert_allclose(rigid.refine(start, sights(scene), 0.02)[0], TRUTH, atol=1e-9)
+    np.testing.assert_allclose(pose_from_points.refine(start, sights(scene), 0.02)[0], TRUTH, atol=1e-9)
 
 
 def test_the_jacobian_is_that_of_numeric_differences(scene):
     guess = TRUTH @ exp([[0.02, 0.01, -0.01, 0.01, 0.02, -0.01]]).matrix()[0]
     mask = np.ones(len(scene), bool)
     for sight in sights(scene):
-        far = rigid.Sight(sight.points, sight.xy, sight.camera_from_node, sight.backward, 1e9)  # whitening is the identity
-        _, jacobian = rigid._linearised(guess, far, mask)
+        far = pose_from_points.Sight(
+            sight.points, sight.xy, sight.camera_from_node, sight.backward, 1e9
+        )  # whitening is the identity
+        _, jacobian = pose_from_points._linearised(guess, far, mask)
         for k in range(6):
             step = 1e-6 * np.eye(6)[k]
-            ahead, behind = (rigid._linearised(rigid._moved(guess, s), far, mask)[0] for s in (step, -step))
+            ahead, behind = (
+                pose_from_points._linearised(pose_from_points._moved(guess, s), far, mask)[0] for s in (step, -step)
+            )
             np.testing.assert_allclose(jacobian[:, :, k], (ahead - behind) / 2e-6, atol=1e-7)
 
 
 def test_the_covariance_is_the_spread_over_many_noisy_scenes(scene):
-    found = [rigid.refine(TRUTH, sights(scene, 0.0005, seed), 0.02) for seed in range(40)]
+    found = [pose_from_points.refine(TRUTH, sights(scene, 0.0005, seed), 0.02) for seed in range(40)]
     spread = np.std([motion[:3, 3] for motion, _ in found], axis=0)
     claimed = np.sqrt(np.mean([np.diag(c)[:3] for _, c in found], axis=0))
     assert (spread < 2.0 * claimed).all()
@@ -106,23 +113,26 @@ def test_the_covariance_is_the_spread_over_many_noisy_scenes(scene):
 
 def test_a_wrong_depth_is_forgiven_along_its_line_only(scene):
     deep = scene * 1.01  # a depth off by 1 %: 13 mm, twice what a 0.1 m baseline leaves open at half a pixel
-    along = rigid.Sight(deep, image(move(TRUTH, scene)), np.eye(4), False, 0.1)
+    along = pose_from_points.Sight(deep, image(move(TRUTH, scene)), np.eye(4), False, 0.1)
     mask = np.ones(len(scene), bool)
-    stiff = rigid.Sight(deep, along.xy, along.camera_from_node, False, 1e9)
-    assert np.abs(rigid._linearised(TRUTH, along, mask)[0]).sum() < 0.5 * np.abs(rigid._linearised(TRUTH, stiff, mask)[0]).sum()
+    stiff = pose_from_points.Sight(deep, along.xy, along.camera_from_node, False, 1e9)
+    assert (
+        np.abs(pose_from_points._linearised(TRUTH, along, mask)[0]).sum()
+        < 0.5 * np.abs(pose_from_points._linearised(TRUTH, stiff, mask)[0]).sum()
+    )
 
 
 def test_resection_finds_the_pose_among_wrong_matches(scene):
     xy = image(move(TRUTH, scene))
     xy[:80] = xy[:80][::-1] + 0.05
-    np.testing.assert_allclose(rigid.resect(scene, xy, 0.004, 500), TRUTH, atol=1e-4)
+    np.testing.assert_allclose(pose_from_points.resect(scene, xy, 0.004, 500), TRUTH, atol=1e-4)
 
 
 def test_resection_needs_four_points(scene):
-    assert rigid.resect(scene[:3], image(scene[:3]), 0.01, 100) is None
+    assert pose_from_points.resect(scene[:3], image(scene[:3]), 0.01, 100) is None
 
 
 def test_rows_without_a_point_count_as_not_seen():
-    sight = rigid.known(rigid.Sight(np.full((1, 3), np.nan), np.zeros((1, 2)), np.eye(4), False, 0.1))
+    sight = pose_from_points.known(pose_from_points.Sight(np.full((1, 3), np.nan), np.zeros((1, 2)), np.eye(4), False, 0.1))
     assert np.isnan(sight.xy).all()
     assert np.isfinite(sight.points).all()

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from hullrecon.vision.features import root_sift
-from hullrecon.vision.saliency import local_saliency
+from hullrecon.vision.features.extraction import root_sift
+from hullrecon.vision.features.saliency import local_saliency
 
 
 def varied(n, seed=0):

@@ -10,11 +10,11 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import Poses
-from hullrecon.vision.features import FeatureOptions, extract
-from hullrecon.vision.landmarks import NodeFeatures
+from hullrecon.vision.features.extraction import FeatureOptions, extract
 from hullrecon.vision.odometry import chain
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.rig import Rig
+from hullrecon.vision.stereo.rectification import Rig
+from hullrecon.vision.tracks.landmarks import NodeFeatures
 
 PAIRS = range(26, 42)
 

@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 
-from hullrecon.vision.store import FeatureStore, GrowingArray
+from hullrecon.vision.features.store import FeatureStore, GrowingArray
 
 
 def write(folder, sizes, value):

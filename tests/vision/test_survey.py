@@ -7,7 +7,7 @@ import pytest
 
 from hullrecon.dive.records import Returns, Trajectory, TrajectoryErrorModel
 from hullrecon.geometry.poses import from_mount, from_rpy, identity
-from hullrecon.vision.survey import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, depth_priors, survey_of
+from hullrecon.vision.pairs.camera_track import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, depth_priors, survey_of
 
 FORWARD = from_mount([0.0, 0.0, -0.05, 90.0, 0.0, 90.0])  # looks along the vehicle's x
 

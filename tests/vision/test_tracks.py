@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hullrecon.vision.tracks import join
+from hullrecon.vision.tracks.union import join
 
 
 def joined(node_of, edges, quality=None):

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import exp
-from hullrecon.vision.transfer import Motion, transfer
+from hullrecon.vision.pairs.gating import Motion, transfer
 
 XY = np.array([[0.0, 0.0], [0.3, -0.2], [-0.25, 0.1]])
 DEPTH = np.array([1.3, 1.5, 1.2])

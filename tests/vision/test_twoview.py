@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import exp
-from hullrecon.vision import twoview
+from hullrecon.vision.pairs import two_view
 
 MOTION = exp([[0.3, 0.02, 0.05, 0.02, -0.05, 0.01]]).matrix()[0]
 FOCAL = 1200.0
@@ -22,36 +22,36 @@ def scene(relief_m, n=100, sigma_px=1.0, seed=0):
 
 @pytest.mark.parametrize(("count", "plane", "general"), [(10, 72, 80), (50, 232, 320), (100, 432, 620), (500, 2032, 3020)])
 def test_penalties_are_those_of_the_source(count, plane, general):
-    assert twoview.criterion(np.zeros(count), 2, 8) == plane
-    assert twoview.criterion(np.zeros(count), 3, 5) == general
+    assert two_view.criterion(np.zeros(count), 2, 8) == plane
+    assert two_view.criterion(np.zeros(count), 3, 5) == general
 
 
 def test_one_outlier_cannot_decide():
-    assert twoview.criterion(np.array([1e6]), 2, 8) == 4 + 4 + 32
+    assert two_view.criterion(np.array([1e6]), 2, 8) == 4 + 4 + 32
 
 
 def test_a_flat_wall_is_a_homography_and_a_rough_one_is_not():
-    assert twoview.fit(*scene(0.0), 2 / FOCAL).model == "homography"
-    assert twoview.fit(*scene(0.2), 2 / FOCAL).model == "essential"
+    assert two_view.fit(*scene(0.0), 2 / FOCAL).model == "homography"
+    assert two_view.fit(*scene(0.2), 2 / FOCAL).model == "essential"
 
 
 def test_the_true_motion_has_no_sampson_error():
     first, second = scene(0.2, sigma_px=0.0)
-    np.testing.assert_allclose(twoview.sampson_squared(twoview.essential_of(MOTION), first, second), 0, atol=1e-20)
+    np.testing.assert_allclose(two_view.sampson_squared(two_view.essential_of(MOTION), first, second), 0, atol=1e-20)
 
 
 def test_the_sampson_error_is_the_distance_to_the_nearest_pair_that_fits():
     sideways = np.eye(4)
     sideways[0, 3] = 1.0  # epipolar lines are rows: a gap of 0.02 is shared by both images
-    error = twoview.sampson_squared(twoview.essential_of(sideways), np.array([[0.1, 0.0]]), np.array([[0.3, 0.02]]))
+    error = two_view.sampson_squared(two_view.essential_of(sideways), np.array([[0.1, 0.0]]), np.array([[0.3, 0.02]]))
     np.testing.assert_allclose(error, 0.02**2 / 2)
 
 
 @pytest.mark.parametrize("relief_m", [0.0, 0.2])
 def test_the_motion_is_recovered_up_to_its_length(relief_m):
     first, second = scene(relief_m, n=300, sigma_px=0.1)
-    found = twoview.fit(first, second, 1.5 / FOCAL)
-    motions = [p.motion for p in twoview.motions_of(found, first, second)]
+    found = two_view.fit(first, second, 1.5 / FOCAL)
+    motions = [p.motion for p in two_view.motions_of(found, first, second)]
     direction = MOTION[:3, 3] / np.linalg.norm(MOTION[:3, 3])
     assert min(np.abs(m[:3, 3] - direction).max() + np.abs(m[:3, :3] - MOTION[:3, :3]).max() for m in motions) < 0.05
 
@@ -59,11 +59,11 @@ def test_the_motion_is_recovered_up_to_its_length(relief_m):
 def test_wrong_matches_are_no_inliers():
     first, second = scene(0.2, n=200, sigma_px=0.3)
     second[:60] = second[:60][::-1]
-    found = twoview.fit(first, second, 1.5 / FOCAL)
+    found = two_view.fit(first, second, 1.5 / FOCAL)
     assert found.inlier[60:].mean() > 0.9
     assert found.inlier[:60].mean() < 0.2
 
 
 def test_seven_matches_are_too_few():
     first, second = scene(0.2, n=7)
-    assert twoview.fit(first, second, 2 / FOCAL) is None
+    assert two_view.fit(first, second, 2 / FOCAL) is None

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from hullrecon.vision.features import nothing
+from hullrecon.vision.features.extraction import nothing
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.rig import Rig
-from hullrecon.vision.stereo import StereoMatches, no_matches
-from hullrecon.vision.views import DepthPrior, drop_lonely_depths, stereo_of_node, view_of_node
+from hullrecon.vision.stereo.matching import StereoMatches, no_matches
+from hullrecon.vision.stereo.node_view import DepthPrior, drop_lonely_depths, stereo_of_node, view_of_node
+from hullrecon.vision.stereo.rectification import Rig
 
 OPTIONS = MatchOptions()
 PRIOR = DepthPrior(1.3, 0.2, 0.8, 2.0)

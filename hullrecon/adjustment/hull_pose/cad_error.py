@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How wrong the drawing is expected to be, as the covariance of distances to it, and which points say nothing of it.
+
+Sigma and lengths of the smooth error are the package's. Fitted by likelihood instead, they follow what the points have in
+common for other reasons (facets, smoothed landmarks): docs/adr/0010. An offset of the whole hull is always possible.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_solve
+
+from hullrecon.adjustment.facets import facets_near
+from hullrecon.adjustment.problem.measurements import Drawing
+
+Array = NDArray[np.float64]
+POINT_NOISE_M = 0.005  # of the mean of a voxel of landmarks and returns
+OFFSET_SHARE = 0.7  # sigma of the common offset in the drawing's deviation_sigma
+STRAY_SIGMAS = 4.0
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """sigma: of the smooth error, m; length: along and over the girth, m; noise: of a point, m; offset: sigma of an error
+    common to the whole drawing, m."""
+
+    sigma: float
+    length: tuple[float, float]
+    noise: float
+    offset: float
+
+
+def expected(drawing: Drawing) -> Misfit:
+    """What the package says of its drawing."""
+    sigma = drawing.deviation_sigma
+    return Misfit(sigma, drawing.deviation_length, POINT_NOISE_M, OFFSET_SHARE * sigma)
+
+
+def covariance(misfit: Misfit, drawing: Drawing, at: Array) -> Array:
+    """Covariance (n, n) of the signed distances of points (n, 3) in M to the drawing: smooth error, offset, facets, noise.
+
+    The facets' pattern repeats all over a survey, which no stationary covariance says: the points on one facet share out the
+    information of one (docs/methods.md 9), with three of its sigmas, lest a slide by one facet look like a better place.
+    """
+    along_girth = np.nan_to_num(drawing.chart.to_chart(at)[:, :2])
+    return _covariance(misfit, along_girth, _facet_variance(drawing, at, along_girth))
+
+
+def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> Array:
+    """Covariance (n, n) of a field at chart points (n, 2): sigma^2 (1 + sqrt3 r) exp(-sqrt3 r), r in correlation lengths."""
+    scaled = along_girth / np.array(length)
+    squared = np.sum(scaled**2, 1)
+    r = np.sqrt(np.maximum(squared[:, None] + squared[None] - 2 * scaled @ scaled.T, 0))
+    return np.asarray(sigma**2 * (1 + np.sqrt(3) * r) * np.exp(-np.sqrt(3) * r))
+
+
+def _facet_variance(drawing: Drawing, at: Array, along_girth: Array) -> float:
+    facets = facets_near(drawing.mesh, at)
+    cells = len(np.unique(np.floor(along_girth / facets.length).astype(np.int64), axis=0))
+    return float((3 * facets.sigma) ** 2 * len(at) / cells)
+
+
+def _covariance(misfit: Misfit, along_girth: Array, facet_variance: float) -> Array:
+    out = matern32(along_girth, misfit.sigma, misfit.length) + misfit.offset**2
+    out[np.diag_indices(len(out))] += facet_variance + misfit.noise**2
+    return out
+
+
+def stray(factor: Any, distance: Array) -> NDArray[np.bool_]:
+    """Points (n,) that the others do not predict: leave-one-out residuals beyond four of their sigmas, the worst first and the
+    rest without it, lest a point on a structure take its neighbours along.
+
+    factor: Cholesky factor of the distances' covariance.
+    """
+    inverse = cho_solve(factor, np.eye(len(distance)))
+    right, gone = inverse @ distance, np.zeros(len(distance), bool)
+    while not gone.all():
+        sigmas = np.where(gone, 0.0, np.abs(right)) / np.sqrt(np.where(gone, 1.0, np.diag(inverse)))
+        worst = int(np.argmax(sigmas))
+        if sigmas[worst] <= STRAY_SIGMAS:
+            break
+        column = inverse[:, worst] / inverse[worst, worst]
+        right = right - column * right[worst]
+        inverse -= np.outer(column, inverse[worst])
+        gone[worst] = True
+    return gone

@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where on the hull the dive was: T_g_M settled by profile along the hull, and its covariance.
+
+The solve slides along a flat valley and stops at a facet's edge or where its tolerance lets it (docs/methods.md 9). The
+posterior along the valley, with the drawing's error as correlated noise, is what is known; its mean is the place that the last
+round holds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor
+
+from hullrecon import native
+from hullrecon.adjustment.hull_pose import cad_error, profile_likelihood, registration
+from hullrecon.adjustment.hull_pose.cad_error import Misfit
+from hullrecon.adjustment.hull_pose.observability import weak_directions
+from hullrecon.adjustment.problem.assembly import Selection
+from hullrecon.adjustment.problem.measurements import Drawing, Measurements, return_points
+from hullrecon.adjustment.problem.state import State
+from hullrecon.adjustment.results.covariance import hull_axes
+from hullrecon.geometry.poses import Poses
+
+Array = NDArray[np.float64]
+ALONG = np.array([1.0, 0.0, 0.0])
+MOST_LOOKS = 3
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Points (n, 3) in g that lie on the hull, the drawing, the survey's centre (3,) in M, and how wrong the drawing may be."""
+
+    points: Array
+    drawing: Drawing
+    center: Array
+    misfit: Misfit
+
+
+def points_on_hull(m: Measurements, state: State, chosen: Selection, label: NDArray[np.int32]) -> Array:
+    """Points (n, 3) in g that lie on the hull: landmarks labelled so, and DVL returns; thinned to some hundreds."""
+    landmarks = state.landmark[chosen.landmarks][label == 1] if len(chosen.landmarks) == len(label) else np.zeros((0, 3))
+    parts = [landmarks]
+    if m.returns is not None:
+        ends, _ = return_points(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
+        parts.append(ends[chosen.returns])
+    return registration.thin(np.vstack(parts), 0.15, 800)
+
+
+def surveyed(points: Array, place: Poses, drawing: Drawing, center: Array) -> tuple[Ground, Poses]:
+    """The ground under points (n, 3) in g, stray ones left out; and T_g_M settled on it from `place`."""
+    ground, index = Ground(points, drawing, center, cad_error.expected(drawing)), _index(drawing)
+    for _ in range(MOST_LOOKS):
+        valley = _valley(ground, place, ALONG, index)
+        place, _ = profile_likelihood.descended(valley, place)
+        distance, _ = registration.signed_distances(ground.points, place, center, index)
+        stray = cad_error.stray(valley.factor, distance)
+        if not stray.any():
+            break
+        ground = replace(ground, points=ground.points[~stray])
+    return ground, place
+
+
+def settled(ground: Ground, place: Poses) -> Poses:
+    """T_g_M at the mean of its profile along the hull."""
+    return _profile(ground, place, ALONG).hull_from
+
+
+def covariance(ground: Ground, place: Poses) -> Array:
+    """Covariance (6, 6) of T_g_M about the centre, given the points: what the drawing's error, its facets and the package's
+    prior leave open; with the variances along the hull and along its weak directions from their profiles, taken as the
+    posterior's second moment about the delivered place."""
+    out = profile_likelihood.posterior(_valley(ground, place, ALONG, _index(ground.drawing)), place)
+    for direction in _directions(hull_axes(out, place)):
+        found = _profile(ground, place, direction)
+        out = profile_likelihood.inflated(out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), place)
+    return out
+
+
+def _profile(ground: Ground, place: Poses, direction: Array) -> profile_likelihood.Profile:
+    valley = _valley(ground, place, direction, _index(ground.drawing))
+    return profile_likelihood.profile(
+        valley, place, reach=3 * float(np.linalg.norm(direction * ground.drawing.guess_sigma[:3]))
+    )
+
+
+def _valley(ground: Ground, place: Poses, direction: Array, index: native.MeshIndex) -> profile_likelihood.Valley:
+    return profile_likelihood.Valley(ground.points, direction, ground.drawing, ground.center, index, _factor(ground, place))
+
+
+def _factor(ground: Ground, place: Poses) -> Any:
+    return cho_factor(cad_error.covariance(ground.misfit, ground.drawing, place.inverse().apply(ground.points)), lower=True)
+
+
+def _index(drawing: Drawing) -> native.MeshIndex:
+    return native.MeshIndex(drawing.mesh.vertices, drawing.mesh.faces)
+
+
+def _directions(hull_in_axes: Array) -> list[Array]:
+    """Along the hull, and the weak directions of position (unit vectors in M) that point elsewhere."""
+    weak = [np.array(w["direction"]) for w in weak_directions(hull_in_axes) if w["kind"] == "position"]
+    return [ALONG, *(d for d in weak if abs(d[0]) < 0.9)]

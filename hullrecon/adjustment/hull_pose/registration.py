@@ -1,0 +1,212 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Registration of DVL returns to the drawing [Ozog2016 4.2.5] (docs/methods.md 5): GICP from a grid of starts, then a
+correlated fit.
+
+GICP finds the basin. Its information is that of independent points, which a drawing wrong by centimetres over metres does
+not give; so the last step is a generalised least-squares fit whose noise holds the drawing's error as a Matern 3/2 field
+over the chart, together with the package's prior. Its covariance says what the geometry does and does not resolve.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+from scipy.spatial import cKDTree
+
+from hullrecon.adjustment.hull_pose import cad_error
+from hullrecon.adjustment.problem.measurements import Drawing
+from hullrecon.geometry import poses
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.poses import Poses
+from hullrecon.native import MeshIndex
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Registration:
+    """hull_from: T_g_M (batch of one). covariance (6, 6) of (translation in g, rotation in M) about `center` (3,) in M.
+    residual (n,): signed distances of the points used, metres. fitness: share of points within three sigma."""
+
+    hull_from: Poses
+    covariance: Array
+    center: Array
+    residual: Array
+    fitness: float
+
+
+def register(points: Array, drawing: Drawing, sigma_range: float, seed: int = 0) -> Registration:
+    """T_g_M from returns (n, 3) in g, started from the package's guess and from a grid around it within its sigma."""
+    kept = thin(points, 0.10, 2500)
+    center = drawing.guess.inverse().apply(kept).mean(0)
+    index = MeshIndex(drawing.mesh.vertices, drawing.mesh.faces)
+    target = _target_cloud(drawing.mesh, drawing.guess.inverse().apply(kept), seed)
+    candidates = [_gicp(kept, target, start) for start in _starts(drawing, center)]
+    candidates.append(drawing.guess)
+    costs = [_trimmed_cost(kept, pose, drawing, center, index) for pose in candidates]
+    return fit_correlated(kept, candidates[int(np.argmin(costs))], drawing, center, index, sigma_range)
+
+
+def thin(points: Array, voxel: float, most: int) -> Array:
+    """One mean point a voxel (metres), the voxel grown until at most `most` are left; input order decides ties."""
+    while True:
+        cell = np.floor(points / voxel).astype(np.int64)
+        _, owner = np.unique(cell, axis=0, return_inverse=True)
+        count = np.bincount(owner)
+        if len(count) <= most:
+            return np.stack([np.bincount(owner, points[:, k]) / count for k in range(3)], axis=1)
+        voxel *= 1.25
+
+
+def about(center: Array) -> Poses:
+    """T_M_M': the hull frame moved to a point (3,) of M."""
+    return Poses(np.array([[0.0, 0, 0, 1]]), center[None])
+
+
+def perturbed(hull_from: Poses, center: Array, step: Array) -> Poses:
+    """T_g_M after a step (6,): translation added in g, rotation on the right, both about `center` in M."""
+    moved = hull_from @ about(center)
+    turned = Poses(moved.quaternion, moved.translation + step[:3]) @ poses.exp(np.r_[np.zeros(3), step[3:]])
+    return turned @ about(center).inverse()
+
+
+def _starts(drawing: Drawing, center: Array) -> list[Poses]:
+    """The guess, and one sigma along the hull and in yaw around it, in M's axes."""
+    rotate = drawing.guess.rotation.as_matrix()[0]
+    starts = []
+    for along in (0.0, -1.0, 1.0):
+        for yaw in (0.0, -1.0, 1.0):
+            shift = rotate @ (np.array([along, 0, 0]) * drawing.guess_sigma[:3])
+            turn = np.array([0, 0, yaw]) * drawing.guess_sigma[3:]
+            starts.append(perturbed(drawing.guess, center, np.r_[shift, turn]))
+    return starts
+
+
+def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
+    """Area-weighted samples of the faces within three metres of the guessed survey, some 20,000."""
+    corner = mesh.vertices[mesh.faces]
+    middle = corner.mean(1)
+    reach = np.linalg.norm(corner - middle[:, None], axis=2).max(1)
+    gap, _ = cKDTree(near).query(middle, distance_upper_bound=3.0 + reach.max())
+    corner = corner[gap <= 3.0 + reach]
+    area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    rng = np.random.default_rng(seed)
+    face = rng.choice(len(corner), 20000, p=area / area.sum())
+    u, v = rng.random((2, 20000))
+    fold = u + v > 1
+    u[fold], v[fold] = 1 - u[fold], 1 - v[fold]
+    a, b, c = corner[face].transpose(1, 0, 2)
+    samples = a + u[:, None] * (b - a) + v[:, None] * (c - a)
+    gap, _ = cKDTree(near).query(samples, distance_upper_bound=4.0)
+    return np.asarray(samples[np.isfinite(gap)])
+
+
+def _gicp(points: Array, target: Array, start: Poses) -> Poses:
+    """Generalised ICP of points in g onto samples in M; the answer as T_g_M."""
+    import open3d as o3d
+
+    def cloud(xyz: Array) -> o3d.geometry.PointCloud:
+        out = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(xyz))
+        out.estimate_normals(o3d.geometry.KDTreeSearchParamKNN(20))
+        return out
+
+    register = o3d.pipelines.registration
+    result = register.registration_generalized_icp(
+        cloud(points),
+        cloud(target),
+        1.0,
+        start.inverse().matrix()[0],
+        register.TransformationEstimationForGeneralizedICP(),
+        register.ICPConvergenceCriteria(max_iteration=40),
+    )
+    # its sums differ in the last digit from call to call: rounding keeps what follows repeatable
+    return poses.from_matrix(np.round(result.transformation, 6)).inverse()
+
+
+def prior_step(hull_from: Poses, drawing: Drawing, center: Array) -> Array:
+    """(6,) error against the guess in M's axes about the centre: what `guess_sigma` whitens."""
+    return np.asarray(((drawing.guess @ about(center)).inverse() @ hull_from @ about(center)).log()[0])
+
+
+def _trimmed_cost(points: Array, hull_from: Poses, drawing: Drawing, center: Array, index: MeshIndex) -> float:
+    """Mean square of the best 80 % of the distances over the drawing's sigma, plus the prior's share."""
+    distance = np.sort(np.abs(index.closest(hull_from.inverse().apply(points)).distance))
+    trimmed = distance[: max(1, int(0.8 * len(distance)))]
+    prior = prior_step(hull_from, drawing, center) / drawing.guess_sigma
+    return float(np.mean(trimmed**2) / drawing.deviation_sigma**2 + prior @ prior / len(drawing.guess_sigma))
+
+
+def fit_correlated(
+    points: Array, start: Poses, drawing: Drawing, center: Array, index: MeshIndex, sigma_range: float, iterations: int = 60
+) -> Registration:
+    """Levenberg-Marquardt on signed distances whose errors are range noise and the drawing's correlated deviation. Outliers are
+    weighed down by their distance at the start, so that the cost is one function and its descent ends."""
+    field = cad_error.covariance(replace(cad_error.expected(drawing), noise=0.0), drawing, start.inverse().apply(points))
+    noise = _robust_noise(signed_distances(points, start, center, index)[0], sigma_range, drawing.deviation_sigma)
+    problem = _Correlated(points, drawing, center, index, cho_factor(field + np.diag(noise**2)))
+    pose, damping = start, 1e-4
+    cost, right, information, distance = problem.linearised(pose)
+    for _ in range(iterations):
+        step = np.asarray(-np.linalg.solve(information + damping * np.diag(np.diag(information)), right))
+        trial = perturbed(pose, center, step)
+        there = problem.linearised(trial)
+        if there[0] > cost:
+            damping *= 10
+            continue
+        settled = cost - there[0] < 1e-6 * cost
+        pose, damping = trial, max(damping / 5, 1e-9)
+        cost, right, information, distance = there
+        if settled:
+            break
+    within = float(np.mean(np.abs(distance) < 3 * np.hypot(sigma_range, drawing.deviation_sigma)))
+    return Registration(pose, np.asarray(np.linalg.inv(information)), center, distance, within)
+
+
+@dataclass(frozen=True)
+class _Correlated:
+    """The generalised least-squares problem of `fit_correlated`; factor: Cholesky factor of the errors' covariance."""
+
+    points: Array
+    drawing: Drawing
+    center: Array
+    index: MeshIndex
+    factor: Any
+
+    def linearised(self, pose: Poses) -> tuple[float, Array, Array, Array]:
+        """Cost, gradient (6,), information (6, 6) and signed distances at T_g_M."""
+        distance, jacobian = signed_distances(self.points, pose, self.center, self.index)
+        weighted = cho_solve(self.factor, np.c_[jacobian, distance])
+        whitened = prior_rows(self.drawing)
+        prior = prior_step(pose, self.drawing, self.center) / self.drawing.guess_sigma
+        cost = 0.5 * float(distance @ weighted[:, 6] + prior @ prior)
+        right = jacobian.T @ weighted[:, 6] + whitened.T @ prior
+        return cost, right, jacobian.T @ weighted[:, :6] + whitened.T @ whitened, distance
+
+
+def prior_rows(drawing: Drawing) -> Array:
+    """Whitened derivative of `prior_step` by the step of `perturbed` (translation in g, rotation in M)."""
+    to_hull = drawing.guess.rotation.as_matrix()[0].T
+    rows = np.zeros((6, 6))
+    rows[:3, :3], rows[3:, 3:] = to_hull, np.eye(3)
+    return np.asarray(rows / drawing.guess_sigma[:, None])
+
+
+def signed_distances(points: Array, hull_from: Poses, center: Array, index: MeshIndex) -> tuple[Array, Array]:
+    """Signed distances (n,) and their derivatives (n, 6) by the step of `perturbed`."""
+    local = hull_from.inverse().apply(points)
+    nearest = index.closest(local)
+    rotation = hull_from.rotation.as_matrix()[0]
+    by_shift = -nearest.gradient @ rotation.T
+    by_turn = np.cross(nearest.gradient, local - center)
+    return nearest.distance, np.hstack([by_shift, by_turn])
+
+
+def _robust_noise(distance: Array, sigma_range: float, sigma_field: float) -> Array:
+    """Range noise (n,), inflated where a distance is beyond what noise and field explain (Huber)."""
+    excess = np.abs(distance - np.median(distance)) / (1.345 * np.hypot(sigma_range, sigma_field))
+    return np.asarray(sigma_range * np.sqrt(np.maximum(1.0, excess)) * np.where(excess > 3, 10.0, 1.0))

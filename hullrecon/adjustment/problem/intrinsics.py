@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The cameras' intrinsics as unknowns with priors (docs/methods.md 6): off unless asked for.
+
+Every round starts from the calibration, not from what the round before found: the solver's prior stands about its start.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon import native
+from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.problem.measurements import Measurements, Rig
+from hullrecon.geometry.cameras import Camera
+
+Array = NDArray[np.float64]
+NAMES = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
+_FAR_SIGMAS = 3.0
+
+
+def prior_sigma(camera: Camera, options: AdjustOptions) -> Array:
+    """(9,) of `NAMES`: pixels, then coefficients; the tangential ones are a tenth as free as the radial ones."""
+    radial, center = options.distortion_sigma, options.center_sigma
+    focal = options.focal_sigma * np.array([camera.fx, camera.fy])
+    return np.asarray(np.r_[focal, center, center, radial, radial, 0.1 * radial, 0.1 * radial, radial])
+
+
+def freed(problem: native.Problem, calibrated: Rig, options: AdjustOptions) -> native.Problem:
+    """The problem with the intrinsics of the cameras that saw something as unknowns, started at their calibration."""
+    if not options.refine_intrinsics or calibrated.top is None:
+        return problem
+    seen = {"top": _saw(problem, 0), "bottom": calibrated.bottom is not None and _saw(problem, 1)}
+    free = {f"intrinsics_{name}" for name, saw in seen.items() if saw}
+    problem = replace(problem, constant=tuple(name for name in problem.constant if name not in free))
+    problem.prior_intrinsics_sigma = prior_sigma(calibrated.top, options)
+    problem.intrinsics_top = calibrated.top.parameters()
+    if calibrated.bottom is not None:
+        problem.intrinsics_bottom = calibrated.bottom.parameters()
+    return problem
+
+
+def applied(m: Measurements, problem: native.Problem, result: native.Result) -> Measurements:
+    """The measurements seen through the cameras that the solve found; the same where they were held."""
+    rig = m.rig
+    if "intrinsics_top" not in problem.constant and rig.top is not None:
+        rig = replace(rig, top=_camera(rig.top, result.unknowns["intrinsics_top"]))
+    if "intrinsics_bottom" not in problem.constant and rig.bottom is not None:
+        rig = replace(rig, bottom=_camera(rig.bottom, result.unknowns["intrinsics_bottom"]))
+    return m if rig is m.rig else replace(m, rig=rig)
+
+
+def in_figures(calibrated: Rig, found: Rig, marginals: native.Covariance, options: AdjustOptions) -> dict[str, Any]:
+    """By camera and name: calibrated, found, its sigma, and by how many sigmas of the prior it moved."""
+    out: dict[str, Any] = {}
+    for name, covariance in (("top", marginals.intrinsics_top), ("bottom", marginals.intrinsics_bottom)):
+        before, after, sigma = getattr(calibrated, name), getattr(found, name), np.sqrt(np.maximum(np.diag(covariance), 0))
+        if before is None or not sigma.any():
+            continue
+        start, end, prior = before.parameters(), after.parameters(), prior_sigma(calibrated.top or before, options)
+        out[name] = {
+            key: {"calibrated": float(a), "found": float(b), "sigma": float(s), "moved_in_prior_sigma": float((b - a) / p)}
+            for key, a, b, s, p in zip(NAMES, start, end, sigma, prior, strict=True)
+        }
+    return out
+
+
+def complaints(figures: dict[str, Any]) -> list[str]:
+    """A sentence for each camera of which something moved further than its prior lets one expect."""
+    said = []
+    for name, values in figures.items():
+        far = {key: v for key, v in values.items() if abs(v["moved_in_prior_sigma"]) > _FAR_SIGMAS}
+        if far:
+            words = ", ".join(f"{key} from {v['calibrated']:.5g} to {v['found']:.5g}" for key, v in far.items())
+            said.append(f"The calibration of camera.{name} does not fit the dive ({words}): check it, or calibrate anew.")
+    return said
+
+
+def fields(camera: Camera) -> dict[str, float]:
+    """As cameras.json has it."""
+    return {name: getattr(camera, name) for name in camera.__dataclass_fields__}
+
+
+def _saw(problem: native.Problem, camera: int) -> bool:
+    return bool(len(problem.stereo_node) or (problem.mono_camera == camera).any())
+
+
+def _camera(camera: Camera, parameters: Array) -> Camera:
+    return Camera(camera.width, camera.height, *(float(value) for value in parameters))

@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the solver did, iteration by iteration over all rounds: columns for iterations.npz, lines for the log
+[Ozog2016 4.4.1].
+
+Costs of two rounds do not compare: each round has the sigmas and the landmarks that the one before left it. So every row
+carries its round, and what the round's cost is whitened with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon import native
+from hullrecon.adjustment.problem.state import Weights
+from hullrecon.records.iterations import reached
+
+Array = NDArray[np.float64]
+STEP = ("cost", "cost_change", "step_norm", "gradient_norm", "radius", "accepted")
+COUNTS = ("on_surface", "label_changes", "rays_missed")
+
+
+@dataclass(frozen=True)
+class Round:
+    """One solve. weights: those that it used; depth_sigma_m: their sigma of a depth (NaN without depths); began_s: when it
+    began, seconds since the adjustment did."""
+
+    record: native.IterationRecord
+    weights: Weights
+    depth_sigma_m: float
+    landmarks: int
+    converged: bool
+    message: str
+    began_s: float
+
+
+def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
+    """Arrays with a row an iteration, rounds one after the other; names and meaning in docs/formats.md."""
+    long = [len(r.record.cost) for r in rounds]
+    found: dict[str, NDArray[Any]] = {
+        "round": np.repeat(np.arange(1, len(rounds) + 1), long),
+        "iteration": np.concatenate([np.arange(n) for n in long]),
+        "landmarks": np.repeat([r.landmarks for r in rounds], long),
+        **{name: np.repeat([_sigmas(r)[name] for r in rounds], long) for name in _sigmas(rounds[0])},
+    }
+    for name in (*STEP, *COUNTS):
+        found[name] = np.concatenate([getattr(r.record, name) for r in rounds])
+    for name in native.FACTORS:
+        found[f"cost_{name}"] = np.concatenate([r.record.cost_by_factor[name] for r in rounds])
+    return found
+
+
+def seconds(rounds: Sequence[Round]) -> Array:
+    """(k,) wall-clock seconds since the adjustment began, at the rows of `columns`."""
+    return np.concatenate([r.began_s + r.record.seconds for r in rounds])
+
+
+def in_figures(rounds: Sequence[Round]) -> list[dict[str, Any]]:
+    """One entry a round for adjust.json: what it was given and what it reached."""
+    return [
+        {
+            "iterations": len(r.record.cost) - 1,
+            "landmarks": r.landmarks,
+            **{name: sigma if np.isfinite(sigma) else None for name, sigma in _sigmas(r).items()},
+            "first_cost": float(r.record.cost[0]),
+            "last_cost": float(reached(r.record.cost, r.record.accepted)[-1]),
+            "on_surface": int(r.record.on_surface[-1]),
+            "labels_changed": int(r.record.label_changes.sum()),
+            "rays_missed": int(r.record.rays_missed[-1]),
+            "converged": r.converged,
+            "message": r.message,
+        }
+        for r in rounds
+    ]
+
+
+def _sigmas(done: Round) -> dict[str, float]:
+    """What the round's cost is whitened with."""
+    w = done.weights
+    return {
+        "pixel_sigma_px": w.pixel,
+        "tray_sigma_rad": w.tray,
+        "range_sigma_m": w.range_sigma,
+        "depth_sigma_m": done.depth_sigma_m,
+    }
+
+
+def lines(number: int, done: Round) -> Iterator[str]:
+    """The round's table for the log: a line an iteration, the factors that cost anything as columns."""
+    record, w = done.record, done.weights
+    names = [name for name in native.FACTORS if np.any(record.cost_by_factor[name] > 0)]
+    yield (
+        f"round {number}, {done.landmarks} landmarks, sigmas {w.pixel:.3g} px, tray {np.degrees(w.tray):.2g} deg, ranges "
+        f"{w.range_sigma:.3g} m, depths {done.depth_sigma_m:.2g} m (costs do not compare with those of other rounds)"
+    )
+    heads = ["iteration", "cost", *names, "step", "gradient", "on hull", "changed", "missed", "seconds"]
+    yield "  ".join(f"{head:>10}" for head in heads)
+    for k in range(len(record.cost)):
+        cells = [f"{k}" if record.accepted[k] else f"({k})"]
+        cells += [f"{value:.5g}" for value in (record.cost[k], *(record.cost_by_factor[name][k] for name in names))]
+        cells += [f"{record.step_norm[k]:.2e}", f"{record.gradient_norm[k]:.2e}"]
+        cells += [f"{values[k]}" for values in (record.on_surface, record.label_changes, record.rays_missed)]
+        yield "  ".join(f"{cell:>10}" for cell in [*cells, f"{done.began_s + record.seconds[k]:.2f}"])
+    yield f"{done.message}; iterations in brackets were not accepted"

@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which observations, landmarks and returns enter a round: loose at first, by sigmas once they are known."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.adjustment.problem.assembly import Selection
+from hullrecon.adjustment.problem.measurements import Measurements
+from hullrecon.adjustment.problem.state import State
+from hullrecon.adjustment.problem.triangulation import camera_poses, reprojection_errors, triangulate
+
+Array = NDArray[np.float64]
+
+
+def landmark_count(m: Measurements) -> int:
+    return 0 if m.tracks is None else len(m.tracks.color)
+
+
+def relocate(m: Measurements, state: State) -> Array:
+    """Landmarks (L, 3) triangulated anew from the present poses; NaN where it cannot be done."""
+    if m.tracks is None or state.T_s_ct is None:
+        return np.zeros((0, 3))
+    top, bottom = camera_poses(state.nodes, state.tray, m.rig, state.T_s_ct, state.T_ct_cb)
+    position, _ = triangulate(m.tracks, landmark_count(m), top, bottom, m.rig)
+    return position
+
+
+def select(m: Measurements, state: State, most_px: float) -> Selection:
+    """Observations whose reprojection error is at most `most_px`, landmarks that keep at least two rays and lie near the
+    hull, returns that were not flagged."""
+    returns = ~m.returns.flagged if m.returns is not None else np.zeros(0, bool)
+    if m.tracks is None or state.T_s_ct is None:
+        empty = np.zeros(0, bool)
+        return Selection(empty, empty, returns, np.zeros(0, np.int64))
+    poses = camera_poses(state.nodes, state.tray, m.rig, state.T_s_ct, state.T_ct_cb)
+    top_error, bottom_error = reprojection_errors(m.tracks, state.landmark, *poses, m.rig)
+    top, bottom = np.nan_to_num(top_error, nan=np.inf) <= most_px, np.nan_to_num(bottom_error, nan=np.inf) <= most_px
+    rays = np.bincount(m.tracks.landmark, top.astype(float) + bottom, minlength=landmark_count(m))
+    used = (rays >= 2) & np.isfinite(state.landmark[:, 0]) & _near_hull(m, state)
+    return Selection(top, bottom, returns, np.flatnonzero(used))
+
+
+def anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
+    """The landmarks seen best, at most `most`, spread evenly over the nodes that first saw them: enough to settle poses and
+    sigmas in the rounds before the last, at a fraction of its cost."""
+    if m.tracks is None or len(chosen.landmarks) <= most:
+        return chosen
+    rays = np.bincount(m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m))
+    first = np.full(landmark_count(m), np.iinfo(np.int64).max)
+    np.minimum.at(first, m.tracks.landmark, m.tracks.node)
+    node = first[chosen.landmarks]
+    order = np.lexsort((-rays[chosen.landmarks], node))
+    rank = np.arange(len(order)) - np.searchsorted(node[order], node[order])
+    kept = order[rank < max(1, most // max(1, len(np.unique(node))))]
+    return Selection(chosen.top, chosen.bottom, chosen.returns, np.sort(chosen.landmarks[kept]))
+
+
+def without_lonely(
+    m: Measurements, state: State, chosen: Selection, off: NDArray[np.bool_], reach_m: float = 0.15
+) -> Selection:
+    """Leaves out landmarks off the hull (`off`, one a chosen landmark) that at most three rays saw and that have no two fellows
+    off the hull within reach: a mismatch along the epipolar line looks like structure, but stands alone."""
+    from scipy.spatial import cKDTree
+
+    if m.tracks is None or not off.any():
+        return chosen
+    rays = np.bincount(m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m))[
+        chosen.landmarks
+    ]
+    position = state.landmark[chosen.landmarks]
+    fellows = cKDTree(position[off]).query_ball_point(position[off], reach_m, return_length=True) - 1
+    lonely = np.zeros(len(off), bool)
+    lonely[off] = (rays[off] <= 3) & (fellows < 2)
+    return Selection(chosen.top, chosen.bottom, chosen.returns, chosen.landmarks[~lonely])
+
+
+def _near_hull(m: Measurements, state: State, reach_m: float = 2.0) -> NDArray[np.bool_]:
+    """Within reach of the vehicle's path at all, and of the drawing when there is one: a landmark metres off is a mismatch."""
+    from scipy.spatial import cKDTree
+
+    finite = np.nan_to_num(state.landmark, nan=1e6)
+    if m.drawing is None or state.T_g_M is None:
+        gap, _ = cKDTree(state.nodes.translation).query(finite)
+        return np.asarray(gap < 30.0)
+    from hullrecon.native import MeshIndex
+
+    index = MeshIndex(m.drawing.mesh.vertices, m.drawing.mesh.faces)
+    return np.asarray(np.abs(index.closest(state.T_g_M.inverse().apply(finite)).distance) < reach_m)
+
+
+def pixel_sigma(m: Measurements, state: State, chosen: Selection, least: float) -> float:
+    """One sigma of a pixel coordinate from the residuals of well-seen landmarks (at least six rays), freed of the three
+    coordinates that each landmark takes from them."""
+    if m.tracks is None or state.T_s_ct is None:
+        return least
+    poses = camera_poses(state.nodes, state.tray, m.rig, state.T_s_ct, state.T_ct_cb)
+    errors = reprojection_errors(m.tracks, state.landmark, *poses, m.rig)
+    rays = np.bincount(m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m))
+    well = (rays[m.tracks.landmark] >= min(6, np.percentile(rays[chosen.landmarks], 75))) & np.isin(
+        m.tracks.landmark, chosen.landmarks
+    )
+    lengths = np.r_[errors[0][well & chosen.top], errors[1][well & chosen.bottom]]
+    if len(lengths) < 100:
+        return max(least, m.rig.sigma_px)
+    freedom = 1 - 3 * len(np.unique(m.tracks.landmark[well])) / (2 * len(lengths))
+    rayleigh = np.median(lengths) / np.sqrt(2 * np.log(2))  # the median length of a 2-D normal error is 1.177 sigma
+    return float(max(least, rayleigh / np.sqrt(max(freedom, 0.2))))

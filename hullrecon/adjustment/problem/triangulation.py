@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""First positions of landmarks: the point nearest to all rays that saw it, in batches."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.adjustment.problem.measurements import Rig
+from hullrecon.dive.records import Tracks
+from hullrecon.geometry import poses
+from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.poses import Poses
+
+Array = NDArray[np.float64]
+
+
+def camera_poses(nodes: Poses, tray_angle: Array, rig: Rig, T_s_ct: Poses, T_ct_cb: Poses | None) -> tuple[Poses, Poses | None]:
+    """T_g_ct and T_g_cb at the nodes."""
+    top = nodes @ poses.tray(rig.tray_origin, tray_angle) @ T_s_ct
+    return top, top @ T_ct_cb if T_ct_cb is not None else None
+
+
+def triangulate(tracks: Tracks, n_landmarks: int, top: Poses, bottom: Poses | None, rig: Rig) -> tuple[Array, Array]:
+    """Positions (L, 3) in g, NaN where fewer than two rays or no parallax; and the widest angle between rays, rad (L,)."""
+    normal, right, mean_ray, count = (
+        np.zeros((n_landmarks, 3, 3)),
+        np.zeros((n_landmarks, 3)),
+        np.zeros((n_landmarks, 3)),
+        np.zeros(n_landmarks),
+    )
+    for pixels, camera, pose in ((tracks.top, rig.top, top), (tracks.bottom, rig.bottom, bottom)):
+        if camera is None or pose is None:
+            continue
+        seen = np.isfinite(pixels[:, 0])
+        origin, ray = rays_in_global(pixels[seen], tracks.node[seen], camera, pose)
+        owner = tracks.landmark[seen]
+        across = np.eye(3) - ray[:, :, None] * ray[:, None, :]
+        np.add.at(normal, owner, across)
+        np.add.at(right, owner, np.einsum("nij,nj->ni", across, origin))
+        np.add.at(mean_ray, owner, ray)
+        np.add.at(count, owner, 1.0)
+    spread = _ray_spread(mean_ray, count)
+    good = (count >= 2) & (spread > np.radians(0.3))
+    position = np.full((n_landmarks, 3), np.nan)
+    position[good] = np.linalg.solve(normal[good], right[good][..., None])[..., 0]
+    return position, spread
+
+
+def rays_in_global(pixels: Array, node: NDArray[np.int64], camera: Camera, pose: Poses) -> tuple[Array, Array]:
+    """Origins and unit directions (n, 3) in g of pixels (n, 2) of a camera whose poses at the nodes are T_g_c."""
+    at = pose[node]
+    return at.translation, np.asarray(at.rotation.apply(camera.rays(pixels)))
+
+
+def _ray_spread(mean_ray: Array, count: Array) -> Array:
+    """Twice the angle whose cosine is the length of the mean ray: the full angle for two rays, its scale for more."""
+    length = np.linalg.norm(mean_ray, axis=1) / np.maximum(count, 1)
+    return np.asarray(2 * np.arccos(np.clip(length, -1, 1)))
+
+
+def reprojection_errors(tracks: Tracks, landmark: Array, top: Poses, bottom: Poses | None, rig: Rig) -> tuple[Array, Array]:
+    """Pixel distances (m,) of each observation in the top and the bottom camera; NaN where it has none."""
+    errors = []
+    for pixels, camera, pose in ((tracks.top, rig.top, top), (tracks.bottom, rig.bottom, bottom)):
+        if camera is None or pose is None:
+            errors.append(np.full(len(pixels), np.nan))
+            continue
+        in_camera = pose.inverse()[tracks.node].apply(landmark[tracks.landmark])
+        errors.append(np.linalg.norm(camera.project(in_camera) - pixels, axis=1))
+    return errors[0], errors[1]

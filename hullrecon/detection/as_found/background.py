@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The hull as found, without its structures: the smooth offset from the base surface that heights are counted from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.neighbours import nearest
+from hullrecon.geometry.robust import robust_sigma
+
+Array = NDArray[np.float64]
+MEDIAN_OVER_MEAN = 1.2533  # sigma of a median of many normal values over that of their mean: sqrt(pi / 2)
+UNKNOWN_SIGMA_M = 0.05  # of a median of one value or none
+
+
+class Background(Protocol):
+    """Offset of the hull from the base surface and its sigma at points (n, 3): two of (n,) m."""
+
+    def at(self, points: Array) -> tuple[Array, Array]: ...
+
+
+@dataclass(frozen=True)
+class FieldBackground:
+    """The adjustment's deviation field, bilinear on the chart; outside its grid nothing is known but its largest sigma."""
+
+    chart: Chart
+    origin: Array
+    step: Array
+    value: Array
+    sigma: Array
+
+    def at(self, points: Array) -> tuple[Array, Array]:
+        last = np.array(self.value.shape) - 1
+        cell = (self.chart.to_chart(points)[:, :2] - self.origin) / self.step
+        inside = np.asarray(((cell >= 0) & (cell <= last)).all(axis=1))
+        cell = np.where(inside[:, None], cell, 0.0)
+        low = np.minimum(cell.astype(np.int64), np.maximum(last - 1, 0))
+        share, high = cell - low, np.minimum(low + 1, last)
+
+        def bilinear(grid: Array) -> Array:
+            a, g = share.T
+            near = grid[low[:, 0], low[:, 1]] * (1 - g) + grid[low[:, 0], high[:, 1]] * g
+            far = grid[high[:, 0], low[:, 1]] * (1 - g) + grid[high[:, 0], high[:, 1]] * g
+            return np.asarray(near * (1 - a) + far * a)
+
+        return np.where(inside, bilinear(self.value), 0.0), np.where(inside, bilinear(self.sigma), self.sigma.max())
+
+
+@dataclass(frozen=True)
+class MedianBackground:
+    """Without a field: at each of the nodes the median offset of the landmarks around it, smooth between nodes."""
+
+    node: Array
+    value: Array
+    spread: Array
+    reach_m: float
+
+    def at(self, points: Array) -> tuple[Array, Array]:
+        distance, row = nearest(self.node, points, min(8, len(self.node)))
+        weight = np.exp(-0.5 * (distance / (0.5 * self.reach_m)) ** 2) + 1e-12
+        weight /= weight.sum(axis=1, keepdims=True)
+        return (weight * self.value[row]).sum(axis=1), (weight * self.spread[row]).sum(axis=1)
+
+
+def median_background(feet: Array, offset: Array, width_m: float) -> Background:
+    """The hull by running medians over discs `width_m` wide: what covers less than half a disc is not hull.
+
+    feet (n, 3) of the landmarks on the base, offset (n,) m. Landmarks are first thinned to medians of small cells, so that a
+    richly textured structure does not outvote the hull around it.
+    """
+    from scipy.spatial import cKDTree
+
+    cell = np.floor(feet / (width_m / 15)).astype(np.int64)
+    at, value = _cell_medians(cell, feet, offset)
+    coarse = np.floor(at / (width_m / 4)).astype(np.int64)
+    node, _ = _cell_medians(coarse, at, value)
+    around = cKDTree(at).query_ball_point(node, width_m / 2, return_sorted=True)
+    middle = np.array([np.median(value[rows]) if rows else 0.0 for rows in around])
+    spread = np.array([_robust_error(value[rows]) for rows in around])
+    return MedianBackground(node, middle, spread, width_m / 4)
+
+
+def _cell_medians(cell: NDArray[np.int64], at: Array, value: Array) -> tuple[Array, Array]:
+    """Mean place and median value in each cell, in the cells' order."""
+    _, number = np.unique(cell, axis=0, return_inverse=True)
+    number = number.reshape(-1)
+    order = np.lexsort((value, number))
+    start = np.flatnonzero(np.r_[True, np.diff(number[order]) > 0])
+    count = np.diff(np.r_[start, len(number)])
+    ranked = value[order]
+    median = 0.5 * (ranked[start + (count - 1) // 2] + ranked[start + count // 2])
+    mean = np.stack([np.bincount(number, at[:, k]) / np.bincount(number) for k in range(at.shape[1])], axis=1)
+    return mean, median
+
+
+def _robust_error(values: Array) -> float:
+    """One sigma of the median of these values."""
+    if len(values) < 2:
+        return UNKNOWN_SIGMA_M
+    return float(robust_sigma(values) * MEDIAN_OVER_MEAN / np.sqrt(len(values)))

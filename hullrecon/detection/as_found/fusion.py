@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Shapes of all views fused into the mesh [Ozog2016 4.3.3, Algorithm 5]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.detection.objects.shapes import detect_shapes
+from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.views import Views, each_view
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.neighbours import nearest
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Fused:
+    """vertex (n, 3): running means of the rays' intersections, the prior's where there were none; count (n,): views whose
+    shapes met the ray to that vertex."""
+
+    vertex: Array
+    count: Ints
+
+
+def fuse_shapes(views: Views, features: Array, deviation: Array, vertices: Array, options: DetectOptions) -> Fused:
+    """The vertices (n, 3) moved to the shapes that the views' features (m, 3) with deviations (m,) make.
+
+    [Ozog2016 eq. 4.15] is a running mean in which the first observation replaces the prior: the mean of all intersections.
+    """
+    total, count = np.zeros_like(vertices), np.zeros(len(vertices), np.int64)
+    off = np.flatnonzero(np.abs(deviation) > options.threshold)
+    near = _near(vertices, features[off], 3 * options.alpha)
+    nearby = dict(each_view(views, vertices[near])) if len(near) and len(off) else {}
+    for view, rows in each_view(views, features[off]) if nearby else ():
+        if view not in nearby:
+            continue
+        T_c_x = views.T_x_c[view].inverse()
+        shapes = detect_shapes(
+            T_c_x.apply(features[off[rows]]), deviation[off[rows]], options.threshold, options.cluster_reach,
+            options.cluster_points, options.alpha,
+        )  # fmt: skip
+        seen = near[nearby[view]]
+        met = _intersections(shapes, T_c_x.apply(vertices[seen]))
+        hit = np.isfinite(met).all(axis=1)
+        total[seen[hit]] += views.T_x_c[view].apply(met[hit])
+        count[seen[hit]] += 1
+    vertex = np.where(count[:, None] > 0, total / np.maximum(count, 1)[:, None], vertices)
+    return Fused(vertex, count)
+
+
+def _near(vertices: Array, features: Array, reach_m: float) -> Ints:
+    """Vertices near enough to any feature off the hull to be moved."""
+    if not len(features):
+        return np.zeros(0, np.int64)
+    return np.flatnonzero(np.isfinite(nearest(features, vertices, 1, reach_m)[0][:, 0]))
+
+
+def _intersections(shapes: list[Mesh], vertices: Array) -> Array:
+    """Where the rays from the camera to vertices (n, 3), both in its frame, meet the nearest shape; NaN where none does."""
+    if not shapes:
+        return np.full(vertices.shape, np.nan)
+    start = np.cumsum([0, *(len(s.vertices) for s in shapes)])
+    faces = np.vstack([s.faces + at for s, at in zip(shapes, start[:-1], strict=True)]).astype(np.int32)
+    scene = Scene(Mesh(np.vstack([s.vertices for s in shapes]), faces))
+    ray = vertices / np.linalg.norm(vertices, axis=1, keepdims=True)
+    along = scene.cast(np.zeros(3), ray)
+    return np.where(np.isfinite(along)[:, None], ray * np.where(np.isfinite(along), along, 0.0)[:, None], np.nan)

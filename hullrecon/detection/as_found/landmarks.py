@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Landmarks as measurements of the hull's surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.neighbours import nearest
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+LEAST_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Landmarks that measure the base surface, in its frame. row (n,): in the Solution; position, foot on the base and outward
+    normal there (n, 3); offset (n,) m, signed distance to the base; sigma (n,) m along the normal, of each on its own;
+    common (n,) m, what it shares with its neighbours (the dive's place on the hull); views (n,)."""
+
+    row: Ints
+    position: Array
+    foot: Array
+    normal: Array
+    offset: Array
+    sigma: Array
+    common: Array
+    views: Ints
+
+    def __len__(self) -> int:
+        return len(self.row)
+
+    def take(self, which: NDArray[np.bool_] | Ints) -> Measured:
+        return Measured(**{f.name: getattr(self, f.name)[which] for f in fields(self)})
+
+
+def measure(
+    scene: Scene, position: Array, covariance: Array, views: Ints, farthest_m: float, largest_sigma_m: float
+) -> Measured:
+    """What landmarks (n, 3) with covariances (n, 3, 3) say about the surface of `scene`.
+
+    Left out: those not finite, seen by one image only, farther off than `farthest_m`, less certain along the normal than
+    `largest_sigma_m`, and those whose closest point is the base's rim, beside which they lie rather than above it.
+    """
+    row = np.flatnonzero(np.isfinite(position).all(axis=1) & (views >= 2))
+    near = scene.closest(position[row])
+    gap = position[row] - near.foot
+    sideways = np.linalg.norm(gap - near.normal * np.einsum("ni,ni->n", gap, near.normal)[:, None], axis=1)
+    variance = np.einsum("ni,nij,nj->n", near.normal, covariance[row], near.normal)
+    near_it = (np.abs(near.distance) <= farthest_m) & (sideways <= 0.005 + 0.7 * np.abs(near.distance))
+    good = np.flatnonzero(near_it & (variance > 0))
+    common = shared_variance(position[row[good]], variance[good])
+    sigma = np.sqrt(np.maximum(variance[good] - common, 0.0) + LEAST_SIGMA_M**2)
+    kept = Measured(
+        row[good], position[row[good]], near.foot[good], near.normal[good], near.distance[good], sigma, np.sqrt(common),
+        views[row[good]],
+    )  # fmt: skip
+    return kept.take(sigma <= largest_sigma_m)
+
+
+def shared_variance(position: Array, variance: Array, neighbours: int = 32) -> Array:
+    """The part of each variance (n,) that neighbours have in common: hardly more than the best of them has."""
+    if not len(position):
+        return variance
+    _, row = nearest(position, position, min(neighbours, len(position)))
+    return np.maximum(np.sort(variance[row], axis=1)[:, min(1, row.shape[1] - 1)] - LEAST_SIGMA_M**2, 0.0).clip(max=variance)

@@ -1,0 +1,48 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The base surface, refined where the hull was seen: the mesh that is moved to what was found."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.refinement import refine
+from hullrecon.geometry.neighbours import nearest
+
+Array = NDArray[np.float64]
+
+
+def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mesh:
+    """Edges no longer than `edge_m` within `reach_m` of the points (n, 3), growing longer in proportion beyond."""
+    cell = 0.5 * max(edge_m, reach_m)
+    thinned: Array = np.unique(np.round(points / cell), axis=0) * cell
+
+    def allowed(middle: Array) -> Array:
+        distance, _ = nearest(thinned, middle, 1)
+        return np.asarray(edge_m + np.maximum(0.0, distance[:, 0] - reach_m - cell))
+
+    return refine(mesh, allowed, spared_m=edge_m)[0] if len(points) else mesh
+
+
+def affordable_edge(points: Array, edge_m: float, most_vertices: int) -> float:
+    """The edge, or a longer one where the seen area would need more vertices than that (a vertex an 0.43 edge^2)."""
+    cell = 0.2
+    area = len(np.unique(np.floor(points / cell).astype(np.int64), axis=0)) * cell**2
+    return float(max(edge_m, np.sqrt(area / (0.43 * most_vertices))))
+
+
+def vertex_normals(mesh: Mesh) -> Array:
+    """Outward unit normals (n, 3), the faces' normals weighted by their angles; zero at vertices of no face."""
+    corner = mesh.vertices[mesh.faces]
+    face = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    face /= np.maximum(np.linalg.norm(face, axis=1, keepdims=True), 1e-15)
+    out = np.zeros_like(mesh.vertices)
+    for k in range(3):
+        a, b = corner[:, (k + 1) % 3] - corner[:, k], corner[:, (k + 2) % 3] - corner[:, k]
+        cosine = np.einsum("ni,ni->n", a, b) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-15)
+        angle = np.arccos(np.clip(cosine, -1, 1))
+        for axis in range(3):
+            out[:, axis] += np.bincount(mesh.faces[:, k], angle * face[:, axis], minlength=len(out))
+    return np.asarray(out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-15))

@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The hull as found, as the record that an artifact holds."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.detection.as_found.estimate import Found
+from hullrecon.detection.as_found.landmarks import Measured
+from hullrecon.detection.as_found.mesh import refine_near, vertex_normals
+from hullrecon.dive.records import Surface
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.neighbours import nearest
+
+Array = NDArray[np.float64]
+SEAM_SIGMA_M = 0.01  # of a height carried over the width of one triangle of the DVL's surface
+
+
+def found_surface(found: Found, measured: Measured) -> Surface:
+    """support: views that saw the vertex where landmarks measured it, 0 elsewhere (unseen, or seen without texture). sigma:
+    of the place in the hull's frame, so with what all landmarks around share."""
+    _, row = nearest(measured.foot, found.base.vertices, 1)
+    shared = measured.common[row[:, 0]]
+    sigma = np.where(found.measured, np.hypot(found.sigma, shared), np.hypot(found.sigma, found.hull_sigma))
+    support = np.where(found.measured, found.seen.views, 0)
+    return Surface(found.mesh.vertices, found.mesh.faces, found.deviation, sigma, support)
+
+
+def surface_on_drawing(drawing: Mesh, surface: Surface, edge_m: float) -> Surface:
+    """The drawing moved to the DVL's surface: deviations of its vertices carried over, where any lies within two edges."""
+    mesh = refine_near(drawing, surface.vertices, edge_m, edge_m)
+    distance, row = nearest(surface.vertices, mesh.vertices, min(4, len(surface.vertices)), 2 * edge_m)
+    known = np.isfinite(distance[:, 0])
+    weight = np.where(np.isfinite(distance), 1 / (distance + 1e-3) ** 2, 0.0)
+    weight[known] /= weight[known].sum(axis=1, keepdims=True)
+    row = np.where(np.isfinite(distance), row, 0)
+
+    def carried(values: Array) -> Array:
+        return np.asarray((weight * values[row]).sum(axis=1))
+
+    deviation = carried(surface.deviation)
+    sigma = np.where(known, np.hypot(carried(surface.sigma), SEAM_SIGMA_M), np.nan)
+    support = np.where(known, surface.support[row[:, 0]], 0)
+    vertices = mesh.vertices + vertex_normals(mesh) * deviation[:, None]
+    return Surface(vertices, mesh.faces, deviation, sigma, support)

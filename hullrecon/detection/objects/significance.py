@@ -1,0 +1,44 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How likely hull without a structure is to look like one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.detection.as_found.estimate import Found
+from hullrecon.detection.objects.regions import Region
+from hullrecon.geometry.robust import robust_sigma
+
+Array = NDArray[np.float64]
+
+
+def roughness(found: Found) -> float:
+    """One robust sigma of the measured heights: what hull and noise do without structures, m."""
+    height = found.height[found.measured]
+    return robust_sigma(height) if len(height) else 0.0
+
+
+def height_sigma(found: Found, region: Region) -> float:
+    """One sigma of a region's height: of a vertex at its top and of the ring's level. Neighbouring vertices share landmarks, so
+    the top counts as one vertex and the ring as one for each of its eight sides at most."""
+    top = float(np.median(found.sigma[region.core]))
+    level = robust_sigma(found.height[region.ring]) / np.sqrt(min(8, len(region.ring)))
+    return float(np.hypot(top, level))
+
+
+def relief_left(over_m: Array, sigma_m: Array) -> float:
+    """What smoothing left out, m: the scatter of landmarks' heights (n,) over the surface, beyond their own sigmas (n,). Where
+    they are too far apart for the relief, the surface passes between them. Zero without landmarks."""
+    if not len(over_m):
+        return 0.0
+    return float(np.sqrt(max(0.0, robust_sigma(over_m, about=0.0) ** 2 - float(np.median(sigma_m)) ** 2)))
+
+
+def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) -> float:
+    """Two-sided probability that the highest of so many places of bare hull reaches this height."""
+    from scipy.special import ndtr  # not scipy.stats, which takes seconds to load
+
+    score = abs(height_m) / max(np.hypot(sigma_m, roughness_m), 1e-6)
+    return float(-np.expm1(max(1.0, places) * np.log1p(-min(2 * float(ndtr(-score)), 1 - 1e-16))))

@@ -1,0 +1,184 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The first dive.toml, written from what a log and the folder around it hold."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from hullrecon.dive.hull.load import FORMATS
+from hullrecon.dive.logs.messages.decode import type_name
+from hullrecon.dive.logs.messages.samples import TYPES
+from hullrecon.dive.logs.samples import DvlSample
+from hullrecon.dive.logs.summary import Survey, guess_topics
+from hullrecon.dive.logs.timeline import moment
+
+HEAD = """\
+# What was dived, with which sensors, and how they are mounted. Written by `hullrecon init`; read through it once:
+# sigmas are typical values; no log can tell what is marked "to fill in".
+# Then `hullrecon check {folder}` says in words what it reads.
+# Lengths are metres, angles degrees where a key ends in _deg or a mount lists x, y, z, roll, pitch, yaw.
+
+[dive]
+name = {name}
+vessel = ""                      # the ship's name, for the report
+{date}
+[logs]
+files = [{logs}]
+
+[topics]                         # a sensor without a line was not carried
+{topics}
+[tray]                           # the servoed tray that carries DVL and cameras
+{tray}# its name in the joint messages{joints}
+# origin = [x, y, z]             # to fill in: where it turns, in the vehicle's frame: x forward, y starboard, z down
+sigma_deg = 0.8                  # slop of the servo
+
+[imu]
+frame = "ned"                    # or "enu": the convention of the messages' orientation
+sigma_roll_pitch_deg = 0.1
+heading_drift_deg_per_hour = 1.0
+
+[pressure]
+# origin = [x, y, z]             # to fill in: the sensor, in the vehicle's frame
+density = 1025.0                 # kg/m3; fresh water has 1000
+gravity = 9.81
+atmosphere = 101325.0            # Pa on the day of the dive
+
+[dvl]
+# mount = [x, y, z, 0.0, 90.0, 0.0]          # to fill in: on the tray; pitch 90 looks forward
+{beams}sigma_velocity = 0.003           # m/s, where the messages have no covariance
+sigma_range = 0.01
+"""
+
+TOP = """
+[camera.top]
+calibration = {calibration}    # the camera_info YAML of ROS's camera_calibration
+# mount = [x, y, z, 90.0, 0.0, 90.0]         # to fill in: on the tray; these angles look forward, image upright
+time_offset = 0.0                # s, added to the images' stamps
+"""
+
+BOTTOM = """
+[camera.bottom]
+calibration = {calibration}
+# pose_in_top = [x, y, z, roll, pitch, yaw]  # to fill in, from the stereo calibration: the lower camera in the upper one
+"""
+
+SONAR = """
+[sonar]
+# joint = "sonar_tray"           # its own servo, if it has one
+# origin = [x, y, z]             # to fill in: where the servo turns, in the vehicle's frame
+# mount = [x, y, z, 0.0, 90.0, 0.0]          # to fill in: on its servo
+elevation_deg = 14.0             # full aperture out of the fan plane
+"""
+
+HULL = """
+[hull]                           # the drawing
+mesh = {mesh}
+units = "m"                      # of the file: m, mm, cm, ft, in
+# pose = [x, y, z, 180.0, 0.0, yaw]          # to fill in: first guess of the drawing's frame in the global one
+pose_sigma = [1.0, 1.0, 0.3, 1.0, 1.0, 5.0]  # how good that guess is, at the middle of the survey
+"""
+
+NO_HULL = """
+# [hull]                         # no drawing was found here; with one, name it:
+# mesh = "hull.stl"
+# units = "m"
+"""
+
+
+BEAMS = """\
+# beam_angle_deg = 30.0          # to fill in, from its manual: from its axis to each beam
+# beam_azimuth_deg = [180.0, 0.0, 90.0, -90.0]  # of each beam about its z axis, from x towards y
+"""
+
+
+def first_config(survey: Survey, logs: Sequence[Path], folder: Path) -> str:
+    """Return the text of a dive.toml for that folder, which load_config accepts; what no log tells stands in comments."""
+    guessed = guess_topics(survey.topics)
+    names = joint_names(survey)
+    tray = next((n for n in names if "tray" in n or "tilt" in n), names[0] if names else "tray")
+    starts = [t.start_ns for t in survey.topics if t.count]
+    text = HEAD.format(
+        folder=_printable(folder.name) or ".",
+        name=_quoted(re.sub(r"[^A-Za-z0-9._-]+", "-", folder.resolve().name).lstrip(".-")[:100] or "dive"),
+        date=f"date = {moment(min(starts))[:19]}Z\n" if starts else "",
+        logs=", ".join(_quoted(Path(os.path.relpath(log, folder)).as_posix()) for log in logs),
+        beams=BEAMS if beams_to_ask_for(survey) else "",
+        topics=_topics(survey, guessed),
+        tray=f"joint = {_quoted(tray)} ".ljust(33),
+        joints=f": {_printable(', '.join(names))}" if names else "",
+    )
+    calibrated = True  # the lower camera needs the upper one
+    for camera, section in (("camera_top", TOP), ("camera_bottom", BOTTOM)):
+        file = _calibration(folder, camera)
+        calibrated = calibrated and file is not None
+        if camera in guessed:
+            filled = section.format(calibration=_quoted(file or f"calibration/{camera}.yaml"))
+            text += filled if calibrated else _commented(filled)
+    if "sonar" in guessed:
+        text += SONAR
+    mesh = _drawing(folder)
+    return text + (HULL.format(mesh=_quoted(mesh)) if mesh else NO_HULL)
+
+
+def beams_to_ask_for(survey: Survey) -> int:
+    """Return the number of the DVL's beams where the first message has ranges but nothing says where they point, else 0."""
+    topic = guess_topics(survey.topics).get("dvl")
+    note = next((t for t in survey.topics if t.channel.topic == topic), None)
+    first = None if note is None else note.first
+    if note is not None and first is not None and not isinstance(first, DvlSample):
+        first = next(iter(TYPES["dvl"][type_name(note.channel)](first, 0, "dvl")), None)
+    return len(first.ranges) if isinstance(first, DvlSample) and first.beams is None else 0
+
+
+def joint_names(survey: Survey) -> list[str]:
+    """The joints of the first joint message."""
+    for note in survey.topics:
+        if note.channel.type.endswith("/JointState") and note.first is not None:
+            return [str(name) for name in note.first.name]  # type: ignore[attr-defined]
+    return []
+
+
+def _topics(survey: Survey, guessed: dict[str, str]) -> str:
+    if any(note.channel.encoding == "sample" for note in survey.topics):
+        return "# the names of the files say which sensor is which\n"
+    lines = []
+    for sensor in TYPES:
+        if sensor in guessed:
+            kind = next(t.channel.type for t in survey.topics if t.channel.topic == guessed[sensor])
+            lines.append(f"{sensor} = {_quoted(guessed[sensor])} ".ljust(33) + f"# {_printable(kind)}")
+        else:
+            lines.append(f"# {sensor} =".ljust(33) + "# no topic of the log has a type that fits, or a name that tells")
+    others = [t.channel for t in survey.topics if t.channel.topic not in guessed.values()]
+    lines += [f"#   not used: {_printable(c.topic)} ({_printable(c.type)})" for c in others]
+    return "\n".join(lines) + "\n"
+
+
+def _calibration(folder: Path, camera: str) -> str | None:
+    side = camera.removeprefix("camera_")
+    patterns = ("*.yaml", "*.yml", "*/*.yaml", "*/*.yml")
+    found = sorted(p for pattern in patterns for p in folder.glob(pattern) if side in p.stem.lower())
+    return found[0].relative_to(folder).as_posix() if found else None
+
+
+def _drawing(folder: Path) -> str | None:
+    found = sorted(p for form in FORMATS for p in (*folder.glob(f"*.{form}"), *folder.glob(f"*.{form}.gz")))
+    return found[0].name if found else None
+
+
+def _quoted(text: str) -> str:
+    """Return the text as a TOML string, whatever stands in it."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _printable(text: str) -> str:
+    """Return the text for a comment, its control characters replaced."""
+    return "".join(c if c.isprintable() else "?" for c in text)
+
+
+def _commented(section: str) -> str:
+    return "".join(f"# {line}" if line.strip() else line for line in section.splitlines(keepends=True))

@@ -1,0 +1,154 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Reads dive.toml strictly: an unknown key, a wrong type or a value out of bounds is an error that names key and value."""
+
+from __future__ import annotations
+
+import posixpath
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, TypeVar
+
+import msgspec
+from msgspec import Struct
+
+from hullrecon.dive.config.config_errors import in_words, refuse_not_finite
+from hullrecon.dive.config.schema import DiveConfig, Dvl, Topics
+from hullrecon.errors import InputError, UsageError
+
+FILE = "dive.toml"
+Kind = TypeVar("Kind")
+
+
+@dataclass(frozen=True)
+class LoadedConfig:
+    """A decoded dive.toml. sections: structs by dotted name ("dvl", "camera.top", a step's name), None when absent; given: the
+    dotted keys that the file or an override set, everything else is a default."""
+
+    package: Path
+    config: DiveConfig
+    sections: Mapping[str, Any]
+    given: frozenset[str]
+
+    def value(self, dotted: str) -> Any:
+        """The section or key of that dotted name, "camera.top" or "imu.frame"; None where a section on the way is absent."""
+        if dotted in self.sections:
+            return self.sections[dotted]
+        parent, _, key = dotted.rpartition(".")
+        section = self.value(parent) if parent else None
+        if isinstance(section, Struct) and key not in section.__struct_fields__:
+            raise KeyError(dotted)
+        return None if section is None else getattr(section, key)
+
+
+def load_config(
+    package: Path, step_sections: Mapping[str, type[Struct]] = MappingProxyType({}), overrides: Sequence[str] = ()
+) -> LoadedConfig:
+    """dive.toml of a package folder, with `a.b=value` overrides applied before decoding.
+
+    Raises InputError when there is no dive.toml, UsageError for anything wrong inside it or in an override.
+    """
+    raw = _read(package)
+    for text in overrides:
+        _apply(raw, text)
+    given = frozenset(_leaves(raw))
+    steps = {name: raw.pop(name, {}) for name in step_sections}
+    refuse_not_finite({**raw, **steps}, FILE)
+    config = _decode(raw, DiveConfig, "", list(step_sections))
+    sections: dict[str, Any] = {name: getattr(config, name) for name in config.__struct_fields__ if name != "camera"}
+    sections |= {"camera.top": config.camera.top, "camera.bottom": config.camera.bottom}
+    sections |= {name: _decode(steps[name], kind, name, []) for name, kind in step_sections.items()}
+    _check_whole(config)
+    return LoadedConfig(package, config, MappingProxyType(sections), given)
+
+
+def _read(package: Path) -> dict[str, Any]:
+    path = package / FILE
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError):
+        advice = f"give the folder that holds {FILE}; `hullrecon init LOG` writes one from a log"
+        raise InputError(f"no {FILE} here", where=str(package), remedy=advice) from None
+    except OSError as error:
+        raise InputError(f"{FILE} cannot be read: {error.strerror}", where=str(path)) from None
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"{FILE} is not valid TOML: {error}", where=str(path)) from None
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{FILE} is not UTF-8: byte {error.start}", where=str(path)) from None
+    except RecursionError:
+        raise UsageError(f"{FILE} is not valid TOML: its values are nested too deeply", where=str(path)) from None
+    except ValueError as error:  # Python reads no number of more than some thousand digits
+        raise UsageError(f"{FILE} is not valid TOML: {str(error).partition(';')[0]}", where=str(path)) from None
+
+
+def _apply(raw: dict[str, Any], text: str) -> None:
+    """One `a.b=value` into the raw tables; the value is TOML, a bare word is a string."""
+    key, equals, value = text.partition("=")
+    parts = [part.strip() for part in key.split(".")]
+    if not equals or not all(parts):
+        raise UsageError(f"--set {text} is not of the form section.key=value")
+    try:
+        decoded = tomllib.loads(f"value = {value}")["value"]
+    except (ValueError, RecursionError):
+        decoded = value.strip()
+    tables = raw
+    for part in parts[:-1]:
+        tables = tables.setdefault(part, {})
+        if not isinstance(tables, dict):
+            raise UsageError(f"--set {text}: {part} is a value, not a section")
+    tables[parts[-1]] = decoded
+
+
+def _decode(raw: Mapping[str, Any], kind: type[Kind], prefix: str, more: Sequence[str]) -> Kind:
+    try:
+        return msgspec.convert(raw, kind)
+    except msgspec.ValidationError as error:
+        raise in_words(str(error), raw, kind, prefix, more, FILE) from None
+
+
+def _leaves(raw: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+    for key, value in raw.items():
+        if isinstance(value, dict):
+            yield from _leaves(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}"
+
+
+def _check_whole(config: DiveConfig) -> None:
+    """What no single field can say."""
+    if config.camera.bottom is not None and config.camera.top is None:
+        raise UsageError("[camera.bottom] without [camera.top]", where=FILE, remedy="a mono rig has camera.top only")
+    files = [posixpath.normpath(name) for name in config.logs.files]
+    twice = [name for name in files if files.count(name) > 1]
+    if twice:
+        raise UsageError(f"logs.files names {twice[0]} twice", where=FILE, remedy="name each log once")
+    _check_topics(config.topics)
+    lengths = [reduce(lambda s, x: s + x * x, beam, 0.0) ** 0.5 for beam in config.dvl.beams or ()]
+    if any(abs(length - 1) > 0.02 for length in lengths):
+        raise UsageError("dvl.beams are not unit vectors", where=FILE, remedy="give each beam as x, y, z of length 1")
+    _check_tilt(config.dvl)
+
+
+def _check_topics(topics: Topics) -> None:
+    """One topic is one sensor's."""
+    sensor_of: dict[str, str] = {}
+    for sensor in topics.__struct_fields__:
+        topic = getattr(topics, sensor)
+        if topic is not None and topic in sensor_of:
+            what = f"topics.{sensor} and topics.{sensor_of[topic]} are both {topic}"
+            raise UsageError(what, where=FILE, remedy="give each sensor its own topic")
+        sensor_of[topic] = sensor
+
+
+def _check_tilt(dvl: Dvl) -> None:
+    """The angle of the beams needs their azimuths, and both stand in place of unit vectors."""
+    given = [name for name in ("beam_angle_deg", "beam_azimuth_deg") if getattr(dvl, name) is not None]
+    if len(given) == 1:
+        other = "beam_azimuth_deg" if given[0] == "beam_angle_deg" else "beam_angle_deg"
+        raise UsageError(f"dvl.{given[0]} without dvl.{other}", where=FILE, remedy="give both")
+    if given and dvl.beams is not None:
+        raise UsageError("dvl.beams and dvl.beam_angle_deg are both given", where=FILE, remedy="leave one of them away")

@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Mesh hygiene: corners merged, degenerate and duplicate faces removed, holes counted."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.meshes.mesh import Mesh
+
+Faces = NDArray[np.int32]
+MERGE = 2e-7  # of the largest extent: two steps of single precision, in which STL stores corners
+FINEST_M = 1e-6  # no drawing is finer
+
+
+def cleaned(mesh: Mesh, words: list[str]) -> Mesh:
+    """The mesh with equal corners merged and without faces that are degenerate, double or of unused corners."""
+    tolerance = max(FINEST_M, MERGE * float(np.ptp(mesh.vertices, axis=0).max()))
+    vertices, faces = merge_corners(mesh.vertices, mesh.faces, tolerance)
+    flat = degenerate(vertices, faces, tolerance)
+    faces = faces[~flat]
+    first = np.sort(np.unique(np.sort(faces, axis=1), axis=0, return_index=True)[1])
+    for count, name in ((int(flat.sum()), "degenerate"), (len(faces) - len(first), "duplicate")):
+        if count:
+            words.append(f"{count} {name} faces were removed")
+    used, renumbered = np.unique(faces[first], return_inverse=True)
+    return Mesh(vertices[used], renumbered.reshape(-1, 3).astype(np.int32))
+
+
+def merge_corners(vertices: NDArray[np.float64], faces: Faces, tolerance: float) -> tuple[NDArray[np.float64], Faces]:
+    """Corners in one cell of that size become one: the first of them."""
+    cells = np.round((vertices - vertices.min(axis=0)) / tolerance).astype(np.int64)
+    _, first, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first, kind="stable")  # corners keep the order of the file
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    return vertices[first[order]], rank[number.ravel()][faces].astype(np.int32)
+
+
+def degenerate(vertices: NDArray[np.float64], faces: Faces, tolerance: float) -> NDArray[np.bool_]:
+    """(m,) faces that are lower than the tolerance over their longest side."""
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    longest = np.max([np.linalg.norm(e, axis=1) for e in (b - a, c - b, a - c)], axis=0)
+    return np.asarray(doubled <= tolerance * longest)

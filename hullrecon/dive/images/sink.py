@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Takes the images of one camera as they stream by: checks each, writes its bytes on, keeps its place."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from hullrecon.dive.images.integrity import size_of
+from hullrecon.dive.logs.samples import ImageSample
+from hullrecon.dive.logs.timeline import put_in_order
+from hullrecon.dive.records import ImageIndex
+from hullrecon.errors import InputError
+
+PATIENCE = 5  # images of another size than the calibration's, with none right, before giving up
+
+
+class ImageSink:
+    """size: (width, height) of the calibration. open_file: called once, when the first bytes are to be kept."""
+
+    def __init__(
+        self, camera: str, size: tuple[int, int], offset_ns: int, package: Path, open_file: Callable[[], BinaryIO]
+    ) -> None:
+        self._camera, self._size, self._offset_ns, self._package = camera, size, offset_ns, package
+        self._open_file, self._at = open_file, 0
+        self._file: BinaryIO | None = None
+        self._rows: list[tuple[int, int, str, int, int, bool]] = []
+        self._sizes: Counter[tuple[int, int]] = Counter()
+
+    def take(self, sample: ImageSample, logged_ns: int) -> None:
+        encoded = self._bytes(sample)
+        size = size_of(encoded)
+        if size is not None:
+            self._sizes[size] += 1
+        offset, kept = (0, 0) if sample.file else (self._keep(encoded), len(encoded))
+        stamp = sample.t_ns + self._offset_ns
+        self._rows.append((stamp, logged_ns + self._offset_ns, sample.file, offset, kept, size == self._size))
+        if len(self._rows) == PATIENCE:
+            self._check_size()
+
+    def finish(self, remarks: list[str]) -> ImageIndex | None:
+        """The index in time order; None without images. InputError when none has the calibration's size."""
+        if not self._rows:
+            return None
+        self._check_size()
+        if not any(row[-1] for row in self._rows):
+            many = f"none of the {len(self._rows)} images" if len(self._rows) > 1 else "the only image"
+            raise InputError(f"{many} of {self._camera} can be read", remedy="see that the files are there and whole")
+        stamp, logged, file, offset, size, usable = (list(column) for column in zip(*self._rows, strict=True))
+        line = put_in_order(self._camera, stamp, logged)
+        remarks += line.remarks + self._bad(usable)
+        rows = line.keep
+        return ImageIndex(
+            np.array(stamp, np.int64)[rows], np.array(file, np.str_)[rows], np.array(offset, np.int64)[rows],
+            np.array(size, np.int64)[rows], np.array(usable, bool)[rows],
+        )  # fmt: skip
+
+    def _bytes(self, sample: ImageSample) -> bytes:
+        if not sample.file:
+            return sample.encoded
+        try:
+            return (self._package / sample.file).read_bytes()
+        except OSError:
+            return b""  # counted among those that do not decode
+
+    def _keep(self, encoded: bytes) -> int:
+        if self._file is None:
+            self._file = self._open_file()
+        self._file.write(encoded)
+        self._at += len(encoded)
+        return self._at - len(encoded)
+
+    def _check_size(self) -> None:
+        if self._sizes and not self._sizes[self._size]:
+            logged = "{} x {}".format(*self._sizes.most_common(1)[0][0])
+            raise InputError(
+                f"the images of {self._camera} have {logged} pixels, its calibration is for {self._size[0]} x {self._size[1]}",
+                remedy="give the calibration of this camera at this size",
+            )
+
+    def _bad(self, usable: list[bool]) -> list[str]:
+        count, other = len(usable), sum(self._sizes.values()) - self._sizes[self._size]
+        broken = usable.count(False) - other
+        words = [f"{self._camera}: {broken} of {count} images are missing or damaged and are left out"] if broken else []
+        return words + ([f"{self._camera}: {other} of {count} images have another size and are left out"] if other else [])

@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Serialised messages to objects, by the definition that the log carries, else by a bundled or a standard one."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+from hullrecon.dive.logs.messages.definitions import BUNDLED
+from hullrecon.dive.logs.readers.protocol import Channel
+from hullrecon.dive.logs.readers.unpack import DamagedError
+
+Fields = Any  # an instance of the class that rosbags makes for a message type
+ENCODINGS = ("cdr", "ros1")
+
+
+def type_name(channel: Channel) -> str:
+    """The type in its three-part form, "sensor_msgs/msg/Imu"."""
+    parts = channel.type.split("/")
+    return f"{parts[0]}/msg/{parts[-1]}" if len(parts) > 1 else channel.type
+
+
+def decode(channel: Channel, data: bytes) -> Fields:
+    """The message's fields; DamagedError for bytes that are no such message or a type whose definition nobody knows."""
+    store = _store(channel)
+    try:
+        if channel.encoding == "ros1":
+            return store.deserialize_ros1(data, type_name(channel))
+        return store.deserialize_cdr(data, type_name(channel))
+    except Exception as error:  # bytes of any content: rosbags' generated code raises whatever they lead it to
+        raise DamagedError(f"a {channel.type} cannot be decoded: {type(error).__name__} {error}") from None
+
+
+@lru_cache(maxsize=64)
+def _store(channel: Channel) -> Any:
+    if channel.encoding not in ENCODINGS:
+        raise DamagedError(f"messages in the encoding {channel.encoding!r} are not read")
+    try:
+        return _from_definition(channel) if channel.definition.strip() else _standard(channel.encoding)
+    except Exception as error:  # the grammar of a damaged definition may fail anywhere
+        raise DamagedError(f"the definition of {channel.type} cannot be read: {type(error).__name__} {error}") from None
+
+
+def _from_definition(channel: Channel) -> Any:
+    from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.EMPTY)
+    if channel.definition_format == "ros2idl":
+        store.register(get_types_from_idl(channel.definition))
+    else:
+        store.register(get_types_from_msg(channel.definition, type_name(channel)))
+    return store
+
+
+@lru_cache(maxsize=2)
+def _standard(encoding: str) -> Any:
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC if encoding == "ros1" else Stores.ROS2_JAZZY)
+    for name, text in BUNDLED.items():
+        store.register(get_types_from_msg(text, name))
+    return store

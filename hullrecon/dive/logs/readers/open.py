@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which reader a log needs: by its first bytes; by its name where those are damaged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from hullrecon.dive.logs.readers import mcap_records, pd0_ensemble, rosbag1, sqlite
+from hullrecon.dive.logs.readers.mcap import McapLog
+from hullrecon.dive.logs.readers.pd0 import Pd0Log
+from hullrecon.dive.logs.readers.plain import COLUMNS, PlainLog
+from hullrecon.dive.logs.readers.protocol import Log
+from hullrecon.dive.logs.readers.rosbag1 import Rosbag1Log
+from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE, Rosbag2Log
+from hullrecon.dive.logs.readers.sqlite import SqliteLog
+from hullrecon.errors import InputError
+
+BY_MAGIC: dict[bytes, Callable[[Path], Log]] = {
+    mcap_records.MAGIC: McapLog, rosbag1.MAGIC: Rosbag1Log, sqlite.MAGIC: SqliteLog, pd0_ensemble.MAGIC: Pd0Log,
+}  # fmt: skip
+BY_SUFFIX: dict[str, Callable[[Path], Log]] = {".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log}
+FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 file or a folder of CSVs"
+
+
+def open_log(path: Path, package: Path | None = None) -> Log:
+    """The log's reader. InputError when nothing lies there, or nothing that any reader knows.
+
+    package: the folder that paths in plain files may be relative to.
+    """
+    where = str(path.parent)
+    try:
+        if path.is_dir():
+            return _open_folder(path, package)
+        start = _start(path)
+    except FileNotFoundError:
+        raise InputError(f"the log {path.name} is missing{_beside(path)}", where=where, remedy="correct logs.files") from None
+    except OSError as error:
+        raise InputError(f"the log {path.name} cannot be read: {error.strerror}", where=where) from None
+    if not start:
+        raise InputError(f"the log {path.name} is empty", where=where)
+    found = [reader for magic, reader in BY_MAGIC.items() if start.startswith(magic)]
+    found += [reader for suffix, reader in BY_SUFFIX.items() if path.suffix.lower() == suffix]
+    if not found:
+        raise InputError(f"{path.name} is no log that is read here", where=where, remedy=f"give {FORMS}")
+    return found[0](path)
+
+
+def _open_folder(path: Path, package: Path | None) -> Log:
+    names = {p.name for p in path.iterdir()}
+    if METADATA in names or any(Path(name).suffix in STORAGE for name in names):
+        return Rosbag2Log(path)
+    if any(f"{sensor}.csv" in names for sensor in COLUMNS):
+        return PlainLog(path, package)
+    raise InputError(f"the folder {path.name} holds no log that is read here", where=str(path.parent), remedy=f"give {FORMS}")
+
+
+def find_logs(path: Path) -> list[Path]:
+    """Return the log that a path is, or those that lie in a folder or in its folder `logs`. InputError when there is none."""
+    if not path.is_dir() or _holds_log(path):
+        return [path]
+    for folder in (path, path / "logs"):
+        if folder.is_dir() and _holds_log(folder):
+            return [folder]
+        inside = sorted(folder.iterdir()) if folder.is_dir() else []
+        found = [p for p in inside if p.suffix.lower() in BY_SUFFIX or (p.is_dir() and p.name != "logs" and _holds_log(p))]
+        if found:
+            return found
+    raise InputError(f"the folder {path.name} holds no log that is read here", where=str(path), remedy=f"give {FORMS}")
+
+
+def _holds_log(folder: Path) -> bool:
+    """Whether a folder is itself a log: of CSVs, or with the metadata of ROS 2."""
+    names = {p.name for p in folder.iterdir()}
+    return METADATA in names or any(f"{sensor}.csv" in names for sensor in COLUMNS)
+
+
+def _start(path: Path) -> bytes:
+    with path.open("rb") as stream:
+        return stream.read(64)
+
+
+def _beside(path: Path) -> str:
+    names = sorted(p.name for p in path.parent.iterdir())[:6] if path.parent.is_dir() else []
+    return f" (there are {', '.join(names)})" if names else ""

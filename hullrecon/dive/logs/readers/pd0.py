@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A Teledyne .pd0 file as a DVL: every ensemble's bottom track in the frame `dvl`.
+
+`dvl` of a PD0 file: z out of the transducers, x towards beam 3, y towards beam 2. The instrument's own axes are x towards
+beam 2, y towards beam 3, z into the housing (Teledyne RD Instruments, Coordinate Transformation), whichever way it faces.
+"""
+
+from __future__ import annotations
+
+import mmap
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.logs.readers.ledger import Ledger
+from hullrecon.dive.logs.readers.pd0_ensemble import Ensemble, ensembles
+from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
+from hullrecon.dive.logs.samples import DvlSample
+
+Array = NDArray[np.float64]
+CHANNEL = Channel("dvl", "Teledyne PD0", "sample")
+DVL_FROM_INSTRUMENT = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
+AZIMUTH_RAD = np.radians([-90.0, 90.0, 0.0, 180.0])  # of beams 1 to 4 about z of `dvl`
+
+
+class Pd0Log:
+    """Ensembles whose checksum holds; what lies between them is named."""
+
+    kind = "Teledyne PD0"
+    gives_samples = True
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.remarks: list[str] = []
+        self._ledger = Ledger()
+
+    def messages(self) -> Iterator[Message]:
+        self.remarks, self._ledger = [], Ledger()
+        frames = set()
+        with self.path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            for start, end, found in ensembles(data):
+                if isinstance(found, str):
+                    self._ledger.gap(f"{end - start} bytes from byte {start} on hold no whole ensemble: {found}")
+                    continue
+                frames.add(found.frame)
+                yield self._ledger.saw(Message(CHANNEL, found.t_ns, to_sample(found)))
+        self._ledger.finish()
+        self.remarks.append(
+            f"velocities in {' and '.join(sorted(frames)) or 'no'} coordinates were turned into the frame dvl (x to beam 3); "
+            "ranges along the axis were divided by the cosine of the beam angle; the instrument's clock was taken as UTC"
+        )
+
+    def losses(self) -> list[Loss]:
+        return list(self._ledger.losses)
+
+
+def to_sample(ping: Ensemble) -> DvlSample:
+    """Bottom track: velocity of the instrument (that of the bottom, reversed), ranges along the beams."""
+    velocity = -DVL_FROM_INSTRUMENT @ instrument_velocity(ping)
+    tilt = ping.beam_angle_rad
+    beams = np.stack([np.sin(tilt) * np.cos(AZIMUTH_RAD), np.sin(tilt) * np.sin(AZIMUTH_RAD), np.full(4, np.cos(tilt))], axis=1)
+    return DvlSample(ping.t_ns, velocity, float("nan"), ping.range_m / np.cos(tilt), beams)
+
+
+def instrument_velocity(ping: Ensemble) -> Array:
+    """(3,) m/s of the bottom in the instrument's axes; NaN when lost."""
+    if ping.frame == "beam":
+        return from_beams(ping.bottom, ping.beam_angle_rad)
+    vector = ping.bottom[:3]
+    if ping.frame == "instrument":
+        return vector
+    heading = ping.heading_rad if ping.frame == "earth" else -ping.alignment_rad
+    return earth_from_instrument(heading, *(_tilts(ping) if ping.tilts_applied else (0.0, 0.0))).T @ vector
+
+
+def from_beams(beams: Array, angle_rad: float) -> Array:
+    """Instrument velocity of four beam velocities (positive towards the transducer); with one lost, the error velocity that
+    would show its fault is taken as zero; NaN with more lost."""
+    b = beams.copy()
+    lost = np.flatnonzero(np.isnan(b))
+    if len(lost) == 1:
+        pairs = {0: (1, 2, 3), 1: (0, 2, 3), 2: (3, 0, 1), 3: (2, 0, 1)}
+        partner, one, other = pairs[int(lost[0])]
+        b[lost[0]] = b[one] + b[other] - b[partner]
+    across, along = 1 / (2 * np.sin(angle_rad)), 1 / (4 * np.cos(angle_rad))
+    return np.array([across * (b[0] - b[1]), across * (b[3] - b[2]), along * b.sum()])
+
+
+def earth_from_instrument(heading: float, pitch: float, roll: float) -> Array:
+    """(3, 3): east, north, up of the instrument's x, y, z. Teledyne RD Instruments, Coordinate Transformation, eq. 18."""
+    ch, sh, cp, sp, cr, sr = np.cos(heading), np.sin(heading), np.cos(pitch), np.sin(pitch), np.cos(roll), np.sin(roll)
+    return np.array(
+        [
+            [ch * cr + sh * sp * sr, sh * cp, ch * sr - sh * sp * cr],
+            [-sh * cr + ch * sp * sr, ch * cp, -sh * sr - ch * sp * cr],
+            [-cp * sr, sp, cp * cr],
+        ]
+    )
+
+
+def _tilts(ping: Ensemble) -> tuple[float, float]:
+    """Pitch as a rotation (the sensor measures the tilt of an axis) and roll, turned over where the instrument faces up."""
+    pitch = float(np.arctan(np.tan(ping.pitch_rad) * np.cos(ping.roll_rad)))
+    return pitch, ping.roll_rad + (np.pi if ping.faces_up else 0.0)

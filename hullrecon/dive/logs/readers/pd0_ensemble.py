@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Teledyne PD0 ensembles: where they lie in a file, and what stands in each.
+
+Layout: Teledyne RD Instruments, WorkHorse Commands and Output Data Format; the Explorer DVL writes the same.
+"""
+
+from __future__ import annotations
+
+import mmap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.logs.readers.unpack import DamagedError, fields
+
+Array = NDArray[np.float64]
+MAGIC = b"\x7f\x7f"
+FIXED, VARIABLE, VELOCITY, BOTTOM = 0x0000, 0x0080, 0x0100, 0x0600
+LOST = -32768
+FRAMES = ("beam", "instrument", "ship", "earth")
+BEAM_ANGLES = {0: 15.0, 1: 20.0, 2: 30.0}  # degrees, by the code in the system configuration
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """One ping as the instrument wrote it, in SI units; NaN where it is marked lost or was not measured.
+
+    frame: of every velocity, one of FRAMES. range_m (4,): to the bottom along the instrument's axis (not along the beam).
+    bottom (4,) m/s: of the bottom relative to the instrument (fourth: error velocity; of four beams in frame "beam").
+    water (cells, 4) m/s, likewise, at cell_m (cells,) along the axis.
+    """
+
+    number: int
+    t_ns: int
+    frame: str
+    tilts_applied: bool
+    faces_up: bool
+    beam_angle_rad: float
+    alignment_rad: float
+    heading_rad: float
+    pitch_rad: float
+    roll_rad: float
+    depth_m: float
+    range_m: Array
+    bottom: Array
+    water: Array
+    cell_m: Array
+
+
+def ensembles(data: bytes | mmap.mmap) -> Iterator[tuple[int, int, Ensemble | str]]:
+    """(start, end, ensemble) of every ensemble whose checksum holds; between them (start, end, why) of bytes of no ensemble."""
+    at, bad, why = 0, 0, ""
+    while at < len(data):
+        try:
+            end = _end_of(data, at)
+            found = parse(bytes(data[at:end]))
+        except DamagedError as error:
+            why = why or str(error)
+            following = data.find(MAGIC, at + 1)
+            at = following if following >= 0 else len(data)
+            continue
+        if at > bad:
+            yield bad, at, why
+        yield at, end, found
+        at = bad = end
+        why = ""
+    if at > bad:
+        yield bad, at, why
+
+
+def parse(data: bytes) -> Ensemble:
+    """One whole ensemble without its checksum; DamagedError when a part that every ensemble has is missing."""
+    parts = _parts(data)
+    if FIXED not in parts or VARIABLE not in parts:
+        raise DamagedError("its leaders are missing")
+    fixed, variable = parts[FIXED], parts[VARIABLE]
+    (system,) = fields("<H", fixed, 4)
+    beams, cells = fields("<BB", fixed, 8)
+    transform, alignment = fields("<Bh", fixed, 25)
+    heading, pitch, roll = fields("<Hhh", variable, 18)
+    bottom = parts.get(BOTTOM)
+    return Ensemble(
+        number=fields("<H", variable, 2)[0] + (fields("<B", variable, 11)[0] << 16),
+        t_ns=_clock(variable),
+        frame=FRAMES[transform >> 3 & 3],
+        tilts_applied=bool(transform & 4),
+        faces_up=bool(system & 0x80),
+        beam_angle_rad=float(np.radians(_beam_angle(system, fixed))),
+        alignment_rad=float(np.radians(alignment / 100)),
+        heading_rad=float(np.radians(heading / 100)),
+        pitch_rad=float(np.radians(pitch / 100)),
+        roll_rad=float(np.radians(roll / 100)),
+        depth_m=fields("<H", variable, 16)[0] / 10,
+        range_m=_ranges(bottom),
+        bottom=np.full(4, np.nan) if bottom is None else _velocities(bottom, 24, 1)[0],
+        water=_velocities(parts[VELOCITY], 2, cells) if VELOCITY in parts and beams == 4 else np.zeros((0, 4)),
+        cell_m=(fields("<H", fixed, 32)[0] + fields("<H", fixed, 12)[0] * np.arange(cells)) / 100,
+    )
+
+
+def _end_of(data: bytes | mmap.mmap, at: int) -> int:
+    """The byte behind the ensemble at `at`, its checksum counted and right."""
+    if data[at : at + 2] != MAGIC:
+        raise DamagedError("no ensemble starts there")
+    (count,) = fields("<H", data[at + 2 : at + 4])
+    if at + count + 2 > len(data):
+        raise DamagedError("the last ensemble is cut off")
+    body = data[at : at + count]
+    if int(np.frombuffer(body, np.uint8).sum(dtype=np.int64)) % 65536 != fields("<H", data[at + count : at + count + 2])[0]:
+        raise DamagedError("a checksum is wrong")
+    return at + count + 2
+
+
+def _parts(data: bytes) -> dict[int, bytes]:
+    """The data types of an ensemble by their number."""
+    (count,) = fields("<B", data, 5)
+    offsets = fields(f"<{count}H", data, 6)
+    ends = sorted({*offsets, len(data)})
+    out = {}
+    for offset in offsets:
+        end = next((e for e in ends if e > offset), len(data))
+        out[fields("<H", data, offset)[0]] = data[offset:end]
+    return out
+
+
+def _clock(variable: bytes) -> int:
+    """The instrument's clock as UTC; the one with a century where it is there."""
+    year, *rest = fields("<7B", variable, 4)
+    year += 2000 if year < 80 else 1900
+    if len(variable) >= 65 and fields("<B", variable, 57)[0] in (19, 20):
+        century, year, *rest = fields("<8B", variable, 57)
+        year += 100 * century
+    *calendar, hundredths = rest
+    try:
+        whole = datetime(year, *calendar, tzinfo=UTC)  # type: ignore[arg-type,misc]
+    except ValueError:
+        raise DamagedError("its clock shows no time") from None
+    return int(whole.timestamp()) * 1_000_000_000 + hundredths * 10_000_000
+
+
+def _beam_angle(system: int, fixed: bytes) -> float:
+    code = system >> 8 & 3
+    return BEAM_ANGLES[code] if code in BEAM_ANGLES else float(fields("<B", fixed, 58)[0])
+
+
+def _ranges(bottom: bytes | None) -> Array:
+    """(4,) m; a range of 0 is lost. The high byte of each stands at the end, where the record is long enough."""
+    if bottom is None:
+        return np.full(4, np.nan)
+    high = fields("<4B", bottom, 77) if len(bottom) >= 81 else (0, 0, 0, 0)
+    centimetres = np.array(fields("<4H", bottom, 16), float) + 65536.0 * np.array(high)
+    return np.where(centimetres > 0, centimetres / 100, np.nan)
+
+
+def _velocities(data: bytes, offset: int, rows: int) -> Array:
+    millimetres = np.array(fields(f"<{4 * rows}h", data, offset), float).reshape(rows, 4)
+    return np.where(millimetres == LOST, np.nan, millimetres / 1000)

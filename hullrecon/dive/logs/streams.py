@@ -1,0 +1,124 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Samples to records: units, conventions and lost values made one, and in words what was assumed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.logs.dvl_beams import choose_beams, unit
+from hullrecon.dive.logs.samples import DvlSample, ImuSample, JointSample, PressureSample, SonarSample
+from hullrecon.dive.records import DvlPings, ImuSamples, JointSamples, PressureSamples, SonarPings
+from hullrecon.errors import InputError
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+FASTEST = 15.0  # m/s; no vehicle at a hull is faster
+NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
+FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
+
+
+@dataclass(frozen=True)
+class PressureModel:
+    density: float  # kg/m3
+    gravity: float  # m/s2
+    atmosphere: float  # Pa
+
+
+def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, remarks: list[str]) -> DvlPings:
+    """beams: those of dive.toml, for messages without (docs/configuration.md); sigma m/s where a message has none. InputError
+    for ranges along beams that nothing describes."""
+    count = Counter(len(s.ranges) for s in samples if len(s.ranges)).most_common(1)
+    width = count[0][0] if count else 0
+    ranges = np.full((len(samples), width), np.nan)
+    for row, sample in enumerate(samples):
+        if len(sample.ranges) == width:
+            ranges[row] = sample.ranges
+    ranges[~(ranges > 0)] = np.nan
+    if width and not np.isfinite(ranges).any():
+        remarks.append("dvl: every range is lost; it measures no distance to the hull")
+        ranges, width = ranges[:, :0], 0
+    velocity = np.array([s.velocity for s in samples]).reshape(-1, 3)
+    velocity[~np.isfinite(velocity).all(axis=1)] = np.nan
+    absurd = np.linalg.norm(np.nan_to_num(velocity), axis=1) > FASTEST
+    if absurd.any():
+        velocity[absurd] = np.nan
+        remarks.append(f"dvl: {absurd.sum()} velocities above {FASTEST:.0f} m/s were taken as lost (are they in mm/s?)")
+    given = np.array([s.sigma for s in samples])
+    used = np.where(np.isfinite(given) & (given > 0), given, sigma)
+    return DvlPings(_times(samples), velocity, used, ranges, choose_beams(samples, beams, width, remarks))
+
+
+def imu_samples(samples: Sequence[ImuSample], frame: str, remarks: list[str]) -> ImuSamples:
+    """frame "ned": body forward-starboard-down in north-east-down; "enu": body forward-port-up in east-north-up. Rows
+    without an attitude are left out; InputError when none has one."""
+    quaternion = np.array([s.quaternion for s in samples]).reshape(-1, 4)
+    length = np.linalg.norm(quaternion, axis=1)
+    good = np.abs(length - 1) < 0.05
+    if len(samples) and not good.any():
+        raise InputError("the IMU's messages hold no attitude (no unit quaternion)", remedy="log an IMU that gives orientation")
+    if not good.all():
+        remarks.append(f"imu: {np.count_nonzero(~good)} of {len(good)} readings have no attitude and were left out")
+    rotation = Rotation.from_quat(quaternion[good])
+    rates = np.array([s.rates for s in samples]).reshape(-1, 3)[good]
+    acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)[good]
+    if frame == "enu":
+        rotation = NED_FROM_ENU * rotation * FRD_FROM_FLU.inv()
+        rates, acceleration = rates * [1, -1, -1], acceleration * [1, -1, -1]
+    return ImuSamples(_times(samples)[good], rotation.as_quat(), rates, acceleration)
+
+
+def pressure_samples(samples: Sequence[PressureSample], model: PressureModel, remarks: list[str]) -> PressureSamples:
+    """Depth of the sensor, positive down; readings that are not finite are left out."""
+    pascal = np.array([s.pascal for s in samples])
+    good = np.isfinite(pascal)
+    depth = (pascal[good] - model.atmosphere) / (model.density * model.gravity)
+    if len(depth) and np.median(depth) < -1.0:
+        remarks.append(
+            f"pressure: the median depth is {np.median(depth):.1f} m, above the water: is the pressure absolute and in pascal?"
+        )
+    return PressureSamples(_times(samples)[good], depth)
+
+
+def joint_samples(samples: Sequence[JointSample], name: str, remarks: list[str]) -> JointSamples:
+    """One servo's angle; readings that are not finite are left out."""
+    angle = np.array([s.angle for s in samples])
+    good = np.isfinite(angle)
+    if good.any() and np.abs(angle[good]).max() > 2 * np.pi:
+        remarks.append(f"joint {name}: angles reach {np.abs(angle[good]).max():.1f} rad; are they in degrees?")
+    return JointSamples(_times(samples)[good], angle[good])
+
+
+def sonar_pings(samples: Sequence[SonarSample], remarks: list[str]) -> SonarPings | None:
+    """Pings of the most common geometry, as 8 bits; None without any."""
+    shapes = Counter((s.image.shape, round(float(s.range_m[-1]), 6)) for s in samples)
+    if not shapes:
+        return None
+    (shape, reach), count = shapes.most_common(1)[0]
+    if count < len(samples):
+        remarks.append(
+            f"sonar: {len(samples) - count} of {len(samples)} pings have another range or number of beams than "
+            f"{shape[0]} beams to {reach:.1f} m and were left out"
+        )
+    kept = [s for s in samples if s.image.shape == shape and round(float(s.range_m[-1]), 6) == reach]
+    image = _eight_bits([s.image for s in kept], remarks)
+    return SonarPings(_times(kept), image, unit(kept[0].directions), np.asarray(kept[0].range_m, float))
+
+
+def _eight_bits(images: Sequence[NDArray[np.generic]], remarks: list[str]) -> NDArray[np.uint8]:
+    if all(image.dtype == np.uint8 for image in images):
+        return np.stack(images).astype(np.uint8)
+    brightest = max(float(np.nanmax(image.astype(float))) for image in images)
+    remarks.append(f"sonar: {images[0].dtype} pixels were scaled to 8 bits, {brightest:g} to 255")
+    scale = 255.0 / brightest if brightest > 0 else 0.0
+    return np.stack([np.clip(np.nan_to_num(i.astype(float)) * scale, 0, 255).round().astype(np.uint8) for i in images])
+
+
+def _times(samples: Sequence[object]) -> Ints:
+    return np.array([s.t_ns for s in samples], np.int64)  # type: ignore[attr-defined]

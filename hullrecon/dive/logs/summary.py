@@ -1,0 +1,182 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A log looked over without a dive.toml: its topics, and which of them could be which sensor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from hullrecon.dive.check import messages
+from hullrecon.dive.logs.messages.decode import ENCODINGS, decode, type_name
+from hullrecon.dive.logs.messages.samples import IMAGE_TYPES, TYPES
+from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
+from hullrecon.dive.logs.readers.unpack import DamagedError
+from hullrecon.dive.logs.timeline import NS, moment
+
+NAMED = {"dvl": ("dvl",), "imu": ("imu", "ahrs"), "pressure": ("pressure", "depth"), "joints": ("joint",), "sonar": ("sonar",)}
+UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "cam1")
+COMPRESSED = "/compressed"
+
+
+@dataclass
+class TopicNote:
+    """One topic. first: its first message, decoded, or the sample; None where it does not decode."""
+
+    channel: Channel
+    first: object = None
+    count: int = 0
+    start_ns: int = 0
+    end_ns: int = 0
+
+    def sentence(self) -> str:
+        seconds = (self.end_ns - self.start_ns) / NS
+        many = f"{self.count} message" + ("s" if self.count != 1 else "")
+        pace = f" in {seconds:.1f} s, {(self.count - 1) / seconds:.1f} a second" if self.count > 1 and seconds > 0 else ""
+        return f"{self.channel.topic}: {many}{pace}, {self.channel.type}"
+
+
+@dataclass
+class Survey:
+    """What one log holds."""
+
+    kind: str
+    topics: list[TopicNote] = field(default_factory=list)
+    lost: list[str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+
+    def lines(self) -> list[str]:
+        """Sentences: the topics, the sensors among them, what is missing for a run."""
+        span = [t for t in self.topics if t.count]
+        head = f"{self.kind}: {sum(t.count for t in span)} messages on {len(span)} topics"
+        if span:
+            first, last = min(t.start_ns for t in span), max(t.end_ns for t in span)
+            head += f", {(last - first) / NS:.1f} s from {moment(first)}"
+        guessed = guess_topics(self.topics)
+        sensors = [f"{topic} can be {'joints' if name == 'joints' else 'the ' + name}" for name, topic in guessed.items()]
+        unused = _unused(span, set(guessed.values()))
+        told = [head, *(t.sentence() for t in span), *sensors, *unused]
+        return [*told, *self.lost, *self.remarks, *missing(set(guessed))]
+
+    def document(self) -> dict[str, object]:
+        topics = [
+            {"topic": t.channel.topic, "type": t.channel.type, "count": t.count, "start_ns": t.start_ns, "end_ns": t.end_ns}
+            for t in self.topics
+        ]
+        guessed = guess_topics(self.topics)
+        return {
+            "kind": self.kind, "topics": topics, "guessed": guessed, "lost": self.lost, "remarks": self.remarks,
+            "missing": missing(set(guessed)),
+        }  # fmt: skip
+
+
+def _unused(topics: Sequence[TopicNote], chosen: set[str]) -> list[str]:
+    """Return what is said of topics that no sensor was given: of those of a type that is read, and of the others."""
+    left = sorted((t for t in topics if t.channel.topic not in chosen), key=lambda t: t.channel.topic)
+    sensors = {t.channel.topic: [name for name, types in TYPES.items() if _fits(t, types)] for t in left}
+    known = [f"{topic} (could be {' or '.join(names)})" for topic, names in sensors.items() if names]
+    other = [topic for topic, names in sensors.items() if not names]
+    return [
+        *([f"not chosen, though of a type that is read: {', '.join(known)}; name it in [topics] to use it"] if known else []),
+        *([f"a run would not use {', '.join(other)}: of other types than it reads"] if other else []),
+    ]
+
+
+def survey(log: Log) -> Survey:
+    """Reads the log once, decoding the first message of each topic alone."""
+    notes: dict[Channel, TopicNote] = {}
+    for message in log.messages():
+        note = notes.setdefault(message.channel, TopicNote(message.channel, _first(message), 0, message.t_ns, message.t_ns))
+        note.count += 1
+        note.start_ns, note.end_ns = min(note.start_ns, message.t_ns), max(note.end_ns, message.t_ns)
+    topics = sorted(notes.values(), key=lambda n: n.channel.topic)
+    return Survey(log.kind, topics, messages.losses([(log.path.name, loss) for loss in log.losses()]), list(log.remarks))
+
+
+def survey_all(logs: Sequence[Log]) -> Survey:
+    """Return what several logs of one dive hold together."""
+    parts = [survey(log) for log in logs]
+    notes: dict[Channel, TopicNote] = {}
+    for note in (note for part in parts for note in part.topics):
+        kept = notes.setdefault(note.channel, note)
+        if kept is not note:
+            kept.count += note.count
+            kept.start_ns, kept.end_ns = min(kept.start_ns, note.start_ns), max(kept.end_ns, note.end_ns)
+    return Survey(
+        " and ".join(dict.fromkeys(part.kind for part in parts)),
+        sorted(notes.values(), key=lambda n: n.channel.topic),
+        [line for part in parts for line in part.lost],
+        [line for part in parts for line in part.remarks],
+    )
+
+
+def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
+    """Topic by sensor: those whose type fits, by name where several do; for a DVL, whose types are common ones, by both."""
+    found: dict[str, str] = {}
+    for sensor, parts in NAMED.items():
+        fitting = [t.channel.topic for t in topics if _fits(t, TYPES[sensor])]
+        chosen = _named(fitting, parts) or ([] if sensor == "dvl" else fitting)
+        if chosen:
+            found[sensor] = chosen[0]
+    return (
+        found
+        | _guess_cameras([t.channel.topic for t in topics if _fits(t, IMAGE_TYPES)])
+        | {t.channel.topic: t.channel.topic for t in topics if t.channel.encoding == "sample" and t.channel.topic in TYPES}
+    )
+
+
+def _guess_cameras(topics: Sequence[str]) -> dict[str, str]:
+    """Upper and lower camera by name; one alone is the upper one. Of one camera's topics the compressed one."""
+    topics = [t for t in topics if t + COMPRESSED not in topics and "depth" not in t.lower()]
+    lower = _named(topics, LOWER)
+    upper = [t for t in _named(topics, UPPER) if t not in lower] or [t for t in topics if t not in lower[:1]]
+    if not upper:
+        return {"camera_top": lower[0]} if lower else {}
+    lower = lower or [t for t in topics if t != upper[0]]
+    return {"camera_top": upper[0], **({"camera_bottom": lower[0]} if lower else {})}
+
+
+def _named(topics: Sequence[str], parts: Sequence[str]) -> list[str]:
+    return [topic for part in parts for topic in topics if part in topic.lower()]
+
+
+def missing(sensors: set[str], hull: bool | None = None) -> list[str]:
+    """What the absence of sensors means for a run. hull: is there a drawing; None: not known yet."""
+    stereo = {"camera_top", "camera_bottom"} <= sensors
+    consequences = {
+        "dvl": "motion comes from stereo images" if stereo else "and no stereo images either: no motion, no run is possible",
+        "imu": _without_imu("dvl" in sensors, stereo),
+        "pressure": "depth comes from dead reckoning and drifts",
+        "joints": "the tray is taken as fixed at 0 degrees",
+        "camera_top": "there will be no images, landmarks or optical mosaic",
+        "camera_bottom": "one camera: scale and depth come from the DVL",
+        "sonar": "there will be no sonar mosaic",
+    }  # fmt: skip
+    if "camera_top" not in sensors:
+        del consequences["camera_bottom"]
+    out = [f"no {name}: {what}" for name, what in consequences.items() if name not in sensors]
+    if hull is False:
+        out.append("no hull: without a drawing the run maps onto its own surface, in the frame global")
+    return out
+
+
+def _without_imu(dvl: bool, stereo: bool) -> str:
+    """As `navigate` has it: velocities need a heading; stereo images alone do not."""
+    if dvl:
+        advice = "; without the DVL it could take motion and attitude from stereo images" if stereo else ""
+        return f"the DVL's velocities have no heading: no run is possible{advice}"
+    return "attitude comes from stereo images and drifts" if stereo else "there is no attitude: no run is possible"
+
+
+def _fits(note: TopicNote, types: Mapping[str, object]) -> bool:
+    return note.channel.encoding in ENCODINGS and type_name(note.channel) in types
+
+
+def _first(message: Message) -> object:
+    if not isinstance(message.data, bytes):
+        return message.data
+    try:
+        fields: object = decode(message.channel, message.data)
+    except DamagedError:
+        return None
+    return fields

@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What O compares in Figs 4.10 and 4.11, in figures: does a method squash what stands out, does it leave landmarks off the
+surface that the DVL saw, and what does that do to trajectory and cameras."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.records import Returns, Solution
+from hullrecon.evaluation.comparison.beams import adjusted_beams
+from hullrecon.evaluation.scoring.alignment import Motion
+from hullrecon.evaluation.scoring.cameras import centre_figures
+from hullrecon.evaluation.scoring.deliverables import Cloud, Track
+from hullrecon.evaluation.scoring.surfaces import judge_landmarks
+from hullrecon.evaluation.scoring.trajectory import judge_trajectory
+from hullrecon.evaluation.scoring.truth import Truth
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.poses import Poses, of_seven, tray
+
+Array = NDArray[np.float64]
+
+METHODS = ("naive", "geva", "maxmix")
+WEIGHTINGS = {"as printed": True, "as weighted by us": False}  # name -> adjust.as_published
+TABLE = {
+    "trajectory.normal_rmse_m": "off the hull",
+    "trajectory.rigid_rmse_m": "path, rigid",
+    "cameras.similarity_rmse_m": "cameras",
+    "cameras.scale_error_percent": "scale",
+    "landmarks.aligned_median_m": "landmarks",
+    "landmarks.off_recall": "label 0 found",
+    "heights.ratio_median": "height kept",
+    "heights.ratio_worst": "worst",
+    "gap.median_m": "to DVL",
+}
+
+
+def method_figures(solution: Solution, returns: Returns | None, tray_origin_m: Array, truth: Truth) -> dict[str, Any]:
+    """Figures by part and name for one solution; parts that it cannot give are left out."""
+    global_from_hull = frame_of(solution, truth)
+    hull_poses = global_from_hull.inverse() @ solution.poses()
+    sigma = np.sqrt(np.einsum("nii->ni", solution.pose_covariance)[:, :3])
+    trajectory, motion = judge_trajectory(Track(stamps(solution), hull_poses, sigma), truth)
+    figures: dict[str, Any] = {"trajectory": trajectory}
+    if len(solution.landmark) == 0:
+        return figures
+    landmarks = landmarks_in_hull(solution, global_from_hull)
+    figures["cameras"] = _cameras(solution, hull_poses, tray_origin_m, truth)
+    figures["landmarks"] = judge_landmarks(Cloud(landmarks, {"label": solution.label}), truth, motion)
+    figures["heights"] = height_figures(landmarks, truth, motion)
+    if returns is not None and truth.drawing is not None:
+        dvl = adjusted_beams(solution, global_from_hull, returns, tray_origin_m).points()
+        figures["gap"] = gap_figures(landmarks[_on_steel(landmarks, truth, motion)], dvl, truth.drawing)
+    return figures
+
+
+def frame_of(solution: Solution, truth: Truth) -> Poses:
+    """T_g_M: the solution's, the true one for a dive without a drawing."""
+    return of_seven(solution.T_g_M) if np.isfinite(solution.T_g_M).all() else truth.T_g_M
+
+
+def stamps(solution: Solution) -> Array:
+    """Stamps of the nodes (n,) in seconds."""
+    return np.asarray(solution.t_ns * 1e-9, float)
+
+
+def landmarks_in_hull(solution: Solution, global_from_hull: Poses) -> Array:
+    return global_from_hull.inverse().apply(solution.landmark)
+
+
+def height_figures(landmarks: Array, truth: Truth, motion: Motion) -> dict[str, Any]:
+    """How much of each structure's height its landmarks keep: 1 is all of it, 0 is flat on the hull. Structures of at least
+    0.08 m with three landmarks or more on top count."""
+    rows = {o["id"]: height_over_steel(landmarks, o, truth, motion) for o in truth.structures() if abs(o["height"]) >= 0.08}
+    ratios = {str(key): float(np.median(ours) / np.median(true)) for key, (ours, true) in rows.items() if len(ours) >= 3}
+    if not ratios:
+        return {"structures": 0}
+    values = np.array(list(ratios.values()))
+    worst = values[np.argmax(np.abs(values - 1))]
+    return {"structures": len(ratios), "ratio_median": float(np.median(values)), "ratio_worst": float(worst), "ratios": ratios}
+
+
+def height_over_steel(landmarks: Array, structure: dict[str, Any], truth: Truth, motion: Motion) -> tuple[Array, Array]:
+    """(n,) height over the steel of the landmarks on top of a structure, ours and the true one at the same places.
+
+    What the surroundings are off (a method may move the hull as a whole) is taken off ours."""
+    center, normal = np.array(structure["center"]), np.array(structure["normal"])
+    away = motion.apply(landmarks) - center
+    offset = away @ normal
+    tangential = np.linalg.norm(away - offset[:, None] * normal, axis=1)
+    size = float(min(structure["extent"]))
+    close = np.abs(offset) < 0.35
+    on_top = close & (tangential < 0.35 * size)
+    around = close & (tangential > 0.6 * max(structure["extent"]) + 0.02) & (tangential < max(structure["extent"]) + 0.15)
+    above = away[on_top] + center + (0.5 - offset[on_top, None]) * normal
+    true = structure["height"] + 0.5 - truth.built.cast(above, np.tile(-normal, (len(above), 1)))
+    ours = structure["height"] + offset[on_top]
+    if around.sum() >= 3:
+        ours = ours - np.median(truth.built.closest(motion.apply(landmarks[around])).distance)
+    return ours, true
+
+
+def gap_figures(landmarks: Array, dvl: Array, drawing: Scene, reach_m: float = 0.4, neighbours: int = 12) -> dict[str, Any]:
+    """How far landmarks on bare steel stand off the surface that the DVL's returns make: the difference of their distances to
+    the drawing, each landmark against the median of its nearest returns."""
+    from scipy.spatial import cKDTree
+
+    if len(dvl) < neighbours or len(landmarks) == 0:
+        return {"landmarks": 0}
+    distance, index = (np.asarray(a) for a in cKDTree(dvl).query(landmarks, k=neighbours))
+    near = distance[:, neighbours // 2] < reach_m
+    surface = np.median(drawing.closest(dvl).distance[index[near]], axis=1)
+    gap = drawing.closest(landmarks[near]).distance - surface
+    if len(gap) == 0:
+        return {"landmarks": 0}
+    return {"landmarks": len(gap), "median_m": float(np.median(np.abs(gap))), "mean_m": float(np.mean(gap))}
+
+
+def _cameras(solution: Solution, T_M_v: Poses, tray_origin_m: Array, truth: Truth) -> dict[str, Any]:
+    has = solution.image[:, 0] >= 0
+    at = T_M_v[has] @ tray(tray_origin_m, solution.tray[has]) @ of_seven(solution.T_s_ct)
+    return dict(centre_figures(stamps(solution)[has], at.translation, truth))
+
+
+def _on_steel(landmarks: Array, truth: Truth, motion: Motion) -> NDArray[np.bool_]:
+    """Away from everything that stands out."""
+    moved, clear = motion.apply(landmarks), np.ones(len(landmarks), bool)
+    for o in truth.structures():
+        clear &= np.linalg.norm(moved - np.array(o["center"]), axis=1) > 0.5 * max(o["extent"]) + 0.15
+    return clear

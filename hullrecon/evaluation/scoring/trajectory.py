@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How far the trajectory is from the true one: along the hull, over its girth, off it, and after a rigid alignment."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from hullrecon.evaluation.scoring.alignment import STILL, Motion, rigid, rms, rms_length
+from hullrecon.evaluation.scoring.deliverables import Track
+from hullrecon.evaluation.scoring.truth import Truth
+from hullrecon.geometry.meshes.casting import Scene
+
+Array = NDArray[np.float64]
+Figures = dict[str, float | int | list[int]]
+
+
+def judge_trajectory(track: Track, truth: Truth) -> tuple[Figures, Motion]:
+    """The figures, and the rigid motion that takes our trajectory onto the true one.
+
+    A drawing that is off by a centimetre over the whole surveyed patch cannot be told from a shift of the dive; so surfaces,
+    landmarks and objects are judged as delivered and again after this motion.
+    """
+    ours = track.rows((track.t_s >= truth.t_s.min() - 1e-6) & (track.t_s <= truth.t_s.max() + 1e-6))
+    if len(ours.t_s) < 3:
+        return {"poses": len(ours.t_s), "share_of_true_frames_with_a_pose": 0.0}, STILL
+    want = truth.vehicle_at(ours.t_s)
+    error = ours.poses.translation - want.translation
+    motion = rigid(ours.poses.translation, want.translation)
+    turn = ours.poses.rotation * want.rotation.inv()
+    turn_after = Rotation.from_matrix(motion.rotation) * turn
+    figures: Figures = {"poses": len(ours.t_s), "share_of_true_frames_with_a_pose": _covered(ours.t_s, truth.t_s)}
+    if truth.drawing is not None:
+        figures |= _by_direction(error, want.translation, truth.drawing)
+    figures |= {
+        "rigid_rmse_m": rms_length(motion.apply(ours.poses.translation) - want.translation),
+        "rotation_rmse_deg": float(np.degrees(rms(np.asarray(turn.magnitude())))),
+        "rotation_rigid_rmse_deg": float(np.degrees(rms(np.asarray(turn_after.magnitude())))),
+    }
+    return figures | _consistency(error, ours.sigma), motion
+
+
+def _by_direction(error: Array, place: Array, drawing: Scene) -> Figures:
+    """RMSE along the hull, over its girth and off it, in the hull's own directions beside each pose."""
+    normal = place - drawing.closest(place).foot
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    along = np.array([1.0, 0.0, 0.0]) - normal * normal[:, :1]
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    parts = {"along": along, "girth": np.cross(normal, along), "normal": normal}
+    return {f"{name}_rmse_m": rms((error * axis).sum(axis=1)) for name, axis in parts.items()}
+
+
+def _consistency(error: Array, sigma: Array | None) -> Figures:
+    """Error over the sigma given with it, and how much of the error one sigma holds (68 % when it is honest)."""
+    if sigma is None:
+        return {}
+    figures: Figures = {}
+    for k, axis in enumerate("xyz"):
+        figures[f"error_over_sigma_{axis}"] = rms(error[:, k] / sigma[:, k])
+        figures[f"median_sigma_{axis}_m"] = float(np.median(sigma[:, k]))
+    for k, axis in enumerate("xyz"):
+        figures[f"share_within_1_sigma_{axis}"] = float(np.mean(np.abs(error[:, k]) <= sigma[:, k]))
+    return figures
+
+
+def _covered(ours_s: Array, true_s: Array) -> float:
+    """Share of the true frames with a pose of ours within three quarters of a frame period."""
+    step = np.median(np.diff(true_s))
+    ordered = np.sort(ours_s)
+    right = np.clip(np.searchsorted(ordered, true_s), 1, len(ordered) - 1)
+    gap = np.minimum(np.abs(ordered[right] - true_s), np.abs(ordered[right - 1] - true_s))
+    return float(np.mean(gap < 0.75 * step))

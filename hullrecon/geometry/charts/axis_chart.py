@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The chart of a drawing: stations along an axis inside the ship, and the arc of each section from the keel.
+
+A point belongs to the angle phi at which a ray from the axis meets it: 0 straight down, positive to port. Its girth is the
+length of the section from phi = 0 to there. Rays are cast from outside inward, so that of several skins the outer one counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.errors import InputError
+from hullrecon.geometry.charts.section_casting import cast_sections, choose_axis_height, hull_axes, outward_faces
+from hullrecon.geometry.charts.sections import Sections
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.native import MeshIndex
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class AxisChart:
+    """axes (3, 3): rows forward, port, up in M (a turn, no shift). The rest is in turned coordinates, metres: the mesh
+    (outward) and the sections."""
+
+    axes: Array
+    mesh: Mesh
+    sections: Sections
+
+    @cached_property
+    def _index(self) -> MeshIndex:
+        return MeshIndex(self.mesh.vertices, self.mesh.faces)
+
+    def to_chart(self, points: Array) -> Array:
+        turned = np.atleast_2d(np.asarray(points, float)) @ self.axes.T
+        out = np.full(turned.shape, np.nan)
+        known = np.isfinite(turned).all(axis=1)
+        if known.any():
+            near = self._index.closest(turned[known])
+            girth = self.sections.girth_at(near.point)
+            out[known] = np.stack([np.where(np.isnan(girth), np.nan, near.point[:, 0]), girth, near.distance], axis=1)
+        return out
+
+    def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
+        at = np.atleast_2d(np.asarray(along_girth, float))
+        angle, radius = self.sections.angle_of(at)
+        points, normals = np.full((len(at), 3), np.nan), np.full((len(at), 3), np.nan)
+        known = np.isfinite(radius)
+        if known.any():
+            points[known], normals[known] = self._on_skin(at[known, 0], angle[known], radius[known])
+        return points @ self.axes, normals @ self.axes
+
+    def _on_skin(self, along: Array, angle: Array, radius: Array) -> tuple[Array, Array]:
+        """Where the ray meets the mesh; over a small hole, the sections' own point and the closest face's normal."""
+        origin, inward = self.sections.rays(along, angle)
+        hit = self._index.cast(origin, inward)
+        point = origin + inward * (self.sections.reach - radius)[:, None]
+        on = np.abs(hit.range - (self.sections.reach - radius)) <= self.sections.slack_at(along, angle)
+        point[on] = origin[on] + inward[on] * hit.range[on, None]
+        normal = hit.normal.copy()
+        if not on.all():
+            normal[~on] = self._index.closest(point[~on]).gradient
+        return point, np.where(np.einsum("ni,ni->n", normal, inward)[:, None] > 0, -normal, normal)
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        s = self.sections
+        return {
+            "kind": np.asarray("axis"),
+            "axes": self.axes,
+            "vertices": self.mesh.vertices,
+            "faces": self.mesh.faces,
+            "axis": np.array([s.axis_y, s.axis_z, s.reach]),
+            "station": s.station,
+            "angle": s.angle,
+            "radius": s.radius,
+            "girth": s.girth,
+            "whole": s.whole,
+        }
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[np.generic]]) -> AxisChart:
+        number = {n: np.asarray(arrays[n], float) for n in ("axes", "vertices", "axis", "station", "angle", "radius", "girth")}
+        axis_y, axis_z, reach = (float(v) for v in number["axis"])
+        whole = np.asarray(arrays["whole"], bool)
+        sections = Sections(axis_y, axis_z, reach, number["station"], number["angle"], number["radius"], number["girth"], whole)
+        return cls(number["axes"], Mesh(number["vertices"], np.asarray(arrays["faces"], np.int32)), sections)
+
+
+def build_axis_chart(mesh: Mesh, up: Array) -> AxisChart:
+    """See `chart_for_hull`."""
+    axes = hull_axes(mesh.vertices, up)
+    turned = Mesh(mesh.vertices @ axes.T, mesh.faces)
+    index = MeshIndex(turned.vertices, turned.faces)
+    height = choose_axis_height(turned, index)
+    sections = cast_sections(turned, index, height)
+    if not sections.whole.any():
+        raise InputError("the drawing has no skin that a chart can follow", remedy="check the mesh: which axis is up?")
+    return AxisChart(axes, outward_faces(turned, sections, index), sections)

@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The hull chart: a two-dimensional coordinate (along, girth) in metres on the hull, and hull addresses.
+
+Every chart is left-handed about the outward normal: along x girth points inward. A raster whose columns grow with `along` and
+whose rows grow downward with `girth` therefore shows the surface as a diver outside sees it, not mirrored.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hullrecon.geometry.meshes.mesh import Mesh
+
+Array = NDArray[np.float64]
+
+
+class Chart(Protocol):
+    """Coordinates on a surface. `along` grows forward, `girth` from the keel up, port positive (metres of arc)."""
+
+    def to_chart(self, points: Array) -> Array:
+        """(n, 3) points near the surface, in the chart's frame (M, or g without a drawing), to (n, 3):
+        along, girth, offset (metres, outward positive). NaN rows where the chart is not defined."""
+
+    def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
+        """(n, 2) to points on the surface (n, 3) and outward unit normals (n, 3); NaN rows outside the chart."""
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """What an artifact stores; `chart_from_arrays` reads it back."""
+
+
+def chart_for_hull(mesh: Mesh, up: ArrayLike = (0.0, 0.0, 1.0)) -> Chart:
+    """The chart of a drawing: stations along the ship and girth from the keel.
+
+    up (3,): roughly up in the mesh's frame; the nearest axis of the frame is taken. The ship lies along the longer of the two
+    other axes, its bow where that grows. Raises InputError when no ray from inside meets the mesh.
+    """
+    from hullrecon.geometry.charts.axis_chart import build_axis_chart
+
+    return build_axis_chart(mesh, np.asarray(up, float))
+
+
+def chart_for_points(points: ArrayLike, toward: ArrayLike, up: ArrayLike = (0.0, 0.0, -1.0)) -> Chart:
+    """A plane fitted to points (n, 3), its normal to the side of `toward`: (3,), or the sensors' places (n, 3).
+
+    up (3,): in the frame of the points, -z in g. Raises InputError with fewer than three points.
+    """
+    from hullrecon.geometry.charts.plane_chart import fit_plane_chart
+
+    side = np.atleast_2d(np.asarray(toward, float)).mean(axis=0)
+    return fit_plane_chart(np.asarray(points, float), side, np.asarray(up, float))
+
+
+def chart_from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> Chart:
+    """The chart that `to_arrays` gave."""
+    from hullrecon.geometry.charts.axis_chart import AxisChart
+    from hullrecon.geometry.charts.plane_chart import PlaneChart
+
+    return (AxisChart if str(arrays["kind"]) == "axis" else PlaneChart).from_arrays(arrays)
+
+
+def address(
+    chart: Chart, points: ArrayLike, frame_spacing_m: float | None = None, depths_m: ArrayLike | None = None
+) -> list[str]:
+    """Points (n, 3) in words: 'frame 52.3 (31.4 m from AP), port, 2.31 m girth from keel, 1.8 m below waterline'.
+
+    depths_m (n,): below the water surface, positive down; left out of the words when absent or NaN. Without a drawing the
+    address counts metres on the fitted plane.
+    """
+    at = chart.to_chart(np.atleast_2d(np.asarray(points, float)))
+    depths = np.full(len(at), np.nan) if depths_m is None else np.broadcast_to(np.asarray(depths_m, float), len(at))
+    hull = str(chart.to_arrays()["kind"]) == "axis"
+    return [_words(row, depth, frame_spacing_m, hull) for row, depth in zip(at, depths, strict=True)]
+
+
+def _words(at: Array, depth_m: float, frame_spacing_m: float | None, hull: bool) -> str:
+    along, girth = float(at[0]), float(at[1])
+    if not np.isfinite(at[:2]).all():
+        parts = ["outside the hull chart"]
+    elif not hull:
+        parts = [f"{along:.2f} m along", f"{girth:.2f} m across"]
+    else:
+        station = f"{along:.1f} m from AP"
+        parts = [station if frame_spacing_m is None else f"frame {along / frame_spacing_m:.1f} ({station})"]
+        side = "keel" if abs(girth) < 0.005 else "port" if girth > 0 else "starboard"
+        parts += [side] if side == "keel" else [side, f"{abs(girth):.2f} m girth from keel"]
+    if np.isfinite(depth_m):
+        parts.append(f"{abs(depth_m):.1f} m {'below' if depth_m >= 0 else 'above'} waterline")
+    return ", ".join(parts)

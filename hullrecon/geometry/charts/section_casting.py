@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Sections of a hull: choosing its axis, casting the rays, and telling skin from leaps between parts of the ship."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.errors import InputError
+from hullrecon.geometry.charts.sections import Sections
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.native import MeshIndex
+
+Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+GRAZING = 0.12  # cosine: a stretch of skin steeper than 83 degrees to the ray is believed only when its middle is on the mesh
+OFF_SKIN = 0.1  # of a stretch's length: farther from the mesh than that, its middle hangs in the air
+
+
+def hull_axes(vertices: Array, up: Array) -> Array:
+    """Rows forward, port, up in the mesh's frame (3, 3): up is its axis nearest to `up`, forward the longer of the others."""
+    size = np.ptp(vertices, axis=0)
+    vertical = int(np.argmax(np.abs(up)))
+    level = [i for i in range(3) if i != vertical]
+    forward = level[int(np.argmax(size[level]))]
+    rows = np.zeros((3, 3))
+    rows[0, forward], rows[2, vertical] = 1.0, 1.0 if up[vertical] > 0 else -1.0
+    rows[1] = np.cross(rows[2], rows[0])
+    return rows
+
+
+def outward_faces(mesh: Mesh, sections: Sections, index: MeshIndex) -> Mesh:
+    """The mesh with each connected piece turned so that the rays meet its outer side; pieces that no ray meets stay."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    _, corner = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    a, b = np.hstack([corner[mesh.faces[:, [0, 1]]].T, corner[mesh.faces[:, [1, 2]]].T])
+    size = int(corner.max()) + 1
+    _, piece = connected_components(coo_array((np.ones(len(a), bool), (a, b)), shape=(size, size)), directed=False)
+    piece = piece[corner[mesh.faces[:, 0]]]
+    origin, inward = sections.rays(*_pairs(sections))
+    hit = index.cast(origin, inward)
+    met = hit.range < sections.reach
+    vote = np.bincount(piece[hit.face[met]], np.einsum("ni,ni->n", hit.normal, inward)[met], minlength=int(piece.max()) + 1)
+    faces = np.where((vote[piece] > 0)[:, None], mesh.faces[:, ::-1], mesh.faces)
+    return Mesh(mesh.vertices, np.ascontiguousarray(faces))
+
+
+def choose_axis_height(mesh: Mesh, index: MeshIndex) -> float:
+    """The height, of nine between bottom and top, from which rays see most of the sides and the bottom, metres."""
+    low, high = mesh.vertices[:, 2].min(), mesh.vertices[:, 2].max()
+    heights = low + (high - low) * np.linspace(0.1, 0.9, 9)
+    seen = [_seen_area(mesh, index, height) for height in heights]
+    if max(seen) <= 0:
+        raise InputError("no ray from inside meets the drawing", remedy="check the mesh and which way is up")
+    good = np.asarray(seen) >= 0.995 * max(seen)
+    return float(heights[good].max())
+
+
+def _seen_area(mesh: Mesh, index: MeshIndex, height: float) -> float:
+    """Skin that rays meet well, m2, without decks (their normals point up)."""
+    sections = _frame(mesh, height, stations=60, angles=91)
+    origin, inward = sections.rays(*_pairs(sections))
+    hit = index.cast(origin, inward)
+    met = hit.range < sections.reach
+    slope = np.abs(np.einsum("ni,ni->n", hit.normal, inward))
+    facing = np.where(np.einsum("ni,ni->n", hit.normal, inward) > 0, -1.0, 1.0) * hit.normal[:, 2]
+    cell = (sections.reach - hit.range) / np.maximum(slope, 0.2)
+    return float(cell[met & (slope > 0.2) & (facing < 0.5)].sum())
+
+
+def cast_sections(mesh: Mesh, index: MeshIndex, height: float) -> Sections:
+    """The sections of a turned mesh about its axis at that height."""
+    size = np.ptp(mesh.vertices, axis=0)
+    step = float(np.clip(size[0] / 400, size[0] / 2000, 0.3 if size[0] > 60 else 0.25))
+    empty = _frame(mesh, height, int(np.ceil(size[0] / step)) + 1, 361)
+    origin, inward = empty.rays(*_pairs(empty))
+    hit = index.cast(origin, inward)
+    radius = np.where(hit.range < empty.reach, empty.reach - hit.range, np.nan).reshape(empty.radius.shape)
+    filled = _bridged(radius)
+    whole = _whole(empty, filled, index)
+    girth, whole = _girth(empty, filled), _whole(empty, filled, index)
+    return Sections(empty.axis_y, height, empty.reach, empty.station, empty.angle, filled, girth, whole)
+
+
+def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
+    """Stations and angles without their rays. A half hull ends at the middle plane: its axis lies there, as for a whole one."""
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    beam = high[1] - low[1]
+    half = min(abs(low[1]), abs(high[1])) < 0.05 * beam
+    axis_y = 0.0 if half or low[1] < 0 < high[1] else 0.5 * (low[1] + high[1])
+    reach = 1.05 * float(np.hypot(max(high[1] - axis_y, axis_y - low[1]), max(high[2] - height, height - low[2])))
+    inset = 1e-6 * (high[0] - low[0])
+    shape = (stations, angles)
+    return Sections(
+        float(axis_y),
+        height,
+        reach,
+        np.linspace(low[0] + inset, high[0] - inset, stations),
+        np.linspace(-np.pi, np.pi, angles),
+        np.full(shape, np.nan),
+        np.full(shape, np.nan),
+        np.zeros((stations - 1, angles - 1), bool),
+    )
+
+
+def _pairs(s: Sections) -> tuple[Array, Array]:
+    """Every station with every angle, flat."""
+    along, angle = np.meshgrid(s.station, s.angle, indexing="ij")
+    return along.ravel(), angle.ravel()
+
+
+def _bridged(radius: Array) -> Array:
+    """Gaps between two hits of a station filled linearly; nothing beyond the outermost hits of a side but the keel."""
+    out = radius.copy()
+    place = np.arange(radius.shape[1])
+    keel = radius.shape[1] // 2
+    for row in out:
+        hit = np.isfinite(row)
+        if hit.any():
+            first, last = np.flatnonzero(hit)[[0, -1]]
+            inside = (place >= min(first, keel)) & (place <= max(last, keel))
+            row[inside] = np.interp(place[inside], place[hit], row[hit])
+    return out
+
+
+def _points(s: Sections, radius: Array) -> Array:
+    """(k, m, 3) of radii (k, m)."""
+    y = s.axis_y + radius * np.sin(s.angle)
+    z = s.axis_z - radius * np.cos(s.angle)
+    return np.stack([np.broadcast_to(s.station[:, None], radius.shape), y, z], axis=2)
+
+
+def _girth(s: Sections, radius: Array) -> Array:
+    """Arc (k, m) from phi = 0, negative to starboard."""
+    chord = np.linalg.norm(np.diff(_points(s, radius)[:, :, 1:], axis=1), axis=2)
+    keel = radius.shape[1] // 2
+    out = np.zeros_like(radius)
+    out[:, keel + 1 :] = np.cumsum(chord[:, keel:], axis=1)
+    out[:, :keel] = -np.cumsum(chord[:, :keel][:, ::-1], axis=1)[:, ::-1]
+    out[np.isnan(radius)] = np.nan
+    return out
+
+
+def _whole(s: Sections, radius: Array, index: MeshIndex) -> Bools:
+    """Cells (k - 1, m - 1) whose four sides lie on the skin; one that leaps from one part of the ship to another does not."""
+    point = _points(s, radius)
+    girthwise = _on_skin(point[:, :-1], point[:, 1:], radius[:, :-1], s.angle[1] - s.angle[0], index)
+    reach = np.full(radius[1:].shape, s.station[1] - s.station[0])
+    lengthwise = _on_skin(point[:-1], point[1:], reach, 1.0, index)
+    return girthwise[:-1] & girthwise[1:] & lengthwise[:, :-1] & lengthwise[:, 1:]
+
+
+def _on_skin(start: Array, stop: Array, radius: Array, turn: float, index: MeshIndex) -> Bools:
+    """Whether the middle of stretches from start to stop (a, b, 3) lies on the mesh: nearly, where they are much longer than
+    their rays' spacing explains."""
+    length = np.linalg.norm(stop - start, axis=2)
+    good = np.asarray(length * GRAZING <= radius * turn)
+    doubtful = np.isfinite(length)
+    middle = 0.5 * (start + stop)[doubtful]
+    gap = np.abs(index.closest(middle).distance)
+    short = good[doubtful]
+    limit = np.where(short, 0.3, OFF_SKIN) * length[doubtful]
+    out = np.zeros(good.shape, bool)
+    out[doubtful] = gap <= limit
+    return out

@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""From the logs of navigation to the records that later steps read: the story of dead reckoning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.records import (
+    Attitude,
+    DvlPings,
+    ImageIndex,
+    ImuSamples,
+    JointSamples,
+    Odometry,
+    PressureSamples,
+    Returns,
+    Trajectory,
+    TrajectoryErrorModel,
+)
+from hullrecon.errors import StageError
+from hullrecon.geometry.poses import Poses, roll_pitch_yaw
+from hullrecon.navigation.dead_reckoning.error_propagation import dead_reckoning_errors, trajectory_covariance
+from hullrecon.navigation.dead_reckoning.nodes import Nodes, choose_nodes
+from hullrecon.navigation.dead_reckoning.odometry import odometry
+from hullrecon.navigation.dead_reckoning.reckoning import Instant, Reckoning, reckon
+from hullrecon.navigation.dead_reckoning.remarks import remarks_of
+from hullrecon.navigation.dead_reckoning.returns import flag_ranges, returns
+from hullrecon.navigation.options import NavigateOptions
+from hullrecon.navigation.sensors.attitude import attitude_history
+from hullrecon.navigation.sensors.clock import in_order
+from hullrecon.navigation.sensors.depth import Depth, hold_to_pressure
+from hullrecon.navigation.sensors.servo import servo
+from hullrecon.navigation.sensors.velocity import usable_velocities
+from hullrecon.navigation.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+UNKNOWN_SIGMA_M = 1e3  # of a depth that nothing measured
+
+
+@dataclass(frozen=True)
+class Logs:
+    """What navigation reads; None where not carried."""
+
+    dvl: DvlPings
+    imu: ImuSamples
+    pressure: PressureSamples | None = None
+    tray: JointSamples | None = None
+    top: ImageIndex | None = None
+    bottom: ImageIndex | None = None
+
+
+@dataclass(frozen=True)
+class Navigated:
+    """The records of the step, and what to say about them: remarks in words, `facts` for navigation.json."""
+
+    trajectory: Trajectory
+    error_model: TrajectoryErrorModel
+    odometry: Odometry
+    returns: Returns
+    attitude: Attitude
+    remarks: list[str] = field(default_factory=list)
+    facts: dict[str, object] = field(default_factory=dict)
+
+
+def dead_reckon(logs: Logs, vehicle: Vehicle, options: NavigateOptions, sigma_range_m: float) -> Navigated:
+    """The vehicle's path in g by DVL, IMU, pressure and tray. x = y = 0 at the first ping with a velocity, heading as logged.
+
+    Raises StageError where there are fewer than two usable velocities or attitudes, or no node.
+    """
+    logs, said = _ordered(logs)
+    path = _path(logs, vehicle, options)
+    nodes = _nodes(logs, path, options)
+    at = path.at(nodes.t_ns)
+    depth = None if logs.pressure is None else hold_to_pressure(logs.pressure, path, nodes.t_ns, 0.5 * options.node_spacing_s)
+    flagged = flag_ranges(logs.dvl, options.beam_window_s, options.beam_jump_m, options.beam_sigmas, sigma_range_m)
+    hung = returns(logs.dvl, path, at, flagged)
+    notes, facts = remarks_of(logs.dvl.t_ns, logs.tray is None, path, nodes, depth, hung)
+    poses = _poses(path, at, depth)
+    errors = dead_reckoning_errors(path, at, poses, depth)
+    covariance = trajectory_covariance(errors, poses)
+    trajectory = Trajectory(at.t_ns, poses.quaternion, poses.translation, covariance, at.tray.copy(), nodes.image.copy())
+    attitude = _attitude(at, depth, vehicle)
+    return Navigated(trajectory, errors, odometry(path, at), hung, attitude, [*said, *notes], facts)
+
+
+def _ordered(logs: Logs) -> tuple[Logs, list[str]]:
+    """Each stream sorted, without repeated stamps."""
+    said: list[str] = []
+    dvl, words = in_order(logs.dvl, "dvl")
+    said += words
+    imu, words = in_order(finite_attitude(logs.imu), "imu")
+    said += words
+    pressure, tray = logs.pressure, logs.tray
+    if pressure is not None:
+        sorted_pressure, words = in_order(pressure, "pressure")
+        pressure = sorted_pressure if np.isfinite(sorted_pressure.depth).sum() > 1 else None
+        said += words
+    if tray is not None:
+        tray, words = in_order(tray, "tray")
+        said += words
+    return Logs(dvl, imu, pressure, tray, logs.top, logs.bottom), said
+
+
+def finite_attitude(imu: ImuSamples) -> ImuSamples:
+    """The readings that have an orientation. Raises StageError where there are fewer than two."""
+    known = np.isfinite(imu.quaternion).all(axis=1) & (np.linalg.norm(imu.quaternion, axis=1) > 0.5)
+    if known.sum() < 2:
+        raise StageError(
+            "the IMU gave no orientation", where="imu", remedy="log sensor_msgs/Imu with its orientation filled in"
+        )
+    return ImuSamples(imu.t_ns[known], imu.quaternion[known], imu.angular_velocity[known], imu.acceleration[known])
+
+
+def _path(logs: Logs, vehicle: Vehicle, options: NavigateOptions) -> Reckoning:
+    history = attitude_history(logs.imu, vehicle.sigma_tilt, options.longest_gap_s)
+    slack = int(options.longest_gap_s * 1e9)
+    span = (int(history.t_ns[0]) - slack, int(history.t_ns[-1]) + slack)
+    velocities = usable_velocities(logs.dvl, span, options.longest_gap_s)
+    if len(velocities.t_ns) < 2:
+        where = f"{len(logs.dvl.t_ns)} pings, {len(velocities.t_ns)} with a velocity while the IMU was running"
+        raise StageError(
+            "the DVL gave no velocity to reckon with", where=where, remedy="check the DVL's bottom lock and the clocks"
+        )
+    return reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), vehicle)
+
+
+def _nodes(logs: Logs, path: Reckoning, options: NavigateOptions) -> Nodes:
+    slack = int(options.reach_s * 1e9)
+    t_ns = path.velocities.t_ns
+    span = (int(t_ns[0]) - slack, int(t_ns[-1]) + slack)
+    pings = logs.dvl.t_ns[(logs.dvl.t_ns >= span[0]) & (logs.dvl.t_ns <= span[1])]
+    nodes = choose_nodes(usable_frames(logs.top), usable_frames(logs.bottom), pings, span, options.node_spacing_s)
+    if len(nodes.t_ns) < 2:
+        raise StageError("no two instants to place", remedy="check that camera and DVL ran at the same time")
+    return nodes
+
+
+def usable_frames(index: ImageIndex | None) -> tuple[Ints, Ints]:
+    """Stamps and rows of the frames that decode, in time order."""
+    if index is None:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    rows = np.flatnonzero(index.usable)
+    rows = rows[np.argsort(index.t_ns[rows], kind="stable")]
+    return index.t_ns[rows], rows
+
+
+def _poses(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
+    """T_g_v (n,) counted from the start; z by the pressure where there is one."""
+    start = path.at(np.array([path.start_ns])).poses().translation[0]
+    place = at.poses().translation - start
+    if depth is not None:
+        place[:, 2] = at.poses().translation[:, 2] + depth.shift
+    return Poses(at.rotation.as_quat(), place)
+
+
+def _attitude(at: Instant, depth: Depth | None, vehicle: Vehicle) -> Attitude:
+    n = len(at.t_ns)
+    roll, pitch, _ = roll_pitch_yaw(at.rotation).T
+    measured = np.zeros(n) if depth is None else depth.measured
+    sigma = np.tile([UNKNOWN_SIGMA_M if depth is None else vehicle.sigma_depth, vehicle.sigma_tilt, vehicle.sigma_tilt], (n, 1))
+    return Attitude(np.arange(n), measured, roll, pitch, sigma, at.direction.copy())

@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How far dead reckoning may be off at each node: errors that persist as unknowns of the dive, J P J', plus what is white."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.records import TrajectoryErrorModel
+from hullrecon.geometry.poses import Poses
+from hullrecon.navigation.dead_reckoning.odometry import velocity_variance
+from hullrecon.navigation.dead_reckoning.reckoning import MOMENT, MOUNT, PLAY, TILT, UP_DOWN, Instant, Reckoning
+from hullrecon.navigation.sensors.depth import Depth
+from hullrecon.navigation.vehicle import Vehicle, cross_matrix
+
+Array = NDArray[np.float64]
+UNKNOWN_DEPTH_M = 10.0  # without a pressure sensor the depth of the start is anyone's guess
+LEAST_SIGMA_M = 1e-4  # of a position: keeps the covariance at the start invertible
+# The errors that persist, in the order of the columns of `pose_by_error`.
+SCALE, DRIFT, MOUNT_TURN, TRAY_PLAY, ROLL_PITCH, HEADING, DEPTH_BIAS = 0, 1, slice(2, 5), 5, slice(6, 8), 8, 9
+ERRORS = 10
+
+
+def dead_reckoning_errors(path: Reckoning, at: Instant, poses: Poses, depth: Depth | None) -> TrajectoryErrorModel:
+    """Return what makes the published T_g_v (n,) at those instants wrong, relative to the start in x, y and heading.
+
+    Depth is absolute: its bias and the smoothed noise of the pressure; without pressure it drifts like x and y.
+    """
+    by_error = pose_by_error(at)
+    by_error[:, :3] -= pose_by_error(path.at(np.array([path.start_ns])))[:, :3]  # the path is counted from there
+    by_error[:, 2, DEPTH_BIAS] = 1.0
+    walk, white = np.zeros((2, len(at.t_ns), 6, 6))
+    drift = velocity_variance(path, np.full(len(at.t_ns), path.start_ns), at.t_ns)
+    walk[:, [0, 1, 2], [0, 1, 2]] = np.maximum(drift, 0)[:, None]
+    white[:, [0, 1, 2], [0, 1, 2]] = LEAST_SIGMA_M**2
+    white[:, [3, 4, 5], [3, 4, 5]] = path.attitude.sigma_rad**2
+    if depth is not None:
+        by_error[:, 2, :DEPTH_BIAS] = 0.0
+        walk[:, 2, 2] = 0.0
+        white[:, 2, 2] = depth.sigma**2
+    to_twist = twist_by_pose_error(poses)
+    # The velocities' noise shifts the rest of the path: a shift is the same twist wherever the node stands.
+    return TrajectoryErrorModel(
+        by_error=to_twist @ by_error,
+        error_covariance=np.diag(_error_sigma(path.vehicle, depth is not None) ** 2),
+        walk=walk,
+        white=to_twist @ white @ np.swapaxes(to_twist, 1, 2),
+    )
+
+
+def trajectory_covariance(model: TrajectoryErrorModel, poses: Poses) -> Array:
+    """Return (n, 6, 6) of T_g_v, (translation in g, rotation perturbed on the right in v), of each node alone."""
+    persistent = model.by_error @ model.error_covariance @ np.swapaxes(model.by_error, 1, 2)
+    from_twist = np.linalg.inv(twist_by_pose_error(poses))
+    return np.asarray(from_twist @ (persistent + model.walk + model.white) @ np.swapaxes(from_twist, 1, 2))
+
+
+def twist_by_pose_error(poses: Poses) -> Array:
+    """Return (n, 6, 6): errors (translation in g, rotation perturbed on the right in v) as twists about the origin of g.
+
+    omega = R w, rho = t + p x omega.
+    """
+    R = poses.rotation.as_matrix()
+    out = np.zeros((len(R), 6, 6))
+    out[:, :3, :3] = np.eye(3)
+    out[:, :3, 3:] = cross_matrix(poses.translation) @ R
+    out[:, 3:, 3:] = R
+    return out
+
+
+def pose_by_error(at: Instant) -> Array:
+    """Return (n, 6, ERRORS): derivatives of (translation in g, rotation perturbed on the right in v) by the DVL's scale, the
+    heading drift, the mount's rotation vector, the tray's play, roll and pitch bias, and the heading at the start. Depth by
+    the DVL; the column of the depth's bias is zero.
+
+    A drift c turns the velocity at the time s by c s: the path moves by c z x (integral of s v ds), the lever arm by c t
+    z x (-R r).
+    """
+    R = at.rotation.as_matrix()
+    turned_lever = at.rotation.apply(at.lever)
+    lever_by_turn = R @ cross_matrix(at.lever)  # of -R r
+    play = at.sums[:, :, PLAY][:, :, 0] - at.direction[:, None] * at.rotation.apply(at.lever_by_tray)
+    out = np.zeros((len(at.t_ns), 6, ERRORS))
+    out[:, :3, SCALE] = at.instrument
+    out[:, :3, DRIFT] = np.cross(UP_DOWN, at.sums[:, :, MOMENT][:, :, 0] - at.t_s[:, None] * turned_lever)
+    out[:, :3, MOUNT_TURN] = at.sums[:, :, MOUNT]
+    out[:, :3, TRAY_PLAY] = play
+    out[:, :3, ROLL_PITCH] = (at.sums[:, :, TILT] + lever_by_turn)[:, :, :2]
+    out[:, :3, HEADING] = np.cross(UP_DOWN, at.poses().translation)
+    out[:, 3:, DRIFT] = R[:, 2] * at.t_s[:, None]
+    out[:, 3:5, ROLL_PITCH] = np.eye(2)
+    out[:, 3:, HEADING] = R[:, 2]
+    return out
+
+
+def _error_sigma(vehicle: Vehicle, depth_is_measured: bool) -> Array:
+    """(ERRORS,) prior sigma of each error; the heading at the start is known like a roll or pitch."""
+    out = np.zeros(ERRORS)
+    out[SCALE], out[DRIFT], out[MOUNT_TURN] = vehicle.sigma_scale, vehicle.sigma_drift, vehicle.sigma_mount[3:]
+    out[TRAY_PLAY], out[ROLL_PITCH], out[HEADING] = vehicle.sigma_tray, vehicle.sigma_tilt_bias, vehicle.sigma_tilt
+    out[DEPTH_BIAS] = vehicle.sigma_depth_bias if depth_is_measured else UNKNOWN_DEPTH_M
+    return out

@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Relative motion between neighbouring nodes, by DVL and IMU alone, and what the errors that persist do to it.
+
+The pressure has no part in it: it enters the adjustment as depth. Each derivative says how the measured motion would change
+if dead reckoning had known the error: a true speed of (1 + e) v, a true heading of the logged one plus c t, a mount
+R_s_d Exp(w), a tray at theta + d.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.records import Odometry
+from hullrecon.geometry.poses import Poses
+from hullrecon.navigation.dead_reckoning.reckoning import MOUNT, TRAY, UP_DOWN, Instant, Reckoning
+from hullrecon.navigation.vehicle import cross_matrix
+
+Array = NDArray[np.float64]
+LEAST_SIGMA_M = 2e-4  # of a step between two nodes: stamps and levers
+
+
+def odometry(path: Reckoning, at: Instant) -> Odometry:
+    """Edges between neighbouring nodes: n - 1 of them."""
+    n = len(at.t_ns)
+    first, second = np.arange(n - 1), np.arange(1, n)
+    poses = at.poses()
+    step = poses[first].inverse() @ poses[second]
+    R_i_g = np.swapaxes(at.rotation.as_matrix()[:-1], 1, 2)
+    R_j_g = np.swapaxes(at.rotation.as_matrix()[1:], 1, 2)
+    moved = at.sums[1:] - at.sums[:-1]
+    turned_lever = at.rotation.apply(at.lever)
+    duration = np.diff(at.t_s)[:, None]
+    turned_path = np.cross(UP_DOWN, moved[:, :, 1] - at.t_s[:-1, None] * moved[:, :, 0] - duration * turned_lever[1:])
+    by_navigation = np.zeros((n - 1, 6, 2))
+    by_navigation[:, :3, 0] = _into(R_i_g, moved[:, :, 0])
+    by_navigation[:, :3, 1] = _into(R_i_g, turned_path)
+    by_navigation[:, 3:, 1] = R_j_g[:, :, 2] * duration
+    by_mount = np.zeros((n - 1, 6, 3))
+    by_mount[:, :3] = R_i_g @ moved[:, :, MOUNT]
+    by_tray = np.zeros((n - 1, 6))
+    swing = np.diff(at.rotation.apply(at.lever_by_tray), axis=0)
+    by_tray[:, :3] = _into(R_i_g, moved[:, :, TRAY][:, :, 0] - swing)
+    covariance = white_covariance(path, at, step)
+    return Odometry(first, second, step.quaternion, step.translation, covariance, by_navigation, by_mount, by_tray)
+
+
+def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
+    """(m, 6, 6) of the steps' white part: velocity noise and outages; the turn's noise, which also swings the lever."""
+    start, stop = at.t_ns[:-1], at.t_ns[1:]
+    shift = velocity_variance(path, start, stop) + LEAST_SIGMA_M**2
+    turn = path.attitude.turn_variance(start, stop)
+    by_turn = step.rotation.as_matrix() @ cross_matrix(at.lever[1:])
+    out = np.zeros((len(start), 6, 6))
+    out[:, :3, :3] = shift[:, None, None] * np.eye(3) + turn[:, None, None] * by_turn @ np.swapaxes(by_turn, 1, 2)
+    out[:, :3, 3:] = turn[:, None, None] * by_turn
+    out[:, 3:, :3] = np.swapaxes(out[:, :3, 3:], 1, 2)
+    out[:, 3:, 3:] = turn[:, None, None] * np.eye(3)
+    return out
+
+
+def velocity_variance(path: Reckoning, start_ns: NDArray[np.int64], stop_ns: NDArray[np.int64]) -> Array:
+    """(m,) m2, each axis: a velocity's noise holds until the next ping, and outages add their own."""
+    v = path.velocities
+    period = float(np.median(np.diff(v.t_ns))) * 1e-9
+    place = (0.5 * (start_ns + stop_ns) - path.start_ns).astype(float)
+    sigma = np.interp(place, (v.t_ns - path.start_ns).astype(float), v.sigma)
+    return np.asarray(sigma**2 * period * (stop_ns - start_ns) * 1e-9 + v.bridged_variance(start_ns, stop_ns))
+
+
+def _into(rotation: Array, vectors: Array) -> Array:
+    return np.asarray(np.einsum("nij,nj->ni", rotation, vectors))

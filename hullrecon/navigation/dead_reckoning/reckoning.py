@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Strapdown dead reckoning at the DVL's rate [Ozog2016 1.2] (docs/methods.md 2), with the derivatives by the errors that
+persist.
+
+The DVL gives the velocity of the instrument in its own axes; through T_s_d, the tray's angle and the attitude it becomes a
+velocity in g, which is integrated. The vehicle stands one lever arm from the instrument: p_v = p_d - R_g_v r_v(theta). That
+is the integral of `v_v = v_d - omega x r - r'`, tray rotation included, without differentiating an attitude.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.poses import tray as tray_pose
+from hullrecon.navigation.dead_reckoning.integral import Integral, integral
+from hullrecon.navigation.sensors.attitude import AttitudeHistory
+from hullrecon.navigation.sensors.clock import seconds
+from hullrecon.navigation.sensors.servo import Servo
+from hullrecon.navigation.sensors.velocity import Velocities
+from hullrecon.navigation.vehicle import Vehicle, cross_matrix
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+UP_DOWN = np.array([0.0, 0.0, 1.0])  # z of g
+TILT_AXIS = np.array([0.0, 1.0, 0.0])  # the tray turns about y of the vehicle
+
+# Columns of the integrated derivatives: the path itself, the path weighted with time, and what each error adds to it.
+PATH, MOMENT, MOUNT, TRAY, PLAY, TILT = slice(0, 1), slice(1, 2), slice(2, 5), slice(5, 6), slice(6, 7), slice(7, 10)
+
+
+@dataclass(frozen=True)
+class Reckoning:
+    """A path that can be asked at any time. `sums` integrates (n, 3, 10) in g, columns as above; start_ns: where it begins."""
+
+    start_ns: int
+    sums: Integral
+    attitude: AttitudeHistory
+    servo: Servo
+    velocities: Velocities
+    vehicle: Vehicle
+
+    def at(self, t_ns: Ints) -> Instant:
+        """The vehicle and all that its derivatives need at times (n,)."""
+        theta = self.servo.angle_at(t_ns)
+        rotation = self.attitude.rotation(t_ns)
+        mounted = tray_pose(self.vehicle.tray_origin, theta)
+        lever = mounted.apply(self.vehicle.T_s_d.translation)
+        by_tilt = np.cross(TILT_AXIS, lever - self.vehicle.tray_origin)
+        return Instant(
+            t_ns,
+            seconds(t_ns, self.start_ns),
+            rotation,
+            self.sums.at(seconds(t_ns, self.start_ns)),
+            theta,
+            self.servo.direction_at(t_ns),
+            lever,
+            by_tilt,
+        )
+
+
+@dataclass(frozen=True)
+class Instant:
+    """n instants: t_s since the start, R_g_v, sums (n, 3, 10), tray (n,) rad and its direction, lever (n, 3) m of the
+    instrument in vehicle, lever_by_tray (n, 3)."""
+
+    t_ns: Ints
+    t_s: Array
+    rotation: Rotation
+    sums: Array
+    tray: Array
+    direction: Array
+    lever: Array
+    lever_by_tray: Array
+
+    @property
+    def instrument(self) -> Array:
+        """(n, 3) m in g, from the first instant of the path."""
+        return self.sums[:, :, 0]
+
+    def poses(self) -> Poses:
+        """T_g_v by DVL and IMU alone, the instrument starting at nothing."""
+        return Poses(self.rotation.as_quat(), self.instrument - self.rotation.apply(self.lever))
+
+
+def reckon(velocities: Velocities, attitude: AttitudeHistory, servo: Servo, vehicle: Vehicle) -> Reckoning:
+    """The path of at least two velocities."""
+    t_ns = velocities.t_ns
+    start = int(t_ns[0])
+    t = seconds(t_ns, start)
+    R_g_v = attitude.rotation(t_ns).as_matrix()
+    R_v_s = tray_pose(vehicle.tray_origin, servo.angle_at(t_ns)).rotation.as_matrix()
+    R_v_d = R_v_s @ vehicle.T_s_d.rotation.as_matrix()[0]
+    v_v = np.einsum("nij,nj->ni", R_v_d, velocities.velocity)
+    v_g = np.einsum("nij,nj->ni", R_g_v, v_v)
+    by_mount = -R_g_v @ R_v_d @ cross_matrix(velocities.velocity)
+    by_tray = np.einsum("nij,nj->ni", R_g_v, np.cross(TILT_AXIS, v_v))
+    by_play = by_tray * servo.direction_at(t_ns)[:, None]
+    by_tilt = -R_g_v @ cross_matrix(v_v)
+    columns = [v_g[..., None], (v_g * t[:, None])[..., None], by_mount, by_tray[..., None], by_play[..., None], by_tilt]
+    return Reckoning(start, integral(t, np.concatenate(columns, axis=2)), attitude, servo, velocities, vehicle)

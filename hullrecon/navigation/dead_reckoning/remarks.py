@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What navigation has to say: outages, flagged beams, steps in depth, holes in the attitude."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.records import Returns
+from hullrecon.navigation.dead_reckoning.nodes import Nodes
+from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
+from hullrecon.navigation.sensors.depth import Depth
+
+Ints = NDArray[np.int64]
+
+
+def remarks_of(
+    pings_ns: Ints, no_tray: bool, path: Reckoning, nodes: Nodes, depth: Depth | None, hung: Returns
+) -> tuple[list[str], dict[str, object]]:
+    """Sentences, and the numbers behind them for navigation.json; times are seconds since the first velocity."""
+
+    def since(t_ns: Ints) -> list[float]:
+        return [round(float(t), 3) for t in (np.asarray(t_ns) - path.start_ns).ravel() * 1e-9]
+
+    v, holes = path.velocities, path.attitude.holes
+    steps = np.zeros(0, np.int64) if depth is None else depth.steps
+    said = [
+        (len(v.outages), f"DVL: {_times(len(v.outages), 'outage')} bridged at constant velocity, {_longest(v.outages)}"),
+        (len(v.strays), f"DVL: {_times(len(v.strays), 'velocity')} far from the neighbours left out"),
+        (int(hung.flagged.sum()), f"DVL: {_times(int(hung.flagged.sum()), 'return')} of {len(hung.flagged)} flagged as strays"),
+        (len(holes), f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"),
+        (not path.attitude.fused, "IMU: no rates; the attitude between readings is interpolated"),
+        (depth is None, "no pressure: the depth is counted from the start and drifts"),
+        (len(steps), f"pressure: {_times(len(steps), 'step')} that the DVL did not see, the first at {_first(since(steps))} s"),
+        (no_tray, "no tray angles: the tray is taken to stand at zero"),
+        (nodes.outside, f"{_times(nodes.outside, 'image')} before or after the DVL's log have no pose"),
+        (nodes.unpaired, f"{_times(nodes.unpaired, 'image')} of the lower camera have no partner in the upper one"),
+    ]
+    facts: dict[str, object] = {
+        "start_ns": path.start_ns,
+        "pings": len(pings_ns),
+        "velocities": len(v.t_ns),
+        "outages_s": np.reshape(since(v.outages), (-1, 2)).tolist(),
+        "stray_velocities_s": since(v.strays),
+        "returns": len(hung.t_ns),
+        "flagged_returns_s": since(hung.t_ns[hung.flagged]),
+        "attitude_gaps_s": np.reshape(since(holes), (-1, 2)).tolist(),
+        "attitude_sigma_deg": round(float(np.degrees(path.attitude.sigma_rad)), 5),
+        "depth_steps_s": since(steps),
+        "depth_white_sigma_m": None if depth is None else round(depth.white, 5),
+        "path_length_m": round(float(np.linalg.norm(np.diff(path.at(nodes.t_ns).instrument, axis=0), axis=1).sum()), 3),
+    }
+    return [words for holds, words in said if holds], facts
+
+
+def _times(count: int, noun: str) -> str:
+    plural = f"{noun[:-1]}ies" if noun.endswith("y") else f"{noun}s"
+    return f"{count} {noun if count == 1 else plural}"
+
+
+def _longest(spans_ns: Ints) -> str:
+    return f"the longest {np.diff(spans_ns, axis=1).max() * 1e-9:.1f} s" if len(spans_ns) else ""
+
+
+def _first(times: list[float]) -> str:
+    return f"{times[0]:.1f}" if times else ""

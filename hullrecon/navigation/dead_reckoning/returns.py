@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The DVL's returns hung on the nodes, and those that disagree with their neighbours."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.records import DvlPings, Returns
+from hullrecon.geometry.robust import NORMAL_MAD
+from hullrecon.navigation.dead_reckoning.nodes import nearest
+from hullrecon.navigation.dead_reckoning.reckoning import Instant, Reckoning
+from hullrecon.navigation.sensors.smoothing import running_median
+
+Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+
+def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Bools) -> Returns:
+    """One row a beam that came back, by ping and then by beam. flagged (pings, beams). Pings beyond the nodes' span by more
+    than a second are left out: nothing places them."""
+    inside = (dvl.t_ns >= nodes.t_ns[0] - 10**9) & (dvl.t_ns <= nodes.t_ns[-1] + 10**9)
+    back = lost_as_nan(dvl.ranges)
+    ping, beam = np.nonzero(np.isfinite(back) & inside[:, None])
+    at = path.at(dvl.t_ns)
+    node = nearest(nodes.t_ns, dvl.t_ns)
+    offset = nodes.poses()[node].inverse() @ at.poses()
+    return Returns(
+        dvl.t_ns[ping],
+        node[ping],
+        offset.quaternion[ping],
+        offset.translation[ping],
+        (at.tray - nodes.tray[node])[ping],
+        dvl.beams[beam],
+        back[ping, beam],
+        flagged[ping, beam],
+    )
+
+
+def lost_as_nan(ranges: Array) -> Array:
+    """Ranges with what is no return (zero, negative, infinite) as NaN."""
+    return np.where(np.isfinite(ranges) & (ranges > 0), ranges, np.nan)
+
+
+def flag_ranges(dvl: DvlPings, window_s: float, jump_m: float, sigmas: float, sigma_range_m: float) -> Bools:
+    """Returns (n, b) that leave the median of their beam's neighbours by jump_m, or by so many robust sigma of the window.
+
+    The robust sigma is that of the neighbours' own departures, at least the instrument's.
+    """
+    ranges = lost_as_nan(dvl.ranges)
+    if len(ranges) < 3:
+        return np.zeros(ranges.shape, bool)
+    period_s = float(np.median(np.diff(dvl.t_ns))) * 1e-9
+    count = 2 * max(1, round(0.5 * window_s / max(period_s, 1e-3))) + 1
+    away = np.abs(ranges - running_median(ranges, count))
+    sigma = np.maximum(NORMAL_MAD * running_median(away, count), sigma_range_m)
+    with np.errstate(invalid="ignore"):
+        return np.asarray((away > jump_m) | (away > sigmas * sigma))

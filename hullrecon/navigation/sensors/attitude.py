@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Attitude between and at the IMU's readings: the slow part from its orientation, the fast part from its rates.
+
+An orientation is noisy from one reading to the next and true in the long run; integrated rates are the reverse. Their
+disagreement, accumulated, is smoothed and taken off; how much it is smoothed follows from the noise found in it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.records import ImuSamples
+from hullrecon.geometry.poses import Poses, interpolate
+from hullrecon.geometry.robust import NORMAL_MAD
+from hullrecon.navigation.sensors.clock import gaps, seconds
+from hullrecon.navigation.sensors.smoothing import local_line
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+LEAST_SIGMA_RAD = 1e-4  # of a turn between two nodes: below it lie the stamps' jitter and the mount's give
+BRIDGED_RATE_RAD_S = 0.05  # a vehicle that inspects turns about this fast; where no reading tells
+
+
+@dataclass(frozen=True)
+class AttitudeHistory:
+    """R_g_v at the IMU's stamps: quaternion (n, 4). sigma_rad: white error of one attitude after smoothing; walk: variance of a
+    turn by the rates alone, rad2/s; holes (m, 2): intervals without readings, ns. fused: rates were used."""
+
+    t_ns: Ints
+    quaternion: Array
+    sigma_rad: float
+    walk: float
+    holes: Ints
+    fused: bool
+
+    def rotation(self, at_ns: Ints) -> Rotation:
+        held = Poses(self.quaternion, np.zeros((len(self.quaternion), 3)))
+        return interpolate(self.t_ns, held, at_ns).rotation
+
+    def turn_variance(self, start_ns: Ints, stop_ns: Ints) -> Array:
+        """Variance (m,) rad2, each axis, of the turn between two instants."""
+        limit = 2 * self.sigma_rad**2
+        short = self.walk * (stop_ns - start_ns) * 1e-9
+        bound = limit * -np.expm1(-short / limit) if self.fused else np.full(len(start_ns), limit)
+        hole = np.zeros(len(start_ns))
+        for begin, end in self.holes:
+            hole += np.maximum(0, np.minimum(stop_ns, end) - np.maximum(start_ns, begin)) * 1e-9
+        return np.asarray(bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2)
+
+
+def attitude_history(imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: float) -> AttitudeHistory:
+    """From an IMU's record in time order. sigma_tilt_rad: white error of roll and pitch where rates cannot tell it."""
+    holes = gaps(imu.t_ns, longest_gap_s)
+    if len(imu.t_ns) < 50 or np.isfinite(imu.angular_velocity).all(axis=1).mean() < 0.99:
+        return AttitudeHistory(imu.t_ns, imu.quaternion, sigma_tilt_rad, 0.0, holes, False)
+    t = seconds(imu.t_ns, int(imu.t_ns[0]))
+    gap = _disagreement(t, imu)
+    white, walk = _noise(t, gap)
+    step = float(np.median(np.diff(t)))
+    width = float(np.clip(np.sqrt(white * step / max(walk, 1e-12)), 3 * step, 5.0))
+    slow, _ = local_line(t, gap, t, width)
+    smooth = Rotation.from_rotvec(slow - gap) * Rotation.from_quat(imu.quaternion)
+    left = np.sqrt(2 * white * step / (2 * np.sqrt(np.pi) * width))
+    return AttitudeHistory(imu.t_ns, smooth.as_quat(), max(float(left), LEAST_SIGMA_RAD), walk, holes, True)
+
+
+def _disagreement(t: Array, imu: ImuSamples) -> Array:
+    """Small rotation in g (n, 3) of the logged orientation against the integrated rates, their mean bias taken off.
+
+    Accumulated as a sum: its wander stays far below a degree, so that the order of rotations does not count.
+    """
+    place = np.arange(len(t))
+    known = np.isfinite(imu.angular_velocity).all(axis=1)
+    rate = np.stack([np.interp(place, place[known], w[known]) for w in imu.angular_velocity.T], axis=1)
+    orientation = Rotation.from_quat(imu.quaternion)
+    step = np.diff(t)[:, None]
+    turned = (orientation[:-1].inv() * orientation[1:]).as_rotvec()
+    more = turned - 0.5 * (rate[1:] + rate[:-1]) * step
+    usual = step[:, 0] < 5 * np.median(step)
+    bias = more[usual].sum(axis=0) / step[usual].sum()
+    more = np.where(usual[:, None], more - bias * step, 0.0)
+    return np.vstack([np.zeros(3), np.cumsum(orientation[1:].apply(more), axis=0)])
+
+
+def _noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
+    """White variance (rad2) of the orientation and walk (rad2/s) of the rates: the variance of differences over a lag is twice
+    the first plus the second times the lag. Medians, so that a jolt does not count."""
+    step = float(np.median(np.diff(t)))
+    lags = np.unique(np.geomspace(1, max(2, longest_s / step), 12).astype(int))
+    lags = lags[lags < len(t) // 2]
+    spread = [np.mean((NORMAL_MAD * np.median(np.abs(gap[lag:] - gap[:-lag]), axis=0)) ** 2) for lag in lags]
+    design = np.stack([np.full(len(lags), 2.0), lags * step], axis=1)
+    white, walk = np.linalg.lstsq(design, np.asarray(spread), rcond=None)[0]
+    return max(float(white), 1e-12), max(float(walk), 1e-10)

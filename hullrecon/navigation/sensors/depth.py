@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Depth: the DVL's vertical path, held to the pressure sensor slowly.
+
+Over a second the DVL knows the vertical step to a millimetre where one pressure reading scatters by centimetres; over minutes
+the pressure is right. So what is smoothed is the difference of the two, over WIDTH_S: ten readings a second of 0.02 m leave
+some 1.5 mm, and a drift that is steady over half a minute (scale, mount) is followed without lag.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.records import PressureSamples
+from hullrecon.geometry.robust import robust_sigma
+from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
+from hullrecon.navigation.sensors.smoothing import local_line, running_median
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+WIDTH_S = 5.0
+STEP_M = 0.3  # between two readings, beyond what the DVL saw
+
+
+@dataclass(frozen=True)
+class Depth:
+    """z to add to the DVL's vertical path at the nodes: shift (n,), its sigma (m). measured (n,): depth of the sensor there.
+    steps (k,): stamps where the pressure jumped against the DVL; white: scatter of one reading, m."""
+
+    shift: Array
+    sigma: float
+    measured: Array
+    steps: Ints
+    white: float
+
+
+def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints, window_s: float) -> Depth:
+    """Pressure in time order, against the path; window_s: half a node's share of the time, over which readings are averaged."""
+    known = np.isfinite(pressure.depth)
+    t_ns, depth = pressure.t_ns[known], pressure.depth[known]
+    t, at = path_seconds(path, t_ns), path_seconds(path, nodes_ns)
+    gap = depth - _sensor(path, t_ns)
+    steady = running_median(gap[:, None], 5)[:, 0]
+    slow, _ = local_line(t, steady, np.concatenate([at, t]), WIDTH_S)
+    shift, fitted = slow[: len(at), 0], slow[len(at) :, 0]
+    white = robust_sigma(gap - fitted, about=0.0)
+    step = float(np.median(np.diff(t)))
+    sigma = max(white * np.sqrt(step / (2 * np.sqrt(np.pi) * WIDTH_S)), 1e-3)
+    near, _ = local_line(t, steady, at, window_s)
+    jumps = np.abs(np.diff(steady)) > max(STEP_M, 6 * white)
+    return Depth(shift, float(sigma), near[:, 0] + _sensor(path, nodes_ns), t_ns[1:][jumps], white)
+
+
+def path_seconds(path: Reckoning, t_ns: Ints) -> Array:
+    return np.asarray((t_ns - path.start_ns) * 1e-9)
+
+
+def _sensor(path: Reckoning, t_ns: Ints) -> Array:
+    """z (n,) of the pressure sensor by the DVL's path."""
+    return np.asarray(path.at(t_ns).poses().apply(path.vehicle.pressure_origin)[:, 2])

@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The plan of the dive on the hull's chart as SVG: what was seen, where the vehicle went, what was found, how sure it is."""
+
+from __future__ import annotations
+
+import math
+from base64 import b64encode
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.report.figures.chart_map import Extent
+
+Array = NDArray[np.float64]
+LEFT, TOP, WIDTH, FOOT = 62.0, 14.0, 960.0, 78.0
+
+
+@dataclass(frozen=True)
+class Mark:
+    """An object on the plan: along, girth in metres, its sigma in both, and what it is in words."""
+
+    label: str
+    along: float
+    girth: float
+    sigma: tuple[float, float]
+    words: str
+
+
+@dataclass(frozen=True)
+class Plan:
+    """path (n, 2) chart coordinates of the vehicle, NaN rows break the line; path_sigma: along and girth, metres."""
+
+    extent: Extent
+    path: Array
+    path_sigma: tuple[float, float]
+    marks: Sequence[Mark]
+    ground: bytes | None = None
+    frame_spacing_m: float | None = None
+
+
+def plan_svg(plan: Plan, title: str) -> str:
+    """One SVG, 960 wide inside its frame; colours have text and shape beside them."""
+    width_m, height_m = plan.extent.size
+    scale = WIDTH / width_m
+    height = height_m * scale
+    body = [_ground(plan, height), *_ticks(plan, scale, height), _path(plan, scale, height)]
+    body += [_mark(mark, plan, scale, height) for mark in plan.marks]
+    body += [_scale_bar(scale, height), _sigma_bar(plan, scale, height)]
+    box = f"0 0 {LEFT + WIDTH + 46:.0f} {TOP + height + FOOT:.0f}"
+    return (
+        f'<svg class="plan" viewBox="{box}" role="img" aria-label="{escape(title, quote=True)}" '
+        f'xmlns="http://www.w3.org/2000/svg"><title>{escape(title)}</title>{"".join(body)}</svg>'
+    )
+
+
+def _x(along: float, plan: Plan, scale: float) -> float:
+    share = along - plan.extent.along[0]
+    return LEFT + (plan.extent.size[0] - share if plan.extent.flips[0] else share) * scale
+
+
+def _y(girth: float, plan: Plan, scale: float, height: float) -> float:
+    share = (girth - plan.extent.girth[0]) * scale
+    return TOP + (share if plan.extent.flips[1] else height - share)
+
+
+def _ground(plan: Plan, height: float) -> str:
+    frame = f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH}" height="{height:.1f}" class="sea"/>'
+    if plan.ground is None:
+        return frame
+    data = b64encode(plan.ground).decode()
+    place = f'x="{LEFT}" y="{TOP}" width="{WIDTH}" height="{height:.1f}"'
+    return f'{frame}<image {place} preserveAspectRatio="none" href="data:image/png;base64,{data}"/>'
+
+
+def nice_step(span_m: float, most: int = 10) -> float:
+    """1, 2 or 5 times a power of ten, so that a span has at most so many steps."""
+    raw = span_m / most
+    power = 10.0 ** math.floor(math.log10(raw))
+    return next(m * power for m in (1.0, 2.0, 5.0, 10.0) if m * power >= raw * (1 - 1e-9))
+
+
+def nice_below(span_m: float) -> float:
+    """The largest 1, 2 or 5 times a power of ten that fits into a span."""
+    power = 10.0 ** math.floor(math.log10(span_m))
+    return max(m * power for m in (1.0, 2.0, 5.0) if m * power <= span_m * (1 + 1e-9))
+
+
+def _ticks(plan: Plan, scale: float, height: float) -> list[str]:
+    step = nice_step(max(plan.extent.size))
+    parts = []
+    for value in _multiples(plan.extent.along, step):
+        x = _x(value, plan, scale)
+        frame = f" · fr {value / plan.frame_spacing_m:.0f}" if plan.frame_spacing_m else ""
+        parts.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{TOP}" y2="{TOP + height:.1f}" class="grid"/>')
+        parts.append(f'<text x="{x:.1f}" y="{TOP + height + 17:.1f}" class="tick mid">{value:g} m{frame}</text>')
+    for value in _multiples(plan.extent.girth, step):
+        y = _y(value, plan, scale, height)
+        parts.append(f'<line x1="{LEFT}" x2="{LEFT + WIDTH}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>')
+        parts.append(f'<text x="{LEFT - 7}" y="{y + 4:.1f}" class="tick end">{value:g} m</text>')
+    return parts
+
+
+def _multiples(span: tuple[float, float], step: float) -> list[float]:
+    return [round(k * step, 9) for k in range(math.ceil(span[0] / step), math.floor(span[1] / step) + 1)]
+
+
+def _path(plan: Plan, scale: float, height: float) -> str:
+    pieces, pen = [], "M"
+    for along, girth in plan.path:
+        if not np.isfinite(along + girth):
+            pen = "M"
+            continue
+        pieces.append(f"{pen}{_x(along, plan, scale):.1f} {_y(girth, plan, scale, height):.1f}")
+        pen = "L"
+    good = plan.path[np.isfinite(plan.path).all(axis=1)]
+    if not len(good):
+        return ""
+    ends = [(good[0], "start"), (good[-1], "end")]
+    dots = [
+        f'<circle cx="{_x(p[0], plan, scale):.1f}" cy="{_y(p[1], plan, scale, height):.1f}" r="5" class="{name}"/>'
+        f'<text x="{_x(p[0], plan, scale) + 8:.1f}" y="{_y(p[1], plan, scale, height) - 7:.1f}" class="tick halo">{name}</text>'
+        for p, name in ends
+    ]
+    return f'<path d="{"".join(pieces)}" class="path"/>' + "".join(dots)
+
+
+def _mark(mark: Mark, plan: Plan, scale: float, height: float) -> str:
+    x, y = _x(mark.along, plan, scale), _y(mark.girth, plan, scale, height)
+    reach = [max(s, 0.0) * scale if math.isfinite(s) else 0.0 for s in mark.sigma]
+    ellipse = f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{max(reach[0], 9):.1f}" ry="{max(reach[1], 9):.1f}" class="doubt"/>'
+    return (
+        f'<a href="#object-{escape(mark.label)}"><g><title>{escape(mark.words)}</title>{ellipse}'
+        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="11" class="object"/>'
+        f'<text x="{x:.1f}" y="{y + 4.5:.1f}" class="label">{escape(mark.label)}</text></g></a>'
+    )
+
+
+def _scale_bar(scale: float, height: float) -> str:
+    metres = nice_step(WIDTH / scale, 5)
+    y = TOP + height + 44
+    return (
+        f'<path d="M{LEFT} {y - 5:.1f}v10M{LEFT} {y:.1f}h{metres * scale:.1f}m0 -5v10" class="bar"/>'
+        f'<text x="{LEFT + metres * scale + 8:.1f}" y="{y + 4:.1f}" class="tick">{metres:g} m</text>'
+    )
+
+
+def _sigma_bar(plan: Plan, scale: float, height: float) -> str:
+    along, girth = plan.path_sigma
+    if not math.isfinite(along + girth):
+        return ""
+    y, right = TOP + height + 44, LEFT + WIDTH
+    reach = min(along * scale, WIDTH / 3)
+    words = f"one sigma of the vehicle: {along:.2f} m along, {girth:.3f} m in girth"
+    return (
+        f'<path d="M{right - 2 * reach:.1f} {y - 5:.1f}v10m0 -5h{2 * reach:.1f}m0 -5v10" class="bar doubtful"/>'
+        f'<text x="{right:.1f}" y="{y + 22:.1f}" class="tick end">{words}</text>'
+    )

@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Features of many images on disk: plain .npy files that grow while written and are mapped, not read, afterwards."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.vision.features.extraction import Features
+
+Ints = NDArray[np.int64]
+KINDS = ("keypoints", "descriptors", "color")
+CAMERAS = ("camera_top", "camera_bottom")
+
+
+class GrowingArray:
+    """An .npy of rows (n, width) written block by block; numpy leaves room in the header for n to grow."""
+
+    def __init__(self, path: Path, width: int, dtype: type[np.generic]) -> None:
+        self._path, self._width, self._dtype, self._rows = path, width, np.dtype(dtype), 0
+        self._file: IO[bytes] | None = None
+
+    def __enter__(self) -> GrowingArray:
+        self._file = self._path.open("wb")
+        self._header(self._file)
+        return self
+
+    def append(self, rows: NDArray[Any]) -> None:
+        if self._file is None or rows.shape[1:] != (self._width,):
+            raise ValueError(f"rows of {rows.shape[1:]} do not fit an open array of width {self._width}")
+        self._file.write(np.ascontiguousarray(rows, self._dtype).tobytes())
+        self._rows += len(rows)
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self._file is not None:
+            self._file.seek(0)
+            self._header(self._file)
+            self._file.close()
+
+    def _header(self, file: IO[bytes]) -> None:
+        description = {"descr": self._dtype.str, "fortran_order": False, "shape": (self._rows, self._width)}
+        np.lib.format.write_array_header_1_0(file, description)
+
+
+@dataclass(frozen=True)
+class FeatureStore:
+    """Features by image of one camera ("camera_top", "camera_bottom") in a features artifact. Pickles as a path."""
+
+    folder: Path
+    camera: str
+
+    def __len__(self) -> int:
+        return len(self._open().start) - 1
+
+    def read(self, image: int) -> Features:
+        """Features of that row of the camera's ImageIndex, views into the mapped files; none for -1."""
+        mapped = self._open()
+        first, last = (0, 0) if image < 0 else mapped.start[image : image + 2]
+        return Features(mapped.keypoints[first:last], mapped.descriptors[first:last], mapped.color[first:last])
+
+    def saliency(self, image: int) -> float:
+        """Local saliency of an image, 0 for -1."""
+        return 0.0 if image < 0 else float(self._open().saliency[image])
+
+    def _open(self) -> _Mapped:
+        status = (self.folder / "index.npz").stat()
+        return _map(self.folder, self.camera, (status.st_ino, status.st_mtime_ns))
+
+
+@dataclass(frozen=True)
+class _Mapped:
+    start: Ints
+    saliency: NDArray[np.float64]
+    keypoints: NDArray[np.float32]
+    descriptors: NDArray[np.uint8]
+    color: NDArray[np.uint8]
+
+
+@lru_cache(maxsize=8)
+def _map(folder: Path, camera: str, stamp: tuple[int, int]) -> _Mapped:
+    """`stamp` tells one build of the artifact from the next at the same place."""
+    with np.load(folder / "index.npz", allow_pickle=False) as index:
+        start, saliency = np.asarray(index[f"{camera}_start"], np.int64), np.asarray(index[f"{camera}_saliency"], float)
+    mode: Literal["r"] | None = "r" if start[-1] else None  # a file without rows cannot be mapped
+    arrays = {kind: np.load(folder / f"{kind}_{camera}.npy", mmap_mode=mode, allow_pickle=False) for kind in KINDS}
+    return _Mapped(start, saliency, **arrays)

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Relative pose of two views without depth: which of the possible motions, how well its five numbers are known, and whether
+navigation agrees [Ozog2016 D.1; KimEustice2009 III-B]."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.two_view import PossibleMotion, essential_of
+
+Array = NDArray[np.float64]
+ITERATIONS = 10
+DIRECTION_SIGMA_RAD = 1.0  # of a direction about which the matches say nothing: the vehicle stood still
+UNKNOWN_LENGTH = 1.0  # sigma over length where nothing has measured it
+
+
+def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
+    """Return the motion (4, 4) with |t| = 1 that minimises the Sampson distances of matches (n, 2), and its covariance (5, 5).
+
+    Its unknowns: the rotation perturbed on the right (3), the direction of t in `tangent_basis` (2). To first order the Sampson
+    distance is what a bundle adjustment of two views leaves of a match once its point is solved for, so this information is
+    that adjustment's. The covariance takes its scale from the residuals.
+    """
+    residual, jacobian = _linearised(motion, first, second)
+    damping = 1e-6
+    for _ in range(ITERATIONS):
+        normal = _information(jacobian, _variance(residual))
+        gradient = jacobian.T @ residual / _variance(residual)
+        step = np.asarray(-np.linalg.solve(normal + damping * np.diag(np.diag(normal)), gradient))
+        trial = _moved(motion, step)
+        trial_residual, trial_jacobian = _linearised(trial, first, second)
+        if trial_residual @ trial_residual > residual @ residual:
+            damping *= 100
+            continue
+        motion, residual, jacobian, damping = trial, trial_residual, trial_jacobian, damping * 0.1
+        if np.abs(step).max() < 1e-10:
+            break
+    return motion, np.asarray(np.linalg.inv(_information(jacobian, _variance(residual))))
+
+
+def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motion:
+    """Return the motion with navigation's length (1 without navigation) and the covariance (6, 6) of Motion from (5, 5): the
+    length is as uncertain as navigation says."""
+    direction = motion[:3, 3]
+    length, length_variance = 1.0, UNKNOWN_LENGTH**2
+    if prior is not None:
+        length = float(np.linalg.norm(prior.second_from_first[:3, 3]))
+        length_variance = float(direction @ prior.covariance[:3, :3] @ direction)
+    scaled = motion.copy()
+    scaled[:3, 3] = length * direction
+    by = np.zeros((6, 5))
+    by[:3, 3:] = length * tangent_basis(direction)
+    by[3:, :3] = np.eye(3)
+    out = by @ covariance @ by.T
+    out[:3, :3] += length_variance * np.outer(direction, direction)
+    return Motion(scaled, out)
+
+
+def navigation_chi2(found: Motion, prior: Motion) -> float:
+    """Return the squared distance, over five degrees of freedom, of a motion without a length from navigation's.
+
+    The length is free, but not negative: the one taken is that which agrees best, so that a direction says little where the
+    vehicle hardly moved.
+    """
+    own, wanted = found.second_from_first, prior.second_from_first
+    turn = Rotation.from_matrix(wanted[:3, :3].T @ own[:3, :3]).as_rotvec()
+    direction = own[:3, 3] / max(float(np.linalg.norm(own[:3, 3])), 1e-12)
+    across = np.eye(6)
+    across[:3, :3] -= np.outer(direction, direction)  # the length that was found is navigation's own
+    information = np.linalg.inv(prior.covariance + across @ found.covariance @ across)
+    along = np.concatenate([direction, np.zeros(3)])
+    target = np.concatenate([wanted[:3, 3], -turn])
+    length = max(float(along @ information @ target) / float(along @ information @ along), 0.0)
+    gap = length * along - target
+    return float(gap @ information @ gap)
+
+
+def choose(
+    possible: Sequence[PossibleMotion],
+    matches: tuple[Array, Array],
+    prior: Motion | None,
+    surface_normal: tuple[float, float, float] | None,
+) -> Motion:
+    """Return one of the motions that a matrix may stand for, refined on its inliers (n, 2) of both views, with its covariance.
+
+    The two motions of a plane differ by its normal: the DVL's decides where there is one, else navigation's rotation and
+    direction, else the order.
+    """
+    if surface_normal is not None and all(p.normal is not None for p in possible):
+        possible = [max(possible, key=lambda p: float(np.dot(surface_normal, p.normal)))]  # type: ignore[arg-type]
+    found = [with_length(*refine(p.motion, *matches), prior) for p in possible]
+    return found[0] if prior is None else min(found, key=lambda motion: navigation_chi2(motion, prior))
+
+
+def tangent_basis(direction: Array) -> Array:
+    """Return two unit vectors (3, 2) across a unit vector (3,) and across each other."""
+    helper = np.eye(3)[int(np.argmin(np.abs(direction)))]
+    u = np.cross(direction, helper)
+    u /= np.linalg.norm(u)
+    return np.stack([u, np.cross(direction, u)], axis=1)
+
+
+def _linearised(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
+    """Signed Sampson distances (n,) and their derivatives (n, 5), the distance's own denominator held."""
+    essential = essential_of(motion)
+    a, b = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (first, second))
+    line_second, line_first = a @ essential.T, b @ essential
+    scale = np.sqrt(np.maximum((line_second[:, :2] ** 2).sum(axis=1) + (line_first[:, :2] ** 2).sum(axis=1), 1e-18))
+    by_turn = np.cross(a, line_first)  # x2' E [w]x x1 = w . (x1 x E' x2)
+    by_direction = np.cross(a @ motion[:3, :3].T, b) @ tangent_basis(motion[:3, 3])  # x2 . (d x R x1) = d . (R x1 x x2)
+    residual = (b * line_second).sum(axis=1) / scale
+    return residual, np.hstack([by_turn, by_direction]) / scale[:, None]
+
+
+def _variance(residual: Array) -> float:
+    return max(float(residual @ residual) / max(1, len(residual) - 5), 1e-14)
+
+
+def _information(jacobian: Array, variance: float) -> Array:
+    """(5, 5) of the matches, and that a direction is never more than unknown."""
+    prior = np.diag([0.0, 0.0, 0.0, DIRECTION_SIGMA_RAD**-2, DIRECTION_SIGMA_RAD**-2])
+    return np.asarray(jacobian.T @ jacobian / variance + prior)
+
+
+def _moved(motion: Array, step: Array) -> Array:
+    out = motion.copy()
+    out[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[:3]).as_matrix()
+    direction = motion[:3, 3] + tangent_basis(motion[:3, 3]) @ step[3:]
+    out[:3, 3] = direction / np.linalg.norm(direction)
+    return out

@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Matches between the two cameras of a node, and the points that they triangulate to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.vision.features.descriptors import Floats, best_of_candidates, sparse_distance
+from hullrecon.vision.pairs.gated_search import in_box
+from hullrecon.vision.stereo.rectification import Rectification, triangulate
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class StereoMatches:
+    """Rows of the top and of the bottom camera's features that show one point; point (m, 3) in the top camera, metres."""
+
+    top: Ints
+    bottom: Ints
+    point: Array
+
+    def __len__(self) -> int:
+        return len(self.top)
+
+
+@dataclass(frozen=True)
+class StereoLimits:
+    """column: half width of the band in ideal units (pixels over focal); nearest, farthest: depth in metres."""
+
+    column: float
+    nearest_m: float
+    farthest_m: float
+    ratio: float
+    most: float
+
+
+def no_matches() -> StereoMatches:
+    return StereoMatches(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 3)))
+
+
+def match_stereo(
+    rectification: Rectification, top: tuple[Array, Floats], bottom: tuple[Array, Floats], limits: StereoLimits
+) -> StereoMatches:
+    """Mutual best within the band of [Ozog2016 D.2.1]; each side is (ideal coordinates (n, 2), unit descriptors (n, 128))."""
+    xy_top, xy_bottom = rectification.top(top[0]), rectification.bottom(bottom[0])
+    most, least = rectification.disparity(limits.nearest_m), rectification.disparity(limits.farthest_m)
+    middle = np.array([0.0, 0.5 * float(most + least)])
+    half = np.array([limits.column, max(0.5 * float(most - least), limits.column)])
+    first, second = in_box(xy_top - middle, half, xy_bottom)
+    found = best_of_candidates(first, second, sparse_distance(top[1], bottom[1], first, second), limits.ratio, limits.most)
+    points = triangulate(rectification, xy_top[found.first], xy_bottom[found.second])
+    ahead = np.isfinite(points).all(axis=1)
+    return StereoMatches(found.first[ahead], found.second[ahead], points[ahead])

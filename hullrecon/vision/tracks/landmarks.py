@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The Tracks record from verified pair matches and the stereo matches of single nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.records import Tracks
+from hullrecon.vision.features.extraction import Features
+from hullrecon.vision.stereo.matching import StereoMatches
+from hullrecon.vision.tracks.union import join
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class NodeFeatures:
+    """Features of a node's two cameras; empty where one has no image. The top leads unless it is empty."""
+
+    top: Features
+    bottom: Features
+
+    @property
+    def leading(self) -> Features:
+        return self.bottom if self.bottom_leads else self.top
+
+    @property
+    def bottom_leads(self) -> bool:
+        return len(self.top) == 0 and len(self.bottom) > 0
+
+
+@dataclass(frozen=True)
+class Matches:
+    """Verified matches of all pairs: node and row (in the node's leading camera) of either side, descriptor distance (m,)."""
+
+    first_node: Ints
+    first_row: Ints
+    second_node: Ints
+    second_row: Ints
+    distance: NDArray[np.float32]
+
+
+def build(
+    count: Ints,
+    stereo: Sequence[StereoMatches],
+    matches: Matches,
+    read: Callable[[int], NodeFeatures],
+    single_node: bool,
+    doubt: Callable[[Ints, Ints, Array, Array], Mask] | None = None,
+) -> Tracks:
+    """Tracks of all landmarks that two nodes share and, with `single_node`, of those that one stereo node saw.
+
+    count (n,): features of each node's leading camera. stereo: matches of each node, rows into its cameras. read: a node's
+    features by its number. doubt: from node, landmark, top and bottom pixels to the observations that are not believed.
+    """
+    start = np.concatenate([[0], np.cumsum(count)])
+    first, second = start[matches.first_node] + matches.first_row, start[matches.second_node] + matches.second_row
+    alone = np.concatenate([np.zeros(0, np.int64), *(start[k] + s.top for k, s in enumerate(stereo))]) if single_node else first
+    used = np.unique(np.concatenate([first, second, alone]))
+    node = np.searchsorted(start, used, side="right") - 1
+    label = join(node, np.searchsorted(used, first), np.searchsorted(used, second), matches.distance)
+    label[label < 0] = label.max(initial=-1) + 1 + np.arange(int((label < 0).sum()))
+    top, bottom, color = _observations(used - start[node], node, stereo, read)
+    keep = np.ones(len(used), bool) if doubt is None else ~doubt(node, label, top, bottom)
+    shared = np.bincount(label[keep], minlength=int(label.max(initial=-1)) + 1) > 1
+    both = np.isfinite(top[:, 0]) & np.isfinite(bottom[:, 0])
+    keep &= shared[label] | (both & single_node)
+    label = np.unique(label[keep], return_inverse=True)[1].astype(np.int64)
+    node, top, bottom, color = node[keep], top[keep], bottom[keep], color[keep]
+    order = np.lexsort((node, label))
+    return Tracks(label[order], node[order], top[order], bottom[order], _mean_color(label, color))
+
+
+def _observations(
+    row: Ints, node: Ints, stereo: Sequence[StereoMatches], read: Callable[[int], NodeFeatures]
+) -> tuple[Array, Array, Array]:
+    """Pixels in the top and in the bottom image, NaN where not seen, and colours; node (m,) ascending."""
+    top, bottom, color = np.full((len(row), 2), np.nan), np.full((len(row), 2), np.nan), np.zeros((len(row), 3))
+    for k in np.unique(node):
+        rows = slice(*np.searchsorted(node, [k, k + 1]))
+        features = read(int(k))
+        seen = features.leading.keypoints[row[rows], :2]
+        color[rows] = features.leading.color[row[rows]]
+        if features.bottom_leads:
+            bottom[rows] = seen
+            continue
+        top[rows] = seen
+        pair = np.full(len(features.top), -1)
+        pair[stereo[k].top] = stereo[k].bottom
+        other = pair[row[rows]]
+        bottom[rows][other >= 0] = features.bottom.keypoints[other[other >= 0], :2]
+    return top, bottom, color
+
+
+def _mean_color(label: Ints, color: Array) -> NDArray[np.uint8]:
+    count = np.maximum(np.bincount(label), 1)
+    mean = np.stack([np.bincount(label, color[:, c]) / count for c in range(3)], axis=1)
+    return np.rint(mean).astype(np.uint8)

@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Cross-examination of tracks: every verified pair judges every landmark that both of its nodes claim to have seen.
+
+A wrong match joins two points into one track; the pairs that did not make that match contradict it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pairs.gating import Motion, transfer
+from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
+from hullrecon.vision.stereo.rectification import Rig, rectify, triangulate
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+ROUNDS = 3
+
+
+@dataclass(frozen=True)
+class Link:
+    """A verified pair of nodes and the motion between their leading cameras; scaled: its length is measured."""
+
+    first: int
+    second: int
+    motion: Motion
+    scaled: bool
+
+
+def doubtful(
+    rig: Rig, node: Ints, label: Ints, top: Array, bottom: Array, links: Sequence[Link], options: MatchOptions
+) -> Mask:
+    """Observations (m,) that at least as many pairs contradict as confirm, and one contradicts. node (m,) ascending."""
+    sight = _Sight(rig, top, bottom)
+    bounds = {k: slice(*np.searchsorted(node, [k, k + 1])) for k in {n for link in links for n in (link.first, link.second)}}
+    verdicts = []
+    for link in links:
+        i, j = bounds[link.first], bounds[link.second]
+        _, a, b = np.intersect1d(label[i], label[j], assume_unique=True, return_indices=True)
+        a, b = a + i.start, b + j.start
+        verdicts.append((a, b, sight.agree(link, a, b, options)))
+    return _outvoted(len(node), verdicts)
+
+
+def _outvoted(count: int, verdicts: Sequence[tuple[Ints, Ints, Mask]]) -> Mask:
+    """Votes in rounds: what was thrown out no longer speaks against the others; the clearly guilty go first."""
+    none: list[Ints] = [np.zeros(0, np.int64)]
+    a, b = (np.concatenate(none + [v[k] for v in verdicts]) for k in (0, 1))
+    good = np.concatenate([np.zeros(0, bool), *(v[2] for v in verdicts)])
+    out = np.zeros(count, bool)
+    for step in range(ROUNDS):
+        heard = ~(out[a] | out[b])
+        both = np.concatenate([a[heard], b[heard]])
+        yes = np.bincount(both, np.tile(good[heard], 2), minlength=count)
+        no = np.bincount(both, np.tile(~good[heard], 2), minlength=count)
+        out |= (no > 0) & ((no > 2 * yes) if step == 0 else (no >= yes))
+    return out
+
+
+class _Sight:
+    """Ideal coordinates of all observations, and points of the stereo ones."""
+
+    def __init__(self, rig: Rig, top: Array, bottom: Array) -> None:
+        self._rig = rig
+        upper, lower = _undistorted(rig, 0, top), _undistorted(rig, 1, bottom)
+        self._other = lower
+        self._lead = np.where(np.isfinite(upper), upper, lower)  # the bottom camera leads where it saw alone
+        self._depth = np.full(len(top), np.nan)
+        both = np.isfinite(upper[:, 0]) & np.isfinite(lower[:, 0])
+        if rig.top_from_bottom is not None:
+            turned = rectify(rig.top_from_bottom)
+            self._depth[both] = triangulate(turned, turned.top(upper[both]), turned.bottom(lower[both]))[:, 2]
+        self._both = both
+
+    def agree(self, link: Link, a: Ints, b: Ints, options: MatchOptions) -> Mask:
+        """Whether the observations lie on each other's epipolar lines and, with a depth, at the right place on them."""
+        motion = link.motion.second_from_first
+        limit = (1.5 * options.verify_px / self._rig.focal(0)) ** 2
+        good = sampson_squared(essential_of(motion), self._lead[a], self._lead[b]) < limit
+        down = self._rig.from_top(1)
+        below = down @ motion @ np.linalg.inv(down)
+        pair = self._both[a] & self._both[b]
+        error = sampson_squared(essential_of(below), self._other[a], self._other[b])
+        good &= ~pair | (np.nan_to_num(error) < limit)
+        return good & (self._in_place(link.motion, a, b, options) if link.scaled else True)
+
+    def _in_place(self, motion: Motion, a: Ints, b: Ints, options: MatchOptions) -> Mask:
+        """True as well where no depth is known."""
+        sigma = options.sigma_px / self._rig.focal(0)
+        depth = self._depth[a]
+        spread = depth**2 * np.sqrt(2) * sigma / self._rig.baseline_m
+        mean, covariance = transfer(motion, self._lead[a], depth, spread, sigma)
+        gap = self._lead[b] - mean
+        known = np.isfinite(mean).all(axis=1)
+        out = np.ones(len(a), bool)
+        information = np.linalg.inv(covariance[known])
+        chi2 = np.einsum("ni,nij,nj->n", gap[known], information, gap[known])
+        out[known] = chi2 < 1.5 * options.gate_chi2
+        return out
+
+
+def _undistorted(rig: Rig, camera: int, pixels: Array) -> Array:
+    out = np.full(pixels.shape, np.nan)
+    seen = np.isfinite(pixels[:, 0])
+    if seen.any():
+        out[seen] = rig.camera(camera).undistort(pixels[seen])
+    return out
