@@ -16,7 +16,7 @@ from typing import Any
 import msgspec
 from msgspec import inspect as types
 
-from hullrecon.dive.config import DiveConfig
+from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.steps.chain import stages
 
 UNIT = re.compile(r"(m and deg|m/s2|m/s|kg/m3|deg/h|deg|Pa|m2|m|s|px|share|ratio|sigmas|probability|chi2|bytes|rad|Hz)(?:, |$)")
