@@ -134,7 +134,7 @@ def _gauge(problem: Problem) -> None:
 
 def _ranges(problem: Problem, hull: MeshIndex, in_hull: Poses, tray: Array, rng: np.random.Generator) -> None:
     n = len(in_hull)
-    dvl = in_hull @ poses.tray(TRAY_ORIGIN, tray) @ T_S_D
+    dvl = in_hull @ poses.tray_poses(TRAY_ORIGIN, tray) @ T_S_D
     node, beam = np.repeat(np.arange(n, dtype=np.int32), 4), np.tile(BEAMS, (n, 1))
     hits = hull.cast(dvl.translation[node], dvl.rotation[node].apply(beam))
     if not np.isfinite(hits.range).all():
@@ -189,7 +189,7 @@ def _seen(in_hull: Poses, tray: Array, node: Ints, points: Array, stereo: bool) 
 
 def _project(nodes: Poses, tray: Array, points: Array, T_s_ct: Poses, stereo: bool) -> Array:
     """(m, 2) or (m, 4) pixels of points (m, 3), each from its own node."""
-    top = nodes @ poses.tray(TRAY_ORIGIN, tray) @ T_s_ct
+    top = nodes @ poses.tray_poses(TRAY_ORIGIN, tray) @ T_s_ct
     in_top = top.inverse().apply(points)
     pixels = [CAMERA.project(in_top)]
     if stereo:
@@ -221,7 +221,7 @@ def _start_landmarks(problem: Problem, size: Size, start: Poses) -> None:
     origins, rays = np.empty((size.landmarks, 2, 3)), np.empty((size.landmarks, 2, 3))
     for k in range(2):
         at = node[:, 0 if size.stereo else k]
-        camera = start[at] @ poses.tray(TRAY_ORIGIN, problem.pose[at, 7]) @ mount
+        camera = start[at] @ poses.tray_poses(TRAY_ORIGIN, problem.pose[at, 7]) @ mount
         camera = camera @ T_CT_CB if size.stereo and k == 1 else camera
         origins[:, k], rays[:, k] = camera.translation, camera.rotation.apply(CAMERA.rays(pixel[:, k]))
     problem.landmark = triangulate(origins, rays, range_m)

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry import poses
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-CAMERA = Camera(1360, 1024, 1400.0, 1400.0, 680.0, 512.0)
+CAMERA = CameraModel(1360, 1024, 1400.0, 1400.0, 680.0, 512.0)
 T_S_CT = poses.from_mount([0.0, 0.0, -0.05, 90.0, 0.0, 90.0])
 T_CT_CB = poses.from_mount([0.0, 0.1, 0.0, 0.0, 0.0, 0.0])
 T_S_D = poses.from_mount([0.0, 0.0, 0.08, 0.0, 90.0, 0.0])

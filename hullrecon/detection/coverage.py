@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from hullrecon.detection.as_found.mesh import vertex_normals
 from hullrecon.detection.views import GRAZING, Sightings
-from hullrecon.dive.records import SonarPings
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.sensors import SonarPings
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.neighbours import Around
 from hullrecon.geometry.poses import Poses
@@ -29,7 +29,7 @@ class Views:
     T_x_c: Poses
     node: Ints
     name: tuple[str, ...]
-    camera: Camera
+    camera: CameraModel
     farthest_m: float
 
     def __len__(self) -> int:

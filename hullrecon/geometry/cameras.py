@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Camera:
+class CameraModel:
     """fx, fy, cx, cy in pixels; k1, k2, p1, p2, k3 without unit, in OpenCV's order."""
 
     width: int

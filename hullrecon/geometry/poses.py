@@ -99,8 +99,8 @@ def roll_pitch_yaw(rotation: Rotation) -> Array:
     return np.atleast_2d(rotation.as_euler("xyz"))
 
 
-def tray(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
-    """T_v_s = Trans(origin) Ry(theta) for (n,) angles."""
+def tray_poses(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
+    """Return T_v_s = Trans(origin) Ry(theta) for angles (n,)."""
     angle = np.atleast_1d(np.asarray(angle_rad, float))
     return Poses(Rotation.from_euler("y", angle[:, None]).as_quat(), np.tile(np.asarray(origin_m, float), (len(angle), 1)))
 

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import SonarPings
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.blend import Limits, blend_tile
 from hullrecon.mosaic.grid import grid_around
@@ -20,6 +19,7 @@ from hullrecon.mosaic.imagery.camera_views import Footprint, footprint_of, windo
 from hullrecon.mosaic.imagery.sonar_fan import Fan, fan_of
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.output.store import TileStore, lay
+from hullrecon.records.sensors import SonarPings
 
 Array = NDArray[np.float64]
 Picture = NDArray[np.float32]

@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.dive.records import Returns, Tracks, Trajectory, TrajectoryErrorModel, from_arrays, to_arrays
 from hullrecon.errors import StageError
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import from_mount
+from hullrecon.records.serialisation import from_arrays, to_arrays
+from hullrecon.records.tracks import Tracks
+from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import Survey, depth_priors, survey_of
 from hullrecon.vision.pairs.match_worker import Bench, MatchNode, MatchPairs, Node, Pair
@@ -75,10 +77,10 @@ def _doubtful(
 
 def _bench(context: Context) -> Bench:
     cameras = json.loads((context.inputs["ingest"] / "cameras.json").read_text(encoding="utf-8"))
-    top, pose_in_top = Camera(**cameras["top"]), context.settings["camera.bottom.pose_in_top"]
+    top, pose_in_top = CameraModel(**cameras["top"]), context.settings["camera.bottom.pose_in_top"]
     if pose_in_top is None or "bottom" not in cameras:
         return Bench(context.inputs["features"], Rig(top), False, context.parameters)
-    rig = Rig(top, Camera(**cameras["bottom"]), from_mount(pose_in_top))
+    rig = Rig(top, CameraModel(**cameras["bottom"]), from_mount(pose_in_top))
     return Bench(context.inputs["features"], rig, True, context.parameters)
 
 

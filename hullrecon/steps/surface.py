@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.dive.records import Returns, Solution, Surface, Trajectory, from_arrays, to_arrays
 from hullrecon.errors import StageError
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import Chart, chart_for_hull, chart_for_points, chart_from_arrays
@@ -20,6 +19,10 @@ from hullrecon.geometry.charts.plane_chart import PlaneChart, fit_plane_chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.serialisation import from_arrays, to_arrays
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
+from hullrecon.records.trajectory import Returns, Trajectory
 from hullrecon.surface.build import LEAST_LEAN, Cloud, build_surface
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.surface.outliers import statistical_inliers
@@ -44,7 +47,7 @@ def run(context: Context) -> None:
     options: SurfaceOptions = context.parameters
     hull = _hull(context.inputs["ingest"])
     solution = _solution(context)
-    place = _adjusted(solution, hull) if solution is not None else _dead_reckoned(context, hull)
+    place = _adjusted(solution) if solution is not None else _dead_reckoned(context, hull)
     returns, points, counts = _returned(context, place, options)
     marks, noise = _landmarks(solution, hull, options) if solution is not None else (np.zeros((0, 3)), np.zeros(0))
     if not len(points) and not len(marks):
@@ -77,10 +80,9 @@ def _solution(context: Context) -> Solution | None:
     return from_arrays(Solution, load_arrays(context.inputs["adjust"] / "solution.npz"))
 
 
-def _adjusted(solution: Solution, hull: Mesh | None) -> Placement:
-    T_x_g = poses.of_seven(solution.T_g_M).inverse() if hull is not None else poses.identity()
-    T_x_v = T_x_g[np.zeros(len(solution.t_ns), np.int64)] @ solution.poses()
-    return Placement(T_x_v, solution.pose_covariance, solution.tray, poses.of_seven(solution.T_s_d), "adjusted")
+def _adjusted(solution: Solution) -> Placement:
+    track = solution.track()
+    return Placement(track.poses, track.covariance, track.tray, solution.mounts.tray_from_dvl, "adjusted")
 
 
 def _dead_reckoned(context: Context, hull: Mesh | None) -> Placement:
@@ -105,7 +107,14 @@ def _returned(context: Context, place: Placement, options: SurfaceOptions) -> tu
     if not path.exists():
         nothing = np.zeros(0, np.int64)
         blank = Returns(
-            nothing, nothing, np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3)), np.zeros(0), np.zeros(0, bool)
+            t_ns=nothing,
+            node=nothing,
+            quaternion=np.zeros((0, 4)),
+            translation=np.zeros((0, 3)),
+            tray_offset=np.zeros(0),
+            beam=np.zeros((0, 3)),
+            range_m=np.zeros(0),
+            flagged=np.zeros(0, bool),
         )
         return blank, np.zeros((0, 3)), {"returns": 0}
     returns = from_arrays(Returns, load_arrays(path))
@@ -145,11 +154,10 @@ def _cloud(points: Array, returns: Returns, place: Placement, chart: Chart, sigm
 
 def _landmarks(solution: Solution, hull: Mesh | None, options: SurfaceOptions) -> tuple[Array, Array]:
     """Places (n, 3) and sigmas (n,) m of landmarks on the hull with three views; of all such without a drawing."""
-    variance = np.linalg.eigvalsh(np.nan_to_num(solution.landmark_covariance, nan=-1.0))[:, -1]
-    good = np.isfinite(solution.landmark).all(axis=1) & (solution.views >= 3) & (variance > 0)
-    good &= (solution.label == 1) if hull is not None else True
-    T_x_g = poses.of_seven(solution.T_g_M).inverse() if hull is not None else poses.identity()
-    points = T_x_g.apply(solution.landmark[good])
+    variance = np.linalg.eigvalsh(np.nan_to_num(solution.landmarks.covariance, nan=-1.0))[:, -1]
+    good = np.isfinite(solution.landmarks.position).all(axis=1) & (solution.landmarks.views >= 3) & (variance > 0)
+    good &= (solution.landmarks.label == 1) if hull is not None else True
+    points = solution.result_from_global().apply(solution.landmarks.position[good])
     kept = statistical_inliers(points, options.outlier_neighbours, 2 * options.outlier_deviations)
     return points[kept], np.sqrt(variance[good])[kept]
 

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import Surface
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.neighbours import count_within, nearest
+from hullrecon.records.surface import Surface
 from hullrecon.surface.gaussian import fit_robust, most_likely
 from hullrecon.surface.kernels import Kernel
 from hullrecon.surface.lattice import supported_lattice
@@ -121,7 +121,7 @@ def _placed(mesh: Mesh, offset: Array, sigma: Array, support: NDArray[np.int64],
     inward = np.einsum("ni,ni->n", np.cross(b - a, c - a), normal[faces[:, 0]]) < 0
     faces[inward] = faces[inward][:, ::-1]
     nothing = np.full(len(used), np.nan)
-    return Surface(vertices, faces.astype(np.int32), nothing, sigma[used], support[used])
+    return Surface(vertices=vertices, faces=faces.astype(np.int32), deviation=nothing, sigma=sigma[used], support=support[used])
 
 
 def _take(cloud: Cloud, which: NDArray[np.bool_]) -> Cloud:

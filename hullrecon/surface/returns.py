@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import Returns
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.trajectory import Returns
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ def return_points(returns: Returns, T_x_v: Poses, tray_rad: Array, tray_origin: 
     """
     since_node = Poses(returns.quaternion, returns.translation)
     tray_at_ping = tray_rad[returns.node] + returns.tray_offset
-    T_x_d = T_x_v[returns.node] @ since_node @ poses.tray(tray_origin, tray_at_ping) @ T_s_d
+    T_x_d = T_x_v[returns.node] @ since_node @ poses.tray_poses(tray_origin, tray_at_ping) @ T_s_d
     return T_x_d.apply(returns.beam * returns.range_m[:, None])
 
 

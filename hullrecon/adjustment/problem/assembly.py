@@ -203,7 +203,7 @@ def _range_tables(problem: Problem, m: Measurements, weights: Weights, chosen: S
 def _hits(problem: Problem, m: Measurements, state: State, chosen: Selection) -> Array:
     """Where the beams meet the drawing, (r, 3) in the problem's hull frame; the measured end where they miss."""
     from hullrecon.adjustment.problem.measurements import return_points
-    from hullrecon.dive.records import from_arrays, to_arrays
+    from hullrecon.records.serialisation import from_arrays, to_arrays
 
     assert m.returns is not None
     used = from_arrays(type(m.returns), {k: v[chosen.returns] for k, v in to_arrays(m.returns).items()})

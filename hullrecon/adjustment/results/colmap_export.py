@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import Tracks
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.tracks import Tracks
 
 Array = NDArray[np.float64]
 TOP, BOTTOM = 1, 2  # camera ids; the rig has id 1
@@ -33,7 +33,7 @@ class SparseModel:
     bottom: NDArray[np.bool_]
     hull_from_top: Poses
     T_ct_cb: Poses | None
-    cameras: tuple[Camera, Camera | None]
+    cameras: tuple[CameraModel, CameraModel | None]
     stamps: NDArray[np.int64]
     position: Array
 
@@ -80,7 +80,7 @@ def _add_rig(reconstruction: Any, model: SparseModel) -> None:
     reconstruction.add_rig(rig)
 
 
-def _camera(number: int, camera: Camera) -> Any:
+def _camera(number: int, camera: CameraModel) -> Any:
     import pycolmap
 
     values = camera.parameters()

@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.dive.logs.timeline import NS
-from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 from hullrecon.geometry.poses import from_mount
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

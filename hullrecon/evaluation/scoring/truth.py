@@ -18,7 +18,7 @@ from hullrecon.errors import InputError
 from hullrecon.evaluation.scoring.deliverables import poses_in, read_table
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.poses import Poses, interpolate, tray
+from hullrecon.geometry.poses import Poses, interpolate, tray_poses
 
 Array = NDArray[np.float64]
 _UNIT_M = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "ft": 0.3048, "in": 0.0254}
@@ -61,7 +61,7 @@ class Truth:
     def cameras_at(self, rows: NDArray[np.int64]) -> Poses:
         """T_M_ct at frames by row."""
         angle = np.interp(self.t_s[rows], self.servo_t_s, self.servo_rad)
-        return self.poses[rows] @ tray(self.mounts["tray_origin"], angle) @ _pose(self.mounts["T_s_ct"])
+        return self.poses[rows] @ tray_poses(self.mounts["tray_origin"], angle) @ _pose(self.mounts["T_s_ct"])
 
     def structures(self) -> list[dict[str, Any]]:
         """What stands out of the hull or is cut into it; no paint."""

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.grid import TexelGrid, Window, grid_around
 from hullrecon.mosaic.ground import Ground, patch_of, seen
@@ -29,7 +29,7 @@ class Station:
     """One camera of the rig and its images: rows (n,) of its index, poses T_M_c (n) (T_g_c without a drawing), and how a row is
     read, (h, w, 3) uint8 RGB or None."""
 
-    camera: Camera
+    camera: CameraModel
     rows: NDArray[np.int64]
     poses: Poses
     read: Read

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.ground import Ground
 
@@ -41,7 +41,7 @@ class CameraSight:
     """A camera's image. pose: one T_M_c (T_g_c without a drawing); load gives the corrected picture."""
 
     pose: Poses
-    camera: Camera
+    camera: CameraModel
     load: Callable[[], Picture | None]
 
     @property

@@ -12,10 +12,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import Odometry
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.reckoning import MOUNT, TRAY, UP_DOWN, Instant, Reckoning
 from hullrecon.navigation.vehicle import cross_matrix
+from hullrecon.records.trajectory import Odometry
 
 Array = NDArray[np.float64]
 LEAST_SIGMA_M = 2e-4  # of a step between two nodes: stamps and levers
@@ -43,7 +43,16 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
     swing = np.diff(at.rotation.apply(at.lever_by_tray), axis=0)
     by_tray[:, :3] = _into(R_i_g, moved[:, :, TRAY][:, :, 0] - swing)
     covariance = white_covariance(path, at, step)
-    return Odometry(first, second, step.quaternion, step.translation, covariance, by_navigation, by_mount, by_tray)
+    return Odometry(
+        first=first,
+        second=second,
+        quaternion=step.quaternion,
+        translation=step.translation,
+        covariance=covariance,
+        by_navigation=by_navigation,
+        by_mount=by_mount,
+        by_tray=by_tray,
+    )
 
 
 def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:

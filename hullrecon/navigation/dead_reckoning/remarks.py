@@ -7,10 +7,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import Returns
 from hullrecon.navigation.dead_reckoning.nodes import Nodes
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
 from hullrecon.navigation.sensors.depth import Depth
+from hullrecon.records.trajectory import Returns
 
 Ints = NDArray[np.int64]
 

@@ -7,11 +7,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import DvlPings, Returns
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.dead_reckoning.nodes import nearest
 from hullrecon.navigation.dead_reckoning.reckoning import Instant, Reckoning
 from hullrecon.navigation.sensors.smoothing import running_median
+from hullrecon.records.sensors import DvlPings
+from hullrecon.records.trajectory import Returns
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -27,14 +28,14 @@ def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Bools) -> R
     node = nearest(nodes.t_ns, dvl.t_ns)
     offset = nodes.poses()[node].inverse() @ at.poses()
     return Returns(
-        dvl.t_ns[ping],
-        node[ping],
-        offset.quaternion[ping],
-        offset.translation[ping],
-        (at.tray - nodes.tray[node])[ping],
-        dvl.beams[beam],
-        back[ping, beam],
-        flagged[ping, beam],
+        t_ns=dvl.t_ns[ping],
+        node=node[ping],
+        quaternion=offset.quaternion[ping],
+        translation=offset.translation[ping],
+        tray_offset=(at.tray - nodes.tray[node])[ping],
+        beam=dvl.beams[beam],
+        range_m=back[ping, beam],
+        flagged=flagged[ping, beam],
     )
 
 

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.records import ImuSamples
 from hullrecon.geometry.poses import Poses, interpolate
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.sensors.clock import gaps, seconds
 from hullrecon.navigation.sensors.smoothing import local_line
+from hullrecon.records.sensors import ImuSamples
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

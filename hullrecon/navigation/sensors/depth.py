@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import PressureSamples
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
+from hullrecon.records.sensors import PressureSamples
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

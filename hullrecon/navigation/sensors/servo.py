@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import JointSamples
 from hullrecon.geometry.robust import robust_sigma
+from hullrecon.records.sensors import JointSamples
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import DvlPings
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.sensors.clock import gaps
 from hullrecon.navigation.sensors.smoothing import running_median
+from hullrecon.records.sensors import DvlPings
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

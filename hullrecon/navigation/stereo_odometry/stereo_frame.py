@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.vehicle import cross_matrix
 
@@ -29,8 +29,8 @@ class StereoRig:
     """Two cameras, and T_ct_cb, one pose. sigma_px: of a feature. slack_px: how far the rig's own uncertainty moves an epipolar
     line. nearest_m, farthest_m: depths that count."""
 
-    top: Camera
-    bottom: Camera
+    top: CameraModel
+    bottom: CameraModel
     T_ct_cb: Poses
     sigma_px: float = 1.0
     slack_px: float = 0.0
@@ -66,7 +66,7 @@ def stereo_frame(top: Picture | None, bottom: Picture | None, rig: StereoRig, mo
     return StereoFrame(a, b, rows[kept], point[kept], covariance[kept])
 
 
-def find_features(picture: Picture | None, camera: Camera, most: int) -> Features:
+def find_features(picture: Picture | None, camera: CameraModel, most: int) -> Features:
     """SIFT on the gray image after CLAHE (clip 3, 8 x 8 tiles), which lifts what lamps leave dark."""
     import cv2
 

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import TrajectoryErrorModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.error_propagation import twist_by_pose_error
 from hullrecon.navigation.stereo_odometry.stereo_frame import StereoFrame, StereoRig
 from hullrecon.navigation.stereo_odometry.stereo_motion import StereoMotion, stereo_motion
 from hullrecon.navigation.vehicle import cross_matrix
+from hullrecon.records.trajectory import TrajectoryErrorModel
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

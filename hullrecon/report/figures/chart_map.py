@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import Surface
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import vertex_areas
+from hullrecon.records.surface import Surface
 from hullrecon.report.figures.style import new_figure, png_bytes
 
 Array = NDArray[np.float64]

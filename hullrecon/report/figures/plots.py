@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import DvlPings, Solution, Surface
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.records.iterations import broken, reached
+from hullrecon.records.sensors import DvlPings
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
+from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.report.export.csv_export import numbers, seconds
-from hullrecon.report.export.trajectory import Track
 from hullrecon.report.figures.chart_map import weighted_percentiles
 from hullrecon.report.figures.style import BLUE, GRAY, GREEN, ORANGE, Plot, new_figure, plain_log, png_bytes, whole_numbers
 
@@ -124,7 +126,7 @@ def deviation_histogram(solution: Solution | None, as_found: Surface | None) -> 
     """Share of landmarks, and of the area seen, by their signed distance to the drawing; None without a drawing."""
     groups = {}
     if solution is not None:
-        groups["landmarks"] = (solution.deviation, np.ones(len(solution.deviation)))
+        groups["landmarks"] = (solution.landmarks.deviation, np.ones(len(solution.landmarks)))
     if as_found is not None:
         groups["as_found"] = (as_found.deviation, np.where(as_found.support > 0, vertex_areas(as_found.mesh()), 0.0))
     groups = {n: (v[np.isfinite(v)], w[np.isfinite(v)]) for n, (v, w) in groups.items()}
@@ -177,7 +179,7 @@ def depth_and_standoff(t_ns: NDArray[np.int64], depth_m: Array, dvl: DvlPings | 
     return Plot("depth_standoff", "Depth and distance to the hull", alt + ".", png_bytes(figure), table)
 
 
-def sigmas(track: Track) -> Plot:
+def sigmas(track: VehicleTrack) -> Plot:
     """One sigma of the vehicle's position by axis over time."""
     figure, axis = new_figure()
     for k, (name, color) in enumerate(zip("xyz", (BLUE, ORANGE, GREEN), strict=True)):

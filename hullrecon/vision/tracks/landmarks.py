@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import Tracks
+from hullrecon.records.tracks import Tracks
 from hullrecon.vision.features.extraction import Features
 from hullrecon.vision.stereo.matching import StereoMatches
 from hullrecon.vision.tracks.union import join
@@ -75,7 +75,9 @@ def build(
     label = np.unique(label[keep], return_inverse=True)[1].astype(np.int64)
     node, top, bottom, color = node[keep], top[keep], bottom[keep], color[keep]
     order = np.lexsort((node, label))
-    return Tracks(label[order], node[order], top[order], bottom[order], _mean_color(label, color))
+    return Tracks(
+        landmark=label[order], node=node[order], top=top[order], bottom=bottom[order], color=_mean_color(label, color)
+    )
 
 
 def _observations(
