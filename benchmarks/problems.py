@@ -20,7 +20,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.start import SIGMA_ODOMETRY, dead_reckoned, measure, mount_error, triangulate
 from benchmarks.survey import (
@@ -31,7 +30,6 @@ from benchmarks.survey import (
     T_S_CT,
     T_S_D,
     TRAY_ORIGIN,
-    Ints,
     Size,
     fly,
     hull_mesh,
@@ -40,10 +38,10 @@ from benchmarks.survey import (
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex, Problem
+from hullrecon.typing import Array, Ints, Mask
 
 __all__ = ["SIZES", "Size", "Truth", "make", "simulate"]
 
-Array = NDArray[np.float64]
 NOISE_PX, SCATTER_M, OFF_HULL = 1.0, 0.005, 0.05
 ACROSS = 0.125
 PLAY_RAD = np.radians(0.5)
@@ -58,7 +56,7 @@ class Truth:
     T_g_M: Poses
     T_s_ct: Poses
     landmark: Array
-    off_hull: NDArray[np.bool_]
+    off_hull: Mask
 
 
 def make(size: Size, seed: int = 0) -> Problem:
@@ -161,7 +159,7 @@ def _pairs(size: Size, rng: np.random.Generator) -> tuple[Ints, Ints]:
 
 def _landmarks(
     size: Size, hull: MeshIndex, in_hull: Poses, tray: Array, first: Ints, second: Ints, rng: np.random.Generator
-) -> tuple[Array, NDArray[np.bool_]]:
+) -> tuple[Array, Mask]:
     """(L, 3) in M, seen by both poses; one in twenty stands 0.1 to 0.3 m off the hull [Ozog2016 Fig. 4.15], the rest
     scatter."""
     x, z = tracks(size)
@@ -181,7 +179,7 @@ def _landmarks(
     return points, off
 
 
-def _seen(in_hull: Poses, tray: Array, node: Ints, points: Array, stereo: bool) -> NDArray[np.bool_]:
+def _seen(in_hull: Poses, tray: Array, node: Ints, points: Array, stereo: bool) -> Mask:
     pixels = _project(in_hull[node], tray[node], points, T_S_CT, stereo)
     within = (pixels > 5) & (pixels < np.tile([CAMERA.width - 5, CAMERA.height - 5], 1 + stereo))
     return np.asarray(within.all(1))

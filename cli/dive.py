@@ -114,7 +114,6 @@ def _simulate_options() -> list[click.Option]:
 def simulate(folder: Path, **options: Any) -> None:
     """Make a dive package with truth in FOLDER."""
     from hullrecon.artifacts.execution.progress import choose_progress
-
     from hullrecon.synthetic.command import simulate as make
 
     state = state_of()

@@ -9,7 +9,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.detection import coverage
@@ -33,8 +32,8 @@ from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import Surface
 from hullrecon.steps.cameras import cameras_file
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 Facts = dict[str, object]
 PIECE_M = 0.12  # edges of the pieces on which coverage is summed
 PIECES_REACH_M = 2.0  # from what the survey saw; beyond, the drawing's own faces are the pieces

@@ -11,7 +11,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.errors import StageError
@@ -20,6 +19,7 @@ from hullrecon.geometry.poses import from_mount
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import Survey, depth_priors, survey_of
 from hullrecon.vision.pairs.match_worker import Bench, MatchNode, MatchPairs, Node, Pair
@@ -31,8 +31,6 @@ from hullrecon.vision.stereo.rectification import Rig
 from hullrecon.vision.tracks.landmarks import Matches, build
 from hullrecon.vision.tracks.track_verification import Link, doubtful
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 BLOCK = 48  # pairs that one call of a worker compares: neighbours share views
 
 
@@ -71,7 +69,7 @@ def run(context: Context) -> None:
 
 def _doubtful(
     rig: Rig, links: Sequence[Link], options: MatchOptions, node: Ints, label: Ints, top: Array, bottom: Array
-) -> NDArray[np.bool_]:
+) -> Mask:
     return doubtful(rig, node, label, top, bottom, links, options)
 
 
@@ -156,7 +154,7 @@ def _write_pairs(
     context.out.json("pairs.json", {"reasons": words, "failed": failed, "chains": chains, "counts": counts})
 
 
-def _chains(proposal: Proposal, matched: NDArray[np.bool_]) -> list[int]:
+def _chains(proposal: Proposal, matched: Mask) -> list[int]:
     """Sizes of the groups of nodes that matches connect, the largest first; nodes in no proposed pair are left out."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components

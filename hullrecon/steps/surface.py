@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.errors import StageError
@@ -27,8 +26,8 @@ from hullrecon.surface.build import LEAST_LEAN, Cloud, build_surface
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.surface.outliers import statistical_inliers
 from hullrecon.surface.returns import pose_sigma_along, return_points
+from hullrecon.typing import Array, Mask
 
-Array = NDArray[np.float64]
 MOST_FOLDED = 0.01  # share of returns that may lie where the hull turns away from the plane
 
 
@@ -123,7 +122,7 @@ def _returned(context: Context, place: Placement, options: SurfaceOptions) -> tu
     return _rows(returns, kept), points[kept], _counts(returns, kept)
 
 
-def _inliers(points: Array, returns: Returns, options: SurfaceOptions) -> NDArray[np.bool_]:
+def _inliers(points: Array, returns: Returns, options: SurfaceOptions) -> Mask:
     """Returns that navigation did not flag and that do not stand apart."""
     kept = ~returns.flagged & np.isfinite(points).all(axis=1)
     if kept.sum() < 4:
@@ -132,7 +131,7 @@ def _inliers(points: Array, returns: Returns, options: SurfaceOptions) -> NDArra
     return kept
 
 
-def _rows(returns: Returns, which: NDArray[np.bool_]) -> Returns:
+def _rows(returns: Returns, which: Mask) -> Returns:
     return from_arrays(Returns, {name: values[which] for name, values in to_arrays(returns).items()})
 
 
@@ -205,7 +204,7 @@ def _circularity(reference: str, drawn: bool, adjusted: bool) -> tuple[str, str 
     return reference, f"The drawing's shape does not enter the regression of the returns.{placed}"
 
 
-def _counts(returns: Returns, kept: NDArray[np.bool_]) -> dict[str, object]:
+def _counts(returns: Returns, kept: Mask) -> dict[str, object]:
     flagged = int(returns.flagged.sum())
     return {"returns": len(kept), "flagged": flagged, "outliers": int((~kept).sum()) - flagged, "used": int(kept.sum())}
 

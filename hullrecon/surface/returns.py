@@ -5,13 +5,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.trajectory import Returns
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def return_points(returns: Returns, T_x_v: Poses, tray_rad: Array, tray_origin: Array, T_s_d: Poses) -> Array:
@@ -26,7 +24,7 @@ def return_points(returns: Returns, T_x_v: Poses, tray_rad: Array, tray_origin: 
     return T_x_d.apply(returns.beam * returns.range_m[:, None])
 
 
-def pose_sigma_along(normals: Array, levers: Array, covariance: Array, rotation: NDArray[np.float64]) -> Array:
+def pose_sigma_along(normals: Array, levers: Array, covariance: Array, rotation: Array) -> Array:
     """One sigma (m,) of points along their normals that the poses' covariances cause.
 
     normals (m, 3) and levers (m, 3: point minus vehicle) in x; covariance (m, 6, 6) of (translation in x, rotation

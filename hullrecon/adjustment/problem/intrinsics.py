@@ -11,14 +11,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.measurements import Measurements, Rig
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 NAMES = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
 _FAR_SIGMAS = 3.0
 

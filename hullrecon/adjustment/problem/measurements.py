@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.dive.config import schema
 from hullrecon.geometry import poses
@@ -17,8 +16,7 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 @dataclass(frozen=True)

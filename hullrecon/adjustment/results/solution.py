@@ -22,8 +22,8 @@ from hullrecon.adjustment.results import residual_statistics
 from hullrecon.adjustment.results.covariance import hull_axes, points_in_hull, poses_in_hull
 from hullrecon.geometry import poses
 from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Mounts, Solution
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
 NAVIGATION = ("dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_play_rad")
 
 
@@ -155,14 +155,14 @@ def _lever_arm(m: Measurements, state: State) -> Array:
     return out
 
 
-def _labels(adjusted: Adjusted, count: int) -> tuple[NDArray[np.int64], Array]:
+def _labels(adjusted: Adjusted, count: int) -> tuple[Ints, Array]:
     """Label and signed distance to the drawing of each landmark; without a drawing all are label 0 of unknown deviation."""
     if adjusted.state.T_g_M is None or not count:
         return np.zeros(count, np.int64), np.full(count, np.nan)
     return adjusted.result.label.astype(np.int64), adjusted.result.distance
 
 
-def _views(m: Measurements, adjusted: Adjusted) -> NDArray[np.int64]:
+def _views(m: Measurements, adjusted: Adjusted) -> Ints:
     """Images that saw each landmark and were used (L,)."""
     if m.tracks is None:
         return np.zeros(0, np.int64)

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.detection.as_found.estimate import Found
 from hullrecon.detection.as_found.landmarks import Measured
@@ -13,8 +12,8 @@ from hullrecon.detection.as_found.mesh import refine_near, vertex_normals
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.records.surface import Surface
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 SEAM_SIGMA_M = 0.01  # of a height carried over the width of one triangle of the DVL's surface
 
 

@@ -16,9 +16,8 @@ from hullrecon.dive.logs.dvl_beams import choose_beams, unit
 from hullrecon.dive.logs.samples import DvlSample, ImuSample, JointSample, PressureSample, SonarSample
 from hullrecon.errors import InputError
 from hullrecon.records.sensors import DvlPings, ImuSamples, JointSamples, PressureSamples, SonarPings
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 FASTEST = 15.0  # m/s; no vehicle at a hull is faster
 NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))

@@ -8,15 +8,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.poses import Poses, tray_poses
 from hullrecon.records.solution import DeviationField, Solution
 from hullrecon.records.trajectory import Returns, Trajectory
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 
 

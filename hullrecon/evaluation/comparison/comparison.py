@@ -22,8 +22,7 @@ from hullrecon.records.iterations import count
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, Trajectory
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.evaluation.comparison.beams import adjusted_beams
 from hullrecon.evaluation.scoring.alignment import Motion
@@ -21,8 +20,7 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.poses import Poses, tray_poses
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Mask
 
 METHODS = ("naive", "geva", "maxmix")
 WEIGHTINGS = {"as printed": True, "as weighted by us": False}  # name -> adjust.as_published
@@ -127,7 +125,7 @@ def _cameras(solution: Solution, T_M_v: Poses, tray_origin_m: Array, T_s_ct: Pos
     return dict(centre_figures(stamps(solution)[has], at.translation, truth))
 
 
-def _on_steel(landmarks: Array, truth: Truth, motion: Motion) -> NDArray[np.bool_]:
+def _on_steel(landmarks: Array, truth: Truth, motion: Motion) -> Mask:
     """Away from everything that stands out."""
     moved, clear = motion.apply(landmarks), np.ones(len(landmarks), bool)
     for o in truth.structures():

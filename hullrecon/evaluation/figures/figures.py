@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.evaluation.comparison.beams import adjusted_beams, field_at, range_residuals, reckoned_beams
 from hullrecon.evaluation.comparison.comparison import Reckoned, Solved
@@ -33,8 +32,7 @@ from hullrecon.evaluation.scoring.trajectory import judge_trajectory
 from hullrecon.evaluation.scoring.truth import Truth
 from hullrecon.geometry.poses import of_seven
 from hullrecon.records.iterations import reached
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def draw(solved: Sequence[Solved], start: Reckoned, truth: Truth, detect: Path) -> list[Figure]:

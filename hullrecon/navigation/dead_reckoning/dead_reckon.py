@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses, roll_pitch_yaw
@@ -26,9 +25,8 @@ from hullrecon.navigation.sensors.velocity import usable_velocities
 from hullrecon.navigation.vehicle import Vehicle
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.typing import Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 UNKNOWN_SIGMA_M = 1e3  # of a depth that nothing measured
 
 

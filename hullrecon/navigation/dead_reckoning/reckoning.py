@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, tray_poses
@@ -23,9 +22,8 @@ from hullrecon.navigation.sensors.clock import seconds
 from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.navigation.vehicle import Vehicle, cross_matrix
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 UP_DOWN = np.array([0.0, 0.0, 1.0])  # z of g
 TILT_AXIS = np.array([0.0, 1.0, 0.0])  # the tray turns about y of the vehicle
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses, identity, roll_pitch_yaw, tray_poses
@@ -25,9 +24,7 @@ from hullrecon.navigation.stereo_odometry.visual_odometry import Chain, chain_er
 from hullrecon.navigation.vehicle import Vehicle
 from hullrecon.records.sensors import ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from hullrecon.geometry.poses import Poses, tray_poses
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.report.content.survey import Eye
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True)
@@ -33,7 +32,7 @@ class Crop:
     t_ns: int
 
 
-def camera_poses(track: VehicleTrack, eye: Eye, nodes: NDArray[np.int64], tray_origin_m: Sequence[float]) -> Poses:
+def camera_poses(track: VehicleTrack, eye: Eye, nodes: Ints, tray_origin_m: Sequence[float]) -> Poses:
     """T_M_c (T_g_c without a drawing) at those nodes."""
     return track.poses[nodes] @ tray_poses(tray_origin_m, track.tray[nodes]) @ eye.tray_from_camera
 
@@ -70,7 +69,7 @@ def _scores(
     return [(int(n), float(s)) for n, s, good in zip(nodes, score, inside, strict=True) if good]
 
 
-def _rows_named(images: Sequence[Any], eye: Eye) -> NDArray[np.int64] | None:
+def _rows_named(images: Sequence[Any], eye: Eye) -> Ints | None:
     """Rows of the camera's index for names like camera_top/1777887000468241234.jpg; None when the object names no image."""
     if not images:
         return None

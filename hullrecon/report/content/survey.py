@@ -20,7 +20,6 @@ from hullrecon.records.solution import Solution
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Trajectory, VehicleTrack
 
-Array = NDArray[np.float64]
 Document = Mapping[str, Any]
 
 

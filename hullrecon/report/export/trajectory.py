@@ -4,14 +4,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Trajectory, VehicleTrack
 from hullrecon.report.export.csv_export import csv_text, numbers, seconds
-
-Array = NDArray[np.float64]
 
 
 def track_of(trajectory: Trajectory, solution: Solution | None) -> VehicleTrack:

@@ -7,15 +7,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from hullrecon.geometry.poses import Poses, tray_poses
 from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.typing import Array, Ints
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.stereo.node_view import DepthPrior
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 # What navigation's error model does not hold: stamps of the images, the camera's mount, holes in the attitude.
 WHITE_TRANSLATION_M = 0.01
 WHITE_ROTATION_RAD = np.radians(0.2)

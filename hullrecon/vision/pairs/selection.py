@@ -7,15 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import Survey
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 RETURN = 0.2  # of overlap: the vehicle had gone and come back, it did not just move on slowly
 GRID = 8  # cells of the footprint along each side
 FINE_GRID = 32  # where small steps count

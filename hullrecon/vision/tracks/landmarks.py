@@ -11,13 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.records.tracks import Tracks
+from hullrecon.typing import Array, Floats32, Ints, Mask
 from hullrecon.vision.features.extraction import Features
 from hullrecon.vision.stereo.matching import StereoMatches
 from hullrecon.vision.tracks.union import join
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -44,7 +41,7 @@ class Matches:
     first_row: Ints
     second_node: Ints
     second_row: Ints
-    distance: NDArray[np.float32]
+    distance: Floats32
 
 
 def build(
