@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Ints32
 
 
 @dataclass(frozen=True)
@@ -30,8 +29,8 @@ class Bundle:
     point: Array
     camera: Array
     T_ct_cb: Array
-    seen_from: NDArray[np.int32]
-    seen: NDArray[np.int32]
+    seen_from: Ints32
+    seen: Ints32
     pixel: Array
 
     @property

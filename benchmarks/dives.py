@@ -26,7 +26,7 @@ import numpy as np
 
 from hullrecon.evaluation.scoring.score import judge
 from hullrecon.evaluation.scoring.truth import read_truth
-from hullrecon.geometry.poses import Poses, of_seven
+from hullrecon.geometry.poses import Poses
 
 BASE = "--no-sonar --legs 4 --leg-length-m 5 --views 6"
 DIVES = {
@@ -138,8 +138,10 @@ def nees(adjust: Path, package: Path) -> float:
     dive: errors of neighbouring poses are one and the same, that of the hull's place."""
     solution = np.load(adjust / "solution.npz")
     middle = len(solution["t_ns"]) // 2
-    pose = Poses(solution["quaternion"][middle][None], solution["translation"][middle][None])
-    hull = of_seven(solution["T_g_M"])
+    pose, hull = (
+        Poses(np.atleast_2d(solution[f"{name}.quaternion"])[row], np.atleast_2d(solution[f"{name}.translation"])[row])
+        for name, row in (("global_from_vehicle", [middle]), ("hull_pose.global_from_hull", [0]))
+    )
     ours, true = hull.inverse() @ pose, read_truth(package).vehicle_at(solution["t_ns"][middle : middle + 1] / 1e9)
     turn = (true.rotation.inv() * ours.rotation).as_rotvec()[0]
     error = np.r_[ours.translation[0] - true.translation[0], turn]

@@ -42,7 +42,7 @@ def bundle_of(problem: Any) -> Bundle:
     used, seen_from = np.unique(node, return_inverse=True)
     start = Poses(problem.pose[used, 3:7], problem.pose[used, :3])
     mount = poses.of_seven(problem.T_s_ct)
-    top = start @ poses.tray(TRAY_ORIGIN, problem.pose[used, 7]) @ mount
+    top = start @ poses.tray_poses(TRAY_ORIGIN, problem.pose[used, 7]) @ mount
     return Bundle(
         pose=np.hstack([top.translation, top.quaternion]),
         point=np.ascontiguousarray(problem.landmark),

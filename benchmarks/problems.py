@@ -20,7 +20,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.start import SIGMA_ODOMETRY, dead_reckoned, measure, mount_error, triangulate
 from benchmarks.survey import (
@@ -31,7 +30,6 @@ from benchmarks.survey import (
     T_S_CT,
     T_S_D,
     TRAY_ORIGIN,
-    Ints,
     Size,
     fly,
     hull_mesh,
@@ -40,10 +38,10 @@ from benchmarks.survey import (
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex, Problem
+from hullrecon.typing import Array, Ints, Mask
 
 __all__ = ["SIZES", "Size", "Truth", "make", "simulate"]
 
-Array = NDArray[np.float64]
 NOISE_PX, SCATTER_M, OFF_HULL = 1.0, 0.005, 0.05
 ACROSS = 0.125
 PLAY_RAD = np.radians(0.5)
@@ -58,7 +56,7 @@ class Truth:
     T_g_M: Poses
     T_s_ct: Poses
     landmark: Array
-    off_hull: NDArray[np.bool_]
+    off_hull: Mask
 
 
 def make(size: Size, seed: int = 0) -> Problem:
@@ -134,7 +132,7 @@ def _gauge(problem: Problem) -> None:
 
 def _ranges(problem: Problem, hull: MeshIndex, in_hull: Poses, tray: Array, rng: np.random.Generator) -> None:
     n = len(in_hull)
-    dvl = in_hull @ poses.tray(TRAY_ORIGIN, tray) @ T_S_D
+    dvl = in_hull @ poses.tray_poses(TRAY_ORIGIN, tray) @ T_S_D
     node, beam = np.repeat(np.arange(n, dtype=np.int32), 4), np.tile(BEAMS, (n, 1))
     hits = hull.cast(dvl.translation[node], dvl.rotation[node].apply(beam))
     if not np.isfinite(hits.range).all():
@@ -161,7 +159,7 @@ def _pairs(size: Size, rng: np.random.Generator) -> tuple[Ints, Ints]:
 
 def _landmarks(
     size: Size, hull: MeshIndex, in_hull: Poses, tray: Array, first: Ints, second: Ints, rng: np.random.Generator
-) -> tuple[Array, NDArray[np.bool_]]:
+) -> tuple[Array, Mask]:
     """(L, 3) in M, seen by both poses; one in twenty stands 0.1 to 0.3 m off the hull [Ozog2016 Fig. 4.15], the rest
     scatter."""
     x, z = tracks(size)
@@ -181,7 +179,7 @@ def _landmarks(
     return points, off
 
 
-def _seen(in_hull: Poses, tray: Array, node: Ints, points: Array, stereo: bool) -> NDArray[np.bool_]:
+def _seen(in_hull: Poses, tray: Array, node: Ints, points: Array, stereo: bool) -> Mask:
     pixels = _project(in_hull[node], tray[node], points, T_S_CT, stereo)
     within = (pixels > 5) & (pixels < np.tile([CAMERA.width - 5, CAMERA.height - 5], 1 + stereo))
     return np.asarray(within.all(1))
@@ -189,7 +187,7 @@ def _seen(in_hull: Poses, tray: Array, node: Ints, points: Array, stereo: bool) 
 
 def _project(nodes: Poses, tray: Array, points: Array, T_s_ct: Poses, stereo: bool) -> Array:
     """(m, 2) or (m, 4) pixels of points (m, 3), each from its own node."""
-    top = nodes @ poses.tray(TRAY_ORIGIN, tray) @ T_s_ct
+    top = nodes @ poses.tray_poses(TRAY_ORIGIN, tray) @ T_s_ct
     in_top = top.inverse().apply(points)
     pixels = [CAMERA.project(in_top)]
     if stereo:
@@ -221,7 +219,7 @@ def _start_landmarks(problem: Problem, size: Size, start: Poses) -> None:
     origins, rays = np.empty((size.landmarks, 2, 3)), np.empty((size.landmarks, 2, 3))
     for k in range(2):
         at = node[:, 0 if size.stereo else k]
-        camera = start[at] @ poses.tray(TRAY_ORIGIN, problem.pose[at, 7]) @ mount
+        camera = start[at] @ poses.tray_poses(TRAY_ORIGIN, problem.pose[at, 7]) @ mount
         camera = camera @ T_CT_CB if size.stereo and k == 1 else camera
         origins[:, k], rays[:, k] = camera.translation, camera.rotation.apply(CAMERA.rays(pixel[:, k]))
     problem.landmark = triangulate(origins, rays, range_m)

@@ -5,14 +5,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from benchmarks.survey import STEP_M
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
 SPEED_MPS = 0.25
 SIGMA_ODOMETRY = np.r_[np.full(3, 0.004), 2e-4, 2e-4, 1e-4]  # m, rad a step: a DVL ping of 5 mm/s, a gyro of 0.4 deg/sqrt(h)
 DVL_SCALE, DVL_MOUNT_RAD = 0.003, np.radians(0.3)
@@ -49,7 +48,7 @@ def dead_reckoned(nodes: Poses, measured: Poses, rng: np.random.Generator) -> Po
     return Poses(rotation.as_quat(), position)
 
 
-def _slow(number: NDArray[np.int64], rng: np.random.Generator, every: int = 200) -> Array:
+def _slow(number: Ints, rng: np.random.Generator, every: int = 200) -> Array:
     """Unit noise with a new value every 200 poses (40 m), linear between."""
     knots = rng.standard_normal(number[-1] // every + 2)
     return np.asarray(np.interp(number / every, np.arange(len(knots)), knots))

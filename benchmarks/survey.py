@@ -7,16 +7,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry import poses
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
+from hullrecon.typing import Array, Ints, Ints32
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-CAMERA = Camera(1360, 1024, 1400.0, 1400.0, 680.0, 512.0)
+CAMERA = CameraModel(1360, 1024, 1400.0, 1400.0, 680.0, 512.0)
 T_S_CT = poses.from_mount([0.0, 0.0, -0.05, 90.0, 0.0, 90.0])
 T_CT_CB = poses.from_mount([0.0, 0.1, 0.0, 0.0, 0.0, 0.0])
 T_S_D = poses.from_mount([0.0, 0.0, 0.08, 0.0, 90.0, 0.0])
@@ -67,7 +65,7 @@ def side(x: Array, z: Array) -> Array:
     return np.asarray(16.0 * ends * np.maximum(section, 0.05))
 
 
-def hull_mesh(along: int = 201, girth: int = 51) -> tuple[Array, NDArray[np.int32]]:
+def hull_mesh(along: int = 201, girth: int = 51) -> tuple[Array, Ints32]:
     """20,000 triangles of the port side, outward y."""
     x, z = np.meshgrid(np.linspace(-90, 90, along), np.linspace(0.2, 14, girth), indexing="ij")
     vertices = np.stack([x, side(x, z), z], -1).reshape(-1, 3)

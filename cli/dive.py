@@ -113,8 +113,7 @@ def _simulate_options() -> list[click.Option]:
 @click.argument("folder", type=FOLDER)
 def simulate(folder: Path, **options: Any) -> None:
     """Make a dive package with truth in FOLDER."""
-    from hullrecon.artifacts.progress import choose_progress
-
+    from hullrecon.artifacts.execution.progress import choose_progress
     from hullrecon.synthetic.command import simulate as make
 
     state = state_of()

@@ -17,19 +17,17 @@ from dataclasses import dataclass
 from dataclasses import field as default
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from hullrecon.errors import InputError
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
+from hullrecon.typing import Array, Ints, Ints32, Mask
 
 
 def _floats(*shape: int) -> Array:
     return default(default_factory=lambda: np.zeros(shape))
 
 
-def _ints(*shape: int) -> Ints:
+def _ints(*shape: int) -> Ints32:
     return default(default_factory=lambda: np.zeros(shape, np.int32))
 
 
@@ -62,13 +60,13 @@ class Problem:
 
     # the drawing
     vertices: Array = _floats(0, 3)
-    faces: Ints = _ints(0, 3)
+    faces: Ints32 = _ints(0, 3)
     tray_origin: Array = _floats(3)  # in vehicle
     pressure_origin: Array = _floats(3)  # in vehicle
 
     # full priors [Ozog2016 eq. 4.8]: residual = sqrt_information (6, 6) @ (translation, rotation vector) of prior^-1 . x, so
     # the translation reads in the axes of the prior
-    prior_pose_node: Ints = _ints(0)
+    prior_pose_node: Ints32 = _ints(0)
     prior_pose: Array = _floats(0, 7)
     prior_pose_sqrt: Array = _floats(0, 6, 6)
     prior_T_g_M: Array | None = None  # (7,)
@@ -84,12 +82,12 @@ class Problem:
 
     # depth, roll, pitch [Ozog2016 eq. 4.9]: z of the pressure sensor + depth bias, roll + roll bias, pitch + pitch bias, less
     # measured
-    attitude_node: Ints = _ints(0)
+    attitude_node: Ints32 = _ints(0)
     attitude_measured: Array = _floats(0, 3)  # depth, roll, pitch
     attitude_sigma: Array = _floats(0, 3)
 
     # tray [Ozog2016 eq. 4.10]: (theta + play * direction - measured) / sigma
-    tray_node: Ints = _ints(0)
+    tray_node: Ints32 = _ints(0)
     tray_measured: Array = _floats(0)
     tray_direction: Array = _floats(0)
     tray_sigma: Array = _floats(0)
@@ -97,8 +95,8 @@ class Problem:
     # odometry [Ozog2016 eq. 4.11]: sqrt @ (e - by_navigation @ (scale, drift) - by_mount @ Log(R_mount^-1 R_s_d) - by_tray *
     # (mean tray angle - tray)), e = (t_ij - t_z in the axes of vehicle i, Log(R_z^-1 R_ij)), T_ij = T_i^-1 T_j; each by_* is a
     # derivative of the measured motion z in these same coordinates
-    odometry_first: Ints = _ints(0)
-    odometry_second: Ints = _ints(0)
+    odometry_first: Ints32 = _ints(0)
+    odometry_second: Ints32 = _ints(0)
     odometry_measured: Array = _floats(0, 7)
     odometry_sqrt: Array = _floats(0, 6, 6)
     odometry_by_navigation: Array = _floats(0, 6, 2)  # by DVL scale error, heading drift
@@ -110,35 +108,35 @@ class Problem:
     # stereo [Ozog2016 eq. 4.12] and mono [Ozog2016 eq. 4.13], raw pixels through the full camera model; one Huber loss on the
     # norm of a factor's 4 or 2 rows (Options.huber_stereo, huber_mono); a point behind its camera costs 10^4 px a row, without
     # derivative
-    stereo_node: Ints = _ints(0)
-    stereo_landmark: Ints = _ints(0)
+    stereo_node: Ints32 = _ints(0)
+    stereo_landmark: Ints32 = _ints(0)
     stereo_pixel: Array = _floats(0, 4)  # top u v, bottom u v
-    mono_node: Ints = _ints(0)
-    mono_landmark: Ints = _ints(0)
-    mono_camera: Ints = _ints(0)  # 0 top, 1 bottom
+    mono_node: Ints32 = _ints(0)
+    mono_landmark: Ints32 = _ints(0)
+    mono_camera: Ints32 = _ints(0)  # 0 top, 1 bottom
     mono_pixel: Array = _floats(0, 2)
     sigma_px: float = 1.0
 
     # ray-cast ranges [Ozog2016 eq. 4.14]: (predicted - measured) / sigma; predicted is the distance to the drawing moved
     # outward by the field: cast - field / cos(incidence)
-    range_node: Ints = _ints(0)
+    range_node: Ints32 = _ints(0)
     range_offset: Array = _floats(0, 7)  # vehicle at the ping in vehicle at the node
     range_tray_offset: Array = _floats(0)
     range_beam: Array = _floats(0, 3)  # unit, in dvl
     range_measured: Array = _floats(0)
     range_sigma: Array = _floats(0)
-    range_field_index: Ints = _ints(0, 4)  # nodes of the field, with their weights; (m, 4) or empty without a field
+    range_field_index: Ints32 = _ints(0, 4)  # nodes of the field, with their weights; (m, 4) or empty without a field
     range_field_weight: Array = _floats(0, 4)
 
     # surface [Ozog2016 eqs 4.4, 4.5, 4.7]: signed distance of the landmark to the drawing minus the field
-    surface_landmark: Ints = _ints(0)
+    surface_landmark: Ints32 = _ints(0)
     surface_weight: Array = _floats(0)  # multiplies the mixture's cost
-    surface_field_index: Ints = _ints(0, 4)
+    surface_field_index: Ints32 = _ints(0, 4)
     surface_field_weight: Array = _floats(0, 4)
 
     # prior of the field: rows of a sparse whitening operator, CSR
-    field_prior_start: Ints = _ints(0)  # (rows + 1,)
-    field_prior_index: Ints = _ints(0)
+    field_prior_start: Ints32 = _ints(0)  # (rows + 1,)
+    field_prior_index: Ints32 = _ints(0)
     field_prior_value: Array = _floats(0)
 
 
@@ -183,12 +181,12 @@ class IterationRecord:
     step_norm: Array
     gradient_norm: Array
     radius: Array
-    accepted: NDArray[np.bool_]
+    accepted: Mask
     seconds: Array
     cost_by_factor: dict[str, Array]
-    on_surface: NDArray[np.int64]  # landmarks labelled 1
-    label_changes: NDArray[np.int64]
-    rays_missed: NDArray[np.int64]
+    on_surface: Ints  # landmarks labelled 1
+    label_changes: Ints
+    rays_missed: Ints
 
 
 @dataclass(frozen=True)
@@ -197,9 +195,9 @@ class Result:
     drawing (without the field); ray_hit (m,) bool; message from the solver; seconds by part."""
 
     unknowns: dict[str, Array]
-    label: Ints
+    label: Ints32
     distance: Array
-    ray_hit: NDArray[np.bool_]
+    ray_hit: Mask
     iterations: IterationRecord
     converged: bool
     message: str
@@ -215,7 +213,7 @@ class Closest:
     distance: Array
     point: Array
     gradient: Array
-    face: Ints
+    face: Ints32
 
 
 @dataclass(frozen=True)
@@ -223,7 +221,7 @@ class Hits:
     """range (n,) m, inf on a miss; face (n,), -1 on a miss; normal (n, 3) unit, outward by the corners' order, 0 on a miss."""
 
     range: Array
-    face: Ints
+    face: Ints32
     normal: Array
 
 
@@ -285,10 +283,10 @@ class Evaluation:
 
     residual: Array
     weight: Array
-    factor: Ints
-    table_row: Ints
-    jacobian_start: NDArray[np.int64]
-    jacobian_column: NDArray[np.int64]
+    factor: Ints32
+    table_row: Ints32
+    jacobian_start: Ints
+    jacobian_column: Ints
     jacobian_value: Array
     width: int
     columns: dict[str, tuple[int, int]]

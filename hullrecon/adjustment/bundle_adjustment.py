@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate, registration
@@ -22,8 +21,8 @@ from hullrecon.adjustment.problem.measurements import Measurements, Rig, return_
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.errors import StageError
 from hullrecon.records.iterations import reached
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 Say = Callable[[str], None]
 NO_STRUCTURE_M = 0.5  # off the hull: a mismatch, not something that stands on it
 log = logging.getLogger(__name__)

@@ -11,12 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from hullrecon.geometry.meshes.mesh import Mesh
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Ints, Ints32
 
 
 @dataclass(frozen=True)
@@ -49,7 +47,7 @@ def facets_near(mesh: Mesh, points: Array, reach_m: float = 1.0) -> Facets:
     return Facets(float(np.sqrt(np.average(worst**2, weights=area + 1e-12))), float(np.average(width[smooth], weights=weight)))
 
 
-def _shared_edges(faces: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int32]]:
+def _shared_edges(faces: Ints32) -> tuple[Ints, Ints, Ints32]:
     """Pairs of faces that share an edge, (k,) each, and the edges' vertices (k, 2)."""
     edges = np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     owner = np.tile(np.arange(len(faces)), 3)
@@ -59,7 +57,7 @@ def _shared_edges(faces: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[
     return owner[same], owner[same + 1], edges[same]
 
 
-def _normals(vertices: Array, faces: NDArray[np.int32]) -> tuple[Array, Array]:
+def _normals(vertices: Array, faces: Ints32) -> tuple[Array, Array]:
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     across = np.cross(b - a, c - a)
     twice = np.linalg.norm(across, axis=1)

@@ -9,19 +9,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.detection.as_found.mesh import vertex_normals
 from hullrecon.detection.views import GRAZING, Sightings
-from hullrecon.dive.records import SonarPings
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.sensors import SonarPings
+from hullrecon.typing import Array, Ints, Mask
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Facts = dict[str, Any]
 CELL_M = 0.1
 BRIDGE_CELLS = 6  # gaps of up to twice as many cells inside the surveyed area count as holes
@@ -53,14 +51,14 @@ def camera_facts(hull: Hull, seen: Sightings, focal_px: float, images: int) -> F
     }  # fmt: skip
 
 
-def near_surface(hull: Hull, vertices: Array, reach_m: float) -> Flags:
+def near_surface(hull: Hull, vertices: Array, reach_m: float) -> Mask:
     """Pieces that the DVL's surface with those vertices covers."""
     if not len(vertices):
         return np.zeros(len(hull.area), bool)
     return np.asarray(np.isfinite(nearest(vertices, hull.mesh.vertices, 1, reach_m)[0][:, 0]))
 
 
-def sonar_seen(hull: Hull, pings: SonarPings, T_x_o: Poses, half_elevation_rad: float, scene: Scene) -> Flags:
+def sonar_seen(hull: Hull, pings: SonarPings, T_x_o: Poses, half_elevation_rad: float, scene: Scene) -> Mask:
     """Pieces inside any ping's fan: range, bearing and elevation fit, facing the sonar, nothing in front.
 
     T_x_o: the sonar at each ping. z looks along the middle of the fan, x out of its plane (docs/conventions.md).
@@ -85,11 +83,11 @@ def sonar_seen(hull: Hull, pings: SonarPings, T_x_o: Poses, half_elevation_rad: 
     return seen
 
 
-def area_facts(hull: Hull, seen: Flags) -> Facts:
+def area_facts(hull: Hull, seen: Mask) -> Facts:
     return {"area_m2": _area(hull, seen)}
 
 
-def holes(hull: Hull, seen: Flags, chart: Chart, address: Callable[[Array], str]) -> list[Facts]:
+def holes(hull: Hull, seen: Mask, chart: Chart, address: Callable[[Array], str]) -> list[Facts]:
     """Unseen patches inside the surveyed area, the largest first: address, center, area."""
     from scipy import ndimage
 
@@ -116,7 +114,7 @@ def holes(hull: Hull, seen: Flags, chart: Chart, address: Callable[[Array], str]
     return sorted(large, key=lambda hole: (-hole["area_m2"], hole["address"]))
 
 
-def _hole(hull: Hull, rows: NDArray[np.int64], address: Callable[[Array], str]) -> Facts:
+def _hole(hull: Hull, rows: Ints, address: Callable[[Array], str]) -> Facts:
     middle = hull.mesh.vertices[rows].mean(axis=0)
     center = hull.mesh.vertices[rows[np.argmin(np.linalg.norm(hull.mesh.vertices[rows] - middle, axis=1))]]
     return {
@@ -126,7 +124,7 @@ def _hole(hull: Hull, rows: NDArray[np.int64], address: Callable[[Array], str]) 
     }
 
 
-def _area(hull: Hull, which: Flags) -> float:
+def _area(hull: Hull, which: Mask) -> float:
     return round(float(hull.area[which].sum()), 4)
 
 

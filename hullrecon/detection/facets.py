@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
 SHARPEST_RAD = np.radians(40.0)  # a sharper edge is a real one (chine, keel), not a curve's facets
 
 
@@ -35,7 +34,7 @@ def facet_sagitta(mesh: Mesh) -> Array:
     return out
 
 
-def _shared_edges(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+def _shared_edges(mesh: Mesh) -> tuple[Ints, Ints, Ints]:
     """Edges (e, 2) between two faces, and those faces (e,), (e,). Corners at equal places count as one."""
     _, same = np.unique(np.round(mesh.vertices, 6), axis=0, return_inverse=True)
     faces = same.reshape(-1)[mesh.faces]

@@ -8,15 +8,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.neighbours import Around
 from hullrecon.geometry.poses import Poses
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 GRAZING = 0.2  # cosine of the steepest incidence at which a surface still shows texture
 CLEARANCE_M = 0.005  # a surface this little in front does not hide
 
@@ -29,7 +27,7 @@ class Views:
     T_x_c: Poses
     node: Ints
     name: tuple[str, ...]
-    camera: Camera
+    camera: CameraModel
     farthest_m: float
 
     def __len__(self) -> int:

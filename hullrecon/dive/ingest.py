@@ -22,10 +22,10 @@ from hullrecon.dive.logs.read_streams import Gathered, Watch, gather
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.dive.logs.timeline import NS, put_in_order
-from hullrecon.dive.records import ImageIndex
 from hullrecon.errors import InputError
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.records.sensors import ImageIndex
 
 JOINT_KEYS = {"tray": "tray.joint", "sonar_tray": "sonar.joint"}
 OpenFile = Callable[[str], BinaryIO]  # a file for the images of that camera
@@ -55,7 +55,7 @@ class Ingested:
 
     records: dict[str, Any] = field(default_factory=dict)
     images: dict[str, ImageIndex] = field(default_factory=dict)
-    cameras: dict[str, Camera] = field(default_factory=dict)
+    cameras: dict[str, CameraModel] = field(default_factory=dict)
     hull: Mesh | None = None
     counts: dict[str, int] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)

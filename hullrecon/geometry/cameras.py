@@ -7,13 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 @dataclass(frozen=True)
-class Camera:
+class CameraModel:
     """fx, fy, cx, cy in pixels; k1, k2, p1, p2, k3 without unit, in OpenCV's order."""
 
     width: int

@@ -5,10 +5,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from hullrecon.typing import Array, Ints
 
 
 def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:

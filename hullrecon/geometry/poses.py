@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True)
@@ -99,13 +99,13 @@ def roll_pitch_yaw(rotation: Rotation) -> Array:
     return np.atleast_2d(rotation.as_euler("xyz"))
 
 
-def tray(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
-    """T_v_s = Trans(origin) Ry(theta) for (n,) angles."""
+def tray_poses(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
+    """Return T_v_s = Trans(origin) Ry(theta) for angles (n,)."""
     angle = np.atleast_1d(np.asarray(angle_rad, float))
     return Poses(Rotation.from_euler("y", angle[:, None]).as_quat(), np.tile(np.asarray(origin_m, float), (len(angle), 1)))
 
 
-def interpolate(t_ns: NDArray[np.int64], poses: Poses, wanted_ns: NDArray[np.int64]) -> Poses:
+def interpolate(t_ns: Ints, poses: Poses, wanted_ns: Ints) -> Poses:
     """Linear in translation, slerp in rotation; outside the span the nearest end is held."""
     at = np.clip(wanted_ns, t_ns[0], t_ns[-1])
     right = np.clip(np.searchsorted(t_ns, at, side="right"), 1, max(1, len(t_ns) - 1))

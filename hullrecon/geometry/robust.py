@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
+
 NORMAL_MAD = 1.4826  # one sigma of normal values over the median of their distances from the middle: 1 / Phi^-1(3/4)
 
 

@@ -7,13 +7,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Picture = NDArray[np.float32]
+from hullrecon.typing import Floats32
+
 STEEPNESS = (5.0, 10.0, 50.0)  # k of B_k, from the coarsest band to the finest
 BLUR_PX = (10.0, 2.5)  # sigma of the low-pass below the middle and the finest band
 REDUCED = 4  # the coarsest band is made at a quarter of the size: six times faster, and the sum stays exact
 
 
-def split(picture: Picture) -> tuple[Picture, Picture, Picture]:
+def split(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
     """Coarse, middle and fine band (h, w, channels); their sum is the picture."""
     import cv2
 
@@ -25,7 +26,7 @@ def split(picture: Picture) -> tuple[Picture, Picture, Picture]:
     return low, middle - low, picture - middle
 
 
-def weight(ratio: NDArray[np.floating], steepness: float) -> NDArray[np.float32]:
+def weight(ratio: NDArray[np.floating], steepness: float) -> Floats32:
     """B_k(r) = exp(-k r/R) / (1 + exp(-2 k r/R)), for r/R from 0 to 1; 0 where that is NaN."""
     fall = np.exp(-steepness * np.nan_to_num(ratio, nan=0.0))
     return np.where(np.isfinite(ratio), fall / (1 + fall * fall), 0).astype(np.float32)

@@ -14,8 +14,8 @@ from hullrecon.mosaic.bands import STEEPNESS, split, weight
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.ground import Ground, Patch, patch_of, seen
 from hullrecon.mosaic.imagery.image_view import Sight
+from hullrecon.typing import Array, Floats32, Ints32, Mask
 
-Array = NDArray[np.float64]
 VIEWS = 4  # at most so many a texel [Ozog2016 3.2.4]
 
 
@@ -23,16 +23,16 @@ VIEWS = 4  # at most so many a texel [Ozog2016 3.2.4]
 class Choice:
     """The best views of each texel, best first: view (4, h, w), -1 where fewer see it; cost (4, h, w), inf there."""
 
-    view: NDArray[np.int32]
-    cost: NDArray[np.float32]
+    view: Ints32
+    cost: Floats32
 
 
 @dataclass(frozen=True)
 class Tile:
     """value (h, w, channels) 0 to 255, variance (h, w) of the weighted intensities, views (h, w): how many were blended."""
 
-    value: NDArray[np.float32]
-    variance: NDArray[np.float32]
+    value: Floats32
+    variance: Floats32
     views: NDArray[np.uint8]
 
 
@@ -73,7 +73,7 @@ def choose(
     return best
 
 
-def view_cost(ground: Ground, patch: Patch, part: tuple[slice, slice], sight: Sight, limits: Limits) -> NDArray[np.float32]:
+def view_cost(ground: Ground, patch: Patch, part: tuple[slice, slice], sight: Sight, limits: Limits) -> Floats32:
     """(h, w) of the part: lower is better, inf where the view does not see the texel."""
     inside = patch.part(part)
     point = inside.point.reshape(-1, 3)
@@ -87,7 +87,7 @@ def view_cost(ground: Ground, patch: Patch, part: tuple[slice, slice], sight: Si
     return cost.reshape(inside.point.shape[:2])
 
 
-def _enter(best: Choice, part: tuple[slice, slice], view: int, cost: NDArray[np.float32]) -> None:
+def _enter(best: Choice, part: tuple[slice, slice], view: int, cost: Floats32) -> None:
     """Insertion into the sorted list of each texel."""
     names = np.full(cost.shape, view, np.int32)
     for place in range(VIEWS):
@@ -126,9 +126,7 @@ def blend(
     return Tile(_normalised(total, weights), _variance(moments), count)
 
 
-def _project(
-    patch: Patch, part: tuple[slice, slice], chosen: NDArray[np.bool_], sight: Sight
-) -> tuple[NDArray[np.float32], Array]:
+def _project(patch: Patch, part: tuple[slice, slice], chosen: Mask, sight: Sight) -> tuple[Floats32, Array]:
     """Pixels (h, w, 2) and r/R (h, w) at the chosen texels of the part; NaN at the others."""
     pixel = np.full((*chosen.shape, 2), -1.0, np.float32)
     ratio = np.full(chosen.shape, np.nan)
@@ -136,7 +134,7 @@ def _project(
     return pixel, ratio
 
 
-def _sample(picture: NDArray[np.float32], pixel: NDArray[np.float32]) -> NDArray[np.float32]:
+def _sample(picture: Floats32, pixel: Floats32) -> Floats32:
     """Bilinear, (h, w, channels)."""
     import cv2
 
@@ -144,12 +142,12 @@ def _sample(picture: NDArray[np.float32], pixel: NDArray[np.float32]) -> NDArray
     return np.asarray(taken, np.float32).reshape(*pixel.shape[:2], -1)
 
 
-def _normalised(total: list[NDArray[np.float32]], weights: list[NDArray[np.float32]]) -> NDArray[np.float32]:
+def _normalised(total: list[Floats32], weights: list[Floats32]) -> Floats32:
     parts = [t / np.where(w > 0, w, 1)[..., None] for t, w in zip(total, weights, strict=True)]
     return np.asarray(np.clip(sum(parts[1:], parts[0]), 0, 255), np.float32)
 
 
-def _variance(moments: NDArray[np.float32]) -> NDArray[np.float32]:
+def _variance(moments: Floats32) -> Floats32:
     """NaN where nothing was blended."""
     norm = np.where(moments[0] > 0, moments[0], np.nan)
     return np.asarray(np.maximum(moments[2] / norm - (moments[1] / norm) ** 2, 0), np.float32)

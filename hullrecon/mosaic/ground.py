@@ -7,15 +7,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.skyline import Skyline, hidden_from, skyline_of
+from hullrecon.typing import Array, Floats32, Ints, Mask
 
-Array = NDArray[np.float64]
 COARSE = 8  # texels between points of the chart; between them it is linear, 0.1 mm off on a radius of a metre at 4 mm texels
 OFF_SURFACE_M = 0.004  # rays start so far off the surface, not to hit it where they start
 
@@ -50,7 +49,7 @@ class Patch:
 
     point: Array
     normal: Array
-    hidden_from: NDArray[np.float32]
+    hidden_from: Floats32
 
     def part(self, which: tuple[slice, slice]) -> Patch:
         """The patch of some of its rows and columns."""
@@ -95,9 +94,7 @@ def _between(values: Array, count: int, axis: int) -> Array:
     return np.asarray(np.take(values, low, axis) * (1 - share) + np.take(values, low + 1, axis) * share)
 
 
-def seen(
-    ground: Ground, patch: Patch, rows: NDArray[np.int64], eye: Array, least_cosine: float
-) -> tuple[NDArray[np.bool_], Array]:
+def seen(ground: Ground, patch: Patch, rows: Ints, eye: Array, least_cosine: float) -> tuple[Mask, Array]:
     """Whether the eye (3,) sees the texels of these flat rows of the patch, and the cosines of the incidence there.
 
     A texel is seen when it faces the eye, no flatter than least_cosine, and no other part of the surface lies on the straight
@@ -114,7 +111,7 @@ def seen(
     return free, cosine
 
 
-def unobstructed(ground: Ground, points: Array, normals: Array, eye: Array) -> NDArray[np.bool_]:
+def unobstructed(ground: Ground, points: Array, normals: Array, eye: Array) -> Mask:
     """Whether the straight line from each point (n, 3) to the eye (3,) is free."""
     start = points + OFF_SURFACE_M * normals
     away = eye - start

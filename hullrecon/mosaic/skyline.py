@@ -7,13 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
+from hullrecon.typing import Array, Floats32
 
-Array = NDArray[np.float64]
 CELL_M = 0.1  # of the chart, for each of which the outermost point of the surface is kept
 BLOCK_M = 0.1  # texels that share one answer
 LEAST_RELIEF_M = 0.012  # lower relief is within the surface's own error and hides nothing
@@ -47,7 +46,7 @@ def skyline_of(mesh: Mesh, chart: Chart, bounds: Array, span_m: float) -> Skylin
     return Skyline(top=fine.vertices[chosen], normal=chart.from_chart(charted[chosen, :2])[1], span_m=span_m)
 
 
-def hidden_from(skyline: Skyline, point: Array, normal: Array, step_m: float) -> NDArray[np.float32]:
+def hidden_from(skyline: Skyline, point: Array, normal: Array, step_m: float) -> Floats32:
     """(h, w): the tangent of the incidence up to which nothing can hide the texel, for texels point and normal (h, w, 3).
 
     A line of sight with the tangent t rises 1 m over t metres along the tangent plane. What stands h above that plane at the

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import SonarPings
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.blend import Limits, blend_tile
 from hullrecon.mosaic.grid import grid_around
@@ -20,9 +19,9 @@ from hullrecon.mosaic.imagery.camera_views import Footprint, footprint_of, windo
 from hullrecon.mosaic.imagery.sonar_fan import Fan, fan_of
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.output.store import TileStore, lay
+from hullrecon.records.sensors import SonarPings
+from hullrecon.typing import Array, Floats32, Ints
 
-Array = NDArray[np.float64]
-Picture = NDArray[np.float32]
 Progress = Callable[[Sequence[Any], str], Iterable[Any]]
 LEVEL = 90.0  # gray level that the mean return is brought to
 LEAST_SAMPLES = 200  # of the hull, for a ping or a place in the fan to have a level of its own
@@ -54,7 +53,7 @@ class SonarSight:
         gone = np.where(np.isfinite(gone), np.minimum(gone, self.fan.range_m[-1]), np.nan)
         return np.asarray(self.center + gone[:, None] * rays)
 
-    def picture(self) -> Picture | None:
+    def picture(self) -> Floats32 | None:
         raw = self.image.astype(np.float32)
         even = raw if self.level is None else raw * (LEVEL / np.maximum(self.level, 1.0)).astype(np.float32)
         return np.ascontiguousarray(np.minimum(even, 255)[..., None])
@@ -101,7 +100,7 @@ def learn_levels(ground: Ground, sights: Sequence[SonarSight], footprint: Footpr
     grid = grid_around(footprint.at.reshape(-1, 2), 0.05)
     shape = sights[0].image.shape
     total, count = np.zeros(shape), np.zeros(shape)
-    cells: list[NDArray[np.int64]] = [np.zeros(0, np.int64) for _ in sights]
+    cells: list[Ints] = [np.zeros(0, np.int64) for _ in sights]
     windows = windows_of(grid, footprint)
     for tile in grid.tiles(1024):
         patch = patch_of(ground, grid, tile)
@@ -118,7 +117,7 @@ def learn_levels(ground: Ground, sights: Sequence[SonarSight], footprint: Footpr
     return [mean * _gain(sight.image.ravel()[cell], mean.ravel()[cell]) for sight, cell in zip(sights, cells, strict=True)]
 
 
-def _hull_cells(ground: Ground, sight: SonarSight, patch: Patch, least_cosine: float) -> NDArray[np.int64]:
+def _hull_cells(ground: Ground, sight: SonarSight, patch: Patch, least_cosine: float) -> Ints:
     """Flat indices into the image of the pixels that hold these pieces of hull."""
     point = patch.point.reshape(-1, 3)
     rows = np.flatnonzero(np.isfinite(point[:, 0]))

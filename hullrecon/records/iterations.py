@@ -7,20 +7,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Ints, Mask
 
 
-def reached(cost: Array, accepted: NDArray[np.bool_]) -> Array:
+def reached(cost: Array, accepted: Mask) -> Array:
     """(k,) cost at the last accepted point: the record's is that of the point tried."""
     return np.asarray(cost[np.maximum.accumulate(np.where(accepted, np.arange(len(cost)), 0))])
 
 
-def count(rounds: NDArray[np.int64]) -> int:
+def count(rounds: Ints) -> int:
     """Iterations of all rounds, their starts not counted; rounds (k,): the round of each row."""
     return len(rounds) - len(np.unique(rounds))
 
 
-def broken(at: NDArray[np.number], values: NDArray[np.number], rounds: NDArray[np.int64]) -> tuple[Array, Array]:
+def broken(at: NDArray[np.number], values: NDArray[np.number], rounds: Ints) -> tuple[Array, Array]:
     """A curve (k,) over `at` with NaN wherever a round begins: costs of two rounds do not compare."""
     starts = np.flatnonzero(np.diff(rounds)) + 1
     return np.insert(np.asarray(at, float), starts, np.nan), np.insert(np.asarray(values, float), starts, np.nan)

@@ -22,11 +22,14 @@ from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.solution import outcome_of
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.dive.records import Attitude, ImageIndex, Odometry, Returns, Tracks, Trajectory, from_arrays, to_arrays
 from hullrecon.geometry import poses
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.records.sensors import ImageIndex
+from hullrecon.records.serialisation import from_arrays, to_arrays
+from hullrecon.records.tracks import Tracks
+from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 
 
 def run(context: Context) -> None:
@@ -73,10 +76,10 @@ def _measurements(context: Context) -> Measurements:
     )
 
 
-def _cameras(path: Path) -> dict[str, Camera]:
+def _cameras(path: Path) -> dict[str, CameraModel]:
     if not path.exists():
         return {}
-    return {name: Camera(**fields) for name, fields in json.loads(path.read_text()).items()}
+    return {name: CameraModel(**fields) for name, fields in json.loads(path.read_text()).items()}
 
 
 def _drawing(path: Path, hull: Any) -> Drawing | None:

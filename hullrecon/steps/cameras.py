@@ -8,10 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from hullrecon.geometry.poses import Poses, from_mount, of_seven
+from hullrecon.geometry.poses import Poses, from_mount
 
 NAME = "cameras.json"
 
@@ -22,6 +21,6 @@ def cameras_file(inputs: Mapping[str, Path]) -> Path:
     return refined if refined is not None and refined.exists() else inputs["ingest"] / NAME
 
 
-def mount_of(adjusted: NDArray[np.float64] | None, nominal: ArrayLike) -> Poses:
-    """A mount as adjusted (x y z qx qy qz qw) where that is known, else dive.toml's six numbers."""
-    return of_seven(adjusted) if adjusted is not None and np.isfinite(adjusted).all() else from_mount(nominal)
+def mount_of(adjusted: Poses | None, nominal: ArrayLike) -> Poses:
+    """Return a mount as adjusted where it was, else dive.toml's six numbers."""
+    return from_mount(nominal) if adjusted is None else adjusted

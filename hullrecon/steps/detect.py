@@ -9,7 +9,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.detection import coverage
@@ -21,17 +20,20 @@ from hullrecon.detection.as_found.record import found_surface, surface_on_drawin
 from hullrecon.detection.objects.detection import find_objects
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import Views, sightings
-from hullrecon.dive.records import ImageIndex, JointSamples, Solution, SonarPings, Surface, from_arrays, to_arrays
 from hullrecon.geometry import poses
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import Chart, address, chart_from_arrays
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.sensors import ImageIndex, JointSamples, SonarPings
+from hullrecon.records.serialisation import from_arrays, to_arrays
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
 from hullrecon.steps.cameras import cameras_file
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 Facts = dict[str, object]
 PIECE_M = 0.12  # edges of the pieces on which coverage is summed
 PIECES_REACH_M = 2.0  # from what the survey saw; beyond, the drawing's own faces are the pieces
@@ -83,12 +85,12 @@ def _dive(context: Context) -> Dive:
     chart = chart_from_arrays(load_arrays(context.inputs["surface"] / "chart.npz"))
     path, hull = context.inputs["ingest"] / "hull.npz", context.settings["hull"]
     drawn = path.exists() and hull is not None
-    T_x_g = poses.of_seven(solution.T_g_M).inverse() if drawn else poses.identity()
+    T_x_g = solution.result_from_global()
     base = surface.mesh()
     if drawn:
         arrays = load_arrays(path)
         base = Mesh(arrays["vertices"], arrays["faces"])
-    T_x_v = T_x_g[np.zeros(len(solution.t_ns), np.int64)] @ solution.poses()
+    T_x_v = solution.track().poses
     return Dive(solution, T_x_g, T_x_v, base, drawn, surface, chart, hull.frame_spacing if hull is not None else None)
 
 
@@ -96,17 +98,19 @@ def _views(context: Context, dive: Dive) -> Views | None:
     """The top camera's images; None without a camera or a landmark."""
     path, solution = cameras_file(context.inputs), dive.solution
     node = np.flatnonzero(solution.image[:, 0] >= 0)
-    if not path.exists() or not len(node) or not len(solution.landmark) or not np.isfinite(solution.T_s_ct).all():
+    if not path.exists() or not len(node) or not len(solution.landmarks) or solution.mounts.tray_from_camera is None:
         return None
-    camera = Camera(**json.loads(path.read_text())["top"])
-    tray = poses.tray(np.array(context.settings["tray"].origin), solution.tray[node])
-    T_x_c = dive.T_x_v[node] @ tray @ poses.of_seven(solution.T_s_ct)
+    camera = CameraModel(**json.loads(path.read_text())["top"])
+    tray = poses.tray_poses(np.array(context.settings["tray"].origin), solution.tray[node])
+    T_x_c = dive.T_x_v[node] @ tray @ solution.mounts.tray_from_camera
     index = from_arrays(ImageIndex, load_arrays(context.inputs["ingest"] / "images_camera_top.npz"))
     names = tuple(f"camera_top/{t}.jpg" for t in index.t_ns[solution.image[node, 0]].tolist())
-    return Views(T_x_c, node, names, camera, _farthest(T_x_c.translation, dive.T_x_g.apply(solution.landmark), camera))
+    return Views(
+        T_x_c, node, names, camera, _farthest(T_x_c.translation, dive.T_x_g.apply(solution.landmarks.position), camera)
+    )
 
 
-def _farthest(centers: Array, landmarks: Array, camera: Camera) -> float:
+def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
     """How far the corner of an image can lie: the usual distance of landmarks over the corner's cosine, and some more."""
     known = landmarks[np.isfinite(landmarks).all(axis=1)]
     usual = np.percentile(nearest(centers, known[:: max(1, len(known) // 5000)], 1)[0], 95)
@@ -115,16 +119,19 @@ def _farthest(centers: Array, landmarks: Array, camera: Camera) -> float:
 
 
 def _measured(dive: Dive, options: DetectOptions) -> Measured:
-    position = dive.T_x_g.apply(dive.solution.landmark)
-    covariance = dive.solution.landmark_covariance
-    return measure(Scene(dive.base), position, covariance, dive.solution.views, options.farthest, 0.5 * options.threshold)
+    position = dive.T_x_g.apply(dive.solution.landmarks.position)
+    covariance = dive.solution.landmarks.covariance
+    return measure(
+        Scene(dive.base), position, covariance, dive.solution.landmarks.views, options.farthest, 0.5 * options.threshold
+    )
 
 
 def _background(dive: Dive, measured: Measured, options: DetectOptions) -> Background:
     """The solution's deviation field where there is one, else running medians of the landmarks."""
     s = dive.solution
-    if dive.drawn and s.field_value.size and np.isfinite(s.field_value).all():
-        return FieldBackground(dive.chart, s.field_origin, s.field_step, s.field_value, s.field_sigma)
+    field = s.deviation_field
+    if dive.drawn and field is not None and np.isfinite(field.value).all():
+        return FieldBackground(dive.chart, field.origin, field.step, field.value, field.sigma)
     return median_background(measured.foot, measured.offset, options.background)
 
 
@@ -180,7 +187,7 @@ def _sonar(context: Context, dive: Dive, hull: coverage.Hull, scene: Scene) -> F
         servo = from_arrays(JointSamples, load_arrays(ingest / "sonar_tray.npz"))
         angle = np.interp(pings.t_ns, servo.t_ns, servo.angle)
     T_x_v = poses.interpolate(dive.solution.t_ns, dive.T_x_v, pings.t_ns)
-    T_x_o = T_x_v @ poses.tray(np.array(settings.origin), angle) @ poses.from_mount(settings.mount)
+    T_x_o = T_x_v @ poses.tray_poses(np.array(settings.origin), angle) @ poses.from_mount(settings.mount)
     seen = coverage.sonar_seen(hull, pings, T_x_o, math.radians(settings.elevation_deg) / 2, scene)
     return {"pings": len(pings.t_ns), **coverage.area_facts(hull, seen)}
 

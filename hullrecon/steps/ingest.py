@@ -21,7 +21,7 @@ from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.plain import PlainLog
 from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE
 from hullrecon.dive.logs.streams import PressureModel
-from hullrecon.dive.records import to_arrays
+from hullrecon.records.serialisation import to_arrays
 
 CAMERAS = {"camera_top": "camera.top", "camera_bottom": "camera.bottom"}
 USES = (

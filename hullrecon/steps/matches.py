@@ -11,13 +11,15 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.dive.records import Returns, Tracks, Trajectory, TrajectoryErrorModel, from_arrays, to_arrays
 from hullrecon.errors import StageError
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import from_mount
+from hullrecon.records.serialisation import from_arrays, to_arrays
+from hullrecon.records.tracks import Tracks
+from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import Survey, depth_priors, survey_of
 from hullrecon.vision.pairs.match_worker import Bench, MatchNode, MatchPairs, Node, Pair
@@ -29,8 +31,6 @@ from hullrecon.vision.stereo.rectification import Rig
 from hullrecon.vision.tracks.landmarks import Matches, build
 from hullrecon.vision.tracks.track_verification import Link, doubtful
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 BLOCK = 48  # pairs that one call of a worker compares: neighbours share views
 
 
@@ -69,16 +69,16 @@ def run(context: Context) -> None:
 
 def _doubtful(
     rig: Rig, links: Sequence[Link], options: MatchOptions, node: Ints, label: Ints, top: Array, bottom: Array
-) -> NDArray[np.bool_]:
+) -> Mask:
     return doubtful(rig, node, label, top, bottom, links, options)
 
 
 def _bench(context: Context) -> Bench:
     cameras = json.loads((context.inputs["ingest"] / "cameras.json").read_text(encoding="utf-8"))
-    top, pose_in_top = Camera(**cameras["top"]), context.settings["camera.bottom.pose_in_top"]
+    top, pose_in_top = CameraModel(**cameras["top"]), context.settings["camera.bottom.pose_in_top"]
     if pose_in_top is None or "bottom" not in cameras:
         return Bench(context.inputs["features"], Rig(top), False, context.parameters)
-    rig = Rig(top, Camera(**cameras["bottom"]), from_mount(pose_in_top))
+    rig = Rig(top, CameraModel(**cameras["bottom"]), from_mount(pose_in_top))
     return Bench(context.inputs["features"], rig, True, context.parameters)
 
 
@@ -154,7 +154,7 @@ def _write_pairs(
     context.out.json("pairs.json", {"reasons": words, "failed": failed, "chains": chains, "counts": counts})
 
 
-def _chains(proposal: Proposal, matched: NDArray[np.bool_]) -> list[int]:
+def _chains(proposal: Proposal, matched: Mask) -> list[int]:
     """Sizes of the groups of nodes that matches connect, the largest first; nodes in no proposed pair are left out."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components

@@ -13,12 +13,12 @@ import numpy as np
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import StageError
-from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.poses import Poses, tray
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.poses import Poses, tray_poses
 from hullrecon.mosaic.imagery.camera_views import Station
 from hullrecon.mosaic.optical import optical_mosaic
 from hullrecon.mosaic.options import OpticalOptions
-from hullrecon.report.export.trajectory import Track
+from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.steps.cameras import cameras_file, mount_of
 from hullrecon.steps.features import external
 from hullrecon.steps.mosaics import Scenery, scenery, write_mosaic
@@ -51,22 +51,22 @@ def stations_of(context: Context, place: Scenery) -> list[Station]:
     cameras = json.loads(cameras_file(context.inputs).read_text(encoding="utf-8"))
     top, bottom = context.settings["camera.top"], context.settings["camera.bottom"]
     solution = place.solution
-    tray_from_camera = mount_of(solution.T_s_ct if solution else None, top.mount)
-    stations = [_station(context, place.track, 0, Camera(**cameras["top"]), tray_from_camera)]
+    tray_from_camera = mount_of(solution.mounts.tray_from_camera if solution else None, top.mount)
+    stations = [_station(context, place.track, 0, CameraModel(**cameras["top"]), tray_from_camera)]
     if bottom is not None and "bottom" in cameras:
-        lower = tray_from_camera @ mount_of(solution.T_ct_cb if solution else None, bottom.pose_in_top)
-        stations.append(_station(context, place.track, 1, Camera(**cameras["bottom"]), lower))
+        lower = tray_from_camera @ mount_of(solution.mounts.top_from_bottom if solution else None, bottom.pose_in_top)
+        stations.append(_station(context, place.track, 1, CameraModel(**cameras["bottom"]), lower))
     if not any(len(s.rows) for s in stations):
         raise StageError("no usable image has a pose", where="mosaic-optical", remedy="see the remarks of ingest and navigate")
     return [s for s in stations if len(s.rows)]
 
 
-def _station(context: Context, track: Track, side: int, camera: Camera, tray_from_camera: Poses) -> Station:
+def _station(context: Context, track: VehicleTrack, side: int, camera: CameraModel, tray_from_camera: Poses) -> Station:
     store = ImageStore(context.inputs["ingest"], context.source, ("camera_top", "camera_bottom")[side])
     nodes = np.flatnonzero(track.image[:, side] >= 0)
     nodes = nodes[store.index.usable[track.image[nodes, side]]]
     origin = context.settings["tray"].origin if context.settings["tray"] is not None else (0.0, 0.0, 0.0)
-    poses = track.poses[nodes] @ tray(origin, track.tray[nodes]) @ tray_from_camera
+    poses = track.poses[nodes] @ tray_poses(origin, track.tray[nodes]) @ tray_from_camera
     return Station(camera, track.image[nodes, side], poses, store.read)
 
 

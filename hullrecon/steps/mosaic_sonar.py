@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.dive.config.schema import Sonar
-from hullrecon.dive.records import JointSamples, SonarPings, from_arrays
 from hullrecon.errors import StageError
-from hullrecon.geometry.poses import Poses, from_mount, interpolate, tray
+from hullrecon.geometry.poses import Poses, from_mount, interpolate, tray_poses
 from hullrecon.mosaic.imagery.camera_views import Footprint
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.position_sigma import Stance, place_sigma
 from hullrecon.mosaic.sonar import sonar_mosaic
-from hullrecon.report.export.trajectory import Track
+from hullrecon.records.sensors import JointSamples, SonarPings
+from hullrecon.records.serialisation import from_arrays
+from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.steps.mosaics import Scenery, scenery, write_mosaic
 
 
@@ -53,7 +54,7 @@ def run(context: Context) -> None:
     write_mosaic(context, place, made.store, "Sonar mosaic", facts, (options.texture_px, options.faces))
 
 
-def sonar_poses(track: Track, t_ns: NDArray[np.int64], angles: JointSamples | None, sonar: Sonar) -> Poses:
+def sonar_poses(track: VehicleTrack, t_ns: NDArray[np.int64], angles: JointSamples | None, sonar: Sonar) -> Poses:
     """T_M_o (T_g_o) at the pings: the vehicle between its nodes, the servo between its samples, the mount."""
     vehicle = interpolate(track.t_ns, track.poses, t_ns)
     if sonar.joint is None:
@@ -62,7 +63,7 @@ def sonar_poses(track: Track, t_ns: NDArray[np.int64], angles: JointSamples | No
         raise StageError(f"the joint {sonar.joint} is not in the log", where="mosaic-sonar", remedy="check sonar.joint")
     else:
         angle = np.interp(t_ns - t_ns[0], angles.t_ns - t_ns[0], angles.angle)
-    return vehicle @ tray(sonar.origin, angle) @ from_mount(sonar.mount)
+    return vehicle @ tray_poses(sonar.origin, angle) @ from_mount(sonar.mount)
 
 
 def place_spread(

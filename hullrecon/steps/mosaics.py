@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, load_arrays
-from hullrecon.dive.records import Solution, Surface, Trajectory, from_arrays
 from hullrecon.geometry.charts.chart import chart_from_arrays
 from hullrecon.geometry.charts.viewing_side import UP, flips
 from hullrecon.mosaic.grid import TexelGrid
@@ -20,7 +19,11 @@ from hullrecon.mosaic.output.preview import Caption, preview_png
 from hullrecon.mosaic.output.raster import write_raster
 from hullrecon.mosaic.output.store import TileStore
 from hullrecon.mosaic.output.textured import glb_bytes, sheet_of
-from hullrecon.report.export.trajectory import Track, track_of
+from hullrecon.records.serialisation import from_arrays
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
+from hullrecon.records.trajectory import Trajectory, VehicleTrack
+from hullrecon.report.export.trajectory import track_of
 
 PERCENT = (50, 90, 95, 99)
 
@@ -30,7 +33,7 @@ class Scenery:
     """The surface with its chart, and the vehicle over it, in one frame (M, or g without a drawing)."""
 
     ground: Ground
-    track: Track
+    track: VehicleTrack
     solution: Solution | None
     surface_name: str
 

@@ -15,15 +15,16 @@ import numpy as np
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.dive.images.store import CAMERAS, ImageStore
 from hullrecon.dive.logs.readers.plain import PlainLog
-from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, from_arrays, to_arrays
 from hullrecon.errors import StageError
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import from_mount
 from hullrecon.navigation.dead_reckoning.dead_reckon import Logs, Navigated, dead_reckon, usable_frames
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.stereo_odometry.stereo_frame import StereoFrame, StereoRig, stereo_frame
 from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Views, stereo_navigate
 from hullrecon.navigation.vehicle import Vehicle
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
+from hullrecon.records.serialisation import from_arrays, to_arrays
 
 Record = TypeVar("Record")
 HOUR_S = 3600.0
@@ -91,7 +92,7 @@ def _by_stereo(context: Context) -> Navigated:
     ingest, settings = context.inputs["ingest"], context.settings
     cameras = json.loads((ingest / "cameras.json").read_text())
     sigma_rad = float(np.radians(np.max(settings["camera.bottom.pose_sigma"][3:])))
-    top, bottom = (Camera(**cameras[name]) for name in ("top", "bottom"))
+    top, bottom = (CameraModel(**cameras[name]) for name in ("top", "bottom"))
     rig = StereoRig(
         top, bottom, from_mount(settings["camera.bottom.pose_in_top"]), settings["camera.top.sigma_px"], 2 * sigma_rad * top.fx
     )

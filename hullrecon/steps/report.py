@@ -16,10 +16,14 @@ from msgspec import Struct
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.dive.config.schema import Dive
 from hullrecon.dive.images.store import ImageStore
-from hullrecon.dive.records import DvlPings, Record, Solution, Surface, Trajectory, from_arrays
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import chart_from_arrays
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.sensors import DvlPings
+from hullrecon.records.serialisation import Record, from_arrays
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
+from hullrecon.records.trajectory import Trajectory
 from hullrecon.report.content.headline import weak_directions
 from hullrecon.report.content.missing_deliverables import absences
 from hullrecon.report.content.objects import objects_csv
@@ -89,7 +93,7 @@ def _write_motion(shelf: Shelf, survey: Survey) -> None:
         return
     if survey.hull is not None and survey.track.frame == "M":
         shelf.put_json("alignment.json", alignment_json(survey.solution, survey.hull, weak_directions(survey)))
-    if len(survey.solution.landmark):
+    if len(survey.solution.landmarks):
         shelf.put("landmarks.ply", landmarks_ply(survey.solution))
 
 
@@ -204,18 +208,18 @@ def _eyes(context: Context, solution: Solution | None) -> tuple[Eye, ...]:
     cameras = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     top, bottom = context.settings["camera.top"], context.settings["camera.bottom"]
     eyes = []
-    tray_from_top = mount_of(solution.T_s_ct if solution else None, top.mount) if top else None
+    tray_from_top = mount_of(solution.mounts.tray_from_camera if solution else None, top.mount) if top else None
     if tray_from_top is not None and "top" in cameras:
         eyes.append(_eye(context, "camera_top", cameras["top"], tray_from_top))
         if bottom and "bottom" in cameras:
-            pose = tray_from_top @ mount_of(solution.T_ct_cb if solution else None, bottom.pose_in_top)
+            pose = tray_from_top @ mount_of(solution.mounts.top_from_bottom if solution else None, bottom.pose_in_top)
             eyes.append(_eye(context, "camera_bottom", cameras["bottom"], pose))
     return tuple(eyes)
 
 
 def _eye(context: Context, name: str, camera: Mapping[str, Any], tray_from_camera: Poses) -> Eye:
     store = ImageStore(context.inputs["ingest"], context.source, name)
-    return Eye(name, Camera(**camera), store.index, tray_from_camera, store.read)
+    return Eye(name, CameraModel(**camera), store.index, tray_from_camera, store.read)
 
 
 STAGE = Stage(

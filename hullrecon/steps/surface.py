@@ -9,10 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.dive.records import Returns, Solution, Surface, Trajectory, from_arrays, to_arrays
 from hullrecon.errors import StageError
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import Chart, chart_for_hull, chart_for_points, chart_from_arrays
@@ -20,12 +18,16 @@ from hullrecon.geometry.charts.plane_chart import PlaneChart, fit_plane_chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.serialisation import from_arrays, to_arrays
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
+from hullrecon.records.trajectory import Returns, Trajectory
 from hullrecon.surface.build import LEAST_LEAN, Cloud, build_surface
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.surface.outliers import statistical_inliers
 from hullrecon.surface.returns import pose_sigma_along, return_points
+from hullrecon.typing import Array, Mask
 
-Array = NDArray[np.float64]
 MOST_FOLDED = 0.01  # share of returns that may lie where the hull turns away from the plane
 
 
@@ -44,7 +46,7 @@ def run(context: Context) -> None:
     options: SurfaceOptions = context.parameters
     hull = _hull(context.inputs["ingest"])
     solution = _solution(context)
-    place = _adjusted(solution, hull) if solution is not None else _dead_reckoned(context, hull)
+    place = _adjusted(solution) if solution is not None else _dead_reckoned(context, hull)
     returns, points, counts = _returned(context, place, options)
     marks, noise = _landmarks(solution, hull, options) if solution is not None else (np.zeros((0, 3)), np.zeros(0))
     if not len(points) and not len(marks):
@@ -77,10 +79,9 @@ def _solution(context: Context) -> Solution | None:
     return from_arrays(Solution, load_arrays(context.inputs["adjust"] / "solution.npz"))
 
 
-def _adjusted(solution: Solution, hull: Mesh | None) -> Placement:
-    T_x_g = poses.of_seven(solution.T_g_M).inverse() if hull is not None else poses.identity()
-    T_x_v = T_x_g[np.zeros(len(solution.t_ns), np.int64)] @ solution.poses()
-    return Placement(T_x_v, solution.pose_covariance, solution.tray, poses.of_seven(solution.T_s_d), "adjusted")
+def _adjusted(solution: Solution) -> Placement:
+    track = solution.track()
+    return Placement(track.poses, track.covariance, track.tray, solution.mounts.tray_from_dvl, "adjusted")
 
 
 def _dead_reckoned(context: Context, hull: Mesh | None) -> Placement:
@@ -105,7 +106,14 @@ def _returned(context: Context, place: Placement, options: SurfaceOptions) -> tu
     if not path.exists():
         nothing = np.zeros(0, np.int64)
         blank = Returns(
-            nothing, nothing, np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3)), np.zeros(0), np.zeros(0, bool)
+            t_ns=nothing,
+            node=nothing,
+            quaternion=np.zeros((0, 4)),
+            translation=np.zeros((0, 3)),
+            tray_offset=np.zeros(0),
+            beam=np.zeros((0, 3)),
+            range_m=np.zeros(0),
+            flagged=np.zeros(0, bool),
         )
         return blank, np.zeros((0, 3)), {"returns": 0}
     returns = from_arrays(Returns, load_arrays(path))
@@ -114,7 +122,7 @@ def _returned(context: Context, place: Placement, options: SurfaceOptions) -> tu
     return _rows(returns, kept), points[kept], _counts(returns, kept)
 
 
-def _inliers(points: Array, returns: Returns, options: SurfaceOptions) -> NDArray[np.bool_]:
+def _inliers(points: Array, returns: Returns, options: SurfaceOptions) -> Mask:
     """Returns that navigation did not flag and that do not stand apart."""
     kept = ~returns.flagged & np.isfinite(points).all(axis=1)
     if kept.sum() < 4:
@@ -123,7 +131,7 @@ def _inliers(points: Array, returns: Returns, options: SurfaceOptions) -> NDArra
     return kept
 
 
-def _rows(returns: Returns, which: NDArray[np.bool_]) -> Returns:
+def _rows(returns: Returns, which: Mask) -> Returns:
     return from_arrays(Returns, {name: values[which] for name, values in to_arrays(returns).items()})
 
 
@@ -145,11 +153,10 @@ def _cloud(points: Array, returns: Returns, place: Placement, chart: Chart, sigm
 
 def _landmarks(solution: Solution, hull: Mesh | None, options: SurfaceOptions) -> tuple[Array, Array]:
     """Places (n, 3) and sigmas (n,) m of landmarks on the hull with three views; of all such without a drawing."""
-    variance = np.linalg.eigvalsh(np.nan_to_num(solution.landmark_covariance, nan=-1.0))[:, -1]
-    good = np.isfinite(solution.landmark).all(axis=1) & (solution.views >= 3) & (variance > 0)
-    good &= (solution.label == 1) if hull is not None else True
-    T_x_g = poses.of_seven(solution.T_g_M).inverse() if hull is not None else poses.identity()
-    points = T_x_g.apply(solution.landmark[good])
+    variance = np.linalg.eigvalsh(np.nan_to_num(solution.landmarks.covariance, nan=-1.0))[:, -1]
+    good = np.isfinite(solution.landmarks.position).all(axis=1) & (solution.landmarks.views >= 3) & (variance > 0)
+    good &= (solution.landmarks.label == 1) if hull is not None else True
+    points = solution.result_from_global().apply(solution.landmarks.position[good])
     kept = statistical_inliers(points, options.outlier_neighbours, 2 * options.outlier_deviations)
     return points[kept], np.sqrt(variance[good])[kept]
 
@@ -197,7 +204,7 @@ def _circularity(reference: str, drawn: bool, adjusted: bool) -> tuple[str, str 
     return reference, f"The drawing's shape does not enter the regression of the returns.{placed}"
 
 
-def _counts(returns: Returns, kept: NDArray[np.bool_]) -> dict[str, object]:
+def _counts(returns: Returns, kept: Mask) -> dict[str, object]:
     flagged = int(returns.flagged.sum())
     return {"returns": len(kept), "flagged": flagged, "outliers": int((~kept).sum()) - flagged, "used": int(kept.sum())}
 

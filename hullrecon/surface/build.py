@@ -7,23 +7,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import Surface
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.neighbours import count_within, nearest
+from hullrecon.records.surface import Surface
 from hullrecon.surface.gaussian import fit_robust, most_likely
 from hullrecon.surface.kernels import Kernel
 from hullrecon.surface.lattice import supported_lattice
 from hullrecon.surface.linear import interpolate, scatter
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.surface.thinning import Observations, cell_means
+from hullrecon.typing import Array, Ints, Mask
 
-Array = NDArray[np.float64]
 Facts = dict[str, object]
 LEAST_LEAN = 0.2  # cosine between the chart's normal and the datum's below which a height places nothing
 LEARNING = 400  # observations that the marginal likelihood looks at: a step of the search takes some 10 ms
@@ -37,7 +36,7 @@ class Cloud:
     point: Array
     noise: Array
     pose_sigma: Array
-    gives_support: NDArray[np.bool_]
+    gives_support: Mask
 
 
 def build_surface(
@@ -109,7 +108,7 @@ def _sample(seen: Observations) -> Observations:
     return Observations(seen.at[part], seen.offset[part], seen.noise[part], seen.count[part])
 
 
-def _placed(mesh: Mesh, offset: Array, sigma: Array, support: NDArray[np.int64], chart: Chart) -> Surface:
+def _placed(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart: Chart) -> Surface:
     """The chart's mesh moved into space; faces that the chart cannot place are dropped, orientation follows the normals."""
     base, normal = chart.from_chart(mesh.vertices[:, :2])
     vertices = base + normal * offset[:, None]
@@ -121,10 +120,10 @@ def _placed(mesh: Mesh, offset: Array, sigma: Array, support: NDArray[np.int64],
     inward = np.einsum("ni,ni->n", np.cross(b - a, c - a), normal[faces[:, 0]]) < 0
     faces[inward] = faces[inward][:, ::-1]
     nothing = np.full(len(used), np.nan)
-    return Surface(vertices, faces.astype(np.int32), nothing, sigma[used], support[used])
+    return Surface(vertices=vertices, faces=faces.astype(np.int32), deviation=nothing, sigma=sigma[used], support=support[used])
 
 
-def _take(cloud: Cloud, which: NDArray[np.bool_]) -> Cloud:
+def _take(cloud: Cloud, which: Mask) -> Cloud:
     return Cloud(cloud.point[which], cloud.noise[which], cloud.pose_sigma[which], cloud.gives_support[which])
 
 

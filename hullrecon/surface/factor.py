@@ -7,13 +7,12 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg, sparse
 from scipy.sparse.linalg import splu
 
 from hullrecon.errors import StageError
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 SMALL = 1500  # rows; below, LAPACK beats the sparse factor whatever the fill
 
 

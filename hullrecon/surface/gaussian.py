@@ -7,13 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from hullrecon.surface.factor import Factor, NotPositiveDefiniteError, factor
 from hullrecon.surface.kernels import Kernel
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 CHUNK = 2000  # columns of a variance solved at once: bounds memory at n x 2000
 
 

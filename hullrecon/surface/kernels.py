@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
+
 Form = Literal["product", "radial", "wendland"]
 
 

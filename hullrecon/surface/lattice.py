@@ -5,11 +5,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def supported_lattice(at: Array, step_m: float, reach_m: float) -> Mesh:

@@ -5,12 +5,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.robust import robust_sigma
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def interpolate(at: Array, values: Array, wanted: Array) -> Array:

@@ -5,14 +5,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.neighbours import nearest
+from hullrecon.typing import Array, Mask
 
-Array = NDArray[np.float64]
 
-
-def statistical_inliers(points: Array, neighbours: int = 30, deviations: float = 1.0) -> NDArray[np.bool_]:
+def statistical_inliers(points: Array, neighbours: int = 30, deviations: float = 1.0) -> Mask:
     """Which of the points (n, 3) belong: by their mean distance to the nearest neighbours, within so many deviations.
 
     [Ozog2016] takes 30 neighbours and one standard deviation.

@@ -5,13 +5,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import Returns
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
-
-Array = NDArray[np.float64]
+from hullrecon.records.trajectory import Returns
+from hullrecon.typing import Array
 
 
 def return_points(returns: Returns, T_x_v: Poses, tray_rad: Array, tray_origin: Array, T_s_d: Poses) -> Array:
@@ -22,11 +20,11 @@ def return_points(returns: Returns, T_x_v: Poses, tray_rad: Array, tray_origin: 
     """
     since_node = Poses(returns.quaternion, returns.translation)
     tray_at_ping = tray_rad[returns.node] + returns.tray_offset
-    T_x_d = T_x_v[returns.node] @ since_node @ poses.tray(tray_origin, tray_at_ping) @ T_s_d
+    T_x_d = T_x_v[returns.node] @ since_node @ poses.tray_poses(tray_origin, tray_at_ping) @ T_s_d
     return T_x_d.apply(returns.beam * returns.range_m[:, None])
 
 
-def pose_sigma_along(normals: Array, levers: Array, covariance: Array, rotation: NDArray[np.float64]) -> Array:
+def pose_sigma_along(normals: Array, levers: Array, covariance: Array, rotation: Array) -> Array:
     """One sigma (m,) of points along their normals that the poses' covariances cause.
 
     normals (m, 3) and levers (m, 3: point minus vehicle) in x; covariance (m, 6, 6) of (translation in x, rotation

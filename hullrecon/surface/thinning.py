@@ -7,9 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True)
@@ -19,7 +18,7 @@ class Observations:
     at: Array
     offset: Array
     noise: Array
-    count: NDArray[np.int64]
+    count: Ints
 
 
 def cell_means(at: Array, offset: Array, noise: Array, cell_m: float) -> Observations:

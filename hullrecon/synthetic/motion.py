@@ -39,7 +39,7 @@ class Motion:
     def on_tray(self, t_s: Array, mount: Poses, origin_m: tuple[float, float, float], series: Array | None = None) -> Poses:
         """T_g_x of something mounted so on a servo (the camera tray, unless another series of angles is given)."""
         angle = self.angle(self.tray if series is None else series, t_s)
-        return self.vehicle(t_s) @ poses.tray(origin_m, angle) @ mount
+        return self.vehicle(t_s) @ poses.tray_poses(origin_m, angle) @ mount
 
     def rates(self, t_s: Array, half_s: float = 0.01) -> Array:
         """Angular velocity (n, 3) in the vehicle, rad/s."""

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses, roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive, simulate_dive
 from hullrecon.synthetic.forms import write_stl
@@ -61,7 +61,7 @@ def write_package(folder: Path, spec: DiveSpec, track: Track = untracked) -> Div
     return dive
 
 
-def camera_info(name: str, camera: Camera) -> str:
+def camera_info(name: str, camera: CameraModel) -> str:
     """The YAML that ROS's camera_calibration writes."""
     k = ", ".join(f"{v:.9g}" for v in camera.matrix().ravel())
     p = ", ".join(f"{v:.9g}" for v in np.hstack([camera.matrix(), np.zeros((3, 1))]).ravel())
@@ -188,7 +188,7 @@ pose_in_top = {_row(BOTTOM_IN_TOP)}
     return top + (bottom if spec.cameras == "stereo" else "")
 
 
-def _cameras(dive: Dive) -> dict[str, Camera]:
+def _cameras(dive: Dive) -> dict[str, CameraModel]:
     if dive.spec.cameras == "none":
         return {}
     bottom = dive.rig.camera_bottom

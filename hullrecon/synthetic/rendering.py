@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.as_built import AsBuilt
 from hullrecon.synthetic.plate_atlas import PlateAtlas
@@ -39,12 +39,12 @@ class Scene:
 class Lens:
     """A camera's rays (h w, 3) and its vignetting (h, w)."""
 
-    camera: Camera
+    camera: CameraModel
     ray: Floats
     vignetting: Floats
 
 
-def lens(camera: Camera) -> Lens:
+def lens(camera: CameraModel) -> Lens:
     x, y = np.meshgrid(np.arange(camera.width, dtype=float), np.arange(camera.height, dtype=float))
     ray = camera.rays(np.stack([x.ravel(), y.ravel()], 1)).astype(np.float32)
     return Lens(camera, ray, np.asarray(ray[:, 2] ** 2.5, np.float32).reshape(camera.height, camera.width))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses, exp, from_mount
 from hullrecon.synthetic.spec import DiveSpec
 
@@ -35,8 +35,8 @@ class Rig:
     T_s_ct: Poses
     T_ct_cb: Poses
     T_u_o: Poses  # u: the frame of the sonar's servo
-    camera_top: Camera
-    camera_bottom: Camera | None
+    camera_top: CameraModel
+    camera_bottom: CameraModel | None
 
 
 def rig_of(spec: DiveSpec) -> Rig:
@@ -44,8 +44,8 @@ def rig_of(spec: DiveSpec) -> Rig:
     random = spec.random("rig")
     width, height = spec.image_width, spec.image_height
     f = 1.03 * width
-    top = Camera(width, height, f, 1.0012 * f, 0.507 * width, 0.493 * height, -0.065, 0.035, 0.0006, -0.0004)
-    bottom = Camera(width, height, 0.993 * f, 0.9942 * f, 0.495 * width, 0.509 * height, -0.061, 0.03, -0.0003, 0.0005)
+    top = CameraModel(width, height, f, 1.0012 * f, 0.507 * width, 0.493 * height, -0.065, 0.035, 0.0006, -0.0004)
+    bottom = CameraModel(width, height, 0.993 * f, 0.9942 * f, 0.495 * width, 0.509 * height, -0.061, 0.03, -0.0003, 0.0005)
     return Rig(
         from_mount(DVL_MOUNT) @ _slip(random, 0.002, 0.2),
         from_mount(CAMERA_MOUNT) @ _slip(random, 0.003, 0.25),

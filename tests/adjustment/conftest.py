@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from hullrecon.adjustment.problem.measurements import Mount, Rig
-from hullrecon.dive.records import Tracks
 from hullrecon.geometry import poses
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.records.tracks import Tracks
 
-CAMERA = Camera(640, 512, 650.0, 651.0, 320.0, 250.0, -0.06, 0.03, 0.001, -0.0005)
+CAMERA = CameraModel(640, 512, 650.0, 651.0, 320.0, 250.0, -0.06, 0.03, 0.001, -0.0005)
 
 
 def observe(camera, hull_from_camera, points, nodes, landmarks):
@@ -46,11 +46,11 @@ def scene():
         navigation_sigma=np.ones(6),
     )
     tray = np.full(n, 0.05)
-    top = nodes @ poses.tray(rig.tray_origin, tray) @ T_s_ct
+    top = nodes @ poses.tray_poses(rig.tray_origin, tray) @ T_s_ct
     bottom = top @ T_ct_cb
     landmark, node = np.repeat(np.arange(count), n), np.tile(np.arange(n), count)
     pixels = [observe(CAMERA, pose, points, node, landmark) for pose in (top, bottom)]
     seen = np.isfinite(pixels[0][:, 0]) | np.isfinite(pixels[1][:, 0])
     color = np.full((count, 3), 90, np.uint8)
-    tracks = Tracks(landmark[seen], node[seen], pixels[0][seen], pixels[1][seen], color)
+    tracks = Tracks(landmark=landmark[seen], node=node[seen], top=pixels[0][seen], bottom=pixels[1][seen], color=color)
     return SimpleNamespace(nodes=nodes, tray=tray, points=points, rig=rig, top=top, bottom=bottom, tracks=tracks)

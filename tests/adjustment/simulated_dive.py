@@ -13,16 +13,17 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment.problem.measurements import Drawing, Measurements, Mount, Rig
-from hullrecon.dive.records import Attitude, Odometry, Returns, Tracks, Trajectory
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.tracks import Tracks
+from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 
 SEMI_AXES_M = np.array([6.0, 2.5, 2.0])  # of the drawn hull, x forward, y port, z up: it curves both ways
 BOX_M = (0.3, 0.75, 0.0, 0.3, 0.08)  # x from, to, z from, to, height
 BUMP_M, BUMP_LENGTH_M = 0.02, 0.7  # the hull as it is stands out by this around (-0.7, 0.15)
-CAMERA = Camera(640, 512, 650.0, 651.0, 322.0, 255.0, -0.05, 0.02)
+CAMERA = CameraModel(640, 512, 650.0, 651.0, 322.0, 255.0, -0.05, 0.02)
 JANUS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
 TRAY_ORIGIN_M, PRESSURE_ORIGIN_M = np.array([0.4, 0.0, 0.1]), np.array([-0.3, 0.05, -0.1])
 STEP_S = 0.5  # between nodes
@@ -199,7 +200,7 @@ def _tracks(rng, poses, tray, points, stereo):
         seen[1][:] = np.nan
     keep = np.isfinite(seen[0][:, 0]) | np.isfinite(seen[1][:, 0])
     color = np.tile(np.array([90, 120, 60], np.uint8), (len(points), 1))
-    return Tracks(landmark[keep], node[keep], seen[0][keep], seen[1][keep], color)
+    return Tracks(landmark=landmark[keep], node=node[keep], top=seen[0][keep], bottom=seen[1][keep], color=color)
 
 
 def cross_matrices(v):
@@ -225,7 +226,16 @@ def _odometry(rng, poses, tray, logged_tray, mount_error):
     error += rng.standard_normal((m, 6)) * np.r_[np.full(3, STEP_NOISE_M), np.full(3, TURN_NOISE_RAD)]
     turn = Rotation.from_matrix(step[:, :3, :3]) * Rotation.from_rotvec(-error[:, 3:])
     covariance = np.tile(np.diag(np.r_[np.full(3, STEP_NOISE_M), np.full(3, TURN_NOISE_RAD)] ** 2), (m, 1, 1))
-    return Odometry(first, second, turn.as_quat(), t - error[:, :3], covariance, by_navigation, by_mount, by_tray)
+    return Odometry(
+        first=first,
+        second=second,
+        quaternion=turn.as_quat(),
+        translation=t - error[:, :3],
+        covariance=covariance,
+        by_navigation=by_navigation,
+        by_mount=by_mount,
+        by_tray=by_tray,
+    )
 
 
 def _attitude(rng, poses, sense):
@@ -234,7 +244,9 @@ def _attitude(rng, poses, sense):
     roll_pitch += ATTITUDE_NOISE_RAD * rng.standard_normal((n, 2))
     depth = moved(poses, np.tile(PRESSURE_ORIGIN_M, (n, 1)))[:, 2] + NAVIGATION[4] + DEPTH_NOISE_M * rng.standard_normal(n)
     sigma = np.tile([DEPTH_NOISE_M, ATTITUDE_NOISE_RAD, ATTITUDE_NOISE_RAD], (n, 1))
-    return Attitude(np.arange(n), depth, roll_pitch[:, 0], roll_pitch[:, 1], sigma, sense)
+    return Attitude(
+        node=np.arange(n), depth=depth, roll=roll_pitch[:, 0], pitch=roll_pitch[:, 1], sigma=sigma, tray_direction=sense
+    )
 
 
 def _dead_reckoned(poses, odometry, logged_tray):
@@ -249,7 +261,14 @@ def _dead_reckoned(poses, odometry, logged_tray):
     spread = (1e-3 * np.arange(1, n + 1))[:, None, None] ** 2 * np.eye(6)
     stamps = 10**18 + (STEP_S * 1e9 * np.arange(n)).astype(np.int64)
     image = np.tile(np.arange(n)[:, None], (1, 2))
-    return Trajectory(stamps, reckoned.quaternion, reckoned.translation, spread, logged_tray, image)
+    return Trajectory(
+        t_ns=stamps,
+        quaternion=reckoned.quaternion,
+        translation=reckoned.translation,
+        covariance=spread,
+        tray=logged_tray,
+        image=image,
+    )
 
 
 def cast(origin, direction):
@@ -281,7 +300,16 @@ def _returns(rng, n, per_leg):
     stamps = 10**18 + (STEP_S * 1e9 * (node[k] + 0.3)).astype(np.int64)
     tray_offset = (ping[1] - at[1])[k]
     flagged = np.zeros(len(k), bool)
-    return Returns(stamps, node[k], offset.quaternion[k], offset.translation[k], tray_offset, beam, length, flagged)
+    return Returns(
+        t_ns=stamps,
+        node=node[k],
+        quaternion=offset.quaternion[k],
+        translation=offset.translation[k],
+        tray_offset=tray_offset,
+        beam=beam,
+        range_m=length,
+        flagged=flagged,
+    )
 
 
 def _mount(truth, error, sigma=MOUNT_SIGMA):

@@ -11,8 +11,8 @@ from adjustment.solved_dives import solved
 
 from hullrecon.adjustment.bundle_adjustment import adjust, deviation_from_hull
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.dive.records import from_arrays, to_arrays
 from hullrecon.errors import StageError
+from hullrecon.records.serialisation import from_arrays, to_arrays
 
 
 def quietly(measured, **options):

@@ -12,10 +12,10 @@ from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import intrinsics
 from hullrecon.geometry import poses
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 
-TRUE = Camera(640, 480, 505.0, 504.0, 322.0, 241.0, -0.05)
-CALIBRATED = Camera(640, 480, 500.0, 500.0, 320.0, 240.0, -0.05)
+TRUE = CameraModel(640, 480, 505.0, 504.0, 322.0, 241.0, -0.05)
+CALIBRATED = CameraModel(640, 480, 500.0, 500.0, 320.0, 240.0, -0.05)
 ASKED = AdjustOptions(refine_intrinsics=True, focal_sigma=0.01)
 
 
@@ -23,8 +23,8 @@ ASKED = AdjustOptions(refine_intrinsics=True, focal_sigma=0.01)
 class Lenses:
     """Of a rig, all that is asked of one here."""
 
-    top: Camera
-    bottom: Camera | None
+    top: CameraModel
+    bottom: CameraModel | None
 
 
 @dataclass(frozen=True)
@@ -118,4 +118,4 @@ def test_held_cameras_have_no_figures_and_no_complaint(rig) -> None:
 
 
 def test_a_camera_is_written_as_it_is_read() -> None:
-    assert Camera(**intrinsics.fields(TRUE)) == TRUE
+    assert CameraModel(**intrinsics.fields(TRUE)) == TRUE

@@ -11,8 +11,8 @@ import pytest
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.state import Weights
 from hullrecon.adjustment.problem.weighting import depth_sigma, settled
-from hullrecon.dive.records import Attitude
 from hullrecon.geometry import poses
+from hullrecon.records.trajectory import Attitude
 
 WEIGHTS = Weights(pixel=1.0, depth=1.0, tray=0.01, range_sigma=0.02, surface=np.ones(0), tray_direction=np.ones(400))
 GIVEN_M = 0.02
@@ -24,7 +24,7 @@ def dive(scene, depth, noise_m, given_m=GIVEN_M):
     n = len(depth)
     noise = noise_m * np.random.default_rng(1).standard_normal(n)
     level, sigma = np.zeros(n), np.tile([given_m, 0.002, 0.002], (n, 1))
-    attitude = Attitude(np.arange(n), depth + noise, level, level, sigma, np.ones(n))
+    attitude = Attitude(node=np.arange(n), depth=depth + noise, roll=level, pitch=level, sigma=sigma, tray_direction=np.ones(n))
     measured = SimpleNamespace(attitude=attitude, rig=scene.rig, tracks=scene.tracks, trajectory=SimpleNamespace(tray=level))
     nodes = poses.from_rpy(np.c_[level, level, depth], np.zeros((n, 3)))
     return measured, SimpleNamespace(nodes=nodes, tray=level, navigation=np.zeros(6))

@@ -119,7 +119,7 @@ def test_the_camera_looks_down_the_normal_from_a_metre():
     size = SIZES["stereo"]
     hull_from_vehicle, tray = fly(size)
     x, z = tracks(size)
-    camera = hull_from_vehicle @ poses.tray(TRAY_ORIGIN, tray) @ T_S_CT
+    camera = hull_from_vehicle @ poses.tray_poses(TRAY_ORIGIN, tray) @ T_S_CT
     ahead = camera.rotation.apply([0.0, 0.0, 1.0])
     assert (np.einsum("ij,ij->i", ahead, normals(x, z)) < np.cos(np.radians(174))).all()
     hits = MeshIndex(*hull_mesh(), threads=1).cast(camera.translation, ahead)

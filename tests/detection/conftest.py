@@ -14,12 +14,12 @@ from hullrecon.detection.as_found.estimate import Found, find_hull
 from hullrecon.detection.as_found.landmarks import Measured
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import Views
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 
-CAMERA = Camera(640, 512, 640.0, 640.0, 319.5, 255.5)
+CAMERA = CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5)
 TOWARD_WALL = Rotation.from_matrix(np.array([[-1.0, 0, 0], [0, 0, -1], [0, -1, 0]]).T)
 
 

@@ -7,10 +7,10 @@ import pytest
 
 from hullrecon.detection import coverage
 from hullrecon.detection.views import sightings
-from hullrecon.dive.records import SonarPings
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.poses import Poses, from_rpy
+from hullrecon.records.sensors import SonarPings
 
 
 @pytest.fixture
@@ -53,7 +53,9 @@ def test_the_dvls_area_lies_near_its_surface(hull) -> None:
 def _pings(half_bearing: float) -> SonarPings:
     bearing = np.linspace(-half_bearing, half_bearing, 5)
     directions = np.column_stack([np.zeros(5), np.sin(bearing), np.cos(bearing)])
-    return SonarPings(np.array([0]), np.zeros((1, 5, 3), np.uint8), directions, np.array([0.5, 1.5, 2.5]))
+    return SonarPings(
+        t_ns=np.array([0]), image=np.zeros((1, 5, 3), np.uint8), directions=directions, range_m=np.array([0.5, 1.5, 2.5])
+    )
 
 
 def _sonar_at(x: float, y: float) -> Poses:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon.detection.as_found.record import found_surface, surface_on_drawing
-from hullrecon.dive.records import Surface
+from hullrecon.records.surface import Surface
 
 
 def test_support_is_zero_where_nothing_was_measured(scenery, found) -> None:
@@ -26,7 +26,13 @@ def _dvl(deviation: float) -> Surface:
     x, z = np.meshgrid(np.arange(1, 2.01, 0.1), np.arange(0.5, 1.51, 0.1))
     vertices = np.column_stack([x.ravel(), np.full(x.size, 2 + deviation), z.ravel()])
     n = len(vertices)
-    return Surface(vertices, np.zeros((0, 3), np.int32), np.full(n, deviation), np.full(n, 0.01), np.full(n, 4))
+    return Surface(
+        vertices=vertices,
+        faces=np.zeros((0, 3), np.int32),
+        deviation=np.full(n, deviation),
+        sigma=np.full(n, 0.01),
+        support=np.full(n, 4),
+    )
 
 
 def test_the_drawing_is_moved_to_the_dvls_surface_where_there_is_one(wall) -> None:

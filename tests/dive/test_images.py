@@ -14,8 +14,8 @@ from hullrecon.dive.images.integrity import jpeg_is_whole, size_of
 from hullrecon.dive.images.sink import ImageSink
 from hullrecon.dive.images.store import ImageStore, decode
 from hullrecon.dive.logs.samples import ImageSample
-from hullrecon.dive.records import to_arrays
 from hullrecon.errors import InputError
+from hullrecon.records.serialisation import to_arrays
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.check.consistency_checks import first_difference, suspicions
 from hullrecon.dive.config.schema import CameraBottom, Cameras, CameraTop, Dive, DiveConfig, Dvl, Imu, Logs
 from hullrecon.dive.logs.dvl_beams import tilted_beams
-from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 
 NS = 1_000_000_000
 T = np.arange(100, dtype=np.int64) * NS // 5
@@ -28,18 +28,27 @@ def dive(depth=3.0, mount_pitch_deg=90.0, turn: Rotation | None = None, accelera
     velocity = (attitude * vehicle_from_dvl).inv().apply(np.outer(down, [0, 0, 1.0]))
     n = len(T)
     return {
-        "dvl": DvlPings(T, velocity, np.full(n, 0.003), np.ones((n, 4)), JANUS),
+        "dvl": DvlPings(t_ns=T, velocity=velocity, velocity_sigma=np.full(n, 0.003), ranges=np.ones((n, 4)), beams=JANUS),
         "imu": ImuSamples(
-            T, np.tile(attitude.as_quat(), (n, 1)), np.zeros((n, 3)), np.tile(acceleration, (n, 1)).astype(float)
+            t_ns=T,
+            quaternion=np.tile(attitude.as_quat(), (n, 1)),
+            angular_velocity=np.zeros((n, 3)),
+            acceleration=np.tile(acceleration, (n, 1)).astype(float),
         ),
-        "pressure": PressureSamples(T, depth + bob),
-        "tray": JointSamples(T, np.zeros(n)),
+        "pressure": PressureSamples(t_ns=T, depth=depth + bob),
+        "tray": JointSamples(t_ns=T, angle=np.zeros(n)),
     }
 
 
 def index(t_ns) -> ImageIndex:
     n = len(t_ns)
-    return ImageIndex(np.array(t_ns, np.int64), np.full(n, ""), np.zeros(n, int), np.zeros(n, int), np.ones(n, bool))
+    return ImageIndex(
+        t_ns=np.array(t_ns, np.int64),
+        file=np.full(n, ""),
+        offset=np.zeros(n, int),
+        size=np.zeros(n, int),
+        usable=np.ones(n, bool),
+    )
 
 
 def test_a_dive_that_fits_together_raises_no_suspicion():
@@ -63,14 +72,20 @@ def test_a_dvl_that_is_mounted_upside_down_runs_against_the_pressure():
 def test_a_dvl_whose_axes_are_mixed_up_does_not_follow_the_pressure():
     records = dive(depth=9.0, mount_pitch_deg=0.0)
     noise = np.random.default_rng(1).normal(0, 0.05, records["dvl"].velocity.shape)
-    records["dvl"] = DvlPings(T, records["dvl"].velocity + noise, np.full(len(T), 0.003), np.ones((len(T), 4)), JANUS)
+    records["dvl"] = DvlPings(
+        t_ns=T,
+        velocity=records["dvl"].velocity + noise,
+        velocity_sigma=np.full(len(T), 0.003),
+        ranges=np.ones((len(T), 4)),
+        beams=JANUS,
+    )
     (line,) = suspicions(config(dvl=Dvl(mount=(0, 0, 0, 0, 90, 0))), records, {})
     assert "does not follow" in line
 
 
 def test_a_vehicle_that_keeps_its_depth_says_nothing_about_the_dvl():
     records = dive(depth=9.0)
-    records["pressure"] = PressureSamples(T, np.full(len(T), 9.0))
+    records["pressure"] = PressureSamples(t_ns=T, depth=np.full(len(T), 9.0))
     assert suspicions(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), records, {}) == []
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from hullrecon.dive.check.messages import losses, spans
 from hullrecon.dive.logs.readers.ledger import Ledger
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
-from hullrecon.dive.records import JointSamples, PressureSamples
+from hullrecon.records.sensors import JointSamples, PressureSamples
 
 A, B = Channel("/a", "x/msg/A", "cdr"), Channel("/b", "x/msg/B", "cdr")
 
@@ -54,6 +54,12 @@ def test_counts_of_the_log_tell_how_many_messages_a_loss_took():
 
 def test_a_silent_spell_and_the_range_of_a_servo_are_told():
     t = np.array([0, 1, 2, 30, 31], np.int64) * 1_000_000_000
-    told = spans({"pressure": PressureSamples(t, np.arange(5.0)), "tray": JointSamples(t, np.radians([0, 10, 20, 30, 45]))}, {})
+    told = spans(
+        {
+            "pressure": PressureSamples(t_ns=t, depth=np.arange(5.0)),
+            "tray": JointSamples(t_ns=t, angle=np.radians([0, 10, 20, 30, 45])),
+        },
+        {},
+    )
     assert "pressure: nothing for 28.0 s from 1970-01-01T00:00:02.000Z to 1970-01-01T00:00:30.000Z" in told
     assert "tray angles run from 0.0 to 45.0 degrees" in told

@@ -15,7 +15,8 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.records import Returns, Solution
+from hullrecon.records.solution import Solution
+from hullrecon.records.trajectory import Returns
 
 PROUD_M = 0.012
 BLOCK: dict[str, Any] = {

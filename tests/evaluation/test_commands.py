@@ -21,8 +21,10 @@ from hullrecon.artifacts.graph.chain import Chain
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.dive.config.schema import Dvl, Tray
-from hullrecon.dive.records import Returns, Solution, Trajectory, to_arrays
 from hullrecon.errors import InputError
+from hullrecon.records.serialisation import to_arrays
+from hullrecon.records.solution import Solution
+from hullrecon.records.trajectory import Returns, Trajectory
 
 
 class Nothing(Struct, frozen=True, kw_only=True):
@@ -43,7 +45,12 @@ def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) 
     def navigate(context: Context) -> None:
         n = len(solution.t_ns)
         path = Trajectory(
-            solution.t_ns, solution.quaternion, solution.translation, np.zeros((n, 6, 6)), solution.tray, solution.image
+            t_ns=solution.t_ns,
+            quaternion=solution.quaternion,
+            translation=solution.translation,
+            covariance=np.zeros((n, 6, 6)),
+            tray=solution.tray,
+            image=solution.image,
         )
         context.out.arrays("trajectory.npz", to_arrays(path))
         context.out.arrays("returns.npz", to_arrays(returns))

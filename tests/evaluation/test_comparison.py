@@ -10,13 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hullrecon.dive.records import Returns, Solution, Trajectory, to_arrays
 from hullrecon.errors import InputError
 from hullrecon.evaluation.comparison.comparison import Reckoned, Solved, compare, read_reckoned, read_solved, table_rows
 from hullrecon.evaluation.figures.figures import draw
 from hullrecon.evaluation.figures.sections import cut, whole
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
 from hullrecon.geometry.poses import of_seven
+from hullrecon.records.serialisation import to_arrays
+from hullrecon.records.solution import Solution
+from hullrecon.records.trajectory import Returns, Trajectory
 
 NOWHERE = Path("no such artifact")
 
@@ -30,7 +32,14 @@ def truth(package: Path) -> Truth:
 def start(solution: Solution, returns: Returns) -> Reckoned:
     n = len(solution.t_ns)
     path = solution.translation + np.outer(np.linspace(0, 0.1, n), [1, 1, 0])
-    reckoned = Trajectory(solution.t_ns, solution.quaternion, path, np.zeros((n, 6, 6)), solution.tray, solution.image)
+    reckoned = Trajectory(
+        t_ns=solution.t_ns,
+        quaternion=solution.quaternion,
+        translation=path,
+        covariance=np.zeros((n, 6, 6)),
+        tray=solution.tray,
+        image=solution.image,
+    )
     return Reckoned(reckoned, returns, np.array([0.45, 0.0, 0.1]), of_seven(solution.T_s_d))
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.dive.records import Returns, Solution
 from hullrecon.evaluation.comparison.method_comparison import (
     METHODS,
     TABLE,
@@ -20,6 +19,8 @@ from hullrecon.evaluation.comparison.method_comparison import (
 )
 from hullrecon.evaluation.scoring.alignment import STILL
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.records.solution import Solution
+from hullrecon.records.trajectory import Returns
 
 ORIGIN = np.array([0.45, 0.0, 0.1])
 

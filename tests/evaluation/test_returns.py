@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.dive.records import Returns, Solution, Trajectory
 from hullrecon.evaluation.comparison.beams import adjusted_beams, field_at, range_residuals, reckoned_beams
 from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.poses import of_seven
+from hullrecon.records.solution import Solution
+from hullrecon.records.trajectory import Returns, Trajectory
 
 ORIGIN = np.array([0.45, 0.0, 0.1])
 SHIFT = of_seven(np.array([1.0, 2, 3, 0, 0, 0, 1]))
@@ -36,7 +37,12 @@ def test_a_residual_is_predicted_minus_measured(package: Path, solution: Solutio
 def test_dead_reckoning_is_placed_alike(solution: Solution, returns: Returns) -> None:
     n = len(solution.t_ns)
     path = Trajectory(
-        solution.t_ns, solution.quaternion, solution.translation, np.zeros((n, 6, 6)), solution.tray, solution.image
+        t_ns=solution.t_ns,
+        quaternion=solution.quaternion,
+        translation=solution.translation,
+        covariance=np.zeros((n, 6, 6)),
+        tray=solution.tray,
+        image=solution.image,
     )
     before = reckoned_beams(path, SHIFT, of_seven(solution.T_s_d), returns, ORIGIN)
     np.testing.assert_allclose(before.points(), adjusted_beams(solution, SHIFT, returns, ORIGIN).points())

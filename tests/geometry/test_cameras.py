@@ -6,11 +6,11 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True)
 
-BENT = Camera(640, 512, 600.0, 610.0, 321.0, 254.0, -0.21, 0.07, 0.001, -0.0008, -0.01)
+BENT = CameraModel(640, 512, 600.0, 610.0, 321.0, 254.0, -0.21, 0.07, 0.001, -0.0008, -0.01)
 
 
 def test_a_point_on_the_axis_falls_on_the_principal_point() -> None:
@@ -18,7 +18,7 @@ def test_a_point_on_the_axis_falls_on_the_principal_point() -> None:
 
 
 def test_without_distortion_a_pixel_is_focal_length_times_slope() -> None:
-    plain = Camera(100, 80, 50.0, 40.0, 49.5, 39.5)
+    plain = CameraModel(100, 80, 50.0, 40.0, 49.5, 39.5)
     assert np.allclose(plain.project([[0.2, -0.1, 2.0]]), [[49.5 + 5.0, 39.5 - 2.0]])
 
 

@@ -34,7 +34,7 @@ def test_yaw_is_applied_last() -> None:
 
 
 def test_a_positive_tray_angle_tilts_the_tray_up() -> None:
-    forward = poses.tray([0.45, 0, 0.1], [0.2]).apply([[1.0, 0, 0]])
+    forward = poses.tray_poses([0.45, 0, 0.1], [0.2]).apply([[1.0, 0, 0]])
     assert forward[0, 2] == pytest.approx(0.1 - np.sin(0.2))  # z is down
 
 

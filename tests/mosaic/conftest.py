@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.ground import Ground, ground_of
@@ -58,9 +58,9 @@ def flat_ground() -> Callable[..., Ground]:
 
 
 @pytest.fixture
-def camera() -> Camera:
+def camera() -> CameraModel:
     """A pixel is 1 mm wide at 1 m."""
-    return Camera(width=400, height=320, fx=1000.0, fy=1000.0, cx=199.5, cy=159.5)
+    return CameraModel(width=400, height=320, fx=1000.0, fy=1000.0, cx=199.5, cy=159.5)
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.blend import VIEWS, Limits, blend_tile, choose
 from hullrecon.mosaic.grid import TexelGrid
@@ -19,7 +19,7 @@ LIMITS = Limits()
 DOWN = [1.0, 0.0, 0.0, 0.0]
 
 
-def painted(camera: Camera, pose: Poses, gain: float = 1.0) -> CameraSight:
+def painted(camera: CameraModel, pose: Poses, gain: float = 1.0) -> CameraSight:
     """A camera over the plate, on which red grows with x, green with y, blue is even."""
     v, u = np.mgrid[0 : camera.height, 0 : camera.width]
     x = (u - camera.cx) / camera.fx + pose.translation[0, 0]
@@ -29,7 +29,7 @@ def painted(camera: Camera, pose: Poses, gain: float = 1.0) -> CameraSight:
 
 
 def test_overlapping_views_reproduce_what_is_painted(
-    flat_ground: Callable[..., Ground], camera: Camera, above: Callable[..., Poses]
+    flat_ground: Callable[..., Ground], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     sights = [painted(camera, above(x, 0.0)) for x in (-0.15, 0.0, 0.15)]
     tile = blend_tile(flat_ground(), GRID, GRID.whole, sights, [GRID.whole] * 3, LIMITS, 3)
@@ -43,7 +43,7 @@ def test_overlapping_views_reproduce_what_is_painted(
 
 
 def test_views_that_disagree_leave_the_variance_of_their_weighted_intensities(
-    flat_ground: Callable[..., Ground], camera: Camera, above: Callable[..., Poses]
+    flat_ground: Callable[..., Ground], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     picture = [np.full((320, 400, 3), level, np.float32) for level in (100.0, 140.0)]
     sights = [CameraSight(above(x, 0.0), camera, lambda p=p: p) for x, p in zip((-0.1, 0.1), picture, strict=True)]
@@ -56,7 +56,7 @@ def test_views_that_disagree_leave_the_variance_of_their_weighted_intensities(
 
 
 def test_at_most_four_views_are_kept_and_the_best_first(
-    flat_ground: Callable[..., Ground], camera: Camera, above: Callable[..., Poses]
+    flat_ground: Callable[..., Ground], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     shifts = (0.10, 0.0, 0.16, 0.04, 0.13, 0.07)
     sights = {k: CameraSight(above(x, 0.0), camera, lambda: None) for k, x in enumerate(shifts)}
@@ -68,7 +68,7 @@ def test_at_most_four_views_are_kept_and_the_best_first(
 
 
 def test_a_view_behind_a_block_is_not_chosen(
-    flat_ground: Callable[..., Ground], camera: Camera, above: Callable[..., Poses]
+    flat_ground: Callable[..., Ground], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     ground = flat_ground(([-0.02, -0.3, 0.0], [0.02, 0.3, 0.2]))
     sights = {0: CameraSight(above(-0.15, 0.0), camera, lambda: None), 1: CameraSight(above(0.12, 0.0), camera, lambda: None)}
@@ -79,7 +79,7 @@ def test_a_view_behind_a_block_is_not_chosen(
 
 
 def test_an_image_that_cannot_be_read_is_left_out(
-    flat_ground: Callable[..., Ground], camera: Camera, above: Callable[..., Poses]
+    flat_ground: Callable[..., Ground], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     sights = [CameraSight(above(0.0, 0.0), camera, lambda: None), painted(camera, above(0.02, 0.0))]
     tile = blend_tile(flat_ground(), GRID, GRID.whole, sights, [GRID.whole] * 2, LIMITS, 3)
@@ -87,7 +87,7 @@ def test_an_image_that_cannot_be_read_is_left_out(
     np.testing.assert_allclose(tile.value[75, 100, 2], 60, atol=0.5)
 
 
-def test_where_a_view_grazes_the_surface_it_is_not_chosen(flat_ground: Callable[..., Ground], camera: Camera) -> None:
+def test_where_a_view_grazes_the_surface_it_is_not_chosen(flat_ground: Callable[..., Ground], camera: CameraModel) -> None:
     turned = Rotation.from_euler("y", -85, degrees=True) * Rotation.from_quat(DOWN)
     flat = CameraSight(Poses(turned.as_quat()[None], np.array([[-0.5, 0.0, 0.05]])), camera, lambda: None)
     patch = patch_of(flat_ground(), GRID, GRID.whole)

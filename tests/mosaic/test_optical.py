@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.ground import Ground
 from hullrecon.mosaic.imagery.camera_views import Station
@@ -27,7 +27,7 @@ def paint(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return 110 + 40 * np.sign(np.sin(40 * x) * np.sin(40 * y))
 
 
-def station(camera: Camera, spots: np.ndarray, lamp: bool) -> Station:
+def station(camera: CameraModel, spots: np.ndarray, lamp: bool) -> Station:
     """Images from 1 m above the spots (n, 2), each as bright as it likes, under a lamp half as strong at the corners."""
     v, u = np.mgrid[0 : camera.height, 0 : camera.width]
     fall = 1 - 0.5 * ((u - camera.cx) ** 2 + (v - camera.cy) ** 2) / (camera.cx**2 + camera.cy**2) if lamp else 1.0
@@ -45,7 +45,9 @@ SPOTS = np.stack(np.meshgrid(np.linspace(-0.4, 0.4, 7), np.linspace(-0.15, 0.15,
 
 
 @pytest.mark.parametrize("lamp", [False, True])
-def test_the_mosaic_shows_the_paint_and_not_the_lamp(flat_ground: Callable[..., Ground], camera: Camera, lamp: bool) -> None:
+def test_the_mosaic_shows_the_paint_and_not_the_lamp(
+    flat_ground: Callable[..., Ground], camera: CameraModel, lamp: bool
+) -> None:
     store = optical_mosaic(flat_ground(), [station(camera, SPOTS, lamp)], OPTIONS, still).store
     grid = store.grid
     rows, columns = np.arange(grid.height, dtype=float), np.arange(grid.width, dtype=float)
@@ -57,7 +59,7 @@ def test_the_mosaic_shows_the_paint_and_not_the_lamp(flat_ground: Callable[..., 
     assert np.corrcoef(shown, want)[0, 1] > 0.99
 
 
-def test_without_correction_the_lamp_stays(flat_ground: Callable[..., Ground], camera: Camera) -> None:
+def test_without_correction_the_lamp_stays(flat_ground: Callable[..., Ground], camera: CameraModel) -> None:
     one = station(camera, SPOTS[:1], True)
     made = optical_mosaic(flat_ground(), [one], OpticalOptions(tile_px=64, resolution_m=0.01, even_light=False), still)
     assert not made.lit
@@ -73,6 +75,6 @@ def test_texels_are_some_pixels_wide_within_bounds() -> None:
     assert texel_of(0.1, OpticalOptions(resolution_m=0.0015)) == 0.0015
 
 
-def test_images_that_miss_the_surface_make_no_mosaic(flat_ground: Callable[..., Ground], camera: Camera) -> None:
+def test_images_that_miss_the_surface_make_no_mosaic(flat_ground: Callable[..., Ground], camera: CameraModel) -> None:
     with pytest.raises(ValueError, match="no image meets"):
         optical_mosaic(flat_ground(), [station(camera, np.array([[5.0, 5.0]]), False)], OPTIONS, still)

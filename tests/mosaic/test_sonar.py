@@ -9,11 +9,11 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.records import SonarPings
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.ground import Ground
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.sonar import LEVEL, sonar_mosaic
+from hullrecon.records.sensors import SonarPings
 
 BEARING = np.radians(np.linspace(-14, 14, 49))
 RANGES = np.linspace(0.4, 1.8, 141)
@@ -32,7 +32,7 @@ def pings_over(spots: list[float], draw: Callable[[np.ndarray], np.ndarray]) -> 
     poses = Poses(np.tile(turn.as_quat(), (len(spots), 1)), np.array([[x, -0.8, 0.5] for x in spots]))
     directions = np.stack([np.zeros(49), np.sin(BEARING), np.cos(BEARING)], axis=1)
     images = [plate_image(poses[k], draw) for k in range(len(spots))]
-    return SonarPings(np.arange(len(spots)), np.stack(images), directions, RANGES), poses
+    return SonarPings(t_ns=np.arange(len(spots)), image=np.stack(images), directions=directions, range_m=RANGES), poses
 
 
 def plate_image(pose: Poses, draw: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
@@ -66,7 +66,9 @@ def test_a_bright_stripe_is_mapped_to_its_place(flat_ground: Callable[..., Groun
 def test_an_even_plate_becomes_even_whatever_the_beam_pattern(flat_ground: Callable[..., Ground]) -> None:
     pings, poses = pings_over([-0.2, -0.1, 0.0, 0.1, 0.2], lambda points: np.full(len(points), 120.0))
     pattern = np.exp(-((BEARING / 0.3) ** 2))[:, None] * np.linspace(1.4, 0.6, 141)
-    shaded = SonarPings(pings.t_ns, (pings.image * pattern).astype(np.uint8), pings.directions, pings.range_m)
+    shaded = SonarPings(
+        t_ns=pings.t_ns, image=(pings.image * pattern).astype(np.uint8), directions=pings.directions, range_m=pings.range_m
+    )
     made = sonar_mosaic(flat_ground(), shaded, poses, np.radians(14), OPTIONS, still)
     inner = made.store.small[3:-3, 3:-3]
     seen = inner[..., 0][inner[..., 1] > 0].astype(float)
@@ -96,7 +98,7 @@ def test_a_long_shadow_is_found_to_its_end(flat_ground: Callable[..., Ground]) -
     turn = Rotation.from_euler("x", -18, degrees=True) * turn
     poses = Poses(turn.as_quat()[None], np.array([[0.0, -0.9, 0.25]]))
     directions = np.stack([np.zeros(49), np.sin(BEARING), np.cos(BEARING)], axis=1)
-    pings = SonarPings(np.arange(1), np.full((1, 49, 141), 90, np.uint8), directions, RANGES)
+    pings = SonarPings(t_ns=np.arange(1), image=np.full((1, 49, 141), 90, np.uint8), directions=directions, range_m=RANGES)
     made = sonar_mosaic(
         flat_ground(([-0.3, -0.45, 0.0], [0.3, -0.4, 0.12])), pings, poses, np.radians(40), OPTIONS, still
     ).store

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.cameras import Camera
-from hullrecon.geometry.poses import Poses, exp, from_rpy, identity, tray
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.poses import Poses, exp, from_rpy, identity, tray_poses
 from hullrecon.native import MeshIndex, Problem
 
-TOP = Camera(640, 480, 500, 510, 320, 240, -0.05, 0.01, 0.001, -0.002, 0.003)
-BOTTOM = Camera(640, 480, 490, 505, 322, 238, 0.03, -0.02, -0.001, 0.001, 0.0)
+TOP = CameraModel(640, 480, 500, 510, 320, 240, -0.05, 0.01, 0.001, -0.002, 0.003)
+BOTTOM = CameraModel(640, 480, 490, 505, 322, 238, 0.03, -0.02, -0.001, 0.001, 0.0)
 TRAY_ORIGIN = np.array([0.4, 0.0, 0.1])
 BEAMS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, -0.5, 0.75**0.5], [0, 0.5, 0.75**0.5]])
 
@@ -97,7 +97,7 @@ def add_images(
 ) -> None:
     node, landmark, pixel = [], [], []
     for k in range(len(vehicle)):
-        top = vehicle[k] @ tray(TRAY_ORIGIN, theta[k]) @ camera
+        top = vehicle[k] @ tray_poses(TRAY_ORIGIN, theta[k]) @ camera
         in_top = top.inverse().apply(p.landmark)
         above, below = TOP.project(in_top), BOTTOM.project(bottom.inverse().apply(in_top))
         seen = ((above > 0) & (above < [640, 480]) & (below > 0) & (below < [640, 480])).all(axis=1)
@@ -113,7 +113,7 @@ def add_ranges(p: Problem, vehicle: Poses, theta: np.ndarray, dvl: Poses, hull: 
     node, beam = np.repeat(np.arange(n), 4), np.tile(BEAMS, (n, 1))
     offset = exp(np.tile([0.05, -0.02, 0.01, 0.01, 0.02, -0.03], (4 * n, 1)))
     tray_offset = np.full(4 * n, 0.01)
-    instrument = hull.inverse() @ vehicle[node] @ offset @ tray(TRAY_ORIGIN, theta[node] + tray_offset) @ dvl
+    instrument = hull.inverse() @ vehicle[node] @ offset @ tray_poses(TRAY_ORIGIN, theta[node] + tray_offset) @ dvl
     p.range_node, p.range_beam, p.range_tray_offset = node.astype(np.int32), beam, tray_offset
     p.range_offset = seven(offset)
     p.range_measured = index.cast(instrument.translation, instrument.rotation.apply(beam)).range

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.dead_reckon import Logs
 from hullrecon.navigation.vehicle import Vehicle
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 
 START_NS = 1_777_887_000_000_000_000
 JANUS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
@@ -43,7 +43,7 @@ class Swim:
         return Poses(self.attitude(t).as_quat(), self.place(t))
 
     def instrument(self, t: np.ndarray) -> Poses:
-        return self.poses(t) @ poses.tray(self.vehicle.tray_origin, self.tray(t)) @ self.vehicle.T_s_d
+        return self.poses(t) @ poses.tray_poses(self.vehicle.tray_origin, self.tray(t)) @ self.vehicle.T_s_d
 
     def velocity(self, t: np.ndarray) -> np.ndarray:
         """Of the instrument in dvl: central differences of its path, good to 1e-8 m/s."""
@@ -68,10 +68,21 @@ class Swim:
         depth = self.poses(tp).apply(self.vehicle.pressure_origin)[:, 2] + noise * 0.02 * rng.standard_normal(len(tp))
         frames = np.arange(0.25, end - 0.3, 0.5)
         return Logs(
-            DvlPings(nanoseconds(t), velocity, np.full(len(t), 0.003), np.full((len(t), 4), 1.5), JANUS),
-            ImuSamples(nanoseconds(ti), (self.attitude(ti) * drift).as_quat(), rates, np.full((len(ti), 3), np.nan)),
-            PressureSamples(nanoseconds(tp), depth),
-            JointSamples(nanoseconds(ti), self.tray(ti)),
+            DvlPings(
+                t_ns=nanoseconds(t),
+                velocity=velocity,
+                velocity_sigma=np.full(len(t), 0.003),
+                ranges=np.full((len(t), 4), 1.5),
+                beams=JANUS,
+            ),
+            ImuSamples(
+                t_ns=nanoseconds(ti),
+                quaternion=(self.attitude(ti) * drift).as_quat(),
+                angular_velocity=rates,
+                acceleration=np.full((len(ti), 3), np.nan),
+            ),
+            PressureSamples(t_ns=nanoseconds(tp), depth=depth),
+            JointSamples(t_ns=nanoseconds(ti), angle=self.tray(ti)),
             frames_at(frames),
             None,
         )
@@ -80,7 +91,7 @@ class Swim:
 def frames_at(t_s: np.ndarray) -> ImageIndex:
     n = len(t_s)
     empty = np.zeros(n, np.int64)
-    return ImageIndex(nanoseconds(t_s), np.full(n, ""), empty, empty, np.ones(n, bool))
+    return ImageIndex(t_ns=nanoseconds(t_s), file=np.full(n, ""), offset=empty, size=empty, usable=np.ones(n, bool))
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.records import DvlPings, ImuSamples, PressureSamples
 from hullrecon.navigation.dead_reckoning.odometry import velocity_variance
 from hullrecon.navigation.dead_reckoning.reckoning import reckon
 from hullrecon.navigation.sensors.attitude import (
@@ -23,6 +22,7 @@ from hullrecon.navigation.sensors.depth import hold_to_pressure
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import Velocities, usable_velocities
 from hullrecon.navigation.vehicle import cross_matrix
+from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples
 
 SECOND = 1_000_000_000
 NO_HOLES = np.zeros((0, 2), np.int64)
@@ -43,7 +43,9 @@ def imu(seed: int = 0, white_rad: float = 0.002, bias: float = 0.0, n: int = 200
     later = Rotation.from_euler("xyz", np.stack([0.05 * np.sin(t + h), 0 * t, 0.4 * np.sin(0.3 * (t + h))], axis=1))
     rates = (truth.inv() * later).as_rotvec() / h + bias
     noise = Rotation.from_rotvec(white_rad * np.random.default_rng(seed).standard_normal((n, 3)))
-    return ImuSamples(stamps(t), (truth * noise).as_quat(), rates, np.zeros((n, 3))), truth
+    return ImuSamples(
+        t_ns=stamps(t), quaternion=(truth * noise).as_quat(), angular_velocity=rates, acceleration=np.zeros((n, 3))
+    ), truth
 
 
 def departure(history: AttitudeHistory, record: ImuSamples, truth: Rotation) -> np.ndarray:
@@ -103,7 +105,13 @@ def test_attitude_between_two_readings_is_on_the_shortest_turn() -> None:
 
 def pings(velocity: np.ndarray, hz: float = 5.0) -> DvlPings:
     n = len(velocity)
-    return DvlPings(stamps(np.arange(n) / hz), velocity, np.full(n, 0.003), np.ones((n, 4)), np.eye(4)[:, :3])
+    return DvlPings(
+        t_ns=stamps(np.arange(n) / hz),
+        velocity=velocity,
+        velocity_sigma=np.full(n, 0.003),
+        ranges=np.ones((n, 4)),
+        beams=np.eye(4)[:, :3],
+    )
 
 
 ALWAYS = (-(10**18), 10**18)
@@ -176,7 +184,7 @@ def test_a_cross_matrix_gives_the_cross_product() -> None:
 
 
 def readings(depth: np.ndarray, hz: float = 10.0) -> PressureSamples:
-    return PressureSamples(stamps(np.arange(len(depth)) / hz), depth)
+    return PressureSamples(t_ns=stamps(np.arange(len(depth)) / hz), depth=depth)
 
 
 def held(vehicle, depth: np.ndarray, at_s, **path):

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.records import DvlPings, JointSamples
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.nodes import Nodes
@@ -22,6 +21,7 @@ from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.navigation.vehicle import Vehicle
+from hullrecon.records.sensors import DvlPings, JointSamples
 
 SECOND = 1_000_000_000
 NO_HOLES = np.zeros((0, 2), np.int64)
@@ -48,7 +48,7 @@ def run(vehicle: Vehicle, velocity, turn_rad_s: float = 0.0, tray=None, outages:
     v = Velocities(
         stamps(t), np.tile(np.asarray(velocity, float), (n, 1)), np.full(n, SIGMA_M_S), outages, 0.01, np.zeros(0, np.int64)
     )
-    joint = None if tray is None else JointSamples(stamps(t), np.full(n, tray))
+    joint = None if tray is None else JointSamples(t_ns=stamps(t), angle=np.full(n, tray))
     return reckon(v, attitude, servo(joint, 0), vehicle)
 
 
@@ -116,7 +116,11 @@ def said_of(path: Reckoning, pings: DvlPings, nodes: Nodes, flagged: np.ndarray)
 def test_what_was_bridged_and_what_was_flagged_is_said_with_its_times(plain) -> None:
     path = run(plain, [0.2, 0, 0], outages=np.array([stamps([1.0, 2.0]), stamps([4.0, 7.5])]))
     pings = DvlPings(
-        path.velocities.t_ns, path.velocities.velocity, path.velocities.sigma, np.full((201, 2), 1.5), np.eye(3)[:2]
+        t_ns=path.velocities.t_ns,
+        velocity=path.velocities.velocity,
+        velocity_sigma=path.velocities.sigma,
+        ranges=np.full((201, 2), 1.5),
+        beams=np.eye(3)[:2],
     )
     nodes = Nodes(stamps([0, 5, 10]), np.full((3, 2), -1), 0, 2)
     flagged = np.zeros((201, 2), bool)
@@ -134,7 +138,11 @@ def test_what_was_bridged_and_what_was_flagged_is_said_with_its_times(plain) -> 
 def test_a_run_without_a_flaw_says_only_what_was_not_logged(plain) -> None:
     path = run(plain, [0.2, 0, 0])
     pings = DvlPings(
-        path.velocities.t_ns, path.velocities.velocity, path.velocities.sigma, np.full((201, 2), np.nan), np.eye(3)[:2]
+        t_ns=path.velocities.t_ns,
+        velocity=path.velocities.velocity,
+        velocity_sigma=path.velocities.sigma,
+        ranges=np.full((201, 2), np.nan),
+        beams=np.eye(3)[:2],
     )
     words, facts = said_of(path, pings, Nodes(stamps([0, 10]), np.full((2, 2), -1), 0, 0), np.zeros((201, 2), bool))
     assert words == [

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hullrecon.dive.records import DvlPings, JointSamples, PressureSamples
 from hullrecon.navigation.dead_reckoning.integral import integral
 from hullrecon.navigation.dead_reckoning.nodes import choose_nodes, nearest, pair_frames
 from hullrecon.navigation.dead_reckoning.returns import flag_ranges
 from hullrecon.navigation.sensors.clock import gaps, in_order
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
+from hullrecon.records.sensors import DvlPings, JointSamples, PressureSamples
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True)
 
@@ -32,7 +32,11 @@ def rows(t_ns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def pings(ranges: np.ndarray, hz: float = 5.0) -> DvlPings:
     n = len(ranges)
     return DvlPings(
-        stamps(*(np.arange(n) / hz)), np.zeros((n, 3)), np.ones(n), ranges, np.tile([0.0, 0, 1], (ranges.shape[1], 1))
+        t_ns=stamps(*(np.arange(n) / hz)),
+        velocity=np.zeros((n, 3)),
+        velocity_sigma=np.ones(n),
+        ranges=ranges,
+        beams=np.tile([0.0, 0, 1], (ranges.shape[1], 1)),
     )
 
 
@@ -83,12 +87,12 @@ def test_beyond_its_ends_a_signal_holds_its_last_value() -> None:
 
 
 def test_a_record_in_order_is_left_alone() -> None:
-    record = PressureSamples(stamps(0, 1, 2), np.array([1.0, 2.0, 3.0]))
+    record = PressureSamples(t_ns=stamps(0, 1, 2), depth=np.array([1.0, 2.0, 3.0]))
     assert in_order(record, "pressure") == (record, [])
 
 
 def test_the_first_of_equal_stamps_stays() -> None:
-    record, said = in_order(PressureSamples(stamps(2, 0, 0, 1), np.array([3.0, 1.0, 9.0, 2.0])), "pressure")
+    record, said = in_order(PressureSamples(t_ns=stamps(2, 0, 0, 1), depth=np.array([3.0, 1.0, 9.0, 2.0])), "pressure")
     assert record.depth.tolist() == [1, 2, 3]
     assert said == [
         "pressure: 1 times its clock ran backwards; sorted",
@@ -99,7 +103,11 @@ def test_the_first_of_equal_stamps_stays() -> None:
 def test_the_beams_of_a_dvl_are_not_pings() -> None:
     four = pings(np.ones((4, 4)))
     shuffled = DvlPings(
-        four.t_ns[[1, 0, 2, 3]], four.velocity, four.velocity_sigma, four.ranges, np.diag([1.0, 2, 3, 4])[:, :3]
+        t_ns=four.t_ns[[1, 0, 2, 3]],
+        velocity=four.velocity,
+        velocity_sigma=four.velocity_sigma,
+        ranges=four.ranges,
+        beams=np.diag([1.0, 2, 3, 4])[:, :3],
     )
     record, _ = in_order(shuffled, "dvl")
     assert np.array_equal(record.beams, shuffled.beams)
@@ -116,14 +124,14 @@ def test_gaps_are_intervals_longer_than_allowed() -> None:
 def test_the_direction_flips_at_the_turning_point_and_not_with_flicker() -> None:
     travel = np.radians(np.concatenate([np.arange(0, 5, 0.2), np.arange(5, 2, -0.2)]))
     angle = travel + np.radians(0.02) * np.sin(40 * np.arange(len(travel)))
-    found = servo(JointSamples(stamps(*np.arange(len(angle))), angle), 0)
+    found = servo(JointSamples(t_ns=stamps(*np.arange(len(angle))), angle=angle), 0)
     assert found.direction[:25].tolist() == [1.0] * 25
     assert found.direction[27:].tolist() == [-1.0] * (len(angle) - 27)
 
 
 def test_a_tray_that_stands_still_keeps_its_direction() -> None:
     angle = np.radians(np.concatenate([np.arange(5, 2, -0.5), np.full(20, 2.0)]))
-    found = servo(JointSamples(stamps(*np.arange(len(angle))), angle), 0)
+    found = servo(JointSamples(t_ns=stamps(*np.arange(len(angle))), angle=angle), 0)
     assert (found.direction == -1).all()
     assert found.angle_at(stamps(0.5))[0] == pytest.approx(np.radians(4.75))
 

@@ -25,7 +25,7 @@ def test_a_return_carries_the_vehicle_from_its_node_to_its_ping(swim, found, veh
     node_s = (t.t_ns - 1_777_887_000_000_000_000) * 1e-9
     at_ping = swim.poses(node_s)[r.node] @ Poses(r.quaternion, r.translation)
     angle = swim.tray(node_s)[r.node] + r.tray_offset
-    instrument = at_ping @ poses.tray(vehicle.tray_origin, angle) @ vehicle.T_s_d
+    instrument = at_ping @ poses.tray_poses(vehicle.tray_origin, angle) @ vehicle.T_s_d
     assert np.abs(instrument.translation - swim.instrument(seconds).translation).max() < 1e-3
 
 

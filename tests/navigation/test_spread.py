@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.records import TrajectoryErrorModel
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning import error_propagation
@@ -22,6 +21,7 @@ from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import usable_velocities
 from hullrecon.navigation.vehicle import Vehicle
+from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.vision.pairs.camera_track import Survey
 
 NO_HOLES = np.zeros((0, 2), np.int64)

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.records import ImuSamples, PressureSamples
 from hullrecon.errors import StageError
 from hullrecon.geometry import poses
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated
 from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_covariance
@@ -29,9 +28,10 @@ from hullrecon.navigation.stereo_odometry.stereo_frame import (
 from hullrecon.navigation.stereo_odometry.stereo_motion import stereo_motion
 from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Views, stereo_navigate
 from hullrecon.navigation.stereo_odometry.visual_odometry import chain_errors, compose
+from hullrecon.records.sensors import ImuSamples, PressureSamples
 from hullrecon.vision.pairs.camera_track import Survey
 
-CAMERA = Camera(640, 512, 600.0, 600.0, 319.5, 255.5)
+CAMERA = CameraModel(640, 512, 600.0, 600.0, 319.5, 255.5)
 RIG = StereoRig(CAMERA, CAMERA, poses.from_mount([0.01, 0.12, 0.0, 1.0, -0.5, 0.7]), sigma_px=0.5)
 START_NS = 10**15
 
@@ -114,7 +114,7 @@ def test_a_twin_that_looks_as_good_is_no_match() -> None:
 def test_a_feature_lies_in_the_middle_of_a_spot() -> None:
     picture = np.full((256, 256, 3), 40, np.uint8)
     picture[100:130, 150:180] = 200
-    camera = Camera(256, 256, 300.0, 300.0, 127.5, 127.5)
+    camera = CameraModel(256, 256, 300.0, 300.0, 127.5, 127.5)
     found = find_features(picture, camera, 50)
     pixel = camera.distort(found.ideal)
     assert np.abs(pixel - [164.5, 114.5]).max(axis=1).min() < 0.5  # pixels 150 to 179 and 100 to 129
@@ -204,7 +204,7 @@ def navigated(vehicle, aids: Aids, blind: tuple[int, ...] = (), count: int = 6) 
 
 
 def true_path(vehicle) -> Poses:
-    T_v_ct = poses.tray(vehicle.tray_origin, np.zeros(1)) @ T_s_ct
+    T_v_ct = poses.tray_poses(vehicle.tray_origin, np.zeros(1)) @ T_s_ct
     world = Poses(np.vstack([p.quaternion for p in PATH]), np.vstack([p.translation for p in PATH])) @ T_v_ct.inverse()
     return world[[0]].inverse() @ world
 
@@ -232,8 +232,8 @@ def test_an_imu_and_a_pressure_sensor_give_the_start(vehicle) -> None:
     tilt = Rotation.from_euler("xyz", [0.1, -0.2, 0.7])
     nothing = np.full((65, 3), np.nan)
     aids = Aids(
-        ImuSamples(t, np.tile(tilt.as_quat(), (65, 1)), nothing, nothing),
-        PressureSamples(t, np.full(65, 3.0)),
+        ImuSamples(t_ns=t, quaternion=np.tile(tilt.as_quat(), (65, 1)), angular_velocity=nothing, acceleration=nothing),
+        PressureSamples(t_ns=t, depth=np.full(65, 3.0)),
     )
     found = navigated(vehicle, aids)
     first = found.trajectory.poses()[[0]]
@@ -265,7 +265,11 @@ def test_one_pair_is_no_path(vehicle) -> None:
 def test_an_imu_without_orientation_does_not_stop_the_cameras(vehicle) -> None:
     t = START_NS + 10**8 * np.arange(60)
     nothing = np.full((60, 3), np.nan)
-    found = navigated(vehicle, Aids(ImuSamples(t, np.full((60, 4), np.nan), nothing, nothing)), count=3)
+    found = navigated(
+        vehicle,
+        Aids(ImuSamples(t_ns=t, quaternion=np.full((60, 4), np.nan), angular_velocity=nothing, acceleration=nothing)),
+        count=3,
+    )
     assert len(found.trajectory.t_ns) == 3
 
 

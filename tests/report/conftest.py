@@ -14,9 +14,12 @@ import pytest
 from numpy.typing import NDArray
 
 from hullrecon.dive.config.schema import Dive, Hull
-from hullrecon.dive.records import DvlPings, ImageIndex, Solution, Surface, Trajectory
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import from_rpy
+from hullrecon.records.sensors import DvlPings, ImageIndex
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
+from hullrecon.records.trajectory import Trajectory
 from hullrecon.report.content.survey import Eye, StepRun, Survey
 from hullrecon.report.export.trajectory import track_of
 
@@ -24,7 +27,7 @@ NODES = 5
 START = 1_777_887_000_468_241_234
 IDENTITY = np.array([0.0, 0, 0, 0, 0, 0, 1])
 TURNED = np.array([10.0, 20.0, 3.0, 1.0, 0.0, 0.0, 0.0])  # T_g_M: moved, and turned by 180 degrees about x
-CAMERA = Camera(width=400, height=320, fx=500.0, fy=500.0, cx=199.5, cy=159.5)
+CAMERA = CameraModel(width=400, height=320, fx=500.0, fy=500.0, cx=199.5, cy=159.5)
 
 
 @dataclass(frozen=True)
@@ -95,7 +98,13 @@ def plate() -> Surface:
     a, b, c, d = index[:-1, :-1].ravel(), index[:-1, 1:].ravel(), index[1:, :-1].ravel(), index[1:, 1:].ravel()
     faces = np.concatenate([np.stack([a, c, b], 1), np.stack([b, c, d], 1)]).astype(np.int32)
     vertices = np.column_stack([x.ravel(), y.ravel(), np.zeros(15)])
-    return Surface(vertices, faces, np.full(15, 0.006), np.full(15, 0.002), np.where(x.ravel() < 2, 5, 0))
+    return Surface(
+        vertices=vertices,
+        faces=faces,
+        deviation=np.full(15, 0.006),
+        sigma=np.full(15, 0.002),
+        support=np.where(x.ravel() < 2, 5, 0),
+    )
 
 
 @pytest.fixture
@@ -114,7 +123,13 @@ def found() -> dict[str, Any]:
 def eye() -> Eye:
     """Looks along z of the vehicle, which is outward of the plate seen from above."""
     stamps = START + np.arange(NODES) * 10**9
-    index = ImageIndex(stamps, np.full(NODES, ""), np.zeros(NODES, np.int64), np.ones(NODES, np.int64), np.ones(NODES, bool))
+    index = ImageIndex(
+        t_ns=stamps,
+        file=np.full(NODES, ""),
+        offset=np.zeros(NODES, np.int64),
+        size=np.ones(NODES, np.int64),
+        usable=np.ones(NODES, bool),
+    )
     v, u = np.mgrid[0:320, 0:400]
     picture = np.stack([u % 256, v % 256, (u + v) % 256], axis=2).astype(np.uint8)
     return Eye("camera_top", CAMERA, index, from_rpy([0.0, 0, 0], [0.0, 0, 0]), lambda row: picture)
@@ -126,7 +141,13 @@ def dvl() -> DvlPings:
     ranges = np.full((3, 4), 1.2 / 0.75**0.5)
     ranges[1, 2:] = np.nan
     ranges[2] = np.nan
-    return DvlPings(START + np.arange(3) * 10**9, np.zeros((3, 3)), np.full(3, 0.003), ranges, beams)
+    return DvlPings(
+        t_ns=START + np.arange(3) * 10**9,
+        velocity=np.zeros((3, 3)),
+        velocity_sigma=np.full(3, 0.003),
+        ranges=ranges,
+        beams=beams,
+    )
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hullrecon.dive.records import Solution
+from hullrecon.records.solution import Solution
 from hullrecon.report.content.missing_deliverables import absences
 
 ALL = {"camera.top": object(), "sonar": object(), "hull": object()}

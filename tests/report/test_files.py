@@ -14,7 +14,9 @@ import numpy as np
 import pytest
 
 from hullrecon.dive.config.schema import Hull
-from hullrecon.dive.records import Solution, Surface, Trajectory
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
+from hullrecon.records.trajectory import Trajectory
 from hullrecon.report.content.objects import objects_csv
 from hullrecon.report.export.csv_export import csv_text, numbers, seconds
 from hullrecon.report.export.geometry_export import alignment_json, landmarks_ply, surface_ply

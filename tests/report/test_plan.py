@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hullrecon.dive.records import Surface
+from hullrecon.records.surface import Surface
 from hullrecon.report.content.page_context import chart_view, path_sigma
 from hullrecon.report.content.survey import Survey
 from hullrecon.report.figures.chart_map import Extent, charted, extent_of, ground_png, seen_faces, weighted_percentiles

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hullrecon.dive.records import DvlPings, Solution, Surface
+from hullrecon.records.sensors import DvlPings
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
 from hullrecon.report.content.survey import Survey
 from hullrecon.report.figures.gallery import all_plots
 from hullrecon.report.figures.plots import convergence, depth_and_standoff, deviation_histogram, labels, residuals, standoff

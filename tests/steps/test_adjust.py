@@ -29,8 +29,10 @@ from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.dive.config import schema
-from hullrecon.dive.records import ImageIndex, Solution, from_arrays, to_arrays
 from hullrecon.geometry.charts.chart import chart_from_arrays
+from hullrecon.records.sensors import ImageIndex
+from hullrecon.records.serialisation import from_arrays, to_arrays
+from hullrecon.records.solution import Solution
 from hullrecon.steps.adjust import STAGE
 
 TO_DEGREES = np.r_[np.ones(3), np.full(3, 180 / np.pi)]
@@ -80,7 +82,7 @@ def ingested(folder, m):
         cameras = {"top": asdict(CAMERA)} | ({"bottom": asdict(CAMERA)} if m.rig.bottom is not None else {})
         (folder / "cameras.json").write_text(json.dumps(cameras))
         zero = np.zeros(n, np.int64)
-        index = ImageIndex(m.trajectory.t_ns, np.full(n, ""), zero, zero, np.ones(n, bool))
+        index = ImageIndex(t_ns=m.trajectory.t_ns, file=np.full(n, ""), offset=zero, size=zero, usable=np.ones(n, bool))
         for name in cameras:
             keep(folder, f"images_camera_{name}", index)
     if m.drawing is not None:

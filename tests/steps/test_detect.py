@@ -15,12 +15,15 @@ from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.detection.options import DetectOptions
 from hullrecon.dive.config import schema
-from hullrecon.dive.records import ImageIndex, JointSamples, Solution, SonarPings, Surface, from_arrays, to_arrays
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.records.sensors import ImageIndex, JointSamples, SonarPings
+from hullrecon.records.serialisation import from_arrays, to_arrays
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
 from hullrecon.steps.detect import STAGE
 
 OFF, HEIGHT = -0.010, 0.09  # the wall is 1 cm behind its drawing and carries a disc 9 cm high
@@ -65,7 +68,7 @@ def _dvl_surface() -> Surface:
     faces = np.concatenate([np.stack([a, c, b], 1), np.stack([a, d, c], 1)]).astype(np.int32)
     n = x.size
     vertices = np.column_stack([x.ravel(), np.full(n, 2 + OFF), z.ravel()])
-    return Surface(vertices, faces, np.full(n, OFF), np.full(n, 0.005), np.full(n, 3))
+    return Surface(vertices=vertices, faces=faces, deviation=np.full(n, OFF), sigma=np.full(n, 0.005), support=np.full(n, 3))
 
 
 class Bench:
@@ -100,10 +103,14 @@ class Bench:
             np.savez(ingest / "hull.npz", vertices=mesh.vertices, faces=mesh.faces)
             sections["hull"] = schema.Hull(mesh="hull.stl", frame_spacing=0.5)
         if self.camera:
-            (ingest / "cameras.json").write_text(json.dumps({"top": asdict(Camera(640, 512, 640.0, 640.0, 319.5, 255.5))}))
+            (ingest / "cameras.json").write_text(json.dumps({"top": asdict(CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5))}))
             n = len(self.solution.t_ns)
             index = ImageIndex(
-                5000 + np.arange(n), np.full(n, ""), np.zeros(n, np.int64), np.ones(n, np.int64), np.ones(n, bool)
+                t_ns=5000 + np.arange(n),
+                file=np.full(n, ""),
+                offset=np.zeros(n, np.int64),
+                size=np.ones(n, np.int64),
+                usable=np.ones(n, bool),
             )
             _write(ingest / "images_camera_top.npz", to_arrays(index))
         if self.sonar:
@@ -123,9 +130,11 @@ class Bench:
     def _carry_sonar(self, ingest: Path) -> None:
         bearing = np.linspace(-0.4, 0.4, 9)
         beams = np.column_stack([np.zeros(9), np.sin(bearing), np.cos(bearing)])
-        pings = SonarPings(np.array([1002, 1008]), np.zeros((2, 9, 4), np.uint8), beams, np.linspace(0.5, 3, 4))
+        pings = SonarPings(
+            t_ns=np.array([1002, 1008]), image=np.zeros((2, 9, 4), np.uint8), directions=beams, range_m=np.linspace(0.5, 3, 4)
+        )
         np.savez(ingest / "sonar.npz", **to_arrays(pings))
-        np.savez(ingest / "sonar_tray.npz", **to_arrays(JointSamples(np.array([0, 2000]), np.zeros(2))))
+        np.savez(ingest / "sonar_tray.npz", **to_arrays(JointSamples(t_ns=np.array([0, 2000]), angle=np.zeros(2))))
 
     def _folder(self, name: str) -> Path:
         path = self.root / name

@@ -8,8 +8,9 @@ import pytest
 
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config.schema import Cameras, CameraTop, Dive, Logs
-from hullrecon.dive.records import ImageIndex, to_arrays
 from hullrecon.errors import StageError
+from hullrecon.records.sensors import ImageIndex
+from hullrecon.records.serialisation import to_arrays
 from hullrecon.steps.features import STAGE
 from hullrecon.vision.features.extraction import FeatureOptions, extract
 from hullrecon.vision.features.store import FeatureStore
@@ -34,7 +35,13 @@ def ingest(folder, pictures, usable):
     size = np.array([len(e) for e in encoded], np.int64)
     (folder / "images_camera_top.bin").write_bytes(b"".join(encoded))
     names = np.array([""] * len(encoded))
-    index = ImageIndex(np.arange(len(encoded)), names, np.concatenate([[0], np.cumsum(size)[:-1]]), size, np.array(usable))
+    index = ImageIndex(
+        t_ns=np.arange(len(encoded)),
+        file=names,
+        offset=np.concatenate([[0], np.cumsum(size)[:-1]]),
+        size=size,
+        usable=np.array(usable),
+    )
     with zipfile.ZipFile(folder / "images_camera_top.npz", "w") as file:  # numpy.savez has no room for a member named file
         for name, values in to_arrays(index).items():
             with file.open(f"{name}.npy", "w") as member:

@@ -13,8 +13,9 @@ from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.images.store import ImageStore
-from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SonarPings, from_arrays
 from hullrecon.errors import InputError
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SonarPings
+from hullrecon.records.serialisation import from_arrays
 from hullrecon.steps.ingest import STAGE, USES, external, request_of
 
 TOML = """

@@ -10,16 +10,18 @@ import pytest
 
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config.schema import CameraBottom, Cameras, CameraTop, Dvl, Tray
-from hullrecon.dive.records import Tracks, Trajectory, TrajectoryErrorModel, from_arrays, to_arrays
 from hullrecon.errors import StageError
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import exp, from_mount
+from hullrecon.records.serialisation import from_arrays, to_arrays
+from hullrecon.records.tracks import Tracks
+from hullrecon.records.trajectory import Trajectory, TrajectoryErrorModel
 from hullrecon.steps.matches import STAGE
 from hullrecon.vision.features.extraction import FeatureOptions, extract
 from hullrecon.vision.features.store import CAMERAS, GrowingArray
 from hullrecon.vision.options import MatchOptions
 
-CAMERA = Camera(320, 256, 330.0, 330.0, 160.0, 128.0)
+CAMERA = CameraModel(320, 256, 330.0, 330.0, 160.0, 128.0)
 BELOW = (0.0, 0.1, 0.0, 0.0, 0.0, 0.0)
 WALL_M, PIXELS_PER_M = 1.3, 400.0  # a flat painted wall ahead of the camera
 
@@ -70,7 +72,12 @@ def write_trajectory(folder, global_from_top, image=None):
     off = 0.003 * np.random.default_rng(2).standard_normal((n, 3))
     rows = np.column_stack([np.arange(n)] * 2) if image is None else image
     record = Trajectory(
-        np.arange(n) * 10**9, global_from_top.quaternion, global_from_top.translation + off, covariance, np.zeros(n), rows
+        t_ns=np.arange(n) * 10**9,
+        quaternion=global_from_top.quaternion,
+        translation=global_from_top.translation + off,
+        covariance=covariance,
+        tray=np.zeros(n),
+        image=rows,
     )
     np.savez(folder / "trajectory.npz", **to_arrays(record))
     errors = TrajectoryErrorModel(

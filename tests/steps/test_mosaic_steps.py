@@ -16,11 +16,13 @@ from numpy.typing import NDArray
 
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config.schema import Cameras, CameraTop, Dive, DiveConfig, Logs, Sonar, Topics
-from hullrecon.dive.records import ImageIndex, JointSamples, SonarPings, Surface, Trajectory, to_arrays
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import chart_for_points
 from hullrecon.geometry.poses import Poses, from_rpy
-from hullrecon.report.export.trajectory import Track
+from hullrecon.records.sensors import ImageIndex, JointSamples, SonarPings
+from hullrecon.records.serialisation import to_arrays
+from hullrecon.records.surface import Surface
+from hullrecon.records.trajectory import Trajectory, VehicleTrack
 from hullrecon.steps import mosaic_optical, mosaic_sonar
 from hullrecon.steps.mosaic_sonar import sonar_poses
 
@@ -51,7 +53,13 @@ def wall() -> Surface:
     a, b, c, d = index[:-1, :-1].ravel(), index[:-1, 1:].ravel(), index[1:, :-1].ravel(), index[1:, 1:].ravel()
     faces = np.concatenate([np.stack([a, b, c], 1), np.stack([b, d, c], 1)]).astype(np.int32)
     vertices = np.column_stack([x.ravel(), np.ones(x.size), z.ravel()])
-    return Surface(vertices, faces, np.full(x.size, np.nan), np.full(x.size, 0.01), np.ones(x.size, np.int64))
+    return Surface(
+        vertices=vertices,
+        faces=faces,
+        deviation=np.full(x.size, np.nan),
+        sigma=np.full(x.size, 0.01),
+        support=np.ones(x.size, np.int64),
+    )
 
 
 def spot_image(x_m: float) -> NDArray[np.uint8]:
@@ -67,8 +75,8 @@ def passed(tmp_path: Path) -> dict[str, Path]:
     """Artifacts of ingest, navigate and surface: the vehicle goes along x at 2 m depth, the wall 1 m to starboard."""
     x = np.linspace(0, 2, NODES)
     trajectory = Trajectory(
-        TIMES, np.tile([0.0, 0, 0, 1], (NODES, 1)), np.column_stack([x, np.zeros(NODES), np.full(NODES, 2.0)]),
-        np.tile(np.eye(6) * 1e-4, (NODES, 1, 1)), np.zeros(NODES), np.column_stack([np.arange(NODES), np.full(NODES, -1)]),
+        t_ns=TIMES, quaternion=np.tile([0.0, 0, 0, 1], (NODES, 1)), translation=np.column_stack([x, np.zeros(NODES), np.full(NODES, 2.0)]),
+        covariance=np.tile(np.eye(6) * 1e-4, (NODES, 1, 1)), tray=np.zeros(NODES), image=np.column_stack([np.arange(NODES), np.full(NODES, -1)]),
     )  # fmt: skip
     save(tmp_path / "navigate", "trajectory.npz", to_arrays(trajectory))
     surface = wall()
@@ -77,7 +85,9 @@ def passed(tmp_path: Path) -> dict[str, Path]:
     ingest = tmp_path / "ingest"
     encoded = [cv2.imencode(".png", spot_image(v)[..., ::-1])[1].tobytes() for v in x]
     size = np.array([len(e) for e in encoded])
-    index = ImageIndex(TIMES, np.full(NODES, ""), np.cumsum(size) - size, size, np.arange(NODES) != 3)
+    index = ImageIndex(
+        t_ns=TIMES, file=np.full(NODES, ""), offset=np.cumsum(size) - size, size=size, usable=np.arange(NODES) != 3
+    )
     save(ingest, "images_camera_top.npz", to_arrays(index))
     (ingest / "images_camera_top.bin").write_bytes(b"".join(encoded))
     (ingest / "cameras.json").write_text(json.dumps({"top": CAMERA}))
@@ -123,7 +133,11 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
     slant = 1 / np.cos(bearing)
     image = np.where(ranges >= slant[:, None], 100, 0) + np.zeros((NODES, 1, 1))
     directions = np.stack([0 * bearing, np.sin(bearing), np.cos(bearing)], axis=1)
-    save(passed["ingest"], "sonar.npz", to_arrays(SonarPings(TIMES, image.astype(np.uint8), directions, ranges)))
+    save(
+        passed["ingest"],
+        "sonar.npz",
+        to_arrays(SonarPings(t_ns=TIMES, image=image.astype(np.uint8), directions=directions, range_m=ranges)),
+    )
     # z of the sonar to starboard, its fan along x: x of the sonar is up
     sonar = Sonar(mount=(0.0, 0.0, 0.0, -90.0, 90.0, 0.0), elevation_deg=20.0)
     loose = Sonar(mount=sonar.mount, elevation_deg=20.0, mount_sigma=(0.0, 0.0, 0.0, 2.0, 2.0, 2.0))
@@ -151,9 +165,9 @@ def test_steps_apply_only_where_their_sensor_was_carried() -> None:
 
 
 def test_the_sonars_servo_is_read_at_the_pings() -> None:
-    track = Track(TIMES, Poses(np.tile([0.0, 0, 0, 1], (NODES, 1)), np.zeros((NODES, 3))), np.zeros((NODES, 6, 6)),
-                  np.zeros(NODES), np.full((NODES, 2), -1), "g")  # fmt: skip
-    angles = JointSamples(TIMES, np.linspace(0, 0.8, NODES))
+    track = VehicleTrack(t_ns=TIMES, poses=Poses(np.tile([0.0, 0, 0, 1], (NODES, 1)), np.zeros((NODES, 3))), tray=np.zeros((NODES, 6, 6)),
+                  covariance=np.zeros(NODES), image=np.full((NODES, 2), -1), frame="g")  # fmt: skip
+    angles = JointSamples(t_ns=TIMES, angle=np.linspace(0, 0.8, NODES))
     sonar = Sonar(joint="sonar_tray", origin=(0.4, 0.0, 0.2), mount=(0.0, 0.0, 0.0, 0.0, 90.0, 0.0))
     at = np.array([TIMES[4], (TIMES[4] + TIMES[5]) // 2])
     poses = sonar_poses(track, at, angles, sonar)
@@ -162,7 +176,7 @@ def test_the_sonars_servo_is_read_at_the_pings() -> None:
 
 
 def test_a_servo_that_was_not_logged_is_named() -> None:
-    track = Track(TIMES[:1], Poses(np.array([[0.0, 0, 0, 1]]), np.zeros((1, 3))), np.zeros((1, 6, 6)), np.zeros(1),
-                  np.full((1, 2), -1), "g")  # fmt: skip
+    track = VehicleTrack(t_ns=TIMES[:1], poses=Poses(np.array([[0.0, 0, 0, 1]]), np.zeros((1, 3))), tray=np.zeros((1, 6, 6)), covariance=np.zeros(1),
+                  image=np.full((1, 2), -1), frame="g")  # fmt: skip
     with pytest.raises(StageError, match="sonar_tray is not in the log"):
         sonar_poses(track, TIMES[:1], None, Sonar(joint="sonar_tray"))

@@ -14,21 +14,11 @@ from scipy.spatial.transform import Rotation
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.dive.config import schema
-from hullrecon.dive.records import (
-    Attitude,
-    DvlPings,
-    ImageIndex,
-    ImuSamples,
-    Odometry,
-    PressureSamples,
-    Returns,
-    Trajectory,
-    TrajectoryErrorModel,
-    from_arrays,
-    to_arrays,
-)
 from hullrecon.errors import StageError
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, PressureSamples
+from hullrecon.records.serialisation import from_arrays, to_arrays
+from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel
 from hullrecon.steps.navigate import STAGE, vehicle_of
 
 SECOND = 10**9
@@ -55,11 +45,27 @@ def ingest(tmp_path: Path) -> Path:
     folder.mkdir()
     t = np.arange(0, 20 * SECOND, SECOND // 5, dtype=np.int64)
     n = len(t)
-    keep(folder, "dvl", DvlPings(t, np.tile([0.0, 0, 0.2], (n, 1)), np.full(n, 0.003), np.full((n, 4), 1.5), JANUS))
+    keep(
+        folder,
+        "dvl",
+        DvlPings(
+            t_ns=t,
+            velocity=np.tile([0.0, 0, 0.2], (n, 1)),
+            velocity_sigma=np.full(n, 0.003),
+            ranges=np.full((n, 4), 1.5),
+            beams=JANUS,
+        ),
+    )
     fast = np.arange(-SECOND, 21 * SECOND, SECOND // 25, dtype=np.int64)
     level = np.tile(Rotation.identity().as_quat(), (len(fast), 1))
-    keep(folder, "imu", ImuSamples(fast, level, np.zeros((len(fast), 3)), np.zeros((len(fast), 3))))
-    keep(folder, "pressure", PressureSamples(fast, np.full(len(fast), 2.0)))
+    keep(
+        folder,
+        "imu",
+        ImuSamples(
+            t_ns=fast, quaternion=level, angular_velocity=np.zeros((len(fast), 3)), acceleration=np.zeros((len(fast), 3))
+        ),
+    )
+    keep(folder, "pressure", PressureSamples(t_ns=fast, depth=np.full(len(fast), 2.0)))
     return folder
 
 
@@ -125,7 +131,7 @@ def test_without_a_dvl_the_stereo_cameras_give_the_path(ingest: Path, tmp_path: 
     (ingest / "dvl.npz").unlink()
     noise = np.random.default_rng(4).integers(0, 255, (100, 200)).astype(np.uint8)
     seabed = cv2.resize(noise, (800, 400), interpolation=cv2.INTER_CUBIC)
-    camera = Camera(320, 256, 250.0, 250.0, 159.5, 127.5)
+    camera = CameraModel(320, 256, 250.0, 250.0, 159.5, 127.5)
     (ingest / "cameras.json").write_text(json.dumps({"top": asdict(camera), "bottom": asdict(camera)}))
     count = 4
     for name, shift in (("camera_top", 0), ("camera_bottom", 25)):  # the lower camera is 0.1 m down the image
@@ -136,7 +142,9 @@ def test_without_a_dvl_the_stereo_cameras_give_the_path(ingest: Path, tmp_path: 
         sizes = np.array([len(e) for e in encoded])
         (ingest / f"images_{name}.bin").write_bytes(b"".join(encoded))
         start = np.concatenate([[0], np.cumsum(sizes)[:-1]])
-        index = ImageIndex(SECOND * np.arange(count), np.full(count, ""), start, sizes, np.ones(count, bool))
+        index = ImageIndex(
+            t_ns=SECOND * np.arange(count), file=np.full(count, ""), offset=start, size=sizes, usable=np.ones(count, bool)
+        )
         keep(ingest, f"images_{name}", index)
     out = run(ingest, tmp_path / "navigate")
     path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))

@@ -14,7 +14,8 @@ from PIL import Image
 
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config.schema import Dive, DiveConfig, Logs
-from hullrecon.dive.records import Trajectory, to_arrays
+from hullrecon.records.serialisation import to_arrays
+from hullrecon.records.trajectory import Trajectory
 from hullrecon.steps.report import STAGE
 
 

@@ -12,11 +12,14 @@ import pytest
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.dive.config import schema
-from hullrecon.dive.records import Returns, Solution, Surface, Trajectory, from_arrays, to_arrays
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import chart_for_hull, chart_from_arrays
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.records.serialisation import from_arrays, to_arrays
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
+from hullrecon.records.trajectory import Returns, Trajectory
 from hullrecon.steps.surface import STAGE
 from hullrecon.surface.options import SurfaceOptions
 
@@ -100,8 +103,8 @@ class Bench:
             np.savez(navigate / "returns.npz", **to_arrays(self.returns))
         n = len(self.T_g_v)
         track = Trajectory(
-            np.arange(n), self.T_g_v.quaternion, self.T_g_v.translation, np.tile(1e-4 * np.eye(6), (n, 1, 1)), np.zeros(n),
-            np.full((n, 2), -1),
+            t_ns=np.arange(n), quaternion=self.T_g_v.quaternion, translation=self.T_g_v.translation, covariance=np.tile(1e-4 * np.eye(6), (n, 1, 1)), tray=np.zeros(n),
+            image=np.full((n, 2), -1),
         )  # fmt: skip
         np.savez(navigate / "trajectory.npz", **to_arrays(track))
         np.savez(adjust / "solution.npz", **to_arrays(self.solution))

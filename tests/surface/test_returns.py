@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.dive.records import Returns
 from hullrecon.geometry import poses
+from hullrecon.records.trajectory import Returns
 from hullrecon.surface.returns import pose_sigma_along, return_points
 
 

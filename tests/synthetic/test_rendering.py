@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.as_built import build
 from hullrecon.synthetic.rays import Rays
@@ -19,7 +19,7 @@ from hullrecon.synthetic.texture import Atlas
 
 # a wall in the x-z plane seen from y > 0: camera x runs aft, its y down
 TOWARDS = np.array([[-1.0, 0, 0], [0, 0, -1], [0, -1, 0]]).T
-CAMERA = Camera(240, 192, 250, 250, 120, 96, -0.06, 0.03)
+CAMERA = CameraModel(240, 192, 250, 250, 120, 96, -0.06, 0.03)
 GRID = np.arange(-1.5, 1.5001, 0.03)
 
 

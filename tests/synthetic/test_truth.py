@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.poses import Poses, tray
+from hullrecon.geometry.poses import Poses, tray_poses
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.recorder import START_NS
 from hullrecon.synthetic.rig import TRAY_ORIGIN
@@ -81,7 +81,7 @@ def test_the_surface_covers_what_the_cameras_see(package: Path, as_built: Scene)
     poses, servo = table(package, "poses.csv"), table(package, "servo.csv")
     angle = np.interp(poses[:, 0], servo[:, 0], servo[:, 1])
     vehicle = Poses(poses[:, 4:8], poses[:, 1:4])
-    camera = vehicle @ tray(TRAY_ORIGIN, angle) @ place(load(package, "extrinsics.json")["T_s_ct"])
+    camera = vehicle @ tray_poses(TRAY_ORIGIN, angle) @ place(load(package, "extrinsics.json")["T_s_ct"])
     for corner in ([-0.5, -0.4, 1], [0.5, 0.4, 1], [0, 0, 1]):
         way = as_built.cast(camera.translation, camera.rotation.apply(np.array(corner) / np.linalg.norm(corner)))
         assert np.isfinite(way).all()
@@ -96,7 +96,7 @@ def test_stereo_points_triangulated_with_the_true_poses_lie_on_the_true_surface(
     angle = np.interp(poses[k, 0], servo[:, 0], servo[:, 1])
     mounts = load(package, "extrinsics.json")
     vehicle = Poses(poses[k : k + 1, 4:8], poses[k : k + 1, 1:4])
-    top = vehicle @ tray(TRAY_ORIGIN, [angle]) @ place(mounts["T_s_ct"])
+    top = vehicle @ tray_poses(TRAY_ORIGIN, [angle]) @ place(mounts["T_s_ct"])
     bottom = top @ place(mounts["T_ct_cb"])
     first, second = (_features(_image(package, name, k)) for name in ("top", "bottom"))
     pairs = [m for m, n in cv2.BFMatcher().knnMatch(first[1], second[1], k=2) if m.distance < 0.75 * n.distance]

@@ -7,13 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import exp, from_rpy
 from hullrecon.vision.features.extraction import Features, root_sift
 from hullrecon.vision.stereo.rectification import Rig
 
-CAMERA = Camera(640, 512, 650.0, 652.0, 321.0, 255.0, -0.06, 0.03, 0.001, -0.0005)
-LOWER = Camera(640, 512, 655.0, 654.0, 318.0, 258.0, -0.05, 0.02, -0.0004, 0.0003)
+CAMERA = CameraModel(640, 512, 650.0, 652.0, 321.0, 255.0, -0.06, 0.03, 0.001, -0.0005)
+LOWER = CameraModel(640, 512, 655.0, 654.0, 318.0, 258.0, -0.05, 0.02, -0.0004, 0.0003)
 
 
 @pytest.fixture

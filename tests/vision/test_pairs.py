@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from hullrecon.dive.records import TrajectoryErrorModel
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import Survey
 from hullrecon.vision.pairs.selection import footprint_overlap, propose
 
-CAMERA = Camera(640, 512, 640.0, 640.0, 319.5, 255.5)  # at 1 m: 1 m wide, 0.8 m high
+CAMERA = CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5)  # at 1 m: 1 m wide, 0.8 m high
 DEPTH = 1.0
 
 

@@ -5,8 +5,8 @@
 import numpy as np
 import pytest
 
-from hullrecon.dive.records import TrajectoryErrorModel
 from hullrecon.geometry.poses import Poses, exp
+from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.vision.pairs.camera_track import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, Survey
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import from_rpy, identity
 from hullrecon.vision.stereo.rectification import Rig, rectify, triangulate
 
@@ -45,7 +45,7 @@ def test_two_cameras_at_one_place_are_refused():
 
 
 def test_a_mono_rig_has_no_bottom_camera_and_says_so():
-    rig = Rig(Camera(10, 10, 5.0, 7.0, 5.0, 5.0))
+    rig = Rig(CameraModel(10, 10, 5.0, 7.0, 5.0, 5.0))
     assert not rig.stereo
     assert rig.focal(0) == 6.0
     assert rig.baseline_m == 1.0

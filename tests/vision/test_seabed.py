@@ -8,7 +8,7 @@ import pytest
 from datasets import dataset
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.vision.features.extraction import FeatureOptions, extract
 from hullrecon.vision.odometry import chain
@@ -25,8 +25,8 @@ def rig():
     turn = Rotation.from_rotvec(np.radians([1.49, -2.70, 4.58]))
     shift = np.array([-0.982, -0.136, -0.133])
     right_from_left = Poses(turn.as_quat()[None], 0.305 * shift[None] / np.linalg.norm(shift))
-    left = Camera(1360, 1024, 1594.0, 1594.0, 680.0, 512.0, 0.125)
-    return Rig(left, Camera(1360, 1024, 1565.0, 1565.0, 680.0, 512.0, 0.112), right_from_left.inverse())
+    left = CameraModel(1360, 1024, 1594.0, 1594.0, 680.0, 512.0, 0.125)
+    return Rig(left, CameraModel(1360, 1024, 1565.0, 1565.0, 680.0, 512.0, 0.112), right_from_left.inverse())
 
 
 def read(pair):

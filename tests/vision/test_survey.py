@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from hullrecon.dive.records import Returns, Trajectory, TrajectoryErrorModel
 from hullrecon.geometry.poses import from_mount, from_rpy, identity
+from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel
 from hullrecon.vision.pairs.camera_track import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, depth_priors, survey_of
 
 FORWARD = from_mount([0.0, 0.0, -0.05, 90.0, 0.0, 90.0])  # looks along the vehicle's x
@@ -18,7 +18,14 @@ def path(n=10, image=None):
     covariance[:, [0, 1], [0, 1]] = (0.01**2 * np.arange(n))[:, None]
     move = np.column_stack([np.zeros(n), 0.1 * np.arange(n), np.full(n, 2.0)])
     rows = np.column_stack([np.arange(n)] * 2) if image is None else np.array(image)
-    return Trajectory(np.arange(n) * 10**9, np.tile([0, 0, 0, 1.0], (n, 1)), move, covariance, np.zeros(n), rows)
+    return Trajectory(
+        t_ns=np.arange(n) * 10**9,
+        quaternion=np.tile([0, 0, 0, 1.0], (n, 1)),
+        translation=move,
+        covariance=covariance,
+        tray=np.zeros(n),
+        image=rows,
+    )
 
 
 def random_walk(covariance):
@@ -68,8 +75,8 @@ def test_the_servos_play_turns_about_its_axis_alone():
 def returns(node, range_m, flagged=None):
     n = len(node)
     return Returns(
-        np.zeros(n, np.int64), np.array(node), identity(n).quaternion, np.zeros((n, 3)), np.zeros(n),
-        np.tile([0.0, 0.0, 1.0], (n, 1)), np.array(range_m, float), np.zeros(n, bool) if flagged is None else np.array(flagged),
+        t_ns=np.zeros(n, np.int64), node=np.array(node), quaternion=identity(n).quaternion, translation=np.zeros((n, 3)), tray_offset=np.zeros(n),
+        beam=np.tile([0.0, 0.0, 1.0], (n, 1)), range_m=np.array(range_m, float), flagged=np.zeros(n, bool) if flagged is None else np.array(flagged),
     )  # fmt: skip
 
 

@@ -12,13 +12,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_solve
 
 from hullrecon.adjustment.facets import facets_near
 from hullrecon.adjustment.problem.measurements import Drawing
+from hullrecon.typing import Array, Mask
 
-Array = NDArray[np.float64]
 POINT_NOISE_M = 0.005  # of the mean of a voxel of landmarks and returns
 OFFSET_SHARE = 0.7  # sigma of the common offset in the drawing's deviation_sigma
 STRAY_SIGMAS = 4.0
@@ -71,7 +70,7 @@ def _covariance(misfit: Misfit, along_girth: Array, facet_variance: float) -> Ar
     return out
 
 
-def stray(factor: Any, distance: Array) -> NDArray[np.bool_]:
+def stray(factor: Any, distance: Array) -> Mask:
     """Points (n,) that the others do not predict: leave-one-out residuals beyond four of their sigmas, the worst first and the
     rest without it, lest a point on a structure take its neighbours along.
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor
 
 from hullrecon import native
@@ -25,8 +24,8 @@ from hullrecon.adjustment.problem.measurements import Drawing, Measurements, ret
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry.poses import Poses
+from hullrecon.typing import Array, Ints32
 
-Array = NDArray[np.float64]
 ALONG = np.array([1.0, 0.0, 0.0])
 MOST_LOOKS = 3
 
@@ -41,7 +40,7 @@ class Ground:
     misfit: Misfit
 
 
-def points_on_hull(m: Measurements, state: State, chosen: Selection, label: NDArray[np.int32]) -> Array:
+def points_on_hull(m: Measurements, state: State, chosen: Selection, label: Ints32) -> Array:
     """Points (n, 3) in g that lie on the hull: landmarks labelled so, and DVL returns; thinned to some hundreds."""
     landmarks = state.landmark[chosen.landmarks][label == 1] if len(chosen.landmarks) == len(label) else np.zeros((0, 3))
     parts = [landmarks]

@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 _AXES = (("along the hull", 0), ("across the hull", 1), ("vertically", 2))
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_solve
 
 from hullrecon.adjustment.hull_pose.registration import (
@@ -25,8 +24,7 @@ from hullrecon.adjustment.hull_pose.registration import (
 from hullrecon.adjustment.problem.measurements import Drawing
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 @dataclass(frozen=True)

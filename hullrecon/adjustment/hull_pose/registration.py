@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial import cKDTree
 
@@ -24,8 +23,7 @@ from hullrecon.geometry import poses
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.adjustment.hull_pose.registration import about
 from hullrecon.adjustment.problem.deviation_field import prior_rows
@@ -19,9 +18,7 @@ from hullrecon.adjustment.problem.measurements import Drawing, Measurements, Mou
 from hullrecon.adjustment.problem.state import State, Weights, from_seven, seven
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex, Problem
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from hullrecon.typing import Array, Ints, Mask
 
 
 @dataclass(frozen=True)
@@ -32,7 +29,7 @@ class Selection:
     top: Mask
     bottom: Mask
     returns: Mask
-    landmarks: NDArray[np.int64]
+    landmarks: Ints
 
 
 def assemble(
@@ -203,7 +200,7 @@ def _range_tables(problem: Problem, m: Measurements, weights: Weights, chosen: S
 def _hits(problem: Problem, m: Measurements, state: State, chosen: Selection) -> Array:
     """Where the beams meet the drawing, (r, 3) in the problem's hull frame; the measured end where they miss."""
     from hullrecon.adjustment.problem.measurements import return_points
-    from hullrecon.dive.records import from_arrays, to_arrays
+    from hullrecon.records.serialisation import from_arrays, to_arrays
 
     assert m.returns is not None
     used = from_arrays(type(m.returns), {k: v[chosen.returns] for k, v in to_arrays(m.returns).items()})
@@ -216,7 +213,7 @@ def _hits(problem: Problem, m: Measurements, state: State, chosen: Selection) ->
     return np.asarray(origin + direction * length[:, None])
 
 
-def cell_share(m: Measurements, state: State, landmarks: NDArray[np.int64], cell: tuple[float, float]) -> Array:
+def cell_share(m: Measurements, state: State, landmarks: Ints, cell: tuple[float, float]) -> Array:
     """Weight of each landmark's surface factor so that those of one cell of the chart (metres) weigh as one observation."""
     if m.drawing is None or state.T_g_M is None:
         raise ValueError("cells need a drawing")

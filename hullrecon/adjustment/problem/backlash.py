@@ -10,11 +10,9 @@ The servo hangs on one side of its backlash or on the other. After a solve with 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.robust import robust_sigma
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Ints
 
 
 def sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0) -> Array:
@@ -40,7 +38,7 @@ def _two_levels(values: Array) -> tuple[float, float]:
     return low, high
 
 
-def _viterbi(cost: Array, flip_cost: float) -> NDArray[np.int64]:
+def _viterbi(cost: Array, flip_cost: float) -> Ints:
     """The path of two states (n, 2) of least cost, each change of state costing `flip_cost`."""
     n = len(cost)
     best, back = cost[0].copy(), np.zeros((n, 2), np.int64)

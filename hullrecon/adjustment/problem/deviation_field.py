@@ -13,12 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
+from hullrecon.typing import Array, Ints32
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,7 @@ class DeviationGrid:
     def size(self) -> int:
         return self.shape[0] * self.shape[1]
 
-    def basis(self, along_girth: Array) -> tuple[Ints, Array]:
+    def basis(self, along_girth: Array) -> tuple[Ints32, Array]:
         """The four nodes around each point (n, 2) and their bilinear weights, both (n, 4); outside, the edge's value."""
         cell = (along_girth - self.origin) / self.step
         cell = np.clip(np.nan_to_num(cell), 0.0, np.array(self.shape) - 1.0 - 1e-9)

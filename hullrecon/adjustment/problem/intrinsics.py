@@ -11,19 +11,18 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.measurements import Measurements, Rig
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 NAMES = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
 _FAR_SIGMAS = 3.0
 
 
-def prior_sigma(camera: Camera, options: AdjustOptions) -> Array:
+def prior_sigma(camera: CameraModel, options: AdjustOptions) -> Array:
     """(9,) of `NAMES`: pixels, then coefficients; the tangential ones are a tenth as free as the radial ones."""
     radial, center = options.distortion_sigma, options.center_sigma
     focal = options.focal_sigma * np.array([camera.fx, camera.fy])
@@ -80,7 +79,7 @@ def complaints(figures: dict[str, Any]) -> list[str]:
     return said
 
 
-def fields(camera: Camera) -> dict[str, float]:
+def fields(camera: CameraModel) -> dict[str, float]:
     """As cameras.json has it."""
     return {name: getattr(camera, name) for name in camera.__dataclass_fields__}
 
@@ -89,5 +88,5 @@ def _saw(problem: native.Problem, camera: int) -> bool:
     return bool(len(problem.stereo_node) or (problem.mono_camera == camera).any())
 
 
-def _camera(camera: Camera, parameters: Array) -> Camera:
-    return Camera(camera.width, camera.height, *(float(value) for value in parameters))
+def _camera(camera: CameraModel, parameters: Array) -> CameraModel:
+    return CameraModel(camera.width, camera.height, *(float(value) for value in parameters))

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from hullrecon import native
 from hullrecon.adjustment.problem.state import Weights
 from hullrecon.records.iterations import reached
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 STEP = ("cost", "cost_change", "step_norm", "gradient_norm", "radius", "accepted")
 COUNTS = ("on_surface", "label_changes", "rays_missed")
 

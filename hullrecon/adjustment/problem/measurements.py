@@ -7,17 +7,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.dive.config import schema
-from hullrecon.dive.records import Attitude, Odometry, Returns, Tracks, Trajectory
 from hullrecon.geometry import poses
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
-
-Array = NDArray[np.float64]
+from hullrecon.records.tracks import Tracks
+from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
+from hullrecon.typing import Array
 
 
 @dataclass(frozen=True)
@@ -44,8 +43,8 @@ class Rig:
     dvl_position_sigma: Array
     T_s_ct: Mount | None
     T_ct_cb: Mount | None
-    top: Camera | None
-    bottom: Camera | None
+    top: CameraModel | None
+    bottom: CameraModel | None
     sigma_px: float
     sigma_range: float
     navigation_sigma: Array
@@ -94,7 +93,7 @@ def rig_from_config(
     dvl: schema.Dvl,
     top: schema.CameraTop | None,
     bottom: schema.CameraBottom | None,
-    cameras: dict[str, Camera],
+    cameras: dict[str, CameraModel],
     free_dvl_position: bool = False,
 ) -> Rig:
     """The rig of a dive package."""
@@ -122,6 +121,6 @@ def rig_from_config(
 def return_points(returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, T_s_d: Poses) -> tuple[Array, Array]:
     """DVL returns in g, (m, 3), and the unit directions of their beams in g, (m, 3)."""
     pinged = nodes[returns.node] @ Poses(returns.quaternion, returns.translation)
-    dvl = pinged @ poses.tray(tray_origin, tray_angle[returns.node] + returns.tray_offset) @ T_s_d
+    dvl = pinged @ poses.tray_poses(tray_origin, tray_angle[returns.node] + returns.tray_offset) @ T_s_d
     points = dvl.apply(returns.beam * returns.range_m[:, None])
     return points, np.asarray(dvl.rotation.apply(returns.beam))

@@ -11,11 +11,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.native import Problem, Result
-
-Mask = NDArray[np.bool_]
+from hullrecon.typing import Mask
 
 
 def without(problem: Problem, keep: Mask) -> Problem:

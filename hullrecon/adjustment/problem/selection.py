@@ -5,14 +5,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.adjustment.problem.assembly import Selection
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.problem.triangulation import camera_poses, reprojection_errors, triangulate
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Mask
 
 
 def landmark_count(m: Measurements) -> int:
@@ -58,9 +56,7 @@ def anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
     return Selection(chosen.top, chosen.bottom, chosen.returns, np.sort(chosen.landmarks[kept]))
 
 
-def without_lonely(
-    m: Measurements, state: State, chosen: Selection, off: NDArray[np.bool_], reach_m: float = 0.15
-) -> Selection:
+def without_lonely(m: Measurements, state: State, chosen: Selection, off: Mask, reach_m: float = 0.15) -> Selection:
     """Leaves out landmarks off the hull (`off`, one a chosen landmark) that at most three rays saw and that have no two fellows
     off the hull within reach: a mismatch along the epipolar line looks like structure, but stands alone."""
     from scipy.spatial import cKDTree
@@ -77,7 +73,7 @@ def without_lonely(
     return Selection(chosen.top, chosen.bottom, chosen.returns, chosen.landmarks[~lonely])
 
 
-def _near_hull(m: Measurements, state: State, reach_m: float = 2.0) -> NDArray[np.bool_]:
+def _near_hull(m: Measurements, state: State, reach_m: float = 2.0) -> Mask:
     """Within reach of the vehicle's path at all, and of the drawing when there is one: a landmark metres off is a mismatch."""
     from scipy.spatial import cKDTree
 

@@ -5,20 +5,18 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.adjustment.problem.measurements import Rig
-from hullrecon.dive.records import Tracks
 from hullrecon.geometry import poses
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
-
-Array = NDArray[np.float64]
+from hullrecon.records.tracks import Tracks
+from hullrecon.typing import Array, Ints
 
 
 def camera_poses(nodes: Poses, tray_angle: Array, rig: Rig, T_s_ct: Poses, T_ct_cb: Poses | None) -> tuple[Poses, Poses | None]:
     """T_g_ct and T_g_cb at the nodes."""
-    top = nodes @ poses.tray(rig.tray_origin, tray_angle) @ T_s_ct
+    top = nodes @ poses.tray_poses(rig.tray_origin, tray_angle) @ T_s_ct
     return top, top @ T_ct_cb if T_ct_cb is not None else None
 
 
@@ -48,7 +46,7 @@ def triangulate(tracks: Tracks, n_landmarks: int, top: Poses, bottom: Poses | No
     return position, spread
 
 
-def rays_in_global(pixels: Array, node: NDArray[np.int64], camera: Camera, pose: Poses) -> tuple[Array, Array]:
+def rays_in_global(pixels: Array, node: Ints, camera: CameraModel, pose: Poses) -> tuple[Array, Array]:
     """Origins and unit directions (n, 3) in g of pixels (n, 2) of a camera whose poses at the nodes are T_g_c."""
     at = pose[node]
     return at.translation, np.asarray(at.rotation.apply(camera.rays(pixels)))

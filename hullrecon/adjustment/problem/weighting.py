@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import backlash, selection
@@ -15,8 +14,8 @@ from hullrecon.adjustment.problem.assembly import Selection, cell_share
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.geometry.robust import robust_sigma
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 DENSITY_SIGMA = 0.002  # relative, of sea water where it was not measured
 UNKNOWN_DEPTH_M = 1.0  # sigma beyond which no pressure was logged
 

@@ -13,13 +13,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import Tracks
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.tracks import Tracks
+from hullrecon.typing import Array, Ints, Mask
 
-Array = NDArray[np.float64]
 TOP, BOTTOM = 1, 2  # camera ids; the rig has id 1
 
 
@@ -29,12 +28,12 @@ class SparseModel:
     landmark is not in the model. top, bottom (m,) bool: observations that entered. stamps (n, 2): ns by camera, -1 for none."""
 
     tracks: Tracks
-    top: NDArray[np.bool_]
-    bottom: NDArray[np.bool_]
+    top: Mask
+    bottom: Mask
     hull_from_top: Poses
     T_ct_cb: Poses | None
-    cameras: tuple[Camera, Camera | None]
-    stamps: NDArray[np.int64]
+    cameras: tuple[CameraModel, CameraModel | None]
+    stamps: Ints
     position: Array
 
 
@@ -80,7 +79,7 @@ def _add_rig(reconstruction: Any, model: SparseModel) -> None:
     reconstruction.add_rig(rig)
 
 
-def _camera(number: int, camera: Camera) -> Any:
+def _camera(number: int, camera: CameraModel) -> Any:
     import pycolmap
 
     values = camera.parameters()
@@ -95,10 +94,10 @@ def _camera(number: int, camera: Camera) -> Any:
 class _Seen:
     """Observations sorted by (image, landmark): image id, landmark, pixel, number within the image."""
 
-    image: NDArray[np.int64]
-    landmark: NDArray[np.int64]
+    image: Ints
+    landmark: Ints
     pixel: Array
-    place: NDArray[np.int64]
+    place: Ints
 
 
 def _observations(model: SparseModel) -> _Seen:

@@ -10,11 +10,9 @@ about the survey's middle c), first order:
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def cross_matrices(vectors: Array) -> Array:

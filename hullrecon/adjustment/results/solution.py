@@ -20,10 +20,10 @@ from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, seven
 from hullrecon.adjustment.results import residual_statistics
 from hullrecon.adjustment.results.covariance import hull_axes, points_in_hull, poses_in_hull
-from hullrecon.dive.records import Solution
 from hullrecon.geometry import poses
+from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Mounts, Solution
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
 NAVIGATION = ("dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_play_rad")
 
 
@@ -44,7 +44,7 @@ def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> O
     settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
     marginals = _marginals(m, adjusted, options, settings)
     solution = _solution(m, adjusted, marginals)
-    weak = [] if adjusted.state.T_g_M is None else weak_directions(hull_axes(solution.hull_covariance, adjusted.state.T_g_M))
+    weak = [] if adjusted.state.T_g_M is None else weak_directions(hull_axes(marginals.T_g_M, adjusted.state.T_g_M))
     before, after = (residual_statistics.by_factor(native.evaluate(p, settings)) for p in (adjusted.start, adjusted.problem))
     seen_with = intrinsics.in_figures(m.rig, adjusted.rig, marginals, options)
     warnings = [str(w["sentence"]) for w in weak] + _complaints(adjusted, solution) + intrinsics.complaints(seen_with)
@@ -94,33 +94,43 @@ def _solution(m: Measurements, adjusted: Adjusted, marginals: native.Covariance)
     pose_covariance, landmark_covariance = _covariances(state, adjusted.center, position, marginals)
     pose_covariance = pose_covariance + _lever_arm(m, state)
     label, deviation = _labels(adjusted, len(used))
-    grid = state.grid
-    shape = grid.shape if grid else (0, 0)
     return Solution(
         t_ns=m.trajectory.t_ns,
         image=m.trajectory.image,
-        quaternion=state.nodes.quaternion,
-        translation=state.nodes.translation,
+        global_from_vehicle=state.nodes,
         tray=state.tray,
         tray_sigma=np.sqrt(np.maximum(marginals.pose[:, 6, 6], 0)),
         pose_covariance=pose_covariance,
-        landmark=position,
-        landmark_covariance=landmark_covariance,
-        label=label,
-        deviation=deviation,
-        views=_views(m, adjusted)[used],
-        color=m.tracks.color[used] if m.tracks is not None else np.zeros((0, 3), np.uint8),
-        T_g_M=seven(state.T_g_M),
-        T_s_ct=seven(state.T_s_ct),
-        T_ct_cb=seven(state.T_ct_cb),
-        T_s_d=seven(state.T_s_d),
-        hull_covariance=marginals.T_g_M if state.T_g_M is not None else np.full((6, 6), np.nan),
-        survey_center=adjusted.center,
-        navigation=state.navigation,
-        field_origin=grid.origin if grid else np.zeros(2),
-        field_step=grid.step if grid else np.ones(2),
-        field_value=state.field.reshape(shape),
-        field_sigma=np.sqrt(np.maximum(marginals.deviation, 0)).reshape(shape),
+        landmarks=Landmarks(
+            position=position,
+            covariance=landmark_covariance,
+            label=label,
+            deviation=deviation,
+            views=_views(m, adjusted)[used],
+            color=m.tracks.color[used] if m.tracks is not None else np.zeros((0, 3), np.uint8),
+        ),
+        mounts=Mounts(tray_from_dvl=state.T_s_d, tray_from_camera=state.T_s_ct, top_from_bottom=state.T_ct_cb),
+        navigation_errors=state.navigation,
+        hull_pose=_hull_pose(adjusted, marginals),
+        deviation_field=_deviation_field(state, marginals),
+    )
+
+
+def _hull_pose(adjusted: Adjusted, marginals: native.Covariance) -> HullPose | None:
+    if adjusted.state.T_g_M is None:
+        return None
+    return HullPose(global_from_hull=adjusted.state.T_g_M, covariance=marginals.T_g_M, survey_center=adjusted.center)
+
+
+def _deviation_field(state: State, marginals: native.Covariance) -> DeviationField | None:
+    if state.grid is None:
+        return None
+    sigma = np.sqrt(np.maximum(marginals.deviation, 0))
+    return DeviationField(
+        origin=state.grid.origin,
+        step=state.grid.step,
+        value=state.field.reshape(state.grid.shape),
+        sigma=sigma.reshape(state.grid.shape),
     )
 
 
@@ -137,7 +147,7 @@ def _covariances(state: State, center: Array, position: Array, marginals: native
 def _lever_arm(m: Measurements, state: State) -> Array:
     """What the held position of the DVL on the tray adds to the poses' covariance (n, 6, 6): images and ranges see the camera
     and the DVL; a shift of both on the tray moves the vehicle alone, and nothing measures it."""
-    tray = state.nodes @ poses.tray(m.rig.tray_origin, state.tray)
+    tray = state.nodes @ poses.tray_poses(m.rig.tray_origin, state.tray)
     in_hull = tray if state.T_g_M is None else state.T_g_M.inverse() @ tray
     rotate = in_hull.rotation.as_matrix()
     out = np.zeros((len(state.nodes), 6, 6))
@@ -145,14 +155,14 @@ def _lever_arm(m: Measurements, state: State) -> Array:
     return out
 
 
-def _labels(adjusted: Adjusted, count: int) -> tuple[NDArray[np.int64], Array]:
+def _labels(adjusted: Adjusted, count: int) -> tuple[Ints, Array]:
     """Label and signed distance to the drawing of each landmark; without a drawing all are label 0 of unknown deviation."""
     if adjusted.state.T_g_M is None or not count:
         return np.zeros(count, np.int64), np.full(count, np.nan)
     return adjusted.result.label.astype(np.int64), adjusted.result.distance
 
 
-def _views(m: Measurements, adjusted: Adjusted) -> NDArray[np.int64]:
+def _views(m: Measurements, adjusted: Adjusted) -> Ints:
     """Images that saw each landmark and were used (L,)."""
     if m.tracks is None:
         return np.zeros(0, np.int64)
@@ -220,6 +230,6 @@ def _complaints(adjusted: Adjusted, solution: Solution) -> list[str]:
         found.append(
             f"{100 * missed:.0f} % of the DVL's beams miss the drawing: it may be incomplete, or the first guess wrong."
         )
-    if len(solution.label) and solution.label.mean() < 0.5 and adjusted.state.T_g_M is not None:
+    if len(solution.landmarks) and solution.landmarks.label.mean() < 0.5 and adjusted.state.T_g_M is not None:
         found.append("Fewer than half of the landmarks lie on the drawn surface: the drawing or its first guess may be wrong.")
     return found

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.robust import robust_sigma
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
 MEDIAN_OVER_MEAN = 1.2533  # sigma of a median of many normal values over that of their mean: sqrt(pi / 2)
 UNKNOWN_SIGMA_M = 0.05  # of a median of one value or none
 
@@ -86,7 +85,7 @@ def median_background(feet: Array, offset: Array, width_m: float) -> Background:
     return MedianBackground(node, middle, spread, width_m / 4)
 
 
-def _cell_medians(cell: NDArray[np.int64], at: Array, value: Array) -> tuple[Array, Array]:
+def _cell_medians(cell: Ints, at: Array, value: Array) -> tuple[Array, Array]:
     """Mean place and median value in each cell, in the cells' order."""
     _, number = np.unique(cell, axis=0, return_inverse=True)
     number = number.reshape(-1)

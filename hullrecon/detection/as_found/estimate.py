@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.detection.as_found.background import Background
 from hullrecon.detection.as_found.fusion import fuse_shapes
@@ -20,9 +19,8 @@ from hullrecon.detection.views import Sightings, Views, sightings_by_cell
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.neighbours import nearest
+from hullrecon.typing import Array, Ints, Mask
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 COARSE_CELL_M, FINE_CELL_M = 0.06, 0.02  # one vertex a cell is asked who saw it: on bare hull, near structures
 SHADOW_M = 0.15  # a structure's shadow hardly reaches farther
 
@@ -42,7 +40,7 @@ class Found:
     hull_sigma: Array
     height: Array
     sigma: Array
-    measured: NDArray[np.bool_]
+    measured: Mask
     agreement: Array
     shapes: Ints
     seen: Sightings
@@ -84,7 +82,7 @@ def find_hull(base: Mesh, measured: Measured, background: Background, views: Vie
     return Found(shape, mesh, normal, hull, hull_sigma, raised, sigma, known, heights.agreement, fused.count, seen, facet)
 
 
-def _facets(base: Mesh, mesh: Mesh, which: NDArray[np.bool_]) -> Array:
+def _facets(base: Mesh, mesh: Mesh, which: Mask) -> Array:
     """The sagitta of the base's face under each of those vertices, 0 elsewhere."""
     out = np.zeros(len(mesh.vertices))
     if which.any():
@@ -92,7 +90,7 @@ def _facets(base: Mesh, mesh: Mesh, which: NDArray[np.bool_]) -> Array:
     return out
 
 
-def _near_structures(mesh: Mesh, height: Array, options: DetectOptions) -> NDArray[np.bool_]:
+def _near_structures(mesh: Mesh, height: Array, options: DetectOptions) -> Mask:
     """Vertices on structures and where these may hide the hull from a camera."""
     off = np.abs(height) >= options.threshold
     if not off.any():

@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.detection.objects.shapes import detect_shapes
 from hullrecon.detection.options import DetectOptions
@@ -15,9 +14,7 @@ from hullrecon.detection.views import Views, each_view
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.neighbours import nearest
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.neighbours import nearest
+from hullrecon.typing import Array, Ints, Mask
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 LEAST_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
 
 
@@ -35,7 +33,7 @@ class Measured:
     def __len__(self) -> int:
         return len(self.row)
 
-    def take(self, which: NDArray[np.bool_] | Ints) -> Measured:
+    def take(self, which: Mask | Ints) -> Measured:
         return Measured(**{f.name: getattr(self, f.name)[which] for f in fields(self)})
 
 

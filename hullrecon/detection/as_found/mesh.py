@@ -5,13 +5,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.neighbours import nearest
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mesh:

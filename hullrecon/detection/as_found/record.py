@@ -5,16 +5,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.detection.as_found.estimate import Found
 from hullrecon.detection.as_found.landmarks import Measured
 from hullrecon.detection.as_found.mesh import refine_near, vertex_normals
-from hullrecon.dive.records import Surface
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.neighbours import nearest
+from hullrecon.records.surface import Surface
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 SEAM_SIGMA_M = 0.01  # of a height carried over the width of one triangle of the DVL's surface
 
 
@@ -25,7 +24,9 @@ def found_surface(found: Found, measured: Measured) -> Surface:
     shared = measured.common[row[:, 0]]
     sigma = np.where(found.measured, np.hypot(found.sigma, shared), np.hypot(found.sigma, found.hull_sigma))
     support = np.where(found.measured, found.seen.views, 0)
-    return Surface(found.mesh.vertices, found.mesh.faces, found.deviation, sigma, support)
+    return Surface(
+        vertices=found.mesh.vertices, faces=found.mesh.faces, deviation=found.deviation, sigma=sigma, support=support
+    )
 
 
 def surface_on_drawing(drawing: Mesh, surface: Surface, edge_m: float) -> Surface:
@@ -44,4 +45,4 @@ def surface_on_drawing(drawing: Mesh, surface: Surface, edge_m: float) -> Surfac
     sigma = np.where(known, np.hypot(carried(surface.sigma), SEAM_SIGMA_M), np.nan)
     support = np.where(known, surface.support[row[:, 0]], 0)
     vertices = mesh.vertices + vertex_normals(mesh) * deviation[:, None]
-    return Surface(vertices, mesh.faces, deviation, sigma, support)
+    return Surface(vertices=vertices, faces=mesh.faces, deviation=deviation, sigma=sigma, support=support)

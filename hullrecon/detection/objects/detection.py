@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.detection.as_found.estimate import Found
 from hullrecon.detection.as_found.landmarks import Measured
@@ -20,9 +19,8 @@ from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
+from hullrecon.typing import Array, Ints, Mask
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 IMAGES = 6  # named with each object
 NEAR_M = 0.02  # a landmark so near to a structure's vertices lies on it, or on the hull at the foot of its edge
 
@@ -69,7 +67,7 @@ class _Landmarks:
     height: Array
     around: Around
 
-    def on(self, found: Found, region: Region, vertices: Ints) -> tuple[NDArray[np.bool_], Array, Array]:
+    def on(self, found: Found, region: Region, vertices: Ints) -> tuple[Mask, Array, Array]:
         """Those near these vertices of a region: whether each stands off the hull as the region does (n,), its height over the
         surface there (n,), and its own sigma (n,), m."""
         at = found.base.vertices[vertices]

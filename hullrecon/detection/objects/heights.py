@@ -7,12 +7,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.robust import NORMAL_MAD
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
 CHUNK = 20_000  # vertices at once: bounds memory
 SLOPE_SIGMA = 0.5  # prior of the height's slope, about zero: keeps thin neighbourhoods from extrapolating
 BEND_SIGMA = 5.0  # 1/m, prior of its second-order terms, about zero: a plane alone would cut off a lump's top
@@ -27,7 +26,7 @@ class Heights:
 
     value: Array
     sigma: Array
-    count: NDArray[np.int64]
+    count: Ints
     agreement: Array
 
     def followed_by(self, more: Heights) -> Heights:

@@ -5,12 +5,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from hullrecon.typing import Array, Ints
 
 
 def outline(mesh: Mesh, part: Ints, most: int = 60) -> Array:

@@ -8,16 +8,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.detection.as_found.estimate import Found
 from hullrecon.detection.objects.shapes import dbscan
 from hullrecon.detection.options import DetectOptions
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
+from hullrecon.typing import Array, Ints, Mask
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 TOP_M2 = 0.0008  # the top is what so much of the footprint reaches: a lump's peak is not averaged away, one vertex is no peak
 SPECK = 0.3  # of the least area: smaller regions are noise, not candidates
 FOOT_SHARE = 0.25  # of the height, where the footprint ends
@@ -48,7 +46,7 @@ class _Relief:
 
     found: Found
     area: Array
-    off: NDArray[np.bool_]
+    off: Mask
     around: Around
     options: DetectOptions
 

@@ -5,13 +5,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.neighbours import nearest
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from hullrecon.typing import Array, Ints, Ints32
 
 
 def detect_shapes(
@@ -61,7 +58,7 @@ def dbscan(points: Array, reach_m: float, least: int) -> Ints:
     return label
 
 
-def alpha_shape(points: Array, alpha_m: float) -> NDArray[np.int32]:
+def alpha_shape(points: Array, alpha_m: float) -> Ints32:
     """Delaunay triangles (m, 3) of points (n, 2) whose circumscribed circle is no larger than alpha."""
     from scipy.spatial import Delaunay, QhullError
 

@@ -5,13 +5,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.detection.as_found.estimate import Found
 from hullrecon.detection.objects.regions import Region
 from hullrecon.geometry.robust import robust_sigma
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def roughness(found: Found) -> float:

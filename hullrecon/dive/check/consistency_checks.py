@@ -8,16 +8,14 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.dive.logs.timeline import NS
-from hullrecon.dive.records import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 from hullrecon.geometry.poses import from_mount
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
+from hullrecon.typing import Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 ABOVE_WATER_M = 0.5  # a return that far above the surface is none of the hull under water
 MUCH = 0.05  # share of returns above water
 ASTRAY_DEG = 50.0  # between where a camera and the DVL look

@@ -11,7 +11,7 @@ import numpy as np
 
 from hullrecon.dive.logs.readers.protocol import Loss
 from hullrecon.dive.logs.timeline import NS, gaps, moment, rate_hz
-from hullrecon.dive.records import ImageIndex
+from hullrecon.records.sensors import ImageIndex
 
 NOUNS = {
     "dvl": "pings", "imu": "readings", "pressure": "readings", "tray": "angles", "sonar_tray": "angles", "sonar": "pings",

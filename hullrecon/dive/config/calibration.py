@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from hullrecon.errors import InputError
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 
 PINHOLE = ("plumb_bob", "none", "rational_polynomial", "")
 
 
-def read_camera(path: Path) -> Camera:
+def read_camera(path: Path) -> CameraModel:
     """A pinhole with plumb_bob distortion. InputError for anything that is not one, naming the key."""
     data = read_yaml(path)
     width, height = (_whole(data, key, path) for key in ("image_width", "image_height"))
@@ -27,7 +27,7 @@ def read_camera(path: Path) -> Camera:
     if abs(matrix[1]) > 1e-6 * fx:
         raise InputError(f"camera_matrix has a skew of {matrix[1]:g}, which is not modelled", where=str(path))
     k1, k2, p1, p2, k3 = _distortion(data, path)
-    return Camera(width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3)
+    return CameraModel(width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3)
 
 
 def read_yaml(path: Path) -> Mapping[str, Any]:

@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.typing import Array, Ints32, Mask
 
-Faces = NDArray[np.int32]
 MERGE = 2e-7  # of the largest extent: two steps of single precision, in which STL stores corners
 FINEST_M = 1e-6  # no drawing is finer
 
@@ -28,7 +27,7 @@ def cleaned(mesh: Mesh, words: list[str]) -> Mesh:
     return Mesh(vertices[used], renumbered.reshape(-1, 3).astype(np.int32))
 
 
-def merge_corners(vertices: NDArray[np.float64], faces: Faces, tolerance: float) -> tuple[NDArray[np.float64], Faces]:
+def merge_corners(vertices: Array, faces: Ints32, tolerance: float) -> tuple[Array, Ints32]:
     """Corners in one cell of that size become one: the first of them."""
     cells = np.round((vertices - vertices.min(axis=0)) / tolerance).astype(np.int64)
     _, first, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
@@ -38,7 +37,7 @@ def merge_corners(vertices: NDArray[np.float64], faces: Faces, tolerance: float)
     return vertices[first[order]], rank[number.ravel()][faces].astype(np.int32)
 
 
-def degenerate(vertices: NDArray[np.float64], faces: Faces, tolerance: float) -> NDArray[np.bool_]:
+def degenerate(vertices: Array, faces: Ints32, tolerance: float) -> Mask:
     """(m,) faces that are lower than the tolerance over their longest side."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)

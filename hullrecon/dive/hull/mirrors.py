@@ -7,11 +7,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.typing import Ints32
 
-Array = NDArray[np.float64]
 Plane = tuple[int, float]  # axis and coordinate of a side of the bounding box
 ON_PLANE = 1e-3  # of the largest extent
 OPEN_SHARE = 0.05  # of the open boundary's length that must lie on a plane of symmetry
@@ -48,7 +47,7 @@ def possible_cuts(mesh: Mesh) -> list[Plane]:
     return found
 
 
-def boundary(faces: NDArray[np.int32]) -> NDArray[np.int32]:
+def boundary(faces: Ints32) -> Ints32:
     """Edges (k, 2) with one face."""
     edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     unique, count = np.unique(edges, axis=0, return_counts=True)

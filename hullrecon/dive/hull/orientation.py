@@ -9,15 +9,13 @@ from its outer side escape in more directions than rays from its inner side, whi
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from hullrecon.dive.hull.mirrors import Plane, possible_cuts, reflected
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.typing import Array, Ints, Ints32, Mask
 
-Array = NDArray[np.float64]
-Faces = NDArray[np.int32]
 SAMPLES = 200  # faces of a piece from which rays start
 RAYS = 32  # directions over the hemisphere of each side
 LIFT = 1e-5  # of the largest extent: how far from its face a ray starts
@@ -42,7 +40,7 @@ def outward(mesh: Mesh, words: list[str]) -> Mesh:
     return Mesh(mesh.vertices, _turned(faces, flip))
 
 
-def _adjacency(faces: Faces) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _adjacency(faces: Ints32) -> tuple[Ints, Ints]:
     """Pairs of faces (k, 2) that share an edge which no third face has; +1 where they are wound alike, -1 where not."""
     edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     key, forward = np.sort(edges, axis=1), edges[:, 0] < edges[:, 1]
@@ -53,7 +51,7 @@ def _adjacency(faces: Faces) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return pairs // 3, agree
 
 
-def _consistent(count: int, pairs: NDArray[np.int64], agree: NDArray[np.int64]) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+def _consistent(count: int, pairs: Ints, agree: Ints) -> tuple[Ints32, Ints]:
     """Piece of each face, and the sign that winds every piece like its first face."""
     graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count)).tocsr()
     pieces, piece = connected_components(graph, directed=False)
@@ -68,7 +66,7 @@ def _consistent(count: int, pairs: NDArray[np.int64], agree: NDArray[np.int64]) 
     return piece, sign
 
 
-def _sides(vertices: Array, faces: Faces, piece: NDArray[np.int32]) -> Array:
+def _sides(vertices: Array, faces: Ints32, piece: Ints32) -> Array:
     """Of each piece: positive where its normals point outward, negative where inward; between -1 and 1."""
     corners = vertices[faces] - 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
     volume = np.bincount(piece, np.einsum("ni,ni->n", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])))
@@ -83,7 +81,7 @@ def _sides(vertices: Array, faces: Faces, piece: NDArray[np.int32]) -> Array:
     return side
 
 
-def _seen(mesh: Mesh, piece: NDArray[np.int32], picked: NDArray[np.int64]) -> Array:
+def _seen(mesh: Mesh, piece: Ints32, picked: Ints) -> Array:
     """Of each piece, how much more its picked faces see in front than behind. A hull that was cut at a plane is made whole
     there, if that makes the difference clearer."""
     count = np.maximum(1, np.bincount(piece[picked], minlength=int(piece.max()) + 1))
@@ -108,7 +106,7 @@ def _seen(mesh: Mesh, piece: NDArray[np.int32], picked: NDArray[np.int64]) -> Ar
     return seen
 
 
-def _spread(vertices: Array, faces: Faces, piece: NDArray[np.int32], wanted: NDArray[np.int64]) -> NDArray[np.int64]:
+def _spread(vertices: Array, faces: Ints32, piece: Ints32, wanted: Ints) -> Ints:
     """Up to SAMPLES faces of each wanted piece, spread over its area."""
     area = _areas(vertices, faces)
     order = np.argsort(piece, kind="stable")
@@ -121,7 +119,7 @@ def _spread(vertices: Array, faces: Faces, piece: NDArray[np.int32], wanted: NDA
     return np.concatenate(out)
 
 
-def _escaping(whole: Mesh, picked: NDArray[np.int64], way: float) -> Array:
+def _escaping(whole: Mesh, picked: Ints, way: float) -> Array:
     """Of each picked face, the share of the rays from one side of it that meet nothing of the whole hull."""
     from hullrecon.native import MeshIndex
 
@@ -147,13 +145,13 @@ def _hemisphere(normal: Array) -> Array:
     return np.asarray(np.einsum("kj,nji->nki", local, frame).reshape(-1, 3))
 
 
-def _areas(vertices: Array, faces: Faces) -> Array:
+def _areas(vertices: Array, faces: Ints32) -> Array:
     """(m,) twice the area of each face."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1))
 
 
-def _turned(faces: Faces, which: NDArray[np.bool_]) -> Faces:
+def _turned(faces: Ints32, which: Mask) -> Ints32:
     out = faces.copy()
     out[which] = out[which][:, ::-1]
     return out

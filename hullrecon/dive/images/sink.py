@@ -14,8 +14,8 @@ import numpy as np
 from hullrecon.dive.images.integrity import size_of
 from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.dive.logs.timeline import put_in_order
-from hullrecon.dive.records import ImageIndex
 from hullrecon.errors import InputError
+from hullrecon.records.sensors import ImageIndex
 
 PATIENCE = 5  # images of another size than the calibration's, with none right, before giving up
 
@@ -56,8 +56,8 @@ class ImageSink:
         remarks += line.remarks + self._bad(usable)
         rows = line.keep
         return ImageIndex(
-            np.array(stamp, np.int64)[rows], np.array(file, np.str_)[rows], np.array(offset, np.int64)[rows],
-            np.array(size, np.int64)[rows], np.array(usable, bool)[rows],
+            t_ns=np.array(stamp, np.int64)[rows], file=np.array(file, np.str_)[rows], offset=np.array(offset, np.int64)[rows],
+            size=np.array(size, np.int64)[rows], usable=np.array(usable, bool)[rows],
         )  # fmt: skip
 
     def _bytes(self, sample: ImageSample) -> bytes:

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import ImageIndex, from_arrays
 from hullrecon.errors import InputError
+from hullrecon.records.sensors import ImageIndex
+from hullrecon.records.serialisation import from_arrays
 
 CAMERAS = ("camera_top", "camera_bottom")
 

@@ -7,12 +7,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.dive.logs.samples import DvlSample
 from hullrecon.errors import InputError
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 A50 = "Water Linked A50"
 A50_ANGLE_DEG = 22.5
 A50_AZIMUTH_DEG = (135.0, -135.0, -45.0, 45.0)  # of beams 1 to 4 about z of `dvl`, from x towards y

@@ -14,11 +14,10 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import choose_beams, unit
 from hullrecon.dive.logs.samples import DvlSample, ImuSample, JointSample, PressureSample, SonarSample
-from hullrecon.dive.records import DvlPings, ImuSamples, JointSamples, PressureSamples, SonarPings
 from hullrecon.errors import InputError
+from hullrecon.records.sensors import DvlPings, ImuSamples, JointSamples, PressureSamples, SonarPings
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 FASTEST = 15.0  # m/s; no vehicle at a hull is faster
 NED_FROM_ENU = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 FRD_FROM_FLU = Rotation.from_matrix(np.diag([1.0, -1.0, -1.0]))
@@ -52,7 +51,13 @@ def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, r
         remarks.append(f"dvl: {absurd.sum()} velocities above {FASTEST:.0f} m/s were taken as lost (are they in mm/s?)")
     given = np.array([s.sigma for s in samples])
     used = np.where(np.isfinite(given) & (given > 0), given, sigma)
-    return DvlPings(_times(samples), velocity, used, ranges, choose_beams(samples, beams, width, remarks))
+    return DvlPings(
+        t_ns=_times(samples),
+        velocity=velocity,
+        velocity_sigma=used,
+        ranges=ranges,
+        beams=choose_beams(samples, beams, width, remarks),
+    )
 
 
 def imu_samples(samples: Sequence[ImuSample], frame: str, remarks: list[str]) -> ImuSamples:
@@ -71,7 +76,9 @@ def imu_samples(samples: Sequence[ImuSample], frame: str, remarks: list[str]) ->
     if frame == "enu":
         rotation = NED_FROM_ENU * rotation * FRD_FROM_FLU.inv()
         rates, acceleration = rates * [1, -1, -1], acceleration * [1, -1, -1]
-    return ImuSamples(_times(samples)[good], rotation.as_quat(), rates, acceleration)
+    return ImuSamples(
+        t_ns=_times(samples)[good], quaternion=rotation.as_quat(), angular_velocity=rates, acceleration=acceleration
+    )
 
 
 def pressure_samples(samples: Sequence[PressureSample], model: PressureModel, remarks: list[str]) -> PressureSamples:
@@ -83,7 +90,7 @@ def pressure_samples(samples: Sequence[PressureSample], model: PressureModel, re
         remarks.append(
             f"pressure: the median depth is {np.median(depth):.1f} m, above the water: is the pressure absolute and in pascal?"
         )
-    return PressureSamples(_times(samples)[good], depth)
+    return PressureSamples(t_ns=_times(samples)[good], depth=depth)
 
 
 def joint_samples(samples: Sequence[JointSample], name: str, remarks: list[str]) -> JointSamples:
@@ -92,7 +99,7 @@ def joint_samples(samples: Sequence[JointSample], name: str, remarks: list[str])
     good = np.isfinite(angle)
     if good.any() and np.abs(angle[good]).max() > 2 * np.pi:
         remarks.append(f"joint {name}: angles reach {np.abs(angle[good]).max():.1f} rad; are they in degrees?")
-    return JointSamples(_times(samples)[good], angle[good])
+    return JointSamples(t_ns=_times(samples)[good], angle=angle[good])
 
 
 def sonar_pings(samples: Sequence[SonarSample], remarks: list[str]) -> SonarPings | None:
@@ -108,7 +115,9 @@ def sonar_pings(samples: Sequence[SonarSample], remarks: list[str]) -> SonarPing
         )
     kept = [s for s in samples if s.image.shape == shape and round(float(s.range_m[-1]), 6) == reach]
     image = _eight_bits([s.image for s in kept], remarks)
-    return SonarPings(_times(kept), image, unit(kept[0].directions), np.asarray(kept[0].range_m, float))
+    return SonarPings(
+        t_ns=_times(kept), image=image, directions=unit(kept[0].directions), range_m=np.asarray(kept[0].range_m, float)
+    )
 
 
 def _eight_bits(images: Sequence[NDArray[np.generic]], remarks: list[str]) -> NDArray[np.uint8]:

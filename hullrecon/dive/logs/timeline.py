@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from hullrecon.errors import InputError
+from hullrecon.typing import Ints
 
-Ints = NDArray[np.int64]
 NS = 1_000_000_000
 JUMP_S = 1.0  # a clock that moves that much against the logger's has jumped; logging delays stay below
 GAP_PERIODS = 5.0  # and at least GAP_S: a silence that is named

@@ -8,14 +8,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import Returns, Solution, Trajectory
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.geometry.poses import Poses, of_seven, tray
+from hullrecon.geometry.poses import Poses, tray_poses
+from hullrecon.records.solution import DeviationField, Solution
+from hullrecon.records.trajectory import Returns, Trajectory
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 
 
@@ -37,13 +37,14 @@ def place_beams(T_M_v: Poses, angle_rad: Array, T_s_d: Poses, returns: Returns, 
     node = returns.node[good]
     at_ping = Poses(returns.quaternion[good], returns.translation[good])
     angle = angle_rad[node] + returns.tray_offset[good]
-    T_M_d = T_M_v[node] @ at_ping @ tray(tray_origin_m, angle) @ T_s_d
+    T_M_d = T_M_v[node] @ at_ping @ tray_poses(tray_origin_m, angle) @ T_s_d
     direction = np.asarray(T_M_d.rotation.apply(returns.beam[good]))
     return Beams(T_M_d.translation, direction, returns.range_m[good])
 
 
 def adjusted_beams(solution: Solution, T_g_M: Poses, returns: Returns, tray_origin_m: Array) -> Beams:
-    return place_beams(T_g_M.inverse() @ solution.poses(), solution.tray, of_seven(solution.T_s_d), returns, tray_origin_m)
+    hull_from_vehicle = T_g_M.inverse() @ solution.global_from_vehicle
+    return place_beams(hull_from_vehicle, solution.tray, solution.mounts.tray_from_dvl, returns, tray_origin_m)
 
 
 def reckoned_beams(trajectory: Trajectory, T_g_M: Poses, T_s_d: Poses, returns: Returns, tray_origin_m: Array) -> Beams:
@@ -63,12 +64,12 @@ def range_residuals(beams: Beams, drawing: Scene, field: Field | None = None) ->
     return np.asarray((predicted - beams.range_m)[met])
 
 
-def field_at(solution: Solution, chart: Chart) -> Field:
+def field_at(field: DeviationField, chart: Chart) -> Field:
     """The solution's field of normal offsets at points (n, 3) in M, m."""
     from scipy.interpolate import RegularGridInterpolator
 
     axes = [o + s * np.arange(n) for o, s, n in zip(
-        solution.field_origin, solution.field_step, solution.field_value.shape, strict=True)]  # fmt: skip
-    look_up = RegularGridInterpolator(axes, solution.field_value, bounds_error=False, fill_value=None)
+        field.origin, field.step, field.value.shape, strict=True)]  # fmt: skip
+    look_up = RegularGridInterpolator(axes, field.value, bounds_error=False, fill_value=None)
     low, high = (np.array([a[k] for a in axes]) for k in (0, -1))
     return lambda points: np.asarray(look_up(np.clip(np.nan_to_num(chart.to_chart(points)[:, :2]), low, high)))

@@ -13,15 +13,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import Returns, Solution, Trajectory, from_arrays
 from hullrecon.errors import InputError
 from hullrecon.evaluation.comparison.method_comparison import TABLE, WEIGHTINGS, method_figures
 from hullrecon.evaluation.scoring.truth import Truth
 from hullrecon.geometry.charts.chart import Chart, chart_from_arrays
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.iterations import count
-
-Array = NDArray[np.float64]
+from hullrecon.records.serialisation import from_arrays
+from hullrecon.records.solution import Solution
+from hullrecon.records.trajectory import Returns, Trajectory
+from hullrecon.typing import Array
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ def compare(solved: Sequence[Solved], start: Reckoned, truth: Truth) -> dict[str
     return {
         s.name: {
             **method_figures(s.solution, start.returns, start.tray_origin_m, truth),
-            "solve": {"iterations": count(s.iterations["round"]), "seconds": s.seconds, "landmarks": len(s.solution.landmark)},
+            "solve": {"iterations": count(s.iterations["round"]), "seconds": s.seconds, "landmarks": len(s.solution.landmarks)},
         }
         for s in solved
     }

@@ -8,9 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import Returns, Solution
 from hullrecon.evaluation.comparison.beams import adjusted_beams
 from hullrecon.evaluation.scoring.alignment import Motion
 from hullrecon.evaluation.scoring.cameras import centre_figures
@@ -19,9 +17,10 @@ from hullrecon.evaluation.scoring.surfaces import judge_landmarks
 from hullrecon.evaluation.scoring.trajectory import judge_trajectory
 from hullrecon.evaluation.scoring.truth import Truth
 from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.geometry.poses import Poses, of_seven, tray
-
-Array = NDArray[np.float64]
+from hullrecon.geometry.poses import Poses, tray_poses
+from hullrecon.records.solution import Solution
+from hullrecon.records.trajectory import Returns
+from hullrecon.typing import Array, Mask
 
 METHODS = ("naive", "geva", "maxmix")
 WEIGHTINGS = {"as printed": True, "as weighted by us": False}  # name -> adjust.as_published
@@ -41,15 +40,16 @@ TABLE = {
 def method_figures(solution: Solution, returns: Returns | None, tray_origin_m: Array, truth: Truth) -> dict[str, Any]:
     """Figures by part and name for one solution; parts that it cannot give are left out."""
     global_from_hull = frame_of(solution, truth)
-    hull_poses = global_from_hull.inverse() @ solution.poses()
+    hull_poses = global_from_hull.inverse() @ solution.global_from_vehicle
     sigma = np.sqrt(np.einsum("nii->ni", solution.pose_covariance)[:, :3])
     trajectory, motion = judge_trajectory(Track(stamps(solution), hull_poses, sigma), truth)
     figures: dict[str, Any] = {"trajectory": trajectory}
-    if len(solution.landmark) == 0:
+    if len(solution.landmarks) == 0:
         return figures
     landmarks = landmarks_in_hull(solution, global_from_hull)
-    figures["cameras"] = _cameras(solution, hull_poses, tray_origin_m, truth)
-    figures["landmarks"] = judge_landmarks(Cloud(landmarks, {"label": solution.label}), truth, motion)
+    if solution.mounts.tray_from_camera is not None:
+        figures["cameras"] = _cameras(solution, hull_poses, tray_origin_m, solution.mounts.tray_from_camera, truth)
+    figures["landmarks"] = judge_landmarks(Cloud(landmarks, {"label": solution.landmarks.label}), truth, motion)
     figures["heights"] = height_figures(landmarks, truth, motion)
     if returns is not None and truth.drawing is not None:
         dvl = adjusted_beams(solution, global_from_hull, returns, tray_origin_m).points()
@@ -59,7 +59,7 @@ def method_figures(solution: Solution, returns: Returns | None, tray_origin_m: A
 
 def frame_of(solution: Solution, truth: Truth) -> Poses:
     """T_g_M: the solution's, the true one for a dive without a drawing."""
-    return of_seven(solution.T_g_M) if np.isfinite(solution.T_g_M).all() else truth.T_g_M
+    return truth.T_g_M if solution.hull_pose is None else solution.hull_pose.global_from_hull
 
 
 def stamps(solution: Solution) -> Array:
@@ -68,7 +68,7 @@ def stamps(solution: Solution) -> Array:
 
 
 def landmarks_in_hull(solution: Solution, global_from_hull: Poses) -> Array:
-    return global_from_hull.inverse().apply(solution.landmark)
+    return global_from_hull.inverse().apply(solution.landmarks.position)
 
 
 def height_figures(landmarks: Array, truth: Truth, motion: Motion) -> dict[str, Any]:
@@ -119,13 +119,13 @@ def gap_figures(landmarks: Array, dvl: Array, drawing: Scene, reach_m: float = 0
     return {"landmarks": len(gap), "median_m": float(np.median(np.abs(gap))), "mean_m": float(np.mean(gap))}
 
 
-def _cameras(solution: Solution, T_M_v: Poses, tray_origin_m: Array, truth: Truth) -> dict[str, Any]:
+def _cameras(solution: Solution, T_M_v: Poses, tray_origin_m: Array, T_s_ct: Poses, truth: Truth) -> dict[str, Any]:
     has = solution.image[:, 0] >= 0
-    at = T_M_v[has] @ tray(tray_origin_m, solution.tray[has]) @ of_seven(solution.T_s_ct)
+    at = T_M_v[has] @ tray_poses(tray_origin_m, solution.tray[has]) @ T_s_ct
     return dict(centre_figures(stamps(solution)[has], at.translation, truth))
 
 
-def _on_steel(landmarks: Array, truth: Truth, motion: Motion) -> NDArray[np.bool_]:
+def _on_steel(landmarks: Array, truth: Truth, motion: Motion) -> Mask:
     """Away from everything that stands out."""
     moved, clear = motion.apply(landmarks), np.ones(len(landmarks), bool)
     for o in truth.structures():

@@ -8,10 +8,6 @@ import io
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 COLOURS = {"naive": "#7b8794", "geva": "#c8541b", "maxmix": "#1f5f99"}
 INK, GREEN, RED, LIGHT = "#1c2733", "#2b7a4b", "#b3202c", "#cdd5dd"
 

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.evaluation.comparison.beams import adjusted_beams, field_at, range_residuals, reckoned_beams
 from hullrecon.evaluation.comparison.comparison import Reckoned, Solved
@@ -33,18 +32,17 @@ from hullrecon.evaluation.scoring.trajectory import judge_trajectory
 from hullrecon.evaluation.scoring.truth import Truth
 from hullrecon.geometry.poses import of_seven
 from hullrecon.records.iterations import reached
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def draw(solved: Sequence[Solved], start: Reckoned, truth: Truth, detect: Path) -> list[Figure]:
     """[Ozog2016 Figs 4.10 (4.11), 4.12, 4.13, 4.14, 4.16] from those solves; one without its data is left out. detect: the
     artifact of the step of that name, whether it is there or not."""
     figures = [cost_history([_progress(s) for s in solved])]
-    mixed = [_progress(s) for s in solved if s.method == "maxmix" and len(s.solution.landmark)]
+    mixed = [_progress(s) for s in solved if s.method == "maxmix" and len(s.solution.landmarks)]
     figures += [label_frequency(mixed)] if mixed else []
     structure = tallest(truth)
-    if structure is not None and all(len(s.solution.landmark) for s in solved):
+    if structure is not None and all(len(s.solution.landmarks) for s in solved):
         rows = [[s for m in METHODS for s in solved if (s.method, s.weighting) == (m, w)] for w in WEIGHTINGS]
         sections = [[_section(s, start, truth, structure) for s in row] for row in rows]
         overviews = [_overview(s, start, truth, structure) for s in rows[0]]
@@ -87,12 +85,12 @@ def _placed(s: Solved, start: Reckoned, truth: Truth) -> tuple[Array, Array]:
 
 def _section(s: Solved, start: Reckoned, truth: Truth, structure: dict[str, Any]) -> Section:
     landmarks, dvl = _placed(s, start, truth)
-    return cut((s.method, s.weighting), structure, landmarks, s.solution.label == 1, dvl, truth)
+    return cut((s.method, s.weighting), structure, landmarks, s.solution.landmarks.label == 1, dvl, truth)
 
 
 def _overview(s: Solved, start: Reckoned, truth: Truth, structure: dict[str, Any]) -> Overview:
     landmarks, dvl = _placed(s, start, truth)
-    return whole(structure, landmarks, s.solution.label == 1, dvl, truth)
+    return whole(structure, landmarks, s.solution.landmarks.label == 1, dvl, truth)
 
 
 def _heights(solved: Sequence[Solved], truth: Truth, structure: dict[str, Any], detect: Path) -> Figure:
@@ -121,13 +119,15 @@ def _ranges(solved: Sequence[Solved], start: Reckoned, truth: Truth) -> Figure:
     for s in (s for s in solved if s.method == "maxmix"):
         beams = adjusted_beams(s.solution, frame_of(s.solution, truth), start.returns, start.tray_origin_m)
         after[s.name] = range_residuals(beams, truth.drawing)
-        if not s.printed and s.chart is not None and s.solution.field_value.size:
-            after[f"{s.name}, its field applied"] = range_residuals(beams, truth.drawing, field_at(s.solution, s.chart))
+        if not s.printed and s.chart is not None and s.solution.deviation_field is not None:
+            after[f"{s.name}, its field applied"] = range_residuals(
+                beams, truth.drawing, field_at(s.solution.deviation_field, s.chart)
+            )
     everything = np.abs(np.concatenate([*before.values(), *after.values()]))
     return range_histogram(before, after, float(np.clip(np.percentile(everything, 97), 0.03, 0.5)))
 
 
 def _motion(s: Solved, truth: Truth) -> Motion:
-    poses = frame_of(s.solution, truth).inverse() @ s.solution.poses()
+    poses = frame_of(s.solution, truth).inverse() @ s.solution.global_from_vehicle
     _, motion = judge_trajectory(Track(stamps(s.solution), poses, None), truth)
     return motion

@@ -9,13 +9,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.evaluation.figures.figure_style import COLOURS, Figure, colour, finished, new_figure, plain_log
 from hullrecon.records.iterations import broken, count
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 _NEAR = 0.001  # of its last cost
 
 

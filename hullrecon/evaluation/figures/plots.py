@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.evaluation.figures.figure_style import COLOURS, GREEN, INK, LIGHT, RED, Figure, colour, finished, new_figure
 from hullrecon.geometry.robust import robust_sigma
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 EXPLAINED = {
     "naive": "naive: no surface factors",
     "geva": "geva: every landmark drawn to the hull",

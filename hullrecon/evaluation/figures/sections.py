@@ -7,17 +7,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.evaluation.figures.plots import Overview, Section
 from hullrecon.evaluation.scoring.truth import Truth
 from hullrecon.geometry.meshes.casting import Scene
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Mask
 
 
 def cut(
-    solve: tuple[str, str], structure: dict[str, Any], landmarks: Array, on_surface: NDArray[np.bool_], dvl: Array,
+    solve: tuple[str, str], structure: dict[str, Any], landmarks: Array, on_surface: Mask, dvl: Array,
     truth: Truth, reach_m: float = 0.55, half_m: float = 0.08,
 ) -> Section:  # fmt: skip
     """The slice through the structure's middle, half_m to either side along the hull; points in M, aligned. solve: method and
@@ -39,7 +37,7 @@ def cut(
 
 
 def whole(
-    structure: dict[str, Any], landmarks: Array, on_surface: NDArray[np.bool_], dvl: Array, truth: Truth, half_m: float = 0.08
+    structure: dict[str, Any], landmarks: Array, on_surface: Mask, dvl: Array, truth: Truth, half_m: float = 0.08
 ) -> Overview:
     """The slice across the whole hull at the structure, in M's y and z (x forward)."""
     at = np.array(structure["center"])
@@ -63,7 +61,7 @@ def _axes(structure: dict[str, Any]) -> Array:
     return np.stack([along, np.cross(normal, along), normal])
 
 
-def _inside(local: Array, half_m: float, reach_m: float) -> NDArray[np.bool_]:
+def _inside(local: Array, half_m: float, reach_m: float) -> Mask:
     return (np.abs(local[:, 0]) < half_m) & (np.abs(local[:, 1]) < reach_m) & (np.abs(local[:, 2]) < 0.4)
 
 

@@ -7,13 +7,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.evaluation.scoring.alignment import rigid, rms_length, scale_after
 from hullrecon.evaluation.scoring.trajectory import Figures
 from hullrecon.evaluation.scoring.truth import Truth
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def judge_cameras(model: Path, truth: Truth) -> Figures:

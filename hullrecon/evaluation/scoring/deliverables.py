@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from hullrecon.errors import InputError
 from hullrecon.geometry.poses import Poses
+from hullrecon.typing import Array, Mask
 
-Array = NDArray[np.float64]
 Fields = dict[str, NDArray[np.generic]]
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",
@@ -30,7 +30,7 @@ class Track:
     poses: Poses
     sigma: Array | None
 
-    def rows(self, which: NDArray[np.bool_]) -> Track:
+    def rows(self, which: Mask) -> Track:
         return Track(self.t_s[which], self.poses[which], None if self.sigma is None else self.sigma[which])
 
 

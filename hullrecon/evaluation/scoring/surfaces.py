@@ -5,14 +5,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.evaluation.scoring.alignment import Motion, rms
 from hullrecon.evaluation.scoring.deliverables import Cloud
 from hullrecon.evaluation.scoring.trajectory import Figures
 from hullrecon.evaluation.scoring.truth import Truth
+from hullrecon.typing import Array, Mask
 
-Array = NDArray[np.float64]
 OFF_M, DOUBT_M = 0.056, 0.02  # a landmark is off the drawing beyond the mixture's boundary; nearer it than this it is not clear
 
 
@@ -60,7 +59,7 @@ def judge_landmarks(cloud: Cloud, truth: Truth, motion: Motion) -> Figures:
     return figures
 
 
-def _labels(points: Array, off: NDArray[np.bool_], truth: Truth, motion: Motion) -> Figures:
+def _labels(points: Array, off: Mask, truth: Truth, motion: Motion) -> Figures:
     assert truth.drawing is not None
     foot = truth.built.closest(motion.apply(points)).foot
     away = np.abs(truth.drawing.closest(foot).distance)
@@ -89,7 +88,7 @@ def _held(distance: Array, aligned: Array, sigma: Array) -> Figures:
     }
 
 
-def _share(hits: NDArray[np.bool_]) -> float:
+def _share(hits: Mask) -> float:
     return float(np.mean(hits)) if len(hits) else float("nan")
 
 

@@ -5,15 +5,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hullrecon.evaluation.scoring.alignment import STILL, Motion, rigid, rms, rms_length
 from hullrecon.evaluation.scoring.deliverables import Track
 from hullrecon.evaluation.scoring.truth import Truth
 from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 Figures = dict[str, float | int | list[int]]
 
 

@@ -12,15 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.errors import InputError
 from hullrecon.evaluation.scoring.deliverables import poses_in, read_table
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.poses import Poses, interpolate, tray
+from hullrecon.geometry.poses import Poses, interpolate, tray_poses
+from hullrecon.typing import Array, Ints, Mask
 
-Array = NDArray[np.float64]
 _UNIT_M = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "ft": 0.3048, "in": 0.0254}
 
 
@@ -49,7 +48,7 @@ class Truth:
 
         return cKDTree(self.built_mesh.vertices)
 
-    def near(self, points: Array, reach_m: float) -> NDArray[np.bool_]:
+    def near(self, points: Array, reach_m: float) -> Mask:
         """Which points (n, 3) lie that close to a vertex of the true surface: elsewhere nothing is known of it."""
         distance, _ = self._vertices.query(points, distance_upper_bound=reach_m)
         return np.asarray(np.isfinite(distance))
@@ -58,10 +57,10 @@ class Truth:
         """T_M_v at those times, held at both ends."""
         return interpolate(_ns(self.t_s), self.poses, _ns(t_s))
 
-    def cameras_at(self, rows: NDArray[np.int64]) -> Poses:
+    def cameras_at(self, rows: Ints) -> Poses:
         """T_M_ct at frames by row."""
         angle = np.interp(self.t_s[rows], self.servo_t_s, self.servo_rad)
-        return self.poses[rows] @ tray(self.mounts["tray_origin"], angle) @ _pose(self.mounts["T_s_ct"])
+        return self.poses[rows] @ tray_poses(self.mounts["tray_origin"], angle) @ _pose(self.mounts["T_s_ct"])
 
     def structures(self) -> list[dict[str, Any]]:
         """What stands out of the hull or is cut into it; no paint."""
@@ -121,5 +120,5 @@ def _json(path: Path) -> Any:
         raise InputError(f"the file cannot be read: {error}", where=str(path)) from error
 
 
-def _ns(t_s: Array) -> NDArray[np.int64]:
+def _ns(t_s: Array) -> Ints:
     return np.rint(np.asarray(t_s) * 1e9).astype(np.int64)

@@ -20,8 +20,7 @@ from hullrecon.geometry.charts.section_casting import cast_sections, choose_axis
 from hullrecon.geometry.charts.sections import Sections
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.native import MeshIndex
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 @dataclass(frozen=True)

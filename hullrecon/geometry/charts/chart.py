@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 class Chart(Protocol):

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from hullrecon.errors import InputError
 from hullrecon.geometry.robust import NORMAL_MAD
+from hullrecon.typing import Array, Mask
 
-Array = NDArray[np.float64]
 STEEP = np.cos(np.radians(30.0))  # a plane lies flat when its normal is within 30 degrees of the vertical
 
 
@@ -59,7 +59,7 @@ def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) ->
     return PlaneChart(center, np.stack([np.cross(normal, girth), girth, normal]))
 
 
-def _near(off: Array) -> NDArray[np.bool_]:
+def _near(off: Array) -> Mask:
     """Whether heights (n,) over a plane are within 3 robust sigma of their middle; the nearest three always are."""
     away = np.abs(off - np.median(off))
     return np.asarray(away <= max(3 * NORMAL_MAD * float(np.median(away)), float(np.sort(away)[2]), 1e-9))

@@ -5,15 +5,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.errors import InputError
 from hullrecon.geometry.charts.sections import Sections
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.native import MeshIndex
-
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from hullrecon.typing import Array, Mask
 
 GRAZING = 0.12  # cosine: a stretch of skin steeper than 83 degrees to the ray is believed only when its middle is on the mesh
 OFF_SKIN = 0.1  # of a stretch's length: farther from the mesh than that, its middle hangs in the air
@@ -145,7 +142,7 @@ def _girth(s: Sections, radius: Array) -> Array:
     return out
 
 
-def _whole(s: Sections, radius: Array, index: MeshIndex) -> Bools:
+def _whole(s: Sections, radius: Array, index: MeshIndex) -> Mask:
     """Cells (k - 1, m - 1) whose four sides lie on the skin; one that leaps from one part of the ship to another does not."""
     point = _points(s, radius)
     girthwise = _on_skin(point[:, :-1], point[:, 1:], radius[:, :-1], s.angle[1] - s.angle[0], index)
@@ -154,7 +151,7 @@ def _whole(s: Sections, radius: Array, index: MeshIndex) -> Bools:
     return girthwise[:-1] & girthwise[1:] & lengthwise[:, :-1] & lengthwise[:, 1:]
 
 
-def _on_skin(start: Array, stop: Array, radius: Array, turn: float, index: MeshIndex) -> Bools:
+def _on_skin(start: Array, stop: Array, radius: Array, turn: float, index: MeshIndex) -> Mask:
     """Whether the middle of stretches from start to stop (a, b, 3) lies on the mesh: nearly, where they are much longer than
     their rays' spacing explains."""
     length = np.linalg.norm(stop - start, axis=2)

@@ -10,10 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from hullrecon.typing import Array, Ints, Mask
 
 
 @dataclass(frozen=True)
@@ -28,7 +26,7 @@ class Sections:
     angle: Array
     radius: Array
     girth: Array
-    whole: Bools
+    whole: Mask
 
     def rays(self, along: Array, angle: Array) -> tuple[Array, Array]:
         """Origins outside and inward unit directions (n, 3)."""
@@ -72,7 +70,7 @@ class Sections:
         with np.errstate(invalid="ignore"):
             return np.asarray(corners.max(axis=0) - corners.min(axis=0) + 0.1 * (self.station[1] - self.station[0]))
 
-    def _line(self, row: NDArray[np.int64], share: Array, column: NDArray[np.int64]) -> Array:
+    def _line(self, row: Ints, share: Array, column: Ints) -> Array:
         """Girth at the angle of a column between two stations; beyond the sheer, -inf or inf so that a search stays inside."""
         girth = self.girth[row, column] * (1 - share) + self.girth[row + 1, column] * share
         return np.where(np.isnan(girth), np.where(self.angle[column] < 0, -np.inf, np.inf), girth)
@@ -84,14 +82,14 @@ class Sections:
         upper = table[row + 1, column] * (1 - b) + table[row + 1, column + 1] * b
         return np.asarray(lower * (1 - a) + upper * a)
 
-    def _inside(self, along: Array, angle: Array) -> Bools:
+    def _inside(self, along: Array, angle: Array) -> Mask:
         return self.whole[self._cell(self.station, along)[0], self._cell(self.angle, angle)[0]] & self._spanned(along)
 
-    def _spanned(self, along: Array) -> Bools:
+    def _spanned(self, along: Array) -> Mask:
         return np.asarray((along >= self.station[0] - 1e-9) & (along <= self.station[-1] + 1e-9))
 
     @staticmethod
-    def _cell(nodes: Array, at: Array) -> tuple[NDArray[np.int64], Array]:
+    def _cell(nodes: Array, at: Array) -> tuple[Ints, Array]:
         """Cell and share within it of an even grid; clipped to the grid, NaN to the first cell."""
         place = np.nan_to_num((at - nodes[0]) / (nodes[1] - nodes[0]))
         cell = np.clip(np.floor(place), 0, len(nodes) - 2).astype(np.int64)

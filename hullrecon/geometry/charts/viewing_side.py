@@ -5,12 +5,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.charts.chart import Chart
-
-Array = NDArray[np.float64]
-
+from hullrecon.typing import Array
 
 UP = {"M": np.array([0.0, 0.0, 1.0]), "g": np.array([0.0, 0.0, -1.0])}  # the hull frame has z up, the level one down
 

@@ -7,12 +7,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.native import MeshIndex
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True)
@@ -23,7 +21,7 @@ class Closest:
     distance: Array
     foot: Array
     normal: Array
-    face: NDArray[np.int64]
+    face: Ints
 
 
 class Scene:

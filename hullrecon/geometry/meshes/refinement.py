@@ -7,12 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from hullrecon.typing import Array, Ints, Mask
 
 
 def refine(
@@ -47,9 +44,7 @@ def _edges(faces: Ints) -> tuple[Ints, Ints]:
     return np.stack([key // size, key % size], axis=1), back.reshape(-1, 3)
 
 
-def _marked(
-    vertices: Array, edge: Ints, of_face: Ints, longest_m: float | Callable[[Array], Array], spared_m: float
-) -> NDArray[np.bool_]:
+def _marked(vertices: Array, edge: Ints, of_face: Ints, longest_m: float | Callable[[Array], Array], spared_m: float) -> Mask:
     """The edges to split (e,): the long ones, and the longest edge of every face that splits any."""
     ends = vertices[edge]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
@@ -81,7 +76,7 @@ def _split(faces: Ints, middle: Ints, vertices: Array) -> Ints:
     return np.vstack([faces[count == 0], *(np.stack(corner, axis=1) for corner in halves + thirds + quarters)])
 
 
-def _turned(faces: Ints, middle: Ints, which: NDArray[np.bool_], first: Ints) -> Ints:
+def _turned(faces: Ints, middle: Ints, which: Mask, first: Ints) -> Ints:
     """Corners and middles of some faces, turned so that edge `first` becomes 0-1: (6, k)."""
     turn = (first[which, None] + np.arange(3)) % 3
     return np.hstack([np.take_along_axis(faces[which], turn, 1), np.take_along_axis(middle[which], turn, 1)]).T

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.grid import TexelGrid, Window, grid_around
 from hullrecon.mosaic.ground import Ground, patch_of, seen
 from hullrecon.mosaic.imagery.image_view import CameraSight, Sight
 from hullrecon.mosaic.imagery.radiometry import FIELD, FLOOR, Light, Samples, first_fields, solve_light
+from hullrecon.typing import Array, Floats32, Ints
 
-Array = NDArray[np.float64]
 Read = Callable[[int], NDArray[np.uint8] | None]
 LIGHT_STEP_M = 0.06  # texels that the light is estimated from
 BLOCK = 1024  # of those texels, at a time
@@ -29,8 +29,8 @@ class Station:
     """One camera of the rig and its images: rows (n,) of its index, poses T_M_c (n) (T_g_c without a drawing), and how a row is
     read, (h, w, 3) uint8 RGB or None."""
 
-    camera: Camera
-    rows: NDArray[np.int64]
+    camera: CameraModel
+    rows: Ints
     poses: Poses
     read: Read
 
@@ -82,8 +82,8 @@ def lit_sights(stations: Sequence[Station], light: Light | None) -> list[CameraS
     return sights
 
 
-def _loader(read: Read, row: int, light: Light | None, camera: int, view: int) -> Callable[[], NDArray[np.float32] | None]:
-    def load() -> NDArray[np.float32] | None:
+def _loader(read: Read, row: int, light: Light | None, camera: int, view: int) -> Callable[[], Floats32 | None]:
+    def load() -> Floats32 | None:
         picture = read(row)
         if picture is None:
             return None
@@ -124,7 +124,7 @@ def _thumb(read: Read, row: int) -> NDArray[np.uint8] | None:
 
 def _samples(
     ground: Ground, grid: TexelGrid, sights: Sequence[CameraSight], windows: Sequence[Window],
-    thumbs: Sequence[NDArray[np.uint8] | None], camera: NDArray[np.int64],
+    thumbs: Sequence[NDArray[np.uint8] | None], camera: Ints,
 ) -> Samples:  # fmt: skip
     parts: list[tuple[Any, ...]] = []
     for tile in grid.tiles(BLOCK):
@@ -150,7 +150,7 @@ def _samples(
     return Samples(view_of.astype(np.int64), texel_of, cell_of.astype(np.int64), value, camera)
 
 
-def _cell(share: Array) -> NDArray[np.int64]:
+def _cell(share: Array) -> Ints:
     row = np.minimum(share[:, 1] * FIELD[0], FIELD[0] - 1).astype(np.int64)
     return row * FIELD[1] + np.minimum(share[:, 0] * FIELD[1], FIELD[1] - 1).astype(np.int64)
 

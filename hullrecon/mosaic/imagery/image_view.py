@@ -9,14 +9,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.ground import Ground
-
-Array = NDArray[np.float64]
-Picture = NDArray[np.float32]
+from hullrecon.typing import Array, Floats32
 
 
 class Sight(Protocol):
@@ -32,7 +29,7 @@ class Sight(Protocol):
     def outline(self, ground: Ground) -> Array:
         """Points (n, 3) of the surface all over the image, NaN rows where it does not meet the surface."""
 
-    def picture(self) -> Picture | None:
+    def picture(self) -> Floats32 | None:
         """(h, w, channels), corrected, 0 to 255; None when it cannot be read."""
 
 
@@ -41,8 +38,8 @@ class CameraSight:
     """A camera's image. pose: one T_M_c (T_g_c without a drawing); load gives the corrected picture."""
 
     pose: Poses
-    camera: Camera
-    load: Callable[[], Picture | None]
+    camera: CameraModel
+    load: Callable[[], Floats32 | None]
 
     @property
     def center(self) -> Array:
@@ -67,7 +64,7 @@ class CameraSight:
         gone = ground.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
         return np.asarray(self.center + np.where(np.isfinite(gone), gone, np.nan)[:, None] * rays)
 
-    def picture(self) -> Picture | None:
+    def picture(self) -> Floats32 | None:
         return self.load()
 
     def _widest(self) -> float:

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Picture = NDArray[np.float32]
+from hullrecon.typing import Array, Floats32, Ints
+
 FLOOR = 2.0  # gray levels: below it the logarithm is of noise
 FIELD = (24, 32)  # cells of the field, rows and columns
 SMOOTH = 2.0  # cells, sigma of the field's smoothing
@@ -29,7 +29,7 @@ class Light:
     log_field: tuple[Array, ...]
     log_gain: Array
 
-    def corrected(self, picture: NDArray[np.uint8], camera: int, view: int) -> Picture:
+    def corrected(self, picture: NDArray[np.uint8], camera: int, view: int) -> Floats32:
         """The image as an even lamp would have shown it, 0 to 255 and beyond."""
         import cv2
 
@@ -44,14 +44,14 @@ class Samples:
     """Intensities of scene points in several views, one row a sample: view, texel (m,) int; cell (m,) of the field;
     log_value (m, channels). camera (views,): which camera took the view."""
 
-    view: NDArray[np.int64]
-    texel: NDArray[np.int64]
-    cell: NDArray[np.int64]
+    view: Ints
+    texel: Ints
+    cell: Ints
     log_value: Array
-    camera: NDArray[np.int64]
+    camera: Ints
 
 
-def first_fields(thumbs: Sequence[NDArray[np.uint8]], camera: NDArray[np.int64]) -> list[Array]:
+def first_fields(thumbs: Sequence[NDArray[np.uint8]], camera: Ints) -> list[Array]:
     """By camera the median over its images (thumbs (h, w, c) of FIELD's shape or larger), smoothed, about a mean of zero."""
     fields = []
     for k in range(int(camera.max()) + 1):

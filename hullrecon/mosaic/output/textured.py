@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.ground import Ground, Patch, patch_of
+from hullrecon.typing import Array, Ints, Mask
 
-Array = NDArray[np.float64]
 UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # M has z up, glTF has y up
 
 
@@ -23,7 +23,7 @@ class Sheet:
     """vertices (n, 3), faces (m, 3) seen from outside, uv (n, 2) with v upwards."""
 
     vertices: Array
-    faces: NDArray[np.int64]
+    faces: Ints
     uv: Array
 
 
@@ -43,7 +43,7 @@ def sheet_of(ground: Ground, grid: TexelGrid, alpha: NDArray[np.uint8], reductio
     return Sheet(patch.point.reshape(-1, 3)[used], faces.reshape(-1, 3), uv[used])
 
 
-def _faces(good: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _faces(good: Mask) -> Ints:
     """Two triangles (m, 3) for each cell whose four corners are good, all turned the same way; rows run down the girth, columns
     along."""
     height, width = good.shape
@@ -56,7 +56,7 @@ def _faces(good: NDArray[np.bool_]) -> NDArray[np.int64]:
 _CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
 
 
-def _outward(faces: NDArray[np.int64], patch: Patch) -> NDArray[np.int64]:
+def _outward(faces: Ints, patch: Patch) -> Ints:
     """The same triangles, counter-clockwise seen from outside. Charts of hulls are left-handed about the outward normal."""
     a, b, c = patch.point.reshape(-1, 3)[faces].transpose(1, 0, 2)
     outward = np.einsum("ni,ni->n", np.cross(b - a, c - a), patch.normal.reshape(-1, 3)[faces[:, 0]])

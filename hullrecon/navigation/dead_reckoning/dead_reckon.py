@@ -7,20 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import (
-    Attitude,
-    DvlPings,
-    ImageIndex,
-    ImuSamples,
-    JointSamples,
-    Odometry,
-    PressureSamples,
-    Returns,
-    Trajectory,
-    TrajectoryErrorModel,
-)
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses, roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.error_propagation import dead_reckoning_errors, trajectory_covariance
@@ -36,9 +23,10 @@ from hullrecon.navigation.sensors.depth import Depth, hold_to_pressure
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import usable_velocities
 from hullrecon.navigation.vehicle import Vehicle
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
+from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.typing import Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 UNKNOWN_SIGMA_M = 1e3  # of a depth that nothing measured
 
 
@@ -83,7 +71,14 @@ def dead_reckon(logs: Logs, vehicle: Vehicle, options: NavigateOptions, sigma_ra
     poses = _poses(path, at, depth)
     errors = dead_reckoning_errors(path, at, poses, depth)
     covariance = trajectory_covariance(errors, poses)
-    trajectory = Trajectory(at.t_ns, poses.quaternion, poses.translation, covariance, at.tray.copy(), nodes.image.copy())
+    trajectory = Trajectory(
+        t_ns=at.t_ns,
+        quaternion=poses.quaternion,
+        translation=poses.translation,
+        covariance=covariance,
+        tray=at.tray.copy(),
+        image=nodes.image.copy(),
+    )
     attitude = _attitude(at, depth, vehicle)
     return Navigated(trajectory, errors, odometry(path, at), hung, attitude, [*said, *notes], facts)
 
@@ -113,7 +108,12 @@ def finite_attitude(imu: ImuSamples) -> ImuSamples:
         raise StageError(
             "the IMU gave no orientation", where="imu", remedy="log sensor_msgs/Imu with its orientation filled in"
         )
-    return ImuSamples(imu.t_ns[known], imu.quaternion[known], imu.angular_velocity[known], imu.acceleration[known])
+    return ImuSamples(
+        t_ns=imu.t_ns[known],
+        quaternion=imu.quaternion[known],
+        angular_velocity=imu.angular_velocity[known],
+        acceleration=imu.acceleration[known],
+    )
 
 
 def _path(logs: Logs, vehicle: Vehicle, options: NavigateOptions) -> Reckoning:
@@ -163,4 +163,4 @@ def _attitude(at: Instant, depth: Depth | None, vehicle: Vehicle) -> Attitude:
     roll, pitch, _ = roll_pitch_yaw(at.rotation).T
     measured = np.zeros(n) if depth is None else depth.measured
     sigma = np.tile([UNKNOWN_SIGMA_M if depth is None else vehicle.sigma_depth, vehicle.sigma_tilt, vehicle.sigma_tilt], (n, 1))
-    return Attitude(np.arange(n), measured, roll, pitch, sigma, at.direction.copy())
+    return Attitude(node=np.arange(n), depth=measured, roll=roll, pitch=pitch, sigma=sigma, tray_direction=at.direction.copy())

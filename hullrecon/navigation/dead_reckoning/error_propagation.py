@@ -5,16 +5,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import TrajectoryErrorModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.odometry import velocity_variance
 from hullrecon.navigation.dead_reckoning.reckoning import MOMENT, MOUNT, PLAY, TILT, UP_DOWN, Instant, Reckoning
 from hullrecon.navigation.sensors.depth import Depth
 from hullrecon.navigation.vehicle import Vehicle, cross_matrix
+from hullrecon.records.trajectory import TrajectoryErrorModel
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 UNKNOWN_DEPTH_M = 10.0  # without a pressure sensor the depth of the start is anyone's guess
 LEAST_SIGMA_M = 1e-4  # of a position: keeps the covariance at the start invertible
 # The errors that persist, in the order of the columns of `pose_by_error`.

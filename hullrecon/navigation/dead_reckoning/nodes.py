@@ -7,9 +7,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
+from hullrecon.typing import Array, Ints, Mask
+
 FAR_FROM_FRAME_S = 1.0
 
 
@@ -70,13 +70,13 @@ def nearest(sorted_ns: Ints, wanted_ns: Ints) -> Ints:
     return np.where(wanted_ns - sorted_ns[left] <= sorted_ns[right] - wanted_ns, left, right)
 
 
-def _distance(at_ns: Ints, sorted_ns: Ints) -> NDArray[np.float64]:
+def _distance(at_ns: Ints, sorted_ns: Ints) -> Array:
     if not len(sorted_ns):
         return np.full(len(at_ns), np.inf)
     return np.asarray(np.abs(at_ns - sorted_ns[nearest(sorted_ns, at_ns)]), float)
 
 
-def _thinned(t_ns: Ints, spacing_s: float) -> NDArray[np.bool_]:
+def _thinned(t_ns: Ints, spacing_s: float) -> Mask:
     """Keeps the first stamp of each cell of the clock; the cells are as wide as the spacing, less a tenth for jitter."""
     if not len(t_ns):
         return np.zeros(0, bool)

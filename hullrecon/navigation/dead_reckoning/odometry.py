@@ -10,14 +10,13 @@ R_s_d Exp(w), a tray at theta + d.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import Odometry
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.reckoning import MOUNT, TRAY, UP_DOWN, Instant, Reckoning
 from hullrecon.navigation.vehicle import cross_matrix
+from hullrecon.records.trajectory import Odometry
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
 LEAST_SIGMA_M = 2e-4  # of a step between two nodes: stamps and levers
 
 
@@ -43,7 +42,16 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
     swing = np.diff(at.rotation.apply(at.lever_by_tray), axis=0)
     by_tray[:, :3] = _into(R_i_g, moved[:, :, TRAY][:, :, 0] - swing)
     covariance = white_covariance(path, at, step)
-    return Odometry(first, second, step.quaternion, step.translation, covariance, by_navigation, by_mount, by_tray)
+    return Odometry(
+        first=first,
+        second=second,
+        quaternion=step.quaternion,
+        translation=step.translation,
+        covariance=covariance,
+        by_navigation=by_navigation,
+        by_mount=by_mount,
+        by_tray=by_tray,
+    )
 
 
 def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
@@ -60,7 +68,7 @@ def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
     return out
 
 
-def velocity_variance(path: Reckoning, start_ns: NDArray[np.int64], stop_ns: NDArray[np.int64]) -> Array:
+def velocity_variance(path: Reckoning, start_ns: Ints, stop_ns: Ints) -> Array:
     """(m,) m2, each axis: a velocity's noise holds until the next ping, and outages add their own."""
     v = path.velocities
     period = float(np.median(np.diff(v.t_ns))) * 1e-9

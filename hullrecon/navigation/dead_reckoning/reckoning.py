@@ -13,20 +13,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.poses import Poses
-from hullrecon.geometry.poses import tray as tray_pose
+from hullrecon.geometry.poses import Poses, tray_poses
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.clock import seconds
 from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.navigation.vehicle import Vehicle, cross_matrix
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 UP_DOWN = np.array([0.0, 0.0, 1.0])  # z of g
 TILT_AXIS = np.array([0.0, 1.0, 0.0])  # the tray turns about y of the vehicle
 
@@ -49,7 +46,7 @@ class Reckoning:
         """The vehicle and all that its derivatives need at times (n,)."""
         theta = self.servo.angle_at(t_ns)
         rotation = self.attitude.rotation(t_ns)
-        mounted = tray_pose(self.vehicle.tray_origin, theta)
+        mounted = tray_poses(self.vehicle.tray_origin, theta)
         lever = mounted.apply(self.vehicle.T_s_d.translation)
         by_tilt = np.cross(TILT_AXIS, lever - self.vehicle.tray_origin)
         return Instant(
@@ -94,7 +91,7 @@ def reckon(velocities: Velocities, attitude: AttitudeHistory, servo: Servo, vehi
     start = int(t_ns[0])
     t = seconds(t_ns, start)
     R_g_v = attitude.rotation(t_ns).as_matrix()
-    R_v_s = tray_pose(vehicle.tray_origin, servo.angle_at(t_ns)).rotation.as_matrix()
+    R_v_s = tray_poses(vehicle.tray_origin, servo.angle_at(t_ns)).rotation.as_matrix()
     R_v_d = R_v_s @ vehicle.T_s_d.rotation.as_matrix()[0]
     v_v = np.einsum("nij,nj->ni", R_v_d, velocities.velocity)
     v_g = np.einsum("nij,nj->ni", R_g_v, v_v)

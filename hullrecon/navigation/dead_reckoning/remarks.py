@@ -5,14 +5,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import Returns
 from hullrecon.navigation.dead_reckoning.nodes import Nodes
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
 from hullrecon.navigation.sensors.depth import Depth
-
-Ints = NDArray[np.int64]
+from hullrecon.records.trajectory import Returns
+from hullrecon.typing import Ints
 
 
 def remarks_of(

@@ -5,19 +5,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import DvlPings, Returns
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.dead_reckoning.nodes import nearest
 from hullrecon.navigation.dead_reckoning.reckoning import Instant, Reckoning
 from hullrecon.navigation.sensors.smoothing import running_median
+from hullrecon.records.sensors import DvlPings
+from hullrecon.records.trajectory import Returns
+from hullrecon.typing import Array, Mask
 
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
-
-def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Bools) -> Returns:
+def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Returns:
     """One row a beam that came back, by ping and then by beam. flagged (pings, beams). Pings beyond the nodes' span by more
     than a second are left out: nothing places them."""
     inside = (dvl.t_ns >= nodes.t_ns[0] - 10**9) & (dvl.t_ns <= nodes.t_ns[-1] + 10**9)
@@ -27,14 +25,14 @@ def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Bools) -> R
     node = nearest(nodes.t_ns, dvl.t_ns)
     offset = nodes.poses()[node].inverse() @ at.poses()
     return Returns(
-        dvl.t_ns[ping],
-        node[ping],
-        offset.quaternion[ping],
-        offset.translation[ping],
-        (at.tray - nodes.tray[node])[ping],
-        dvl.beams[beam],
-        back[ping, beam],
-        flagged[ping, beam],
+        t_ns=dvl.t_ns[ping],
+        node=node[ping],
+        quaternion=offset.quaternion[ping],
+        translation=offset.translation[ping],
+        tray_offset=(at.tray - nodes.tray[node])[ping],
+        beam=dvl.beams[beam],
+        range_m=back[ping, beam],
+        flagged=flagged[ping, beam],
     )
 
 
@@ -43,7 +41,7 @@ def lost_as_nan(ranges: Array) -> Array:
     return np.where(np.isfinite(ranges) & (ranges > 0), ranges, np.nan)
 
 
-def flag_ranges(dvl: DvlPings, window_s: float, jump_m: float, sigmas: float, sigma_range_m: float) -> Bools:
+def flag_ranges(dvl: DvlPings, window_s: float, jump_m: float, sigmas: float, sigma_range_m: float) -> Mask:
     """Returns (n, b) that leave the median of their beam's neighbours by jump_m, or by so many robust sigma of the window.
 
     The robust sigma is that of the neighbours' own departures, at least the instrument's.

@@ -11,17 +11,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.records import ImuSamples
 from hullrecon.geometry.poses import Poses, interpolate
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.sensors.clock import gaps, seconds
 from hullrecon.navigation.sensors.smoothing import local_line
+from hullrecon.records.sensors import ImuSamples
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 LEAST_SIGMA_RAD = 1e-4  # of a turn between two nodes: below it lie the stamps' jitter and the mount's give
 BRIDGED_RATE_RAD_S = 0.05  # a vehicle that inspects turns about this fast; where no reading tells
 

@@ -10,7 +10,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
+from hullrecon.typing import Array, Ints
+
 Stream = TypeVar("Stream")
 
 
@@ -41,6 +42,6 @@ def gaps(t_ns: Ints, longest_s: float) -> Ints:
     return np.stack([t_ns[long], t_ns[long + 1]], axis=1) if len(long) else np.zeros((0, 2), np.int64)
 
 
-def seconds(t_ns: Ints, start_ns: int) -> NDArray[np.float64]:
+def seconds(t_ns: Ints, start_ns: int) -> Array:
     """Seconds since a start, exact to the nanosecond over a year."""
     return np.asarray((t_ns - start_ns) * 1e-9)

@@ -12,15 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import PressureSamples
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
+from hullrecon.records.sensors import PressureSamples
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 WIDTH_S = 5.0
 STEP_M = 0.3  # between two readings, beyond what the DVL saw
 

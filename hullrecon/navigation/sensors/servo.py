@@ -7,13 +7,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import JointSamples
 from hullrecon.geometry.robust import robust_sigma
+from hullrecon.records.sensors import JointSamples
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 LEAST_TRAVEL_RAD = np.radians(0.3)  # a servo's reading flickers by less; a command moves it farther
 
 

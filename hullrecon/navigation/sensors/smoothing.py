@@ -8,9 +8,9 @@ A straight trend passes unchanged, at the ends too; the cost does not grow with 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Ints
+
 BINS_A_WIDTH = 6
 REACH = 4  # widths of the Gaussian that count
 
@@ -44,7 +44,7 @@ def running_median(values: Array, count: int) -> Array:
         return np.asarray(np.nanmedian(np.lib.stride_tricks.sliding_window_view(padded, count, axis=0), axis=-1))
 
 
-def _binned(place: NDArray[np.int64], weight: Array, size: int) -> Array:
+def _binned(place: Ints, weight: Array, size: int) -> Array:
     return np.asarray(np.bincount(place, weight, minlength=size)[:size], float)
 
 

@@ -7,15 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import DvlPings
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.sensors.clock import gaps
 from hullrecon.navigation.sensors.smoothing import running_median
+from hullrecon.records.sensors import DvlPings
+from hullrecon.typing import Array, Ints, Mask
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 STRAY_M_S = 0.25  # no inspection vehicle leaves the median of its neighbours by more in a second
 STRAY_SIGMAS = 8.0
 
@@ -52,7 +50,7 @@ def usable_velocities(dvl: DvlPings, span_ns: tuple[int, int], longest_gap_s: fl
     return Velocities(t_good, v_good, sigma_good, gaps(t_good, longest_gap_s), _agitation(t_good, v_good, sigma_good), t[stray])
 
 
-def _stray(velocity: Array, count: int = 9) -> NDArray[np.bool_]:
+def _stray(velocity: Array, count: int = 9) -> Mask:
     """Pings that leave the running median by a jump and by many robust sigma of that."""
     if len(velocity) < count:
         return np.zeros(len(velocity), bool)

@@ -8,17 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.vehicle import cross_matrix
+from hullrecon.typing import Array, Floats32, Ints, Mask, Pixels
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Picture = NDArray[np.uint8]
-Floats = NDArray[np.float32]
-Bools = NDArray[np.bool_]
 BLOCK = 256  # descriptors compared at a time
 UNLIKE = 0.8  # squared distance of descriptors that have nothing in common: a lone candidate must be nearer than to those
 RATIO = 0.85  # nearest to second nearest descriptor, Lowe's test; the geometry refuses what it lets through
@@ -29,8 +24,8 @@ class StereoRig:
     """Two cameras, and T_ct_cb, one pose. sigma_px: of a feature. slack_px: how far the rig's own uncertainty moves an epipolar
     line. nearest_m, farthest_m: depths that count."""
 
-    top: Camera
-    bottom: Camera
+    top: CameraModel
+    bottom: CameraModel
     T_ct_cb: Poses
     sigma_px: float = 1.0
     slack_px: float = 0.0
@@ -43,7 +38,7 @@ class Features:
     """Of one image: ideal (n, 2) coordinates x/z, y/z; descriptor (n, 128) float32 of unit length."""
 
     ideal: Array
-    descriptor: Floats
+    descriptor: Floats32
 
 
 @dataclass(frozen=True)
@@ -57,7 +52,7 @@ class StereoFrame:
     covariance: Array
 
 
-def stereo_frame(top: Picture | None, bottom: Picture | None, rig: StereoRig, most_features: int) -> StereoFrame:
+def stereo_frame(top: Pixels | None, bottom: Pixels | None, rig: StereoRig, most_features: int) -> StereoFrame:
     """From two images (h, w, 3) RGB; one that is None has no features."""
     a, b = find_features(top, rig.top, most_features), find_features(bottom, rig.bottom, most_features)
     rows = stereo_matches(a, b, rig)
@@ -66,7 +61,7 @@ def stereo_frame(top: Picture | None, bottom: Picture | None, rig: StereoRig, mo
     return StereoFrame(a, b, rows[kept], point[kept], covariance[kept])
 
 
-def find_features(picture: Picture | None, camera: Camera, most: int) -> Features:
+def find_features(picture: Pixels | None, camera: CameraModel, most: int) -> Features:
     """SIFT on the gray image after CLAHE (clip 3, 8 x 8 tiles), which lifts what lamps leave dark."""
     import cv2
 
@@ -86,7 +81,7 @@ def stereo_matches(a: Features, b: Features, rig: StereoRig) -> Ints:
     return mutual_best(a.descriptor, b.descriptor, lambda rows: epipolar_distance(a.ideal[rows], b.ideal, rig) <= reach)
 
 
-def epipolar_distance(a: Array, b: Array, rig: StereoRig) -> Floats:
+def epipolar_distance(a: Array, b: Array, rig: StereoRig) -> Floats32:
     """(n, m): Sampson distance of every pair of ideal points, in units of focal length."""
     R, t = rig.T_ct_cb.rotation.as_matrix()[0], rig.T_ct_cb.translation[0]
     E = cross_matrix(t[None])[0] @ R  # x_a' E x_b = 0
@@ -97,7 +92,7 @@ def epipolar_distance(a: Array, b: Array, rig: StereoRig) -> Floats:
     return np.asarray(np.abs(off) / np.sqrt(np.maximum(slope_a[None] + slope_b[:, None], 1e-20)))
 
 
-def mutual_best(a: Floats, b: Floats, allowed: Callable[[slice], Bools] | None = None) -> Ints:
+def mutual_best(a: Floats32, b: Floats32, allowed: Callable[[slice], Mask] | None = None) -> Ints:
     """Rows (m, 2) that are each other's nearest descriptor among the allowed, clearly nearer than a's second.
 
     allowed: from rows of a to a mask (rows, len(b)). Worked through in blocks that stay in the cache.

@@ -11,14 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses, exp
 from hullrecon.navigation.stereo_odometry.stereo_frame import Features, StereoFrame, StereoRig, mutual_best, pinhole_derivative
 from hullrecon.navigation.vehicle import cross_matrix
+from hullrecon.typing import Array, Mask
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 CHI2_99 = 9.21  # two degrees of freedom
 GUIDED_PX = 12.0
 GOOD_PX = 4.0
@@ -97,7 +95,7 @@ def _seen_again(
     return Sightings(i.point[row], i.covariance[row], features.ideal[match[:, 1]], T_ct_c, focal_px)
 
 
-def _within(a: Array, b: Array, reach: float) -> NDArray[np.bool_]:
+def _within(a: Array, b: Array, reach: float) -> Mask:
     """(n, m): whether points of the plane are nearer than that; never where one is NaN. By trees, since few pairs are."""
     from scipy.spatial import KDTree
 

@@ -9,12 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import Attitude, ImuSamples, JointSamples, Odometry, PressureSamples, Returns, Trajectory
 from hullrecon.errors import StageError
-from hullrecon.geometry.poses import Poses, identity, roll_pitch_yaw
-from hullrecon.geometry.poses import tray as tray_pose
+from hullrecon.geometry.poses import Poses, identity, roll_pitch_yaw, tray_poses
 from hullrecon.navigation.dead_reckoning.dead_reckon import UNKNOWN_SIGMA_M, Navigated, finite_attitude
 from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_covariance
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames
@@ -25,9 +22,9 @@ from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.stereo_odometry.stereo_frame import StereoFrame, StereoRig
 from hullrecon.navigation.stereo_odometry.visual_odometry import Chain, chain_errors, compose, follow, in_vehicle
 from hullrecon.navigation.vehicle import Vehicle
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from hullrecon.records.sensors import ImuSamples, JointSamples, PressureSamples
+from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True)
@@ -71,12 +68,19 @@ def stereo_navigate(
         raise StageError("the stereo pairs do not join", where=where, remedy=remedy)
     hung = servo(aids.tray if aids.tray is None else in_order(aids.tray, "tray")[0], int(t_ns[0]))
     angle = hung.angle_at(t_ns)
-    step, covariance = in_vehicle(chain, tray_pose(vehicle.tray_origin, angle) @ views.T_s_ct)
+    step, covariance = in_vehicle(chain, tray_poses(vehicle.tray_origin, angle) @ views.T_s_ct)
     history = _history(aids.imu, vehicle, options)
     depth = _depths(aids.pressure, t_ns)
     path = compose(_start(history, depth, t_ns, vehicle), step)
     errors = chain_errors(path, covariance)
-    trajectory = Trajectory(t_ns, path.quaternion, path.translation, trajectory_covariance(errors, path), angle, image)
+    trajectory = Trajectory(
+        t_ns=t_ns,
+        quaternion=path.quaternion,
+        translation=path.translation,
+        covariance=trajectory_covariance(errors, path),
+        tray=angle,
+        image=image,
+    )
     attitude = _attitude(history, depth, t_ns, vehicle, hung.direction_at(t_ns))
     lonely = len(views.top[0]) + len(views.bottom[0]) - 2 * len(pair)
     return Navigated(
@@ -118,33 +122,51 @@ def _depths(pressure: PressureSamples | None, t_ns: Ints) -> Array | None:
 def _edges(step: Poses, covariance: Array) -> Odometry:
     m = len(step)
     return Odometry(
-        np.arange(m),
-        np.arange(1, m + 1),
-        step.quaternion,
-        step.translation,
-        covariance,
-        np.zeros((m, 6, 2)),
-        np.zeros((m, 6, 3)),
-        np.zeros((m, 6)),
+        first=np.arange(m),
+        second=np.arange(1, m + 1),
+        quaternion=step.quaternion,
+        translation=step.translation,
+        covariance=covariance,
+        by_navigation=np.zeros((m, 6, 2)),
+        by_mount=np.zeros((m, 6, 3)),
+        by_tray=np.zeros((m, 6)),
     )
 
 
 def no_returns() -> Returns:
     """The record of a dive without a DVL."""
     ints, floats = np.zeros(0, np.int64), np.zeros(0)
-    return Returns(ints, ints, np.zeros((0, 4)), np.zeros((0, 3)), floats, np.zeros((0, 3)), floats, np.zeros(0, bool))
+    return Returns(
+        t_ns=ints,
+        node=ints,
+        quaternion=np.zeros((0, 4)),
+        translation=np.zeros((0, 3)),
+        tray_offset=floats,
+        beam=np.zeros((0, 3)),
+        range_m=floats,
+        flagged=np.zeros(0, bool),
+    )
 
 
 def _attitude(history: AttitudeHistory | None, depth: Array | None, t_ns: Ints, vehicle: Vehicle, direction: Array) -> Attitude:
     """Empty, but for the tray, where neither attitude nor depth was measured; what was not measured has a wide sigma."""
     if history is None and depth is None:
         none = np.zeros(0)
-        return Attitude(np.zeros(0, np.int64), none, none, none, np.zeros((0, 3)), direction)
+        return Attitude(
+            node=np.zeros(0, np.int64), depth=none, roll=none, pitch=none, sigma=np.zeros((0, 3)), tray_direction=direction
+        )
     n = len(t_ns)
     roll, pitch = np.zeros((2, n)) if history is None else roll_pitch_yaw(history.rotation(t_ns)).T[:2]
     tilt = np.pi if history is None else vehicle.sigma_tilt
     sigma = np.tile([UNKNOWN_SIGMA_M if depth is None else vehicle.sigma_depth, tilt, tilt], (n, 1))
-    return Attitude(np.arange(n), np.zeros(n) if depth is None else depth, roll, pitch, sigma, direction)
+    return Attitude(
+        node=np.arange(n),
+        depth=np.zeros(n) if depth is None else depth,
+        roll=roll,
+        pitch=pitch,
+        sigma=sigma,
+        tray_direction=direction,
+    )
 
 
 def _remarks(chain: Chain, lonely: int, aids: Aids) -> list[str]:

@@ -12,17 +12,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import TrajectoryErrorModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.error_propagation import twist_by_pose_error
 from hullrecon.navigation.stereo_odometry.stereo_frame import StereoFrame, StereoRig
 from hullrecon.navigation.stereo_odometry.stereo_motion import StereoMotion, stereo_motion
 from hullrecon.navigation.vehicle import cross_matrix
+from hullrecon.records.trajectory import TrajectoryErrorModel
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 LOOK_BACK = 3  # pairs that a motion is sought from, the nearest first
 LEAST_VARIANCE = 1e-8  # m2, rad2: keeps the covariance of the first pose invertible
 LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # of a step that no pair could tell

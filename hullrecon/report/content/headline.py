@@ -123,13 +123,13 @@ def _coverage(survey: Survey) -> str:
 
 
 def _landmarks(survey: Survey) -> str:
-    if survey.solution is None or not len(survey.solution.landmark):
+    if survey.solution is None or not len(survey.solution.landmarks):
         return ""
     solution = survey.solution
-    on = int((solution.label == 1).sum())
-    text = f"{count(len(solution.landmark), 'landmark')} were measured in the images"
+    on = int((solution.landmarks.label == 1).sum())
+    text = f"{count(len(solution.landmarks), 'landmark')} were measured in the images"
     return (
-        f"{text}, {100 * on / len(solution.label):.1f} % of them on the hull's surface."
+        f"{text}, {100 * on / len(solution.landmarks.label):.1f} % of them on the hull's surface."
         if survey.track.frame == "M"
         else text + "."
     )

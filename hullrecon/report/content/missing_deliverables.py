@@ -7,9 +7,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Any
 
-import numpy as np
-
-from hullrecon.dive.records import Solution
+from hullrecon.records.solution import Solution
 
 _BY_STEP = {
     "adjust": ("colmap/", "landmarks.ply"),
@@ -25,7 +23,7 @@ def absences(sections: Mapping[str, Any], steps: Collection[str], solution: Solu
     artifact."""
     reasons: dict[str, str] = {}
     camera, sonar, hull = (sections.get(s) is not None for s in ("camera.top", "sonar", "hull"))
-    if solution is None or not np.isfinite(solution.T_g_M).all():
+    if solution is None or solution.hull_pose is None:
         reasons["alignment.json"] = (
             "the adjustment did not run" if hull else "no drawing was given, so there is nothing to align to"
         )
@@ -33,7 +31,7 @@ def absences(sections: Mapping[str, Any], steps: Collection[str], solution: Solu
         why = _reason(step, camera, sonar, step in steps)
         if why:
             reasons.update(dict.fromkeys(names, why))
-    if camera and solution is not None and not len(solution.landmark):
+    if camera and solution is not None and not len(solution.landmarks):
         reasons["landmarks.ply"] = "no landmark was adjusted"
     if not camera:
         reasons.update(dict.fromkeys(_BY_STEP["adjust"], "no camera was carried"))

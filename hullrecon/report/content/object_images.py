@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.poses import Poses, tray
+from hullrecon.geometry.poses import Poses, tray_poses
+from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.report.content.survey import Eye
-from hullrecon.report.export.trajectory import Track
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True)
@@ -33,12 +32,14 @@ class Crop:
     t_ns: int
 
 
-def camera_poses(track: Track, eye: Eye, nodes: NDArray[np.int64], tray_origin_m: Sequence[float]) -> Poses:
+def camera_poses(track: VehicleTrack, eye: Eye, nodes: Ints, tray_origin_m: Sequence[float]) -> Poses:
     """T_M_c (T_g_c without a drawing) at those nodes."""
-    return track.poses[nodes] @ tray(tray_origin_m, track.tray[nodes]) @ eye.tray_from_camera
+    return track.poses[nodes] @ tray_poses(tray_origin_m, track.tray[nodes]) @ eye.tray_from_camera
 
 
-def best_crop(found: Mapping[str, Any], track: Track, eyes: Sequence[Eye], tray_origin_m: Sequence[float]) -> Crop | None:
+def best_crop(
+    found: Mapping[str, Any], track: VehicleTrack, eyes: Sequence[Eye], tray_origin_m: Sequence[float]
+) -> Crop | None:
     """The view among the object's images (all, when it names none) that has its centre nearest to the image's middle."""
     center = np.asarray(found["center"], float)
     choices = [
@@ -52,7 +53,7 @@ def best_crop(found: Mapping[str, Any], track: Track, eyes: Sequence[Eye], tray_
 
 
 def _scores(
-    found: Mapping[str, Any], center: Array, track: Track, eye: Eye, tray_origin_m: Sequence[float]
+    found: Mapping[str, Any], center: Array, track: VehicleTrack, eye: Eye, tray_origin_m: Sequence[float]
 ) -> list[tuple[int, float]]:
     """Nodes that see the centre inside the image, with its distance from the middle in half diagonals."""
     rows = track.image[:, 0 if eye.name == "camera_top" else 1]
@@ -68,7 +69,7 @@ def _scores(
     return [(int(n), float(s)) for n, s, good in zip(nodes, score, inside, strict=True) if good]
 
 
-def _rows_named(images: Sequence[Any], eye: Eye) -> NDArray[np.int64] | None:
+def _rows_named(images: Sequence[Any], eye: Eye) -> Ints | None:
     """Rows of the camera's index for names like camera_top/1777887000468241234.jpg; None when the object names no image."""
     if not images:
         return None
@@ -78,7 +79,7 @@ def _rows_named(images: Sequence[Any], eye: Eye) -> NDArray[np.int64] | None:
 
 
 def _cut(
-    found: Mapping[str, Any], center: Array, track: Track, eye: Eye, node: int, tray_origin_m: Sequence[float]
+    found: Mapping[str, Any], center: Array, track: VehicleTrack, eye: Eye, node: int, tray_origin_m: Sequence[float]
 ) -> Crop | None:
     row = int(track.image[node, 0 if eye.name == "camera_top" else 1])
     if not eye.index.usable[row]:

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon import __version__
 from hullrecon.geometry.charts.viewing_side import UP, flips
@@ -21,8 +20,7 @@ from hullrecon.report.content.survey import Mosaic, Survey
 from hullrecon.report.figures.chart_map import ChartedSurface, Extent, charted, deviation_png, extent_of, ground_png
 from hullrecon.report.figures.plan_view import Mark, Plan, nice_below, plan_svg
 from hullrecon.report.figures.style import Plot
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 @dataclass(frozen=True)

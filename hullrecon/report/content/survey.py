@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.config.schema import Dive, Hull
-from hullrecon.dive.records import DvlPings, ImageIndex, Solution, Surface, Trajectory
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.poses import Poses
-from hullrecon.report.export.trajectory import Track
+from hullrecon.records.sensors import DvlPings, ImageIndex
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
+from hullrecon.records.trajectory import Trajectory, VehicleTrack
 
-Array = NDArray[np.float64]
 Document = Mapping[str, Any]
 
 
@@ -27,7 +28,7 @@ class Eye:
     """One camera: intrinsics, index of images, and how a row is read: (h, w, 3) uint8 RGB, None when it does not decode."""
 
     name: str  # camera_top, camera_bottom
-    camera: Camera
+    camera: CameraModel
     index: ImageIndex
     tray_from_camera: Poses
     read: Callable[[int], NDArray[np.uint8] | None]
@@ -59,7 +60,7 @@ class Survey:
     """The dive, adjusted or not. absent: deliverables that cannot be given, with the reason of each."""
 
     dive: Dive
-    track: Track
+    track: VehicleTrack
     trajectory: Trajectory
     navigation: Document
     findings: Document

@@ -11,28 +11,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.config.schema import Hull
-from hullrecon.dive.records import Solution, Surface
 from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
 from hullrecon.report.export.ply import columns, ply_bytes
-from hullrecon.report.export.trajectory import hull_motion
 
 
 def landmarks_in_hull(solution: Solution) -> NDArray[np.float64]:
     """Landmarks (L, 3) in M (in g without a drawing)."""
-    global_from_hull = hull_motion(solution)
-    return solution.landmark if global_from_hull is None else global_from_hull.inverse().apply(solution.landmark)
+    return solution.result_from_global().apply(solution.landmarks.position)
 
 
 def landmarks_ply(solution: Solution) -> bytes:
     """The bytes of landmarks.ply (docs/deliverables.md). sigma is that of one axis: the square root of a third of the
     covariance's trace."""
-    sigma = np.sqrt(np.einsum("nii->n", solution.landmark_covariance) / 3)
-    color = {name: solution.color[:, k].astype(np.uint8) for k, name in enumerate(("red", "green", "blue"))}
+    sigma = np.sqrt(np.einsum("nii->n", solution.landmarks.covariance) / 3)
+    color = {name: solution.landmarks.color[:, k].astype(np.uint8) for k, name in enumerate(("red", "green", "blue"))}
     values = {
-        "label": solution.label.astype(np.uint8),
-        "deviation": solution.deviation.astype(np.float32),
+        "label": solution.landmarks.label.astype(np.uint8),
+        "deviation": solution.landmarks.deviation.astype(np.float32),
         "sigma": sigma.astype(np.float32),
-        "track": solution.views.astype(np.int32),
+        "track": solution.landmarks.views.astype(np.int32),
     }
     return ply_bytes({**columns(landmarks_in_hull(solution)), **color, **values})
 
@@ -53,15 +52,14 @@ def motion_json(motion: Poses) -> dict[str, list[float]]:
 
 def alignment_json(solution: Solution, hull: Hull, weak: list[Mapping[str, Any]]) -> dict[str, Any]:
     """alignment.json (docs/deliverables.md): T_g_M, the guess before, and the directions that stay weak. covariance: of where
-    the hull lies given the dive's own frame, with the drawing's error in it (Solution.hull_covariance)."""
-    motion = hull_motion(solution)
-    if motion is None:
+    the hull lies given the dive's own frame, with the drawing's error in it (HullPose.covariance)."""
+    if solution.hull_pose is None:
         raise ValueError("no drawing was aligned")
     return {
-        "T_g_M": motion_json(motion),
-        "covariance": solution.hull_covariance.tolist(),
+        "T_g_M": motion_json(solution.hull_pose.global_from_hull),
+        "covariance": solution.hull_pose.covariance.tolist(),
         "covariance_order": "translation x y z in g (m), rotation x y z perturbed on the right (rad), about survey_center",
-        "survey_center": solution.survey_center.tolist(),
+        "survey_center": solution.hull_pose.survey_center.tolist(),
         "prior": {**motion_json(from_mount(hull.pose)), "sigma_m_deg": list(hull.pose_sigma)},
         "weak_directions": weak,
     }

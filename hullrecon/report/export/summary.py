@@ -57,8 +57,8 @@ def counts(survey: Survey) -> dict[str, Any]:
         "images_unusable": {eye.name: int((~eye.index.usable).sum()) for eye in survey.eyes},
     }
     if survey.solution is not None:
-        numbers["landmarks"] = len(survey.solution.landmark)
-        numbers["landmarks_on_surface"] = int((survey.solution.label == 1).sum())
+        numbers["landmarks"] = len(survey.solution.landmarks)
+        numbers["landmarks_on_surface"] = int((survey.solution.landmarks.label == 1).sum())
         numbers["iterations"] = _iterations(survey)
     if survey.objects is not None:
         numbers["objects"] = len(survey.objects)

@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.records import Surface
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import vertex_areas
+from hullrecon.records.surface import Surface
 from hullrecon.report.figures.style import new_figure, png_bytes
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array, Ints32
 
 
 @dataclass(frozen=True)
@@ -43,7 +41,7 @@ class ChartedSurface:
 
     surface: Surface
     at: Array
-    faces: NDArray[np.int32]
+    faces: Ints32
 
 
 def charted(surface: Surface, chart: Chart) -> ChartedSurface:
@@ -61,7 +59,7 @@ def extent_of(points: Array, flips: tuple[bool, bool], margin_m: float = 0.4) ->
     return Extent((float(low[0]), float(high[0])), (float(low[1]), float(high[1])), flips)
 
 
-def seen_faces(found: ChartedSurface, least: int = 1) -> NDArray[np.int32]:
+def seen_faces(found: ChartedSurface, least: int = 1) -> Ints32:
     """Faces whose three corners have that support."""
     return found.faces[(found.surface.support[found.faces] >= least).all(axis=1)]
 

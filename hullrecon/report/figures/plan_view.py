@@ -11,11 +11,10 @@ from dataclasses import dataclass
 from html import escape
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.report.figures.chart_map import Extent
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 LEFT, TOP, WIDTH, FOOT = 62.0, 14.0, 960.0, 78.0
 
 

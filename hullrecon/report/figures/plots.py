@@ -10,15 +10,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import DvlPings, Solution, Surface
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.records.iterations import broken, reached
+from hullrecon.records.sensors import DvlPings
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
+from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.report.export.csv_export import numbers, seconds
-from hullrecon.report.export.trajectory import Track
 from hullrecon.report.figures.chart_map import weighted_percentiles
 from hullrecon.report.figures.style import BLUE, GRAY, GREEN, ORANGE, Plot, new_figure, plain_log, png_bytes, whole_numbers
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
 Record = Mapping[str, NDArray[np.generic]]
 
 
@@ -78,12 +80,12 @@ def _reached(iterations: Record) -> Array:
     return reached(cost, np.asarray(iterations["accepted"], bool)) if "accepted" in iterations else cost
 
 
-def _rounds(iterations: Record, count: int) -> NDArray[np.int64]:
+def _rounds(iterations: Record, count: int) -> Ints:
     """(count,) round of each row, 1 where the record does not say."""
     return np.asarray(iterations["round"], np.int64) if "round" in iterations else np.ones(count, np.int64)
 
 
-def _mark_rounds(axis: Any, iterations: Record, rounds: NDArray[np.int64], words: bool = True) -> None:
+def _mark_rounds(axis: Any, iterations: Record, rounds: Ints, words: bool = True) -> None:
     """A line where each round begins, and what its cost is whitened with."""
     starts = np.r_[0, np.flatnonzero(np.diff(rounds)) + 1]
     if len(starts) == 1:
@@ -124,7 +126,7 @@ def deviation_histogram(solution: Solution | None, as_found: Surface | None) -> 
     """Share of landmarks, and of the area seen, by their signed distance to the drawing; None without a drawing."""
     groups = {}
     if solution is not None:
-        groups["landmarks"] = (solution.deviation, np.ones(len(solution.deviation)))
+        groups["landmarks"] = (solution.landmarks.deviation, np.ones(len(solution.landmarks)))
     if as_found is not None:
         groups["as_found"] = (as_found.deviation, np.where(as_found.support > 0, vertex_areas(as_found.mesh()), 0.0))
     groups = {n: (v[np.isfinite(v)], w[np.isfinite(v)]) for n, (v, w) in groups.items()}
@@ -158,7 +160,7 @@ def standoff(dvl: DvlPings) -> Array:
     return np.where(valid > 0, 0.5 * (low + high), np.nan)
 
 
-def depth_and_standoff(t_ns: NDArray[np.int64], depth_m: Array, dvl: DvlPings | None) -> Plot:
+def depth_and_standoff(t_ns: Ints, depth_m: Array, dvl: DvlPings | None) -> Plot:
     """Depth of the vehicle at the nodes and distance to the hull, over the time of the dive."""
     start = t_ns[0]
     figure, axes = new_figure(height_in=3.8, rows=2)
@@ -177,7 +179,7 @@ def depth_and_standoff(t_ns: NDArray[np.int64], depth_m: Array, dvl: DvlPings | 
     return Plot("depth_standoff", "Depth and distance to the hull", alt + ".", png_bytes(figure), table)
 
 
-def sigmas(track: Track) -> Plot:
+def sigmas(track: VehicleTrack) -> Plot:
     """One sigma of the vehicle's position by axis over time."""
     figure, axis = new_figure()
     for k, (name, color) in enumerate(zip("xyz", (BLUE, ORANGE, GREEN), strict=True)):

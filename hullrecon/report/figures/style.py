@@ -10,9 +10,7 @@ from io import BytesIO
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 INK, BLUE, ORANGE, GREEN, GRAY = "#1c2733", "#1f5f99", "#c8541b", "#2b7a4b", "#7b8794"
 
 

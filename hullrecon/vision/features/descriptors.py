@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
-Ints = NDArray[np.int64]
+from hullrecon.typing import Floats32, Ints
+
 UNIT = 512.0
 _CHUNK = 256  # pairs whose descriptors fit the cache together
 
@@ -25,18 +24,18 @@ class Putative:
 
     first: Ints
     second: Ints
-    distance: Floats
+    distance: Floats32
 
     def __len__(self) -> int:
         return len(self.first)
 
 
-def unit(descriptors: NDArray[np.uint8]) -> Floats:
+def unit(descriptors: NDArray[np.uint8]) -> Floats32:
     """(n, 128) float32 of about unit length."""
     return np.asarray(descriptors, np.float32) / np.float32(UNIT)
 
 
-def sparse_distance(a: Floats, b: Floats, first: Ints, second: Ints) -> Floats:
+def sparse_distance(a: Floats32, b: Floats32, first: Ints, second: Ints) -> Floats32:
     """Distances (m,) of the candidate pairs (first into a, second into b)."""
     out = np.empty(len(first), np.float32)
     for start in range(0, len(first), _CHUNK):
@@ -46,7 +45,7 @@ def sparse_distance(a: Floats, b: Floats, first: Ints, second: Ints) -> Floats:
     return out
 
 
-def best_of_candidates(first: Ints, second: Ints, distance: Floats, ratio: float, most: float) -> Putative:
+def best_of_candidates(first: Ints, second: Ints, distance: Floats32, ratio: float, most: float) -> Putative:
     """Mutual best within a candidate list, closer than `most`, and than `ratio` times the next of either side.
 
     A side with a single candidate has no next one; then only `most` and the mutual choice speak.
@@ -61,7 +60,7 @@ def best_of_candidates(first: Ints, second: Ints, distance: Floats, ratio: float
     return Putative(first[chosen], second[chosen], distance[chosen])
 
 
-def best_of_all(a: Floats, b: Floats, ratio: float, most: float) -> Putative:
+def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative:
     """Full search: mutual best of a (n, 128) and b (m, 128) with the ratio test on both sides."""
     if len(a) < 2 or len(b) < 2:
         return _none()
@@ -77,7 +76,7 @@ def best_of_all(a: Floats, b: Floats, ratio: float, most: float) -> Putative:
     return Putative(first[good], second[good], np.sqrt(np.maximum(best[good], 0)).astype(np.float32))
 
 
-def _best_and_next(key: Ints, distance: Floats) -> tuple[Ints, Floats]:
+def _best_and_next(key: Ints, distance: Floats32) -> tuple[Ints, Floats32]:
     """Row of the best candidate of each key, and by key the distance of the second best (inf where none)."""
     order = _by_key_and_distance(key, distance)
     sorted_key = key[order]
@@ -88,7 +87,7 @@ def _best_and_next(key: Ints, distance: Floats) -> tuple[Ints, Floats]:
     return order[start], following
 
 
-def _by_key_and_distance(key: Ints, distance: Floats) -> Ints:
+def _by_key_and_distance(key: Ints, distance: Floats32) -> Ints:
     """Rows by key, the closest first, as one number a row: the bits of floats that are not negative sort as they do."""
     bits = np.ascontiguousarray(distance, np.float32).view(np.uint32).astype(np.uint64)
     return np.argsort((key.astype(np.uint64) << np.uint64(32)) | bits, kind="stable")

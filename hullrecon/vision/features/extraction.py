@@ -9,12 +9,9 @@ from typing import Annotated
 
 import numpy as np
 from msgspec import Meta
-from numpy.typing import NDArray
 
 from hullrecon.dive.config.schema import NotNegative, Positive, Section
-
-Floats = NDArray[np.float32]
-Bytes = NDArray[np.uint8]
+from hullrecon.typing import Floats32, Pixels
 
 
 class FeatureOptions(Section, frozen=True):
@@ -42,9 +39,9 @@ class Features:
     """keypoints (n, 4) float32: u, v in raw pixels (centre of the first is 0, 0), scale (diameter in px), score;
     descriptors (n, 128) uint8; color (n, 3) uint8 RGB."""
 
-    keypoints: Floats
-    descriptors: Bytes
-    color: Bytes
+    keypoints: Floats32
+    descriptors: Pixels
+    color: Pixels
 
     def __len__(self) -> int:
         return len(self.keypoints)
@@ -55,7 +52,7 @@ def nothing() -> Features:
     return Features(np.zeros((0, 4), np.float32), np.zeros((0, 128), np.uint8), np.zeros((0, 3), np.uint8))
 
 
-def extract(image: Bytes, options: FeatureOptions) -> Features:
+def extract(image: Pixels, options: FeatureOptions) -> Features:
     """Features of an image (h, w) or (h, w, 3) RGB, in a fixed order: by v, then u, then scale."""
     import cv2
 
@@ -79,13 +76,13 @@ def extract(image: Bytes, options: FeatureOptions) -> Features:
     return Features(table[order], root_sift(descriptors[order]), _colors(image, table[order]))
 
 
-def root_sift(descriptors: Floats) -> Bytes:
+def root_sift(descriptors: Floats32) -> Pixels:
     """Hellinger form: square root of the L1-normalised vector (unit length), times 512, as bytes."""
     share = descriptors / np.maximum(descriptors.sum(axis=1, keepdims=True), 1e-9)
     return np.asarray(np.minimum(np.rint(np.sqrt(share) * 512.0), 255), np.uint8)
 
 
-def _level(gray: Bytes, options: FeatureOptions) -> Bytes:
+def _level(gray: Pixels, options: FeatureOptions) -> Pixels:
     import cv2
 
     if options.clahe_clip == 0:
@@ -94,7 +91,7 @@ def _level(gray: Bytes, options: FeatureOptions) -> Bytes:
     return np.asarray(leveller.apply(gray)).astype(np.uint8, copy=False)
 
 
-def _reduce(gray: Bytes, reduction: float) -> tuple[Bytes, Floats]:
+def _reduce(gray: Pixels, reduction: float) -> tuple[Pixels, Floats32]:
     """The image shrunk (area mean, which also thins the noise) and the step (2,) from its pixels to the raw ones."""
     import cv2
 
@@ -106,7 +103,7 @@ def _reduce(gray: Bytes, reduction: float) -> tuple[Bytes, Floats]:
     return np.asarray(small), np.array([width / size[0], height / size[1]], np.float32)
 
 
-def _colors(image: Bytes, keypoints: Floats) -> Bytes:
+def _colors(image: Pixels, keypoints: Floats32) -> Pixels:
     column = np.clip(np.rint(keypoints[:, 0]).astype(np.int64), 0, image.shape[1] - 1)
     row = np.clip(np.rint(keypoints[:, 1]).astype(np.int64), 0, image.shape[0] - 1)
     color = image[row, column]

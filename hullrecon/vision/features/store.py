@@ -13,9 +13,9 @@ from typing import IO, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.typing import Array, Floats32, Ints
 from hullrecon.vision.features.extraction import Features
 
-Ints = NDArray[np.int64]
 KINDS = ("keypoints", "descriptors", "color")
 CAMERAS = ("camera_top", "camera_bottom")
 
@@ -77,8 +77,8 @@ class FeatureStore:
 @dataclass(frozen=True)
 class _Mapped:
     start: Ints
-    saliency: NDArray[np.float64]
-    keypoints: NDArray[np.float32]
+    saliency: Array
+    keypoints: Floats32
     descriptors: NDArray[np.uint8]
     color: NDArray[np.uint8]
 

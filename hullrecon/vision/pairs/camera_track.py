@@ -7,16 +7,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from hullrecon.dive.records import Returns, Trajectory, TrajectoryErrorModel
-from hullrecon.geometry.poses import Poses
-from hullrecon.geometry.poses import tray as tray_pose
+from hullrecon.geometry.poses import Poses, tray_poses
+from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.typing import Array, Ints
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.stereo.node_view import DepthPrior
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 # What navigation's error model does not hold: stamps of the images, the camera's mount, holes in the attitude.
 WHITE_TRANSLATION_M = 0.01
 WHITE_ROTATION_RAD = np.radians(0.2)
@@ -74,7 +72,7 @@ def survey_of(
     tray_sigma_rad: float,
 ) -> Survey:
     """Return the leading camera of every node: the top one, or the bottom one at nodes that have no top image."""
-    tray = tray_pose(tray_origin_m, trajectory.tray)
+    tray = tray_poses(tray_origin_m, trajectory.tray)
     vehicle_from_camera = tray @ tray_from_top
     if top_from_bottom is not None:
         lower = (trajectory.image[:, 0] < 0) & (trajectory.image[:, 1] >= 0)
@@ -105,7 +103,7 @@ def depth_priors(
     good = ~returns.flagged & np.isfinite(returns.range_m)
     node = returns.node[good]
     at_ping = trajectory.poses()[node] @ Poses(returns.quaternion[good], returns.translation[good])
-    tray = tray_pose(tray_origin_m, trajectory.tray[node] + returns.tray_offset[good])
+    tray = tray_poses(tray_origin_m, trajectory.tray[node] + returns.tray_offset[good])
     points = (at_ping @ tray @ tray_from_dvl).apply(returns.beam[good] * returns.range_m[good][:, None])
     order = np.argsort(node, kind="stable")
     points, node = points[order], node[order]

@@ -5,10 +5,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from hullrecon.typing import Array, Ints
 
 
 def in_box(wanted: Array, half_width: Array, points: Array) -> tuple[Ints, Ints]:

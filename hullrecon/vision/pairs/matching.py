@@ -8,20 +8,15 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.vision.features.descriptors import Floats, Putative, best_of_all, best_of_candidates, sparse_distance
+from hullrecon.typing import Array, Floats32, Ints
+from hullrecon.vision.features.descriptors import Putative, best_of_all, best_of_candidates, sparse_distance
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs import mono_motion, pose_from_points, two_view
 from hullrecon.vision.pairs.gated_search import in_ellipse
 from hullrecon.vision.pairs.gating import Motion, transfer
 from hullrecon.vision.stereo.node_view import View
 from hullrecon.vision.stereo.rectification import Rig
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Mask = NDArray[np.bool_]
-
 
 FEW = 100  # with fewer seeds the first motion is rough: what it guides to is worth a second look
 
@@ -57,7 +52,7 @@ class PairMatch:
 
     first: Ints
     second: Ints
-    distance: Floats
+    distance: Floats32
     putative: int
     reason: Reason
     motion: Motion | None = None

@@ -8,13 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from hullrecon.typing import Array
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.two_view import PossibleMotion, essential_of
 
-Array = NDArray[np.float64]
 ITERATIONS = 10
 DIRECTION_SIGMA_RAD = 1.0  # of a direction about which the matches say nothing: the vehicle stood still
 UNKNOWN_LENGTH = 1.0  # sigma over length where nothing has measured it

@@ -10,11 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from hullrecon.typing import Array, Mask
+
 BLOCK = 128  # hypotheses at a time
 
 

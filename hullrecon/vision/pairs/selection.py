@@ -7,15 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import Survey
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 RETURN = 0.2  # of overlap: the vehicle had gone and come back, it did not just move on slowly
 GRID = 8  # cells of the footprint along each side
 FINE_GRID = 32  # where small steps count
@@ -36,7 +33,7 @@ class Proposal:
 
 
 def propose(
-    survey: Survey, usable: Mask, depth_m: Array, camera: Camera, options: MatchOptions, salient: Mask
+    survey: Survey, usable: Mask, depth_m: Array, camera: CameraModel, options: MatchOptions, salient: Mask
 ) -> tuple[Ints, Proposal]:
     """Keyframes, and the pairs among them. usable (n,): the node has an image; depth_m (n,) of the scene, NaN where unknown."""
     keyframes = _keyframes(survey, np.flatnonzero(usable), depth_m, camera, options.max_overlap)
@@ -50,7 +47,7 @@ def propose(
 
 
 def footprint_overlap(
-    survey: Survey, first: Ints, second: Ints, depth_m: Array, camera: Camera, sigmas: float = 0.0, grid: int = GRID
+    survey: Survey, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, sigmas: float = 0.0, grid: int = GRID
 ) -> Array:
     """Share (m,) of a grid on each image that falls into the other, the smaller of both ways; NaN where depth is unknown.
 
@@ -63,7 +60,7 @@ def footprint_overlap(
     return np.minimum(one, other)
 
 
-def _share(survey: Survey, source: Ints, target: Ints, depth_m: Array, camera: Camera, sigmas: float, grid: int) -> Array:
+def _share(survey: Survey, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, sigmas: float, grid: int) -> Array:
     middle = (np.arange(grid) + 0.5) / grid
     u, v = np.meshgrid(middle * camera.width - 0.5, middle * camera.height - 0.5)
     rays = np.hstack([camera.undistort(np.stack([u.ravel(), v.ravel()], 1)), np.ones((grid**2, 1))])
@@ -79,7 +76,7 @@ def _share(survey: Survey, source: Ints, target: Ints, depth_m: Array, camera: C
     return np.asarray(np.where(np.isfinite(depth_m[source]), inside.mean(axis=1), np.nan))
 
 
-def _keyframes(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, most: float) -> Ints:
+def _keyframes(survey: Survey, nodes: Ints, depth_m: Array, camera: CameraModel, most: float) -> Ints:
     """Nodes that left the footprint of the keyframe before by enough; where no depth is known all are."""
     if len(nodes) < 2 or most >= 1:
         return nodes
@@ -103,7 +100,9 @@ def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
     return np.concatenate([none, *first]), np.concatenate([none, *second])
 
 
-def _across(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, options: MatchOptions) -> tuple[Ints, Ints, Array]:
+def _across(
+    survey: Survey, nodes: Ints, depth_m: Array, camera: CameraModel, options: MatchOptions
+) -> tuple[Ints, Ints, Array]:
     """For each node those to which the vehicle came back and whose footprints overlap most, were navigation right; of the ones
     that overlap by min_overlap within 3 sigma of it."""
     first, second = _near(survey, nodes, depth_m, camera, options.sequential)
@@ -118,7 +117,7 @@ def _across(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, options
     return first[best], second[best], overlap[best]
 
 
-def _near(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, reach: int) -> tuple[Ints, Ints]:
+def _near(survey: Survey, nodes: Ints, depth_m: Array, camera: CameraModel, reach: int) -> tuple[Ints, Ints]:
     """Pairs of nodes beyond the sequential ones whose footprints' middles are within a diagonal and 3 sigma."""
     from scipy.spatial import cKDTree
 
@@ -137,7 +136,7 @@ def _near(survey: Survey, nodes: Ints, depth_m: Array, camera: Camera, reach: in
 
 
 def _lowest_between(
-    survey: Survey, nodes: Ints, first: Ints, second: Ints, depth_m: Array, camera: Camera, least: float
+    survey: Survey, nodes: Ints, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, least: float
 ) -> Array:
     """Smallest overlap (m,) with the first node that the vehicle had on its way to the second; 0 once it fell below `least`.
 

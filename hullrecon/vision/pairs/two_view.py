@@ -9,10 +9,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from hullrecon.typing import Array, Mask
 
 
 @dataclass(frozen=True)

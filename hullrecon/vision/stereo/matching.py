@@ -7,14 +7,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.vision.features.descriptors import Floats, best_of_candidates, sparse_distance
+from hullrecon.typing import Array, Floats32, Ints
+from hullrecon.vision.features.descriptors import best_of_candidates, sparse_distance
 from hullrecon.vision.pairs.gated_search import in_box
 from hullrecon.vision.stereo.rectification import Rectification, triangulate
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -45,7 +42,7 @@ def no_matches() -> StereoMatches:
 
 
 def match_stereo(
-    rectification: Rectification, top: tuple[Array, Floats], bottom: tuple[Array, Floats], limits: StereoLimits
+    rectification: Rectification, top: tuple[Array, Floats32], bottom: tuple[Array, Floats32], limits: StereoLimits
 ) -> StereoMatches:
     """Mutual best within the band of [Ozog2016 D.2.1]; each side is (ideal coordinates (n, 2), unit descriptors (n, 128))."""
     xy_top, xy_bottom = rectification.top(top[0]), rectification.bottom(bottom[0])

@@ -7,18 +7,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.robust import NORMAL_MAD
-from hullrecon.vision.features.descriptors import Floats, unit
+from hullrecon.typing import Array, Floats32, Mask
+from hullrecon.vision.features.descriptors import unit
 from hullrecon.vision.features.extraction import Features
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.stereo.matching import StereoLimits, StereoMatches, match_stereo, no_matches
 from hullrecon.vision.stereo.rectification import Rectification, Rig, rectify
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -44,7 +40,7 @@ class View:
 
     camera: int
     xy: Array
-    descriptor: Floats
+    descriptor: Floats32
     other: Array
     point: Array
     depth: Array

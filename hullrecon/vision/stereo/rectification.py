@@ -11,20 +11,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.geometry.cameras import Camera
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 @dataclass(frozen=True)
 class Rig:
     """cameras: one (mono) or two, top first. top_from_bottom: T_ct_cb, None when mono."""
 
-    top: Camera
-    bottom: Camera | None = None
+    top: CameraModel
+    bottom: CameraModel | None = None
     top_from_bottom: Poses | None = None
 
     @property
@@ -36,7 +34,7 @@ class Rig:
         """Between the cameras; 1 for a mono rig, whose points have no length."""
         return 1.0 if self.top_from_bottom is None else float(np.linalg.norm(self.top_from_bottom.translation[0]))
 
-    def camera(self, number: int) -> Camera:
+    def camera(self, number: int) -> CameraModel:
         """0 top, 1 bottom."""
         if number == 0:
             return self.top

@@ -10,14 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.records import Tracks
+from hullrecon.records.tracks import Tracks
+from hullrecon.typing import Array, Floats32, Ints, Mask
 from hullrecon.vision.features.extraction import Features
 from hullrecon.vision.stereo.matching import StereoMatches
 from hullrecon.vision.tracks.union import join
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -44,7 +41,7 @@ class Matches:
     first_row: Ints
     second_node: Ints
     second_row: Ints
-    distance: NDArray[np.float32]
+    distance: Floats32
 
 
 def build(
@@ -75,7 +72,9 @@ def build(
     label = np.unique(label[keep], return_inverse=True)[1].astype(np.int64)
     node, top, bottom, color = node[keep], top[keep], bottom[keep], color[keep]
     order = np.lexsort((node, label))
-    return Tracks(label[order], node[order], top[order], bottom[order], _mean_color(label, color))
+    return Tracks(
+        landmark=label[order], node=node[order], top=top[order], bottom=bottom[order], color=_mean_color(label, color)
+    )
 
 
 def _observations(

@@ -11,16 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion, transfer
 from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
 from hullrecon.vision.stereo.rectification import Rig, rectify, triangulate
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 ROUNDS = 3
 
 

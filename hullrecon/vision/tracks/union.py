@@ -7,8 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
-Mask = NDArray[np.bool_]
+from hullrecon.typing import Ints, Mask
 
 
 def join(node_of: Ints, first: Ints, second: Ints, quality: NDArray[np.floating]) -> Ints:

@@ -8,14 +8,13 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.dive.logs.dvl_beams import A50, a50_beams
 from hullrecon.dive.logs.messages.pictures import encode_raw
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.dive.logs.samples import DvlSample, ImageSample, ImuSample, JointSample, PressureSample, Sample, SonarSample
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 LOST = np.full(3, np.nan)
 NO_RANGES = np.zeros(0)
 DTYPES = {0: "u1", 1: "i1", 2: "u2", 3: "i2", 4: "u4", 5: "i4", 6: "u8", 7: "i8", 8: "f4", 9: "f8"}  # of SonarImageData

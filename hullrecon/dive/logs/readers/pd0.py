@@ -13,14 +13,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.dive.logs.readers.ledger import Ledger
 from hullrecon.dive.logs.readers.pd0_ensemble import Ensemble, ensembles
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
 from hullrecon.dive.logs.samples import DvlSample
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 CHANNEL = Channel("dvl", "Teledyne PD0", "sample")
 DVL_FROM_INSTRUMENT = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
 AZIMUTH_RAD = np.radians([-90.0, 90.0, 0.0, 180.0])  # of beams 1 to 4 about z of `dvl`

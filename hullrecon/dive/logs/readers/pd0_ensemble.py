@@ -13,11 +13,10 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.dive.logs.readers.unpack import DamagedError, fields
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 MAGIC = b"\x7f\x7f"
 FIXED, VARIABLE, VELOCITY, BOTTOM = 0x0000, 0x0080, 0x0100, 0x0600
 LOST = -32768
