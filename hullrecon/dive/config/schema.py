@@ -123,7 +123,7 @@ class Hull(Section, frozen=True):
 
 
 class DiveConfig(Section, frozen=True):
-    """The sections that describe the vehicle and the dive. `hull` absent: no drawing; `camera.top` absent: no camera."""
+    """The sections that describe the vehicle and the dive. `hull` absent: no CAD model; `camera.top` absent: no camera."""
 
     dive: Dive
     logs: Logs
