@@ -98,8 +98,8 @@ def seen(ground: Ground, patch: Patch, rows: Ints, eye: Array, least_cosine: flo
     """Whether the eye (3,) sees the texels of these flat rows of the patch, and the cosines of the incidence there.
 
     A texel is seen when it faces the eye, no flatter than least_cosine, and no other part of the surface lies on the straight
-    line between them: for a sonar, nothing nearer in the same direction, so at the same bearing (METHODS 9). Rays are cast only
-    where the skyline reaches up to the line.
+    line between them: for a sonar, nothing nearer in the same direction, so at the same bearing (docs/methods.md 14). Rays are
+    cast only where the skyline reaches up to the line.
     """
     point, normal = patch.point.reshape(-1, 3)[rows], patch.normal.reshape(-1, 3)[rows]
     away = eye - point

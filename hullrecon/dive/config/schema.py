@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """dive.toml as frozen structs: what was dived and how the sensors are mounted. Steps add a section each of their own.
 
-Units stand in each field's comment; angles are degrees where a key ends in `_deg` (docs/conventions.md). Six-number mounts are
-x, y, z in metres, roll, pitch, yaw in degrees; their sigmas are metres and a small rotation vector in degrees.
+Every key has a description, which begins with its unit where it has one; angles are degrees where a key ends in `_deg`
+(docs/conventions.md). Six-number mounts are x, y, z in metres, roll, pitch, yaw in degrees; their sigmas are metres and a small
+rotation vector in degrees.
 """
 
 from __future__ import annotations
@@ -16,13 +17,18 @@ from msgspec import Meta, Struct, field
 Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]
 Offset = Annotated[float, Meta(ge=-4e9, le=4e9)]
-BeamAngle = Annotated[float, Meta(gt=0, lt=90, description="degrees from the z axis of dvl to each beam")]
+BeamAngle = Annotated[float, Meta(gt=0, lt=90, description="deg, from the z axis of dvl to each beam")]
 Azimuth = Annotated[float, Meta(ge=-360, le=360)]
 BeamAzimuths = Annotated[
-    tuple[Azimuth, ...], Meta(min_length=1, description="degrees about the z axis of dvl, from x towards y, of each beam")
+    tuple[Azimuth, ...], Meta(min_length=1, description="deg, of each beam about the z axis of dvl, from x towards y")
 ]
 Three = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
+Origin = Annotated[Three, Meta(description="m, in the vehicle's frame")]
+MountSigma = Annotated[Six, Meta(description="m and deg, sigma of x, y, z and of a small rotation vector, in the parent frame")]
+Calibration = Annotated[str, Meta(description="camera_info YAML of the camera, relative to dive.toml")]
+TimeOffset = Annotated[Offset, Meta(description="s, added to the stamps")]
+Topic = Annotated[str | None, Meta(description="topic; absent: not carried")]
 
 
 class Section(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -30,96 +36,137 @@ class Section(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
 
 
 class Dive(Section, frozen=True):
-    name: Annotated[str, Meta(pattern=r"^[A-Za-z0-9_][A-Za-z0-9._-]*\Z", max_length=100)]  # also that of the run's folder
-    vessel: str = ""
-    date: datetime | None = None
+    """What was dived."""
+
+    name: Annotated[
+        str,
+        Meta(
+            pattern=r"^[A-Za-z0-9_][A-Za-z0-9._-]*\Z",
+            max_length=100,
+            description="name of the dive and of its folder of results",
+        ),
+    ]
+    vessel: Annotated[str, Meta(description="name of the ship, for the report")] = ""
+    date: Annotated[datetime | None, Meta(description="start of the dive, for the report")] = None
 
 
 class Logs(Section, frozen=True):
-    files: Annotated[tuple[str, ...], Meta(min_length=1)]  # relative to dive.toml
+    """The recorded files."""
+
+    files: Annotated[
+        tuple[str, ...], Meta(min_length=1, description="bags, MCAP files, ROS 2 folders, PD0 files or a folder of CSVs")
+    ]
 
 
 class Topics(Section, frozen=True):
     """An absent topic: that sensor was not carried. With plain files the keys are ignored: the CSVs' names decide."""
 
-    dvl: str | None = None
-    imu: str | None = None
-    pressure: str | None = None
-    joints: str | None = None
-    camera_top: str | None = None
-    camera_bottom: str | None = None
-    sonar: str | None = None
+    dvl: Topic = None
+    imu: Topic = None
+    pressure: Topic = None
+    joints: Topic = None
+    camera_top: Topic = None
+    camera_bottom: Topic = None
+    sonar: Topic = None
 
 
 class Tray(Section, frozen=True):
-    joint: str = "tray"  # its name in the joint messages; "": nothing turns
-    origin: Three = (0.0, 0.0, 0.0)  # m, in vehicle
-    sigma_deg: Positive = 0.8
+    """The servo that tilts DVL and cameras about the vehicle's y axis."""
+
+    joint: Annotated[str, Meta(description="name of the tray's joint in the joint messages; empty: nothing turns")] = "tray"
+    origin: Origin = (0.0, 0.0, 0.0)
+    sigma_deg: Annotated[Positive, Meta(description="deg, sigma of the servo's angle, its backlash included")] = 0.8
 
 
 class Imu(Section, frozen=True):
-    frame: Literal["ned", "enu"] = "ned"
-    sigma_roll_pitch_deg: Positive = 0.1
-    heading_drift_deg_per_hour: NotNegative = 1.0
-    bias_sigma_deg: NotNegative = 0.2
+    """Attitude."""
+
+    frame: Annotated[Literal["ned", "enu"], Meta(description="convention of the logged orientation")] = "ned"
+    sigma_roll_pitch_deg: Annotated[Positive, Meta(description="deg, white sigma of roll and pitch")] = 0.1
+    heading_drift_deg_per_hour: Annotated[NotNegative, Meta(description="deg/h, sigma of the heading's drift")] = 1.0
+    bias_sigma_deg: Annotated[NotNegative, Meta(description="deg, sigma of the constant error of roll and of pitch")] = 0.2
 
 
 class Pressure(Section, frozen=True):
-    origin: Three = (0.0, 0.0, 0.0)  # m, in vehicle
-    density: Positive = 1025.0  # kg/m3
-    gravity: Positive = 9.81  # m/s2
-    atmosphere: NotNegative = 101325.0  # Pa
-    sigma_m: Positive = 0.02  # white
-    bias_sigma_m: NotNegative = 0.1
+    """Depth from absolute pressure."""
+
+    origin: Origin = (0.0, 0.0, 0.0)
+    density: Annotated[Positive, Meta(description="kg/m3, of the water")] = 1025.0
+    gravity: Annotated[Positive, Meta(description="m/s2, of gravity")] = 9.81
+    atmosphere: Annotated[NotNegative, Meta(description="Pa, pressure at the water's surface")] = 101325.0
+    sigma_m: Annotated[Positive, Meta(description="m, white sigma of a depth")] = 0.02
+    bias_sigma_m: Annotated[NotNegative, Meta(description="m, sigma of the constant error of the depth")] = 0.1
 
 
 class Dvl(Section, frozen=True):
-    mount: Six = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)  # T_s_d
-    mount_sigma: Six = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
-    sigma_velocity: Positive = 0.003  # m/s
-    sigma_range: Positive = 0.01  # m
-    scale_sigma: NotNegative = 0.005
-    beams: tuple[Three, ...] | None = None  # unit vectors in dvl, for messages without
+    """Velocity and ranges along the beams."""
+
+    mount: Annotated[Six, Meta(description="m and deg, T_s_d: the DVL on the tray")] = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
+    mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
+    sigma_velocity: Annotated[Positive, Meta(description="m/s, of each axis, where the messages have no covariance")] = 0.003
+    sigma_range: Annotated[Positive, Meta(description="m, white sigma of a range")] = 0.01
+    scale_sigma: Annotated[NotNegative, Meta(description="share, sigma of the error common to all velocities")] = 0.005
+    beams: Annotated[
+        tuple[Three, ...] | None, Meta(description="unit vectors of the beams in dvl, for messages without them")
+    ] = None
     beam_angle_deg: BeamAngle | None = None
     beam_azimuth_deg: BeamAzimuths | None = None
 
 
 class CameraTop(Section, frozen=True):
-    calibration: str
-    mount: Six = (0.0, 0.0, 0.0, 90.0, 0.0, 90.0)  # T_s_ct
-    mount_sigma: Six = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
-    time_offset: Offset = 0.0  # s, added to the stamps
-    sigma_px: Positive = 1.0
+    """The first camera."""
+
+    calibration: Calibration
+    mount: Annotated[Six, Meta(description="m and deg, T_s_ct: the camera on the tray")] = (0.0, 0.0, 0.0, 90.0, 0.0, 90.0)
+    mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
+    time_offset: TimeOffset = 0.0
+    sigma_px: Annotated[Positive, Meta(description="px, sigma of a feature before residuals tell it")] = 1.0
 
 
 class CameraBottom(Section, frozen=True):
-    calibration: str
-    pose_in_top: Six = (0.0, 0.1, 0.0, 0.0, 0.0, 0.0)  # T_ct_cb
-    pose_sigma: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # zero: calibrated, held
-    time_offset: Offset = 0.0  # s
+    """The second camera of a stereo rig."""
+
+    calibration: Calibration
+    pose_in_top: Annotated[Six, Meta(description="m and deg, T_ct_cb: the camera in the top camera's frame")] = (
+        0.0, 0.1, 0.0, 0.0, 0.0, 0.0,
+    )  # fmt: skip
+    pose_sigma: Annotated[Six, Meta(description="m and deg, as mount_sigma; all zero: calibrated, held")] = (
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+    )  # fmt: skip
+    time_offset: TimeOffset = 0.0
 
 
 class Cameras(Section, frozen=True):
+    """One camera, `top`, or a stereo rig."""
+
     top: CameraTop | None = None
     bottom: CameraBottom | None = None
 
 
 class Sonar(Section, frozen=True):
-    joint: str | None = None  # its own servo; absent: fixed
-    origin: Three = (0.0, 0.0, 0.0)  # m, in vehicle
-    mount: Six = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)  # frame of that servo to sonar
-    mount_sigma: Six = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
-    elevation_deg: Positive = 14.0  # full aperture out of the fan plane
+    """An imaging sonar."""
+
+    joint: Annotated[str | None, Meta(description="name of the joint of its own servo; absent: fixed")] = None
+    origin: Origin = (0.0, 0.0, 0.0)
+    mount: Annotated[Six, Meta(description="m and deg, frame of that servo to sonar")] = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
+    mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
+    elevation_deg: Annotated[Positive, Meta(description="deg, full aperture out of the plane of the fan")] = 14.0
 
 
 class Hull(Section, frozen=True):
-    mesh: str
-    units: Literal["m", "mm", "cm", "ft", "in"] = "m"
-    pose: Six = (0.0, 0.0, 0.0, 180.0, 0.0, 0.0)  # first guess of T_g_M
-    pose_sigma: Six = (1.0, 1.0, 0.3, 1.0, 1.0, 5.0)  # in M's axes, at the middle of the survey
-    frame_spacing: Positive | None = None  # m
-    deviation_sigma: Positive = 0.02  # m
-    deviation_length: tuple[Positive, Positive] = (3.0, 1.5)  # m, along and girth
+    """The CAD model of the ship, and where it roughly lies."""
+
+    mesh: Annotated[str, Meta(description="STL, PLY, OBJ, OFF or GLB, relative to dive.toml")]
+    units: Annotated[Literal["m", "mm", "cm", "ft", "in"], Meta(description="of the mesh")] = "m"
+    pose: Annotated[Six, Meta(description="m and deg, first guess of T_g_M")] = (0.0, 0.0, 0.0, 180.0, 0.0, 0.0)
+    pose_sigma: Annotated[
+        Six, Meta(description="m and deg, of the guess, in M's axes: the translation is that of the middle of the survey")
+    ] = (1.0, 1.0, 0.3, 1.0, 1.0, 5.0)
+    frame_spacing: Annotated[Positive | None, Meta(description="m, between frames, for addresses by frame number")] = None
+    deviation_sigma: Annotated[Positive, Meta(description="m, sigma of the hull's deviation from the CAD model")] = 0.02
+    deviation_length: Annotated[
+        tuple[Positive, Positive], Meta(description="m, along and over the girth: how far the deviation stays alike")
+    ] = (3.0, 1.5)
 
 
 class DiveConfig(Section, frozen=True):

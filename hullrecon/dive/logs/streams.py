@@ -31,8 +31,8 @@ class PressureModel:
 
 
 def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, remarks: list[str]) -> DvlPings:
-    """beams: those of dive.toml, for messages without (INPUTS); sigma m/s where a message has none. InputError for ranges along
-    beams that nothing describes."""
+    """beams: those of dive.toml, for messages without (docs/configuration.md); sigma m/s where a message has none. InputError
+    for ranges along beams that nothing describes."""
     count = Counter(len(s.ranges) for s in samples if len(s.ranges)).most_common(1)
     width = count[0][0] if count else 0
     ranges = np.full((len(samples), width), np.nan)

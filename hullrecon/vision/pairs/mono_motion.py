@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 """Relative pose of two views without depth: which of the possible motions, how well its five numbers are known, and whether
-navigation agrees (O D.1, K III-B)."""
+navigation agrees [Ozog2016 D.1; KimEustice2009 III-B]."""
 
 from __future__ import annotations
 
