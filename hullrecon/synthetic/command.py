@@ -12,7 +12,7 @@ from hullrecon.errors import UsageError
 from hullrecon.synthetic.spec import DiveSpec
 
 if TYPE_CHECKING:
-    from hullrecon.synthetic.recorder import Track
+    from hullrecon.synthetic.sensors.recorder import Track
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ OPTIONS = (
     _option("dvl_scale_error", "Share by which the DVL's velocities are too long"),
     _option("backlash_deg", "Backlash of the tray's servo, half the dead band, degrees"),
     _option("servo_sigma_deg", "White noise of the servos' encoders, one sigma, degrees"),
-    _option("deviation_mean_m", "Mean offset of the steel from its drawing, outward positive, metres"),
+    _option("deviation_mean_m", "Mean offset of the steel from its CAD model, outward positive, metres"),
     _option("deviation_sigma_m", "Sigma of the offset's smooth field, metres"),
     _option("deviation_length_m", "Correlation length of that field along the hull, metres"),
     _option("guess_along_m", "Error of the first guess of the hull's pose along the hull, metres"),
@@ -102,7 +102,7 @@ def simulate(folder: Path, track: Track | None = None, **options: Any) -> dict[s
     as they are written.
 
     Raises UsageError for an option out of bounds or unknown, StorageError when the folder cannot be written."""
-    from hullrecon.synthetic.package import write_package
+    from hullrecon.synthetic.output.package import write_package
 
     known = {option.field for option in OPTIONS}
     for name, value in options.items():

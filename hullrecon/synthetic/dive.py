@@ -11,19 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes import Mesh
-from hullrecon.synthetic import instruments, sonar
-from hullrecon.synthetic.as_built import AsBuilt, build
-from hullrecon.synthetic.forms import hull_of
-from hullrecon.synthetic.motion import Motion
-from hullrecon.synthetic.planting import plant
-from hullrecon.synthetic.plate_atlas import PlateAtlas
-from hullrecon.synthetic.rays import Rays
-from hullrecon.synthetic.rendering import Scene, lens, photograph
-from hullrecon.synthetic.rig import LAMP_IN_TOP, SONAR_ORIGIN, TRAY_ORIGIN, Rig, rig_of
-from hullrecon.synthetic.sheet import Sheet, cut_sheet
+from hullrecon.synthetic.sensors import instruments, sonar
+from hullrecon.synthetic.sensors.rendering import Scene, lens, photograph
 from hullrecon.synthetic.spec import DiveSpec, Item
-from hullrecon.synthetic.survey import legs_of, swim
-from hullrecon.synthetic.texture import Atlas, paint_atlas
+from hullrecon.synthetic.vehicle.motion import Motion
+from hullrecon.synthetic.vehicle.rig import LAMP_IN_TOP, SONAR_ORIGIN, TRAY_ORIGIN, Rig, true_rig
+from hullrecon.synthetic.vehicle.simulate_path import leg_corners, simulate_path
+from hullrecon.synthetic.world.as_built import AsBuilt, build
+from hullrecon.synthetic.world.hull_patch import HullPatch, cut_hull_patch
+from hullrecon.synthetic.world.hull_shapes import hull_shape
+from hullrecon.synthetic.world.item_placement import place_items
+from hullrecon.synthetic.world.plate_atlas import PlateAtlas
+from hullrecon.synthetic.world.ray_casting import Rays
+from hullrecon.synthetic.world.texture import Atlas, paint_atlas
 
 Array = NDArray[np.float64]
 Window = tuple[float, float]
@@ -37,8 +37,8 @@ class Dive:
     frame_s (n,): when the cameras fire (and, without cameras, when truth is written)."""
 
     spec: DiveSpec
-    drawing: Mesh
-    sheet: Sheet
+    cad_model: Mesh
+    patch: HullPatch
     items: tuple[Item, ...]
     built: AsBuilt
     hull: Rays
@@ -51,21 +51,21 @@ class Dive:
 
 def simulate_dive(spec: DiveSpec) -> Dive:
     """Hull, items, path and rig of a dive; the sensors are asked afterwards."""
-    drawing = hull_of(spec)
+    cad_model = hull_shape(spec)
     middle = spec.along_m if spec.along_m is not None else (1 - spec.entrance) * spec.length_m
     half = 0.5 * spec.leg_length_m
     surface_z = spec.draught_m - spec.top_m
     depth = (spec.legs - 1) * spec.leg_spacing_m
-    top_z = min(float(drawing.vertices[:, 2].max()), surface_z + 2.0) - 1e-3
-    sheet = cut_sheet(drawing, (middle - half - BEYOND_M, middle + half + BEYOND_M), surface_z, top_z, depth + BELOW_M)
-    corners = legs_of(spec, middle, 0.0)
-    items = plant(spec, (middle - half + 0.1, middle + half - 0.1), (-depth - 0.1, 0.1))
-    motion = swim(spec, sheet, corners)
-    built = build(spec, sheet, items)
+    top_z = min(float(cad_model.vertices[:, 2].max()), surface_z + 2.0) - 1e-3
+    patch = cut_hull_patch(cad_model, (middle - half - BEYOND_M, middle + half + BEYOND_M), surface_z, top_z, depth + BELOW_M)
+    corners = leg_corners(spec, middle, 0.0)
+    items = place_items(spec, (middle - half + 0.1, middle + half - 0.1), (-depth - 0.1, 0.1))
+    motion = simulate_path(spec, patch, corners)
+    built = build(spec, patch, items)
     frame_s = instruments.ticks(motion, _frame_rate(spec), spec.random("frames"), 0.45)
     seen_along, seen_girth = (middle - half - 0.9, middle + half + 0.9), (-depth - 0.9, 0.9)
     hull = Rays(built.mesh)
-    return Dive(spec, drawing, sheet, items, built, hull, rig_of(spec), motion, seen_along, seen_girth, frame_s)
+    return Dive(spec, cad_model, patch, items, built, hull, true_rig(spec), motion, seen_along, seen_girth, frame_s)
 
 
 def photographs(dive: Dive) -> Iterator[tuple[NDArray[np.uint8], NDArray[np.uint8] | None]]:
@@ -100,7 +100,7 @@ def _scene(dive: Dive) -> Scene:
         if texels <= ATLAS_TEXELS
         else PlateAtlas(spec, dive.items, texel)
     )
-    return Scene(dive.built, dive.hull, dive.sheet, atlas, 2.0 / spec.visibility_m)
+    return Scene(dive.built, dive.hull, dive.patch, atlas, 2.0 / spec.visibility_m)
 
 
 def _frame_rate(spec: DiveSpec) -> float:

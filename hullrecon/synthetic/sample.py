@@ -7,10 +7,10 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from hullrecon.synthetic.package import write_package
+from hullrecon.synthetic.output.package import write_package
 from hullrecon.synthetic.spec import DiveSpec
 
-# from the side into the bilge where the bow begins to narrow: curvature both ways, so that the drawing holds the dive
+# from the side into the bilge where the bow begins to narrow: curvature both ways, so that the CAD model holds the dive
 SAMPLE = DiveSpec(
     name="demo",
     seed=8,

@@ -17,7 +17,7 @@ MARKS: tuple[Kind, ...] = ("digits", "stripe", "ring")
 
 @dataclass(frozen=True)
 class Item:
-    """Something added to the drawing at chart coordinates `along`, `girth` (m): a structure, a painted mark (no height) or a
+    """Something added to the CAD model at chart coordinates `along`, `girth` (m): a structure, a painted mark (no height) or a
     patch of barnacles. height in m, negative for a recess; size: full extent along and across (m); turn in the chart, rad."""
 
     kind: Kind

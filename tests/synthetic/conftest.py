@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from hullrecon.synthetic.dive import Dive, simulate_dive
-from hullrecon.synthetic.package import write_package
+from hullrecon.synthetic.output.package import write_package
 from hullrecon.synthetic.spec import DiveSpec
 
 SMALL = DiveSpec(

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from hullrecon.synthetic.dive import Dive, photographs, pings, simulate_dive
-from hullrecon.synthetic.recorder import START_NS, InTurn, in_order, record, stamp_ns
-from hullrecon.synthetic.rig import rig_of
+from hullrecon.synthetic.sensors.recorder import START_NS, InTurn, in_order, record, stamp_ns
 from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.vehicle.rig import true_rig
 
 
 def test_views_set_the_frame_rate(dive: Dive) -> None:
@@ -46,16 +46,16 @@ def test_pings_come_twice_a_second_and_see_the_hull(dive: Dive) -> None:
 
 
 def test_the_rig_is_off_nominal_by_little_and_by_its_seed_alone() -> None:
-    a, b = rig_of(DiveSpec(seed=1)), rig_of(DiveSpec(seed=1, legs=9))
+    a, b = true_rig(DiveSpec(seed=1)), true_rig(DiveSpec(seed=1, legs=9))
     np.testing.assert_array_equal(a.T_s_ct.matrix(), b.T_s_ct.matrix())
-    assert (rig_of(DiveSpec(seed=2)).T_s_ct.matrix() != a.T_s_ct.matrix()).any()
+    assert (true_rig(DiveSpec(seed=2)).T_s_ct.matrix() != a.T_s_ct.matrix()).any()
 
 
 def test_the_camera_looks_through_pixels_as_wide_as_asked() -> None:
-    rig = rig_of(DiveSpec(image_width=800, image_height=600))
+    rig = true_rig(DiveSpec(image_width=800, image_height=600))
     assert (rig.camera_top.width, rig.camera_top.height) == (800, 600)
     assert rig.camera_top.fx == pytest.approx(824)
-    assert rig_of(DiveSpec(cameras="mono")).camera_bottom is None
+    assert true_rig(DiveSpec(cameras="mono")).camera_bottom is None
 
 
 def test_stamps_are_nanoseconds_since_the_start() -> None:
