@@ -94,8 +94,8 @@ def initial_guess(dive: Dive) -> Poses:
     spec, random = dive.spec, dive.spec.random("guess")
     sign = random.choice([-1.0, 1.0], 4)
     middle = dive.patch.point.reshape(-1, 3).mean(0)
-    shift = sign[:3] * [spec.guess_along_m, spec.guess_across_m, 0.6 * spec.guess_across_m]
-    turn = np.radians(spec.guess_turn_deg) * np.array([0.3, 0.2, sign[3]])
+    shift = sign[:3] * [spec.guess.along_m, spec.guess.across_m, 0.6 * spec.guess.across_m]
+    turn = np.radians(spec.guess.turn_deg) * np.array([0.3, 0.2, sign[3]])
     slip = Poses(Rotation.from_rotvec(turn).as_quat()[None], np.zeros((1, 3)))
     about = Poses(slip.quaternion, middle + shift - slip.apply(middle[None]))
     return dive.motion.T_g_M @ about
@@ -105,7 +105,7 @@ def dive_toml(dive: Dive) -> str:
     """dive.toml with nominal mounts and the first guess."""
     spec = dive.spec
     sections = [_head(dive), _vehicle(spec)]
-    if spec.cameras != "none":
+    if spec.cameras.carried != "none":
         sections.append(_camera_sections(spec))
     if spec.sonar:
         sections.append(f"""[sonar]
@@ -133,7 +133,7 @@ def _head(dive: Dive) -> str:
     files = '["logs/dive.mcap"]' if spec.form == "mcap" else '["logs"]'
     return f"""[dive]
 name = "{spec.name}"
-vessel = "Simulated {spec.length_m:.0f} m vessel"
+vessel = "Simulated {spec.ship.length_m:.0f} m vessel"
 date = 2026-05-04T09:30:00Z
 
 [logs]
@@ -145,18 +145,18 @@ files = {files}
 
 
 def _vehicle(spec: DiveSpec) -> str:
-    scale = abs(spec.dvl_scale_error)
+    scale = abs(spec.errors.dvl_scale_error)
     scale_sigma = f"scale_sigma = {scale}\n" if scale > DVL_SCALE_SIGMA else ""
     beams = "" if spec.form == "mcap" else "beams = [" + ", ".join(_row(b) for b in BEAMS) + "]\n"
     return f"""[tray]
 joint = "tray"
 origin = {_row(TRAY_ORIGIN)}
-sigma_deg = {max(TRAY_SIGMA_DEG, float(np.hypot(spec.backlash_deg, spec.servo_sigma_deg))):.4g}
+sigma_deg = {max(TRAY_SIGMA_DEG, float(np.hypot(spec.errors.backlash_deg, spec.errors.servo_sigma_deg))):.4g}
 
 [imu]
 frame = "ned"
 sigma_roll_pitch_deg = 0.1
-heading_drift_deg_per_hour = {max(HEADING_DRIFT_SIGMA, abs(spec.heading_drift_deg_per_hour))}
+heading_drift_deg_per_hour = {max(HEADING_DRIFT_SIGMA, abs(spec.errors.heading_drift_deg_per_hour))}
 
 [pressure]
 origin = [0.0, 0.0, 0.0]
@@ -185,11 +185,11 @@ sigma_px = 1.0
 calibration = "calibration/camera_bottom.yaml"
 pose_in_top = {_row(BOTTOM_IN_TOP)}
 """
-    return top + (bottom if spec.cameras == "stereo" else "")
+    return top + (bottom if spec.cameras.carried == "stereo" else "")
 
 
 def _cameras(dive: Dive) -> dict[str, Camera]:
-    if dive.spec.cameras == "none":
+    if dive.spec.cameras.carried == "none":
         return {}
     bottom = dive.rig.camera_bottom
     return {"camera_top": dive.rig.camera_top, **({"camera_bottom": bottom} if bottom is not None else {})}

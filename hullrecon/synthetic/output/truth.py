@@ -15,9 +15,9 @@ from hullrecon.geometry.meshes import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.output.plain_log import write_table
-from hullrecon.synthetic.spec import MARKS, Item
 from hullrecon.synthetic.vehicle.rig import SONAR_ORIGIN, TRAY_ORIGIN
 from hullrecon.synthetic.world.as_built import crop
+from hullrecon.synthetic.world.items import MARKS, Item
 from hullrecon.synthetic.world.relief import height_of
 
 Array = NDArray[np.float64]
@@ -59,7 +59,7 @@ end_header
 def _extrinsics(dive: Dive) -> dict[str, Any]:
     rig = dive.rig
     mounts = {"T_s_d": rig.T_s_d, "T_s_ct": rig.T_s_ct, "T_ct_cb": rig.T_ct_cb, "T_sonarservo_o": rig.T_u_o}
-    if dive.spec.cameras == "none":
+    if dive.spec.cameras.carried == "none":
         mounts = {name: mounts[name] for name in ("T_s_d", "T_sonarservo_o")}
     placed: dict[str, Any] = {name: _place(mount) for name, mount in mounts.items()}
     return {"tray_origin": list(TRAY_ORIGIN), "sonar_origin": list(SONAR_ORIGIN), **placed}
@@ -93,7 +93,7 @@ def _object(dive: Dive, item: Item, number: int) -> dict[str, Any]:
 
 def _views(dive: Dive, point: Array) -> int:
     """Frames in which the top camera has that point before it."""
-    if dive.spec.cameras == "none":
+    if dive.spec.cameras.carried == "none":
         return 0
     camera = dive.rig.camera_top
     at = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s, dive.rig.T_s_ct, TRAY_ORIGIN))

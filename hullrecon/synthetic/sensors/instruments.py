@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.spec import DiveSpec
-from hullrecon.synthetic.vehicle.motion import Motion
+from hullrecon.synthetic.vehicle.motion import Motion, ticks
 from hullrecon.synthetic.vehicle.rig import BEAMS, TRAY_ORIGIN, Rig
 from hullrecon.synthetic.world.ray_casting import Rays
 
@@ -52,12 +52,6 @@ class Series:
     value: Array
 
 
-def ticks(motion: Motion, rate_hz: float, random: np.random.Generator, first_s: float = 0.25) -> Array:
-    """Times of a sensor: nearly even, inside the motion."""
-    t = np.arange(first_s, motion.t_s[-1] - 0.2, 1 / rate_hz)
-    return np.asarray(t + random.uniform(-0.01, 0.01, len(t)) / max(1.0, rate_hz / 5))
-
-
 def dvl(spec: DiveSpec, motion: Motion, rig: Rig, hull: Rays) -> Dvl:
     """Velocity of the instrument over ground in its own frame, too long by the scale error; ranges to the hull as built."""
     random = spec.random("dvl")
@@ -65,7 +59,7 @@ def dvl(spec: DiveSpec, motion: Motion, rig: Rig, hull: Rays) -> Dvl:
     at = motion.on_tray(t, rig.T_s_d, TRAY_ORIGIN)
     ahead, behind = (motion.on_tray(t + dt, rig.T_s_d, TRAY_ORIGIN).translation for dt in (0.04, -0.04))
     true = at.rotation.inv().apply((ahead - behind) / 0.08)
-    velocity = true * (1 + spec.dvl_scale_error) + VELOCITY_SIGMA * random.standard_normal(true.shape)
+    velocity = true * (1 + spec.errors.dvl_scale_error) + VELOCITY_SIGMA * random.standard_normal(true.shape)
     return Dvl(t, velocity, _ranges(random, motion.in_hull(at), hull))
 
 
@@ -78,7 +72,7 @@ def imu(spec: DiveSpec, motion: Motion) -> Imu:
     n = len(t)
     level = ROLL_PITCH_SIGMA * (random.standard_normal(2) + 0.3 * random.standard_normal((n, 2)))
     walk = HEADING_SIGMA * np.cumsum(random.standard_normal(n)) * np.sqrt(0.04 / 60)
-    drift = np.radians(spec.heading_drift_deg_per_hour) / 3600
+    drift = np.radians(spec.errors.heading_drift_deg_per_hour) / 3600
     heading = drift * t + walk + 0.5 * HEADING_SIGMA * random.standard_normal(n)
     error = Rotation.from_euler("xyz", np.column_stack([level, np.zeros(n)]))
     turn = Rotation.from_euler("z", heading[:, None]) * motion.vehicle(t).rotation * error
@@ -103,7 +97,7 @@ def joints(spec: DiveSpec, motion: Motion) -> Series:
     t = ticks(motion, 10.0, random, 0.09)
     series = (motion.encoder, motion.sonar_tray)
     reported = np.stack([motion.angle(s, t) for s in series], axis=1)
-    return Series(t, reported + np.radians(spec.servo_sigma_deg) * random.standard_normal(reported.shape))
+    return Series(t, reported + np.radians(spec.errors.servo_sigma_deg) * random.standard_normal(reported.shape))
 
 
 def _ranges(random: np.random.Generator, T_M_d: Poses, hull: Rays) -> Array:

@@ -11,8 +11,10 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.synthetic.dive import Dive, photographs, pings
+from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.sensors import instruments
+from hullrecon.synthetic.sensors.photographs import photographs
+from hullrecon.synthetic.sensors.sonar import pings
 
 Array = NDArray[np.float64]
 START_NS = 1_777_887_000_000_000_000  # 2026-05-04T09:30:00Z
@@ -68,7 +70,7 @@ class Streams:
 def record(dive: Dive, track: Track = untracked) -> Streams:
     """Return the readings of all sensors of the dive."""
     spec, motion = dive.spec, dive.motion
-    cameras = {"stereo": ("camera_top", "camera_bottom"), "mono": ("camera_top",), "none": ()}[spec.cameras]
+    cameras = {"stereo": ("camera_top", "camera_bottom"), "mono": ("camera_top",), "none": ()}[spec.cameras.carried]
     images = track(_jpegs(dive), "images written", len(cameras) * len(dive.frame_s))
     ping_s, pinged = pings(dive) if spec.sonar else (np.zeros(0), iter(()))
     return Streams(
@@ -107,7 +109,7 @@ def _jpegs(dive: Dive) -> Iterator[bytes]:
     for frame in photographs(dive):
         for image in frame:
             if image is not None:
-                yield _jpeg(image, dive.spec.jpeg_quality)
+                yield _jpeg(image, dive.spec.cameras.jpeg_quality)
 
 
 def _jpeg(image: NDArray[np.uint8], quality: int) -> bytes:

@@ -4,13 +4,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses
-from hullrecon.synthetic.vehicle.rig import SONAR_ELEVATION_DEG
+from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.vehicle.motion import ticks
+from hullrecon.synthetic.vehicle.rig import SONAR_ELEVATION_DEG, SONAR_ORIGIN
 from hullrecon.synthetic.world.as_built import AsBuilt
 from hullrecon.synthetic.world.ray_casting import Rays
 
@@ -22,6 +25,7 @@ AZIMUTH = np.radians(np.linspace(14.5, -14.5, BEAM_COUNT))
 RANGE = np.linspace(NEAR_M, FAR_M, BIN_COUNT)
 ARC_RAYS, SUB_BEAMS = 260, 2
 LOOKS = 3.0
+RATE_HZ = 2.0
 
 
 @dataclass(frozen=True)
@@ -31,6 +35,15 @@ class Fan:
     direction: Array
     beam: NDArray[np.int64]
     gain: Array
+
+
+def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
+    """Return the times (n,) of the sonar's pings, s, and their images (beams, ranges), made as they are asked for."""
+    random = dive.spec.random("sonar")
+    t_s = ticks(dive.motion, RATE_HZ, random, 0.3)
+    at = dive.motion.on_tray(t_s, dive.rig.T_u_o, SONAR_ORIGIN, dive.motion.sonar_tray)
+    T_M_o, rays = dive.motion.in_hull(at), fan()
+    return t_s, (ping(T_M_o[k], dive.hull, dive.built, rays, random) for k in range(len(t_s)))
 
 
 def beam_directions() -> Array:

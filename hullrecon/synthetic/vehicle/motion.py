@@ -70,3 +70,9 @@ def with_backlash(command: Array, backlash: float) -> Array:
         at = min(max(at, c - backlash), c + backlash)
         out[k] = at
     return out
+
+
+def ticks(motion: Motion, rate_hz: float, random: np.random.Generator, first_s: float = 0.25) -> Array:
+    """Return the times (n,) of a sensor, s: nearly even, inside the motion."""
+    t = np.arange(first_s, motion.t_s[-1] - 0.2, 1 / rate_hz)
+    return np.asarray(t + random.uniform(-0.01, 0.01, len(t)) / max(1.0, rate_hz / 5))

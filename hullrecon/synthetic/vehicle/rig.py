@@ -42,7 +42,7 @@ class Rig:
 def true_rig(spec: DiveSpec) -> Rig:
     """True mounts: nominal but for millimetres and tenths of a degree."""
     random = spec.random("rig")
-    width, height = spec.image_width, spec.image_height
+    width, height = spec.cameras.image_width, spec.cameras.image_height
     f = 1.03 * width
     top = Camera(width, height, f, 1.0012 * f, 0.507 * width, 0.493 * height, -0.065, 0.035, 0.0006, -0.0004)
     bottom = Camera(width, height, 0.993 * f, 0.9942 * f, 0.495 * width, 0.509 * height, -0.061, 0.03, -0.0003, 0.0005)
@@ -52,7 +52,7 @@ def true_rig(spec: DiveSpec) -> Rig:
         from_mount(BOTTOM_IN_TOP),
         from_mount(SONAR_MOUNT),
         top,
-        bottom if spec.cameras == "stereo" else None,
+        bottom if spec.cameras.carried == "stereo" else None,
     )
 
 

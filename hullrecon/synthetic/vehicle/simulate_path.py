@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, from_rpy
-from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.spec import DiveSpec, Survey
 from hullrecon.synthetic.vehicle.motion import Motion, with_backlash
 from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
 from hullrecon.synthetic.world.hull_patch import HullPatch
@@ -19,12 +19,12 @@ STEP_S = 0.02
 SONAR_BELOW = (0.72, 0.42)  # the sonar looks that much lower than the cameras (rad), less where the bilge curves away (rad/rad)
 
 
-def leg_corners(spec: DiveSpec, middle_m: float, top_girth_m: float) -> Array:
+def leg_corners(survey: Survey, middle_m: float, top_girth_m: float) -> Array:
     """Corners (2 legs, 2) of the path as along, girth."""
     rows = []
-    for k in range(spec.legs):
-        way = 0.5 * spec.leg_length_m * (1 if k % 2 else -1)
-        girth = top_girth_m - k * spec.leg_spacing_m
+    for k in range(survey.legs):
+        way = 0.5 * survey.leg_length_m * (1 if k % 2 else -1)
+        girth = top_girth_m - k * survey.leg_spacing_m
         rows += [(middle_m - way, girth), (middle_m + way, girth)]
     return np.array(rows)
 
@@ -33,7 +33,7 @@ def simulate_path(spec: DiveSpec, patch: HullPatch, corners: Array) -> Motion:
     """The whole motion over those corners."""
     from scipy.ndimage import gaussian_filter1d
 
-    along, girth = _timed(corners, spec.speed)
+    along, girth = _timed(corners, spec.survey.speed_m_per_s)
     t = STEP_S * np.arange(len(along), dtype=float)
     even = patch.smoothed(0.5)
     point, normal = even.sample(even.point, along, girth), even.sample(even.normal, along, girth)
@@ -45,14 +45,14 @@ def simulate_path(spec: DiveSpec, patch: HullPatch, corners: Array) -> Motion:
     wobble = _wobble(spec, t)
     attitude = np.stack([wobble[:, 3], wobble[:, 4], yaw + wobble[:, 5]], axis=1)
     elevation = gaussian_filter1d(np.arcsin(np.clip(facing[:, 2], -0.98, 0.98)), 0.7 / STEP_S, mode="nearest")
-    sensor = out + spec.standoff_m * facing + wobble[:, :3]
+    sensor = out + spec.survey.standoff_m * facing + wobble[:, :3]
     position = sensor - Rotation.from_euler("xyz", attitude).apply(TRAY_ORIGIN)
     smooth = gaussian_filter1d(position, 0.5 / STEP_S, axis=0, mode="nearest")
-    T_g_level = _start_of(smooth[0], float(attitude[0, 2]), spec.draught_m)
+    T_g_level = _start_of(smooth[0], float(attitude[0, 2]), spec.ship.draught_m)
     encoder = elevation + wobble[:, 6]
     attitude[:, 2] -= attitude[0, 2]
     hull = T_g_level @ Poses(level.as_quat()[None], np.zeros((1, 3)))
-    tray = with_backlash(encoder, np.radians(spec.backlash_deg))
+    tray = with_backlash(encoder, np.radians(spec.errors.backlash_deg))
     sonar = encoder - SONAR_BELOW[0] + SONAR_BELOW[1] * elevation
     return Motion(t, T_g_level.apply(smooth), attitude, encoder, tray, sonar, hull)
 

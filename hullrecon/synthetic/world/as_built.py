@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes import Mesh
-from hullrecon.synthetic.spec import DiveSpec, Item
+from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.world.deviation import deviation_m
 from hullrecon.synthetic.world.hull_patch import HullPatch
+from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.relief import height_of
 
 Array = NDArray[np.float64]

@@ -17,10 +17,10 @@ def deviation_m(spec: DiveSpec, along_m: Array, girth_m: Array, waves: int = 300
     girth as along, drawn by its spectrum (a sum of plane waves, so it can be asked anywhere)."""
     random = spec.random("deviation")
     stretch = np.sqrt(5.0 / random.chisquare(5.0, waves))
-    length = np.array([spec.deviation_length_m, 0.5 * spec.deviation_length_m])
+    length = np.array([spec.deviation.length_m, 0.5 * spec.deviation.length_m])
     wave = random.standard_normal((waves, 2)) * stretch[:, None] / length
     phase = random.uniform(0, 2 * np.pi, waves)
     total = np.zeros(np.broadcast(along_m, girth_m).shape)
     for k, p in zip(wave, phase, strict=True):
         total += np.cos(k[0] * along_m + k[1] * girth_m + p)
-    return np.asarray(spec.deviation_mean_m + spec.deviation_sigma_m * np.sqrt(2.0 / waves) * total)
+    return np.asarray(spec.deviation.mean_m + spec.deviation.sigma_m * np.sqrt(2.0 / waves) * total)

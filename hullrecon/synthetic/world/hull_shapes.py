@@ -11,20 +11,20 @@ from numpy.typing import NDArray
 
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes import Mesh
-from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.spec import Ship
 
 Array = NDArray[np.float64]
 
 
-def hull_shape(spec: DiveSpec) -> Mesh:
+def hull_shape(ship: Ship) -> Mesh:
     """Return the CAD model."""
-    return ship_form(spec) if spec.hull == "form" else hull_from_mesh(Path(spec.hull), spec.length_m)
+    return ship_form(ship) if ship.hull == "form" else hull_from_mesh(Path(ship.hull), ship.length_m)
 
 
-def ship_form(spec: DiveSpec, stations: int = 64, points: int = 44) -> Mesh:
+def ship_form(ship: Ship, stations: int = 64, points: int = 44) -> Mesh:
     """A closed hull with a parallel midbody, round bilges and curvature both ways towards the ends."""
-    x = _stations(spec, stations)
-    port = np.stack([_section(spec, xi, points) for xi in x])  # (stations, points, 3), keel to deck
+    x = _stations(ship, stations)
+    port = np.stack([_section(ship, xi, points) for xi in x])  # (stations, points, 3), keel to deck
     starboard = port[:, :0:-1] * [1, -1, 1]
     rings = np.concatenate([starboard, port], axis=1)
     faces = np.vstack([_skin(*rings.shape[:2]), _caps(*rings.shape[:2])])[:, ::-1]
@@ -56,29 +56,33 @@ def write_stl(path: Path, mesh: Mesh) -> None:
     path.write_bytes(bytes(80) + np.uint32(len(row)).tobytes() + row.tobytes())
 
 
-def _stations(spec: DiveSpec, count: int) -> Array:
+def _stations(ship: Ship, count: int) -> Array:
     """Denser where the hull curves."""
-    end = spec.entrance * spec.length_m
+    end = ship.entrance * ship.length_m
     share = np.linspace(0, 1, count * 2 // 5)
-    aft, fore = end * share**1.2, spec.length_m - end * share[::-1] ** 1.2
-    middle = np.linspace(end, spec.length_m - end, count - 2 * len(share) + 2)[1:-1]
+    aft, fore = end * share**1.2, ship.length_m - end * share[::-1] ** 1.2
+    middle = np.linspace(end, ship.length_m - end, count - 2 * len(share) + 2)[1:-1]
     return np.concatenate([aft, middle, fore])
 
 
-def _section(spec: DiveSpec, x: float, count: int) -> Array:
+def _section(ship: Ship, x: float, count: int) -> Array:
     """Half a section (count, 3) from the keel to the deck on the port side: flat, bilge arc, side."""
-    end = spec.entrance * spec.length_m
-    s = max(0.0, 1 - min(x, spec.length_m - x) / end)  # 0 on the parallel midbody, 1 at the very end
-    half = 0.5 * spec.beam_m * (1 - 0.97 * s**2.2)
-    radius = min(spec.bilge_radius_m + (spec.depth_m - spec.bilge_radius_m) * 0.8 * s, 0.98 * half, 0.9 * spec.depth_m)
+    end = ship.entrance * ship.length_m
+    s = max(0.0, 1 - min(x, ship.length_m - x) / end)  # 0 on the parallel midbody, 1 at the very end
+    half = 0.5 * ship.beam_m * (1 - 0.97 * s**2.2)
+    radius = min(
+        ship.bilge_radius_m + (ship.depth_m - ship.bilge_radius_m) * 0.8 * s,
+        0.98 * half,
+        0.9 * ship.depth_m,
+    )
     turn = np.linspace(0, np.pi / 2, count - 16)
     flat = np.linspace(0, half - radius, 7)[:-1]
     arc_y, arc_z = half - radius + radius * np.sin(turn), radius * (1 - np.cos(turn))
-    side = np.linspace(radius, spec.depth_m, 11)[1:]
+    side = np.linspace(radius, ship.depth_m, 11)[1:]
     y = np.concatenate([flat, arc_y, np.full(10, half)])
     z = np.concatenate([np.zeros(6), arc_z, side])
-    lean = 0.12 * s * half * (z / spec.depth_m - 1)
-    rise = 0.25 * spec.depth_m * s**3 * (1 - z / spec.depth_m)
+    lean = 0.12 * s * half * (z / ship.depth_m - 1)
+    rise = 0.25 * ship.depth_m * s**3 * (1 - z / ship.depth_m)
     return np.stack([np.full(count, x), np.maximum(0.0, y + lean * (y / max(half, 1e-9))), z + rise], axis=1)
 
 

@@ -7,7 +7,8 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.errors import UsageError
-from hullrecon.synthetic.spec import MARKS, STRUCTURES, DiveSpec, Item, Kind
+from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.world.items import MARKS, STRUCTURES, Item, Kind
 
 # height, size along and across, of the k-th of its kind (taken in turn), metres
 SHAPES: dict[Kind, tuple[tuple[float, float, float], ...]] = {
@@ -26,8 +27,8 @@ SHAPES: dict[Kind, tuple[tuple[float, float, float], ...]] = {
 def place_items(spec: DiveSpec, along_m: tuple[float, float], girth_m: tuple[float, float]) -> tuple[Item, ...]:
     """The dive's items within that window of the chart: structures first, then marks, then barnacles. Raises UsageError when
     they do not fit."""
-    if spec.items is not None:
-        return spec.items
+    if spec.items.placed is not None:
+        return spec.items.placed
     random, out = spec.random("items"), list[Item]()
     for kind, (height, *size) in _wanted(spec):
         turn = float(random.uniform(-0.3, 0.3))
@@ -37,9 +38,9 @@ def place_items(spec: DiveSpec, along_m: tuple[float, float], girth_m: tuple[flo
 
 
 def _wanted(spec: DiveSpec) -> list[tuple[Kind, tuple[float, float, float]]]:
-    kinds = [STRUCTURES[k % len(STRUCTURES)] for k in range(spec.structures)]
-    kinds += [MARKS[k % len(MARKS)] for k in range(spec.marks)]
-    kinds += ["barnacles"] * spec.barnacles
+    kinds = [STRUCTURES[k % len(STRUCTURES)] for k in range(spec.items.structures)]
+    kinds += [MARKS[k % len(MARKS)] for k in range(spec.items.marks)]
+    kinds += ["barnacles"] * spec.items.barnacles
     turn = [kinds[:k].count(kind) for k, kind in enumerate(kinds)]
     return [(kind, SHAPES[kind][t % len(SHAPES[kind])]) for kind, t in zip(kinds, turn, strict=True)]
 

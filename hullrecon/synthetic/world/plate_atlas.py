@@ -9,7 +9,8 @@ from collections import OrderedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.synthetic.spec import DiveSpec, Item
+from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.texture import ITEM_TONES, PLATE_M, Atlas, Floats, paint_items, paint_steel
 
 KEPT_PLATES = 24  # 2.4 m x 1.3 m at a millimetre a texel are 9.4 MB

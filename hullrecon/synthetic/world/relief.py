@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.synthetic.spec import Item
+from hullrecon.synthetic.world.items import Item
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.synthetic.spec import DiveSpec, Item
+from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.relief import local
 
 Floats = NDArray[np.float32]

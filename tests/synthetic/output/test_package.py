@@ -15,6 +15,7 @@ from hullrecon.dive.config import DiveConfig
 from hullrecon.errors import StorageError
 from hullrecon.geometry.poses import from_mount
 from hullrecon.synthetic.dive import Dive, simulate_dive
+from hullrecon.synthetic.options import spec_from, with_options
 from hullrecon.synthetic.output import package as package_module
 from hullrecon.synthetic.output.package import camera_info, dive_toml, initial_guess, write_package
 from hullrecon.synthetic.spec import DiveSpec
@@ -53,13 +54,13 @@ def test_the_first_guess_is_off_by_what_was_asked_for_in_the_middle_of_the_surve
     slip = dive.motion.T_g_M.inverse() @ from_mount(config.hull.pose)
     middle = dive.patch.point.reshape(-1, 3).mean(0)
     off = slip.apply(middle[None])[0] - middle
-    assert abs(off[0]) == pytest.approx(dive.spec.guess_along_m, abs=1e-4)
-    assert abs(off[1]) == pytest.approx(dive.spec.guess_across_m, abs=1e-4)
-    assert abs(np.degrees(slip.log()[0, 5])) == pytest.approx(dive.spec.guess_turn_deg, abs=0.01)
+    assert abs(off[0]) == pytest.approx(dive.spec.guess.along_m, abs=1e-4)
+    assert abs(off[1]) == pytest.approx(dive.spec.guess.across_m, abs=1e-4)
+    assert abs(np.degrees(slip.log()[0, 5])) == pytest.approx(dive.spec.guess.turn_deg, abs=0.01)
 
 
 def test_a_perfect_guess_is_the_truth(dive: Dive) -> None:
-    spec = replace(dive.spec, guess_along_m=0.0, guess_across_m=0.0, guess_turn_deg=0.0)
+    spec = with_options(dive.spec, guess_along_m=0.0, guess_across_m=0.0, guess_turn_deg=0.0)
     np.testing.assert_allclose(initial_guess(replace(dive, spec=spec)).matrix(), dive.motion.T_g_M.matrix(), atol=1e-9)
 
 
@@ -74,7 +75,7 @@ def test_camera_info_reads_as_ros_writes_it(dive: Dive) -> None:
 
 @pytest.mark.parametrize(("cameras", "kept"), [("mono", {"top"}), ("none", set())])
 def test_a_rig_with_fewer_cameras_says_so(cameras: str, kept: set[str]) -> None:
-    spec = DiveSpec(legs=1, leg_length_m=1.0, structures=0, marks=0, barnacles=0, cameras=cameras, sonar=False)  # type: ignore[arg-type]
+    spec = spec_from(legs=1, leg_length_m=1.0, structures=0, marks=0, barnacles=0, cameras=cameras, sonar=False)
     config = decode(dive_toml(simulate_dive(spec)))
     assert {name for name in ("top", "bottom") if getattr(config.camera, name) is not None} == kept
     assert (config.topics.camera_top is not None) == ("top" in kept)
@@ -83,7 +84,7 @@ def test_a_rig_with_fewer_cameras_says_so(cameras: str, kept: set[str]) -> None:
 
 
 def test_a_plain_package_names_its_folder_and_its_beams(tmp_path: Path) -> None:
-    spec = DiveSpec(legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", form="plain")
+    spec = spec_from(legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", form="plain")
     write_package(tmp_path / "plain", spec)
     config = decode((tmp_path / "plain" / "dive.toml").read_text())
     assert config.logs.files == ("logs",)
@@ -94,9 +95,9 @@ def test_a_plain_package_names_its_folder_and_its_beams(tmp_path: Path) -> None:
 
 
 def test_same_seed_same_bytes_another_seed_others(tmp_path: Path) -> None:
-    spec = DiveSpec(legs=1, leg_length_m=0.7, structures=1, marks=0, barnacles=0, image_width=160, image_height=128, views=1.0)
+    spec = spec_from(legs=1, leg_length_m=0.7, structures=1, marks=0, barnacles=0, image_width=160, image_height=128, views=1.0)
     for name, seed in (("a", 1), ("b", 1), ("c", 2)):
-        write_package(tmp_path / name, replace(spec, seed=seed))
+        write_package(tmp_path / name, with_options(spec, seed=seed))
     files = [p.relative_to(tmp_path / "a") for p in (tmp_path / "a").rglob("*") if p.is_file()]
     assert all((tmp_path / "a" / f).read_bytes() == (tmp_path / "b" / f).read_bytes() for f in files)
     differ = {f.as_posix() for f in files if (tmp_path / "a" / f).read_bytes() != (tmp_path / "c" / f).read_bytes()}
@@ -124,7 +125,7 @@ def test_a_simulation_that_fails_or_is_interrupted_leaves_nothing_behind(
         raise error
 
     monkeypatch.setattr(package_module, "write_truth", fail)
-    spec = DiveSpec(legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", sonar=False)
+    spec = spec_from(legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", sonar=False)
     with pytest.raises((KeyboardInterrupt, StorageError)):
         write_package(tmp_path / "dive", spec)
     assert list(tmp_path.iterdir()) == []
@@ -135,7 +136,7 @@ def test_a_simulation_that_fails_or_is_interrupted_leaves_nothing_behind(
 
 def test_an_empty_folder_is_filled(tmp_path: Path) -> None:
     (tmp_path / "dive").mkdir()
-    spec = DiveSpec(legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", sonar=False)
+    spec = spec_from(legs=1, leg_length_m=0.8, structures=0, marks=0, barnacles=0, cameras="none", sonar=False)
     write_package(tmp_path / "dive", spec)
     assert (tmp_path / "dive" / "dive.toml").exists()
 
@@ -148,7 +149,7 @@ def test_progress_counts_every_image_while_it_is_written(tmp_path: Path) -> None
             seen.append((label, k + 1, total))
             yield item
 
-    spec = DiveSpec(
+    spec = spec_from(
         legs=1, leg_length_m=0.7, structures=0, marks=0, barnacles=0, image_width=160, image_height=128, views=1.0, sonar=False
     )
     dive = write_package(tmp_path / "dive", spec, track)
@@ -157,7 +158,7 @@ def test_progress_counts_every_image_while_it_is_written(tmp_path: Path) -> None
 
 
 def told(dive: Dive, **errors: float) -> DiveConfig:
-    return decode(dive_toml(replace(dive, spec=replace(dive.spec, **errors))))
+    return decode(dive_toml(replace(dive, spec=with_options(dive.spec, **errors))))
 
 
 @pytest.mark.parametrize("drift", [144.0, -144.0])

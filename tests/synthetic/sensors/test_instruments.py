@@ -2,14 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, identity, roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.options import spec_from, with_options
 from hullrecon.synthetic.sensors import instruments
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.vehicle.motion import Motion
@@ -36,7 +35,7 @@ def test_velocity_is_that_of_the_instrument_in_its_own_frame(dive: Dive) -> None
     place = lambda t: dive.motion.on_tray(t, dive.rig.T_s_d, TRAY_ORIGIN)  # noqa: E731
     moved = (place(dvl.t_s + step).translation - place(dvl.t_s - step).translation) / (2 * step)
     true = place(dvl.t_s).rotation.inv().apply(moved)
-    error = dvl.velocity - (1 + dive.spec.dvl_scale_error) * true
+    error = dvl.velocity - (1 + dive.spec.errors.dvl_scale_error) * true
     assert np.abs(error).max() < 6 * instruments.VELOCITY_SIGMA
     assert error.std() == pytest.approx(instruments.VELOCITY_SIGMA, rel=0.3)
 
@@ -93,20 +92,20 @@ def test_rates_of_the_sensors_are_as_promised(hovering: Motion) -> None:
 
 
 def test_joints_report_the_encoder_not_the_tray(dive: Dive) -> None:
-    reported = instruments.joints(replace(dive.spec, servo_sigma_deg=0.0), dive.motion)
+    reported = instruments.joints(with_options(dive.spec, servo_sigma_deg=0.0), dive.motion)
     np.testing.assert_allclose(reported.value[:, 0], dive.motion.angle(dive.motion.encoder, reported.t_s))
     np.testing.assert_allclose(reported.value[:, 1], dive.motion.angle(dive.motion.sonar_tray, reported.t_s))
 
 
 @pytest.mark.parametrize("drift", [0.0, 90.0, -360.0])
 def test_the_heading_drifts_by_what_was_asked_for(hovering: Motion, drift: float) -> None:
-    imu = instruments.imu(DiveSpec(heading_drift_deg_per_hour=drift), hovering)
+    imu = instruments.imu(spec_from(heading_drift_deg_per_hour=drift), hovering)
     heading = np.degrees(roll_pitch_yaw(Rotation.from_quat(imu.quaternion))[:, 2])
     assert 3600 * np.polyfit(imu.t_s, heading, 1)[0] == pytest.approx(drift, abs=6.0)  # the walk is not noiseless
 
 
 def test_drift_alone_changes_nothing_but_the_heading(hovering: Motion) -> None:
-    calm, drifting = (instruments.imu(DiveSpec(heading_drift_deg_per_hour=d), hovering) for d in (0.0, 90.0))
+    calm, drifting = (instruments.imu(spec_from(heading_drift_deg_per_hour=d), hovering) for d in (0.0, 90.0))
     np.testing.assert_array_equal(calm.rates, drifting.rates)
     np.testing.assert_array_equal(calm.force, drifting.force)
     turned = roll_pitch_yaw(Rotation.from_quat(drifting.quaternion)) - roll_pitch_yaw(Rotation.from_quat(calm.quaternion))
@@ -115,13 +114,13 @@ def test_drift_alone_changes_nothing_but_the_heading(hovering: Motion) -> None:
 
 @pytest.mark.parametrize("error", [0.0, 0.05, -0.02])
 def test_velocities_are_too_long_by_the_scale_error(dive: Dive, error: float) -> None:
-    plain = instruments.dvl(replace(dive.spec, dvl_scale_error=0.0), dive.motion, dive.rig, dive.hull)
-    scaled = instruments.dvl(replace(dive.spec, dvl_scale_error=error), dive.motion, dive.rig, dive.hull)
+    plain = instruments.dvl(with_options(dive.spec, dvl_scale_error=0.0), dive.motion, dive.rig, dive.hull)
+    scaled = instruments.dvl(with_options(dive.spec, dvl_scale_error=error), dive.motion, dive.rig, dive.hull)
     slope = ((scaled.velocity - plain.velocity) * plain.velocity).sum() / (plain.velocity**2).sum()
     assert slope == pytest.approx(error, rel=0.02, abs=1e-12)
     np.testing.assert_array_equal(plain.ranges, scaled.ranges)
 
 
 def test_the_encoder_is_as_noisy_as_asked(dive: Dive) -> None:
-    quiet, noisy = (instruments.joints(replace(dive.spec, servo_sigma_deg=s), dive.motion).value for s in (0.0, 0.3))
+    quiet, noisy = (instruments.joints(with_options(dive.spec, servo_sigma_deg=s), dive.motion).value for s in (0.0, 0.3))
     assert np.degrees(noisy - quiet).std() == pytest.approx(0.3, rel=0.15)

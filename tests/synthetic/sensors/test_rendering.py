@@ -10,10 +10,11 @@ import pytest
 
 from hullrecon.geometry.cameras import Camera
 from hullrecon.geometry.poses import Poses
+from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.sensors.rendering import Lens, Scene, lens, photograph
-from hullrecon.synthetic.spec import DiveSpec, Item
 from hullrecon.synthetic.world.as_built import build
 from hullrecon.synthetic.world.hull_patch import HullPatch
+from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.ray_casting import Rays
 from hullrecon.synthetic.world.texture import Atlas
 
@@ -26,7 +27,7 @@ GRID = np.arange(-1.5, 1.5001, 0.03)
 def scene(items: tuple[Item, ...] = (), absorption: float = 0.3, spots: tuple[tuple[int, int], ...] = ()) -> Scene:
     a, g = np.meshgrid(GRID, GRID, indexing="ij")
     patch = HullPatch(GRID, GRID, np.stack([a, 0 * a, g], -1), np.tile([0.0, 1.0, 0.0], (*a.shape, 1)))
-    built = build(DiveSpec(deviation_mean_m=0.0, deviation_sigma_m=0.0), patch, items)
+    built = build(spec_from(deviation_mean_m=0.0, deviation_sigma_m=0.0), patch, items)
     image = np.full((1500, 1500, 3), 90, np.uint8)
     for row, column in spots:
         image[row - 4 : row + 5, column - 4 : column + 5] = 150

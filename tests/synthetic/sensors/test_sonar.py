@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.sensors import sonar
-from hullrecon.synthetic.spec import DiveSpec, Item
 from hullrecon.synthetic.world.as_built import AsBuilt, build
 from hullrecon.synthetic.world.hull_patch import HullPatch
+from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.ray_casting import Rays
 
 # a wall in the x-z plane, seen from y > 0; the sonar's z looks down at it at 45 degrees, its fan spreads along x
@@ -19,7 +20,7 @@ WALL = np.arange(-1.5, 1.5001, 0.03)
 def wall(items: tuple[Item, ...] = ()) -> AsBuilt:
     a, g = np.meshgrid(WALL, WALL, indexing="ij")
     patch = HullPatch(WALL, WALL, np.stack([a, 0 * a, g], -1), np.tile([0.0, 1.0, 0.0], (*a.shape, 1)))
-    return build(DiveSpec(deviation_mean_m=0.0, deviation_sigma_m=0.0), patch, items)
+    return build(spec_from(deviation_mean_m=0.0, deviation_sigma_m=0.0), patch, items)
 
 
 def within(near: float, far: float) -> np.ndarray:

@@ -2,20 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import identity, roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive
-from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.options import with_options
+from hullrecon.synthetic.spec import Survey
 from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
 from hullrecon.synthetic.vehicle.simulate_path import leg_corners, simulate_path
 
 
 def test_legs_go_back_and_forth_and_step_down() -> None:
-    corners = leg_corners(DiveSpec(legs=3, leg_length_m=4.0, leg_spacing_m=0.5), 30.0, 6.0)
+    corners = leg_corners(Survey(legs=3, leg_length_m=4.0, leg_spacing_m=0.5), 30.0, 6.0)
     np.testing.assert_allclose(corners, [[32, 6], [28, 6], [28, 5.5], [32, 5.5], [32, 5], [28, 5]])
 
 
@@ -25,7 +24,7 @@ def test_the_sensors_keep_their_standoff(dive: Dive) -> None:
     from hullrecon.geometry.casting import Scene
 
     distance = Scene(dive.cad_model).closest(tray.translation).distance
-    np.testing.assert_allclose(distance, dive.spec.standoff_m, atol=0.08)
+    np.testing.assert_allclose(distance, dive.spec.survey.standoff_m, atol=0.08)
 
 
 def test_the_tray_looks_at_the_steel_squarely(dive: Dive) -> None:
@@ -43,14 +42,14 @@ def test_g_starts_under_the_first_pose_with_its_heading_and_the_water_surface(di
     first = dive.motion.vehicle(np.array([0.0]))
     np.testing.assert_allclose(first.translation[0, :2], 0, atol=0.02)
     assert abs(roll_pitch_yaw(first.rotation)[0, 2]) < 0.01
-    surface = dive.motion.T_g_M.apply(np.array([[30.0, 0.0, dive.spec.draught_m]]))
+    surface = dive.motion.T_g_M.apply(np.array([[30.0, 0.0, dive.spec.ship.draught_m]]))
     assert abs(surface[0, 2]) < 0.4  # the ship has a little trim
 
 
 def test_speed_along_a_leg_is_as_asked(dive: Dive) -> None:
-    t = np.arange(2.2, 1.0 + dive.spec.leg_length_m / dive.spec.speed - 1.2, 0.1)
+    t = np.arange(2.2, 1.0 + dive.spec.survey.leg_length_m / dive.spec.survey.speed_m_per_s - 1.2, 0.1)
     place = dive.motion.in_hull(dive.motion.vehicle(t)).translation[:, 0]
-    assert abs(np.ptp(place) / np.ptp(t)) == pytest.approx(dive.spec.speed, rel=0.2)
+    assert abs(np.ptp(place) / np.ptp(t)) == pytest.approx(dive.spec.survey.speed_m_per_s, rel=0.2)
 
 
 def test_the_motion_is_smooth(dive: Dive) -> None:
@@ -61,8 +60,7 @@ def test_the_motion_is_smooth(dive: Dive) -> None:
 
 def test_the_true_tray_differs_from_the_encoder_by_the_backlash(dive: Dive) -> None:
     gap = np.degrees(dive.motion.tray - dive.motion.encoder)
-    assert np.abs(gap).max() == pytest.approx(dive.spec.backlash_deg, rel=1e-6)
-    rigid = simulate_path(
-        replace(dive.spec, backlash_deg=0.0), dive.patch, leg_corners(dive.spec, float(dive.patch.along_m.mean()), 0.0)
-    )
+    assert np.abs(gap).max() == pytest.approx(dive.spec.errors.backlash_deg, rel=1e-6)
+    corners = leg_corners(dive.spec.survey, float(dive.patch.along_m.mean()), 0.0)
+    rigid = simulate_path(with_options(dive.spec, backlash_deg=0.0), dive.patch, corners)
     np.testing.assert_array_equal(rigid.tray, rigid.encoder)

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.casting import Scene
-from hullrecon.synthetic.spec import DiveSpec, Item
+from hullrecon.synthetic.options import spec_from
+from hullrecon.synthetic.spec import DiveSpec, Ship
 from hullrecon.synthetic.world.as_built import AsBuilt, build, crop
 from hullrecon.synthetic.world.hull_patch import HullPatch, cut_hull_patch
 from hullrecon.synthetic.world.hull_shapes import ship_form
+from hullrecon.synthetic.world.items import Item
 
 CYLINDER = Item("cylinder", 25.3, -0.2, 0.11, (0.16, 0.16))
 RECESS = Item("recess", 25.9, 0.0, -0.05, (0.2, 0.2))
@@ -19,12 +21,12 @@ RECESS = Item("recess", 25.9, 0.0, -0.05, (0.2, 0.2))
 
 @pytest.fixture(scope="module")
 def patch() -> HullPatch:
-    return cut_hull_patch(ship_form(DiveSpec()), (24.6, 26.6), 2.2, 3.0, 1.2)
+    return cut_hull_patch(ship_form(Ship()), (24.6, 26.6), 2.2, 3.0, 1.2)
 
 
 @pytest.fixture(scope="module")
 def built(patch: HullPatch) -> AsBuilt:
-    return build(DiveSpec(deviation_sigma_m=0.01), patch, (CYLINDER, RECESS))
+    return build(spec_from(deviation_sigma_m=0.01), patch, (CYLINDER, RECESS))
 
 
 def test_structures_stand_their_height_over_the_steel(built: AsBuilt, patch: HullPatch) -> None:
@@ -36,7 +38,7 @@ def test_structures_stand_their_height_over_the_steel(built: AsBuilt, patch: Hul
 
 
 def test_away_from_structures_the_steel_is_the_deviation_off_the_drawing(built: AsBuilt, patch: HullPatch) -> None:
-    flat = build(DiveSpec(deviation_mean_m=-0.013, deviation_sigma_m=0.0), patch, ())
+    flat = build(spec_from(deviation_mean_m=-0.013, deviation_sigma_m=0.0), patch, ())
     offset = ((flat.steel - patch.point) * patch.normal).sum(2)
     np.testing.assert_allclose(offset, -0.013, atol=1e-9)
     np.testing.assert_allclose(Scene(flat.mesh).closest(flat.steel.reshape(-1, 3)).distance, 0, atol=1e-5)

@@ -8,14 +8,14 @@ import pytest
 from hullrecon.errors import InputError
 from hullrecon.geometry.casting import Scene
 from hullrecon.geometry.meshes import Mesh
-from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.spec import Ship
 from hullrecon.synthetic.world.hull_patch import HullPatch, cut_hull_patch
 from hullrecon.synthetic.world.hull_shapes import ship_form
 
 
 @pytest.fixture(scope="module")
 def cad_model() -> Mesh:
-    return ship_form(DiveSpec())
+    return ship_form(Ship())
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +10,14 @@ import trimesh
 
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes import Mesh
-from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.options import spec_from
+from hullrecon.synthetic.spec import DiveSpec, Ship
 from hullrecon.synthetic.world.hull_shapes import hull_from_mesh, hull_shape, ship_form, write_stl
 
 
 @pytest.fixture(scope="module")
 def form() -> Mesh:
-    return ship_form(DiveSpec())
+    return ship_form(Ship())
 
 
 def test_the_form_is_closed_and_faces_outwards(form: Mesh) -> None:
@@ -29,8 +29,8 @@ def test_the_form_is_closed_and_faces_outwards(form: Mesh) -> None:
 
 def test_the_form_has_the_asked_length_beam_and_depth(form: Mesh) -> None:
     spec = DiveSpec()
-    np.testing.assert_allclose(form.vertices.min(0), [0, -spec.beam_m / 2, 0], atol=1e-9)
-    np.testing.assert_allclose(form.vertices.max(0), [spec.length_m, spec.beam_m / 2, spec.depth_m], atol=1e-9)
+    np.testing.assert_allclose(form.vertices.min(0), [0, -spec.ship.beam_m / 2, 0], atol=1e-9)
+    np.testing.assert_allclose(form.vertices.max(0), [spec.ship.length_m, spec.ship.beam_m / 2, spec.ship.depth_m], atol=1e-9)
 
 
 def test_both_sides_are_mirror_images(form: Mesh) -> None:
@@ -39,14 +39,14 @@ def test_both_sides_are_mirror_images(form: Mesh) -> None:
 
 
 def test_the_bilge_amidships_has_the_asked_radius() -> None:
-    spec = DiveSpec(bilge_radius_m=1.5)
-    vertices = ship_form(spec).vertices
+    spec = spec_from(bilge_radius_m=1.5)
+    vertices = ship_form(spec.ship).vertices
     middle = vertices[np.abs(vertices[:, 0] - 25) < 1.0]
     middle = middle[np.abs(middle[:, 0] - middle[0, 0]) < 1e-9]
     y, z = middle[middle[:, 1] > 0][:, 1:].T
-    arc = (y > spec.beam_m / 2 - 1.5) & (z < 1.5) & (z > 0)
+    arc = (y > spec.ship.beam_m / 2 - 1.5) & (z < 1.5) & (z > 0)
     assert arc.sum() > 10
-    np.testing.assert_allclose(np.hypot(y[arc] - (spec.beam_m / 2 - 1.5), z[arc] - 1.5), 1.5, atol=1e-9)
+    np.testing.assert_allclose(np.hypot(y[arc] - (spec.ship.beam_m / 2 - 1.5), z[arc] - 1.5), 1.5, atol=1e-9)
 
 
 def test_the_bow_curves_along_the_hull(form: Mesh) -> None:
@@ -73,7 +73,7 @@ def test_a_mesh_is_put_on_its_keel_and_scaled(tmp_path: Path) -> None:
 
 def test_hull_of_takes_a_mesh_by_its_path(tmp_path: Path) -> None:
     trimesh.creation.box((2.0, 1.0, 0.5)).export(tmp_path / "box.stl")
-    mesh = hull_shape(replace(DiveSpec(), hull=str(tmp_path / "box.stl"), length_m=8.0))
+    mesh = hull_shape(Ship(hull=str(tmp_path / "box.stl"), length_m=8.0))
     assert np.ptp(mesh.vertices[:, 0]) == pytest.approx(8.0)
 
 

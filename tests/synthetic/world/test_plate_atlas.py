@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.synthetic.spec import DiveSpec, Item
+from hullrecon.synthetic.options import spec_from
+from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.plate_atlas import KEPT_PLATES, PlateAtlas
 from hullrecon.synthetic.world.texture import PLATE_M
 
@@ -13,7 +14,7 @@ TEXEL_M = 0.004
 
 
 def atlas(items: tuple[Item, ...] = (), seed: int = 1) -> PlateAtlas:
-    return PlateAtlas(DiveSpec(seed=seed), items, TEXEL_M)
+    return PlateAtlas(spec_from(seed=seed), items, TEXEL_M)
 
 
 def colours(made: PlateAtlas, along: np.ndarray, girth: np.ndarray) -> np.ndarray:

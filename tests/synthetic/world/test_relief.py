@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.synthetic.spec import Item, Kind
+from hullrecon.synthetic.world.items import Item, Kind
 from hullrecon.synthetic.world.relief import height_of, local
 
 

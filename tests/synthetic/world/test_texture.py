@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.synthetic.spec import DiveSpec, Item, Kind
+from hullrecon.synthetic.options import spec_from
+from hullrecon.synthetic.world.items import Item, Kind
 from hullrecon.synthetic.world.texture import Atlas, paint_atlas, value_noise
 
 WINDOW = ((10.0, 11.5), (4.0, 5.0))
 
 
 def atlas(items: tuple[Item, ...] = (), seed: int = 1) -> Atlas:
-    return paint_atlas(DiveSpec(seed=seed), items, *WINDOW, 0.002)
+    return paint_atlas(spec_from(seed=seed), items, *WINDOW, 0.002)
 
 
 def test_noise_is_smooth_within_a_cell_and_unrelated_beyond() -> None:
