@@ -37,7 +37,7 @@ STEPS = {
     "report": Entry("steps", "report", "write the deliverables and the report"),
 }
 AROUND = {
-    "simulate": Entry("dive", "simulate", "make a dive package with truth"),
+    "simulate": Entry("simulate", "simulate", "make a dive package with truth"),
     "evaluate": Entry("score", "evaluate", "figures of a run against the truth of a simulated dive"),
     "compare": Entry("score", "compare", "naive, geva and maxmix on a simulated dive, in one table"),
     "figures": Entry("score", "figures", "the sources' figures on a simulated dive, as pictures and tables"),
