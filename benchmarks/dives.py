@@ -42,7 +42,7 @@ DIVES = {
     "d8": "--hull DTC-scaled_decimated30k.stl --length-m 60 --draught-m 3.5 --top-m 1.0 --along-m 12 --guess-along-m 1.0"
     " --guess-across-m 0.4 --guess-turn-deg 5",
     "d9": "--length-m 70 --beam-m 11 --depth-m 7 --draught-m 5 --entrance 0.45 --visibility-m 3.5 --backlash-deg 0.2",
-    "d10": "--deviation-sigma-m 0.005 --deviation-mean-m 0 --standoff-m 1.4 --speed 0.4 --structures 8",
+    "d10": "--deviation-sigma-m 0.005 --deviation-mean-m 0 --standoff-m 1.4 --speed-m-per-s 0.4 --structures 8",
 }
 SHIPS = ("80 13 8 5.5 1.8", "30 6.5 4 3 1.0", "50 9 5.5 3.8 1.3")  # length, beam, depth, draught, bilge radius, m
 

@@ -7,9 +7,9 @@ Each landmark is seen from two poses: neighbours on a leg, one in eight from the
 
 Realistic: the counts; legs of 115 m, 0.25 m apart, on a side with curvature both ways; a start by the raw log (DVL scale and
 mounting angle, a gyro's bias and random walk: decimetres between neighbouring legs, a metre or so in the whole); landmarks
-triangulated from that start; noise of 1 px; mounts, tray and the place on the drawing off by what a rig and a registration
+triangulated from that start; noise of 1 px; mounts, tray and the place on the CAD model off by what a rig and a registration
 leave; one landmark in twenty off the hull.
-Not realistic: the drawing is right and the hull scatters by 5 mm about it, where sigma_1 is 2 cm; matches are all true; each
+Not realistic: the CAD model is right and the hull scatters by 5 mm about it, where sigma_1 is 2 cm; matches are all true; each
 landmark has exactly two views; scale and mounting angle are calibrated in the odometry's factors ([Ozog2016] has no such
 unknowns, the chain solves for them). With 2 cm of scatter the joint maximum over landmarks and scale would shrink the mono
 survey by 0.06 %: the scatter's cost falls with the scale by one unit a landmark, and odometry alone holds against it.
@@ -73,8 +73,8 @@ def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
     T_g_M = poses.from_rpy([3.0, 20.0, 13.0], np.radians([180.0, 0.3, 40.0]))
     nodes = T_g_M @ in_hull
     first, second = _pairs(size, rng)
-    in_drawing, off = _landmarks(size, hull, in_hull, tray, first, second, rng)
-    landmark = T_g_M.apply(in_drawing)
+    in_cad_model, off = _landmarks(size, hull, in_hull, tray, first, second, rng)
+    landmark = T_g_M.apply(in_cad_model)
     problem = Problem(pose=np.zeros((0, 8)), vertices=vertices, faces=faces, tray_origin=TRAY_ORIGIN)
     problem.constant = ("T_ct_cb", "T_s_d", "intrinsics_bottom", "intrinsics_top", "navigation")
     _mounts(problem, T_g_M, rng)
@@ -93,7 +93,7 @@ def _seven(pose: Poses) -> Array:
 
 
 def _mounts(problem: Problem, T_g_M: Poses, rng: np.random.Generator) -> None:
-    """T_g_M starts where a registration left it (0.3 m along the hull), T_s_ct at the rig's drawing; both priors say so."""
+    """T_g_M starts where a registration left it (0.3 m along the hull), T_s_ct at the rig's CAD model; both priors say so."""
     guess = T_g_M @ poses.exp(np.r_[0.3, 0.1, 0.05, 0.002, 0.002, 0.005])
     problem.T_g_M = problem.prior_T_g_M = _seven(guess)
     problem.prior_T_g_M_sqrt = np.diag(1 / np.r_[0.5, 0.2, 0.1, 0.005, 0.005, 0.01])

@@ -25,11 +25,11 @@ ON_A_DIVE = {
     "clean": Entry("clean", "clean", "remove artifacts, after asking"),
 }
 STEPS = {
-    "ingest": Entry("steps", "ingest", "read the logs, the calibration and the drawing"),
+    "ingest": Entry("steps", "ingest", "read the logs, the calibration and the CAD model"),
     "navigate": Entry("steps", "navigate", "reckon the vehicle's path"),
     "features": Entry("steps", "features", "find features in every image"),
     "matches": Entry("steps", "matches", "match images and join the matches to landmarks"),
-    "adjust": Entry("steps", "adjust", "adjust images, DVL ranges and the drawing together"),
+    "adjust": Entry("steps", "adjust", "adjust images, DVL ranges and the CAD model together"),
     "surface": Entry("steps", "surface", "make a surface of the DVL's returns"),
     "detect": Entry("steps", "detect", "find structures and remesh the hull as found"),
     "mosaic-optical": Entry("steps", "mosaic-optical", "blend the images on the hull's surface"),
@@ -37,7 +37,7 @@ STEPS = {
     "report": Entry("steps", "report", "write the deliverables and the report"),
 }
 AROUND = {
-    "simulate": Entry("dive", "simulate", "make a dive package with truth"),
+    "simulate": Entry("simulate", "simulate", "make a dive package with truth"),
     "evaluate": Entry("score", "evaluate", "figures of a run against the truth of a simulated dive"),
     "compare": Entry("score", "compare", "naive, geva and maxmix on a simulated dive, in one table"),
     "figures": Entry("score", "figures", "the sources' figures on a simulated dive, as pictures and tables"),

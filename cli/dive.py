@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""init, check and simulate: what concerns a dive package as such."""
+"""init and check: what concerns a dive package as such."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -85,38 +84,3 @@ def _is_log(folder: Path) -> bool:
     except InputError:
         return False
     return True
-
-
-class _Simulate(click.Command):
-    """Its options stand in `hullrecon.synthetic.command`, which is imported when they are asked for."""
-
-    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
-        known = {parameter.name for parameter in self.params}
-        self.params += [option for option in _simulate_options() if option.name not in known]
-        return super().get_params(ctx)
-
-
-def _simulate_options() -> list[click.Option]:
-    from hullrecon.synthetic.command import OPTIONS
-
-    made = []
-    for option in OPTIONS:
-        flags = [f"--{option.name}/--no-{option.name}"] if option.type is bool else [f"--{option.name}"]
-        kind = click.Choice(option.choices) if option.choices else option.type
-        made.append(
-            click.Option([*flags, option.field], type=kind, default=option.default, show_default=True, help=option.help)
-        )
-    return made
-
-
-@click.command(cls=_Simulate)
-@click.argument("folder", type=FOLDER)
-def simulate(folder: Path, **options: Any) -> None:
-    """Make a dive package with truth in FOLDER."""
-    from hullrecon.artifacts.execution.progress import choose_progress
-    from hullrecon.synthetic.command import simulate as make
-
-    state = state_of()
-    made = make(folder, choose_progress(quiet=state.quiet).track, **options)
-    lines = [f"wrote {folder}: {made['seconds']} s, {made['frames']} camera frames, {made['objects']} objects to be found"]
-    state.emit(made, lines)

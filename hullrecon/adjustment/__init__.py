@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Registration to the drawing and model-assisted bundle adjustment."""
+"""Registration to the CAD model and model-assisted bundle adjustment."""

@@ -56,7 +56,7 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
     weights = weighting.first(m, options)
     most_px = 40.0  # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
     outcome, first, ground = None, None, None
-    settle = m.drawing is not None and not options.as_published and options.rounds > 1
+    settle = m.cad_model is not None and not options.as_published and options.rounds > 1
     for k in range(options.rounds):
         last = k == options.rounds - 1
         if last and settle and outcome is not None:
@@ -98,15 +98,15 @@ def _start(m: Measurements, options: AdjustOptions, say: Say) -> tuple[State, re
         grid=None,
         field=np.zeros(0),
     )
-    if m.drawing is None:
+    if m.cad_model is None:
         return state, None
     points = _register_points(m, state)
-    found = registration.register(points, m.drawing, rig.sigma_range)
-    say(f"registered {len(points)} points to the drawing, {100 * found.fitness:.0f} % within three sigma")
+    found = registration.register(points, m.cad_model, rig.sigma_range)
+    say(f"registered {len(points)} points to the CAD model, {100 * found.fitness:.0f} % within three sigma")
     grid = None
     if not options.as_published:
-        at = m.drawing.chart.to_chart(found.hull_from.inverse().apply(points))[:, :2]
-        grid = grid_over(at[np.isfinite(at).all(1)], m.drawing.deviation_length)
+        at = m.cad_model.chart.to_chart(found.hull_from.inverse().apply(points))[:, :2]
+        grid = grid_over(at[np.isfinite(at).all(1)], m.cad_model.deviation_length)
     return replace(state, T_g_M=found.hull_from, grid=grid, field=np.zeros(grid.size if grid else 0)), found
 
 
@@ -114,15 +114,15 @@ def _grounded(
     m: Measurements, state: State, chosen: Selection, result: native.Result, center: Array
 ) -> tuple[estimate.Ground, State]:
     """What the dive is laid on, and T_g_M there."""
-    assert m.drawing is not None
+    assert m.cad_model is not None
     assert state.T_g_M is not None
     points = estimate.points_on_hull(m, state, chosen, result.label)
-    ground, best = estimate.surveyed(points, state.T_g_M, m.drawing, center)
+    ground, best = estimate.surveyed(points, state.T_g_M, m.cad_model, center)
     return ground, replace(state, T_g_M=estimate.settled(ground, best))
 
 
 def _register_points(m: Measurements, state: State) -> Array:
-    """What is laid onto the drawing: DVL returns, or stereo landmarks where no ranges were carried, in g."""
+    """What is laid onto the CAD model: DVL returns, or stereo landmarks where no ranges were carried, in g."""
     if m.returns is not None and (~m.returns.flagged).sum() >= 30:
         points, _ = return_points(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
         return points[~m.returns.flagged]
@@ -130,8 +130,8 @@ def _register_points(m: Measurements, state: State) -> Array:
     landmarks = landmarks[np.isfinite(landmarks[:, 0])]
     if len(landmarks) < 30:
         raise StageError(
-            "nothing to lay onto the drawing: fewer than 30 DVL returns and landmarks",
-            remedy="check topics.dvl and the cameras, or remove [hull] to run without a drawing",
+            "nothing to lay onto the CAD model: fewer than 30 DVL returns and landmarks",
+            remedy="check topics.dvl and the cameras, or remove [hull] to run without a CAD model",
         )
     return landmarks
 
@@ -139,11 +139,11 @@ def _register_points(m: Measurements, state: State) -> Array:
 def _chosen(m: Measurements, state: State, most_px: float, options: AdjustOptions, last: bool) -> Selection:
     """Anchors before the last round, then every landmark but lonely ones off the hull."""
     chosen = selection.select(m, state, most_px)
-    if last and m.drawing is not None and state.T_g_M is not None and not options.as_published:
+    if last and m.cad_model is not None and state.T_g_M is not None and not options.as_published:
         deviation = deviation_from_hull(m, state, state.landmark[chosen.landmarks])
         off = np.abs(deviation) > hard_em.boundary(options.sigma_on, options.sigma_off)
         chosen = selection.without_lonely(m, state, chosen, off)
-    if options.method == "geva" and m.drawing is not None and state.T_g_M is not None:
+    if options.method == "geva" and m.cad_model is not None and state.T_g_M is not None:
         # drawn to the hull, a mismatch near the lens passes through the camera's plane, and the solve stalls there
         far = np.abs(deviation_from_hull(m, state, state.landmark[chosen.landmarks])) > NO_STRUCTURE_M
         chosen = replace(chosen, landmarks=chosen.landmarks[~far])
@@ -158,14 +158,14 @@ def _chosen(m: Measurements, state: State, most_px: float, options: AdjustOption
 
 
 def deviation_from_hull(m: Measurements, state: State, points: Array) -> Array:
-    """Signed distance (n,) of points (n, 3) in g to the hull as it is: the drawing moved by the field."""
-    if m.drawing is None or state.T_g_M is None:
-        raise ValueError("a deviation needs a drawing")
+    """Signed distance (n,) of points (n, 3) in g to the hull as it is: the CAD model moved by the field."""
+    if m.cad_model is None or state.T_g_M is None:
+        raise ValueError("a deviation needs a CAD model")
     at = state.T_g_M.inverse().apply(points)
-    distance = native.MeshIndex(m.drawing.mesh.vertices, m.drawing.mesh.faces).closest(at).distance
+    distance = native.MeshIndex(m.cad_model.mesh.vertices, m.cad_model.mesh.faces).closest(at).distance
     if state.grid is None:
         return np.asarray(distance)
-    return np.asarray(distance - state.grid.value(state.field, m.drawing.chart.to_chart(at)[:, :2]))
+    return np.asarray(distance - state.grid.value(state.field, m.cad_model.chart.to_chart(at)[:, :2]))
 
 
 def _solved(problem: native.Problem, options: AdjustOptions, last: bool) -> native.Result:

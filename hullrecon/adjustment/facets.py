@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far a drawing of flat facets stands off the curved hull that it means.
+"""How far a CAD model of flat facets stands off the curved hull that it means.
 
 A facet of width w between neighbours turned by an angle has a sagitta of w * angle / 8. Slid along the hull, the pattern of
 facets makes false minima a facet apart; registration and its profile must not take them for information about the place.

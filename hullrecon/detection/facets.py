@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far a curved hull stands off the flat facets that draw it: heights of that size are the drawing's, not a structure's."""
+"""How far a curved hull stands off the flat facets that draw it: heights of that size are the CAD model's, not a structure's."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class Stance:
-    """Where the sonar stood at n pings. sonar: T_M_o; vehicle: T_M_v (T_g_ without a drawing); pose_covariance (n, 6, 6) of
+    """Where the sonar stood at n pings. sonar: T_M_o; vehicle: T_M_v (T_g_ without a CAD model); pose_covariance (n, 6, 6) of
     the vehicle, (translation in M, rotation perturbed on the right); servo_from_sonar: one T_j_o; mount_sigma (6,): m along the
     servo's axes, rad about the sonar's."""
 

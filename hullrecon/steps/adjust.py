@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The dive adjusted: poses, landmarks with labels, the hull's place and its deviation from the drawing."""
+"""The dive adjusted: poses, landmarks with labels, the hull's place and its deviation from the CAD model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from hullrecon.adjustment.bundle_adjustment import Adjusted, adjust
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.intrinsics import fields
-from hullrecon.adjustment.problem.measurements import Drawing, Measurements, rig_from_config
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements, rig_from_config
 from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.solution import outcome_of
@@ -42,8 +42,8 @@ def run(context: Context) -> None:
     context.out.arrays("iterations.npz", outcome.iterations)
     context.record_times("iterations_s", outcome.iterations_s.tolist())
     context.out.json("adjust.json", outcome.summary)
-    if measured.drawing is not None:
-        context.out.arrays("chart.npz", measured.drawing.chart.to_arrays())
+    if measured.cad_model is not None:
+        context.out.arrays("chart.npz", measured.cad_model.chart.to_arrays())
     if context.parameters.refine_intrinsics:
         found = {"top": adjusted.rig.top, "bottom": adjusted.rig.bottom}
         context.out.json("cameras.json", {name: fields(camera) for name, camera in found.items() if camera is not None})
@@ -72,7 +72,7 @@ def _measurements(context: Context) -> Measurements:
             cameras,
             context.parameters.free_dvl_position,
         ),
-        drawing=_drawing(context.inputs["ingest"] / "hull.npz", settings["hull"]),
+        cad_model=_cad_model(context.inputs["ingest"] / "hull.npz", settings["hull"]),
     )
 
 
@@ -82,13 +82,13 @@ def _cameras(path: Path) -> dict[str, CameraModel]:
     return {name: CameraModel(**fields) for name, fields in json.loads(path.read_text()).items()}
 
 
-def _drawing(path: Path, hull: Any) -> Drawing | None:
+def _cad_model(path: Path, hull: Any) -> CadModel | None:
     if hull is None or not path.exists():
         return None
     arrays = load_arrays(path)
     mesh = Mesh(arrays["vertices"], arrays["faces"])
     sigma = np.array(hull.pose_sigma) * np.r_[np.ones(3), np.full(3, np.pi / 180)]
-    return Drawing(
+    return CadModel(
         mesh=mesh,
         chart=chart_for_hull(mesh),
         guess=poses.from_mount(hull.pose),
@@ -134,7 +134,7 @@ def _stamps(ingest: Path, image: NDArray[np.int64]) -> NDArray[np.int64]:
 
 STAGE = Stage(
     name="adjust",
-    summary="adjust images, DVL ranges and the drawing together",
+    summary="adjust images, DVL ranges and the CAD model together",
     inputs=("ingest", "navigate"),
     optional=("matches",),
     uses=("tray", "imu", "pressure", "dvl", "camera.top", "camera.bottom", "hull"),

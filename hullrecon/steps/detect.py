@@ -16,7 +16,7 @@ from hullrecon.detection.as_found.background import Background, FieldBackground,
 from hullrecon.detection.as_found.estimate import Found, find_hull
 from hullrecon.detection.as_found.landmarks import Measured, measure
 from hullrecon.detection.as_found.mesh import refine_near
-from hullrecon.detection.as_found.record import found_surface, surface_on_drawing
+from hullrecon.detection.as_found.record import found_surface, surface_on_cad_model
 from hullrecon.detection.objects.detection import find_objects
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import Views, sightings
@@ -36,13 +36,13 @@ from hullrecon.typing import Array
 
 Facts = dict[str, object]
 PIECE_M = 0.12  # edges of the pieces on which coverage is summed
-PIECES_REACH_M = 2.0  # from what the survey saw; beyond, the drawing's own faces are the pieces
+PIECES_REACH_M = 2.0  # from what the survey saw; beyond, the CAD model's own faces are the pieces
 DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
 
 
 @dataclass(frozen=True)
 class Dive:
-    """What the earlier steps left, in the frame x of the surface (M, or g without a drawing)."""
+    """What the earlier steps left, in the frame x of the surface (M, or g without a CAD model)."""
 
     solution: Solution
     T_x_g: Poses
@@ -62,7 +62,7 @@ class Dive:
 def run(context: Context) -> None:
     dive = _dive(context)
     views = _views(context, dive)
-    facts: Facts = {"reference": "the drawing" if dive.drawn else "the surface step's own surface"}
+    facts: Facts = {"reference": "the CAD model" if dive.drawn else "the surface step's own surface"}
     measured = _measured(dive, context.parameters) if views is not None else None
     objects: list[Facts] = []
     if views is not None and measured is not None and len(measured) >= context.parameters.least_landmarks:
@@ -147,12 +147,12 @@ def _objects(
 
 
 def _without_camera(context: Context, dive: Dive, facts: Facts) -> None:
-    """The drawing moved to the DVL's surface; nothing without a drawing, where surface.ply says it all."""
+    """The CAD model moved to the DVL's surface; nothing without a CAD model, where surface.ply says it all."""
     if not dive.drawn:
-        facts["as_found"] = "no landmarks and no drawing: the surface from the DVL is what was found"
-        context.warn("as_found is absent: there is neither a camera nor a drawing")
+        facts["as_found"] = "no landmarks and no CAD model: the surface from the DVL is what was found"
+        context.warn("as_found is absent: there is neither a camera nor a CAD model")
         return
-    context.out.arrays("as_found.npz", to_arrays(surface_on_drawing(dive.base, dive.surface, PIECE_M)))
+    context.out.arrays("as_found.npz", to_arrays(surface_on_cad_model(dive.base, dive.surface, PIECE_M)))
     facts["as_found"] = "from the DVL's surface"
 
 

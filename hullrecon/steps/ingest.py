@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""ingest: the package's logs, calibration and drawing, read once, checked, and kept as tables."""
+"""ingest: the package's logs, calibration and CAD model, read once, checked, and kept as tables."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def _beams(settings: Mapping[str, Any]) -> NDArray[np.float64] | None:
 
 
 def external(settings: Mapping[str, Any], package: Path) -> list[Path]:
-    """Logs, with the files that their tables name; calibrations; drawing."""
+    """Logs, with the files that their tables name; calibrations; CAD model."""
     request = request_of(settings)
     names = [*request.calibration.values(), *([request.mesh] if request.mesh else [])]
     logs = [file for name in request.logs for file in _log_files(package, name)]
@@ -121,7 +121,7 @@ def _present(values: Mapping[str, Any]) -> dict[str, Any]:
 
 STAGE = Stage(
     name="ingest",
-    summary="read the logs, the calibration and the drawing",
+    summary="read the logs, the calibration and the CAD model",
     inputs=(),
     parameters=IngestOptions,
     version=2,

@@ -30,7 +30,7 @@ PERCENT = (50, 90, 95, 99)
 
 @dataclass(frozen=True)
 class Scenery:
-    """The surface with its chart, and the vehicle over it, in one frame (M, or g without a drawing)."""
+    """The surface with its chart, and the vehicle over it, in one frame (M, or g without a CAD model)."""
 
     ground: Ground
     track: VehicleTrack

@@ -85,7 +85,7 @@ def _adjusted(solution: Solution) -> Placement:
 
 
 def _dead_reckoned(context: Context, hull: Mesh | None) -> Placement:
-    """In M by the first guess of the hull's pose, whose sigma then dominates; in g without a drawing."""
+    """In M by the first guess of the hull's pose, whose sigma then dominates; in g without a CAD model."""
     track = from_arrays(Trajectory, load_arrays(context.inputs["navigate"] / "trajectory.npz"))
     settings = context.settings["hull"]
     T_s_d = poses.from_mount(context.settings["dvl"].mount)
@@ -152,7 +152,7 @@ def _cloud(points: Array, returns: Returns, place: Placement, chart: Chart, sigm
 
 
 def _landmarks(solution: Solution, hull: Mesh | None, options: SurfaceOptions) -> tuple[Array, Array]:
-    """Places (n, 3) and sigmas (n,) m of landmarks on the hull with three views; of all such without a drawing."""
+    """Places (n, 3) and sigmas (n,) m of landmarks on the hull with three views; of all such without a CAD model."""
     variance = np.linalg.eigvalsh(np.nan_to_num(solution.landmarks.covariance, nan=-1.0))[:, -1]
     good = np.isfinite(solution.landmarks.position).all(axis=1) & (solution.landmarks.views >= 3) & (variance > 0)
     good &= (solution.landmarks.label == 1) if hull is not None else True
@@ -191,17 +191,17 @@ def _reference(cloud: Cloud, chart: Chart, reference: str, place: Placement) -> 
 
 
 def _circularity(reference: str, drawn: bool, adjusted: bool) -> tuple[str, str | None]:
-    """The reference in force, and what a comparison of the surface with the drawing is worth; None without a drawing."""
+    """The reference in force, and what a comparison of the surface with the CAD model is worth; None without a CAD model."""
     if not drawn:
         return "none" if reference == "none" else "plane", None
-    placed = " The poses that place the returns were adjusted to the drawing." if adjusted else ""
+    placed = " The poses that place the returns were adjusted to the CAD model." if adjusted else ""
     if reference == "cad":
         return reference, (
-            "The surface is a regression of the returns' offsets from the drawing and leans on it between and beyond returns: "
-            f"a comparison with the drawing is partly circular.{placed} "
+            "The surface is a regression of the returns' offsets from the CAD model and leans on it between and beyond returns: "
+            f"a comparison with the CAD model is partly circular.{placed} "
             'surface.reference = "plane" or "none" regresses without it.'
         )
-    return reference, f"The drawing's shape does not enter the regression of the returns.{placed}"
+    return reference, f"The CAD model's shape does not enter the regression of the returns.{placed}"
 
 
 def _counts(returns: Returns, kept: Mask) -> dict[str, object]:

@@ -7,27 +7,17 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from hullrecon.synthetic.package import write_package
-from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.output.package import write_package
+from hullrecon.synthetic.spec import Cameras, DiveSpec, InitialHullPose, Items, Survey
 
-# from the side into the bilge where the bow begins to narrow: curvature both ways, so that the drawing holds the dive
+# from the side into the bilge where the bow begins to narrow: curvature both ways, so that the CAD model holds the dive
 SAMPLE = DiveSpec(
     name="demo",
     seed=8,
-    along_m=38.0,
-    top_m=1.75,
-    legs=3,
-    leg_length_m=3.0,
-    leg_spacing_m=0.55,
-    standoff_m=1.05,
-    views=6.2,
-    image_width=480,
-    image_height=384,
-    jpeg_quality=80,
-    structures=4,
-    marks=1,
-    barnacles=1,
-    guess_along_m=0.3,
+    survey=Survey(along_m=38.0, top_m=1.75, legs=3, leg_length_m=3.0, leg_spacing_m=0.55, standoff_m=1.05),
+    cameras=Cameras(views=6.2, image_width=480, image_height=384, jpeg_quality=80),
+    guess=InitialHullPose(along_m=0.3),
+    items=Items(structures=4, marks=1, barnacles=1),
 )
 
 

@@ -1,86 +1,177 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a simulated dive is: everything that `write_package` needs, as one frozen struct."""
+"""What a simulated dive is: everything that `write_package` needs, as frozen records with units, bounds and a description."""
 
 from __future__ import annotations
 
+import math
 import zlib
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field, fields
+from typing import ClassVar, Literal, TypeVar
 
 import numpy as np
 
-Kind = Literal["cylinder", "dome", "box", "lump", "recess", "barnacles", "digits", "stripe", "ring"]
-STRUCTURES: tuple[Kind, ...] = ("cylinder", "dome", "box", "lump", "recess")
-MARKS: tuple[Kind, ...] = ("digits", "stripe", "ring")
+from hullrecon.errors import UsageError
+from hullrecon.synthetic.world.items import Item
+
+Value = TypeVar("Value")
 
 
-@dataclass(frozen=True)
-class Item:
-    """Something added to the drawing at chart coordinates `along`, `girth` (m): a structure, a painted mark (no height) or a
-    patch of barnacles. height in m, negative for a recess; size: full extent along and across (m); turn in the chart, rad."""
+@dataclass(frozen=True, kw_only=True)
+class Meta:
+    """Describe a field. unit: as it is printed, empty for words, flags, counts and shares; low, high: inclusive bounds of a
+    number; choices: the words that it may be, empty for any."""
 
-    kind: Kind
-    along_m: float
-    girth_m: float
-    height_m: float
-    size_m: tuple[float, float]
-    turn_rad: float = 0.0
+    description: str
+    unit: str = ""
+    low: float = -math.inf
+    high: float = math.inf
+    choices: tuple[str, ...] = ()
 
-    def reach_m(self) -> float:
-        return 0.5 * float(np.hypot(*self.size_m))
+    def bounds(self) -> str:
+        """Return the bounds and the unit as text, empty for words and flags."""
+        if math.isinf(self.low):
+            return ""
+        range_text = f"at least {self.low:g}" if math.isinf(self.high) else f"{self.low:g} to {self.high:g}"
+        return f"{range_text} {self.unit}".rstrip()
 
 
-@dataclass(frozen=True)
-class DiveSpec:
-    """A dive to simulate. Lengths in metres, angles in degrees, times in seconds; every draw comes from `seed`.
+def described(
+    default: Value,
+    description: str,
+    unit: str = "",
+    low: float = -math.inf,
+    high: float = math.inf,
+    choices: tuple[str, ...] = (),
+) -> Value:
+    """Declare a dataclass field with its Meta."""
+    meta = Meta(description=description, unit=unit, low=low, high=high, choices=choices)
+    made: Value = field(default=default, metadata={"meta": meta})
+    return made
 
-    hull: "form" (an analytic ship of length x beam x depth with that bilge radius; the bow and the stern take `entrance` of the
-    length each) or the path of a mesh, scaled to length_m. The dive starts `top_m` below the water and steps down the girth.
-    views: images that see a point of the steel during one leg; it sets the frame rate. items: None plants `structures` and
-    `marks` and `barnacles` at random places. guess_*: how far the first guess of the hull's pose is off. form: how the logs
-    are written. heading_drift_deg_per_hour, dvl_scale_error: what the instruments truly do, dive.toml tells no smaller sigma;
-    backlash_deg: half the dead band of the tray's servo; servo_sigma_deg: white noise of the encoders."""
 
-    name: str = "simulated"
-    seed: int = 1
-    hull: str = "form"
-    length_m: float = 50.0
-    beam_m: float = 9.0
-    depth_m: float = 5.5
-    draught_m: float = 3.8
-    bilge_radius_m: float = 1.3
-    entrance: float = 0.35
-    along_m: float | None = None  # the middle of the legs, from the stern; absent: where the entrance begins
-    top_m: float = 1.2
-    legs: int = 5
-    leg_length_m: float = 6.5
-    leg_spacing_m: float = 0.6
-    standoff_m: float = 1.15
-    speed: float = 0.3
-    cameras: Literal["stereo", "mono", "none"] = "stereo"
-    image_width: int = 640
-    image_height: int = 512
-    views: float = 7.0
-    jpeg_quality: int = 88
-    sonar: bool = True
-    visibility_m: float = 6.0
-    heading_drift_deg_per_hour: float = 1.0
-    dvl_scale_error: float = 0.003
-    backlash_deg: float = 0.5
-    servo_sigma_deg: float = 0.05
-    deviation_mean_m: float = -0.008
-    deviation_sigma_m: float = 0.012
-    deviation_length_m: float = 2.5
-    guess_along_m: float = 0.4
-    guess_across_m: float = 0.2
-    guess_turn_deg: float = 2.0
-    structures: int = 6
-    marks: int = 3
-    barnacles: int = 1
-    items: tuple[Item, ...] | None = None
-    form: Literal["mcap", "plain"] = "mcap"
+class Checked:
+    """Hold every described field of a record to its bounds and choices.
+
+    prefix: what a field's name needs before it where it stands without its record, as on the command line."""
+
+    prefix: ClassVar[str] = ""
+
+    def __post_init__(self) -> None:
+        """Raise UsageError for the first value that is out of bounds or none of the choices."""
+        for f in fields(self):  # type: ignore[arg-type]
+            meta, value = f.metadata.get("meta"), getattr(self, f.name)
+            if meta is None or value is None:
+                continue
+            name = self.prefix + f.name
+            if isinstance(value, int | float) and not meta.low <= value <= meta.high:
+                raise UsageError(f"{name} is {value}", remedy=f"choose {meta.bounds()}")
+            if meta.choices and value not in meta.choices:
+                raise UsageError(f"{name} is {value!r}", remedy=f"choose one of {', '.join(meta.choices)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ship(Checked):
+    """Describe the hull of the CAD model: an analytic form, or a mesh scaled to length_m."""
+
+    hull: str = described("form", "`form` for an analytic ship, or the path of a mesh, which is scaled to --length-m")
+    length_m: float = described(50.0, "Length of the ship", "m", 5, 500)
+    beam_m: float = described(9.0, "Beam of the analytic ship", "m", 0.5, 100)
+    depth_m: float = described(5.5, "Keel to deck of the analytic ship", "m", 0.5, 60)
+    draught_m: float = described(3.8, "Keel to water surface", "m", 0.2, 40)
+    bilge_radius_m: float = described(1.3, "Bilge radius of the analytic ship amidships", "m", 0.01, 20)
+    entrance: float = described(0.35, "Share of the length over which bow and stern each narrow", "", 0.05, 0.5)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Survey(Checked):
+    """Describe the legs, which run along the hull, back and forth, from the top down."""
+
+    along_m: float | None = described(
+        None, "Middle of the legs, from the stern; where the bow begins to narrow if absent", "m", 0, 500
+    )
+    top_m: float = described(1.2, "Depth of the first leg's steel below the water", "m", 0, 40)
+    legs: int = described(5, "Number of legs", "", 1, 200)
+    leg_length_m: float = described(6.5, "Length of a leg", "m", 0.5, 500)
+    leg_spacing_m: float = described(0.6, "Girth from leg to leg", "m", 0.1, 3)
+    standoff_m: float = described(1.15, "Distance of the sensors from the steel", "m", 0.5, 3)
+    speed_m_per_s: float = described(0.3, "Speed along a leg", "m/s", 0.02, 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cameras(Checked):
+    """Describe the cameras and how often they fire; `views` sets the frame rate."""
+
+    carried: Literal["stereo", "mono", "none"] = described("stereo", "Cameras carried", choices=("stereo", "mono", "none"))
+    image_width: int = described(640, "Width of an image", "px", 160, 4096)
+    image_height: int = described(512, "Height of an image", "px", 120, 4096)
+    views: float = described(7.0, "Images that see a point of the steel during one leg", "", 1, 60)
+    jpeg_quality: int = described(88, "Quality of the JPEG files", "", 1, 100)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorErrors(Checked):
+    """Describe what the instruments truly do; dive.toml tells no smaller sigma."""
+
+    heading_drift_deg_per_hour: float = described(
+        1.0, "Drift of the IMU's heading, beside its random walk", "deg/h", -3600, 3600
+    )
+    dvl_scale_error: float = described(
+        0.003, "Share by which the DVL's velocities are too long, 0.003 for 0.3 %", "", -0.1, 0.1
+    )
+    backlash_deg: float = described(0.5, "Backlash of the tray's servo, half the dead band", "deg", 0, 5)
+    servo_sigma_deg: float = described(0.05, "White noise of the servos' encoders, one sigma", "deg", 0, 5)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeviationField(Checked):
+    """Describe how the steel leaves the CAD model: offsets along the outward normal."""
+
+    prefix: ClassVar[str] = "deviation_"
+
+    mean_m: float = described(-0.008, "Mean offset of the steel from the CAD model, outward positive", "m", -0.5, 0.5)
+    sigma_m: float = described(0.012, "Sigma of the smooth field of offsets", "m", 0, 0.2)
+    length_m: float = described(2.5, "Correlation length of that field along the hull", "m", 0.3, 50)
+
+
+@dataclass(frozen=True, kw_only=True)
+class InitialHullPose(Checked):
+    """Describe by how much the hull pose in dive.toml is off."""
+
+    prefix: ClassVar[str] = "guess_"
+
+    along_m: float = described(0.4, "Error of the initial hull pose along the hull", "m", -100, 100)
+    across_m: float = described(0.2, "Error of the initial hull pose across the hull", "m", -100, 100)
+    turn_deg: float = described(2.0, "Error of the initial hull pose in heading", "deg", -180, 180)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Items(Checked):
+    """Say what is added to the hull: so many at random places, or those of `placed`."""
+
+    structures: int = described(6, "Objects that stand out of the hull or are cut into it", "", 0, 200)
+    marks: int = described(3, "Painted marks, which are no objects", "", 0, 200)
+    barnacles: int = described(1, "Patches of barnacles, which are no objects", "", 0, 200)
+    placed: tuple[Item, ...] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiveSpec(Checked):
+    """Describe a dive to simulate. Every random draw comes from `seed`."""
+
+    name: str = described("simulated", "Name of the dive")
+    seed: int = described(1, "Number from which every random draw comes", "", 0)
+    sonar: bool = described(True, "Carry an imaging sonar")
+    visibility_m: float = described(6.0, "How far one sees in this water", "m", 1, 50)
+    form: Literal["mcap", "plain"] = described("mcap", "How the logs are written", choices=("mcap", "plain"))
+    ship: Ship = Ship()
+    survey: Survey = Survey()
+    cameras: Cameras = Cameras()
+    errors: SensorErrors = SensorErrors()
+    deviation: DeviationField = DeviationField()
+    guess: InitialHullPose = InitialHullPose()
+    items: Items = Items()
 
     def random(self, purpose: str) -> np.random.Generator:
-        """A stream of its own for each purpose, so that one more draw here changes nothing there."""
+        """Return a stream of its own for each purpose, so that one more draw here changes nothing there."""
         return np.random.default_rng([self.seed, zlib.crc32(purpose.encode())])

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-#include "hullrecon/fronts.h"
+#include "sparse/fronts.h"
 
 #include <Eigen/Dense>
 #include <random>
 
 #include "expect.h"
-#include "hullrecon/reduced.h"
+#include "sparse/reduced_system.h"
 
 using namespace hullrecon;
 

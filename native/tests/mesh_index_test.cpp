@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-#include "hullrecon/mesh_index.h"
+#include "mesh/mesh_index.h"
 
 #include <random>
 
-#include "hullrecon/association.h"
-#include "hullrecon/errors.h"
+#include "common/errors.h"
+#include "model/association.h"
 
 #include "expect.h"
 

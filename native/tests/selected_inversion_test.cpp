@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-#include "hullrecon/selected_inversion.h"
+#include "sparse/selected_inversion.h"
 
 #include <Eigen/Dense>
 #include <random>

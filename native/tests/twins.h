@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
 // Plain twins of the residuals, templated for automatic differentiation: whole frames multiplied out, Ceres' own logarithm,
-// nothing shared with factors.h but the meaning.
+// nothing shared with residuals.h but the meaning.
 #pragma once
 
 #include <ceres/jet.h>

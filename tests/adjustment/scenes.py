@@ -4,7 +4,7 @@
 
 import numpy as np
 
-from hullrecon.adjustment.problem.measurements import Drawing
+from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry import poses
 from hullrecon.geometry.meshes.mesh import Mesh
 
@@ -32,10 +32,10 @@ def survey(mesh, rng, span=(2.0, 11.0)):
     return v[inside] + 0.01 * rng.standard_normal((inside.sum(), 3))
 
 
-def drawing(mesh, truth, error):
+def cad_model(mesh, truth, error):
     guess = truth @ poses.exp(error)
     sigma = np.r_[1.0, 0.3, 0.3, np.radians([1, 1, 5])]
-    return Drawing(mesh, SideChart(), guess, sigma, 0.02, (3.0, 1.5))
+    return CadModel(mesh, SideChart(), guess, sigma, 0.02, (3.0, 1.5))
 
 
 TRUTH = poses.from_rpy([10.0, 30.0, 3.0], np.radians([-179.0, 0.5, -95.0]))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A tiny dive with truth: a vehicle on two legs before the side of an ellipsoid with a bump that no drawing shows and a box.
+"""A tiny dive with truth: a vehicle on two legs before the side of an ellipsoid with a bump that no CAD model shows and a box.
 
 Truth is stated here in plain NumPy, with 4 x 4 matrices: it shares no geometry with what it tests. Each record's errors are
 known: the DVL's scale, its mount and the heading drift, biases of roll, pitch and depth, the tray's backlash, white noise.
@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.adjustment.problem.measurements import Drawing, Measurements, Mount, Rig
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements, Mount, Rig
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.meshes.mesh import Mesh
@@ -77,7 +77,7 @@ def outward(x, z):
 
 
 def true_deviation(x, z):
-    """Of the hull as it is from the drawing, along the drawn normal, m."""
+    """Of the hull as it is from the CAD model, along the drawn normal, m."""
     return BUMP_M * np.exp(-((x + 0.7) ** 2 + (z - 0.15) ** 2) / (2 * BUMP_LENGTH_M**2))
 
 
@@ -157,7 +157,7 @@ def simulate(*, stereo=True, cad=True, ranges=True, camera=True, per_leg=18, lan
         attitude=attitude,
         tracks=tracks,
         rig=rig,
-        drawing=_drawing(poses) if cad else None,
+        cad_model=_cad_model(poses) if cad else None,
     )
     return SimulatedDive(measured=measured, global_from_vehicle=poses, tray=tray, landmark=points, on_hull=on_hull)
 
@@ -341,14 +341,14 @@ def _rig(stereo, camera, mount_error):
     )
 
 
-def _drawing(poses):
+def _cad_model(poses):
     """The guess is half a sigma off, in either sense."""
     middle = moved(np.linalg.inv(GLOBAL_FROM_HULL), poses[:, :3, 3]).mean(0) - [0, 1.35, 0]
     error = GUESS_SIGMA * np.array([0.5, -0.5, 0.4, -0.5, 0.5, -0.4])
     about = matrix(middle[None], Rotation.identity(1))[0]
     wrong = matrix(error[None, :3], Rotation.from_rotvec(error[None, 3:]))[0]
     guess = records_poses(GLOBAL_FROM_HULL @ about @ wrong @ np.linalg.inv(about))
-    return Drawing(drawn_hull(), hull_chart(), guess, GUESS_SIGMA, 0.02, (3.0, 1.5))
+    return CadModel(drawn_hull(), hull_chart(), guess, GUESS_SIGMA, 0.02, (3.0, 1.5))
 
 
 def aligning(points, onto):

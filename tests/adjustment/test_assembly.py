@@ -81,7 +81,7 @@ def true_state(dive):
         nodes=records_poses(dive.global_from_vehicle),
         tray=dive.tray,
         landmark=dive.landmark,
-        T_g_M=hull if m.drawing is not None else None,
+        T_g_M=hull if m.cad_model is not None else None,
         navigation=NAVIGATION,
         field=0 * start.field,
     )
@@ -189,7 +189,7 @@ def ellipsoid_hits(origin, direction):
     return origin + length[:, None] * direction
 
 
-def test_the_beams_meet_the_field_where_they_meet_the_drawing():
+def test_the_beams_meet_the_field_where_they_meet_the_cad_model():
     """Their four weights at the nodes give back the chart's coordinates of the beam's first point on the ellipsoid."""
     dive = simulate()
     state = replace(true_state(dive), T_s_d=records_poses(TRAY_FROM_DVL))
@@ -207,10 +207,10 @@ def test_the_beams_meet_the_field_where_they_meet_the_drawing():
     found = np.einsum("nk,nkc->nc", problem.range_field_weight, node)
     met = np.isfinite(hits[:, 0])
     assert met.mean() > 0.9
-    np.testing.assert_allclose(found[met], dive.measured.drawing.chart.to_chart(hits[met])[:, :2], atol=0.01)
+    np.testing.assert_allclose(found[met], dive.measured.cad_model.chart.to_chart(hits[met])[:, :2], atol=0.01)
 
 
-def test_a_beam_that_misses_the_drawing_takes_the_field_at_its_measured_end():
+def test_a_beam_that_misses_the_cad_model_takes_the_field_at_its_measured_end():
     dive = simulate()
     turned = dive.measured.returns.beam * [1, 1, -1]  # away from the hull
     measured = replace(dive.measured, returns=replace(dive.measured.returns, beam=turned))
@@ -272,8 +272,8 @@ def test_landmarks_of_one_cell_share_one_observations_weight():
     landmarks = np.arange(0, len(state.landmark), 2)
     weight = cell_share(dive.measured, state, landmarks, (0.5, 0.5))
     assert set(weight[1::2]) == {1.0}
-    cells = dive.measured.drawing.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[landmarks]))[:, :2]
+    cells = dive.measured.cad_model.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[landmarks]))[:, :2]
     occupied = len(np.unique(np.floor(cells / 0.5), axis=0))
     assert weight[landmarks].sum() == pytest.approx(occupied)
-    with pytest.raises(ValueError, match="drawing"):
+    with pytest.raises(ValueError, match="CAD model"):
         cell_share(simulate(cad=False).measured, state, landmarks, (0.5, 0.5))

@@ -129,7 +129,7 @@ def test_the_tray_angles_are_freed_of_their_backlash():
 
 
 @pytest.mark.parametrize("case", ["stereo with CAD", "mono with CAD", "a single round"])
-def test_the_field_follows_the_bump_that_the_drawing_lacks(case):
+def test_the_field_follows_the_bump_that_the_cad_model_lacks(case):
     found = of(case)
     state, solution = found.adjusted.state, found.outcome.solution
     on = solution.label == 1
@@ -159,5 +159,5 @@ def test_each_round_is_told_in_a_line_with_its_landmarks():
     told = []
     adjust(simulate().measured, AdjustOptions(rounds=2), told.append)
     assert len(told) == 3
-    assert "points to the drawing" in told[0]
+    assert "points to the CAD model" in told[0]
     assert [line.split(":")[0] for line in told[1:]] == ["round 1", "round 2"]

@@ -75,7 +75,7 @@ def test_too_few_landmarks_are_an_error_that_says_how_many_and_what_to_check(cad
     assert "mounts" in error.value.remedy
 
 
-def test_nothing_to_lay_onto_the_drawing_is_an_error_with_a_remedy():
+def test_nothing_to_lay_onto_the_cad_model_is_an_error_with_a_remedy():
     measured = simulate().measured
     with pytest.raises(StageError, match="fewer than 30") as error:
         quietly(replace(measured, returns=None, tracks=None))
@@ -102,7 +102,7 @@ def test_flagged_returns_do_not_enter():
     assert np.abs(found.state.nodes.translation - solved().adjusted.state.nodes.translation).max() < 0.01
 
 
-def test_without_returns_the_stereo_landmarks_lay_the_dive_onto_the_drawing():
+def test_without_returns_the_stereo_landmarks_lay_the_dive_onto_the_cad_model():
     found = solved(ranges=False)
     assert found.adjusted.registration.fitness > 0.8
     assert len(found.adjusted.problem.range_measured) == 0
@@ -117,13 +117,13 @@ def test_a_dive_without_pressure_keeps_its_depth_by_dead_reckoning():
     np.testing.assert_allclose(found.state.nodes.translation[0], measured.trajectory.translation[0], atol=1e-3)
 
 
-def test_a_deviation_from_a_hull_needs_a_drawing():
+def test_a_deviation_from_a_hull_needs_a_cad_model():
     found = solved(cad=False)
-    with pytest.raises(ValueError, match="drawing"):
+    with pytest.raises(ValueError, match="CAD model"):
         deviation_from_hull(found.dive.measured, found.adjusted.state, np.zeros((1, 3)))
 
 
-def test_the_deviation_from_the_hull_is_the_drawings_less_the_field():
+def test_the_deviation_from_the_hull_is_the_cad_models_less_the_field():
     found = solved()
     state, solution = found.adjusted.state, found.outcome.solution
     on = solution.label == 1

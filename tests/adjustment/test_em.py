@@ -16,7 +16,7 @@ OPTIONS = native.Options(function_tolerance=1e-10)
 
 @pytest.fixture
 def wall():
-    """Eight nodes before the drawing's wall at z = 1; sixty landmarks, every sixth 0.1 m off it; started 3 cm wrong."""
+    """Eight nodes before the CAD model's wall at z = 1; sixty landmarks, every sixth 0.1 m off it; started 3 cm wrong."""
     rng = np.random.default_rng(5)
     n, count = 8, 60
     nodes = poses.from_rpy(np.c_[0.15 * np.arange(n), np.zeros(n), np.zeros(n)], np.zeros((n, 3)))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from adjustment.scenes import ERROR, TRUTH, drawing, side
+from adjustment.scenes import ERROR, TRUTH, cad_model, side
 from scipy.linalg import cho_factor
 
 from hullrecon.adjustment.facets import facets_near
@@ -15,7 +15,7 @@ from hullrecon.adjustment.hull_pose.cad_error import Misfit
 def scattered(count, seed, sigma, length, noise, offset=0.0):
     """Points (n, 3) of a 12 by 4 m side and signed distances drawn from a misfit."""
     random = np.random.default_rng(seed)
-    drawn = drawing(side(0.0), TRUTH, 0 * ERROR)
+    drawn = cad_model(side(0.0), TRUTH, 0 * ERROR)
     at = np.c_[random.uniform(1, 13, count), np.zeros(count), random.uniform(1, 4, count)]
     nearest = drawn.mesh.vertices[np.argmin(np.linalg.norm(drawn.mesh.vertices[None] - at[:, None], axis=2), axis=1)]
     at[:, 1] = nearest[:, 1]
@@ -24,7 +24,7 @@ def scattered(count, seed, sigma, length, noise, offset=0.0):
 
 
 def test_the_package_s_word_is_the_start():
-    drawn = drawing(side(0.0), TRUTH, 0 * ERROR)
+    drawn = cad_model(side(0.0), TRUTH, 0 * ERROR)
     found = cad_error.expected(drawn)
     assert (found.sigma, found.length) == (drawn.deviation_sigma, drawn.deviation_length)
     assert found.offset == pytest.approx(0.7 * drawn.deviation_sigma)
@@ -38,7 +38,7 @@ def test_a_point_on_a_structure_is_stray_and_its_neighbours_are_not():
     assert np.flatnonzero(found).tolist() == [17]
 
 
-def test_an_offset_of_the_whole_drawing_is_common_to_all_points():
+def test_an_offset_of_the_whole_cad_model_is_common_to_all_points():
     drawn, at, _ = scattered(40, 5, 0.01, (3.0, 1.5), 0.002)
     known = Misfit(0.01, (3.0, 1.5), 0.002, 0.014)
     without = cad_error.covariance(replace(known, offset=0.0), drawn, at)

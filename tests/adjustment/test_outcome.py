@@ -53,7 +53,7 @@ def test_covariances_are_symmetric_and_positive_definite(found):
         np.testing.assert_allclose(covariance, covariance.transpose(0, 2, 1), rtol=1e-6, atol=1e-15)
         assert (np.linalg.eigvalsh(covariance) > 0).all()
     assert (s.tray_sigma > 0).all()
-    if found.dive.measured.drawing is not None:
+    if found.dive.measured.cad_model is not None:
         assert (np.linalg.eigvalsh(s.hull_covariance) > 0).all()
 
 
@@ -70,7 +70,7 @@ def test_what_there_is_not_is_nan():
     assert np.isfinite(blind.T_s_d).all()
 
 
-def test_with_cameras_and_a_drawing_every_field_is_finite():
+def test_with_cameras_and_a_cad_model_every_field_is_finite():
     s = solved().outcome.solution
     for name in s.__dataclass_fields__:
         assert np.isfinite(np.asarray(getattr(s, name), float)).all(), name
@@ -116,7 +116,7 @@ def test_the_dvls_held_position_widens_the_vehicles_place_alone():
 
 def test_the_summary_holds_its_keys_and_is_json(found):
     summary = found.outcome.summary
-    assert set(summary) == KEYS | ({"registration"} if found.dive.measured.drawing is not None else set())
+    assert set(summary) == KEYS | ({"registration"} if found.dive.measured.cad_model is not None else set())
     json.dumps(summary, allow_nan=False)
     assert summary["landmarks"] == len(found.outcome.solution.landmark)
     assert summary["on_hull"] == int((found.outcome.solution.label == 1).sum())
@@ -136,7 +136,7 @@ def test_observations_are_counted_used_and_left_out():
 def test_residuals_are_near_one_sigma_after_the_adjustment(factor):
     after = solved().outcome.summary["residuals_after"][factor]
     assert 0.3 < after["robust_sigma"] < 1.5
-    assert after["share_beyond_3"] < (0.06 if factor == "range" else 0.02)  # some beams meet the box, which no drawing shows
+    assert after["share_beyond_3"] < (0.06 if factor == "range" else 0.02)  # some beams meet the box, which no CAD model shows
 
 
 def test_images_fit_worse_before_the_adjustment_than_after():
@@ -175,7 +175,7 @@ def test_landmarks_mostly_off_the_hull_are_warned_of():
     assert any("Fewer than half" in warning for warning in outcome.warnings)
 
 
-def test_beams_that_miss_the_drawing_are_warned_of():
+def test_beams_that_miss_the_cad_model_are_warned_of():
     found = solved()
     missed = np.arange(len(found.adjusted.result.ray_hit)) % 5 > 0
     result = replace(found.adjusted.result, ray_hit=missed)

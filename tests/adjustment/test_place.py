@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where on the hull a dive was: from points on it, with the drawing's error as correlated noise."""
+"""Where on the hull a dive was: from points on it, with the CAD model's error as correlated noise."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from adjustment.scenes import TRUTH, drawing, side, survey
+from adjustment.scenes import TRUTH, cad_model, side, survey
 from adjustment.solved_dives import solved
 
 from hullrecon.adjustment.facets import facets_near
@@ -28,7 +28,7 @@ def placed(fullness, error=GUESS_ERROR, noise_m=0.003, structure_m=0.0, seed=5):
     local[:, 1] += structure_m * ((abs(local[:, 0] - 6) < 0.4) & (abs(local[:, 2] - 2.5) < 0.4))
     points = thin(TRUTH.apply(local + noise_m * rng.standard_normal(local.shape)), 0.35, 500)
     center = TRUTH.inverse().apply(points).mean(0)
-    drawn = drawing(mesh, TRUTH, 0 * GUESS_ERROR)
+    drawn = cad_model(mesh, TRUTH, 0 * GUESS_ERROR)
     drawn = replace(drawn, guess=perturbed(TRUTH, center, error), deviation_sigma=0.01)
     ground, best = estimate.surveyed(points, drawn.guess, drawn, center)
     return ground, best, estimate.settled(ground, best)
@@ -54,14 +54,14 @@ def test_a_curved_hull_is_found_within_three_sigmas_and_across_it_to_centimetres
 
 def test_the_mean_of_the_profile_is_nearer_than_the_guess_where_curvature_holds_it():
     ground, _, found = placed(CURVED)
-    assert abs(apart(found, ground.center)[0]) < abs(apart(ground.drawing.guess, ground.center)[0])
+    assert abs(apart(found, ground.center)[0]) < abs(apart(ground.cad_model.guess, ground.center)[0])
 
 
 def test_a_cylinder_leaves_the_place_along_it_where_the_guess_had_it():
     ground, _, found = placed(CYLINDER)
-    assert apart(found, ground.center)[0] == pytest.approx(apart(ground.drawing.guess, ground.center)[0], abs=0.2)
+    assert apart(found, ground.center)[0] == pytest.approx(apart(ground.cad_model.guess, ground.center)[0], abs=0.2)
     sigma = np.sqrt(along_axes(ground, found)[0, 0])
-    assert sigma == pytest.approx(ground.drawing.guess_sigma[0], rel=0.25)
+    assert sigma == pytest.approx(ground.cad_model.guess_sigma[0], rel=0.25)
 
 
 def test_along_a_cylinder_is_named_as_weak_and_across_it_is_not():
@@ -84,7 +84,7 @@ def test_the_covariance_is_symmetric_positive_and_no_narrower_than_the_points_al
     covariance = estimate.covariance(ground, found)
     np.testing.assert_allclose(covariance, covariance.T, rtol=1e-6, atol=1e-12)
     assert (np.linalg.eigvalsh(covariance) > 0).all()
-    assert covariance[0, 0] <= 1.5 * (ground.drawing.guess_sigma[:3] ** 2).max()
+    assert covariance[0, 0] <= 1.5 * (ground.cad_model.guess_sigma[:3] ** 2).max()
 
 
 def test_points_on_a_structure_say_nothing_of_the_place():
@@ -120,7 +120,7 @@ def test_registration_finds_a_known_offset_whichever_way_the_guess_errs():
     points = TRUTH.apply(survey(mesh, np.random.default_rng(2)))
     ends = []
     for sense in (1.0, -1.0):
-        drawn = replace(drawing(mesh, TRUTH, sense * GUESS_ERROR), deviation_sigma=0.01)
+        drawn = replace(cad_model(mesh, TRUTH, sense * GUESS_ERROR), deviation_sigma=0.01)
         found = register(points, drawn, 0.01)
         error = apart(found.hull_from, found.center)
         turned = np.sqrt(np.diag(hull_axes(found.covariance, found.hull_from)))
@@ -132,7 +132,7 @@ def test_registration_finds_a_known_offset_whichever_way_the_guess_errs():
 def test_registration_repeats_itself_to_the_byte():
     mesh = side(CURVED)
     points = TRUTH.apply(survey(mesh, np.random.default_rng(2)))
-    once, again = (register(points, drawing(mesh, TRUTH, GUESS_ERROR), 0.01) for _ in range(2))
+    once, again = (register(points, cad_model(mesh, TRUTH, GUESS_ERROR), 0.01) for _ in range(2))
     assert once.hull_from.translation.tobytes() == again.hull_from.translation.tobytes()
     assert once.covariance.tobytes() == again.covariance.tobytes()
 
@@ -140,13 +140,13 @@ def test_registration_repeats_itself_to_the_byte():
 def test_points_on_one_facet_share_out_its_information():
     """The same hull in coarser facets is known less well."""
     ground, best, _ = placed(CURVED)
-    v = ground.drawing.mesh.vertices.reshape(121, 41, 3)[::8, ::8].reshape(-1, 3)
+    v = ground.cad_model.mesh.vertices.reshape(121, 41, 3)[::8, ::8].reshape(-1, 3)
     number = np.arange(len(v)).reshape(16, 6)
     a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
     faces = np.vstack([np.stack([a, c, b], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)]).astype(np.int32)
-    coarse = replace(ground, drawing=replace(ground.drawing, mesh=type(ground.drawing.mesh)(v, faces)))
+    coarse = replace(ground, cad_model=replace(ground.cad_model, mesh=type(ground.cad_model.mesh)(v, faces)))
     at = best.inverse().apply(ground.points)
-    assert facets_near(coarse.drawing.mesh, at).sigma > 5 * facets_near(ground.drawing.mesh, at).sigma
+    assert facets_near(coarse.cad_model.mesh, at).sigma > 5 * facets_near(ground.cad_model.mesh, at).sigma
     fine, rough = (np.linalg.det(estimate.covariance(g, best)[:3, :3]) for g in (ground, coarse))
     assert rough > fine
 
@@ -155,7 +155,7 @@ def test_a_hull_pose_turned_in_g_turns_its_covariance_with_it():
     ground, _, found = placed(CYLINDER)
     turn = poses.from_rpy([0.0, 0.0, 0.0], [0.0, 0.0, np.radians(70)])
     turned = replace(
-        ground, points=turn.apply(ground.points), drawing=replace(ground.drawing, guess=turn @ ground.drawing.guess)
+        ground, points=turn.apply(ground.points), cad_model=replace(ground.cad_model, guess=turn @ ground.cad_model.guess)
     )
     spun = estimate.covariance(turned, turn @ found)
     np.testing.assert_allclose(hull_axes(spun, turn @ found), along_axes(ground, found), rtol=0.05, atol=1e-5)

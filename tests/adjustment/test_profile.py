@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from adjustment.scenes import ERROR, TRUTH, drawing, side, survey
+from adjustment.scenes import ERROR, TRUTH, cad_model, side, survey
 from scipy.linalg import cho_factor
 
 from hullrecon.adjustment.hull_pose import cad_error
@@ -18,7 +18,7 @@ ALONG = np.array([1.0, 0.0, 0.0])
 def profiled(fullness, span=(2.0, 11.0), sigma=0.02):
     mesh = side(fullness)
     points = thin(TRUTH.apply(survey(mesh, np.random.default_rng(4), span)), 0.3, 600)
-    drawn = drawing(mesh, TRUTH, 0 * ERROR)
+    drawn = cad_model(mesh, TRUTH, 0 * ERROR)
     drawn = drawn.__class__(**{**drawn.__dict__, "deviation_sigma": sigma})
     center = TRUTH.inverse().apply(points).mean(0)
     index = MeshIndex(mesh.vertices, mesh.faces)
@@ -64,7 +64,7 @@ def test_where_the_valley_is_a_parabola_the_profiles_sigma_is_the_hessians():
     """A tight prior along the hull makes it one."""
     mesh = side(0.0)
     points = thin(TRUTH.apply(survey(mesh, np.random.default_rng(4))), 0.3, 600)
-    drawn = replace(drawing(mesh, TRUTH, 0 * ERROR), guess_sigma=np.r_[0.05, 0.3, 0.3, np.radians([1, 1, 5])])
+    drawn = replace(cad_model(mesh, TRUTH, 0 * ERROR), guess_sigma=np.r_[0.05, 0.3, 0.3, np.radians([1, 1, 5])])
     center = TRUTH.inverse().apply(points).mean(0)
     known = cad_error.Misfit(0.02, drawn.deviation_length, noise=0.01, offset=0.0)
     factor = cho_factor(cad_error.covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 import pytest
-from adjustment.scenes import ERROR, TRUTH, drawing, side, survey
+from adjustment.scenes import ERROR, TRUTH, cad_model, side, survey
 
 from hullrecon.adjustment.hull_pose.cad_error import matern32
 from hullrecon.adjustment.hull_pose.observability import weak_directions
@@ -13,7 +13,7 @@ def test_a_curved_side_is_found_from_a_wrong_guess():
     rng = np.random.default_rng(0)
     mesh = side(1.0)
     points = TRUTH.apply(survey(mesh, rng))
-    found = register(points, drawing(mesh, TRUTH, ERROR), 0.01)
+    found = register(points, cad_model(mesh, TRUTH, ERROR), 0.01)
     middle = about(found.center)
     apart = (found.hull_from @ middle).inverse() @ TRUTH @ middle
     step = np.r_[found.hull_from.rotation.apply(apart.translation)[0], apart.rotation.as_rotvec()[0]]
@@ -25,7 +25,7 @@ def test_a_curved_side_is_found_from_a_wrong_guess():
 def test_a_cylinder_slides_along_itself_and_says_so():
     rng = np.random.default_rng(1)
     mesh = side(0.0)
-    found = register(TRUTH.apply(survey(mesh, rng)), drawing(mesh, TRUTH, ERROR), 0.01)
+    found = register(TRUTH.apply(survey(mesh, rng)), cad_model(mesh, TRUTH, ERROR), 0.01)
     turn = np.kron(np.eye(2), np.eye(3))
     turn[:3, :3] = found.hull_from.rotation.as_matrix()[0].T
     weak = weak_directions(turn @ found.covariance @ turn.T)

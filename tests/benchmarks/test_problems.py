@@ -36,7 +36,7 @@ def test_at_the_truth_the_tray_is_off_by_its_play_and_the_mounts_by_their_priors
     assert by_factor["prior"][0] < 3
 
 
-def test_at_the_truth_a_landmark_is_5_mm_off_the_drawing_or_stands_well_off_it(small):
+def test_at_the_truth_a_landmark_is_5_mm_off_the_cad_model_or_stands_well_off_it(small):
     problem, truth = small
     in_hull = truth.T_g_M.inverse().apply(truth.landmark)
     distance = MeshIndex(problem.vertices, problem.faces, threads=1).closest(in_hull).distance

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""check, init and simulate as a user calls them: what is said, where, and the exit code."""
+"""check and init as a user calls them: what is said, where, and the exit code."""
 
 import json
 import shutil
@@ -215,16 +215,3 @@ def test_a_calibration_of_another_size_is_one_line_with_both_sizes_and_code_thre
     assert code == 3
     assert "32 x 24" in line
     assert "640 x 480" in line
-
-
-def test_simulate_offers_the_simulators_options(capsys):
-    code, out, _ = call(capsys, "simulate", "--help")
-    assert code == 0
-    assert "--seed" in out
-    assert "--leg-length-m" in out
-
-
-def test_simulate_refuses_an_option_out_of_bounds(capsys, tmp_path):
-    code, line = complaint(capsys, "simulate", tmp_path / "x", "--legs", "0")
-    assert code == 2
-    assert "legs is 0" in line

@@ -22,7 +22,7 @@ def test_the_disc_and_the_recess_are_reported_once_and_nothing_else(scenery, fou
 
 def test_the_center_lies_on_the_visible_surface(scenery, found) -> None:
     disc, recess = _objects(scenery, found)[0]
-    # the wall is 12 mm behind its drawing at y = 2
+    # the wall is 12 mm behind its CAD model at y = 2
     assert np.allclose(disc.center, [1.2, 2 - 0.012 + 0.10, 1.0], atol=0.02)
     assert np.allclose(recess.center, [2.2, 2 - 0.012 - 0.05, 1.0], atol=0.02)
     assert disc.center[1] == pytest.approx(2.088, abs=0.005)
@@ -38,7 +38,7 @@ def test_size_area_and_volume_are_those_of_the_structure(scenery, found) -> None
     assert np.allclose(disc.normal, [0, 1, 0], atol=1e-6)
 
 
-def test_the_deviation_is_against_the_drawing_and_absent_without_one(scenery, found) -> None:
+def test_the_deviation_is_against_the_cad_model_and_absent_without_one(scenery, found) -> None:
     disc, recess = _objects(scenery, found)[0]
     assert disc.deviation == pytest.approx(0.10 - 0.012, abs=0.005)
     assert recess.deviation == pytest.approx(-0.05 - 0.012, abs=0.005)

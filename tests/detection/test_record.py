@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.as_found.record import found_surface, surface_on_drawing
+from hullrecon.detection.as_found.record import found_surface, surface_on_cad_model
 from hullrecon.records.surface import Surface
 
 
@@ -35,8 +35,8 @@ def _dvl(deviation: float) -> Surface:
     )
 
 
-def test_the_drawing_is_moved_to_the_dvls_surface_where_there_is_one(wall) -> None:
-    moved = surface_on_drawing(wall, _dvl(0.03), 0.12)
+def test_the_cad_model_is_moved_to_the_dvls_surface_where_there_is_one(wall) -> None:
+    moved = surface_on_cad_model(wall, _dvl(0.03), 0.12)
     x, y, z = moved.vertices.T
     inside = (x > 1) & (x < 2) & (z > 0.5) & (z < 1.5)
     assert np.allclose(y[inside], 2.03)
@@ -44,8 +44,8 @@ def test_the_drawing_is_moved_to_the_dvls_surface_where_there_is_one(wall) -> No
     assert np.allclose(moved.sigma[inside], np.hypot(0.01, 0.01))
 
 
-def test_far_from_the_dvls_surface_the_drawing_stays_and_is_unseen(wall) -> None:
-    moved = surface_on_drawing(wall, _dvl(0.03), 0.12)
+def test_far_from_the_dvls_surface_the_cad_model_stays_and_is_unseen(wall) -> None:
+    moved = surface_on_cad_model(wall, _dvl(0.03), 0.12)
     far = moved.vertices[:, 0] > 2.5
     assert np.allclose(moved.vertices[far, 1], 2.0)
     assert (moved.support[far] == 0).all()

@@ -28,7 +28,7 @@ def test_the_footprint_is_the_structure_and_the_ring_is_hull(found, height_at) -
         assert abs(region.level) < 0.002
 
 
-def test_heights_count_from_the_hull_around_not_from_the_drawing(found) -> None:
+def test_heights_count_from_the_hull_around_not_from_the_cad_model(found) -> None:
     lifted = replace(found, height=found.height + 0.015)
     assert find_regions(lifted, OPTIONS)[0].height == pytest.approx(find_regions(found, OPTIONS)[0].height, abs=0.002)
 

@@ -20,7 +20,7 @@ def test_a_package_is_told_with_what_it_lacks(package):
     assert any(line.startswith("camera_top: 8 images in 3.5 s") for line in lines)
     assert "the first camera image is 0.0 s after the first DVL ping" in lines
     assert "no camera_bottom: one camera: scale and depth come from the DVL" in lines
-    assert "no hull: without a drawing the run maps onto its own surface, in the frame global" in lines
+    assert "no hull: without a CAD model the run maps onto its own surface, in the frame global" in lines
     assert not any(line.startswith(("no dvl", "no imu", "no joints")) for line in lines)
 
 
@@ -58,7 +58,7 @@ def test_the_simulated_dive_raises_no_suspicion(data):
     assert found.missing == []
     assert found.found.lost == []
     assert "depth runs from 1.1 to 4.2 m" in found.lines()
-    assert "the drawing is closed" in found.lines()
+    assert "the CAD model is closed" in found.lines()
 
 
 @pytest.mark.parametrize(

@@ -61,11 +61,11 @@ def test_every_format_gives_the_same_hull(tmp_path, kind):
     mesh = read_hull(save(tmp_path / f"hull.{kind}", tube()), "m", words)
     assert len(mesh.faces) == len(cleaned(tube(), []).faces)
     assert np.ptp(mesh.vertices, axis=0) == pytest.approx([40, 8, 8], abs=0.1)
-    assert "the drawing is closed" in words
+    assert "the CAD model is closed" in words
     assert faces_away(mesh) > 0.99
 
 
-def test_a_gzipped_drawing_is_read(tmp_path):
+def test_a_gzipped_cad_model_is_read(tmp_path):
     plain = save(tmp_path / "hull.stl", tube())
     (tmp_path / "hull.stl.gz").write_bytes(gzip.compress(plain.read_bytes()))
     assert len(read_hull(tmp_path / "hull.stl.gz", "m", []).faces) == len(read_hull(plain, "m", []).faces)
@@ -80,7 +80,7 @@ def test_units_are_converted(tmp_path):
     ("scale", "declared", "guess"),
     [(1000, "m", "millimetres (it would be 40.0 m)"), (1, "mm", "metres (it would be 40.0 m)"), (100, "m", "centimetres")],
 )
-def test_a_drawing_in_other_units_than_declared_is_refused_with_the_likely_ones(tmp_path, scale, declared, guess):
+def test_a_cad_model_in_other_units_than_declared_is_refused_with_the_likely_ones(tmp_path, scale, declared, guess):
     path = save(tmp_path / "hull.stl", tube(), scale)
     with pytest.raises(InputError) as caught:
         read_hull(path, declared, [])
@@ -118,7 +118,7 @@ def test_holes_are_counted(tmp_path):
     mesh = tube()
     words = []
     read_hull(save(tmp_path / "hull.stl", Mesh(mesh.vertices, np.delete(mesh.faces, 500, axis=0))), "m", words)
-    assert "3 edges have a face on one side only: the drawing is open there" in words
+    assert "3 edges have a face on one side only: the CAD model is open there" in words
 
 
 def flipped(mesh: Mesh, which: np.ndarray) -> Mesh:
@@ -145,7 +145,7 @@ def test_a_half_hull_or_one_without_deck_comes_out_outward_whichever_way_it_was_
 
 
 def test_separate_patches_of_one_hull_each_come_out_outward():
-    """As in a drawing whose plates share no corners; every second one is inverted."""
+    """As in a CAD model whose plates share no corners; every second one is inverted."""
     parts = [tube(arc=(a, a + np.pi / 4), around=6, caps=False) for a in np.arange(0, 2 * np.pi, np.pi / 4)]
     shift = np.cumsum([0] + [len(p.vertices) for p in parts[:-1]])
     faces = [(p.faces[:, ::-1] if k % 2 else p.faces) + shift[k] for k, p in enumerate(parts)]
@@ -173,7 +173,7 @@ def test_the_boundary_of_one_triangle_is_its_three_edges():
     assert boundary(np.array([[0, 1, 2]], np.int32)).tolist() == [[0, 1], [0, 2], [1, 2]]
 
 
-def test_a_missing_drawing_is_an_input_error(tmp_path):
+def test_a_missing_cad_model_is_an_input_error(tmp_path):
     with pytest.raises(InputError, match=r"hull\.stl is missing"):
         read_hull(tmp_path / "hull.stl", "m", [])
 
@@ -230,7 +230,7 @@ def outer_share(mesh: Mesh, middle_y: float) -> float:
         ("JBC_rigidBodyHull_HULL.obj.gz", 86668, "8 duplicate faces"),
         ("kvlcc2_lq_3dpea.stl", 7060, "degenerate faces"),
         ("wigley.stl.gz", 12892, "12888 of 12892 faces had their normals inward"),
-        ("DTC-scaled_decimated30k.stl", 30000, "the drawing is closed"),
+        ("DTC-scaled_decimated30k.stl", 30000, "the CAD model is closed"),
     ],
 )
 def test_real_hulls_open_half_messy_or_inverted_come_out_clean_and_outward(data, name, faces, said):

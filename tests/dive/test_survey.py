@@ -75,7 +75,7 @@ def test_what_is_missing_depends_on_what_else_there_is():
     assert not any(line.startswith("no camera_bottom") for line in alone)
     everything = {"dvl", "imu", "pressure", "joints", "camera_top", "camera_bottom", "sonar"}
     assert missing(everything, hull=True) == []
-    assert "without a drawing" in missing(everything, hull=False)[0]
+    assert "without a CAD model" in missing(everything, hull=False)[0]
 
 
 def test_a_dvl_without_an_imu_can_not_be_run_even_with_stereo():
@@ -96,7 +96,7 @@ def test_topics_that_were_not_chosen_are_told_from_those_of_types_that_are_not_r
     assert "a run would not use /talk: of other types than it reads" in lines
 
 
-def test_the_first_configuration_loads_and_names_the_log_topics_joints_drawing_and_calibration(kit, tmp_path, calibration):
+def test_the_first_configuration_loads_and_names_the_log_topics_joints_cad_model_and_calibration(kit, tmp_path, calibration):
     path = kit.mcap(tmp_path / "logs" / "x.mcap", kit.dive())
     (tmp_path / "ship.stl").write_bytes(b"")
     calibration(tmp_path / "cal" / "my_top.yaml")

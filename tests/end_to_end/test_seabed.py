@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The real dark seabed: stereo images alone, no logs, no drawing (stereo-haltbrekken, pairs 26 to 41)."""
+"""The real dark seabed: stereo images alone, no logs, no CAD model (stereo-haltbrekken, pairs 26 to 41)."""
 
 import csv
 import json

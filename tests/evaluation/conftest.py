@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A package small enough to work out by hand: a wall in the x-z plane that faces y > 0, 12 mm proud of its drawing, with one
+"""A package small enough to work out by hand: a wall in the x-z plane that faces y > 0, 12 mm proud of its CAD model, with one
 block of 0.1 m on it, and a vehicle that passes it at y = 1.5."""
 
 from __future__ import annotations

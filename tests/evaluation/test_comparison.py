@@ -106,7 +106,7 @@ def test_a_section_keeps_what_lies_in_its_slice(solution: Solution, truth: Truth
     assert np.abs(section.off[:, 0]).max() <= 0.1
     assert len(section.on) == 0  # the wall's landmarks begin half a metre away
     assert section.steel[:, 1].max() == pytest.approx(0.1, abs=1e-5)
-    np.testing.assert_allclose(section.drawing[:, 1], -0.012, atol=1e-5)
+    np.testing.assert_allclose(section.cad_model[:, 1], -0.012, atol=1e-5)
 
 
 def save(folder: Path, **members: Any) -> None:
@@ -155,8 +155,8 @@ def test_an_overview_is_the_slice_across_the_whole_hull(solution: Solution, trut
     assert len(seen.off) > 20
     assert len(seen.on) == 0
     np.testing.assert_allclose(seen.off[:, 0], 0.112, atol=1e-9)
-    np.testing.assert_allclose(seen.drawing[:, 0], 0.0, atol=1e-5)
-    assert np.ptp(seen.drawing[:, 1]) > 1.5
+    np.testing.assert_allclose(seen.cad_model[:, 0], 0.0, atol=1e-5)
+    assert np.ptp(seen.cad_model[:, 1]) > 1.5
 
 
 def test_a_missing_artifact_says_what_to_run(tmp_path: Path) -> None:

@@ -105,7 +105,7 @@ def test_nothing_is_judged_where_the_truth_is_unknown(deliver: Any, package: Pat
     assert by_hand(deliver, package)["surface"] == {"vertices": 0}
 
 
-def test_labels_are_judged_where_the_steel_leaves_the_drawing_clearly(
+def test_labels_are_judged_where_the_steel_leaves_the_cad_model_clearly(
     deliver: Any, package: Path, wall_points: np.ndarray, block_points: np.ndarray
 ) -> None:
     deliver.track()
@@ -172,7 +172,7 @@ def test_deliverables_in_g_are_moved_by_the_true_alignment(deliver: Any, package
     assert by_hand(deliver, package)["surface"]["rmse_m"] == pytest.approx(0, abs=1e-5)
 
 
-def test_without_a_drawing_what_needs_one_is_left_out(
+def test_without_a_cad_model_what_needs_one_is_left_out(
     deliver: Any, package: Path, wall_points: np.ndarray, tmp_path: Path
 ) -> None:
     bare = tmp_path / "bare"

@@ -77,9 +77,9 @@ def test_too_few_landmarks_on_top_give_no_ratio(truth: Truth) -> None:
 
 
 def test_landmarks_without_returns_nearby_have_no_gap(truth: Truth, wall_points: np.ndarray) -> None:
-    assert truth.drawing is not None
-    assert gap_figures(wall_points, np.add(wall_points, [20, 0, 0]), truth.drawing) == {"landmarks": 0}
-    assert gap_figures(wall_points, wall_points[:3], truth.drawing) == {"landmarks": 0}
+    assert truth.cad_model is not None
+    assert gap_figures(wall_points, np.add(wall_points, [20, 0, 0]), truth.cad_model) == {"landmarks": 0}
+    assert gap_figures(wall_points, wall_points[:3], truth.cad_model) == {"landmarks": 0}
 
 
 def test_without_cameras_only_the_track_is_judged(solution: Solution, truth: Truth) -> None:
@@ -87,7 +87,7 @@ def test_without_cameras_only_the_track_is_judged(solution: Solution, truth: Tru
     assert set(method_figures(bare, None, ORIGIN, truth)) == {"trajectory"}
 
 
-def test_without_a_drawing_the_true_frame_is_taken(solution: Solution, truth: Truth) -> None:
+def test_without_a_cad_model_the_true_frame_is_taken(solution: Solution, truth: Truth) -> None:
     lost = replace(solution, T_g_M=np.full(7, np.nan))
     np.testing.assert_array_equal(frame_of(lost, truth).translation[0], [1, 2, 3])
 

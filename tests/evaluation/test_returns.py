@@ -26,10 +26,10 @@ def test_beams_end_on_the_steel(solution: Solution, returns: Returns) -> None:
 
 
 def test_a_residual_is_predicted_minus_measured(package: Path, solution: Solution, returns: Returns) -> None:
-    """The steel stands 12 mm proud of the drawing, so the drawing is farther than what was measured."""
+    """The steel stands 12 mm proud of the CAD model, so the CAD model is farther than what was measured."""
     truth = read_truth(package)
-    assert truth.drawing is not None
-    residuals = range_residuals(adjusted_beams(solution, SHIFT, returns, ORIGIN), truth.drawing)
+    assert truth.cad_model is not None
+    residuals = range_residuals(adjusted_beams(solution, SHIFT, returns, ORIGIN), truth.cad_model)
     assert np.median(residuals) == pytest.approx(0.012 / np.cos(0.02), abs=1e-5)
     assert residuals.max() == pytest.approx(0.112 / np.cos(0.02), abs=1e-5)
 
@@ -48,19 +48,19 @@ def test_dead_reckoning_is_placed_alike(solution: Solution, returns: Returns) ->
     np.testing.assert_allclose(before.points(), adjusted_beams(solution, SHIFT, returns, ORIGIN).points())
 
 
-def test_beams_past_the_drawing_have_no_residual(package: Path, solution: Solution, returns: Returns) -> None:
+def test_beams_past_the_cad_model_have_no_residual(package: Path, solution: Solution, returns: Returns) -> None:
     truth = read_truth(package)
-    assert truth.drawing is not None
+    assert truth.cad_model is not None
     beams = adjusted_beams(solution, of_seven(np.array([-50.0, 2, 3, 0, 0, 0, 1])), returns, ORIGIN)
-    assert len(range_residuals(beams, truth.drawing)) == 0
+    assert len(range_residuals(beams, truth.cad_model)) == 0
 
 
-def test_a_field_moves_the_drawing_along_the_beam(package: Path, solution: Solution, returns: Returns) -> None:
+def test_a_field_moves_the_cad_model_along_the_beam(package: Path, solution: Solution, returns: Returns) -> None:
     """12 mm outward all over: what was measured is then what is predicted, but for the block."""
     truth = read_truth(package)
-    assert truth.drawing is not None
+    assert truth.cad_model is not None
     beams = adjusted_beams(solution, SHIFT, returns, ORIGIN)
-    residuals = range_residuals(beams, truth.drawing, lambda at: np.full(len(at), 0.012))
+    residuals = range_residuals(beams, truth.cad_model, lambda at: np.full(len(at), 0.012))
     assert np.median(np.abs(residuals)) < 1e-6
     assert residuals.max() == pytest.approx(0.1 / np.cos(0.02), abs=1e-5)
 

@@ -40,16 +40,16 @@ def test_near_is_a_distance_to_the_vertices(package: Path) -> None:
     assert truth.near(np.array([[2.0, 0.2, 0.0], [2.0, 0.4, 0.0]]), 0.25).tolist() == [True, False]
 
 
-def test_the_drawing_is_scaled_by_its_unit(package: Path, tmp_path: Path) -> None:
+def test_the_cad_model_is_scaled_by_its_unit(package: Path, tmp_path: Path) -> None:
     mesh = read_mesh(package / "hull.stl", 0.001)
     assert np.ptp(mesh.vertices[:, 0]) == pytest.approx(0.006)
 
 
-def test_a_dive_without_a_drawing_has_none(package: Path, tmp_path: Path) -> None:
+def test_a_dive_without_a_cad_model_has_none(package: Path, tmp_path: Path) -> None:
     (tmp_path / "truth").symlink_to(package / "truth")
     (tmp_path / "dive.toml").write_text("")
     truth = read_truth(tmp_path)
-    assert truth.drawing is None
+    assert truth.cad_model is None
     assert isinstance(truth.T_g_M, Poses)
 
 

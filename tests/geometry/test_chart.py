@@ -98,7 +98,7 @@ def test_a_half_hull_has_girth_from_the_middle_plane(half_steel: Mesh) -> None:
     assert np.isnan(half.from_chart(np.array([[5.0, -1.0]]))[0]).all()
 
 
-def test_a_drawing_with_another_axis_up_has_the_same_girth(steel: Mesh) -> None:
+def test_a_cad_model_with_another_axis_up_has_the_same_girth(steel: Mesh) -> None:
     turn = np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])  # x fwd, y port, z up to z fwd, x port, y up
     turned = chart_for_hull(Mesh(steel.vertices @ turn.T, steel.faces), up=(0.1, 0.9, 0.0))
     assert np.allclose(turned.to_chart((turn @ on_barge(5.0, 2.0))[None])[0], [5, 2, 0], atol=2e-3)
@@ -115,7 +115,7 @@ def test_a_hole_in_the_plating_is_bridged_only_where_it_is_small(steel: Mesh) ->
 
 def test_a_mesh_that_no_ray_meets_is_refused() -> None:
     speck = Mesh(np.array([[0.0, 0, 0], [10, 0, 0], [10, 0, 1]]), np.array([[0, 1, 2]], np.int32))
-    with pytest.raises(InputError, match="drawing"):
+    with pytest.raises(InputError, match="CAD model"):
         chart_for_hull(speck)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Drawings of the chart are seen from outside, upright."""
+"""CAD models of the chart are seen from outside, upright."""
 
 from __future__ import annotations
 

@@ -183,8 +183,8 @@ def survey(
 
 @pytest.fixture
 def bare(trajectory: Trajectory) -> Survey:
-    """Dead reckoning alone: no camera, no drawing, no sonar."""
-    reasons = {"objects.json": "no camera was carried", "alignment.json": "no drawing was given"}
+    """Dead reckoning alone: no camera, no CAD model, no sonar."""
+    reasons = {"objects.json": "no camera was carried", "alignment.json": "no CAD model was given"}
     return Survey(
         dive=Dive(name="bare"), track=track_of(trajectory, None), trajectory=trajectory, navigation={}, findings={},
         tray_origin_m=(0.0, 0.0, 0.0), absent=reasons,

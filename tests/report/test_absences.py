@@ -24,10 +24,10 @@ def test_without_cameras_all_that_needs_images_says_so(solution: Solution) -> No
     assert "ortho_sonar.tif" not in reasons
 
 
-def test_without_a_drawing_there_is_no_alignment(solution: Solution) -> None:
+def test_without_a_cad_model_there_is_no_alignment(solution: Solution) -> None:
     reasons = absences({**ALL, "hull": None}, CHAIN, replace(solution, T_g_M=np.full(7, np.nan)))
     assert list(reasons) == ["alignment.json"]
-    assert "no drawing was given" in reasons["alignment.json"]
+    assert "no CAD model was given" in reasons["alignment.json"]
 
 
 def test_without_a_sonar_its_mosaic_is_absent(solution: Solution) -> None:

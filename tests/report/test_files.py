@@ -63,7 +63,7 @@ def test_without_a_solution_the_trajectory_is_dead_reckoned_in_g(trajectory: Tra
     assert float(row["sigma_x"]) == pytest.approx(0.1 * 5**0.5, rel=1e-5)
 
 
-def test_without_a_drawing_the_trajectory_is_adjusted_in_g(trajectory: Trajectory, solution: Solution) -> None:
+def test_without_a_cad_model_the_trajectory_is_adjusted_in_g(trajectory: Trajectory, solution: Solution) -> None:
     track = track_of(trajectory, replace(solution, T_g_M=np.full(7, np.nan)))
     assert track.frame == "g"
     np.testing.assert_allclose(track.poses.translation, solution.translation)
@@ -126,8 +126,8 @@ def test_the_alignment_names_its_prior_and_its_weak_directions(solution: Solutio
     assert said["weak_directions"][0]["sentence"] == "along"
 
 
-def test_an_alignment_without_a_drawing_is_refused(solution: Solution) -> None:
-    with pytest.raises(ValueError, match="no drawing"):
+def test_an_alignment_without_a_cad_model_is_refused(solution: Solution) -> None:
+    with pytest.raises(ValueError, match="no CAD model"):
         alignment_json(replace(solution, T_g_M=np.full(7, np.nan)), Hull(mesh="h"), [])
 
 

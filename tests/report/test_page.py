@@ -146,7 +146,7 @@ def test_the_summary_has_at_most_ten_lines_and_begins_with_the_dive(survey: Surv
     assert "The position along the hull is uncertain by 0.50 m." in lines
     assert "1 object found on the hull (1 protrusion); the largest, no. 1, has a height of 0.100 ± 0.004 m." in lines
     assert (
-        "Where it was seen the hull lies 6 mm outside its drawing in the median; nine tenths of it between +6 and +6 mm."
+        "Where it was seen the hull lies 6 mm outside its CAD model in the median; nine tenths of it between +6 and +6 mm."
         in lines
     )
 
@@ -165,9 +165,9 @@ def test_a_place_that_was_not_reported_is_named_with_its_reason(survey: Survey) 
     assert "seen from two views only (height 0.031 m at 1.00, -1.20, 0.00)" in page.text
 
 
-def test_an_object_without_a_drawing_has_no_distance_to_it(survey: Survey, found: dict[str, Any]) -> None:
+def test_an_object_without_a_cad_model_has_no_distance_to_it(survey: Survey, found: dict[str, Any]) -> None:
     (card,) = page_view(replace(survey, objects=({**found, "deviation": None},)), [], FILES)["cards"]
-    assert ("Largest distance to the drawing", "–") in card["rows"]
+    assert ("Largest distance to the CAD model", "–") in card["rows"]
 
 
 def test_no_object_is_said_in_words(survey: Survey) -> None:

@@ -94,6 +94,6 @@ def test_the_histogram_weighs_a_surface_by_its_area(plate: Surface, solution: So
     assert share["-0.002"] == pytest.approx(100 * 1.0 / 2.5, abs=1e-3)
 
 
-def test_without_a_drawing_there_is_no_histogram(plate: Surface, solution: Solution) -> None:
+def test_without_a_cad_model_there_is_no_histogram(plate: Surface, solution: Solution) -> None:
     lost = replace(solution, deviation=np.full(3, np.nan))
     assert deviation_histogram(lost, replace(plate, deviation=np.full(15, np.nan))) is None

@@ -51,8 +51,8 @@ def sections(dive, **options):
     top = schema.CameraTop(calibration="top.yaml", mount=six(m.rig.T_s_ct.nominal), mount_sigma=sigma) if m.rig.T_s_ct else None
     bottom = schema.CameraBottom(calibration="bottom.yaml", pose_in_top=six(TOP_FROM_BOTTOM)) if m.rig.T_ct_cb else None
     hull = (
-        schema.Hull(mesh="hull.stl", pose=six(m.drawing.guess), pose_sigma=tuple((GUESS_SIGMA * TO_DEGREES).tolist()))
-        if m.drawing
+        schema.Hull(mesh="hull.stl", pose=six(m.cad_model.guess), pose_sigma=tuple((GUESS_SIGMA * TO_DEGREES).tolist()))
+        if m.cad_model
         else None
     )
     return {
@@ -85,8 +85,8 @@ def ingested(folder, m):
         index = ImageIndex(t_ns=m.trajectory.t_ns, file=np.full(n, ""), offset=zero, size=zero, usable=np.ones(n, bool))
         for name in cameras:
             keep(folder, f"images_camera_{name}", index)
-    if m.drawing is not None:
-        np.savez(folder / "hull.npz", vertices=m.drawing.mesh.vertices, faces=m.drawing.mesh.faces)
+    if m.cad_model is not None:
+        np.savez(folder / "hull.npz", vertices=m.cad_model.mesh.vertices, faces=m.cad_model.mesh.faces)
 
 
 def run(root, dive, **options):
@@ -181,7 +181,7 @@ def test_two_runs_leave_the_same_bytes(stereo, tmp_path):
         assert (again / path.relative_to(out)).read_bytes() == path.read_bytes(), path.name
 
 
-def test_without_a_drawing_there_is_no_chart_and_the_model_stands_in_g(tmp_path):
+def test_without_a_cad_model_there_is_no_chart_and_the_model_stands_in_g(tmp_path):
     out = run(tmp_path, simulate(cad=False))
     assert not (out / "chart.npz").exists()
     found, model = solution_in(out), pycolmap.Reconstruction(str(out / "colmap"))
@@ -216,7 +216,7 @@ def test_refined_intrinsics_are_written_for_the_steps_that_follow(tmp_path):
 def test_the_true_hull_is_found_where_the_guess_was_centimetres_off(stereo):
     dive, out = stereo
     found = solution_in(out)
-    guess = dive.measured.drawing.guess.matrix()[0]
+    guess = dive.measured.cad_model.guess.matrix()[0]
     middle = found.survey_center
 
     def off(pose):

@@ -26,7 +26,7 @@ from hullrecon.records.solution import Solution
 from hullrecon.records.surface import Surface
 from hullrecon.steps.detect import STAGE
 
-OFF, HEIGHT = -0.010, 0.09  # the wall is 1 cm behind its drawing and carries a disc 9 cm high
+OFF, HEIGHT = -0.010, 0.09  # the wall is 1 cm behind its CAD model and carries a disc 9 cm high
 STILL = np.array([0, 0, 0, 0, 0, 0, 1.0])
 T_g_M = from_mount([5, 7, 3, 180, 0, 0])
 CHART = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
@@ -80,7 +80,7 @@ class Bench:
         self.solution, self.surface = _solution(self.landmarks), _dvl_surface()
         self.hull, self.camera, self.sonar = True, True, False
 
-    def without_drawing(self) -> None:
+    def without_cad_model(self) -> None:
         self.hull = False
         unknown = np.full(len(self.surface.sigma), np.nan)
         self.surface = replace(self.surface, vertices=T_g_M.apply(self.surface.vertices), deviation=unknown)
@@ -197,8 +197,8 @@ def test_without_a_sonar_coverage_says_null(bench: Bench) -> None:
     assert _json(bench.run(), "coverage.json")["sonar"] is None
 
 
-def test_without_a_drawing_structures_are_told_from_the_own_surface(bench: Bench) -> None:
-    bench.without_drawing()
+def test_without_a_cad_model_structures_are_told_from_the_own_surface(bench: Bench) -> None:
+    bench.without_cad_model()
     out = bench.run()
     (item,) = _json(out, "objects.json")["objects"]
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
@@ -215,7 +215,7 @@ def test_without_a_field_running_medians_stand_in(bench: Bench) -> None:
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
 
 
-def test_without_a_camera_the_drawing_is_moved_to_the_dvls_surface(bench: Bench) -> None:
+def test_without_a_camera_the_cad_model_is_moved_to_the_dvls_surface(bench: Bench) -> None:
     bench.without_camera()
     out = bench.run()
     found = from_arrays(Surface, load_arrays(out / "as_found.npz"))
@@ -226,12 +226,12 @@ def test_without_a_camera_the_drawing_is_moved_to_the_dvls_surface(bench: Bench)
     assert _json(out, "coverage.json")["camera"] is None
 
 
-def test_with_neither_camera_nor_drawing_as_found_is_absent_with_its_reason(bench: Bench) -> None:
-    bench.without_drawing()
+def test_with_neither_camera_nor_cad_model_as_found_is_absent_with_its_reason(bench: Bench) -> None:
+    bench.without_cad_model()
     bench.without_camera()
     out = bench.run()
     assert not (out / "as_found.npz").exists()
-    assert "no drawing" in _json(out, "detect.json")["as_found"]
+    assert "no CAD model" in _json(out, "detect.json")["as_found"]
 
 
 def test_what_was_not_reported_is_named_with_its_reason(bench: Bench) -> None:

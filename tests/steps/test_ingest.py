@@ -109,7 +109,7 @@ def test_two_runs_give_the_same_bytes(package, tmp_path):
     assert [(first / name).read_bytes() for name in names] == [(second / name).read_bytes() for name in names]
 
 
-def test_without_a_drawing_there_is_no_hull(package, tmp_path):
+def test_without_a_cad_model_there_is_no_hull(package, tmp_path):
     text = (package / "dive.toml").read_text()
     (package / "dive.toml").write_text(text.split("[hull]")[0])
     assert not (run(package, tmp_path / "ingest") / "hull.npz").exists()

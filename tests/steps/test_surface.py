@@ -152,7 +152,7 @@ def test_without_an_adjustment_the_first_guess_places_the_dive(bench: Bench) -> 
     assert "hull.pose" in str(facts["poses"])
 
 
-def test_without_a_drawing_the_surface_is_in_g_and_has_no_deviation(bench: Bench) -> None:
+def test_without_a_cad_model_the_surface_is_in_g_and_has_no_deviation(bench: Bench) -> None:
     bench.sections["hull"] = None
     surface, _ = _read(bench.run())
     y, z = surface.vertices[:, 1], -surface.vertices[:, 2]
@@ -205,14 +205,14 @@ def test_two_runs_give_the_same_bytes(bench: Bench, tmp_path: Path) -> None:
     assert (first / "surface.npz").read_bytes() == (second / "surface.npz").read_bytes()
 
 
-def test_with_a_drawing_the_record_says_that_the_comparison_is_partly_circular(bench: Bench) -> None:
+def test_with_a_cad_model_the_record_says_that_the_comparison_is_partly_circular(bench: Bench) -> None:
     _, facts = _read(bench.run())
     assert facts["reference"] == "cad"
     assert "partly circular" in str(facts["comparison"])
     assert "poses that place the returns were adjusted" in str(facts["comparison"])
 
 
-def test_without_a_drawing_there_is_nothing_to_compare(bench: Bench) -> None:
+def test_without_a_cad_model_there_is_nothing_to_compare(bench: Bench) -> None:
     bench.sections["hull"] = None
     _, facts = _read(bench.run())
     assert facts["reference"] == "plane"
@@ -220,7 +220,7 @@ def test_without_a_drawing_there_is_nothing_to_compare(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize("reference", ["cad", "plane", "none"])
-def test_a_bump_that_the_drawing_lacks_is_found_with_every_reference(bench: Bench, reference: str) -> None:
+def test_a_bump_that_the_cad_model_lacks_is_found_with_every_reference(bench: Bench, reference: str) -> None:
     beam_end = _ends(bench)
     bump = 0.08 * np.exp(-0.5 * ((beam_end[:, 0] - 5) ** 2 + (beam_end[:, 2] - 3) ** 2) / 0.5**2)
     bench.returns = replace(bench.returns, range_m=bench.returns.range_m - bump)

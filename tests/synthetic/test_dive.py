@@ -8,15 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hullrecon.synthetic.dive import Dive, photographs, pings, simulate_dive
-from hullrecon.synthetic.recorder import START_NS, InTurn, in_order, record, stamp_ns
-from hullrecon.synthetic.rig import rig_of
-from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.dive import Dive, simulate_dive
+from hullrecon.synthetic.options import spec_from, with_options
+from hullrecon.synthetic.sensors.photographs import photographs
+from hullrecon.synthetic.sensors.recorder import START_NS, InTurn, in_order, record, stamp_ns
+from hullrecon.synthetic.sensors.sonar import pings
+from hullrecon.synthetic.vehicle.rig import true_rig
 
 
 def test_views_set_the_frame_rate(dive: Dive) -> None:
     """Three views over a footprint of standoff / 1.03 at 0.3 m/s."""
-    expected = dive.spec.views * dive.spec.speed / (dive.spec.standoff_m / 1.03)
+    expected = dive.spec.cameras.views * dive.spec.survey.speed_m_per_s / (dive.spec.survey.standoff_m / 1.03)
     assert 1 / np.diff(dive.frame_s).mean() == pytest.approx(expected, rel=0.02)
 
 
@@ -46,16 +48,16 @@ def test_pings_come_twice_a_second_and_see_the_hull(dive: Dive) -> None:
 
 
 def test_the_rig_is_off_nominal_by_little_and_by_its_seed_alone() -> None:
-    a, b = rig_of(DiveSpec(seed=1)), rig_of(DiveSpec(seed=1, legs=9))
+    a, b = true_rig(spec_from(seed=1)), true_rig(spec_from(seed=1, legs=9))
     np.testing.assert_array_equal(a.T_s_ct.matrix(), b.T_s_ct.matrix())
-    assert (rig_of(DiveSpec(seed=2)).T_s_ct.matrix() != a.T_s_ct.matrix()).any()
+    assert (true_rig(spec_from(seed=2)).T_s_ct.matrix() != a.T_s_ct.matrix()).any()
 
 
 def test_the_camera_looks_through_pixels_as_wide_as_asked() -> None:
-    rig = rig_of(DiveSpec(image_width=800, image_height=600))
+    rig = true_rig(spec_from(image_width=800, image_height=600))
     assert (rig.camera_top.width, rig.camera_top.height) == (800, 600)
     assert rig.camera_top.fx == pytest.approx(824)
-    assert rig_of(DiveSpec(cameras="mono")).camera_bottom is None
+    assert true_rig(spec_from(cameras="mono")).camera_bottom is None
 
 
 def test_stamps_are_nanoseconds_since_the_start() -> None:
@@ -63,7 +65,7 @@ def test_stamps_are_nanoseconds_since_the_start() -> None:
 
 
 def test_readings_come_in_the_order_of_time(dive: Dive) -> None:
-    spec = replace(dive.spec, cameras="none", sonar=False)
+    spec = with_options(dive.spec, cameras="none", sonar=False)
     rows = list(in_order(record(replace(dive, spec=spec))))
     assert rows == sorted(rows)
     assert {name for _, name, _ in rows} == {"imu", "joints", "pressure", "dvl"}
@@ -71,7 +73,7 @@ def test_readings_come_in_the_order_of_time(dive: Dive) -> None:
 
 def test_a_dive_on_another_hull_follows_its_waterline() -> None:
     """Round the bow, where a line of constant girth from the keel would climb out of the water."""
-    dive = simulate_dive(DiveSpec(along_m=44.0, legs=2, leg_length_m=3.0, structures=0, marks=0, barnacles=0, cameras="none"))
+    dive = simulate_dive(spec_from(along_m=44.0, legs=2, leg_length_m=3.0, structures=0, marks=0, barnacles=0, cameras="none"))
     depth = dive.motion.position[:, 2]
     first = dive.motion.t_s < 9
     assert np.ptp(depth[first]) < 0.35

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How wrong the drawing is expected to be, as the covariance of distances to it, and which points say nothing of it.
+"""How wrong the CAD model is expected to be, as the covariance of distances to it, and which points say nothing of it.
 
 Sigma and lengths of the smooth error are the package's. Fitted by likelihood instead, they follow what the points have in
 common for other reasons (facets, smoothed landmarks): docs/adr/0010. An offset of the whole hull is always possible.
@@ -15,18 +15,18 @@ import numpy as np
 from scipy.linalg import cho_solve
 
 from hullrecon.adjustment.facets import facets_near
-from hullrecon.adjustment.problem.measurements import Drawing
+from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.typing import Array, Mask
 
 POINT_NOISE_M = 0.005  # of the mean of a voxel of landmarks and returns
-OFFSET_SHARE = 0.7  # sigma of the common offset in the drawing's deviation_sigma
+OFFSET_SHARE = 0.7  # sigma of the common offset in the CAD model's deviation_sigma
 STRAY_SIGMAS = 4.0
 
 
 @dataclass(frozen=True)
 class Misfit:
     """sigma: of the smooth error, m; length: along and over the girth, m; noise: of a point, m; offset: sigma of an error
-    common to the whole drawing, m."""
+    common to the whole CAD model, m."""
 
     sigma: float
     length: tuple[float, float]
@@ -34,20 +34,20 @@ class Misfit:
     offset: float
 
 
-def expected(drawing: Drawing) -> Misfit:
-    """What the package says of its drawing."""
-    sigma = drawing.deviation_sigma
-    return Misfit(sigma, drawing.deviation_length, POINT_NOISE_M, OFFSET_SHARE * sigma)
+def expected(cad_model: CadModel) -> Misfit:
+    """What the package says of its CAD model."""
+    sigma = cad_model.deviation_sigma
+    return Misfit(sigma, cad_model.deviation_length, POINT_NOISE_M, OFFSET_SHARE * sigma)
 
 
-def covariance(misfit: Misfit, drawing: Drawing, at: Array) -> Array:
-    """Covariance (n, n) of the signed distances of points (n, 3) in M to the drawing: smooth error, offset, facets, noise.
+def covariance(misfit: Misfit, cad_model: CadModel, at: Array) -> Array:
+    """Covariance (n, n) of the signed distances of points (n, 3) in M to the CAD model: smooth error, offset, facets, noise.
 
     The facets' pattern repeats all over a survey, which no stationary covariance says: the points on one facet share out the
     information of one (docs/methods.md 9), with three of its sigmas, lest a slide by one facet look like a better place.
     """
-    along_girth = np.nan_to_num(drawing.chart.to_chart(at)[:, :2])
-    return _covariance(misfit, along_girth, _facet_variance(drawing, at, along_girth))
+    along_girth = np.nan_to_num(cad_model.chart.to_chart(at)[:, :2])
+    return _covariance(misfit, along_girth, _facet_variance(cad_model, at, along_girth))
 
 
 def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> Array:
@@ -58,8 +58,8 @@ def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> A
     return np.asarray(sigma**2 * (1 + np.sqrt(3) * r) * np.exp(-np.sqrt(3) * r))
 
 
-def _facet_variance(drawing: Drawing, at: Array, along_girth: Array) -> float:
-    facets = facets_near(drawing.mesh, at)
+def _facet_variance(cad_model: CadModel, at: Array, along_girth: Array) -> float:
+    facets = facets_near(cad_model.mesh, at)
     cells = len(np.unique(np.floor(along_girth / facets.length).astype(np.int64), axis=0))
     return float((3 * facets.sigma) ** 2 * len(at) / cells)
 

@@ -3,7 +3,7 @@
 """Where on the hull the dive was: T_g_M settled by profile along the hull, and its covariance.
 
 The solve slides along a flat valley and stops at a facet's edge or where its tolerance lets it (docs/methods.md 9). The
-posterior along the valley, with the drawing's error as correlated noise, is what is known; its mean is the place that the last
+posterior along the valley, with the CAD model's error as correlated noise, is what is known; its mean is the place that the last
 round holds.
 """
 
@@ -20,7 +20,7 @@ from hullrecon.adjustment.hull_pose import cad_error, profile_likelihood, regist
 from hullrecon.adjustment.hull_pose.cad_error import Misfit
 from hullrecon.adjustment.hull_pose.observability import weak_directions
 from hullrecon.adjustment.problem.assembly import Selection
-from hullrecon.adjustment.problem.measurements import Drawing, Measurements, return_points
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements, return_points
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry.poses import Poses
@@ -32,10 +32,10 @@ MOST_LOOKS = 3
 
 @dataclass(frozen=True)
 class Ground:
-    """Points (n, 3) in g that lie on the hull, the drawing, the survey's centre (3,) in M, and how wrong the drawing may be."""
+    """Points (n, 3) in g that lie on the hull, the CAD model, the survey's centre (3,) in M, and how wrong the CAD model may be."""
 
     points: Array
-    drawing: Drawing
+    cad_model: CadModel
     center: Array
     misfit: Misfit
 
@@ -50,9 +50,9 @@ def points_on_hull(m: Measurements, state: State, chosen: Selection, label: Ints
     return registration.thin(np.vstack(parts), 0.15, 800)
 
 
-def surveyed(points: Array, place: Poses, drawing: Drawing, center: Array) -> tuple[Ground, Poses]:
+def surveyed(points: Array, place: Poses, cad_model: CadModel, center: Array) -> tuple[Ground, Poses]:
     """The ground under points (n, 3) in g, stray ones left out; and T_g_M settled on it from `place`."""
-    ground, index = Ground(points, drawing, center, cad_error.expected(drawing)), _index(drawing)
+    ground, index = Ground(points, cad_model, center, cad_error.expected(cad_model)), _index(cad_model)
     for _ in range(MOST_LOOKS):
         valley = _valley(ground, place, ALONG, index)
         place, _ = profile_likelihood.descended(valley, place)
@@ -70,10 +70,10 @@ def settled(ground: Ground, place: Poses) -> Poses:
 
 
 def covariance(ground: Ground, place: Poses) -> Array:
-    """Covariance (6, 6) of T_g_M about the centre, given the points: what the drawing's error, its facets and the package's
+    """Covariance (6, 6) of T_g_M about the centre, given the points: what the CAD model's error, its facets and the package's
     prior leave open; with the variances along the hull and along its weak directions from their profiles, taken as the
     posterior's second moment about the delivered place."""
-    out = profile_likelihood.posterior(_valley(ground, place, ALONG, _index(ground.drawing)), place)
+    out = profile_likelihood.posterior(_valley(ground, place, ALONG, _index(ground.cad_model)), place)
     for direction in _directions(hull_axes(out, place)):
         found = _profile(ground, place, direction)
         out = profile_likelihood.inflated(out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), place)
@@ -81,22 +81,22 @@ def covariance(ground: Ground, place: Poses) -> Array:
 
 
 def _profile(ground: Ground, place: Poses, direction: Array) -> profile_likelihood.Profile:
-    valley = _valley(ground, place, direction, _index(ground.drawing))
+    valley = _valley(ground, place, direction, _index(ground.cad_model))
     return profile_likelihood.profile(
-        valley, place, reach=3 * float(np.linalg.norm(direction * ground.drawing.guess_sigma[:3]))
+        valley, place, reach=3 * float(np.linalg.norm(direction * ground.cad_model.guess_sigma[:3]))
     )
 
 
 def _valley(ground: Ground, place: Poses, direction: Array, index: native.MeshIndex) -> profile_likelihood.Valley:
-    return profile_likelihood.Valley(ground.points, direction, ground.drawing, ground.center, index, _factor(ground, place))
+    return profile_likelihood.Valley(ground.points, direction, ground.cad_model, ground.center, index, _factor(ground, place))
 
 
 def _factor(ground: Ground, place: Poses) -> Any:
-    return cho_factor(cad_error.covariance(ground.misfit, ground.drawing, place.inverse().apply(ground.points)), lower=True)
+    return cho_factor(cad_error.covariance(ground.misfit, ground.cad_model, place.inverse().apply(ground.points)), lower=True)
 
 
-def _index(drawing: Drawing) -> native.MeshIndex:
-    return native.MeshIndex(drawing.mesh.vertices, drawing.mesh.faces)
+def _index(cad_model: CadModel) -> native.MeshIndex:
+    return native.MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
 
 
 def _directions(hull_in_axes: Array) -> list[Array]:

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The weak direction profiled: how sure the position along the hull really is (docs/methods.md 9).
 
-The Hessian at the optimum sees the drawing's curvature at one place; the valley is flat and not parabolic. Here the hull is
-held at steps along its weak direction while the other five freedoms and the drawing's error (as correlated noise) settle. The
+The Hessian at the optimum sees the CAD model's curvature at one place; the valley is flat and not parabolic. Here the hull is
+held at steps along its weak direction while the other five freedoms and the CAD model's error (as correlated noise) settle. The
 posterior over the steps gives mean and sigma.
 """
 
@@ -21,7 +21,7 @@ from hullrecon.adjustment.hull_pose.registration import (
     prior_step,
     signed_distances,
 )
-from hullrecon.adjustment.problem.measurements import Drawing
+from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex
 from hullrecon.typing import Array
@@ -43,12 +43,12 @@ class Profile:
 
 @dataclass(frozen=True)
 class Valley:
-    """What a profile needs: points (n, 3) in g that lie on the hull, the weak direction (3,) unit in M, the drawing, the
-    survey's centre in M, the drawing's index, the Cholesky factor of the points' errors (the drawing's field and noise)."""
+    """What a profile needs: points (n, 3) in g that lie on the hull, the weak direction (3,) unit in M, the CAD model, the
+    survey's centre in M, the CAD model's index, the Cholesky factor of the points' errors (the CAD model's field and noise)."""
 
     points: Array
     direction: Array
-    drawing: Drawing
+    cad_model: CadModel
     center: Array
     index: MeshIndex
     factor: Any
@@ -133,8 +133,8 @@ def _linearised(v: Valley, pose: Poses) -> tuple[float, Array, Array]:
     """Cost, gradient (6,) and information (6, 6) at T_g_M."""
     distance, jacobian = signed_distances(v.points, pose, v.center, v.index)
     solved = cho_solve(v.factor, np.c_[jacobian, distance])
-    whitened = prior_rows(v.drawing)
-    prior = prior_step(pose, v.drawing, v.center) / v.drawing.guess_sigma
+    whitened = prior_rows(v.cad_model)
+    prior = prior_step(pose, v.cad_model, v.center) / v.cad_model.guess_sigma
     cost = 0.5 * float(distance @ solved[:, 6] + prior @ prior)
     return cost, jacobian.T @ solved[:, 6] + whitened.T @ prior, jacobian.T @ solved[:, :6] + whitened.T @ whitened
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Registration of DVL returns to the drawing [Ozog2016 4.2.5] (docs/methods.md 5): GICP from a grid of starts, then a
+"""Registration of DVL returns to the CAD model [Ozog2016 4.2.5] (docs/methods.md 5): GICP from a grid of starts, then a
 correlated fit.
 
-GICP finds the basin. Its information is that of independent points, which a drawing wrong by centimetres over metres does
-not give; so the last step is a generalised least-squares fit whose noise holds the drawing's error as a Matern 3/2 field
+GICP finds the basin. Its information is that of independent points, which a CAD model wrong by centimetres over metres does
+not give; so the last step is a generalised least-squares fit whose noise holds the CAD model's error as a Matern 3/2 field
 over the chart, together with the package's prior. Its covariance says what the geometry does and does not resolve.
 """
 
@@ -18,7 +18,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial import cKDTree
 
 from hullrecon.adjustment.hull_pose import cad_error
-from hullrecon.adjustment.problem.measurements import Drawing
+from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry import poses
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
@@ -38,16 +38,16 @@ class Registration:
     fitness: float
 
 
-def register(points: Array, drawing: Drawing, sigma_range: float, seed: int = 0) -> Registration:
+def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int = 0) -> Registration:
     """T_g_M from returns (n, 3) in g, started from the package's guess and from a grid around it within its sigma."""
     kept = thin(points, 0.10, 2500)
-    center = drawing.guess.inverse().apply(kept).mean(0)
-    index = MeshIndex(drawing.mesh.vertices, drawing.mesh.faces)
-    target = _target_cloud(drawing.mesh, drawing.guess.inverse().apply(kept), seed)
-    candidates = [_gicp(kept, target, start) for start in _starts(drawing, center)]
-    candidates.append(drawing.guess)
-    costs = [_trimmed_cost(kept, pose, drawing, center, index) for pose in candidates]
-    return fit_correlated(kept, candidates[int(np.argmin(costs))], drawing, center, index, sigma_range)
+    center = cad_model.guess.inverse().apply(kept).mean(0)
+    index = MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
+    target = _target_cloud(cad_model.mesh, cad_model.guess.inverse().apply(kept), seed)
+    candidates = [_gicp(kept, target, start) for start in _starts(cad_model, center)]
+    candidates.append(cad_model.guess)
+    costs = [_trimmed_cost(kept, pose, cad_model, center, index) for pose in candidates]
+    return fit_correlated(kept, candidates[int(np.argmin(costs))], cad_model, center, index, sigma_range)
 
 
 def thin(points: Array, voxel: float, most: int) -> Array:
@@ -73,15 +73,15 @@ def perturbed(hull_from: Poses, center: Array, step: Array) -> Poses:
     return turned @ about(center).inverse()
 
 
-def _starts(drawing: Drawing, center: Array) -> list[Poses]:
+def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
     """The guess, and one sigma along the hull and in yaw around it, in M's axes."""
-    rotate = drawing.guess.rotation.as_matrix()[0]
+    rotate = cad_model.guess.rotation.as_matrix()[0]
     starts = []
     for along in (0.0, -1.0, 1.0):
         for yaw in (0.0, -1.0, 1.0):
-            shift = rotate @ (np.array([along, 0, 0]) * drawing.guess_sigma[:3])
-            turn = np.array([0, 0, yaw]) * drawing.guess_sigma[3:]
-            starts.append(perturbed(drawing.guess, center, np.r_[shift, turn]))
+            shift = rotate @ (np.array([along, 0, 0]) * cad_model.guess_sigma[:3])
+            turn = np.array([0, 0, yaw]) * cad_model.guess_sigma[3:]
+            starts.append(perturbed(cad_model.guess, center, np.r_[shift, turn]))
     return starts
 
 
@@ -126,27 +126,27 @@ def _gicp(points: Array, target: Array, start: Poses) -> Poses:
     return poses.from_matrix(np.round(result.transformation, 6)).inverse()
 
 
-def prior_step(hull_from: Poses, drawing: Drawing, center: Array) -> Array:
+def prior_step(hull_from: Poses, cad_model: CadModel, center: Array) -> Array:
     """(6,) error against the guess in M's axes about the centre: what `guess_sigma` whitens."""
-    return np.asarray(((drawing.guess @ about(center)).inverse() @ hull_from @ about(center)).log()[0])
+    return np.asarray(((cad_model.guess @ about(center)).inverse() @ hull_from @ about(center)).log()[0])
 
 
-def _trimmed_cost(points: Array, hull_from: Poses, drawing: Drawing, center: Array, index: MeshIndex) -> float:
-    """Mean square of the best 80 % of the distances over the drawing's sigma, plus the prior's share."""
+def _trimmed_cost(points: Array, hull_from: Poses, cad_model: CadModel, center: Array, index: MeshIndex) -> float:
+    """Mean square of the best 80 % of the distances over the CAD model's sigma, plus the prior's share."""
     distance = np.sort(np.abs(index.closest(hull_from.inverse().apply(points)).distance))
     trimmed = distance[: max(1, int(0.8 * len(distance)))]
-    prior = prior_step(hull_from, drawing, center) / drawing.guess_sigma
-    return float(np.mean(trimmed**2) / drawing.deviation_sigma**2 + prior @ prior / len(drawing.guess_sigma))
+    prior = prior_step(hull_from, cad_model, center) / cad_model.guess_sigma
+    return float(np.mean(trimmed**2) / cad_model.deviation_sigma**2 + prior @ prior / len(cad_model.guess_sigma))
 
 
 def fit_correlated(
-    points: Array, start: Poses, drawing: Drawing, center: Array, index: MeshIndex, sigma_range: float, iterations: int = 60
+    points: Array, start: Poses, cad_model: CadModel, center: Array, index: MeshIndex, sigma_range: float, iterations: int = 60
 ) -> Registration:
-    """Levenberg-Marquardt on signed distances whose errors are range noise and the drawing's correlated deviation. Outliers are
+    """Levenberg-Marquardt on signed distances whose errors are range noise and the CAD model's correlated deviation. Outliers are
     weighed down by their distance at the start, so that the cost is one function and its descent ends."""
-    field = cad_error.covariance(replace(cad_error.expected(drawing), noise=0.0), drawing, start.inverse().apply(points))
-    noise = _robust_noise(signed_distances(points, start, center, index)[0], sigma_range, drawing.deviation_sigma)
-    problem = _Correlated(points, drawing, center, index, cho_factor(field + np.diag(noise**2)))
+    field = cad_error.covariance(replace(cad_error.expected(cad_model), noise=0.0), cad_model, start.inverse().apply(points))
+    noise = _robust_noise(signed_distances(points, start, center, index)[0], sigma_range, cad_model.deviation_sigma)
+    problem = _Correlated(points, cad_model, center, index, cho_factor(field + np.diag(noise**2)))
     pose, damping = start, 1e-4
     cost, right, information, distance = problem.linearised(pose)
     for _ in range(iterations):
@@ -161,7 +161,7 @@ def fit_correlated(
         cost, right, information, distance = there
         if settled:
             break
-    within = float(np.mean(np.abs(distance) < 3 * np.hypot(sigma_range, drawing.deviation_sigma)))
+    within = float(np.mean(np.abs(distance) < 3 * np.hypot(sigma_range, cad_model.deviation_sigma)))
     return Registration(pose, np.asarray(np.linalg.inv(information)), center, distance, within)
 
 
@@ -170,7 +170,7 @@ class _Correlated:
     """The generalised least-squares problem of `fit_correlated`; factor: Cholesky factor of the errors' covariance."""
 
     points: Array
-    drawing: Drawing
+    cad_model: CadModel
     center: Array
     index: MeshIndex
     factor: Any
@@ -179,19 +179,19 @@ class _Correlated:
         """Cost, gradient (6,), information (6, 6) and signed distances at T_g_M."""
         distance, jacobian = signed_distances(self.points, pose, self.center, self.index)
         weighted = cho_solve(self.factor, np.c_[jacobian, distance])
-        whitened = prior_rows(self.drawing)
-        prior = prior_step(pose, self.drawing, self.center) / self.drawing.guess_sigma
+        whitened = prior_rows(self.cad_model)
+        prior = prior_step(pose, self.cad_model, self.center) / self.cad_model.guess_sigma
         cost = 0.5 * float(distance @ weighted[:, 6] + prior @ prior)
         right = jacobian.T @ weighted[:, 6] + whitened.T @ prior
         return cost, right, jacobian.T @ weighted[:, :6] + whitened.T @ whitened, distance
 
 
-def prior_rows(drawing: Drawing) -> Array:
+def prior_rows(cad_model: CadModel) -> Array:
     """Whitened derivative of `prior_step` by the step of `perturbed` (translation in g, rotation in M)."""
-    to_hull = drawing.guess.rotation.as_matrix()[0].T
+    to_hull = cad_model.guess.rotation.as_matrix()[0].T
     rows = np.zeros((6, 6))
     rows[:3, :3], rows[3:, 3:] = to_hull, np.eye(3)
-    return np.asarray(rows / drawing.guess_sigma[:, None])
+    return np.asarray(rows / cad_model.guess_sigma[:, None])
 
 
 def signed_distances(points: Array, hull_from: Poses, center: Array, index: MeshIndex) -> tuple[Array, Array]:

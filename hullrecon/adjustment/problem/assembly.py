@@ -14,7 +14,7 @@ import numpy as np
 
 from hullrecon.adjustment.hull_pose.registration import about
 from hullrecon.adjustment.problem.deviation_field import prior_rows
-from hullrecon.adjustment.problem.measurements import Drawing, Measurements, Mount
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements, Mount
 from hullrecon.adjustment.problem.state import State, Weights, from_seven, seven
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex, Problem
@@ -53,8 +53,8 @@ def assemble(
         _camera_tables(problem, m, state, weights, chosen, held)
     else:
         held += ["T_s_ct", "T_ct_cb"]
-    if m.drawing is not None and state.T_g_M is not None:
-        _drawing_tables(problem, m, m.drawing, state, weights, chosen, center)
+    if m.cad_model is not None and state.T_g_M is not None:
+        _cad_model_tables(problem, m, m.cad_model, state, weights, chosen, center)
     else:
         held += ["T_g_M", "deviation"]
     if hold_place:
@@ -158,15 +158,15 @@ def _camera_tables(
     problem.mono_pixel = np.vstack([tracks.top[top], tracks.bottom[bottom]])
 
 
-def _drawing_tables(
-    problem: Problem, m: Measurements, drawing: Drawing, state: State, weights: Weights, chosen: Selection, center: Array
+def _cad_model_tables(
+    problem: Problem, m: Measurements, cad_model: CadModel, state: State, weights: Weights, chosen: Selection, center: Array
 ) -> None:
     """The hull, its prior, ranges and surface factors, the deviation field."""
     assert state.T_g_M is not None
-    problem.vertices, problem.faces = drawing.mesh.vertices - center, drawing.mesh.faces
+    problem.vertices, problem.faces = cad_model.mesh.vertices - center, cad_model.mesh.faces
     problem.T_g_M = seven(state.T_g_M @ about(center))
-    problem.prior_T_g_M = seven(drawing.guess @ about(center))
-    problem.prior_T_g_M_sqrt = np.diag(1.0 / drawing.guess_sigma)
+    problem.prior_T_g_M = seven(cad_model.guess @ about(center))
+    problem.prior_T_g_M_sqrt = np.diag(1.0 / cad_model.guess_sigma)
     n = len(chosen.landmarks)
     problem.surface_landmark = np.arange(n, dtype=np.int32)
     problem.surface_weight = weights.surface[chosen.landmarks]
@@ -174,14 +174,14 @@ def _drawing_tables(
         _range_tables(problem, m, weights, chosen)
     if state.grid is None:
         return
-    rows = prior_rows(state.grid, drawing.deviation_sigma, drawing.deviation_length)
+    rows = prior_rows(state.grid, cad_model.deviation_sigma, cad_model.deviation_length)
     problem.deviation = state.field.copy()
     problem.field_prior_start = rows.indptr.astype(np.int32)
     problem.field_prior_index, problem.field_prior_value = rows.indices.astype(np.int32), rows.data
-    at = drawing.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[chosen.landmarks]))
+    at = cad_model.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[chosen.landmarks]))
     problem.surface_field_index, problem.surface_field_weight = state.grid.basis(at[:, :2])
     if m.returns is not None:
-        at = drawing.chart.to_chart(_hits(problem, m, state, chosen) + center)
+        at = cad_model.chart.to_chart(_hits(problem, m, state, chosen) + center)
         problem.range_field_index, problem.range_field_weight = state.grid.basis(at[:, :2])
 
 
@@ -198,7 +198,7 @@ def _range_tables(problem: Problem, m: Measurements, weights: Weights, chosen: S
 
 
 def _hits(problem: Problem, m: Measurements, state: State, chosen: Selection) -> Array:
-    """Where the beams meet the drawing, (r, 3) in the problem's hull frame; the measured end where they miss."""
+    """Where the beams meet the CAD model, (r, 3) in the problem's hull frame; the measured end where they miss."""
     from hullrecon.adjustment.problem.measurements import return_points
     from hullrecon.records.serialisation import from_arrays, to_arrays
 
@@ -215,9 +215,9 @@ def _hits(problem: Problem, m: Measurements, state: State, chosen: Selection) ->
 
 def cell_share(m: Measurements, state: State, landmarks: Ints, cell: tuple[float, float]) -> Array:
     """Weight of each landmark's surface factor so that those of one cell of the chart (metres) weigh as one observation."""
-    if m.drawing is None or state.T_g_M is None:
-        raise ValueError("cells need a drawing")
-    at = m.drawing.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[landmarks]))[:, :2]
+    if m.cad_model is None or state.T_g_M is None:
+        raise ValueError("cells need a CAD model")
+    at = m.cad_model.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[landmarks]))[:, :2]
     _, owner = np.unique(np.floor(np.nan_to_num(at) / np.array(cell)).astype(np.int64), axis=0, return_inverse=True)
     weight = np.ones(len(state.landmark))
     weight[landmarks] = 1.0 / np.bincount(owner)[owner]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The smooth field of normal offsets between the drawing and the hull as it is (docs/methods.md 8).
+"""The smooth field of normal offsets between the CAD model and the hull as it is (docs/methods.md 8).
 
 The field stands on a regular grid of the hull chart, bilinear between nodes. Its prior is the Gauss-Markov field that
 solves (1 - Laplace) b = noise in coordinates scaled by the correlation lengths: a Matern field of smoothness 1. Matern

@@ -40,7 +40,7 @@ def solve(problem: native.Problem, options: native.Options, most_turns: int = MO
 
 
 def labels(problem: native.Problem, distance: NDArray[np.float64], options: native.Options) -> NDArray[np.int32]:
-    """The likelier label (m,) of each surface row; distance (m,): signed, to the drawing without the field
+    """The likelier label (m,) of each surface row; distance (m,): signed, to the CAD model without the field
     [Ozog2016 eq. 4.4]."""
     offset = distance
     if len(problem.surface_field_index):

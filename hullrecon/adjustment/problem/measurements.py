@@ -51,8 +51,8 @@ class Rig:
 
 
 @dataclass(frozen=True)
-class Drawing:
-    """The ship's drawing: mesh and chart in M, the package's guess of T_g_M with sigmas (6,) in M's axes (m, rad)."""
+class CadModel:
+    """The ship's CAD model: mesh and chart in M, the package's guess of T_g_M with sigmas (6,) in M's axes (m, rad)."""
 
     mesh: Mesh
     chart: Chart
@@ -64,7 +64,7 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Measurements:
-    """All that enters the adjustment. tracks None: no camera; drawing None: no CAD."""
+    """All that enters the adjustment. tracks None: no camera; CAD model None: no CAD."""
 
     trajectory: Trajectory
     odometry: Odometry
@@ -72,7 +72,7 @@ class Measurements:
     attitude: Attitude
     tracks: Tracks | None
     rig: Rig
-    drawing: Drawing | None
+    cad_model: CadModel | None
 
 
 def mount_prior(mount: tuple[float, ...], sigma: tuple[float, ...]) -> Mount:

@@ -74,16 +74,16 @@ def without_lonely(m: Measurements, state: State, chosen: Selection, off: Mask, 
 
 
 def _near_hull(m: Measurements, state: State, reach_m: float = 2.0) -> Mask:
-    """Within reach of the vehicle's path at all, and of the drawing when there is one: a landmark metres off is a mismatch."""
+    """Within reach of the vehicle's path at all, and of the CAD model when there is one: a landmark metres off is a mismatch."""
     from scipy.spatial import cKDTree
 
     finite = np.nan_to_num(state.landmark, nan=1e6)
-    if m.drawing is None or state.T_g_M is None:
+    if m.cad_model is None or state.T_g_M is None:
         gap, _ = cKDTree(state.nodes.translation).query(finite)
         return np.asarray(gap < 30.0)
     from hullrecon.native import MeshIndex
 
-    index = MeshIndex(m.drawing.mesh.vertices, m.drawing.mesh.faces)
+    index = MeshIndex(m.cad_model.mesh.vertices, m.cad_model.mesh.faces)
     return np.asarray(np.abs(index.closest(state.T_g_M.inverse().apply(finite)).distance) < reach_m)
 
 

@@ -34,9 +34,9 @@ def first(m: Measurements, options: AdjustOptions) -> Weights:
 def of_surface(m: Measurements, state: State, chosen: Selection, options: AdjustOptions) -> Array:
     """Full weight as published. With the field, landmarks of one cell a tenth of its length wide share one observation's
     weight: what the field does not follow within a cell (plate edges, weld seams) is common to them."""
-    if m.drawing is None or options.as_published or not len(chosen.landmarks):
+    if m.cad_model is None or options.as_published or not len(chosen.landmarks):
         return np.ones(len(state.landmark))
-    along, girth = m.drawing.deviation_length
+    along, girth = m.cad_model.deviation_length
     return cell_share(m, state, chosen.landmarks, (0.1 * along, 0.1 * girth))
 
 

@@ -55,10 +55,10 @@ def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> O
 
 def _marginals(m: Measurements, adjusted: Adjusted, options: AdjustOptions, settings: native.Options) -> native.Covariance:
     """Covariances at the solution. As published: the solve's own. Else what the measurements leave open with the hull held
-    where and as it was found, and the covariance of that place by the drawing's error: in the solve a field and many beams
-    with white noise are surer of the place than so few cells of the drawing's error allow (docs/adr/0011)."""
+    where and as it was found, and the covariance of that place by the CAD model's error: in the solve a field and many beams
+    with white noise are surer of the place than so few cells of the CAD model's error allow (docs/adr/0011)."""
     free = native.covariance(_place_free(adjusted.problem), settings)
-    if m.drawing is None or adjusted.state.T_g_M is None or options.as_published:
+    if m.cad_model is None or adjusted.state.T_g_M is None or options.as_published:
         return free
     held = {*adjusted.problem.constant, "T_g_M", "deviation"}
     known = native.covariance(replace(adjusted.problem, constant=tuple(sorted(held))), settings)
@@ -74,10 +74,10 @@ def _marginals(m: Measurements, adjusted: Adjusted, options: AdjustOptions, sett
 
 def _ground(m: Measurements, adjusted: Adjusted) -> estimate.Ground:
     """What a single solve was laid on, looked at afterwards."""
-    assert m.drawing is not None
+    assert m.cad_model is not None
     assert adjusted.state.T_g_M is not None
     points = estimate.points_on_hull(m, adjusted.state, adjusted.chosen, adjusted.result.label)
-    return estimate.surveyed(points, adjusted.state.T_g_M, m.drawing, adjusted.center)[0]
+    return estimate.surveyed(points, adjusted.state.T_g_M, m.cad_model, adjusted.center)[0]
 
 
 def _place_free(problem: native.Problem) -> native.Problem:
@@ -135,7 +135,7 @@ def _deviation_field(state: State, marginals: native.Covariance) -> DeviationFie
 
 
 def _covariances(state: State, center: Array, position: Array, marginals: native.Covariance) -> tuple[Array, Array]:
-    """Of the poses (n, 6, 6) and the landmarks (L, 3, 3), in M when there is a drawing."""
+    """Of the poses (n, 6, 6) and the landmarks (L, 3, 3), in M when there is a CAD model."""
     if state.T_g_M is None:
         return marginals.pose[:, :6, :6], marginals.landmark
     hull = marginals.T_g_M
@@ -156,7 +156,7 @@ def _lever_arm(m: Measurements, state: State) -> Array:
 
 
 def _labels(adjusted: Adjusted, count: int) -> tuple[Ints, Array]:
-    """Label and signed distance to the drawing of each landmark; without a drawing all are label 0 of unknown deviation."""
+    """Label and signed distance to the CAD model of each landmark; without a CAD model all are label 0 of unknown deviation."""
     if adjusted.state.T_g_M is None or not count:
         return np.zeros(count, np.int64), np.full(count, np.nan)
     return adjusted.result.label.astype(np.int64), adjusted.result.distance
@@ -228,8 +228,10 @@ def _complaints(adjusted: Adjusted, solution: Solution) -> list[str]:
     missed = float(np.mean(~adjusted.result.ray_hit)) if len(adjusted.result.ray_hit) else 0.0
     if missed > 0.05:
         found.append(
-            f"{100 * missed:.0f} % of the DVL's beams miss the drawing: it may be incomplete, or the first guess wrong."
+            f"{100 * missed:.0f} % of the DVL's beams miss the CAD model: it may be incomplete, or the first guess wrong."
         )
     if len(solution.landmarks) and solution.landmarks.label.mean() < 0.5 and adjusted.state.T_g_M is not None:
-        found.append("Fewer than half of the landmarks lie on the drawn surface: the drawing or its first guess may be wrong.")
+        found.append(
+            "Fewer than half of the landmarks lie on the CAD model's surface: the CAD model or its first guess may be wrong."
+        )
     return found

@@ -14,6 +14,7 @@ from hullrecon.artifacts.execution.executor import Executor
 from hullrecon.artifacts.execution.machine import peak_rss
 from hullrecon.artifacts.execution.progress import Progress, length
 from hullrecon.artifacts.graph.stage import Stage, Writer
+from hullrecon.artifacts.graph.stage_settings import StageSettings
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -25,7 +26,7 @@ class StageContext:
     the stage has ended."""
 
     def __init__(
-        self, stage: Stage, settings: Mapping[str, Any], inputs: Mapping[str, Path], source: Path | None, out: Writer,
+        self, stage: Stage, settings: StageSettings, inputs: Mapping[str, Path], source: Path | None, out: Writer,
         executor: Executor, progress: Progress,
     ) -> None:  # fmt: skip
         self.settings, self.inputs, self.out = settings, inputs, out

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from hullrecon.artifacts.graph.recipe import make_recipe
-from hullrecon.artifacts.graph.settings import StageSettings, settings_for
+from hullrecon.artifacts.graph.settings import settings_for
 from hullrecon.artifacts.graph.stage import Stage
+from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.manifest import Recipe
 

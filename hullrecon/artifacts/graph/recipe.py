@@ -7,8 +7,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from hullrecon.artifacts.graph.settings import StageSettings, resolve_settings
+from hullrecon.artifacts.graph.settings import resolve_settings
 from hullrecon.artifacts.graph.stage import Stage
+from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.artifacts.storage.documents import digest
 from hullrecon.artifacts.storage.hashing import HashCache, files_below
 from hullrecon.artifacts.storage.manifest import FILE_NAME, FileRecord, Recipe, read_manifest

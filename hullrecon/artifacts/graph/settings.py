@@ -5,30 +5,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from hullrecon.artifacts.graph.stage import Stage
+from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.artifacts.storage.documents import plain
 from hullrecon.errors import UsageError
-
-
-class StageSettings(Mapping[str, Any]):
-    """Sections by name. Reading one that the stage did not declare is a fault: the artifact would not go stale with it."""
-
-    def __init__(self, stage: str, sections: Mapping[str, Any]) -> None:
-        self._stage, self._sections = stage, dict(sections)
-
-    def __getitem__(self, name: str) -> Any:
-        if name not in self._sections:
-            raise RuntimeError(f"step {self._stage} reads section {name!r} without naming it in its `uses`")
-        return self._sections[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._sections)
-
-    def __len__(self) -> int:
-        return len(self._sections)
 
 
 def settings_for(stage: Stage, sections: Mapping[str, Any]) -> StageSettings:

@@ -14,6 +14,9 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
+from hullrecon.artifacts.graph.stage_settings import StageSettings
+
+Parameters = TypeVar("Parameters", bound=Struct, covariant=True)
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -35,10 +38,10 @@ class Writer(Protocol):
         """A temporary path to let a library write to; made durable and renamed at the end of the `with`."""
 
 
-class Context(Protocol):
-    """What a stage's function gets."""
+class Context(Protocol[Parameters]):
+    """What a step's function gets: its own options are of type Parameters."""
 
-    settings: Mapping[str, Any]  # decoded sections by name: those in the stage's `uses` and its own; an absent section is None
+    settings: StageSettings  # those in the stage's `uses` and its own
     inputs: Mapping[str, Path]  # folder of each input artifact that exists, by stage name
     out: Writer
 
@@ -47,7 +50,7 @@ class Context(Protocol):
         """Folder of the package (stages with `external` only)."""
 
     @property
-    def parameters(self) -> Any:
+    def parameters(self) -> Parameters:
         """The stage's own section, an instance of its `parameters`."""
 
     def progress(self, items: Iterable[Item], label: str, total: int | None = None) -> Iterable[Item]:
@@ -81,11 +84,11 @@ class Stage:
     inputs: tuple[str, ...]
     parameters: type[Struct]
     version: int
-    run: Callable[[Context], None]
+    run: Callable[[Context[Any]], None]
     uses: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
-    external: Callable[[Mapping[str, Any], Path], list[Path]] | None = None
-    applies: Callable[[Mapping[str, Any]], str | None] | None = None
+    external: Callable[[StageSettings, Path], list[Path]] | None = None
+    applies: Callable[[StageSettings], str | None] | None = None
 
 
 def load_arrays(path: Path) -> dict[str, NDArray[Any]]:

@@ -29,9 +29,9 @@ def found_surface(found: Found, measured: Measured) -> Surface:
     )
 
 
-def surface_on_drawing(drawing: Mesh, surface: Surface, edge_m: float) -> Surface:
-    """The drawing moved to the DVL's surface: deviations of its vertices carried over, where any lies within two edges."""
-    mesh = refine_near(drawing, surface.vertices, edge_m, edge_m)
+def surface_on_cad_model(cad_model: Mesh, surface: Surface, edge_m: float) -> Surface:
+    """The CAD model moved to the DVL's surface: deviations of its vertices carried over, where any lies within two edges."""
+    mesh = refine_near(cad_model, surface.vertices, edge_m, edge_m)
     distance, row = nearest(surface.vertices, mesh.vertices, min(4, len(surface.vertices)), 2 * edge_m)
     known = np.isfinite(distance[:, 0])
     weight = np.where(np.isfinite(distance), 1 / (distance + 1e-3) ** 2, 0.0)

@@ -28,7 +28,7 @@ NEAR_M = 0.02  # a landmark so near to a structure's vertices lies on it, or on 
 @dataclass(frozen=True)
 class HullObject:
     """One structure, as in objects.json (docs/deliverables.md): lengths in m, points in the frame of the surface. deviation:
-    None without a drawing."""
+    None without a CAD model."""
 
     center: list[float]
     normal: list[float]
@@ -96,7 +96,7 @@ def find_objects(
 ) -> tuple[list[HullObject], list[Rejected]]:
     """Objects, the highest first, and the regions that were not certain enough.
 
-    measured with its heights (m,) above the hull are the landmarks; drawn: the base surface is the ship's drawing.
+    measured with its heights (m,) above the hull are the landmarks; drawn: the base surface is the ship's CAD model.
     """
     area = vertex_areas(found.base)
     rough = roughness(found)

@@ -76,15 +76,15 @@ elevation_deg = 14.0             # full aperture out of the fan plane
 """
 
 HULL = """
-[hull]                           # the drawing
+[hull]                           # the CAD model
 mesh = {mesh}
 units = "m"                      # of the file: m, mm, cm, ft, in
-# pose = [x, y, z, 180.0, 0.0, yaw]          # to fill in: first guess of the drawing's frame in the global one
+# pose = [x, y, z, 180.0, 0.0, yaw]          # to fill in: first guess of the CAD model's frame in the global one
 pose_sigma = [1.0, 1.0, 0.3, 1.0, 1.0, 5.0]  # how good that guess is, at the middle of the survey
 """
 
 NO_HULL = """
-# [hull]                         # no drawing was found here; with one, name it:
+# [hull]                         # no CAD model was found here; with one, name it:
 # mesh = "hull.stl"
 # units = "m"
 """
@@ -121,7 +121,7 @@ def first_config(survey: Survey, logs: Sequence[Path], folder: Path) -> str:
             text += filled if calibrated else _commented(filled)
     if "sonar" in guessed:
         text += SONAR
-    mesh = _drawing(folder)
+    mesh = _cad_model(folder)
     return text + (HULL.format(mesh=_quoted(mesh)) if mesh else NO_HULL)
 
 
@@ -165,7 +165,7 @@ def _calibration(folder: Path, camera: str) -> str | None:
     return found[0].relative_to(folder).as_posix() if found else None
 
 
-def _drawing(folder: Path) -> str | None:
+def _cad_model(folder: Path) -> str | None:
     found = sorted(p for form in FORMATS for p in (*folder.glob(f"*.{form}"), *folder.glob(f"*.{form}.gz")))
     return found[0].name if found else None
 

@@ -10,7 +10,7 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.typing import Array, Ints32, Mask
 
 MERGE = 2e-7  # of the largest extent: two steps of single precision, in which STL stores corners
-FINEST_M = 1e-6  # no drawing is finer
+FINEST_M = 1e-6  # no CAD model is finer
 
 
 def cleaned(mesh: Mesh, words: list[str]) -> Mesh:

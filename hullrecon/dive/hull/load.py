@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The drawing: its mesh in metres, cleaned, with its normals outward, and in words what was found."""
+"""The CAD model: its mesh in metres, cleaned, with its normals outward, and in words what was found."""
 
 from __future__ import annotations
 
@@ -31,13 +31,15 @@ def read_hull(path: Path, units: str, words: list[str]) -> Mesh:
     _check_extent(vertices[faces].reshape(-1, 3), units, path, words)
     mesh = cleaned(Mesh(vertices, faces), words)
     if not len(mesh.faces):
-        raise InputError("the drawing has no face with an area", where=str(path))
+        raise InputError("the CAD model has no face with an area", where=str(path))
     mesh = outward(mesh, words)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     size = " x ".join(f"{s:.2f}" for s in high - low)
     words.insert(0, f"{path.name}: {len(mesh.faces)} faces, {size} m, from {_point(low)} to {_point(high)}")
     holes = len(boundary(mesh.faces))
-    words.append(f"{holes} edges have a face on one side only: the drawing is open there" if holes else "the drawing is closed")
+    words.append(
+        f"{holes} edges have a face on one side only: the CAD model is open there" if holes else "the CAD model is closed"
+    )
     return mesh
 
 
@@ -45,18 +47,20 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     name = path.name.lower().removesuffix(".gz")
     kind = name.rpartition(".")[2]
     if kind not in FORMATS:
-        raise InputError(f"{path.name} is no drawing that is read here", where="hull.mesh", remedy=f"give {', '.join(FORMATS)}")
+        raise InputError(
+            f"{path.name} is no CAD model that is read here", where="hull.mesh", remedy=f"give {', '.join(FORMATS)}"
+        )
     try:
         data = path.read_bytes()
         data = gzip.decompress(data) if path.suffix.lower() == ".gz" else data
     except FileNotFoundError:
-        raise InputError(f"the drawing {path.name} is missing", where=str(path.parent), remedy="correct hull.mesh") from None
+        raise InputError(f"the CAD model {path.name} is missing", where=str(path.parent), remedy="correct hull.mesh") from None
     except (OSError, EOFError, ValueError) as error:
-        raise InputError(f"the drawing {path.name} cannot be read: {error}", where=str(path.parent)) from None
+        raise InputError(f"the CAD model {path.name} cannot be read: {error}", where=str(path.parent)) from None
     mesh = _parse(data, kind, path)
     vertices, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
     if not len(faces):
-        raise InputError(f"the drawing {path.name} holds no faces", where=str(path.parent))
+        raise InputError(f"the CAD model {path.name} holds no faces", where=str(path.parent))
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise InputError(f"faces of {path.name} name vertices that it does not have", where=str(path.parent))
     return vertices, faces.astype(np.int32)
@@ -69,16 +73,16 @@ def _parse(data: bytes, kind: str, path: Path) -> Any:
         return trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False).to_mesh()
     except Exception as error:  # trimesh's parsers raise whatever damaged bytes lead them to
         reason = f"{type(error).__name__} {error}".splitlines()[0][:120]
-        raise InputError(f"the drawing {path.name} is no {kind.upper()}: {reason}", where=str(path.parent)) from None
+        raise InputError(f"the CAD model {path.name} is no {kind.upper()}: {reason}", where=str(path.parent)) from None
 
 
 def _check_extent(corners: NDArray[np.float64], units: str, path: Path, words: list[str]) -> None:
     if not np.isfinite(corners).all():
-        raise InputError(f"the drawing {path.name} has coordinates that are not finite", where=str(path.parent))
+        raise InputError(f"the CAD model {path.name} has coordinates that are not finite", where=str(path.parent))
     length = float(np.ptp(corners, axis=0).max())
     if SHORTEST_M <= length <= LONGEST_M:
         return
-    told = f"the drawing {path.name} is {length:.4g} m long when read in {NAMES[units]}"
+    told = f"the CAD model {path.name} is {length:.4g} m long when read in {NAMES[units]}"
     fits = [other for other in METRES if SHORTEST_M <= length / METRES[units] * METRES[other] <= LONGEST_M]
     if not fits:
         words.append(f"{told}; a ship hull has {SHORTEST_M:.0f} to {LONGEST_M:.0f} m: is it a model?")

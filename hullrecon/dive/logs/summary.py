@@ -141,7 +141,7 @@ def _named(topics: Sequence[str], parts: Sequence[str]) -> list[str]:
 
 
 def missing(sensors: set[str], hull: bool | None = None) -> list[str]:
-    """What the absence of sensors means for a run. hull: is there a drawing; None: not known yet."""
+    """What the absence of sensors means for a run. hull: is there a CAD model; None: not known yet."""
     stereo = {"camera_top", "camera_bottom"} <= sensors
     consequences = {
         "dvl": "motion comes from stereo images" if stereo else "and no stereo images either: no motion, no run is possible",
@@ -156,7 +156,7 @@ def missing(sensors: set[str], hull: bool | None = None) -> list[str]:
         del consequences["camera_bottom"]
     out = [f"no {name}: {what}" for name, what in consequences.items() if name not in sensors]
     if hull is False:
-        out.append("no hull: without a drawing the run maps onto its own surface, in the frame global")
+        out.append("no hull: without a CAD model the run maps onto its own surface, in the frame global")
     return out
 
 

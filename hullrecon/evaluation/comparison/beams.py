@@ -52,14 +52,14 @@ def reckoned_beams(trajectory: Trajectory, T_g_M: Poses, T_s_d: Poses, returns: 
     return place_beams(T_g_M.inverse() @ trajectory.poses(), trajectory.tray, T_s_d, returns, tray_origin_m)
 
 
-def range_residuals(beams: Beams, drawing: Scene, field: Field | None = None) -> Array:
-    """Predicted minus measured range (m,) against the drawing [Ozog2016 eq. 4.14], of the beams that meet it; with a field,
-    against the drawing moved outward by it: cast - field / cos(incidence), as in the adjustment."""
-    predicted = drawing.cast(beams.origin, beams.direction)
+def range_residuals(beams: Beams, cad_model: Scene, field: Field | None = None) -> Array:
+    """Predicted minus measured range (m,) against the CAD model [Ozog2016 eq. 4.14], of the beams that meet it; with a field,
+    against the CAD model moved outward by it: cast - field / cos(incidence), as in the adjustment."""
+    predicted = cad_model.cast(beams.origin, beams.direction)
     met = np.isfinite(predicted)
     if field is not None:
         at = beams.origin[met] + predicted[met, None] * beams.direction[met]
-        facing = -np.einsum("ni,ni->n", beams.direction[met], drawing.closest(at).normal)
+        facing = -np.einsum("ni,ni->n", beams.direction[met], cad_model.closest(at).normal)
         predicted[met] -= field(at) / np.maximum(np.abs(facing), 0.2)
     return np.asarray((predicted - beams.range_m)[met])
 

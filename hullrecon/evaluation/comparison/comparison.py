@@ -28,7 +28,7 @@ from hullrecon.typing import Array
 @dataclass(frozen=True)
 class Solved:
     """One method's adjust artifact. seconds: what the step took; iterations_s: when each row of `iterations` was done, of the
-    step's clock; registered (7,): T_g_M before the solve, chart: of the drawing, both None without one."""
+    step's clock; registered (7,): T_g_M before the solve, chart: of the CAD model, both None without one."""
 
     method: str
     weighting: str

@@ -51,14 +51,14 @@ def method_figures(solution: Solution, returns: Returns | None, tray_origin_m: A
         figures["cameras"] = _cameras(solution, hull_poses, tray_origin_m, solution.mounts.tray_from_camera, truth)
     figures["landmarks"] = judge_landmarks(Cloud(landmarks, {"label": solution.landmarks.label}), truth, motion)
     figures["heights"] = height_figures(landmarks, truth, motion)
-    if returns is not None and truth.drawing is not None:
+    if returns is not None and truth.cad_model is not None:
         dvl = adjusted_beams(solution, global_from_hull, returns, tray_origin_m).points()
-        figures["gap"] = gap_figures(landmarks[_on_steel(landmarks, truth, motion)], dvl, truth.drawing)
+        figures["gap"] = gap_figures(landmarks[_on_steel(landmarks, truth, motion)], dvl, truth.cad_model)
     return figures
 
 
 def frame_of(solution: Solution, truth: Truth) -> Poses:
-    """T_g_M: the solution's, the true one for a dive without a drawing."""
+    """T_g_M: the solution's, the true one for a dive without a CAD model."""
     return truth.T_g_M if solution.hull_pose is None else solution.hull_pose.global_from_hull
 
 
@@ -103,17 +103,17 @@ def height_over_steel(landmarks: Array, structure: dict[str, Any], truth: Truth,
     return ours, true
 
 
-def gap_figures(landmarks: Array, dvl: Array, drawing: Scene, reach_m: float = 0.4, neighbours: int = 12) -> dict[str, Any]:
+def gap_figures(landmarks: Array, dvl: Array, cad_model: Scene, reach_m: float = 0.4, neighbours: int = 12) -> dict[str, Any]:
     """How far landmarks on bare steel stand off the surface that the DVL's returns make: the difference of their distances to
-    the drawing, each landmark against the median of its nearest returns."""
+    the CAD model, each landmark against the median of its nearest returns."""
     from scipy.spatial import cKDTree
 
     if len(dvl) < neighbours or len(landmarks) == 0:
         return {"landmarks": 0}
     distance, index = (np.asarray(a) for a in cKDTree(dvl).query(landmarks, k=neighbours))
     near = distance[:, neighbours // 2] < reach_m
-    surface = np.median(drawing.closest(dvl).distance[index[near]], axis=1)
-    gap = drawing.closest(landmarks[near]).distance - surface
+    surface = np.median(cad_model.closest(dvl).distance[index[near]], axis=1)
+    gap = cad_model.closest(landmarks[near]).distance - surface
     if len(gap) == 0:
         return {"landmarks": 0}
     return {"landmarks": len(gap), "median_m": float(np.median(np.abs(gap))), "mean_m": float(np.mean(gap))}

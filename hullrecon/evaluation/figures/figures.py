@@ -48,7 +48,7 @@ def draw(solved: Sequence[Solved], start: Reckoned, truth: Truth, detect: Path) 
         overviews = [_overview(s, start, truth, structure) for s in rows[0]]
         figures.append(cross_sections(sections, overviews, str(structure["kind"])))
         figures.append(_heights(solved, truth, structure, detect))
-    if start.returns is not None and truth.drawing is not None:
+    if start.returns is not None and truth.cad_model is not None:
         figures.append(_ranges(solved, start, truth))
     return figures
 
@@ -107,21 +107,21 @@ def _heights(solved: Sequence[Solved], truth: Truth, structure: dict[str, Any], 
 
 
 def _ranges(solved: Sequence[Solved], start: Reckoned, truth: Truth) -> Figure:
-    """Before: dead reckoning where the registration put it. After: maxmix by weighting, ours also against the drawing moved by
+    """Before: dead reckoning where the registration put it. After: maxmix by weighting, ours also against the CAD model moved by
     its field."""
     assert start.returns is not None
-    assert truth.drawing is not None
+    assert truth.cad_model is not None
     best = next(s for s in solved if s.method == "maxmix" and not s.printed)
     registered = frame_of(best.solution, truth) if best.registered is None else of_seven(best.registered)
     reckoned = reckoned_beams(start.trajectory, registered, start.T_s_d, start.returns, start.tray_origin_m)
-    before = {"registered, before the adjustment": range_residuals(reckoned, truth.drawing)}
+    before = {"registered, before the adjustment": range_residuals(reckoned, truth.cad_model)}
     after = {}
     for s in (s for s in solved if s.method == "maxmix"):
         beams = adjusted_beams(s.solution, frame_of(s.solution, truth), start.returns, start.tray_origin_m)
-        after[s.name] = range_residuals(beams, truth.drawing)
+        after[s.name] = range_residuals(beams, truth.cad_model)
         if not s.printed and s.chart is not None and s.solution.deviation_field is not None:
             after[f"{s.name}, its field applied"] = range_residuals(
-                beams, truth.drawing, field_at(s.solution.deviation_field, s.chart)
+                beams, truth.cad_model, field_at(s.solution.deviation_field, s.chart)
             )
     everything = np.abs(np.concatenate([*before.values(), *after.values()]))
     return range_histogram(before, after, float(np.clip(np.percentile(everything, 97), 0.03, 0.5)))

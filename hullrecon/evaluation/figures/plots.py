@@ -26,7 +26,7 @@ EXPLAINED = {
 class Section:
     """A thin slice across the hull at a structure, in its own plane: tangent (girth) and height over the steel, m.
 
-    dvl, on, off (n, 2): returns and landmarks of label 1 and 0; steel (m, 2): the true surface; drawing (m, 2) or empty."""
+    dvl, on, off (n, 2): returns and landmarks of label 1 and 0; steel (m, 2): the true surface; CAD model (m, 2) or empty."""
 
     method: str
     weighting: str
@@ -34,18 +34,18 @@ class Section:
     on: Array
     off: Array
     steel: Array
-    drawing: Array
+    cad_model: Array
 
 
 @dataclass(frozen=True)
 class Overview:
     """The same slice over the whole hull: y across and z up (m) in M. on, off (n, 2): landmarks of label 1 and 0; dvl (k, 2),
-    drawing (m, 2); at (2,): the structure."""
+    CAD model (m, 2); at (2,): the structure."""
 
     on: Array
     off: Array
     dvl: Array
-    drawing: Array
+    cad_model: Array
     at: Array
 
 
@@ -68,7 +68,7 @@ def cross_sections(rows: Sequence[Sequence[Section]], overviews: Sequence[Overvi
         axis.set_title(EXPLAINED.get(section.method, section.method), fontsize=9)
     for axis, section in zip(axes[1:].flat, [s for row in rows for s in row], strict=True):
         _section(axis, section)
-        for part in ("dvl", "on", "off", "steel", "drawing"):
+        for part in ("dvl", "on", "off", "steel", "CAD model"):
             points = getattr(section, part).tolist()
             table += [f"{section.method},{section.weighting},{part},{x:.5f},{y:.5f}" for x, y in points]
     for axis, row in zip(axes[1:, 0], rows, strict=True):
@@ -83,7 +83,7 @@ def cross_sections(rows: Sequence[Sequence[Section]], overviews: Sequence[Overvi
 
 
 def range_histogram(before: Mapping[str, Array], after: Mapping[str, Array], reach_m: float) -> Figure:
-    """[Ozog2016 Fig. 4.14]: residuals of the DVL's ranges against the drawing (m), before and after the adjustment."""
+    """[Ozog2016 Fig. 4.14]: residuals of the DVL's ranges against the CAD model (m), before and after the adjustment."""
     figure, axes = new_figure(9.6, 3.4)
     axis, edges = axes[0, 0], np.linspace(-reach_m, reach_m, 101)
     counts = {name: np.histogram(values, edges)[0] for name, values in {**before, **after}.items()}
@@ -137,7 +137,7 @@ def structure_heights(heights: Mapping[str, Array], true_m: float, kind: str, de
 
 
 def _overview(axis: Any, overview: Overview) -> None:
-    _line(axis, overview.drawing, INK, "drawing")
+    _line(axis, overview.cad_model, INK, "CAD model")
     axis.scatter(*overview.dvl.T, s=6, color="#8a949e", marker="x", linewidth=0.6)
     axis.scatter(*overview.on.T, s=2, color=COLOURS["maxmix"], linewidths=0)
     axis.scatter(*overview.off.T, s=2, color=RED, linewidths=0)
@@ -148,7 +148,7 @@ def _overview(axis: Any, overview: Overview) -> None:
 
 
 def _section(axis: Any, section: Section) -> None:
-    _line(axis, section.drawing, INK, "drawing")
+    _line(axis, section.cad_model, INK, "CAD model")
     _line(axis, section.steel, GREEN, "true steel")
     axis.scatter(*section.dvl.T, s=14, color="#8a949e", marker="x", linewidth=0.8, label="DVL returns")
     axis.scatter(*section.on.T, s=5, color=COLOURS["maxmix"], linewidths=0, label="landmarks on the hull (label 1)")

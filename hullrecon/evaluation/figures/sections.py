@@ -32,7 +32,7 @@ def cut(
         on=local[seen & on_surface, 1:],
         off=local[seen & ~on_surface, 1:],
         steel=_profile(truth.built, foot, axes, line),
-        drawing=_profile(truth.drawing, foot, axes, line) if truth.drawing is not None else np.zeros((0, 2)),
+        cad_model=_profile(truth.cad_model, foot, axes, line) if truth.cad_model is not None else np.zeros((0, 2)),
     )
 
 
@@ -42,15 +42,15 @@ def whole(
     """The slice across the whole hull at the structure, in M's y and z (x forward)."""
     at = np.array(structure["center"])
     near, hit = np.abs(landmarks[:, 0] - at[0]) < half_m, np.abs(dvl[:, 0] - at[0]) < 5 * half_m
-    drawing = np.zeros((0, 2))
-    if truth.drawing is not None and near.any():
+    cad_model = np.zeros((0, 2))
+    if truth.cad_model is not None and near.any():
         low, high = landmarks[near, 2].min() - 0.8, landmarks[near, 2].max() + 0.8
         side = np.sign(structure["normal"][1]) or 1.0
         start = np.stack([np.full(200, at[0]), np.full(200, at[1] + 5 * side), np.linspace(low, high, 200)], 1)
-        way = truth.drawing.cast(start, np.tile([0.0, -side, 0.0], (200, 1)))
+        way = truth.cad_model.cast(start, np.tile([0.0, -side, 0.0], (200, 1)))
         met = np.isfinite(way) & (way < 5 + 3.0)
-        drawing = np.stack([start[met, 1] - side * way[met], start[met, 2]], 1)
-    return Overview(landmarks[near & on_surface, 1:], landmarks[near & ~on_surface, 1:], dvl[hit, 1:], drawing, at[1:])
+        cad_model = np.stack([start[met, 1] - side * way[met], start[met, 2]], 1)
+    return Overview(landmarks[near & on_surface, 1:], landmarks[near & ~on_surface, 1:], dvl[hit, 1:], cad_model, at[1:])
 
 
 def _axes(structure: dict[str, Any]) -> Array:

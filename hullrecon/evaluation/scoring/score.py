@@ -47,7 +47,7 @@ def judge(run: Path, package: Path) -> dict[str, Any]:
 
 
 class IntoHull:
-    """Reads deliverables; what stands in g (a dive without a drawing) is moved to M by the true alignment."""
+    """Reads deliverables; what stands in g (a dive without a CAD model) is moved to M by the true alignment."""
 
     def __init__(self, hull_from_delivered: Poses | None) -> None:
         self._motion = hull_from_delivered

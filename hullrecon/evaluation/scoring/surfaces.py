@@ -12,7 +12,10 @@ from hullrecon.evaluation.scoring.trajectory import Figures
 from hullrecon.evaluation.scoring.truth import Truth
 from hullrecon.typing import Array, Mask
 
-OFF_M, DOUBT_M = 0.056, 0.02  # a landmark is off the drawing beyond the mixture's boundary; nearer it than this it is not clear
+OFF_M, DOUBT_M = (
+    0.056,
+    0.02,
+)  # a landmark is off the CAD model beyond the mixture's boundary; nearer it than this it is not clear
 
 
 def judge_surface(cloud: Cloud, truth: Truth, motion: Motion, least_support: int) -> Figures:
@@ -30,15 +33,15 @@ def judge_surface(cloud: Cloud, truth: Truth, motion: Motion, least_support: int
         "aligned_rmse_m": rms(aligned),
         "aligned_median_m": float(np.median(aligned)),
     }
-    if truth.drawing is not None:
-        figures["drawing_alone_rmse_m"] = rms(truth.drawing.closest(foot).distance)
+    if truth.cad_model is not None:
+        figures["drawing_alone_rmse_m"] = rms(truth.cad_model.closest(foot).distance)
     if "sigma" in cloud.fields:
         figures |= _held(distance, aligned, np.asarray(cloud.fields["sigma"], float)[keep])
     return figures
 
 
 def judge_landmarks(cloud: Cloud, truth: Truth, motion: Motion) -> Figures:
-    """Their distance to the steel, and whether label 0 stands where the steel leaves the drawing."""
+    """Their distance to the steel, and whether label 0 stands where the steel leaves the CAD model."""
     keep = truth.near(cloud.points, 0.5)
     distance, _, aligned = _distances(cloud.points[keep], truth, motion)
     figures: Figures = {
@@ -50,7 +53,7 @@ def judge_landmarks(cloud: Cloud, truth: Truth, motion: Motion) -> Figures:
         "aligned_rmse_m": rms(aligned),
         "aligned_median_m": _quantile(aligned, 50),
     }
-    if "label" in cloud.fields and truth.drawing is not None:
+    if "label" in cloud.fields and truth.cad_model is not None:
         figures |= _labels(cloud.points[keep], np.asarray(cloud.fields["label"])[keep] == 0, truth, motion)
     if "sigma" in cloud.fields:
         sigma = np.asarray(cloud.fields["sigma"], float)[keep]
@@ -60,9 +63,9 @@ def judge_landmarks(cloud: Cloud, truth: Truth, motion: Motion) -> Figures:
 
 
 def _labels(points: Array, off: Mask, truth: Truth, motion: Motion) -> Figures:
-    assert truth.drawing is not None
+    assert truth.cad_model is not None
     foot = truth.built.closest(motion.apply(points)).foot
-    away = np.abs(truth.drawing.closest(foot).distance)
+    away = np.abs(truth.cad_model.closest(foot).distance)
     clear = np.abs(away - OFF_M) > DOUBT_M
     real = (away > OFF_M) & clear
     hits = int((off & real).sum())

@@ -19,7 +19,7 @@ Figures = dict[str, float | int | list[int]]
 def judge_trajectory(track: Track, truth: Truth) -> tuple[Figures, Motion]:
     """The figures, and the rigid motion that takes our trajectory onto the true one.
 
-    A drawing that is off by a centimetre over the whole surveyed patch cannot be told from a shift of the dive; so surfaces,
+    A CAD model that is off by a centimetre over the whole surveyed patch cannot be told from a shift of the dive; so surfaces,
     landmarks and objects are judged as delivered and again after this motion.
     """
     ours = track.rows((track.t_s >= truth.t_s.min() - 1e-6) & (track.t_s <= truth.t_s.max() + 1e-6))
@@ -31,8 +31,8 @@ def judge_trajectory(track: Track, truth: Truth) -> tuple[Figures, Motion]:
     turn = ours.poses.rotation * want.rotation.inv()
     turn_after = Rotation.from_matrix(motion.rotation) * turn
     figures: Figures = {"poses": len(ours.t_s), "share_of_true_frames_with_a_pose": _covered(ours.t_s, truth.t_s)}
-    if truth.drawing is not None:
-        figures |= _by_direction(error, want.translation, truth.drawing)
+    if truth.cad_model is not None:
+        figures |= _by_direction(error, want.translation, truth.cad_model)
     figures |= {
         "rigid_rmse_m": rms_length(motion.apply(ours.poses.translation) - want.translation),
         "rotation_rmse_deg": float(np.degrees(rms(np.asarray(turn.magnitude())))),
@@ -41,9 +41,9 @@ def judge_trajectory(track: Track, truth: Truth) -> tuple[Figures, Motion]:
     return figures | _consistency(error, ours.sigma), motion
 
 
-def _by_direction(error: Array, place: Array, drawing: Scene) -> Figures:
+def _by_direction(error: Array, place: Array, cad_model: Scene) -> Figures:
     """RMSE along the hull, over its girth and off it, in the hull's own directions beside each pose."""
-    normal = place - drawing.closest(place).foot
+    normal = place - cad_model.closest(place).foot
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     along = np.array([1.0, 0.0, 0.0]) - normal * normal[:, :1]
     along /= np.linalg.norm(along, axis=1, keepdims=True)

@@ -25,7 +25,7 @@ _UNIT_M = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "ft": 0.3048, "in": 0.0254}
 
 @dataclass(frozen=True)
 class Truth:
-    """t_s (n,) and T_M_v at the camera frames; built: the hull as it is; drawing: None without a CAD; objects as in
+    """t_s (n,) and T_M_v at the camera frames; built: the hull as it is; CAD model: None without a CAD; objects as in
     objects.json (painted marks among them); mounts as in extrinsics.json."""
 
     t_s: Array
@@ -36,7 +36,7 @@ class Truth:
     mounts: dict[str, Any]
     objects: list[dict[str, Any]]
     built_mesh: Mesh
-    drawing: Scene | None
+    cad_model: Scene | None
 
     @cached_property
     def built(self) -> Scene:
@@ -87,7 +87,7 @@ def read_truth(package: Path) -> Truth:
         mounts=_json(folder / "extrinsics.json"),
         objects=objects["objects"] if isinstance(objects, dict) else objects,
         built_mesh=read_mesh(folder / "as_built.ply"),
-        drawing=_drawing(package),
+        cad_model=_cad_model(package),
     )
 
 
@@ -101,7 +101,7 @@ def read_mesh(path: Path, scale: float = 1.0) -> Mesh:
     return Mesh(np.asarray(loaded.vertices, float) * scale, np.asarray(loaded.faces, np.int32))
 
 
-def _drawing(package: Path) -> Scene | None:
+def _cad_model(package: Path) -> Scene | None:
     try:
         hull = tomllib.loads((package / "dive.toml").read_text()).get("hull")
     except (OSError, tomllib.TOMLDecodeError) as error:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The chart of a drawing: stations along an axis inside the ship, and the arc of each section from the keel.
+"""The chart of a CAD model: stations along an axis inside the ship, and the arc of each section from the keel.
 
 A point belongs to the angle phi at which a ray from the axis meets it: 0 straight down, positive to port. Its girth is the
 length of the section from phi = 0 to there. Rays are cast from outside inward, so that of several skins the outer one counts.
@@ -99,5 +99,5 @@ def build_axis_chart(mesh: Mesh, up: Array) -> AxisChart:
     height = choose_axis_height(turned, index)
     sections = cast_sections(turned, index, height)
     if not sections.whole.any():
-        raise InputError("the drawing has no skin that a chart can follow", remedy="check the mesh: which axis is up?")
+        raise InputError("the CAD model has no skin that a chart can follow", remedy="check the mesh: which axis is up?")
     return AxisChart(axes, outward_faces(turned, sections, index), sections)

@@ -22,7 +22,7 @@ class Chart(Protocol):
     """Coordinates on a surface. `along` grows forward, `girth` from the keel up, port positive (metres of arc)."""
 
     def to_chart(self, points: Array) -> Array:
-        """(n, 3) points near the surface, in the chart's frame (M, or g without a drawing), to (n, 3):
+        """(n, 3) points near the surface, in the chart's frame (M, or g without a CAD model), to (n, 3):
         along, girth, offset (metres, outward positive). NaN rows where the chart is not defined."""
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
@@ -33,7 +33,7 @@ class Chart(Protocol):
 
 
 def chart_for_hull(mesh: Mesh, up: ArrayLike = (0.0, 0.0, 1.0)) -> Chart:
-    """The chart of a drawing: stations along the ship and girth from the keel.
+    """The chart of a CAD model: stations along the ship and girth from the keel.
 
     up (3,): roughly up in the mesh's frame; the nearest axis of the frame is taken. The ship lies along the longer of the two
     other axes, its bow where that grows. Raises InputError when no ray from inside meets the mesh.
@@ -67,7 +67,7 @@ def address(
 ) -> list[str]:
     """Points (n, 3) in words: 'frame 52.3 (31.4 m from AP), port, 2.31 m girth from keel, 1.8 m below waterline'.
 
-    depths_m (n,): below the water surface, positive down; left out of the words when absent or NaN. Without a drawing the
+    depths_m (n,): below the water surface, positive down; left out of the words when absent or NaN. Without a CAD model the
     address counts metres on the fitted plane.
     """
     at = chart.to_chart(np.atleast_2d(np.asarray(points, float)))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The chart of a dive without a drawing: the plane that fits what was seen."""
+"""The chart of a dive without a CAD model: the plane that fits what was seen."""
 
 from __future__ import annotations
 

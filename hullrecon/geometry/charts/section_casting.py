@@ -52,7 +52,7 @@ def choose_axis_height(mesh: Mesh, index: MeshIndex) -> float:
     heights = low + (high - low) * np.linspace(0.1, 0.9, 9)
     seen = [_seen_area(mesh, index, height) for height in heights]
     if max(seen) <= 0:
-        raise InputError("no ray from inside meets the drawing", remedy="check the mesh and which way is up")
+        raise InputError("no ray from inside meets the CAD model", remedy="check the mesh and which way is up")
     good = np.asarray(seen) >= 0.995 * max(seen)
     return float(heights[good].max())
 

@@ -26,7 +26,7 @@ BLOCK = 1024  # of those texels, at a time
 
 @dataclass(frozen=True)
 class Station:
-    """One camera of the rig and its images: rows (n,) of its index, poses T_M_c (n) (T_g_c without a drawing), and how a row is
+    """One camera of the rig and its images: rows (n,) of its index, poses T_M_c (n) (T_g_c without a CAD model), and how a row is
     read, (h, w, 3) uint8 RGB or None."""
 
     camera: CameraModel

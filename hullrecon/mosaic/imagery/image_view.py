@@ -35,7 +35,7 @@ class Sight(Protocol):
 
 @dataclass(frozen=True)
 class CameraSight:
-    """A camera's image. pose: one T_M_c (T_g_c without a drawing); load gives the corrected picture."""
+    """A camera's image. pose: one T_M_c (T_g_c without a CAD model); load gives the corrected picture."""
 
     pose: Poses
     camera: CameraModel

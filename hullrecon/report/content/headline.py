@@ -46,7 +46,7 @@ def _position(survey: Survey) -> str:
     triple = " / ".join(length(s) for s in sigma)
     if survey.solution is None:
         return f"Positions are dead reckoned in a local level frame (g); median one sigma in x / y / z: {triple}."
-    frame = "the ship's frame (M)" if survey.track.frame == "M" else "a local level frame (g), for there was no drawing"
+    frame = "the ship's frame (M)" if survey.track.frame == "M" else "a local level frame (g), for there was no CAD model"
     return (
         f"All positions are adjusted by method {survey.method} and given in {frame}; median one sigma in x / y / z: {triple}."
     )
@@ -100,7 +100,7 @@ def _deviation(survey: Survey) -> str:
     low, middle, high = 1000 * weighted_percentiles(found.deviation[seen], weight, (5, 50, 95))
     side = "outside" if middle > 0 else "inside"
     return (
-        f"Where it was seen the hull lies {abs(middle):.0f} mm {side} its drawing in the median; "
+        f"Where it was seen the hull lies {abs(middle):.0f} mm {side} its CAD model in the median; "
         f"nine tenths of it between {low:+.0f} and {high:+.0f} mm."
     )
 

@@ -25,7 +25,7 @@ def absences(sections: Mapping[str, Any], steps: Collection[str], solution: Solu
     camera, sonar, hull = (sections.get(s) is not None for s in ("camera.top", "sonar", "hull"))
     if solution is None or solution.hull_pose is None:
         reasons["alignment.json"] = (
-            "the adjustment did not run" if hull else "no drawing was given, so there is nothing to align to"
+            "the adjustment did not run" if hull else "no CAD model was given, so there is nothing to align to"
         )
     for step, names in _BY_STEP.items():
         why = _reason(step, camera, sonar, step in steps)

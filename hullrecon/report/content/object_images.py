@@ -33,7 +33,7 @@ class Crop:
 
 
 def camera_poses(track: VehicleTrack, eye: Eye, nodes: Ints, tray_origin_m: Sequence[float]) -> Poses:
-    """T_M_c (T_g_c without a drawing) at those nodes."""
+    """T_M_c (T_g_c without a CAD model) at those nodes."""
     return track.poses[nodes] @ tray_poses(tray_origin_m, track.tray[nodes]) @ eye.tray_from_camera
 
 

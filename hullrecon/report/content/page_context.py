@@ -140,7 +140,7 @@ def card(found: Mapping[str, Any], survey: Survey) -> dict[str, Any]:
         ("Height over the hull around it", with_sigma(found["height"], sigma, "m")),
         ("Extent along the hull's tangents", " × ".join(f"{e:.2f}" for e in found["extent"]) + " m"),
         ("Area, volume", f"{1e4 * found['area']:.0f} cm², {1000 * found['volume']:.2f} l"),
-        ("Largest distance to the drawing", with_sigma(_number(found.get("deviation")), None, "m")),
+        ("Largest distance to the CAD model", with_sigma(_number(found.get("deviation")), None, "m")),
         ("Centre (x, y, z)", ", ".join(f"{c:.3f}" for c in found["center"]) + f" m in {survey.track.frame}"),
         ("Seen in", count(int(found["views"]), "view")),
         ("p-value (no object there)", probability(found.get("p_value"))),
@@ -213,7 +213,7 @@ def left_out(survey: Survey) -> list[tuple[str, list[str]]]:
     groups = [
         ("Deliverables that this dive cannot give", [f"{name}: {why}" for name, why in survey.absent.items()]),
         ("Lost data", [str(x) for x in survey.findings.get("lost") or []]),
-        ("The drawing, as checked", [str(x) for x in survey.findings.get("hull") or []]),
+        ("The CAD model, as checked", [str(x) for x in survey.findings.get("hull") or []]),
         ("Navigation", [*outages, *gaps, *(str(x) for x in survey.navigation.get("remarks") or [])]),
         ("Image pairs that gave no geometry", failed),
         ("Observations", _observations(survey)),

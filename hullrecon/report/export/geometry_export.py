@@ -18,7 +18,7 @@ from hullrecon.report.export.ply import columns, ply_bytes
 
 
 def landmarks_in_hull(solution: Solution) -> NDArray[np.float64]:
-    """Landmarks (L, 3) in M (in g without a drawing)."""
+    """Landmarks (L, 3) in M (in g without a CAD model)."""
     return solution.result_from_global().apply(solution.landmarks.position)
 
 
@@ -52,9 +52,9 @@ def motion_json(motion: Poses) -> dict[str, list[float]]:
 
 def alignment_json(solution: Solution, hull: Hull, weak: list[Mapping[str, Any]]) -> dict[str, Any]:
     """alignment.json (docs/deliverables.md): T_g_M, the guess before, and the directions that stay weak. covariance: of where
-    the hull lies given the dive's own frame, with the drawing's error in it (HullPose.covariance)."""
+    the hull lies given the dive's own frame, with the CAD model's error in it (HullPose.covariance)."""
     if solution.hull_pose is None:
-        raise ValueError("no drawing was aligned")
+        raise ValueError("no CAD model was aligned")
     return {
         "T_g_M": motion_json(solution.hull_pose.global_from_hull),
         "covariance": solution.hull_pose.covariance.tolist(),

@@ -15,7 +15,7 @@ from hullrecon.report.content.headline import path_length_m, summary_lines
 from hullrecon.report.content.survey import Survey
 
 SCHEMA = 1
-_FRAMES = {"M": "the hull frame: that of the drawing's file", "g": "local level: z down, z = 0 at the water surface"}
+_FRAMES = {"M": "the hull frame: that of the CAD model's file", "g": "local level: z down, z = 0 at the water surface"}
 
 
 def summary_json(survey: Survey, deliverables: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The trajectory as people take it away: the vehicle in the hull frame (global without a drawing), with sigmas."""
+"""The trajectory as people take it away: the vehicle in the hull frame (global without a CAD model), with sigmas."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ class Extent:
 
     @property
     def drawn(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Left and right, bottom and top of a drawing."""
+        """Left and right, bottom and top of a CAD model."""
         along, girth = (s[::-1] if f else s for s, f in zip((self.along, self.girth), self.flips, strict=True))
         return (along[0], along[1]), (girth[0], girth[1])
 
@@ -100,7 +100,7 @@ def deviation_png(found: ChartedSurface, extent: Extent, marks: list[tuple[str, 
         filled = np.nan_to_num(value)
         drawn: Any = axis.tripcolor(*_safe(found.at).T, faces, filled, cmap="RdBu_r", vmin=-top, vmax=top, shading="gouraud")
         bar = figure.colorbar(drawn, ax=axis, shrink=0.9, pad=0.01, extend="both")
-        bar.set_label("deviation from the drawing (mm)", size=9)
+        bar.set_label("deviation from the CAD model (mm)", size=9)
         bar.ax.tick_params(labelsize=8)
     for text, along, girth in marks:
         axis.annotate(

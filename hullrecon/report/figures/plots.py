@@ -123,7 +123,7 @@ def residuals(statistics: Mapping[str, Mapping[str, Any]]) -> Plot:
 
 
 def deviation_histogram(solution: Solution | None, as_found: Surface | None) -> Plot | None:
-    """Share of landmarks, and of the area seen, by their signed distance to the drawing; None without a drawing."""
+    """Share of landmarks, and of the area seen, by their signed distance to the CAD model; None without a CAD model."""
     groups = {}
     if solution is not None:
         groups["landmarks"] = (solution.landmarks.deviation, np.ones(len(solution.landmarks)))
@@ -133,7 +133,7 @@ def deviation_histogram(solution: Solution | None, as_found: Surface | None) -> 
     groups = {n: (v, w / w.sum()) for n, (v, w) in groups.items() if w.sum() > 0}
     if not groups:
         return None
-    edges = np.asarray(0.004 * (np.arange(-50, 52) - 0.5), float)  # on the drawing is the middle of a bin, not a border
+    edges = np.asarray(0.004 * (np.arange(-50, 52) - 0.5), float)  # on the CAD model is the middle of a bin, not a border
     figure, axis = new_figure()
     table: dict[str, Any] = {"from_m": numbers(edges[:-1], ".3f"), "to_m": numbers(edges[1:], ".3f")}
     for (name, (values, weights)), color in zip(groups.items(), (BLUE, ORANGE), strict=False):
@@ -141,13 +141,13 @@ def deviation_histogram(solution: Solution | None, as_found: Surface | None) -> 
         axis.stairs(share, 1000 * edges, color=color, linewidth=1.6, label=name.replace("_", " "))
         table[f"{name}_percent"] = numbers(np.asarray(share, float), ".6f")
     axis.axvline(0, color=GRAY, linewidth=1)
-    axis.set(xlabel="distance to the drawing, outward positive (mm)", ylabel="share (%)")
+    axis.set(xlabel="distance to the CAD model, outward positive (mm)", ylabel="share (%)")
     axis.set_yscale("symlog", linthresh=0.1)
     axis.legend(fontsize=8, frameon=False)
     words = [
         f"{n.replace('_', ' ')}: median {1000 * weighted_percentiles(v, w, (50,))[0]:.1f} mm" for n, (v, w) in groups.items()
     ]
-    return Plot("deviation_histogram", "Deviation from the drawing", "; ".join(words) + ".", png_bytes(figure), table)
+    return Plot("deviation_histogram", "Deviation from the CAD model", "; ".join(words) + ".", png_bytes(figure), table)
 
 
 def standoff(dvl: DvlPings) -> Array:

@@ -1,0 +1,266 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What each step left, read from its folder: nobody else knows a file's name.
+
+A property raises InputError where a file that its step always leaves is missing; what a dive may lack is None.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TypeVar
+
+from hullrecon.artifacts.graph.stage import load_arrays
+from hullrecon.dive.images.store import ImageStore
+from hullrecon.errors import InputError
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.charts.chart import Chart, chart_from_arrays
+from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SonarPings
+from hullrecon.records.serialisation import from_arrays
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
+from hullrecon.records.tracks import Tracks
+from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.typing import Arrays
+
+Record = TypeVar("Record")
+Document = Mapping[str, object]
+
+
+@dataclass(frozen=True)
+class StepArtifact:
+    """The folder of one step's artifact."""
+
+    folder: Path
+
+    def _optional(self, name: str, kind: type[Record]) -> Record | None:
+        path = self.folder / name
+        return from_arrays(kind, load_arrays(path)) if path.exists() else None
+
+    def _required(self, name: str, kind: type[Record]) -> Record:
+        found = self._optional(name, kind)
+        if found is None:
+            raise InputError(f"{name} is missing", where=str(self.folder), remedy="run the step again")
+        return found
+
+    def _document(self, name: str) -> Document:
+        path = self.folder / name
+        if not path.exists():
+            return {}
+        document: Document = json.loads(path.read_text(encoding="utf-8"))
+        return document
+
+
+class IngestArtifact(StepArtifact):
+    """What the package holds, decoded."""
+
+    @property
+    def dvl(self) -> DvlPings | None:
+        return self._optional("dvl.npz", DvlPings)
+
+    @property
+    def imu(self) -> ImuSamples | None:
+        return self._optional("imu.npz", ImuSamples)
+
+    @property
+    def pressure(self) -> PressureSamples | None:
+        return self._optional("pressure.npz", PressureSamples)
+
+    @property
+    def tray(self) -> JointSamples | None:
+        return self._optional("tray.npz", JointSamples)
+
+    @property
+    def sonar(self) -> SonarPings | None:
+        return self._optional("sonar.npz", SonarPings)
+
+    @property
+    def sonar_joint(self) -> JointSamples | None:
+        return self._optional("sonar_tray.npz", JointSamples)
+
+    @property
+    def hull(self) -> Mesh | None:
+        """Return the checked CAD model in M; None where the dive has none."""
+        path = self.folder / "hull.npz"
+        if not path.exists():
+            return None
+        arrays = load_arrays(path)
+        return Mesh(arrays["vertices"], arrays["faces"])
+
+    @property
+    def findings(self) -> Document:
+        return self._document("findings.json")
+
+    @property
+    def camera_models(self) -> dict[Camera, CameraModel]:
+        """Return the calibrations as read; empty where no camera was carried."""
+        return read_camera_models(self.folder / "cameras.json")
+
+    def image_index(self, camera: Camera) -> ImageIndex | None:
+        return self._optional(f"images_{camera.key}.npz", ImageIndex)
+
+    def images(self, camera: Camera, package: Path | None) -> ImageStore:
+        """Return the images of a camera; package: its folder, where images are plain files."""
+        return ImageStore(self.folder, package, camera.key)
+
+
+class NavigateArtifact(StepArtifact):
+    """The dead-reckoned dive."""
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        return self._required("trajectory.npz", Trajectory)
+
+    @property
+    def odometry(self) -> Odometry:
+        return self._required("odometry.npz", Odometry)
+
+    @property
+    def attitude(self) -> Attitude:
+        return self._required("attitude.npz", Attitude)
+
+    @property
+    def error_model(self) -> TrajectoryErrorModel:
+        return self._required("error_model.npz", TrajectoryErrorModel)
+
+    @property
+    def returns(self) -> Returns | None:
+        """Return the DVL's returns; None where no DVL was carried."""
+        return self._optional("returns.npz", Returns)
+
+    @property
+    def facts(self) -> Document:
+        return self._document("navigation.json")
+
+
+class MatchesArtifact(StepArtifact):
+    """Pairs and tracks."""
+
+    @property
+    def tracks(self) -> Tracks:
+        return self._required("tracks.npz", Tracks)
+
+    @property
+    def pairs(self) -> Document:
+        return self._document("pairs.json")
+
+
+class AdjustArtifact(StepArtifact):
+    """The adjusted dive."""
+
+    @cached_property
+    def solution(self) -> Solution:
+        return self._required("solution.npz", Solution)
+
+    @property
+    def summary(self) -> Document:
+        return self._document("adjust.json")
+
+    @property
+    def iterations(self) -> Arrays:
+        return load_arrays(self.folder / "iterations.npz")
+
+    @property
+    def chart(self) -> Chart | None:
+        """Return the hull chart; None without a CAD model."""
+        return read_chart(self.folder / "chart.npz")
+
+    @property
+    def camera_models(self) -> dict[Camera, CameraModel]:
+        """Return the refined calibrations; empty where they were held."""
+        return read_camera_models(self.folder / "cameras.json")
+
+
+class SurfaceArtifact(StepArtifact):
+    """The surface from the DVL's returns (of landmarks where there is no DVL)."""
+
+    @property
+    def surface(self) -> Surface:
+        return self._required("surface.npz", Surface)
+
+    @property
+    def chart(self) -> Chart:
+        """Return the chart that all later steps use. Raises InputError where it is missing."""
+        chart = read_chart(self.folder / "chart.npz")
+        if chart is None:
+            raise InputError("chart.npz is missing", where=str(self.folder), remedy="run the step again")
+        return chart
+
+    @property
+    def facts(self) -> Document:
+        return self._document("surface.json")
+
+
+class DetectArtifact(StepArtifact):
+    """The hull as found and what is on it."""
+
+    @property
+    def as_found(self) -> Surface | None:
+        return self._optional("as_found.npz", Surface)
+
+    @property
+    def objects(self) -> Document:
+        return self._document("objects.json")
+
+    @property
+    def coverage(self) -> Document:
+        return self._document("coverage.json")
+
+    @property
+    def facts(self) -> Document:
+        return self._document("detect.json")
+
+
+@dataclass(frozen=True)
+class InputArtifacts:
+    """The artifacts that a step was handed; None for an optional one that this dive has not."""
+
+    inputs: Mapping[str, Path]
+
+    @property
+    def ingest(self) -> IngestArtifact:
+        return IngestArtifact(self.inputs["ingest"])
+
+    @property
+    def navigate(self) -> NavigateArtifact:
+        return NavigateArtifact(self.inputs["navigate"])
+
+    @property
+    def matches(self) -> MatchesArtifact | None:
+        return MatchesArtifact(self.inputs["matches"]) if "matches" in self.inputs else None
+
+    @property
+    def adjust(self) -> AdjustArtifact | None:
+        return AdjustArtifact(self.inputs["adjust"]) if "adjust" in self.inputs else None
+
+    @property
+    def surface(self) -> SurfaceArtifact:
+        return SurfaceArtifact(self.inputs["surface"])
+
+    @property
+    def detect(self) -> DetectArtifact | None:
+        return DetectArtifact(self.inputs["detect"]) if "detect" in self.inputs else None
+
+    @property
+    def camera_models(self) -> dict[Camera, CameraModel]:
+        """Return the calibrations as refined by adjust, else as read."""
+        refined = self.adjust.camera_models if self.adjust is not None else {}
+        return refined or self.ingest.camera_models
+
+
+def read_camera_models(path: Path) -> dict[Camera, CameraModel]:
+    """Return the cameras of a cameras.json; empty where there is no such file."""
+    if not path.exists():
+        return {}
+    return {Camera(name): CameraModel(**fields) for name, fields in json.loads(path.read_text(encoding="utf-8")).items()}
+
+
+def read_chart(path: Path) -> Chart | None:
+    """Return the chart of a chart.npz; None where there is no such file."""
+    return chart_from_arrays(load_arrays(path)) if path.exists() else None

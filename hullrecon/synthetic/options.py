@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The fields of a DiveSpec under flat names, as the command line and notebooks give them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from hullrecon.errors import UsageError
+from hullrecon.synthetic.spec import DiveSpec, Meta
+
+RENAMED = {("cameras", "carried"): "cameras"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Option:
+    """Describe one option. name: flat, in snake case; part, field: where it lies in DiveSpec, part empty for its own fields."""
+
+    name: str
+    part: str
+    field: str
+    default: bool | int | float | str | None
+    meta: Meta
+
+
+def options() -> tuple[Option, ...]:
+    """Return all options in the order of the records."""
+    return tuple(_options())
+
+
+def with_options(spec: DiveSpec, **values: Any) -> DiveSpec:
+    """Return the spec with those options changed, by flat name.
+
+    Raises UsageError for an unknown name and for a value out of bounds."""
+    known = {option.name: option for option in options()}
+    changes: dict[str, dict[str, Any]] = {}
+    for name, value in values.items():
+        if name not in known:
+            raise UsageError(f"unknown option {name}", remedy="see `hullrecon simulate --help`")
+        changes.setdefault(known[name].part, {})[known[name].field] = value
+    own = changes.pop("", {})
+    parts = {part: dataclasses.replace(getattr(spec, part), **changed) for part, changed in changes.items()}
+    return dataclasses.replace(spec, **own, **parts)
+
+
+def spec_from(**values: Any) -> DiveSpec:
+    """Return the spec of a dive with those options and the defaults of all others."""
+    return with_options(DiveSpec(), **values)
+
+
+def _options() -> Iterator[Option]:
+    spec = DiveSpec()
+    for top in dataclasses.fields(spec):
+        part = getattr(spec, top.name)
+        if "meta" in top.metadata:
+            yield Option(name=top.name, part="", field=top.name, default=part, meta=top.metadata["meta"])
+            continue
+        for f in dataclasses.fields(part):
+            if "meta" in f.metadata:
+                name = RENAMED.get((top.name, f.name), part.prefix + f.name)
+                yield Option(name=name, part=top.name, field=f.name, default=getattr(part, f.name), meta=f.metadata["meta"])

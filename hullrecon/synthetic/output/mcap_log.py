@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The log as one MCAP file of CDR messages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hullrecon.synthetic.output.messages import header, make, store, vector
+from hullrecon.synthetic.sensors import sonar
+from hullrecon.synthetic.sensors.instruments import (
+    ACCELERATION_SIGMA,
+    GYRO_SIGMA,
+    HEADING_SIGMA,
+    RANGE_SIGMA,
+    ROLL_PITCH_SIGMA,
+    VELOCITY_SIGMA,
+)
+from hullrecon.synthetic.sensors.recorder import Streams, in_order
+from hullrecon.synthetic.vehicle.rig import BEAMS, SONAR_ELEVATION_DEG
+
+TOPICS = {
+    "dvl": ("/dvl", "marine_acoustic_msgs/msg/Dvl"),
+    "imu": ("/imu", "sensor_msgs/msg/Imu"),
+    "pressure": ("/pressure", "sensor_msgs/msg/FluidPressure"),
+    "joints": ("/joint_states", "sensor_msgs/msg/JointState"),
+    "camera_top": ("/camera/top/image_raw/compressed", "sensor_msgs/msg/CompressedImage"),
+    "camera_bottom": ("/camera/bottom/image_raw/compressed", "sensor_msgs/msg/CompressedImage"),
+    "sonar": ("/sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage"),
+}
+LATENCY_NS = {"dvl": 33_000_000, "imu": 2_000_000, "pressure": 6_000_000, "joints": 7_000_000, "sonar": 130_000_000}
+
+
+def write_mcap(path: Path, streams: Streams) -> None:
+    """All streams in one file, zstd chunks, each message logged a little after its stamp."""
+    from mcap.writer import CompressionType, Writer
+
+    with path.open("wb") as file:
+        writer = Writer(file, chunk_size=1 << 20, compression=CompressionType.ZSTD)
+        writer.start(profile="ros2", library="hullrecon")
+        channels = _channels(writer, {name for _, name, _ in in_order(streams)})
+        rows = sorted((ns + LATENCY_NS.get(name, 60_000_000), name, k, ns) for ns, name, k in in_order(streams))
+        for logged_ns, name, k, ns in rows:
+            message = MESSAGES[name](streams, k, ns)
+            data = bytes(store().serialize_cdr(message, TOPICS[name][1]))
+            writer.add_message(channels[name], log_time=logged_ns, publish_time=ns, data=data)
+        writer.finish()
+
+
+def _channels(writer: Any, names: set[str]) -> dict[str, int]:
+    schemas, channels = dict[str, int](), dict[str, int]()
+    for name in sorted(names):
+        topic, kind = TOPICS[name]
+        if kind not in schemas:
+            text, _ = store().generate_msgdef(kind, ros_version=2)
+            schemas[kind] = writer.register_schema(name=kind, encoding="ros2msg", data=text.encode())
+        channels[name] = writer.register_channel(topic=topic, message_encoding="cdr", schema_id=schemas[kind])
+    return channels
+
+
+def _dvl(streams: Streams, k: int, ns: int) -> Any:
+    ranges, velocity = streams.dvl.ranges[k], streams.dvl.velocity[k]
+    good = np.isfinite(ranges)
+    return make(
+        "marine_acoustic_msgs/msg/Dvl",
+        header=header(ns, "dvl"),
+        velocity_mode=1,
+        dvl_type=0,
+        velocity=vector(velocity),
+        velocity_covar=np.diag(np.full(3, VELOCITY_SIGMA**2)).ravel(),
+        altitude=float(np.mean(ranges[good]) * BEAMS[0, 2]) if good.any() else -1.0,
+        course_gnd=float(np.arctan2(velocity[1], velocity[0])),
+        speed_gnd=float(np.hypot(velocity[0], velocity[1])),
+        num_good_beams=int(good.sum()),
+        sound_speed=1500.0,
+        beam_ranges_valid=True,
+        beam_velocities_valid=False,
+        beam_unit_vec=[vector(beam) for beam in BEAMS],
+        range=np.where(good, ranges, 0.0),
+        range_covar=np.where(good, RANGE_SIGMA**2, -1.0).astype(np.float32),
+        beam_quality=good.astype(np.float32),
+        beam_velocity=np.zeros(4, np.float32),
+        beam_velocity_covar=np.full(4, -1.0, np.float32),
+    )
+
+
+def _imu(streams: Streams, k: int, ns: int) -> Any:
+    x, y, z, w = streams.imu.quaternion[k].tolist()
+    return make(
+        "sensor_msgs/msg/Imu",
+        header=header(ns, "vehicle"),
+        orientation=make("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w),
+        orientation_covariance=np.diag([ROLL_PITCH_SIGMA**2, ROLL_PITCH_SIGMA**2, (10 * HEADING_SIGMA) ** 2]).ravel(),
+        angular_velocity=vector(streams.imu.rates[k]),
+        angular_velocity_covariance=np.diag(np.full(3, GYRO_SIGMA**2)).ravel(),
+        linear_acceleration=vector(streams.imu.force[k]),
+        linear_acceleration_covariance=np.diag(np.full(3, ACCELERATION_SIGMA**2)).ravel(),
+    )
+
+
+def _pressure(streams: Streams, k: int, ns: int) -> Any:
+    pascal = float(streams.pressure.value[k])
+    return make("sensor_msgs/msg/FluidPressure", header=header(ns, "vehicle"), fluid_pressure=pascal, variance=0.0)
+
+
+def _joints(streams: Streams, k: int, ns: int) -> Any:
+    none = np.zeros(0)
+    names, angle = ["tray", "sonar_tray"], streams.joints.value[k]
+    return make("sensor_msgs/msg/JointState", header=header(ns, ""), name=names, position=angle, velocity=none, effort=none)
+
+
+def _camera(name: str, jpeg: bytes, ns: int) -> Any:
+    data = np.frombuffer(jpeg, np.uint8)
+    return make("sensor_msgs/msg/CompressedImage", header=header(ns, name), format="jpeg", data=data)
+
+
+def _sonar(streams: Streams, k: int, ns: int) -> Any:
+    width = np.full(sonar.BEAM_COUNT, np.radians(SONAR_ELEVATION_DEG), np.float32)
+    beam = np.full(sonar.BEAM_COUNT, abs(sonar.AZIMUTH[1] - sonar.AZIMUTH[0]), np.float32)
+    info = make(
+        "marine_acoustic_msgs/msg/PingInfo", frequency=1.8e6, sound_speed=1500.0, tx_beamwidths=width, rx_beamwidths=beam
+    )
+    pixels = np.ascontiguousarray(streams.pings[k].T).ravel()  # range bin by range bin
+    image = make(
+        "marine_acoustic_msgs/msg/SonarImageData", is_bigendian=False, dtype=0, beam_count=sonar.BEAM_COUNT, data=pixels
+    )
+    return make(
+        "marine_acoustic_msgs/msg/ProjectedSonarImage",
+        header=header(ns, "sonar"),
+        ping_info=info,
+        beam_directions=[vector(d) for d in sonar.beam_directions()],
+        ranges=sonar.RANGE.astype(np.float32),
+        image=image,
+    )
+
+
+MESSAGES = {
+    "dvl": _dvl,
+    "imu": _imu,
+    "pressure": _pressure,
+    "joints": _joints,
+    "camera_top": lambda s, k, ns: _camera("camera_top", s.frames[k][0], ns),
+    "camera_bottom": lambda s, k, ns: _camera("camera_bottom", s.frames[k][1], ns),
+    "sonar": _sonar,
+}

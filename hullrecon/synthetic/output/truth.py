@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""truth/ of a simulated dive: what `evaluate` compares with, and no step may read."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.poses import Poses
+from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.output.plain_log import write_table
+from hullrecon.synthetic.vehicle.rig import SONAR_ORIGIN, TRAY_ORIGIN
+from hullrecon.synthetic.world.as_built import crop
+from hullrecon.synthetic.world.items import MARKS, Item
+from hullrecon.synthetic.world.relief import height_of
+
+Array = NDArray[np.float64]
+
+
+def write_truth(folder: Path, dive: Dive) -> None:
+    """poses.csv, alignment.json, servo.csv, sonar_servo.csv, extrinsics.json, objects.json, as_built.ply."""
+    motion = dive.motion
+    at = motion.in_hull(motion.vehicle(dive.frame_s))
+    rows = np.hstack([at.translation, at.quaternion])
+    write_table(folder / "poses.csv", ["x", "y", "z", "qx", "qy", "qz", "qw"], dive.frame_s, rows)
+    often = np.arange(0, motion.t_s[-1], 0.05)
+    write_table(folder / "servo.csv", ["rad"], often, motion.angle(motion.tray, often)[:, None])
+    write_table(folder / "sonar_servo.csv", ["rad"], often, motion.angle(motion.sonar_tray, often)[:, None])
+    _json(folder / "alignment.json", {"T_g_M": _place(motion.T_g_M)})
+    _json(folder / "extrinsics.json", _extrinsics(dive))
+    _json(folder / "objects.json", _objects(dive))
+    write_ply(folder / "as_built.ply", crop(dive.built, dive.seen_along, dive.seen_girth))
+
+
+def write_ply(path: Path, mesh: Mesh) -> None:
+    """Binary PLY, float32 vertices."""
+    head = f"""ply
+format binary_little_endian 1.0
+comment as built, frame M, metres
+element vertex {len(mesh.vertices)}
+property float x
+property float y
+property float z
+element face {len(mesh.faces)}
+property list uchar int vertex_indices
+end_header
+"""
+    faces = np.zeros(len(mesh.faces), np.dtype([("n", "u1"), ("corner", "<i4", 3)]))
+    faces["n"], faces["corner"] = 3, mesh.faces
+    path.write_bytes(head.encode() + mesh.vertices.astype("<f4").tobytes() + faces.tobytes())
+
+
+def _extrinsics(dive: Dive) -> dict[str, Any]:
+    rig = dive.rig
+    mounts = {"T_s_d": rig.T_s_d, "T_s_ct": rig.T_s_ct, "T_ct_cb": rig.T_ct_cb, "T_sonarservo_o": rig.T_u_o}
+    if dive.spec.cameras.carried == "none":
+        mounts = {name: mounts[name] for name in ("T_s_d", "T_sonarservo_o")}
+    placed: dict[str, Any] = {name: _place(mount) for name, mount in mounts.items()}
+    return {"tray_origin": list(TRAY_ORIGIN), "sonar_origin": list(SONAR_ORIGIN), **placed}
+
+
+def _objects(dive: Dive) -> dict[str, Any]:
+    rows = [_object(dive, item, k + 1) for k, item in enumerate(dive.items)]
+    rough = [row for row in rows if row["kind"] == "barnacles"]
+    return {"objects": [row for row in rows if row["kind"] != "barnacles"], "not_objects": rough}
+
+
+def _object(dive: Dive, item: Item, number: int) -> dict[str, Any]:
+    """The centre lies on the visible surface: a protrusion's top, a recess's floor."""
+    a, g = np.array([item.along_m]), np.array([item.girth_m])
+    normal = dive.patch.sample(dive.patch.normal, a, g)[0]
+    normal /= np.linalg.norm(normal)
+    steel = dive.patch.sample(dive.built.steel, a, g)[0]
+    top = float(height_of(item, a, g)[0]) if item.kind != "barnacles" else item.height_m
+    center = steel + top * normal
+    return {
+        "id": number,
+        "kind": item.kind,
+        "center": [round(float(v), 5) for v in center],
+        "normal": [round(float(v), 6) for v in normal],
+        "height": round(top, 5),
+        "extent": [round(float(v), 4) for v in item.size_m],
+        "views": _views(dive, center),
+        "painted": item.kind in MARKS,
+    }
+
+
+def _views(dive: Dive, point: Array) -> int:
+    """Frames in which the top camera has that point before it."""
+    if dive.spec.cameras.carried == "none":
+        return 0
+    camera = dive.rig.camera_top
+    at = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s, dive.rig.T_s_ct, TRAY_ORIGIN))
+    inside = at.inverse().apply(np.tile(point, (len(at), 1)))
+    pixel = camera.project(inside)
+    with np.errstate(invalid="ignore"):
+        seen = (pixel >= 0).all(1) & (pixel[:, 0] < camera.width) & (pixel[:, 1] < camera.height) & (inside[:, 2] < 2.5)
+    return int(seen.sum())
+
+
+def _place(motion: Poses) -> dict[str, Any]:
+    return {
+        "translation": motion.translation[0].tolist(),
+        "quaternion": motion.quaternion[0].tolist(),
+        "matrix": motion.matrix()[0].tolist(),
+    }
+
+
+def _json(path: Path, value: Any) -> None:
+    path.write_text(json.dumps(value, indent=1) + "\n")

@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the DVL, the IMU, the pressure cell and the servos report, with the errors they have."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.poses import Poses
+from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.vehicle.motion import Motion, ticks
+from hullrecon.synthetic.vehicle.rig import BEAMS, TRAY_ORIGIN, Rig
+from hullrecon.synthetic.world.ray_casting import Rays
+
+Array = NDArray[np.float64]
+
+ATMOSPHERE_PA, DENSITY, GRAVITY = 101325.0, 1025.0, 9.81
+VELOCITY_SIGMA, RANGE_SIGMA = 0.003, 0.01
+LOST_SHARE, WILD_SHARE = 0.02, 0.005
+ROLL_PITCH_SIGMA, HEADING_SIGMA = np.radians(0.1), np.radians(0.05)
+GYRO_SIGMA, ACCELERATION_SIGMA = 0.002, 0.03
+DEPTH_SIGMA = 0.02
+
+
+@dataclass(frozen=True)
+class Dvl:
+    """velocity (n, 3) in `dvl`; ranges (n, 4), NaN where lost."""
+
+    t_s: Array
+    velocity: Array
+    ranges: Array
+
+
+@dataclass(frozen=True)
+class Imu:
+    """quaternion (n, 4) of the vehicle in g, rates (n, 3), specific force (n, 3) in the vehicle."""
+
+    t_s: Array
+    quaternion: Array
+    rates: Array
+    force: Array
+
+
+@dataclass(frozen=True)
+class Series:
+    """value (n,) or (n, k) at times."""
+
+    t_s: Array
+    value: Array
+
+
+def dvl(spec: DiveSpec, motion: Motion, rig: Rig, hull: Rays) -> Dvl:
+    """Velocity of the instrument over ground in its own frame, too long by the scale error; ranges to the hull as built."""
+    random = spec.random("dvl")
+    t = ticks(motion, 5.0, random)
+    at = motion.on_tray(t, rig.T_s_d, TRAY_ORIGIN)
+    ahead, behind = (motion.on_tray(t + dt, rig.T_s_d, TRAY_ORIGIN).translation for dt in (0.04, -0.04))
+    true = at.rotation.inv().apply((ahead - behind) / 0.08)
+    velocity = true * (1 + spec.errors.dvl_scale_error) + VELOCITY_SIGMA * random.standard_normal(true.shape)
+    return Dvl(t, velocity, _ranges(random, motion.in_hull(at), hull))
+
+
+def imu(spec: DiveSpec, motion: Motion) -> Imu:
+    """Attitude with a constant bias in roll and pitch, a heading that drifts and wanders, and white noise."""
+    from scipy.spatial.transform import Rotation
+
+    random = spec.random("imu")
+    t = ticks(motion, 25.0, random, 0.06)
+    n = len(t)
+    level = ROLL_PITCH_SIGMA * (random.standard_normal(2) + 0.3 * random.standard_normal((n, 2)))
+    walk = HEADING_SIGMA * np.cumsum(random.standard_normal(n)) * np.sqrt(0.04 / 60)
+    drift = np.radians(spec.errors.heading_drift_deg_per_hour) / 3600
+    heading = drift * t + walk + 0.5 * HEADING_SIGMA * random.standard_normal(n)
+    error = Rotation.from_euler("xyz", np.column_stack([level, np.zeros(n)]))
+    turn = Rotation.from_euler("z", heading[:, None]) * motion.vehicle(t).rotation * error
+    down = np.array([0.0, 0.0, GRAVITY])
+    force = motion.vehicle(t).rotation.inv().apply(motion.acceleration(t) - down)
+    rates = motion.rates(t) + 0.0005 * random.standard_normal(3) + GYRO_SIGMA * random.standard_normal((n, 3))
+    return Imu(t, turn.as_quat(), rates, force + ACCELERATION_SIGMA * random.standard_normal((n, 3)))
+
+
+def pressure(spec: DiveSpec, motion: Motion) -> Series:
+    """Absolute pressure, Pa, at the vehicle's origin, with a bias of centimetres."""
+    random = spec.random("pressure")
+    t = ticks(motion, 10.0, random, 0.12)
+    bias = 0.03 * random.choice([-1.0, 1.0])
+    depth = motion.vehicle(t).translation[:, 2] + bias + DEPTH_SIGMA * random.standard_normal(len(t))
+    return Series(t, ATMOSPHERE_PA + DENSITY * GRAVITY * depth)
+
+
+def joints(spec: DiveSpec, motion: Motion) -> Series:
+    """(n, 2) rad: tray and sonar tray as their encoders report them."""
+    random = spec.random("joints")
+    t = ticks(motion, 10.0, random, 0.09)
+    series = (motion.encoder, motion.sonar_tray)
+    reported = np.stack([motion.angle(s, t) for s in series], axis=1)
+    return Series(t, reported + np.radians(spec.errors.servo_sigma_deg) * random.standard_normal(reported.shape))
+
+
+def _ranges(random: np.random.Generator, T_M_d: Poses, hull: Rays) -> Array:
+    n, b = len(T_M_d), len(BEAMS)
+    direction = np.stack([T_M_d.rotation.apply(np.tile(beam, (n, 1))) for beam in BEAMS], axis=1)
+    hits = hull.cast(np.repeat(T_M_d.translation, b, axis=0), direction.reshape(-1, 3))
+    ranges = np.where(hits.hit, hits.range_m, np.nan).astype(float).reshape(n, b)
+    ranges += RANGE_SIGMA * random.standard_normal((n, b))
+    wild, lost = random.random((n, b)) < WILD_SHARE, random.random((n, b)) < LOST_SHARE
+    ranges = np.where(wild, ranges * random.uniform(0.3, 2.5, (n, b)), ranges)
+    return np.where(lost, np.nan, ranges)

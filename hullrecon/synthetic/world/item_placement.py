@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where structures, painted marks and barnacles go: drawn at random over the surveyed part, clear of each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hullrecon.errors import UsageError
+from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.world.items import MARKS, STRUCTURES, Item, Kind
+
+# height, size along and across, of the k-th of its kind (taken in turn), metres
+SHAPES: dict[Kind, tuple[tuple[float, float, float], ...]] = {
+    "cylinder": ((0.11, 0.16, 0.16), (0.09, 0.2, 0.2)),
+    "dome": ((0.12, 0.3, 0.3), (0.1, 0.24, 0.24)),
+    "box": ((0.10, 0.26, 0.2), (0.13, 0.18, 0.3)),
+    "lump": ((0.14, 0.42, 0.3), (0.07, 0.26, 0.22)),
+    "recess": ((-0.04, 0.25, 0.25), (-0.06, 0.2, 0.2)),
+    "digits": ((0.0, 0.5, 0.3),),
+    "stripe": ((0.0, 0.8, 0.09),),
+    "ring": ((0.0, 0.34, 0.34),),
+    "barnacles": ((0.016, 0.6, 0.4), (0.018, 0.5, 0.35)),
+}
+
+
+def place_items(spec: DiveSpec, along_m: tuple[float, float], girth_m: tuple[float, float]) -> tuple[Item, ...]:
+    """The dive's items within that window of the chart: structures first, then marks, then barnacles. Raises UsageError when
+    they do not fit."""
+    if spec.items.placed is not None:
+        return spec.items.placed
+    random, out = spec.random("items"), list[Item]()
+    for kind, (height, *size) in _wanted(spec):
+        turn = float(random.uniform(-0.3, 0.3))
+        item = _clear_place(random, Item(kind, 0.0, 0.0, height, (size[0], size[1]), turn), out, along_m, girth_m)
+        out.append(item)
+    return tuple(out)
+
+
+def _wanted(spec: DiveSpec) -> list[tuple[Kind, tuple[float, float, float]]]:
+    kinds = [STRUCTURES[k % len(STRUCTURES)] for k in range(spec.items.structures)]
+    kinds += [MARKS[k % len(MARKS)] for k in range(spec.items.marks)]
+    kinds += ["barnacles"] * spec.items.barnacles
+    turn = [kinds[:k].count(kind) for k, kind in enumerate(kinds)]
+    return [(kind, SHAPES[kind][t % len(SHAPES[kind])]) for kind, t in zip(kinds, turn, strict=True)]
+
+
+def _clear_place(
+    random: np.random.Generator, item: Item, taken: list[Item], along_m: tuple[float, float], girth_m: tuple[float, float]
+) -> Item:
+    for _ in range(4000):
+        a, g = float(random.uniform(*along_m)), float(random.uniform(*girth_m))
+        if all(np.hypot(a - o.along_m, g - o.girth_m) > item.reach_m() + o.reach_m() + 0.05 for o in taken):
+            return Item(item.kind, a, g, item.height_m, item.size_m, item.turn_rad)
+    raise UsageError(
+        f"no room for {len(taken) + 1} items on the surveyed part", remedy="ask for fewer structures and marks, or longer legs"
+    )

@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The height over the steel of what grows on it or was welded to it, in chart coordinates."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.synthetic.world.items import Item
+
+Array = NDArray[np.float64]
+
+
+def height_of(item: Item, along_m: Array, girth_m: Array) -> Array:
+    """Height (n,) of one item at chart points; zero away from it and everywhere for paint."""
+    u, v = local(item, along_m, girth_m)
+    radius = np.hypot(u, v)
+    if item.kind in ("cylinder", "recess"):
+        return item.height_m * _wall((1 - radius) * 0.5 * item.size_m[0])
+    if item.kind == "box":
+        return item.height_m * _wall(np.minimum((1 - np.abs(u)) * 0.5 * item.size_m[0], (1 - np.abs(v)) * 0.5 * item.size_m[1]))
+    if item.kind == "dome":
+        return np.asarray(item.height_m * np.sqrt(np.clip(1 - radius**2, 0, None)))
+    if item.kind == "lump":
+        return _lump(item, u, v, radius)
+    if item.kind == "barnacles":
+        return _barnacles(item, along_m, girth_m, radius)
+    return np.zeros_like(radius)
+
+
+def _wall(inside_m: Array, width_m: float = 0.008) -> Array:
+    """1 inside, 0 outside, a steep ramp between: a wall that a 6 mm grid can hold without teeth."""
+    return np.clip(0.5 + inside_m / width_m, 0, 1)
+
+
+def local(item: Item, along_m: Array, girth_m: Array) -> tuple[Array, Array]:
+    """Coordinates in the item's own axes, 1 at its edge."""
+    c, s = np.cos(item.turn_rad), np.sin(item.turn_rad)
+    a, g = along_m - item.along_m, girth_m - item.girth_m
+    return (c * a + s * g) / (0.5 * item.size_m[0]), (c * g - s * a) / (0.5 * item.size_m[1])
+
+
+def _lump(item: Item, u: Array, v: Array, radius: Array) -> Array:
+    """A bump with an uneven back; its highest point stays at the middle."""
+    back = 1 - 0.12 * (1 - np.cos(5 * u + item.along_m)) * radius - 0.08 * (1 - np.cos(7 * v)) * radius
+    return np.asarray(item.height_m * np.where(radius < 1, np.cos(0.5 * np.pi * np.minimum(radius, 1)) ** 1.2 * back, 0))
+
+
+def _barnacles(item: Item, along_m: Array, girth_m: Array, radius: Array) -> Array:
+    """Cones of one to two centimetres, thinning out to the patch's edge."""
+    random = np.random.default_rng([round(1e4 * abs(item.along_m)), round(1e4 * abs(item.girth_m))])
+    count = int(900 * item.size_m[0] * item.size_m[1])
+    place = random.uniform(-0.5, 0.5, (count, 2)) * item.size_m + [item.along_m, item.girth_m]
+    width, tall = random.uniform(0.008, 0.018, count), random.uniform(0.3, 1.0, count) * item.height_m
+    out = np.zeros_like(radius)
+    for (a, g), w, h in zip(place, width, tall, strict=True):
+        near = np.flatnonzero((np.abs(along_m - a) < w) & (np.abs(girth_m - g) < w))
+        cone = h * np.clip(1.6 * (1 - np.hypot(along_m[near] - a, girth_m[near] - g) / w), 0, 1)
+        out[near] = np.maximum(out[near], cone)
+    return np.where(radius < 1, out, 0.0)

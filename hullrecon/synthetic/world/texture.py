@@ -1,0 +1,252 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The steel's colour over the chart: plates and weld seams, fouling at all scales, specks and scratches, painted marks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.world.items import Item
+from hullrecon.synthetic.world.relief import local
+
+Floats = NDArray[np.float32]
+Image = NDArray[np.uint8]
+
+PAINT = np.array([0.42, 0.30, 0.27], np.float32)  # RGB albedo: antifouling red under slime
+SLIME = np.array([0.20, 0.23, 0.17], np.float32)
+ALGAE = np.array([0.30, 0.46, 0.20], np.float32)
+PALE = np.array([0.62, 0.64, 0.56], np.float32)
+PLATE_M, SEAM_M = (2.4, 1.3), 0.011
+ITEM_TONES = (70.0, 150.0)  # grey of a structure
+PAINTS = {"digits": (205, 205, 195), "stripe": (200, 190, 70), "ring": (205, 205, 195), "barnacles": (185, 180, 160)}
+
+
+@dataclass(frozen=True)
+class Atlas:
+    """Hold the albedo of a window of the chart as one image.
+
+    image: (rows along girth, columns along the hull, 3) albedo x 255, RGB; its first texel's centre lies at origin_m."""
+
+    image: Image
+    origin_m: tuple[float, float]
+    texel_m: float
+
+    def look_up(self, along_m: Floats, girth_m: Floats, seen: NDArray[np.bool_]) -> Floats:
+        """Return the albedo (h, w, 3) at chart coordinates (h, w), bilinear, where `seen` (h, w); anything elsewhere."""
+        import cv2
+
+        x = (along_m - np.float32(self.origin_m[0])) / np.float32(self.texel_m)
+        y = (girth_m - np.float32(self.origin_m[1])) / np.float32(self.texel_m)
+        if not seen.any():
+            return np.zeros((*seen.shape, 3), np.float32)
+        left, right = _window(x[seen], self.image.shape[1])
+        top, bottom = _window(y[seen], self.image.shape[0])
+        part = np.ascontiguousarray(self.image[top:bottom, left:right])
+        out = cv2.remap(part, x - np.float32(left), y - np.float32(top), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+        return np.asarray(out, np.float32) / np.float32(255)
+
+
+def paint_atlas(
+    spec: DiveSpec, items: tuple[Item, ...], along_m: tuple[float, float], girth_m: tuple[float, float], texel_m: float
+) -> Atlas:
+    """Return the texture of that window of the chart, painted as a whole."""
+    random = spec.random("texture")
+    atlas = paint_steel(random, along_m, girth_m, texel_m)
+    paint_items(atlas, items, random.uniform(*ITEM_TONES, len(items)))
+    return atlas
+
+
+def paint_steel(
+    random: np.random.Generator, along_m: tuple[float, float], girth_m: tuple[float, float], texel_m: float
+) -> Atlas:
+    """Return the texture of that window of the chart without items."""
+    shape = (int((girth_m[1] - girth_m[0]) / texel_m), int((along_m[1] - along_m[0]) / texel_m))
+    origin = (along_m[0], girth_m[0])
+    fouling = _fouling(random, shape, texel_m)
+    plates = _plates(random, shape, origin, texel_m)
+    image = np.empty((*shape, 3), np.uint8)
+    for k in range(0, shape[0], 256):  # in strips: three colours in float32 of the whole window would not fit into memory
+        strip = slice(k, k + 256)
+        image[strip] = np.clip(255 * (_colour(fouling, strip) * plates(strip)[..., None]), 0, 255).astype(np.uint8)
+    _specks(random, image, texel_m)
+    _scratches(random, image, texel_m)
+    return Atlas(image, origin, texel_m)
+
+
+def paint_items(atlas: Atlas, items: tuple[Item, ...], tones: NDArray[np.float64]) -> None:
+    """Paint the items that lie in the atlas: marks white or yellow, structures in their tone, the barnacles' patch pale."""
+    for item, tone in zip(items, tones.tolist(), strict=True):
+        _mark(atlas, item, tone)
+
+
+def value_noise(random: np.random.Generator, shape: tuple[int, int], cell_px: float) -> Floats:
+    """(rows, columns) in about -1..1: random values on a grid of that cell size, cubic in between."""
+    import cv2
+
+    rows, columns = (int(np.ceil(n / cell_px)) + 4 for n in shape)
+    coarse = random.uniform(-1, 1, (rows, columns)).astype(np.float32)
+    size = (round(columns * cell_px), round(rows * cell_px))
+    fine = cv2.resize(coarse, size, interpolation=cv2.INTER_CUBIC)
+    start = int(cell_px)
+    return np.asarray(fine[start : start + shape[0], start : start + shape[1]], np.float32)
+
+
+def _octaves(
+    random: np.random.Generator, shape: tuple[int, int], cells_m: list[float], gains: list[float], texel_m: float
+) -> Floats:
+    total = np.zeros(shape, np.float32)
+    for cell, gain in zip(cells_m, gains, strict=True):
+        if cell / texel_m >= 2.0:
+            total += np.float32(gain) * value_noise(random, shape, cell / texel_m)
+    return total
+
+
+@dataclass(frozen=True)
+class _Fouling:
+    """Say what covers the steel. paint (rows, columns): share of bare paint; patches: tone and share (rows, columns) of algae
+    and of pale spots."""
+
+    paint: Floats
+    patches: tuple[tuple[Floats, Floats], ...]
+
+
+def _fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: float) -> _Fouling:
+    """Return where the paint shows through the slime, and where algae grow or something fell off."""
+    fine = _octaves(random, shape, [0.30, 0.12, 0.055, 0.026, 0.013, 0.0065], [0.45, 0.5, 0.6, 0.65, 0.5, 0.35], texel_m)
+    fine *= np.float32(1.6)
+    patches = []
+    for tone, cells, gains, level in (
+        (ALGAE, [0.6, 0.2, 0.07, 0.02], [1.0, 0.6, 0.4, 0.35], 0.55),
+        (PALE, [0.4, 0.1, 0.03, 0.011], [0.9, 0.6, 0.5, 0.4], 0.8),
+    ):
+        patch = _octaves(random, shape, cells, gains, texel_m)
+        patch -= np.float32(level)
+        patch *= np.float32(5)
+        patches.append((tone, _soften(patch)))
+    return _Fouling(_soften(fine), tuple(patches))
+
+
+def _soften(x: Floats) -> Floats:
+    """Return 0.5 + 0.5 tanh x, in the place of x."""
+    np.tanh(x, out=x)
+    x *= np.float32(0.5)
+    x += np.float32(0.5)
+    return x
+
+
+def _colour(fouling: _Fouling, rows: slice) -> Floats:
+    """Return the albedo (rows, columns, 3) of some rows: paint under slime, algae in patches, pale spots."""
+    share = fouling.paint[rows, :, None]
+    out = PAINT * share + SLIME * (1 - share)
+    for tone, patch in fouling.patches:
+        part = patch[rows, :, None]
+        out = out * (1 - 0.75 * part) + 0.75 * tone * part
+    return np.asarray(out, np.float32)
+
+
+def _plates(
+    random: np.random.Generator, shape: tuple[int, int], origin_m: tuple[float, float], texel_m: float
+) -> Callable[[slice], Floats]:
+    """Return the brightness (rows, columns) of some rows: a tone of its own for each plate, and the weld between."""
+    g = origin_m[1] + texel_m * np.arange(shape[0])
+    a = origin_m[0] + texel_m * np.arange(shape[1])
+    row, column = np.floor(g / PLATE_M[1]).astype(int), np.floor(a / PLATE_M[0]).astype(int)
+    tone = random.uniform(0.85, 1.12, (np.ptp(row) + 1, np.ptp(column) + 1)).astype(np.float32)
+    across, along = _seam(random, g, PLATE_M[1]), _seam(random, a, PLATE_M[0])
+
+    def brightness(rows: slice) -> Floats:
+        seam = np.minimum(across[rows, None], along)
+        return np.asarray(tone[np.ix_(row[rows] - row.min(), column - column.min())] * seam, np.float32)
+
+    return brightness
+
+
+def _seam(random: np.random.Generator, x: NDArray[np.floating], every_m: float) -> Floats:
+    """(n,) a dark, uneven line at each multiple."""
+    near = np.abs((x + every_m / 2) % every_m - every_m / 2)
+    return np.asarray(1 - 0.45 * np.exp(-((near / SEAM_M) ** 2)) * random.uniform(0.8, 1.0, len(x)), np.float32)
+
+
+def _specks(random: np.random.Generator, image: Image, texel_m: float) -> None:
+    import cv2
+
+    count = int(350 * image.shape[0] * image.shape[1] * texel_m**2)
+    at = (random.uniform(0, 16, (count, 2)) * image.shape[1::-1]).astype(int)  # sixteenths of a texel
+    radius = (16 * random.gamma(3.0, 0.0011, count) / texel_m).astype(int) + 8
+    tone = np.where(random.random(count) < 0.55, random.uniform(20, 70, count), random.uniform(130, 215, count))
+    tint = random.uniform(0.8, 1.0, (count, 3)) * tone[:, None]
+    for (x, y), r, c in zip(at.tolist(), radius.tolist(), tint.tolist(), strict=True):
+        cv2.circle(image, (x, y), r, c, -1, cv2.LINE_AA, 4)
+
+
+def _scratches(random: np.random.Generator, image: Image, texel_m: float) -> None:
+    import cv2
+
+    count = int(5 * image.shape[0] * image.shape[1] * texel_m**2)
+    start = random.uniform(0, 1, (count, 1, 2)) * image.shape[1::-1]
+    angle = random.uniform(0, 2 * np.pi, count)
+    step = random.uniform(0.02, 0.12, count)[:, None, None] / texel_m * np.stack([np.cos(angle), np.sin(angle)], 1)[:, None]
+    bend = random.uniform(-0.3, 0.3, (count, 1, 1)) * step[..., ::-1] * [1, -1]
+    share = np.linspace(0, 1, 9)[None, :, None]
+    lines = np.rint(16 * (start + step * 2 * share + bend * share**2)).astype(np.int32)
+    for line, tone in zip(lines, random.uniform(60, 190, count).tolist(), strict=True):
+        cv2.polylines(image, [line], False, (tone, tone, 0.9 * tone), 1, cv2.LINE_AA, 4)
+
+
+def _mark(atlas: Atlas, item: Item, tone: float) -> None:
+    row, column, mask = _stamp(atlas, item)
+    if mask.size == 0:
+        return
+    part = atlas.image[row : row + mask.shape[0], column : column + mask.shape[1]]
+    paint = np.array(PAINTS.get(item.kind, (tone,) * 3))
+    strength = 0.85 if item.kind in ("digits", "stripe", "ring") else 0.2
+    weight = (strength * mask)[..., None]
+    part[...] = np.clip(part * (1 - weight) + paint * weight, 0, 255).astype(np.uint8)
+
+
+def _stamp(atlas: Atlas, item: Item) -> tuple[int, int, Floats]:
+    """First row and column of the item's box in the atlas, and its mask 0..1 there."""
+    reach = int(np.ceil(item.reach_m() / atlas.texel_m)) + 2
+    column = round((item.along_m - atlas.origin_m[0]) / atlas.texel_m)
+    row = round((item.girth_m - atlas.origin_m[1]) / atlas.texel_m)
+    rows = np.arange(max(0, row - reach), min(atlas.image.shape[0], row + reach))
+    columns = np.arange(max(0, column - reach), min(atlas.image.shape[1], column + reach))
+    if len(rows) == 0 or len(columns) == 0:
+        return 0, 0, np.zeros((0, 0), np.float32)
+    a, g = np.meshgrid(atlas.origin_m[0] + columns * atlas.texel_m, atlas.origin_m[1] + rows * atlas.texel_m)
+    u, v = local(item, a, g)
+    return int(rows[0]), int(columns[0]), _shape(item, u, v).astype(np.float32)
+
+
+def _shape(item: Item, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
+    radius = np.hypot(u, v)
+    inside = np.maximum(np.abs(u), np.abs(v)) <= 1
+    if item.kind == "ring":
+        return ((radius > 0.78) & (radius <= 1)) | ((np.abs(v) < 0.09) & (np.abs(u) <= 1))
+    if item.kind == "digits":
+        return inside & _digits(u, v)
+    return np.asarray(inside if item.kind in ("stripe", "box") else radius <= 1)
+
+
+def _digits(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """A draught mark, as it reads from outside with the girth going up and the hull's port side before us."""
+    import cv2
+
+    board: Any = np.zeros((120, 200), np.uint8)
+    cv2.putText(board, "32", (18, 104), cv2.FONT_HERSHEY_SIMPLEX, 4.2, 255, 18)
+    x = np.clip((1 - u) * 100, 0, 199).astype(int)  # forward is to the left on the port side
+    y = np.clip((1 - v) * 60, 0, 119).astype(int)
+    return np.asarray(board[y, x] > 127)
+
+
+def _window(x: Floats, size: int) -> tuple[int, int]:
+    """Columns that a bilinear look-up at x needs, within the image."""
+    low, high = float(np.nanmin(x)), float(np.nanmax(x))
+    first = int(np.clip(np.floor(low) - 1, 0, size - 2))
+    return first, int(np.clip(np.ceil(high) + 2, first + 2, size))

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// Ranges and landmarks against the drawing, and the field of its deviations (O 4.4, 4.5, 4.14; METHODS 5).
+#pragma once
+
+#include "factors/residual.h"
+
+namespace hullrecon {
+
+// What the mesh says near a query, held until the next refresh: distance(p) = normal . p + offset, in M.
+struct Facet {
+  Vec3 normal = Vec3::Zero();
+  double offset = 0;
+  bool active = false;
+};
+
+// A DVL beam through the frames, from the DVL to M: `end` is the point at `length` along it, `along` its direction.
+struct Beam {
+  Mat3 tray;
+  Vec3 end_dvl, end_tray, end_vehicle, end_hull, along_tray, along_vehicle, along_hull;
+
+  Beam(const double* const* x, const Motion& offset, double tray_offset, const Vec3& tray_origin, const Vec3& beam,
+       double length) {
+    const Motion pose(x[0]), hull(x[1]), mount(x[2]);
+    tray = rotation_y(x[0][7] + tray_offset);
+    end_dvl = length * beam, end_tray = mount.apply(end_dvl), along_tray = mount.q * beam;
+    end_vehicle = offset.apply(tray * end_tray + tray_origin), along_vehicle = offset.q * (tray * along_tray);
+    end_hull = hull.to_child(pose.apply(end_vehicle)), along_hull = hull.q.conjugate() * (pose.q * along_vehicle);
+  }
+};
+
+// Range of a DVL beam (O 4.14), 1 row (m): predicted - measured along the beam to the plane of the triangle that it hits, moved
+// outward by the field f: cast + f / (n . d), n the outward normal, d the beam (n . d = -cos(incidence) from outside). By pose,
+// T_g_M, T_s_d and field nodes. `offset`: vehicle at the ping in the vehicle of the node. A miss: no residual, no derivative.
+// *refused (association.h): too many beams were lost at this point; False, so that no step gains by looking away.
+struct Range {
+  static constexpr int kRows = 1;
+  Motion offset;
+  double tray_offset;
+  Vec3 beam, tray_origin;  // unit, in d; in v
+  double measured;
+  FieldAt field;
+  const Facet* facet;
+  const bool* refused;
+
+  std::vector<int> sizes() const { return field.sizes_after({8, 7, 7}); }
+  Beam at(const double* const* x, double length) const { return Beam(x, offset, tray_offset, tray_origin, beam, length); }
+  bool operator()(const double* const* x, double* r, double* const* J) const {
+    const bool on = facet->active;
+    const Beam start = at(x, 0);
+    const double slope = on ? facet->normal.dot(start.along_hull) : 1.0, f = field.value(x + 3);
+    const double cast = -(facet->normal.dot(start.end_hull) + facet->offset) / slope;
+    r[0] = on ? cast + f / slope - measured : 0.0;
+    if (!J) return !*refused;
+    // dr = -n . d(end) / slope - f n . d(along) / slope^2; a turn moves both at once, hence the arm.
+    const Beam b = at(x, cast);
+    const auto arm = [&](const Vec3& end, const Vec3& along) { return Vec3(-end / slope - f / (slope * slope) * along); };
+    const Vec3 n_global = Motion(x[1]).q * facet->normal, n_vehicle = Motion(x[0]).q.conjugate() * n_global;
+    const Vec3 n_tray = b.tray.transpose() * (offset.q.conjugate() * n_vehicle), n_dvl = Motion(x[2]).q.conjugate() * n_tray;
+    derive<1, 8>(J, 0, [&](auto& j) {
+      j << -n_global.transpose() / slope, arm(b.end_vehicle, b.along_vehicle).cross(n_vehicle).transpose(),
+          n_tray.dot(turn_y(arm(b.end_tray, b.along_tray))), 0;
+    });
+    derive<1, 7>(J, 1, [&](auto& j) {
+      j << n_global.transpose() / slope, facet->normal.cross(arm(b.end_hull, b.along_hull)).transpose(), 0;
+    });
+    derive<1, 7>(J, 2, [&](auto& j) { j << -n_tray.transpose() / slope, arm(b.end_dvl, beam).cross(n_dvl).transpose(), 0; });
+    field.derive_nodes(J, 3, on ? 1 / slope : 0.0);
+    return !*refused;
+  }
+};
+
+// Surface (O 4.4, 4.5), 1 row (m): signed distance of T_g_M^-1 l to the drawing, less the field; by landmark, T_g_M and field
+// nodes. The derivative is that of the true distance: `facet` is its tangent plane at the last refresh.
+struct Surface {
+  static constexpr int kRows = 1;
+  FieldAt field;
+  const Facet* facet;
+
+  std::vector<int> sizes() const { return field.sizes_after({3, 7}); }
+  bool operator()(const double* const* x, double* r, double* const* J) const {
+    const Motion hull(x[1]);
+    const Vec3 in_hull = hull.to_child(Eigen::Map<const Vec3>(x[0])), n_global = hull.q * facet->normal;
+    r[0] = facet->normal.dot(in_hull) + facet->offset - field.value(x + 2);
+    derive<1, 3>(J, 0, [&](auto& j) { j = n_global.transpose(); });
+    derive<1, 7>(J, 1, [&](auto& j) {
+      j.template segment<3>(0) = -n_global;
+      j.template segment<3>(3) = facet->normal.cross(in_hull);
+    });
+    field.derive_nodes(J, 2, -1.0);
+    return true;
+  }
+};
+
+// Prior of the deviation field, 1 row (no unit): a row of its whitening operator times the nodes.
+struct FieldPrior {
+  static constexpr int kRows = 1;
+  FieldAt row;
+
+  std::vector<int> sizes() const { return row.sizes_after({}); }
+  bool operator()(const double* const* x, double* r, double* const* J) const {
+    r[0] = row.value(x);
+    row.derive_nodes(J, 0, 1.0);
+    return true;
+  }
+};
+
+}  // namespace hullrecon

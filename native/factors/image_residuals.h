@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// Stereo and mono images (O 4.12, 4.13).
+#pragma once
+
+#include "factors/camera.h"
+#include "factors/residual.h"
+
+namespace hullrecon {
+
+// A landmark in the top camera's frame, T_g_v Trans(tray_origin) Ry(theta) T_s_ct, with its derivatives: of both camera
+// factors.
+struct InTopCamera {
+  Vec3 point;
+  Mat3 by_landmark;
+  Eigen::Matrix<double, 3, 7> by_pose;
+  Eigen::Matrix<double, 3, 6> by_mount;
+
+  InTopCamera(const double* landmark, const double* pose_block, const double* mount_block, const Vec3& tray_origin,
+              bool derive) {
+    const Motion pose(pose_block), mount(mount_block);
+    const Mat3 tray_from_vehicle = rotation_y(-pose_block[7]), camera_from_tray = mount.rotation().transpose();
+    const Vec3 in_vehicle = pose.to_child(Eigen::Map<const Vec3>(landmark)),
+               in_tray = tray_from_vehicle * (in_vehicle - tray_origin);
+    point = camera_from_tray * (in_tray - mount.t);
+    if (!derive) return;
+    const Mat3 camera_from_vehicle = camera_from_tray * tray_from_vehicle;
+    by_landmark = camera_from_vehicle * pose.rotation().transpose();
+    by_pose << -by_landmark, camera_from_vehicle * hat(in_vehicle), -camera_from_tray * turn_y(in_tray);
+    by_mount << -camera_from_tray, hat(point);
+  }
+};
+
+// Stereo (O 4.12), 4 rows (px): predicted - measured, top u v, bottom u v, raw pixels; by landmark, pose, T_s_ct, T_ct_cb,
+// intrinsics of top and bottom. One sigma for all rows; one Huber loss on the norm of the four (a pair is good or bad as one;
+// its threshold is that of four rows, Options.huber_stereo).
+struct Stereo {
+  static constexpr int kRows = 4;
+  Vec3 tray_origin;
+  Eigen::Vector4d measured;
+
+  std::vector<int> sizes() const { return {3, 8, 7, 7, 9, 9}; }
+  bool operator()(const double* const* x, double* r, double* const* J) const {
+    const InTopCamera top(x[0], x[1], x[2], tray_origin, J != nullptr);
+    const Motion bottom_pose(x[3]);
+    const Vec3 in_bottom = bottom_pose.to_child(top.point);
+    Projection above, below;
+    const bool seen = project(x[4], top.point, J, above) && project(x[5], in_bottom, J, below);
+    Eigen::Map<Eigen::Vector4d> out(r);
+    if (seen) out << above.pixel - measured.head<2>(), below.pixel - measured.tail<2>();
+    if (!seen) out.setConstant(kBehindPixels);
+    if (!J) return true;
+    if (!seen) above.by_point.setZero(), below.by_point.setZero();
+    const Mat3 bottom_from_top = bottom_pose.rotation().transpose();
+    Eigen::Matrix<double, 4, 3> by_top;  // by the point in the top camera
+    by_top << above.by_point, below.by_point * bottom_from_top;
+    derive<4, 3>(J, 0, [&](auto& j) { j = by_top * top.by_landmark; });
+    derive<4, 8>(J, 1, [&](auto& j) { j.template leftCols<7>() = by_top * top.by_pose; });
+    derive<4, 7>(J, 2, [&](auto& j) { j.template leftCols<6>() = by_top * top.by_mount; });
+    derive<4, 7>(J, 3, [&](auto& j) {
+      j.template block<2, 3>(2, 0) = -below.by_point * bottom_from_top;
+      j.template block<2, 3>(2, 3) = below.by_point * hat(in_bottom);
+    });
+    derive<4, 9>(J, 4, [&](auto& j) {
+      if (seen) j.template topRows<2>() = by_intrinsics(x[4], top.point);
+    });
+    derive<4, 9>(J, 5, [&](auto& j) {
+      if (seen) j.template bottomRows<2>() = by_intrinsics(x[5], in_bottom);
+    });
+    return true;
+  }
+};
+
+// One camera (O 4.13), 2 rows (px): predicted - measured; by landmark, pose, T_s_ct, intrinsics of that camera and, for the
+// bottom one, T_ct_cb.
+struct Mono {
+  static constexpr int kRows = 2;
+  Vec3 tray_origin;
+  Eigen::Vector2d measured;
+  bool bottom;
+
+  std::vector<int> sizes() const { return bottom ? std::vector{3, 8, 7, 9, 7} : std::vector{3, 8, 7, 9}; }
+  bool operator()(const double* const* x, double* r, double* const* J) const {
+    const InTopCamera top(x[0], x[1], x[2], tray_origin, J != nullptr);
+    const Motion camera = bottom ? Motion(x[4]) : Motion(Vec3::Zero(), Quaternion::Identity());
+    const Vec3 point = camera.to_child(top.point);
+    Projection image;
+    const bool seen = project(x[3], point, J, image);
+    Eigen::Map<Eigen::Vector2d> out(r);
+    if (seen) out = image.pixel - measured;
+    if (!seen) out.setConstant(kBehindPixels);
+    if (!J) return true;
+    if (!seen) image.by_point.setZero();
+    const Eigen::Matrix<double, 2, 3> by_top = image.by_point * camera.rotation().transpose();
+    derive<2, 3>(J, 0, [&](auto& j) { j = by_top * top.by_landmark; });
+    derive<2, 8>(J, 1, [&](auto& j) { j.template leftCols<7>() = by_top * top.by_pose; });
+    derive<2, 7>(J, 2, [&](auto& j) { j.template leftCols<6>() = by_top * top.by_mount; });
+    derive<2, 9>(J, 3, [&](auto& j) {
+      if (seen) j = by_intrinsics(x[3], point);
+    });
+    if (!bottom) return true;
+    derive<2, 7>(J, 4, [&](auto& j) { j.template leftCols<6>() << -by_top, image.by_point * hat(point); });
+    return true;
+  }
+};
+
+}  // namespace hullrecon

@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// Priors, depth and attitude, tray, odometry (O 4.8 to 4.11).
+#pragma once
+
+#include <array>
+
+#include "factors/residual.h"
+
+namespace hullrecon {
+
+// Prior on a motion or on the motion of a pose (O 4.8), 6 rows: (m, rad) of prior^-1 x. Translation R_z' (t_x - t_z), in the
+// prior's own axes; rotation Log(R_z' R_x). Size: 8 for a pose block, 7 for a motion. Whitened by a full square root.
+template <int Size>
+struct MotionPrior {
+  static constexpr int kRows = 6;
+  Motion prior;
+
+  std::vector<int> sizes() const { return {Size}; }
+  bool operator()(const double* const* x, double* r, double* const* J) const {
+    const Motion at(x[0]);
+    const Mat3 from_parent = prior.rotation().transpose();
+    const Vec3 turn = log(prior.q.conjugate() * at.q);
+    Eigen::Map<Vec3> top(r), bottom(r + 3);
+    top = from_parent * (at.t - prior.t);
+    bottom = turn;
+    derive<6, Size>(J, 0, [&](auto& j) {
+      j.template block<3, 3>(0, 0) = from_parent;
+      j.template block<3, 3>(3, 3) = log_derivative(turn);
+    });
+    return true;
+  }
+};
+
+// Depth, roll, pitch (O 4.9), 3 rows (m, rad, rad): predicted + bias - measured, by pose and navigation. Depth is z in g of the
+// pressure sensor; R = Rz(yaw) Ry(pitch) Rx(roll). Angles differ by at most pi. No answer with the bow straight up or down.
+struct Attitude {
+  static constexpr int kRows = 3;
+  Vec3 pressure_origin;  // in v
+  Vec3 measured;
+
+  std::vector<int> sizes() const { return {8, 6}; }
+  bool operator()(const double* const* x, double* r, double* const* J) const {
+    const Motion pose(x[0]);
+    const Mat3 R = pose.rotation();
+    const double cos_pitch = std::hypot(R(2, 1), R(2, 2));
+    if (cos_pitch < 1e-6) return false;
+    const double roll = std::atan2(R(2, 1), R(2, 2)), pitch = std::atan2(-R(2, 0), cos_pitch);
+    r[0] = pose.t[2] + R.row(2).dot(pressure_origin) + x[1][4] - measured[0];
+    r[1] = std::remainder(roll + x[1][2] - measured[1], 2 * M_PI);
+    r[2] = std::remainder(pitch + x[1][3] - measured[2], 2 * M_PI);
+    const double s = std::sin(roll), c = std::cos(roll), tan_pitch = -R(2, 0) / cos_pitch;
+    derive<3, 8>(J, 0, [&](auto& j) {
+      j(0, 2) = 1;
+      j.template block<1, 3>(0, 3) = -R.row(2) * hat(pressure_origin);
+      j.template block<2, 3>(1, 3) << 1, s * tan_pitch, c * tan_pitch, 0, c, -s;
+    });
+    derive<3, 6>(J, 1, [](auto& j) { j(0, 4) = j(1, 2) = j(2, 3) = 1; });
+    return true;
+  }
+};
+
+// Tray angle (O 4.10), 1 row (rad): theta + play * direction - measured, by pose and navigation. The servo's play is a bias
+// that flips with the direction of motion (+1, -1; 0 at rest).
+struct Tray {
+  static constexpr int kRows = 1;
+  double measured, direction;
+
+  std::vector<int> sizes() const { return {8, 6}; }
+  bool operator()(const double* const* x, double* r, double* const* J) const {
+    r[0] = x[0][7] + x[1][5] * direction - measured;
+    derive<1, 8>(J, 0, [](auto& j) { j(6) = 1; });
+    derive<1, 6>(J, 1, [&](auto& j) { j(5) = direction; });
+    return true;
+  }
+};
+
+// Odometry (O 4.11), 6 rows (m, rad), by pose i, pose j, navigation, T_s_d:
+//   e = [ t_ij - t_z ; Log(R_z' R_ij) ]  with T_ij = T_i^-1 T_j: translation in the axes of vehicle i, rotation in those of the
+//       measured j, so that the covariance of z reads (translation in i, rotation perturbed on the right);
+//   r = e - by_navigation (scale, drift) - by_mount Log(R_mount' R_s_d) - by_tray ((theta_i + theta_j) / 2 - tray).
+// Sign: each by_* is the derivative of the *measured* motion, in the same coordinates, by its cause. A cause c moves what
+// dead reckoning should have measured to z [+] by_c c, so it is taken off e. Whitened by a full square root.
+struct Odometry {
+  static constexpr int kRows = 6;
+  Motion measured;
+  Eigen::Matrix<double, 6, 2> by_navigation;
+  Eigen::Matrix<double, 6, 3> by_mount;
+  Eigen::Matrix<double, 6, 1> by_tray;
+  double tray;       // mean angle that dead reckoning used
+  Quaternion mount;  // rotation of T_s_d that it used
+
+  std::vector<int> sizes() const { return {8, 8, 6, 7}; }
+  bool operator()(const double* const* x, double* r, double* const* J) const {
+    const Motion i(x[0]), j(x[1]);
+    const Mat3 from_global = i.rotation().transpose();
+    const Vec3 step = from_global * (j.t - i.t), turn = log(measured.q.conjugate() * i.q.conjugate() * j.q);
+    const Vec3 tilt = log(mount.conjugate() * Motion(x[3]).q);
+    const double theta = 0.5 * (x[0][7] + x[1][7]) - tray;
+    Eigen::Map<Eigen::Matrix<double, 6, 1>> out(r);
+    out << step - measured.t, turn;
+    out -= by_navigation * Eigen::Map<const Eigen::Vector2d>(x[2]) + by_mount * tilt + by_tray * theta;
+    const Mat3 by_turn = log_derivative(turn);
+    derive<6, 8>(J, 0, [&](auto& d) {
+      d.template block<3, 3>(0, 0) = -from_global;
+      d.template block<3, 3>(0, 3) = hat(step);
+      d.template block<3, 3>(3, 3) = -by_turn * (j.q.conjugate() * i.q).toRotationMatrix();
+      d.col(6) = -0.5 * by_tray;
+    });
+    derive<6, 8>(J, 1, [&](auto& d) {
+      d.template block<3, 3>(0, 0) = from_global;
+      d.template block<3, 3>(3, 3) = by_turn;
+      d.col(6) = -0.5 * by_tray;
+    });
+    derive<6, 6>(J, 2, [&](auto& d) { d.template leftCols<2>() = -by_navigation; });
+    derive<6, 7>(J, 3, [&](auto& d) { d.template block<6, 3>(0, 3) = -by_mount * log_derivative(tilt); });
+    return true;
+  }
+};
+
+// Prior on numbers that add (navigation about zero, intrinsics about the start), Size rows: x - expected.
+template <int Size>
+struct VectorPrior {
+  static constexpr int kRows = Size;
+  std::array<double, Size> expected;
+
+  std::vector<int> sizes() const { return {Size}; }
+  bool operator()(const double* const* x, double* r, double* const* J) const {
+    for (int k = 0; k < Size; ++k) r[k] = x[0][k] - expected[k];
+    derive<Size, Size>(J, 0, [](auto& j) { j.setIdentity(); });
+    return true;
+  }
+};
+
+}  // namespace hullrecon

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// What the residuals share. How they are called:
+//
+// Call: residual(x, r, J). x[k]: parameter block k. r: kRows numbers. J, and each J[k], may be null; J[k] is row major, kRows
+// by the block's size, by the block's tangent in its first columns (manifolds.h says why), zero in the last. False: the point
+// cannot be evaluated and the solver refuses the step.
+//
+// Blocks: pose (8) = T_g_v and tray angle theta; motion (7); landmark (3) in g; navigation (6) = DVL scale error, heading
+// drift, roll bias, pitch bias, depth bias, tray play; intrinsics (9); node (1) of the deviation field.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "factors/motion.h"
+
+namespace hullrecon {
+
+template <int Rows, int Size>
+using Jacobian = Eigen::Map<Eigen::Matrix<double, Rows, Size, Size == 1 ? Eigen::ColMajor : Eigen::RowMajor>>;
+
+// Calls fill(map) on block k's Jacobian, zeroed, when the solver wants it.
+template <int Rows, int Size, class Fill>
+void derive(double* const* J, int k, const Fill& fill) {
+  if (!J || !J[k]) return;
+  Jacobian<Rows, Size> j(J[k]);
+  j.setZero();
+  fill(j);
+}
+
+// Nodes of the deviation field about a place, each once: sum of weight * node, m outward. The weights are their owner's.
+struct FieldAt {
+  std::span<const double> weight;
+
+  double value(const double* const* node) const {
+    double sum = 0;
+    for (size_t k = 0; k < weight.size(); ++k) sum += weight[k] * node[k][0];
+    return sum;
+  }
+  std::vector<int> sizes_after(std::vector<int> sizes) const {
+    sizes.insert(sizes.end(), weight.size(), 1);
+    return sizes;
+  }
+  void derive_nodes(double* const* J, size_t first, double by_field) const {
+    for (size_t k = 0; J && k < weight.size(); ++k) {
+      if (J[first + k]) J[first + k][0] = by_field * weight[k];
+    }
+  }
+};
+
+}  // namespace hullrecon

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// Triangles in boxes in boxes, four to a node: what is asked of the four is worked out side by side.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "mesh/triangle.h"
+
+namespace hullrecon {
+
+using Four = Eigen::Array4d;
+
+// Of four children, axis by axis. An empty child is inside out.
+struct Boxes {
+  std::array<Four, 3> low, high;
+};
+
+class BoxTree {
+ public:
+  explicit BoxTree(const std::vector<Triangle>& faces);
+
+  // Calls visit(face, triangle) of every triangle in boxes whose bound is at most limit(), nearer boxes first.
+  // bound(boxes): of each child no more than any triangle in it could be; limit(): may fall as triangles are visited.
+  template <class Bound, class Limit, class Visit>
+  void descend(const Bound& bound, const Limit& limit, const Visit& visit) const;
+
+ private:
+  static constexpr int kLeaf = 4;  // triangles at most
+  static constexpr double kMargin =
+      1e-10;  // of the largest coordinate, about each box: bounds are safe though they are rounded
+  struct Node {
+    Boxes boxes;
+    std::array<int32_t, 4> first, count;  // count > 0: triangles of order_; 0: first is a node
+  };
+  struct Range {
+    int32_t first, last;
+  };
+  int32_t build(const std::vector<Triangle>& faces, Range range);
+  int32_t split(const std::vector<Triangle>& faces, Range range);
+
+  double margin_ = 0;
+  std::vector<Node> nodes_;
+  std::vector<int32_t> order_;
+  std::vector<Triangle> triangle_;  // in this order: what a leaf visits lies together
+};
+
+template <class Bound, class Limit, class Visit>
+void BoxTree::descend(const Bound& bound, const Limit& limit, const Visit& visit) const {
+  struct Open {
+    double bound;
+    int32_t first, count;
+  };
+  std::array<Open, 64> stack;  // three more a level; int32 faces make no more than sixteen levels
+  int top = 0;
+  stack[top++] = {0.0, 0, 0};
+  while (top > 0) {
+    const Open open = stack[--top];
+    if (open.bound > limit()) continue;
+    for (int32_t i = open.first; i < open.first + open.count; ++i) visit(order_[i], triangle_[i]);
+    if (open.count > 0) continue;
+    const Node& node = nodes_[open.first];
+    const Four bounds = bound(node.boxes);
+    const int base = top;
+    for (int k = 0; k < 4; ++k) {
+      if (!(bounds[k] <= limit()) || node.first[k] < 0) continue;
+      int at = top++;
+      for (; at > base && stack[at - 1].bound < bounds[k]; --at) stack[at] = stack[at - 1];
+      stack[at] = {bounds[k], node.first[k], node.count[k]};
+    }
+  }
+}
+
+}  // namespace hullrecon

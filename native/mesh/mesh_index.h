@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// Closest point and ray cast against a triangle mesh: a bounding volume tree in float64.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "mesh/box_tree.h"
+
+namespace hullrecon {
+
+struct Closest {
+  double distance;  // positive outside (side of the angle-weighted pseudonormal)
+  Vec3 point;
+  Vec3 gradient;  // unit: of the signed distance
+  int32_t face;
+};
+
+struct Hit {
+  double range;  // metres, infinite on a miss
+  int32_t face;  // -1 on a miss
+  Vec3 normal;   // unit, outward by the face's order of corners; zero on a miss
+};
+
+class MeshIndex {
+ public:
+  // Corners at equal coordinates are one (an STL repeats them): pseudonormals need the neighbours. Throws InputError.
+  MeshIndex(std::vector<Vec3> vertices, std::vector<std::array<int32_t, 3>> faces);
+
+  // Of faces at equal distances the first. hint: a face likely to be close (-1: none). It saves time and changes no answer.
+  Closest closest(const Vec3& point, int32_t hint = -1) const;
+  Hit cast(const Vec3& origin, const Vec3& unit_direction) const;
+
+  int64_t faces() const { return static_cast<int64_t>(faces_.size()); }
+
+ private:
+  struct Best;
+  struct Around;
+  // A face seen by one who walks over the mesh. Zero where a sliver leaves a direction to rounding.
+  struct Sheet {
+    std::array<Vec3, 3> out;        // unit, in the face's plane, square to edge k, away from the face
+    std::array<double, 3> at;       // of edge k along it
+    std::array<int32_t, 3> across;  // a face beyond edge k, -1: none
+    Vec3 normal;
+    double level;  // of the face along it
+    Vec3 unit;     // the pseudonormal inside
+  };
+  // Lengths in m and ratios, less than what holds (closest_face_certificate.cpp); per_clearance < 0: not worked out yet.
+  struct Trust {
+    std::atomic<float> per_clearance{-1}, reach{0};
+  };
+  struct Stop {
+    int32_t face;
+    double clearance;  // of the point's foot on the face to its nearest edge; 0: the foot may be outside
+  };
+
+  void weld();
+  void find_normals();
+  void find_sheets();
+  Stop walk(const Vec3& point, int32_t face) const;
+  double trusted(const Stop& stop) const;
+  void work_out(int32_t face) const;
+  bool farther(int32_t face, const Vec3& point, double squared) const;
+  void search(const Vec3& point, Best& best) const;
+  Closest answer(const Vec3& point, const Best& best) const;
+  Triangle triangle(int32_t face) const;
+  Vec3 pseudonormal(int32_t face, Feature feature) const;
+  static void visit(int32_t face, const Triangle& triangle, const Vec3& point, Best& best);
+
+  std::vector<Vec3> vertices_;
+  std::vector<std::array<int32_t, 3>> faces_;
+  std::vector<Vec3> face_normal_;                 // unit; zero for a sliver
+  std::vector<std::array<Vec3, 3>> edge_normal_;  // sum over the faces that share the edge (not unit)
+  std::vector<Vec3> vertex_normal_;               // sum weighted by the corner's angle (not unit)
+  std::unique_ptr<BoxTree> tree_;
+  std::vector<Sheet> sheets_;
+  std::unique_ptr<Trust[]> trust_;  // worked out when first asked for: the same number by whichever thread
+  double size_ = 0;                 // m: the largest coordinate
+};
+
+}  // namespace hullrecon

@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// What the drawing says to each landmark and beam at the present point: refreshed for every new point, held in between.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "factors/residuals.h"
+#include "mesh/mesh_index.h"
+
+namespace hullrecon {
+
+class Association {
+ public:
+  Association(std::unique_ptr<MeshIndex> mesh, int64_t surface_rows, int64_t range_rows, int threads);
+
+  const Facet* surface(int64_t row) const { return &surface_[row]; }
+  const Facet* range(int64_t row) const { return &range_[row]; }
+  const bool* refused() const { return &refused_; }
+
+  // point(i): landmark of surface row i in M.
+  template <class Point>
+  void refresh_surface(const Point& point);
+
+  // ray(i): origin and unit direction in M of range row i. Misses switch a beam off. A beam that changes between hit and miss
+  // more than kFlickers times is held off, lest the cost jump for ever. With `trial`, losing more beams than a fifth of
+  // those that hit at the last accepted point refuses the point: a lost beam costs nothing, so looking away would pay.
+  template <class Ray>
+  void refresh_range(const Ray& ray, bool trial);
+  void accept();  // the present point is the new one to compare with
+
+  int64_t missed() const { return missed_; }
+  const std::vector<double>& distance() const { return distance_; }  // m, signed, of each surface row, without the field
+  bool hit(int64_t row) const { return hit_[row]; }
+
+ private:
+  static constexpr int kFlickers = 3;
+  static constexpr double kGrazing = 0.02;  // |cos(incidence)|; flatter, the range's derivative means nothing
+
+  void place(int64_t row, const Vec3& point, int32_t hint);
+  void shoot(int64_t row, const std::pair<Vec3, Vec3>& ray);
+  void settle(bool trial);
+
+  std::unique_ptr<MeshIndex> mesh_;
+  int threads_;
+  std::vector<Facet> surface_, range_;
+  std::vector<double> distance_;
+  std::vector<int32_t> last_face_;
+  std::vector<char> hit_, was_hit_, flickers_;
+  bool first_ = true, refused_ = false;
+  int64_t missed_ = 0, accepted_misses_ = 0;
+};
+
+}  // namespace hullrecon
+
+#include "common/parallel.h"
+
+namespace hullrecon {
+
+// The face of last time is near the one of now; at the first time that of the row before is: rows come as the hull was seen.
+template <class Point>
+void Association::refresh_surface(const Point& point) {
+  for_slabs(static_cast<int64_t>(surface_.size()), threads_, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i)
+      place(i, point(i), last_face_[i] >= 0 || i == begin ? last_face_[i] : last_face_[i - 1]);
+  });
+}
+
+template <class Ray>
+void Association::refresh_range(const Ray& ray, bool trial) {
+  for_slabs(static_cast<int64_t>(range_.size()), threads_, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) shoot(i, ray(i));
+  });
+  settle(trial);
+}
+
+}  // namespace hullrecon

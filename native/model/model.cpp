@@ -1,0 +1,211 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+#include "model/model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/errors.h"
+#include "model/visit.h"
+
+namespace hullrecon {
+namespace {
+
+constexpr std::array<const char*, 7> kGlobals{"T_g_M",      "T_s_ct",         "T_ct_cb",          "T_s_d",
+                                              "navigation", "intrinsics_top", "intrinsics_bottom"};
+
+std::unique_ptr<MeshIndex> mesh(const Tables& t) {
+  if (t.faces.rows() == 0 || t.surface_landmark.rows() + t.range_node.rows() == 0) return nullptr;
+  std::vector<Vec3> vertices(t.vertices.rows());
+  std::vector<std::array<int32_t, 3>> faces(t.faces.rows());
+  for (size_t i = 0; i < vertices.size(); ++i) vertices[i] = Vec3(t.vertices.row(i));
+  for (size_t i = 0; i < faces.size(); ++i) std::copy_n(t.faces.row(i), 3, faces[i].begin());
+  return std::make_unique<MeshIndex>(std::move(vertices), std::move(faces));
+}
+
+}  // namespace
+
+Model::Model(const Tables& tables, const Options& options)
+    : tables_(tables),
+      options_(options),
+      mixture_(options.sigma_on, options.sigma_off),
+      association_(mesh(tables), tables.surface_landmark.rows(), tables.range_node.rows(), options.threads) {
+  add_blocks();
+  std::copy_n(intrinsics_, 18, lens_start_.begin());
+  number_factors();
+}
+
+void Model::add_block(double* data, int size, int tangent, std::string name) {
+  blocks_.push_back({data, size, tangent, tangent > 0 ? columns_ : -1, std::move(name)});
+  columns_ += tangent;
+}
+
+void Model::add_blocks() {
+  const Tables& t = tables_;
+  std::vector<size_t> start;
+  for (const Table<double>* table : {&t.pose, &t.landmark, &t.T_g_M, &t.T_s_ct, &t.T_ct_cb, &t.T_s_d, &t.navigation,
+                                     &t.intrinsics_top, &t.intrinsics_bottom, &t.deviation}) {
+    start.push_back(unknowns_.size());
+    unknowns_.insert(unknowns_.end(), table->data, table->data + table->rows() * table->width());
+  }
+  double* const all = unknowns_.data();
+  double *const pose = all, *const motion = all + start[2], *const deviation = all + start[9];
+  landmark_ = all + start[1], intrinsics_ = all + start[7];
+  for (int64_t i = 0; i < poses(); ++i) add_block(&pose[8 * i], 8, t.held("tray") ? 6 : 7, "pose " + std::to_string(i));
+  for (int64_t i = 0; i < landmarks(); ++i) add_block(&landmark_[3 * i], 3, 3, "landmark " + std::to_string(i));
+  const auto tangent = [&](const char* name, int width) { return t.held(name) ? 0 : width; };
+  for (int k = 0; k < 4; ++k) add_block(&motion[7 * k], 7, tangent(kGlobals[k], 6), kGlobals[k]);
+  add_block(all + start[6], 6, tangent("navigation", 6), "navigation");
+  for (int k = 0; k < 2; ++k) add_block(&intrinsics_[9 * k], 9, tangent(kGlobals[kTopLens + k], 9), kGlobals[kTopLens + k]);
+  for (size_t k = 0; k < unknowns_.size() - start[9]; ++k)
+    add_block(&deviation[k], 1, tangent("deviation", 1), "deviation " + std::to_string(k));
+}
+
+int Model::block(const char* name) const {
+  for (int k = 0; k < 7; ++k) {
+    if (std::string(kGlobals[k]) == name) return static_cast<int>(poses() + landmarks()) + k;
+  }
+  return -1;
+}
+
+void Model::number_factors() {
+  const Tables& t = tables_;
+  const std::array<const Table<double>*, 4> motions{&t.prior_T_g_M, &t.prior_T_s_ct, &t.prior_T_ct_cb, &t.prior_T_s_d};
+  for (int k = 0; k < 7; ++k) {
+    if (!t.held(kGlobals[k]) && (k >= 4 || motions[k]->rows() > 0)) global_priors_.push_back(k);
+  }
+  for (int64_t i = 0; i < t.range_field_index.rows(); ++i) {
+    range_nodes_.add(t.range_field_index.row(i), t.range_field_weight.row(i), 4);
+  }
+  for (int64_t i = 0; i < t.surface_field_index.rows(); ++i) {
+    surface_nodes_.add(t.surface_field_index.row(i), t.surface_field_weight.row(i), 4);
+  }
+  for (int32_t i = 0; !t.held("deviation") && i + 1 < t.field_prior_start.rows(); ++i) {
+    const int32_t first = t.field_prior_start.data[i], count = t.field_prior_start.data[i + 1] - first;
+    prior_nodes_.add(t.field_prior_index.data + first, t.field_prior_value.data + first, count);
+    if (!prior_nodes_.nodes(i).empty()) field_rows_.push_back(i);
+  }
+  hold_labels();
+  for (int32_t i = 0; options_.method != "naive" && i < t.surface_landmark.rows(); ++i) {
+    if (t.surface_weight.data[i] > 0) surface_rows_.push_back(i);
+  }
+  const std::array<int64_t, 9> counts{t.prior_pose_node.rows() + static_cast<int64_t>(global_priors_.size()),
+                                      t.attitude_node.rows(),
+                                      t.tray_node.rows(),
+                                      t.odometry_first.rows(),
+                                      t.stereo_node.rows(),
+                                      t.mono_node.rows(),
+                                      t.range_node.rows(),
+                                      static_cast<int64_t>(surface_rows_.size()),
+                                      static_cast<int64_t>(field_rows_.size())};
+  for (size_t k = 0; k < counts.size(); ++k) first_[k + 1] = first_[k] + counts[k];
+}
+
+void Model::hold_labels() {
+  const int64_t rows = tables_.surface_landmark.rows();
+  if (options_.method == "naive") held_labels_.assign(rows, 0);
+  if (options_.method == "geva") held_labels_.assign(rows, 1);
+  if (options_.method == "maxmix" && !options_.labels_in_solve && rows > 0) {
+    refresh(false, true);
+    held_labels_ = labels();
+  }
+}
+
+std::pair<int64_t, int64_t> Model::factors_of(Kind kind) const {
+  return {first_[static_cast<size_t>(kind)], first_[static_cast<size_t>(kind) + 1]};
+}
+
+Kind Model::kind_of(int64_t factor) const {
+  return static_cast<Kind>(std::upper_bound(first_.begin(), first_.end(), factor) - first_.begin() - 1);
+}
+
+int64_t Model::row_of(int64_t factor) const {
+  const Kind kind = kind_of(factor);
+  const int64_t i = factor - first_[static_cast<size_t>(kind)];
+  if (kind == Kind::Prior) return i < tables_.prior_pose_node.rows() ? i : 0;
+  return kind == Kind::Surface ? surface_rows_[i] : kind == Kind::Deviation ? field_rows_[i] : i;
+}
+
+void Model::blocks_of(int64_t factor, std::vector<int32_t>& out) const {
+  const Tables& t = tables_;
+  const auto landmark = static_cast<int32_t>(poses()), global = static_cast<int32_t>(landmark + landmarks());
+  const Kind kind = kind_of(factor);
+  const int64_t i = row_of(factor), number = factor - first_[static_cast<size_t>(kind)];
+  const auto also = [&](std::span<const int32_t> nodes) {
+    for (int32_t node : nodes) out.push_back(first_node() + node);
+  };
+  switch (kind) {
+    case Kind::Prior:
+      out.assign(1, number < t.prior_pose_node.rows() ? t.prior_pose_node.data[number]
+                                                      : global + global_priors_[number - t.prior_pose_node.rows()]);
+      break;
+    case Kind::Attitude:
+      out = {t.attitude_node.data[i], global + kNavigation};
+      break;
+    case Kind::Tray:
+      out = {t.tray_node.data[i], global + kNavigation};
+      break;
+    case Kind::Odometry:
+      out = {t.odometry_first.data[i], t.odometry_second.data[i], global + kNavigation, global + kDvl};
+      break;
+    case Kind::Stereo:
+      out = {landmark + t.stereo_landmark.data[i],
+             t.stereo_node.data[i],
+             global + kCamera,
+             global + kBottom,
+             global + kTopLens,
+             global + kBottomLens};
+      break;
+    case Kind::Mono:
+      out = {landmark + t.mono_landmark.data[i], t.mono_node.data[i], global + kCamera, global + kTopLens};
+      if (t.mono_camera.data[i] == 1) out[3] = global + kBottomLens, out.push_back(global + kBottom);
+      break;
+    case Kind::Range:
+      out = {t.range_node.data[i], global + kHull, global + kDvl};
+      also(range_nodes_.nodes(i));
+      break;
+    case Kind::Surface:
+      out = {landmark + t.surface_landmark.data[i], global + kHull};
+      also(surface_nodes_.nodes(i));
+      break;
+    case Kind::Deviation:
+      out.clear();
+      also(prior_nodes_.nodes(i));
+      break;
+  }
+}
+
+Factor Model::factor(int64_t i) const {
+  Factor out{nullptr, nullptr, kind_of(i), row_of(i), {}};
+  blocks_of(i, out.blocks);
+  visit(i, [&](const auto& residual, const auto& whitening, const Robust& robust) {
+    out.cost = std::make_unique<Cost<std::decay_t<decltype(residual)>, std::decay_t<decltype(whitening)>>>(residual, whitening);
+    if (robust.mixture) out.loss = std::make_unique<MixtureLoss>(*robust.mixture);
+    if (std::isfinite(robust.huber)) out.loss = std::make_unique<ceres::HuberLoss>(robust.huber);
+  });
+  return out;
+}
+
+Odometry Model::odometry(int64_t i) const {
+  const Tables& t = tables_;
+  return {Motion(t.odometry_measured.row(i)),
+          matrix<6, 2>(t.odometry_by_navigation.row(i)),
+          matrix<6, 3>(t.odometry_by_mount.row(i)),
+          matrix<6, 1>(t.odometry_by_tray.row(i)),
+          t.odometry_tray.data[i],
+          Motion(t.odometry_mount.data).q};
+}
+
+Range Model::range(int64_t i) const {
+  const Tables& t = tables_;
+  return {Motion(t.range_offset.row(i)), t.range_tray_offset.data[i], Vec3(t.range_beam.row(i)).normalized(),
+          Vec3(t.tray_origin.data),      t.range_measured.data[i],    range_nodes_.at(i),
+          association_.range(i),         association_.refused()};
+}
+
+MixtureLoss Model::surface_loss(int64_t row) const {
+  const Label label = held_labels_.empty() ? Label::Free : held_labels_[row] ? Label::On : Label::Off;
+  return MixtureLoss(mixture_, label, tables_.surface_weight.data[row]);
+}
+
+}  // namespace hullrecon

@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// Tables to unknowns and factors: what solve, evaluate and covariance share. Nothing of Ceres' Problem here.
+#pragma once
+
+#include <ceres/cost_function.h>
+#include <ceres/loss_function.h>
+
+#include <array>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "factors/mixture.h"
+#include "model/association.h"
+#include "model/field_nodes.h"
+#include "model/tables.h"
+
+namespace hullrecon {
+
+enum class Kind : int8_t { Prior, Attitude, Tray, Odometry, Stereo, Mono, Range, Surface, Deviation };
+constexpr std::array<const char*, 9> kKindNames{"prior", "attitude", "tray",    "odometry", "stereo",
+                                                "mono",  "range",    "surface", "deviation"};
+
+// One block of unknowns. tangent: its columns; 0 when held.
+struct Block {
+  double* data;
+  int size, tangent;
+  int64_t column;  // of its first tangent coordinate; -1 when held
+  std::string name;
+};
+
+// As Ceres takes it.
+struct Factor {
+  std::unique_ptr<ceres::CostFunction> cost;
+  std::unique_ptr<ceres::LossFunction> loss;  // null: none
+  Kind kind;
+  int64_t row;                  // in its table
+  std::vector<int32_t> blocks;  // in blocks()
+};
+
+class Model {
+ public:
+  Model(const Tables& tables, const Options& options);
+
+  // Blocks in the order of columns: poses, landmarks, T_g_M, T_s_ct, T_ct_cb, T_s_d, navigation, intrinsics_top,
+  // intrinsics_bottom, nodes of the deviation field.
+  const std::vector<Block>& blocks() const { return blocks_; }
+
+  // Factors are numbered by kind, then by row. They are made when asked for: half a million kept would cost 300 MB.
+  int64_t factors() const { return first_.back(); }
+  std::pair<int64_t, int64_t> factors_of(Kind kind) const;  // first, end
+  Kind kind_of(int64_t factor) const;
+  int64_t row_of(int64_t factor) const;  // in its table
+  void blocks_of(int64_t factor, std::vector<int32_t>& blocks) const;
+  Factor factor(int64_t factor) const;
+  // Calls use(residual, whitening, robust) with the factor's own types (visit.h).
+  template <class Use>
+  void visit(int64_t factor, const Use& use) const;
+
+  int64_t poses() const { return tables_.pose.rows(); }
+  int64_t landmarks() const { return tables_.landmark.rows(); }
+  int64_t columns() const { return columns_; }
+  int block(const char* name) const;  // a global block by name
+  int first_node() const { return static_cast<int>(poses() + landmarks() + 7); }
+  const Tables& tables() const { return tables_; }
+  const Options& options() const { return options_; }
+  const Mixture& mixture() const { return mixture_; }
+
+  // Closest triangles and hits at the present unknowns. surface_too: of the surface rows even when no factor needs them.
+  void refresh(bool trial, bool surface_too = false);
+  Association& association() { return association_; }
+  const Association& association() const { return association_; }
+
+  Vec3 landmark(int64_t i) const { return Vec3(landmark_ + 3 * i); }
+  std::vector<double>& unknowns() { return unknowns_; }  // every block's numbers
+  MixtureLoss surface_loss(int64_t row) const;
+  std::span<const int32_t> surface_nodes(int64_t row) const { return surface_nodes_.nodes(row); }
+  FieldAt surface_field(int64_t row) const { return surface_nodes_.at(row); }
+
+  // Of each surface row at the last refresh: by the mixture, or as the method or the hold has it.
+  std::vector<int32_t> labels() const;
+
+  // Robustified cost by kind at the present unknowns and tables; the same number for any number of threads.
+  std::array<double, kKindNames.size()> costs() const;
+
+ private:
+  void add_blocks();
+  void add_block(double* data, int size, int tangent, std::string name);
+  void number_factors();
+  void hold_labels();
+  template <class Use>
+  void visit_prior(int64_t row, const Use& use) const;
+  Odometry odometry(int64_t row) const;
+  Range range(int64_t row) const;
+
+  Tables tables_;
+  Options options_;
+  Mixture mixture_;
+  // All in one array: Ceres orders the blocks of an elimination group by their addresses, and those of separate arrays
+  // change from process to process, and with them the last digits of the solution.
+  std::vector<double> unknowns_;
+  double *landmark_ = nullptr, *intrinsics_ = nullptr;  // in unknowns_
+  std::vector<Block> blocks_;
+  int64_t columns_ = 0;
+  Association association_;
+  NodeTable range_nodes_, surface_nodes_, prior_nodes_;
+  std::vector<int> global_priors_;                  // of the blocks that have one and are free
+  std::vector<int32_t> surface_rows_, field_rows_;  // that make factors
+  std::array<double, 18> lens_start_;
+  std::array<int64_t, kKindNames.size() + 1> first_{};  // factor of each kind
+  std::vector<int32_t> held_labels_;                    // empty: labels are free
+};
+
+}  // namespace hullrecon

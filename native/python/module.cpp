@@ -1,0 +1,237 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// pybind11: converts and calls, no logic.
+#include <glog/logging.h>
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "common/errors.h"
+#include "common/parallel.h"
+#include "mesh/mesh_index.h"
+#include "python/convert.h"
+#include "solve/covariance.h"
+#include "solve/evaluate.h"
+#include "solve/solve.h"
+
+namespace py = pybind11;
+
+namespace hullrecon {
+namespace {
+
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Int32s = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
+
+void expect(const py::array& array, const char* name) {
+  if (array.ndim() != 2 || array.shape(1) != 3) throw InputError("the array must be (n, 3)", name, "");
+}
+
+std::vector<Vec3> rows(const Doubles& array, const char* name) {
+  expect(array, name);
+  std::vector<Vec3> out(array.shape(0));
+  for (size_t i = 0; i < out.size(); ++i) out[i] = Eigen::Map<const Vec3>(array.data(i, 0));
+  for (const Vec3& row : out) {
+    if (!row.allFinite()) throw InputError("a number is not finite", name, "");
+  }
+  return out;
+}
+
+std::unique_ptr<MeshIndex> make_index(const Doubles& vertices, const Int32s& faces) {
+  auto points = rows(vertices, "vertices");
+  expect(faces, "faces");
+  std::vector<std::array<int32_t, 3>> corners(faces.shape(0));
+  for (size_t i = 0; i < corners.size(); ++i) corners[i] = {faces.at(i, 0), faces.at(i, 1), faces.at(i, 2)};
+  py::gil_scoped_release free;
+  return std::make_unique<MeshIndex>(std::move(points), std::move(corners));
+}
+
+py::tuple closest(const MeshIndex& index, const Doubles& points, int threads) {
+  const auto query = rows(points, "points");
+  const auto n = static_cast<py::ssize_t>(query.size());
+  Doubles distance(n), point({n, py::ssize_t{3}}), gradient({n, py::ssize_t{3}});
+  Int32s face(n);
+  double *d = distance.mutable_data(), *p = point.mutable_data(), *g = gradient.mutable_data();
+  int32_t* f = face.mutable_data();
+  {
+    py::gil_scoped_release free;
+    for_slabs(n, threads, [&](int64_t begin, int64_t end) {
+      for (int64_t i = begin; i < end; ++i) {
+        const Closest c = index.closest(query[i]);
+        d[i] = c.distance;
+        Eigen::Map<Vec3>(p + 3 * i) = c.point;
+        Eigen::Map<Vec3>(g + 3 * i) = c.gradient;
+        f[i] = c.face;
+      }
+    });
+  }
+  return py::make_tuple(distance, point, gradient, face);
+}
+
+py::tuple cast(const MeshIndex& index, const Doubles& origins, const Doubles& directions, int threads) {
+  const auto from = rows(origins, "origins"), along = rows(directions, "directions");
+  if (from.size() != along.size()) throw InputError("origins and directions differ in number", "directions", "");
+  for (const Vec3& d : along) {
+    if (!(d.norm() > 0)) throw InputError("a direction has no length", "directions", "");
+  }
+  const auto n = static_cast<py::ssize_t>(from.size());
+  Doubles range(n), normal({n, py::ssize_t{3}});
+  Int32s face(n);
+  double *r = range.mutable_data(), *m = normal.mutable_data();
+  int32_t* f = face.mutable_data();
+  {
+    py::gil_scoped_release free;
+    for_slabs(n, threads, [&](int64_t begin, int64_t end) {
+      for (int64_t i = begin; i < end; ++i) {
+        const Hit hit = index.cast(from[i], along[i].normalized());
+        r[i] = hit.range;
+        f[i] = hit.face;
+        Eigen::Map<Vec3>(m + 3 * i) = hit.normal;
+      }
+    });
+  }
+  return py::make_tuple(range, face, normal);
+}
+
+template <class Number, class Value>
+py::array_t<Number> column(const std::vector<Value>& values) {
+  py::array_t<Number> out(static_cast<py::ssize_t>(values.size()));
+  std::copy(values.begin(), values.end(), out.mutable_data());
+  return out;
+}
+
+py::dict unknowns(const Model& model) {
+  const auto gather = [&](int64_t first, int64_t count, int width) {
+    Doubles out({static_cast<py::ssize_t>(count), static_cast<py::ssize_t>(width)});
+    for (int64_t i = 0; i < count; ++i) std::copy_n(model.blocks()[first + i].data, width, out.mutable_data(i, 0));
+    return out;
+  };
+  py::dict out;
+  out["pose"] = gather(0, model.poses(), 8);
+  out["landmark"] = gather(model.poses(), model.landmarks(), 3);
+  const auto globals = static_cast<int>(model.poses() + model.landmarks());
+  for (int b = globals; b < model.first_node(); ++b) {
+    const Block& block = model.blocks()[b];
+    out[block.name.c_str()] = py::array_t<double>(block.size, block.data);
+  }
+  const auto nodes = static_cast<int64_t>(model.blocks().size()) - model.first_node();
+  out["deviation"] = gather(model.first_node(), nodes, 1).reshape({static_cast<py::ssize_t>(nodes)});
+  return out;
+}
+
+py::dict record(const std::vector<IterationRow>& rows) {
+  const auto of = [&]<class Number>(Number, auto field) {
+    py::array_t<Number> out(static_cast<py::ssize_t>(rows.size()));
+    for (size_t i = 0; i < rows.size(); ++i) out.mutable_at(i) = rows[i].*field;
+    return out;
+  };
+  py::dict out, by;
+  out["cost"] = of(0.0, &IterationRow::cost);
+  out["cost_change"] = of(0.0, &IterationRow::cost_change);
+  out["step_norm"] = of(0.0, &IterationRow::step_norm);
+  out["gradient_norm"] = of(0.0, &IterationRow::gradient_norm);
+  out["radius"] = of(0.0, &IterationRow::radius);
+  out["accepted"] = of(false, &IterationRow::accepted);
+  out["seconds"] = of(0.0, &IterationRow::seconds);
+  for (size_t k = 0; k < kKindNames.size(); ++k) {
+    std::vector<double> cost;
+    for (const IterationRow& row : rows) cost.push_back(row.cost_by_kind[k]);
+    by[kKindNames[k]] = column<double>(cost);
+  }
+  out["cost_by_factor"] = by;
+  out["on_surface"] = of(int64_t{}, &IterationRow::on_surface);
+  out["label_changes"] = of(int64_t{}, &IterationRow::label_changes);
+  out["rays_missed"] = of(int64_t{}, &IterationRow::rays_missed);
+  return out;
+}
+
+bool interrupted() {
+  py::gil_scoped_acquire hold;
+  return PyErr_CheckSignals() != 0;
+}
+
+py::dict run_solve(const py::object& problem, const py::object& settings) {
+  const Held held(problem, settings);
+  std::unique_ptr<Model> model;
+  Solution solution;
+  try {
+    py::gil_scoped_release free;
+    model = std::make_unique<Model>(held.tables, held.options);
+    solution = solve(*model, interrupted);
+  } catch (const Interrupted&) {
+    throw py::error_already_set();
+  }
+  py::dict out, seconds;
+  out["unknowns"] = unknowns(*model);
+  out["label"] = column<int32_t>(model->labels());
+  out["distance"] = column<double>(model->association().distance());
+  std::vector<char> hit;
+  for (int64_t i = 0; i < held.tables.range_node.rows(); ++i) hit.push_back(model->association().hit(i));
+  out["ray_hit"] = column<bool>(hit);
+  out["iterations"] = record(solution.iterations);
+  out["converged"] = solution.converged;
+  out["message"] = solution.message;
+  for (const auto& [part, time] : solution.seconds) seconds[part] = time;
+  out["seconds"] = seconds;
+  return out;
+}
+
+py::dict run_evaluate(const py::object& problem, const py::object& settings) {
+  const Held held(problem, settings);
+  std::unique_ptr<Model> model;
+  Evaluation e;
+  {
+    py::gil_scoped_release free;
+    model = std::make_unique<Model>(held.tables, held.options);
+    e = evaluate(*model);
+  }
+  py::dict out, columns, cost;
+  for (const Block& block : model->blocks()) {
+    if (block.tangent > 0) columns[block.name.c_str()] = py::make_tuple(block.column, block.tangent);
+  }
+  for (size_t k = 0; k < kKindNames.size(); ++k) cost[kKindNames[k]] = e.cost[k];
+  out["residual"] = column<double>(e.residual), out["weight"] = column<double>(e.weight);
+  out["factor"] = column<int32_t>(e.kind), out["table_row"] = column<int32_t>(e.table_row);
+  out["jacobian_start"] = column<int64_t>(e.start), out["jacobian_column"] = column<int64_t>(e.column);
+  out["jacobian_value"] = column<double>(e.value);
+  out["width"] = model->columns();
+  out["columns"] = columns, out["cost_by_factor"] = cost;
+  return out;
+}
+
+py::dict run_covariance(const py::object& problem, const py::object& settings) {
+  const Held held(problem, settings);
+  Covariance c;
+  {
+    py::gil_scoped_release free;
+    Model model(held.tables, held.options);
+    c = covariance(model);
+  }
+  const auto n = held.tables.pose.rows(), l = held.tables.landmark.rows();
+  py::dict out;
+  out["pose"] = column<double>(c.pose).reshape({n, int64_t{7}, int64_t{7}});
+  out["pose_T_g_M"] = column<double>(c.pose_hull).reshape({n, int64_t{7}, int64_t{6}});
+  out["landmark"] = column<double>(c.landmark).reshape({l, int64_t{3}, int64_t{3}});
+  out["landmark_T_g_M"] = column<double>(c.landmark_hull).reshape({l, int64_t{3}, int64_t{6}});
+  out["deviation"] = column<double>(c.deviation);
+  out["deviation_T_g_M"] = column<double>(c.deviation_hull).reshape({held.tables.deviation.rows(), int64_t{6}});
+  for (const auto& [name, block] : c.global) out[name.c_str()] = block;
+  return out;
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_native, m) {
+  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres tells its warnings to stderr; what matters comes back as an error
+  py::register_exception_translator(translate);
+  py::class_<MeshIndex>(m, "MeshIndex")
+      .def(py::init(&make_index))
+      .def("closest", &closest)
+      .def("cast", &cast)
+      .def("__len__", &MeshIndex::faces);
+  m.def("solve", &run_solve);
+  m.def("evaluate", &run_evaluate);
+  m.def("covariance", &run_covariance);
+}
+
+}  // namespace hullrecon

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "model/model.h"
+
+namespace hullrecon {
+
+// Marginals in tangent coordinates, row major; zero where a coordinate is held.
+struct Covariance {
+  std::vector<double> pose;            // (n, 7, 7)
+  std::vector<double> pose_hull;       // (n, 7, 6) with T_g_M
+  std::vector<double> landmark;        // (L, 3, 3)
+  std::vector<double> landmark_hull;   // (L, 3, 6) with T_g_M
+  std::vector<double> deviation;       // (F,) variances
+  std::vector<double> deviation_hull;  // (F, 6) with T_g_M
+  std::map<std::string, Eigen::MatrixXd> global;
+};
+
+// From the information at the model's unknowns: Huber rows weighted by rho', mixture rows by their label's sigma.
+// Throws StageError naming what is not determined.
+Covariance covariance(Model& model);
+
+}  // namespace hullrecon

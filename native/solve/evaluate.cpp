@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+#include "solve/evaluate.h"
+
+#include <algorithm>
+
+#include "common/parallel.h"
+#include "model/linear_factor.h"
+
+namespace hullrecon {
+namespace {
+
+// Free blocks of a factor by ascending column.
+std::vector<size_t> by_column(const Model& model, const std::vector<int32_t>& blocks) {
+  std::vector<size_t> order(blocks.size());
+  for (size_t k = 0; k < order.size(); ++k) order[k] = k;
+  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return blocks[a] < blocks[b]; });
+  std::erase_if(order, [&](size_t k) { return model.blocks()[blocks[k]].tangent == 0; });
+  return order;
+}
+
+void lay_out(const Model& model, Evaluation& out, std::vector<int64_t>& first_row) {
+  out.start.assign(1, 0);
+  for (int64_t i = 0; i < model.factors(); ++i) {
+    const Factor f = model.factor(i);
+    first_row.push_back(static_cast<int64_t>(out.start.size()) - 1);
+    int64_t width = 0;
+    for (int32_t b : f.blocks) width += model.blocks()[b].tangent;
+    for (int r = 0; r < f.cost->num_residuals(); ++r) {
+      out.start.push_back(out.start.back() + width);
+      out.kind.push_back(static_cast<int32_t>(f.kind));
+      out.table_row.push_back(static_cast<int32_t>(f.row));
+    }
+  }
+  out.residual.resize(out.kind.size()), out.weight.resize(out.kind.size());
+  out.column.resize(out.start.back()), out.value.resize(out.start.back());
+}
+
+void write(const Model& model, const Linear& linear, int64_t first, Evaluation& out) {
+  const auto order = by_column(model, linear.blocks);
+  for (int r = 0; r < linear.residual.size(); ++r) {
+    out.residual[first + r] = linear.residual[r];
+    out.weight[first + r] = linear.weight;
+    int64_t at = out.start[first + r];
+    for (size_t k : order) {
+      for (int c = 0; c < linear.by[k].cols(); ++c, ++at) {
+        out.column[at] = model.blocks()[linear.blocks[k]].column + c;
+        out.value[at] = linear.by[k](r, c);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Evaluation evaluate(Model& model) {
+  model.refresh(false, true);
+  Evaluation out;
+  std::vector<int64_t> first_row;
+  lay_out(model, out, first_row);
+  for_slabs(model.factors(), model.options().threads, [&](int64_t begin, int64_t end) {
+    Linear linear;
+    for (int64_t i = begin; i < end; ++i) {
+      linear.at(model, i);
+      write(model, linear, first_row[i], out);
+    }
+  });
+  out.cost = model.costs();
+  return out;
+}
+
+}  // namespace hullrecon

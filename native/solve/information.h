@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// The information of the robustified problem at its unknowns, landmarks eliminated (Schur), as blocks.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "model/linear_factor.h"
+#include "sparse/block_matrix.h"
+
+namespace hullrecon {
+
+// A landmark's own 3 x 3 information and its coupling to the other free blocks it meets.
+struct LandmarkInformation {
+  Eigen::Matrix3d own;
+  std::vector<int32_t> places;         // positions of those blocks in the order
+  std::vector<Eigen::MatrixXd> cross;  // (3, width) each
+
+  // From its factors. With `rest`, what they say of the other blocks alone is added there.
+  void gather(const Model& model, const std::vector<int64_t>& factors, const std::vector<int>& position, Linear& linear,
+              BlockMatrix* rest);
+};
+
+class Information {
+ public:
+  // Throws StageError naming a landmark that is not determined.
+  explicit Information(const Model& model);
+
+  BlockMatrix& reduced() { return reduced_; }
+  const BlockMatrix& reduced() const { return reduced_; }
+  int position(int block) const { return position_[block]; }  // -1: held, or a landmark
+  const std::vector<int>& positions() const { return position_; }
+  int block_at(int position) const { return order_[position]; }
+  const std::vector<int64_t>& factors_of(int64_t landmark) const { return of_landmark_[landmark]; }
+
+  // Inverse of a landmark's own information. Throws StageError with the direction that nothing determines.
+  static Eigen::Matrix3d invert(const LandmarkInformation& landmark, int64_t index);
+
+ private:
+  BlockMatrix pattern(const Model& model);
+  void eliminate(const Model& model);
+
+  std::vector<std::vector<int64_t>> of_landmark_;
+  std::vector<int64_t> free_of_landmarks_;
+  std::vector<int> order_, position_;
+  BlockMatrix reduced_;
+};
+
+}  // namespace hullrecon

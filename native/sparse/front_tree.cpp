@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sparse/front_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace hullrecon {
+namespace {
+
+// Two fronts are joined when the zeros that this adds are few: up to so many columns, up to this share of the panel.
+constexpr std::array<std::pair<int, double>, 4> kJoin{{{14, 1.0}, {28, 0.8}, {112, 0.2}, {1 << 30, 0.05}}};
+
+bool worth_joining(int columns, double zeros, double entries) {
+  return std::any_of(kJoin.begin(), kJoin.end(),
+                     [&](const auto& k) { return columns <= k.first && zeros <= k.second * entries; });
+}
+
+double panel(double height, double columns) {
+  return columns * height - columns * (columns - 1) / 2;
+}
+
+}  // namespace
+
+FrontTree::FrontTree(const std::vector<int>& width, const std::vector<int64_t>& start, const std::vector<int32_t>& below)
+    : offset_(1, 0), front_of_(width.size()) {
+  for (int w : width) offset_.push_back(offset_.back() + w);
+  const Rows rows = fill(start, below);
+  gather(rows);
+  lay_out(rows);
+  find_runs();
+  count_work();
+}
+
+// The block rows below each column's own in the factor: its own, and those that its children in the elimination tree meet.
+FrontTree::Rows FrontTree::fill(const std::vector<int64_t>& start, const std::vector<int32_t>& below) {
+  const auto blocks = static_cast<int32_t>(start.size() - 1);
+  Rows rows(blocks);
+  std::vector<int32_t> both;
+  for (int32_t b = 0; b < blocks; ++b) rows[b].assign(below.begin() + start[b], below.begin() + start[b + 1]);
+  for (int32_t b = 0; b < blocks; ++b) {
+    if (rows[b].empty()) continue;
+    auto& parent = rows[rows[b][0]];
+    both.clear();
+    std::set_union(rows[b].begin() + 1, rows[b].end(), parent.begin(), parent.end(), std::back_inserter(both));
+    parent = both;
+    rows[b].shrink_to_fit();
+  }
+  return rows;
+}
+
+// From the root down: a column joins the front after it when that is its parent's and the zeros are worth it.
+void FrontTree::gather(const Rows& rows) {
+  const auto blocks = static_cast<int32_t>(rows.size());
+  double entries = 0, height = 0;  // of the front at hand: numbers that are not zeros by joining; rows and columns
+  for (int32_t b = blocks - 1; b >= 0; --b) {
+    double below = 0;
+    for (int32_t r : rows[b]) below += offset_[r + 1] - offset_[r];
+    const double width = offset_[b + 1] - offset_[b], own = panel(below + width, width);
+    const bool chain = !fronts_.empty() && rows[b][0] == b + 1;
+    const int columns = chain ? offset_[fronts_.back().last] - offset_[b] : 0;
+    const double whole = panel(height + width, columns);
+    if (chain && worth_joining(columns, whole - entries - own, whole)) {
+      fronts_.back().first = b;
+      entries += own, height += width;
+    } else {
+      fronts_.push_back({b, b + 1});
+      entries = own, height = below + width;
+    }
+  }
+  std::reverse(fronts_.begin(), fronts_.end());
+  for (size_t f = 0; f < fronts_.size(); ++f) {
+    for (int32_t b = fronts_[f].first; b < fronts_[f].last; ++b) front_of_[b] = static_cast<int>(f);
+  }
+}
+
+void FrontTree::lay_out(const Rows& rows) {
+  int64_t value = 0;
+  for (Front& f : fronts_) {
+    f.size = f.height = offset_[f.last] - offset_[f.first];
+    for (int32_t r : rows[f.last - 1]) {
+      rows_.push_back({r, f.height});
+      f.height += offset_[r + 1] - offset_[r];
+    }
+    f.rows = static_cast<int64_t>(rows_.size());
+    f.value = value;
+    value += int64_t{f.height} * f.size;
+    if (!rows[f.last - 1].empty()) f.parent = front_of_[rows[f.last - 1][0]];
+  }
+}
+
+void FrontTree::find_runs() {
+  for (int f = 0; f < static_cast<int>(fronts_.size()); ++f) {
+    const int parent = fronts_[f].parent;
+    const auto first = static_cast<int64_t>(runs_.size());
+    auto above = parent >= 0 ? rows(parent).begin() : std::span<const FrontRow>::iterator{};
+    for (const FrontRow& row : rows(f)) {
+      const int from = row.place - fronts_[f].size, length = offset_[row.block + 1] - offset_[row.block];
+      int to = offset_[row.block] - offset_[fronts_[parent].first];
+      if (row.block >= fronts_[parent].last) {
+        while (above->block < row.block) ++above;
+        to = above->place;
+      }
+      const bool joins = static_cast<int64_t>(runs_.size()) > first && runs_.back().to + runs_.back().length == to &&
+                         to != fronts_[parent].size;
+      if (joins) {
+        runs_.back().length += length;
+      } else {
+        runs_.push_back({from, to, length});
+      }
+    }
+    fronts_[f].runs = static_cast<int64_t>(runs_.size());
+  }
+}
+
+void FrontTree::count_work() {
+  for (Front& f : fronts_) {
+    const double n = f.size, m = f.height;
+    f.work += n * n * n / 6 + n * n * (m - n) / 2 + n * (m - n) * (m - n) / 2 + (m - n) * (m - n);
+    if (f.parent < 0) continue;
+    fronts_[f.parent].work += f.work;
+    fronts_[f.parent].descendants += f.descendants + 1;
+  }
+}
+
+std::vector<int> FrontTree::children(int front) const {
+  std::vector<int> out;
+  for (int c = front - 1; c >= front - fronts_[front].descendants; c -= fronts_[c].descendants + 1) out.push_back(c);
+  return out;
+}
+
+FrontTree::Place FrontTree::place(int row, int column) const {
+  const int front = front_of_[column], top = offset_[fronts_[front].first];
+  if (row < fronts_[front].last) return {front, offset_[row] - top, offset_[column] - top};
+  const auto all = rows(front);
+  const auto found =
+      std::lower_bound(all.begin(), all.end(), row, [](const FrontRow& r, int block) { return r.block < block; });
+  return {front, found->place, offset_[column] - top};
+}
+
+}  // namespace hullrecon

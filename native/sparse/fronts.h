@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// A symmetric positive definite matrix of blocks, factored in place by the multifrontal method: each front adds what its
+// children leave to its panel, eliminates its own columns and leaves the rest to its parent. Subtrees go to threads; every sum
+// has a fixed order, so the bytes do not depend on their number.
+#pragma once
+
+#include <Eigen/Core>
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "common/task_pool.h"
+#include "sparse/front_tree.h"
+
+namespace hullrecon {
+
+class Fronts {
+ public:
+  Fronts(FrontTree tree, int threads);
+
+  const FrontTree& tree() const { return tree_; }
+  void clear();
+  // Of scalar (row, column) in a front's panel, rows from its top.
+  double* at(int front, int row, int column) {
+    const Front& f = tree_.fronts()[front];
+    return value_.data() + f.value + int64_t{column} * f.height + row;
+  }
+  bool factor();  // the lower half becomes the factor's; false: not positive definite
+  void solve(Eigen::VectorXd& x);
+
+ private:
+  enum class Order { Up, Down };
+  template <class Visit>
+  void climb(int front, const Visit& visit);
+  template <class Visit>
+  void descend(int front, const Visit& visit);
+  template <class Visit>
+  void visit_all(Order order, const Visit& visit);
+  void factor_front(int front);
+  void take_own(int child);
+  void take_rest(int child);
+  void take_column(int child, size_t run, int k, double* to) const;
+  void eliminate(int front);
+  void forward(int front, Eigen::VectorXd& x);
+  void backward(int front, Eigen::VectorXd& x);
+
+  FrontTree tree_;
+  int threads_;
+  double grain_;  // work of a subtree that one thread does alone
+  std::vector<double> value_;
+  std::vector<std::unique_ptr<double[]>> rest_;  // what a front leaves to its parent until that took it: lower half, by columns
+  std::vector<int64_t> carried_start_;
+  std::vector<double> carried_;  // the same of the right side
+  std::atomic<bool> definite_ = true;
+  Team team_;  // last: it uses all of the above
+};
+
+}  // namespace hullrecon

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// The reduced system: the lower half of a symmetric matrix of small blocks and a dense border, in a fill-reducing order, kept
+// where its factor will stand (fronts.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "sparse/fronts.h"
+
+namespace hullrecon {
+
+class Reduced {
+ public:
+  // width: of each block. neighbours[start[b], start[b + 1]): the blocks that b meets, both ways, itself left out; the border
+  // meets all. Of AMD and METIS the order with fewer nonzeros is taken.
+  Reduced(std::vector<int> width, int border, const std::vector<int64_t>& start, const std::vector<int32_t>& neighbours,
+          int threads);
+
+  const FrontTree& tree() const { return fronts_->tree(); }
+  int size() const { return offset(static_cast<int>(position_.size()) - 1) + border_; }
+  int offset(int block) const {
+    return fronts_->tree().offset(position_[block]);
+  }  // of its scalars; the border is the last block
+
+  void clear() { fronts_->clear(); }
+  // m: (width of a, width of b), a and b different, either order.
+  template <class Product>
+  void add(int a, int b, const Product& m) {
+    position_[a] > position_[b] ? add_lower(position_[a], position_[b], m)
+                                : add_lower(position_[b], position_[a], m.transpose());
+  }
+  // m: its lower half is read.
+  template <class Product>
+  void add_own(int a, const Product& m) {
+    add_lower(position_[a], position_[a], m);
+  }
+  // m: (border, width of a)
+  template <class Product>
+  void add_border(int a, const Product& m) {
+    add_lower(position_.back(), position_[a], m);
+  }
+  void add_diagonal(const Eigen::VectorXd& d);
+
+  bool factor() { return fronts_->factor(); }  // false: not positive definite. The matrix is gone then.
+  void solve(Eigen::VectorXd& x) { fronts_->solve(x); }
+
+ private:
+  template <class Product>
+  void add_lower(int row, int column, const Product& m) {
+    const auto [front, r, c] = fronts_->tree().place(row, column);
+    for (int k = 0; k < m.cols(); ++k) {
+      double* to = fronts_->at(front, r, c + k);
+      for (int n = row == column ? k : 0; n < m.rows(); ++n) to[n] += m(n, k);
+    }
+  }
+
+  int border_;
+  std::vector<int> position_;
+  std::unique_ptr<Fronts> fronts_;
+};
+
+}  // namespace hullrecon

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hullrecon.errors import UsageError
+from hullrecon.synthetic.options import spec_from
+from hullrecon.synthetic.spec import DiveSpec, Items
+from hullrecon.synthetic.world.item_placement import place_items
+from hullrecon.synthetic.world.items import MARKS, STRUCTURES, Item
+
+ROOM = ((10.0, 16.0), (3.0, 6.0))
+
+
+def test_there_are_as_many_of_each_as_asked_for() -> None:
+    items = place_items(spec_from(structures=6, marks=3, barnacles=2), *ROOM)
+    kinds = [item.kind for item in items]
+    assert sum(kind in STRUCTURES for kind in kinds) == 6
+    assert sum(kind in MARKS for kind in kinds) == 3
+    assert kinds.count("barnacles") == 2
+
+
+def test_items_keep_clear_of_each_other_and_inside() -> None:
+    items = place_items(spec_from(structures=8, marks=3), *ROOM)
+    for k, a in enumerate(items):
+        assert ROOM[0][0] <= a.along_m <= ROOM[0][1]
+        assert ROOM[1][0] <= a.girth_m <= ROOM[1][1]
+        for b in items[:k]:
+            assert np.hypot(a.along_m - b.along_m, a.girth_m - b.girth_m) > a.reach_m() + b.reach_m()
+
+
+def test_paint_has_no_height_and_recesses_go_in() -> None:
+    for item in place_items(spec_from(structures=5, marks=3), *ROOM):
+        assert (item.height_m == 0) == (item.kind in MARKS)
+        assert (item.height_m < 0) == (item.kind == "recess")
+
+
+def test_the_second_of_a_kind_has_another_size() -> None:
+    items = [i for i in place_items(spec_from(structures=6, marks=0, barnacles=0), *ROOM) if i.kind == "cylinder"]
+    assert len({item.height_m for item in items}) == 2
+
+
+def test_given_items_are_taken_as_they_are() -> None:
+    given = (Item("box", 1.0, 2.0, 0.1, (0.2, 0.2)),)
+    assert place_items(DiveSpec(items=Items(placed=given)), *ROOM) == given
+
+
+def test_too_many_are_refused_with_advice() -> None:
+    with pytest.raises(UsageError, match="fewer structures"):
+        place_items(spec_from(structures=60), (0.0, 1.0), (0.0, 1.0))
+
+
+def test_the_seed_decides_where() -> None:
+    assert place_items(spec_from(seed=5), *ROOM) == place_items(spec_from(seed=5), *ROOM)
+    assert place_items(spec_from(seed=5), *ROOM) != place_items(spec_from(seed=6), *ROOM)
