@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What keeps the code findable and readable: small folders, the field's words, docstrings that begin with a verb, few untyped values."""
+"""What keeps the code readable: small folders, the field's words, docstrings that begin with a verb, few untyped values."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ RETIRED = re.compile(
     r"|Optics|Kept|Split|Held|Team)$",
 )
 RETIRED_IN_MESSAGES = re.compile(
-    r"\b(the|a|its|this) drawing\b|\bdrawn surface\b|made anew|it was never made|not fresh|\ba second\b|METHODS|OUTPUTS|INPUTS|\(O \d|\bO \d\.",
+    r"\b(the|a|its|this) drawing\b|\bdrawn surface\b|made anew|it was never made|not fresh|\d a second\b"
+    r"|METHODS|OUTPUTS|INPUTS|\(O \d|\bO \d\."
 )
 NOT_A_VERB = re.compile(
     r"^(The|A|An|Of|As|Whether|Where|What|How|Those|These|All|Each|In|With|At|By|Up|One|From|Same|None|Two)\b"
