@@ -22,9 +22,9 @@ void for_slabs(int64_t count, int threads, const Work& work, int64_t grain = 256
   const int64_t slabs = std::clamp<int64_t>(count / grain, 1, thread_count(threads));
   if (slabs == 1) return work(int64_t{0}, count);
   std::vector<std::exception_ptr> failure(slabs);
-  std::vector<std::thread> team;
+  std::vector<std::thread> pool;
   for (int64_t s = 0; s < slabs; ++s) {
-    team.emplace_back([&, s] {
+    pool.emplace_back([&, s] {
       try {
         work(s * count / slabs, (s + 1) * count / slabs);
       } catch (...) {
@@ -32,7 +32,7 @@ void for_slabs(int64_t count, int threads, const Work& work, int64_t grain = 256
       }
     });
   }
-  for (auto& member : team) member.join();
+  for (auto& member : pool) member.join();
   for (auto& error : failure) {
     if (error) std::rethrow_exception(error);
   }

@@ -39,9 +39,9 @@ class MeshIndex {
 
  private:
   struct Best;
-  struct Around;
+  struct Neighbourhood;
   // A face seen by one who walks over the mesh. Zero where a sliver leaves a direction to rounding.
-  struct Sheet {
+  struct FaceFrame {
     std::array<Vec3, 3> out;        // unit, in the face's plane, square to edge k, away from the face
     std::array<double, 3> at;       // of edge k along it
     std::array<int32_t, 3> across;  // a face beyond edge k, -1: none
@@ -50,20 +50,20 @@ class MeshIndex {
     Vec3 unit;     // the pseudonormal inside
   };
   // Lengths in m and ratios, less than what holds (closest_face_certificate.cpp); per_clearance < 0: not worked out yet.
-  struct Trust {
+  struct Certificate {
     std::atomic<float> per_clearance{-1}, reach{0};
   };
-  struct Stop {
+  struct WalkEnd {
     int32_t face;
     double clearance;  // of the point's foot on the face to its nearest edge; 0: the foot may be outside
   };
 
   void weld();
   void find_normals();
-  void find_sheets();
-  Stop walk(const Vec3& point, int32_t face) const;
-  double trusted(const Stop& stop) const;
-  void work_out(int32_t face) const;
+  void find_frames();
+  WalkEnd walk(const Vec3& point, int32_t face) const;
+  double certified(const WalkEnd& stop) const;
+  void compute_certificate(int32_t face) const;
   bool farther(int32_t face, const Vec3& point, double squared) const;
   void search(const Vec3& point, Best& best) const;
   Closest answer(const Vec3& point, const Best& best) const;
@@ -77,9 +77,9 @@ class MeshIndex {
   std::vector<std::array<Vec3, 3>> edge_normal_;  // sum over the faces that share the edge (not unit)
   std::vector<Vec3> vertex_normal_;               // sum weighted by the corner's angle (not unit)
   std::unique_ptr<BoxTree> tree_;
-  std::vector<Sheet> sheets_;
-  std::unique_ptr<Trust[]> trust_;  // worked out when first asked for: the same number by whichever thread
-  double size_ = 0;                 // m: the largest coordinate
+  std::vector<FaceFrame> frames_;
+  std::unique_ptr<Certificate[]> certificate_;  // worked out when first asked for: the same number by whichever thread
+  double size_ = 0;                             // m: the largest coordinate
 };
 
 }  // namespace hullrecon

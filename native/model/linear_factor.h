@@ -10,7 +10,7 @@
 
 namespace hullrecon {
 
-struct Linear {
+struct LinearFactor {
   Eigen::VectorXd residual;         // whitened, without the robust weight
   double weight = 1;                // square root of rho': multiplies residual and derivatives in the information
   double cost = 0;                  // robustified

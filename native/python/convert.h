@@ -64,12 +64,12 @@ inline Options read_options(const py::object& options) {
 }
 
 // A model with what keeps its arrays alive, checked.
-struct Held {
+struct BoundProblem {
   std::vector<py::object> alive;
   Tables tables;
   Options options;
 
-  Held(const py::object& problem, const py::object& settings)
+  BoundProblem(const py::object& problem, const py::object& settings)
       : tables(read_tables(problem, alive)), options(read_options(settings)) {
     py::gil_scoped_release free;
     validate(tables);

@@ -113,7 +113,7 @@ void poses_and_globals(const Model& model, const Information& information, Covar
 }
 
 // With H the coupling and K the inverse of its own information: K + K H Z H' K, and -K H Z against T_g_M.
-void landmark(const Model& model, const Information& information, int64_t l, LandmarkInformation& own, Linear& linear,
+void landmark(const Model& model, const Information& information, int64_t l, LandmarkInformation& own, LinearFactor& linear,
               Covariance& out) {
   const BlockMatrix& z = information.reduced();
   own.gather(model, information.factors_of(l), information.positions(), linear, nullptr);
@@ -147,7 +147,7 @@ Covariance covariance(Model& model) {
   out.landmark_hull.assign(model.landmarks() * 18, 0.0);
   for_slabs(model.landmarks(), model.options().threads, [&](int64_t begin, int64_t end) {
     LandmarkInformation own;
-    Linear linear;
+    LinearFactor linear;
     for (int64_t l = begin; l < end; ++l) landmark(model, information, l, own, linear, out);
   });
   return out;

@@ -18,7 +18,7 @@ struct LandmarkInformation {
   std::vector<Eigen::MatrixXd> cross;  // (3, width) each
 
   // From its factors. With `rest`, what they say of the other blocks alone is added there.
-  void gather(const Model& model, const std::vector<int64_t>& factors, const std::vector<int>& position, Linear& linear,
+  void gather(const Model& model, const std::vector<int64_t>& factors, const std::vector<int>& position, LinearFactor& linear,
               BlockMatrix* rest);
 };
 

@@ -53,7 +53,7 @@ class Fronts {
   std::vector<int64_t> carried_start_;
   std::vector<double> carried_;  // the same of the right side
   std::atomic<bool> definite_ = true;
-  Team team_;  // last: it uses all of the above
+  TaskPool pool_;  // last: it uses all of the above
 };
 
 }  // namespace hullrecon
