@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Threads for work that makes more work: tasks that wait for tasks of their own. Plain threads that live as long as the team,
+// Runs tasks that make and wait for tasks of their own. Plain threads that live as long as the pool,
 // not OpenMP's, which a process forked from ours could not use again.
 #pragma once
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// How the solver moves a block. PlusJacobian is [I; 0]: a cost function writes its derivative by the tangent straight into the
-// first columns of its block, and the chain rule of the solver, J * PlusJacobian, only cuts the rest off. Writing by the
-// quaternion's four numbers instead would cost a product for each residual and say the same.
+// Moves a block by a step in its tangent. PlusJacobian is [I; 0]: a cost function writes its derivative by the tangent straight
+// into the first columns of its block, and the chain rule of the solver, J * PlusJacobian, only cuts the rest off. Writing by
+// the quaternion's four numbers instead would cost a product for each residual and say the same.
 #pragma once
 
 #include <ceres/manifold.h>

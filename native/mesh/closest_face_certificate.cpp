@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// MeshIndex: where a face is the closest for certain, so that no tree need be searched.
+// Certifies the closest face of MeshIndex where it can be proved, so that the tree need not be searched.
 //
 // A point p stands at height h over q, inside face f. No other face is nearer if the ball that touches f at q on p's side, of a
 // radius r > h, holds no point x of another face. With z the height of x over f's plane and x' its foot there,
@@ -14,7 +14,7 @@
 //
 // In floating point, too: |p - x|^2 >= h^2 + |x - q|^2 (1 - h / r), so kSure of r, and t and reach of at least kLeast of the
 // mesh's size, keep every other face's squared distance above f's by far more than both are rounded. Faces so thin that
-// rounding may put their closest point outside of them stand near no trusted face.
+// rounding may put their closest point outside of them stand near no certified face.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ constexpr double kSure = 0.99;
 constexpr double kLeast = 4e-6;
 constexpr double kNoise = 1e-12;   // of the mesh's size: far more than heights are rounded, far less than kLeast
 constexpr double kFarthest = 0.5;  // reach at most, by the face's longest edge; faces within twice that are looked at
-constexpr int kMostFaces = 500;    // looked at; where more stand as near, none is trusted
+constexpr int kMostFaces = 500;    // looked at; where more stand as near, none is certified
 constexpr int kSteps = 16;         // of a walk
 
 double longest_edge(const Triangle& t) {
@@ -100,7 +100,7 @@ double MeshIndex::certified(const WalkEnd& stop) const {
                   static_cast<double>(certificate.reach.load(std::memory_order_relaxed)));
 }
 
-// What the faces about one leave of the trust in it.
+// The faces about one, and what they leave of its certificate.
 struct MeshIndex::Neighbourhood {
   const MeshIndex& mesh;
   const int32_t face;

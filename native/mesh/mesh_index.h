@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Closest point and ray cast against a triangle mesh: a bounding volume tree in float64.
+// Finds closest points and casts rays against a triangle mesh, by a tree of boxes in float64.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 namespace hullrecon {
 
 struct Closest {
-  double distance;  // positive outside (side of the angle-weighted pseudonormal)
+  double distance;  // m, positive outside: the side of the angle-weighted pseudonormal [BaerentzenAanaes2005]
   Vec3 point;
   Vec3 gradient;  // unit: of the signed distance
   int32_t face;
@@ -40,7 +40,7 @@ class MeshIndex {
  private:
   struct Best;
   struct Neighbourhood;
-  // A face seen by one who walks over the mesh. Zero where a sliver leaves a direction to rounding.
+  // Lines of a face's edges in its plane, for walks over the mesh. Zero where a sliver leaves a direction to rounding.
   struct FaceFrame {
     std::array<Vec3, 3> out;        // unit, in the face's plane, square to edge k, away from the face
     std::array<double, 3> at;       // of edge k along it
@@ -49,7 +49,7 @@ class MeshIndex {
     double level;  // of the face along it
     Vec3 unit;     // the pseudonormal inside
   };
-  // Lengths in m and ratios, less than what holds (closest_face_certificate.cpp); per_clearance < 0: not worked out yet.
+  // Safe side of what holds, m and ratio (closest_face_certificate.cpp); per_clearance < 0: not computed yet.
   struct Certificate {
     std::atomic<float> per_clearance{-1}, reach{0};
   };
@@ -62,7 +62,7 @@ class MeshIndex {
   void find_normals();
   void find_frames();
   WalkEnd walk(const Vec3& point, int32_t face) const;
-  double certified(const WalkEnd& stop) const;
+  double certified(const WalkEnd& stop) const;  // height up to which the face is the closest; 0: none
   void compute_certificate(int32_t face) const;
   bool farther(int32_t face, const Vec3& point, double squared) const;
   void search(const Vec3& point, Best& best) const;
@@ -78,7 +78,7 @@ class MeshIndex {
   std::vector<Vec3> vertex_normal_;               // sum weighted by the corner's angle (not unit)
   std::unique_ptr<BoxTree> tree_;
   std::vector<FaceFrame> frames_;
-  std::unique_ptr<Certificate[]> certificate_;  // worked out when first asked for: the same number by whichever thread
+  std::unique_ptr<Certificate[]> certificate_;  // computed when first asked for: the same number by any thread
   double size_ = 0;                             // m: the largest coordinate
 };
 

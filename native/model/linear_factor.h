@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// One factor at the present unknowns, linear, in tangent coordinates.
+// Linearises one factor at the present unknowns, in tangent coordinates.
 #pragma once
 
 #include <Eigen/Core>

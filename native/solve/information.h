@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// The information of the robustified problem at its unknowns, landmarks eliminated (Schur), as blocks.
+// Sums the information of the robustified problem at its unknowns, landmarks eliminated, as blocks.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Levenberg and Marquardt over the Schur core, step for step as Ceres' trust region minimiser does it: scaling by the columns
-// at the start, damping by the clipped diagonal, radius by the step's quality, the same tests of convergence in the same order.
-// So both cores take the same number of iterations, and one can be held against the other.
+// Minimises by Levenberg-Marquardt over the Schur core, step for step as Ceres' trust region minimiser does [Ceres2023]:
+// scaling by the columns at the start, damping by the clipped diagonal, radius by the step's quality, the same tests of
+// convergence in the same order. So both cores take the same number of iterations, and one can be held against the other.
 #include <chrono>
 #include <cmath>
 

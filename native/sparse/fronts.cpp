@@ -20,7 +20,7 @@ void dgemm_(const char* transa, const char* transb, const int* m, const int* n, 
 namespace hullrecon {
 namespace {
 
-constexpr int kTile = 128;      // columns that one call of the library takes, one task of the team
+constexpr int kTile = 128;      // columns that one call of the library takes, one task of the pool
 constexpr double kGrains = 16;  // so many pieces of work for each thread, at least
 
 // to := keep * to - rows rows', the first `width` columns of its lower half. rows: (height, depth).
@@ -39,7 +39,7 @@ void divide(double* rows, int count, const double* lower, int size, int stride) 
   dtrsm_("R", "L", "T", "N", &count, &size, &one, lower, &stride, rows, &stride);
 }
 
-// work(first, count) over [0, total) by tiles, each a task of the team.
+// work(first, count) over [0, total) by tiles, each a task of the pool.
 template <class Work>
 void by_tiles(TaskPool& pool, int total, const Work& work) {
   if (total <= kTile) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// The reduced system: the lower half of a symmetric matrix of small blocks and a dense border, in a fill-reducing order, kept
-// where its factor will stand (fronts.h).
+// Holds the reduced system: the lower half of a symmetric matrix of small blocks and a dense border, in a fill-reducing order,
+// kept where its factor will stand (fronts.h).
 #pragma once
 
 #include <Eigen/Core>
