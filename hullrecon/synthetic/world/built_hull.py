@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.meshes import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.world.as_built import AsBuilt, build, crop
 from hullrecon.synthetic.world.hull_patch import HullPatch, HullSkin

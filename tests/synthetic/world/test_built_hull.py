@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from hullrecon.geometry.meshes import Mesh, face_areas
+from hullrecon.geometry.meshes.mesh import Mesh, face_areas
 from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.spec import Ship
 from hullrecon.synthetic.world.built_hull import KEPT_BLOCKS, BuiltHull
