@@ -17,7 +17,9 @@ from hullrecon.geometry.poses import from_mount
 from hullrecon.synthetic.dive import Dive, simulate_dive
 from hullrecon.synthetic.options import spec_from, with_options
 from hullrecon.synthetic.output import package as package_module
-from hullrecon.synthetic.output.package import camera_info, dive_toml, initial_guess, write_package
+from hullrecon.synthetic.output.calibration import camera_info
+from hullrecon.synthetic.output.dive_toml import dive_toml, initial_guess
+from hullrecon.synthetic.output.package import write_package
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.vehicle.rig import CAMERA_MOUNT
 

@@ -15,7 +15,15 @@ def turning() -> Motion:
     t = np.arange(0, 10, 0.02)
     zero = np.zeros_like(t)
     position, attitude = np.stack([t, zero, zero + 2], 1), np.stack([zero, zero, 0.2 * t], 1)
-    return Motion(t, position, attitude, zero + 0.1, zero + 0.1, zero - 0.6, identity())
+    return Motion(
+        t_s=t,
+        position=position,
+        roll_pitch_yaw=attitude,
+        encoder=zero + 0.1,
+        tray=zero + 0.1,
+        sonar_tray=zero - 0.6,
+        T_g_M=identity(),
+    )
 
 
 def test_the_load_stands_still_while_the_gear_crosses_its_backlash() -> None:

@@ -7,7 +7,8 @@ import pytest
 
 from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.world.items import Item, Kind
-from hullrecon.synthetic.world.texture import Atlas, paint_atlas, value_noise
+from hullrecon.synthetic.world.plate_atlas import paint_atlas
+from hullrecon.synthetic.world.texture import Atlas, value_noise
 
 WINDOW = ((10.0, 11.5), (4.0, 5.0))
 
