@@ -10,7 +10,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.cameras import CameraModel
-from hullrecon.geometry.poses import Poses, roll_pitch_yaw
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive, simulate_dive
 from hullrecon.synthetic.output.mcap_log import TOPICS, write_mcap
 from hullrecon.synthetic.output.new_folder import new_folder
