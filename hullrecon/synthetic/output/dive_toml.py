@@ -7,7 +7,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.poses import Poses, roll_pitch_yaw
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.output.calibration import cameras_of
 from hullrecon.synthetic.output.mcap_log import TOPICS
