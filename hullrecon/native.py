@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The typed face of the C++ module; nothing else imports hullrecon._native.
+"""Solve, evaluate and query in C++: the typed interface of the compiled module; nothing else imports hullrecon._native.
 
 The module is built by the (editable) installation and found through it, from whatever folder or PYTHONPATH Python is started;
 a checkout that was never installed has no hullrecon._native.
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hullrecon.errors import InputError
-from hullrecon.typing import Array, Ints, Ints32, Mask
+from hullrecon.typing import Array, Ints32, Mask
 
 
 def _floats(*shape: int) -> Array:
@@ -33,13 +33,13 @@ def _ints(*shape: int) -> Ints32:
 
 @dataclass
 class Problem:
-    """Unknowns (start values) and factors as tables. m differs from table to table; empty tables are left out.
+    """Hold unknowns (start values) and factors as tables. m differs from table to table; empty tables are left out.
 
     Unknowns:
       pose (n, 8)          T_g_v and the tray's angle: x y z qx qy qz qw tray
       landmark (L, 3)      in g
       T_g_M, T_s_ct, T_ct_cb, T_s_d (7,)
-      navigation (6,)      DVL scale error, heading drift rad/s, roll bias rad, pitch bias rad, depth bias m, tray play rad
+      navigation (6,)      DVL scale error, heading drift rad/s, roll bias rad, pitch bias rad, depth bias m, tray backlash rad
       deviation (F,)       m, normal offsets (outward positive) at the nodes of the deviation field; empty: no field
       intrinsics_top, intrinsics_bottom (9,)   fx fy cx cy k1 k2 p1 p2 k3
     `constant` names the blocks held: any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top",
@@ -58,14 +58,14 @@ class Problem:
     intrinsics_bottom: Array = default(default_factory=lambda: np.array([1.0, 1, 0, 0, 0, 0, 0, 0, 0]))
     constant: tuple[str, ...] = ()
 
-    # the drawing
+    # the CAD model
     vertices: Array = _floats(0, 3)
     faces: Ints32 = _ints(0, 3)
     tray_origin: Array = _floats(3)  # in vehicle
     pressure_origin: Array = _floats(3)  # in vehicle
 
-    # full priors [Ozog2016 eq. 4.8]: residual = sqrt_information (6, 6) @ (translation, rotation vector) of prior^-1 . x, so
-    # the translation reads in the axes of the prior
+    # full priors [Ozog2016 4.8]: residual = sqrt_information (6, 6) @ (translation, rotation vector) of prior^-1 . x, so the
+    # translation reads in the axes of the prior
     prior_pose_node: Ints32 = _ints(0)
     prior_pose: Array = _floats(0, 7)
     prior_pose_sqrt: Array = _floats(0, 6, 6)
@@ -80,20 +80,20 @@ class Problem:
     prior_navigation_sigma: Array = default(default_factory=lambda: np.ones(6))  # about zero
     prior_intrinsics_sigma: Array = default(default_factory=lambda: np.ones(9))  # about the start, when not constant
 
-    # depth, roll, pitch [Ozog2016 eq. 4.9]: z of the pressure sensor + depth bias, roll + roll bias, pitch + pitch bias, less
+    # depth, roll, pitch [Ozog2016 4.9]: z of the pressure sensor + depth bias, roll + roll bias, pitch + pitch bias, less
     # measured
     attitude_node: Ints32 = _ints(0)
     attitude_measured: Array = _floats(0, 3)  # depth, roll, pitch
     attitude_sigma: Array = _floats(0, 3)
 
-    # tray [Ozog2016 eq. 4.10]: (theta + play * direction - measured) / sigma
+    # tray [Ozog2016 4.10]: (theta + backlash * direction - measured) / sigma
     tray_node: Ints32 = _ints(0)
     tray_measured: Array = _floats(0)
     tray_direction: Array = _floats(0)
     tray_sigma: Array = _floats(0)
 
-    # odometry [Ozog2016 eq. 4.11]: sqrt @ (e - by_navigation @ (scale, drift) - by_mount @ Log(R_mount^-1 R_s_d) - by_tray *
-    # (mean tray angle - tray)), e = (t_ij - t_z in the axes of vehicle i, Log(R_z^-1 R_ij)), T_ij = T_i^-1 T_j; each by_* is a
+    # odometry [Ozog2016 4.11]: sqrt @ (e - by_navigation @ (scale, drift) - by_mount @ Log(R_mount^-1 R_s_d) - by_tray * (mean
+    # tray angle - tray)), e = (t_ij - t_z in the axes of vehicle i, Log(R_z^-1 R_ij)), T_ij = T_i^-1 T_j; each by_* is a
     # derivative of the measured motion z in these same coordinates
     odometry_first: Ints32 = _ints(0)
     odometry_second: Ints32 = _ints(0)
@@ -105,9 +105,8 @@ class Problem:
     odometry_tray: Array = _floats(0)  # rad, mean tray angle that dead reckoning used
     odometry_mount: Array = default(default_factory=lambda: np.array([0, 0, 0, 0, 0, 0, 1.0]))  # T_s_d that it used
 
-    # stereo [Ozog2016 eq. 4.12] and mono [Ozog2016 eq. 4.13], raw pixels through the full camera model; one Huber loss on the
-    # norm of a factor's 4 or 2 rows (Options.huber_stereo, huber_mono); a point behind its camera costs 10^4 px a row, without
-    # derivative
+    # stereo [Ozog2016 4.12] and mono [Ozog2016 4.13], raw pixels through the full camera model; one Huber loss on the norm of a
+    # factor's 4 or 2 rows (Options.huber_stereo, huber_mono); a point behind its camera costs 10^4 px a row, without derivative
     stereo_node: Ints32 = _ints(0)
     stereo_landmark: Ints32 = _ints(0)
     stereo_pixel: Array = _floats(0, 4)  # top u v, bottom u v
@@ -117,8 +116,8 @@ class Problem:
     mono_pixel: Array = _floats(0, 2)
     sigma_px: float = 1.0
 
-    # ray-cast ranges [Ozog2016 eq. 4.14]: (predicted - measured) / sigma; predicted is the distance to the drawing moved
-    # outward by the field: cast - field / cos(incidence)
+    # ray-cast ranges [Ozog2016 4.14]: (predicted - measured) / sigma; predicted is the distance to the CAD model moved outward
+    # by the field: cast - field / cos(incidence)
     range_node: Ints32 = _ints(0)
     range_offset: Array = _floats(0, 7)  # vehicle at the ping in vehicle at the node
     range_tray_offset: Array = _floats(0)
@@ -128,7 +127,7 @@ class Problem:
     range_field_index: Ints32 = _ints(0, 4)  # nodes of the field, with their weights; (m, 4) or empty without a field
     range_field_weight: Array = _floats(0, 4)
 
-    # surface [Ozog2016 eqs 4.4, 4.5, 4.7]: signed distance of the landmark to the drawing minus the field
+    # surface [Ozog2016 4.4, 4.5, 4.7]: signed distance of the landmark to the CAD model minus the field
     surface_landmark: Ints32 = _ints(0)
     surface_weight: Array = _floats(0)  # multiplies the mixture's cost
     surface_field_index: Ints32 = _ints(0, 4)
@@ -142,8 +141,10 @@ class Problem:
 
 @dataclass(frozen=True)
 class Options:
-    """Of `solve`. method: naive | geva | maxmix. core: schur (landmarks eliminated by our own code, the fastest) | ceres (the
-    oracle: the same steps and optimum, several times slower).
+    """Set what `solve` minimises and when it stops.
+
+    method: surface factors of no landmark (naive), of all (geva), or by hidden label (maxmix). core: schur (docs/schur.md) or
+    ceres, which takes the same steps to the same optimum several times slower and checks it.
 
     Huber thresholds apply to the norm of a factor's whitened rows, which grows with their number: 2.508 of four rows and 1.856
     of two leave the same 17.9 % of normal measurements in the linear branch as the customary 1.345 of one row; inf switches one
@@ -170,7 +171,7 @@ DEFAULTS = Options()
 
 @dataclass(frozen=True)
 class IterationRecord:
-    """One row an iteration (k,), the start first: what the solver did, for tables and plots.
+    """Record what the solver did, one row an iteration (k,), the start first.
 
     cost: at the point tried, robustified; of a step that was not accepted, cost_by_factor (name -> (k,)) and the counts are
     those of the last accepted point. gradient_norm: largest entry. seconds: since the start.
@@ -184,15 +185,18 @@ class IterationRecord:
     accepted: Mask
     seconds: Array
     cost_by_factor: dict[str, Array]
-    on_surface: Ints  # landmarks labelled 1
-    label_changes: Ints
-    rays_missed: Ints
+    on_surface: Ints32  # landmarks labelled 1
+    label_changes: Ints32
+    rays_missed: Ints32
 
 
 @dataclass(frozen=True)
 class Result:
-    """The unknowns at the end, in the shapes of Problem; label (m,) of each surface row (1 = on), distance (m,) signed to the
-    drawing (without the field); ray_hit (m,) bool; message from the solver; seconds by part."""
+    """Hold the unknowns at the end, in the shapes of Problem.
+
+    label (m,): of each surface row, 1 = on the hull; distance (m,): m, signed, to the CAD model without the field; ray_hit
+    (m,): of each range row; message: of the solver; seconds: by part.
+    """
 
     unknowns: dict[str, Array]
     label: Ints32
@@ -206,9 +210,9 @@ class Result:
 
 @dataclass(frozen=True)
 class Closest:
-    """distance (n,) m, positive outside by the angle-weighted pseudonormal of the closest feature (face, edge or vertex);
-    point (n, 3) on the mesh; gradient (n, 3) unit, of the signed distance (the pseudonormal where the distance is nothing);
-    face (n,)."""
+    """Hold closest points: distance (n,) m, positive outside by the angle-weighted pseudonormal of the closest feature (face,
+    edge or vertex); point (n, 3) on the mesh; gradient (n, 3) unit, of the signed distance (the pseudonormal where the distance
+    is nothing); face (n,)."""
 
     distance: Array
     point: Array
@@ -218,7 +222,8 @@ class Closest:
 
 @dataclass(frozen=True)
 class Hits:
-    """range (n,) m, inf on a miss; face (n,), -1 on a miss; normal (n, 3) unit, outward by the corners' order, 0 on a miss."""
+    """Hold what rays hit: range (n,) m, inf on a miss; face (n,), -1 on a miss; normal (n, 3) unit, outward by the corners'
+    order, 0 on a miss."""
 
     range: Array
     face: Ints32
@@ -226,7 +231,7 @@ class Hits:
 
 
 class MeshIndex:
-    """Closest point and ray cast against a mesh: vertices (n, 3) m, faces (m, 3) int32, counter-clockwise from outside.
+    """Find closest points and cast rays against a mesh: vertices (n, 3) m, faces (m, 3) int32, counter-clockwise from outside.
 
     Corners at equal coordinates count as one. `threads`: 0 = all cores; the answer does not depend on it.
     Raises InputError for shapes, indices or numbers that cannot be."""
@@ -241,23 +246,24 @@ class MeshIndex:
         self._threads = threads
 
     def __len__(self) -> int:
-        """Number of faces."""
+        """Return the number of faces."""
         return len(self._index)
 
     def closest(self, points: ArrayLike) -> Closest:
-        """Of points (n, 3)."""
+        """Return the closest point on the mesh of each of points (n, 3), m."""
         return Closest(*self._index.closest(np.asarray(points, float), self._threads))
 
     def cast(self, origins: ArrayLike, directions: ArrayLike) -> Hits:
-        """First crossing of rays (n, 3), (n, 3), either side of a face; directions need not be unit, ranges are metres."""
+        """Return the first crossing of rays (n, 3), (n, 3), either side of a face; directions need not be unit, ranges are
+        metres."""
         return Hits(*self._index.cast(np.asarray(origins, float), np.asarray(directions, float), self._threads))
 
 
 def solve(problem: Problem, options: Options = DEFAULTS) -> Result:
-    """Moves the unknowns to the least cost by Levenberg-Marquardt with the landmarks eliminated.
+    """Move the unknowns to the least cost by Levenberg-Marquardt with the landmarks eliminated.
 
     Core schur: the same input gives the same bytes for any number of threads. Core ceres: for one thread only; more differ in
-    the last digits. Ctrl-C is honoured between iterations. Tables that are NumPy arrays of the right type are read in place and
+    the last digits. Ctrl-C stops it between iterations. Tables that are NumPy arrays of the right type are read in place and
     never written to.
     Raises InputError or UsageError naming the table or option, StageError when the start cannot be evaluated.
     """
@@ -272,7 +278,7 @@ FACTORS = ("prior", "attitude", "tray", "odometry", "stereo", "mono", "range", "
 
 @dataclass(frozen=True)
 class Evaluation:
-    """All factors at the start values, whitened and linear in the tangent coordinates of the free unknowns.
+    """Hold all factors at the start values, whitened and linear in the tangent coordinates of the free unknowns.
 
     residual (R,), whitened; weight (R,): square root of rho', by which the loss multiplies residual and row; factor (R,):
     index into FACTORS; table_row (R,) in the factor's table; jacobian_*: compressed rows, start (R + 1,), column, value; width:
@@ -285,8 +291,8 @@ class Evaluation:
     weight: Array
     factor: Ints32
     table_row: Ints32
-    jacobian_start: Ints
-    jacobian_column: Ints
+    jacobian_start: Ints32
+    jacobian_column: Ints32
     jacobian_value: Array
     width: int
     columns: dict[str, tuple[int, int]]
@@ -294,7 +300,7 @@ class Evaluation:
 
 
 def evaluate(problem: Problem, options: Options = DEFAULTS) -> Evaluation:
-    """Residuals and sparse Jacobian at the start values. Raises as `solve`."""
+    """Return residuals and sparse Jacobian at the start values. Raises as `solve`."""
     from hullrecon import _native  # type: ignore[attr-defined]
 
     return Evaluation(**_native.evaluate(problem, options))
@@ -302,7 +308,8 @@ def evaluate(problem: Problem, options: Options = DEFAULTS) -> Evaluation:
 
 @dataclass(frozen=True)
 class Covariance:
-    """Marginal covariances in tangent coordinates at the start values (give `solve`'s unknowns); zero where a block is held.
+    """Hold marginal covariances in tangent coordinates at the start values (give `solve`'s unknowns); zero where a block is
+    held.
 
     pose (n, 7, 7) and pose_T_g_M (n, 7, 6): with T_g_M; landmark (L, 3, 3) and landmark_T_g_M (L, 3, 6); T_g_M, T_s_ct,
     T_ct_cb, T_s_d, navigation (6, 6); intrinsics_top, intrinsics_bottom (9, 9); deviation (F,): variances; deviation_T_g_M
@@ -325,7 +332,8 @@ class Covariance:
 
 
 def covariance(problem: Problem, options: Options = DEFAULTS) -> Covariance:
-    """From the inverse of the information at the start values: Huber rows weighted by rho', surface rows by their label.
+    """Return marginal covariances: the inverse of the information at the start values, Huber rows weighted by rho', surface
+    rows by their label.
 
     Landmarks are eliminated, the rest factored sparse, and only the entries on the factor's pattern are inverted. Raises
     StageError naming the unknowns that nothing determines; else as `solve`.

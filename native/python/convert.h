@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Python to tables and options, and our errors to Python's: the border of module.cpp.
+// Converts Problem and Options to tables, and our errors to those of hullrecon.errors.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -63,13 +63,13 @@ inline Options read_options(const py::object& options) {
   return o;
 }
 
-// A model with what keeps its arrays alive, checked.
-struct Held {
+// Tables and options of a call, validated, with what keeps their arrays alive.
+struct BoundProblem {
   std::vector<py::object> alive;
   Tables tables;
   Options options;
 
-  Held(const py::object& problem, const py::object& settings)
+  BoundProblem(const py::object& problem, const py::object& settings)
       : tables(read_tables(problem, alive)), options(read_options(settings)) {
     py::gil_scoped_release free;
     validate(tables);

@@ -151,7 +151,7 @@ bool interrupted() {
 }
 
 py::dict run_solve(const py::object& problem, const py::object& settings) {
-  const Held held(problem, settings);
+  const BoundProblem held(problem, settings);
   std::unique_ptr<Model> model;
   Solution solution;
   try {
@@ -177,7 +177,7 @@ py::dict run_solve(const py::object& problem, const py::object& settings) {
 }
 
 py::dict run_evaluate(const py::object& problem, const py::object& settings) {
-  const Held held(problem, settings);
+  const BoundProblem held(problem, settings);
   std::unique_ptr<Model> model;
   Evaluation e;
   {
@@ -200,7 +200,7 @@ py::dict run_evaluate(const py::object& problem, const py::object& settings) {
 }
 
 py::dict run_covariance(const py::object& problem, const py::object& settings) {
-  const Held held(problem, settings);
+  const BoundProblem held(problem, settings);
   Covariance c;
   {
     py::gil_scoped_release free;

@@ -15,12 +15,10 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory):
+def run(demo_run):
     """Folder of the run and its figures against truth."""
-    shell = Shell(tmp_path_factory.mktemp("demo"))
-    shell("run", SAMPLE, "--runs", "out", "--jobs", 2)
-    answer = json.loads(shell("evaluate", "out/demo", SAMPLE, "--json").stdout)
-    return shell.folder / "out" / "demo", answer.get("figures", answer)
+    answer = json.loads(Shell(demo_run.parent)("evaluate", demo_run, SAMPLE, "--json").stdout)
+    return demo_run, answer.get("figures", answer)
 
 
 @pytest.fixture(scope="module")

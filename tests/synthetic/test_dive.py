@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
+import cv2
 import numpy as np
 import pytest
 
+from hullrecon.synthetic import dive as dive_module
 from hullrecon.synthetic.dive import Dive, simulate_dive
 from hullrecon.synthetic.options import spec_from, with_options
 from hullrecon.synthetic.sensors.photographs import photographs
 from hullrecon.synthetic.sensors.recorder import START_NS, InTurn, in_order, record, stamp_ns
 from hullrecon.synthetic.sensors.sonar import pings
 from hullrecon.synthetic.vehicle.rig import true_rig
+from hullrecon.synthetic.world.hull_patch import HullSkin
 
 
 def test_views_set_the_frame_rate(dive: Dive) -> None:
@@ -101,3 +105,21 @@ def test_items_in_turn_may_repeat_but_not_go_back() -> None:
     assert [items[k] for k in (0, 0, 2, 2)] == ["a", "a", "c", "c"]
     with pytest.raises(IndexError, match="item 1 is gone"):
         items[1]
+
+
+def test_a_dive_along_a_hull_in_blocks_is_the_same_dive(dive: Dive, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The twin: what the sensors give must not depend on how the hull is parted to fit into memory."""
+    monkeypatch.setattr(dive_module, "HullSkin", partial(HullSkin, block_cells=1e4))
+    parted = simulate_dive(dive.spec)
+    assert len(parted.hull.skin) > 2
+    np.testing.assert_allclose(parted.motion.position, dive.motion.position, atol=1e-7)
+    one, several = record(dive), record(parted)
+    np.testing.assert_allclose(several.dvl.velocity, one.dvl.velocity, atol=1e-6)
+    np.testing.assert_allclose(several.dvl.ranges, one.dvl.ranges, atol=1e-5)
+    k = len(dive.frame_s) // 2
+    for name in range(2):
+        first, second = (
+            cv2.imdecode(np.frombuffer(s.frames[k][name], np.uint8), cv2.IMREAD_COLOR).astype(int) for s in (one, several)
+        )
+        assert np.abs(first - second).mean() < 0.1
+    assert np.abs(one.pings[9].astype(int) - several.pings[9].astype(int)).mean() < 0.5

@@ -13,7 +13,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.vehicle.motion import Motion, ticks
 from hullrecon.synthetic.vehicle.rig import BEAMS, TRAY_ORIGIN, Rig
-from hullrecon.synthetic.world.ray_casting import Rays
+from hullrecon.synthetic.world.built_hull import BuiltHull
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ class Series:
     value: Array
 
 
-def dvl(spec: DiveSpec, motion: Motion, rig: Rig, hull: Rays) -> Dvl:
+def dvl(spec: DiveSpec, motion: Motion, rig: Rig, hull: BuiltHull) -> Dvl:
     """Velocity of the instrument over ground in its own frame, too long by the scale error; ranges to the hull as built."""
     random = spec.random("dvl")
     t = ticks(motion, 5.0, random)
@@ -100,11 +100,10 @@ def joints(spec: DiveSpec, motion: Motion) -> Series:
     return Series(t, reported + np.radians(spec.errors.servo_sigma_deg) * random.standard_normal(reported.shape))
 
 
-def _ranges(random: np.random.Generator, T_M_d: Poses, hull: Rays) -> Array:
+def _ranges(random: np.random.Generator, T_M_d: Poses, hull: BuiltHull) -> Array:
     n, b = len(T_M_d), len(BEAMS)
     direction = np.stack([T_M_d.rotation.apply(np.tile(beam, (n, 1))) for beam in BEAMS], axis=1)
-    hits = hull.cast(np.repeat(T_M_d.translation, b, axis=0), direction.reshape(-1, 3))
-    ranges = np.where(hits.hit, hits.range_m, np.nan).astype(float).reshape(n, b)
+    ranges = hull.ranges(T_M_d.translation, direction)
     ranges += RANGE_SIGMA * random.standard_normal((n, b))
     wild, lost = random.random((n, b)) < WILD_SHARE, random.random((n, b)) < LOST_SHARE
     ranges = np.where(wild, ranges * random.uniform(0.3, 2.5, (n, b)), ranges)

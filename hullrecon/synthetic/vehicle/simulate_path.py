@@ -12,7 +12,7 @@ from hullrecon.geometry.poses import Poses, from_rpy
 from hullrecon.synthetic.spec import DiveSpec, Survey
 from hullrecon.synthetic.vehicle.motion import Motion, with_backlash
 from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
-from hullrecon.synthetic.world.hull_patch import HullPatch
+from hullrecon.synthetic.world.hull_patch import HullSkin
 
 Array = NDArray[np.float64]
 STEP_S = 0.02
@@ -29,14 +29,13 @@ def leg_corners(survey: Survey, middle_m: float, top_girth_m: float) -> Array:
     return np.array(rows)
 
 
-def simulate_path(spec: DiveSpec, patch: HullPatch, corners: Array) -> Motion:
+def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
     """The whole motion over those corners."""
     from scipy.ndimage import gaussian_filter1d
 
     along, girth = _timed(corners, spec.survey.speed_m_per_s)
     t = STEP_S * np.arange(len(along), dtype=float)
-    even = patch.smoothed(0.5)
-    point, normal = even.sample(even.point, along, girth), even.sample(even.normal, along, girth)
+    point, normal = skin.follow(along, girth, width_m=0.5)
     level = _trim(spec)
     facing, out = level.apply(normal), level.apply(point)
     port = level.apply([0.0, 1.0, 0.0])
