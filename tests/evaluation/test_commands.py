@@ -46,8 +46,8 @@ def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) 
         n = len(solution.t_ns)
         path = Trajectory(
             t_ns=solution.t_ns,
-            quaternion=solution.quaternion,
-            translation=solution.translation,
+            quaternion=solution.global_from_vehicle.quaternion,
+            translation=solution.global_from_vehicle.translation,
             covariance=np.zeros((n, 6, 6)),
             tray=solution.tray,
             image=solution.image,
@@ -71,7 +71,7 @@ def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) 
     sections = {"navigate": Nothing(), "adjust": Method(), "tray": tray, "dvl": Dvl(mount=(0, 0, 0.08, 0, 90, 0))}
     calls: list[tuple[str, bool]] = []
     rounds: list[tuple[bool, int, int]] = []
-    count = np.full(3, len(solution.landmark))
+    count = np.full(3, len(solution.landmarks))
     record = {"cost": np.array([4.0, 2.0, 1.0]), "on_surface": count - [20, 0, 0], "landmarks": count, "round": np.ones(3, int)}
     record |= {"accepted": np.ones(3, bool), "label_changes": np.array([0, 20, 0])}
     dive = DiveRun("wall", Chain(stages, sections, package), Workspace(tmp_path / "runs" / "wall"))

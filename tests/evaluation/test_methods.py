@@ -32,10 +32,10 @@ def truth(package: Path) -> Truth:
 
 def squashed(solution: Solution, share: float) -> Solution:
     """The landmarks of the block pressed onto the steel, leaving that share of their height."""
-    landmark = solution.landmark.copy()
-    high = landmark[:, 1] > 2.05
-    landmark[high, 1] = 2.012 + share * (landmark[high, 1] - 2.012)
-    return replace(solution, landmark=landmark)
+    position = solution.landmarks.position.copy()
+    high = position[:, 1] > 2.05
+    position[high, 1] = 2.012 + share * (position[high, 1] - 2.012)
+    return replace(solution, landmarks=replace(solution.landmarks, position=position))
 
 
 def test_the_truth_keeps_every_height_and_every_gap_closed(solution: Solution, returns: Returns, truth: Truth) -> None:
@@ -60,13 +60,14 @@ def test_a_squashed_block_shows_in_its_ratio(share: float, solution: Solution, t
 
 
 def test_landmarks_off_the_dvl_surface_show_in_the_gap(solution: Solution, returns: Returns, truth: Truth) -> None:
-    figures = method_figures(replace(solution, landmark=np.add(solution.landmark, [0, 0.03, 0])), returns, ORIGIN, truth)
+    off = replace(solution.landmarks, position=np.add(solution.landmarks.position, [0, 0.03, 0]))
+    figures = method_figures(replace(solution, landmarks=off), returns, ORIGIN, truth)
     assert figures["gap"]["median_m"] == pytest.approx(0.03, abs=3e-4)
     assert figures["gap"]["mean_m"] == pytest.approx(0.03, abs=3e-4)
 
 
 def test_moving_the_hull_as_a_whole_squashes_nothing(solution: Solution, truth: Truth) -> None:
-    points = solution.landmark - [1, 2, 3]
+    points = solution.landmarks.position - [1, 2, 3]
     around = np.column_stack([np.linspace(1.25, 1.4, 20), np.full(20, 0.012), np.linspace(-0.1, 0.1, 20)])
     figures = height_figures(np.add(np.vstack([points, around]), [0, 0.02, 0]), truth, STILL)
     assert figures["ratio_median"] == pytest.approx(1, abs=0.02)
@@ -83,12 +84,13 @@ def test_landmarks_without_returns_nearby_have_no_gap(truth: Truth, wall_points:
 
 
 def test_without_cameras_only_the_track_is_judged(solution: Solution, truth: Truth) -> None:
-    bare = replace(solution, landmark=np.zeros((0, 3)), label=np.zeros(0, np.int64))
+    none = replace(solution.landmarks, position=np.zeros((0, 3)), label=np.zeros(0, np.int64))
+    bare = replace(solution, landmarks=none)
     assert set(method_figures(bare, None, ORIGIN, truth)) == {"trajectory"}
 
 
 def test_without_a_cad_model_the_true_frame_is_taken(solution: Solution, truth: Truth) -> None:
-    lost = replace(solution, T_g_M=np.full(7, np.nan))
+    lost = replace(solution, hull_pose=None)
     np.testing.assert_array_equal(frame_of(lost, truth).translation[0], [1, 2, 3])
 
 

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,7 @@ import pytest
 from hullrecon.evaluation.comparison.beams import adjusted_beams, field_at, range_residuals, reckoned_beams
 from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.poses import of_seven
-from hullrecon.records.solution import Solution
+from hullrecon.records.solution import DeviationField, Solution
 from hullrecon.records.trajectory import Returns, Trajectory
 
 ORIGIN = np.array([0.45, 0.0, 0.1])
@@ -38,13 +37,13 @@ def test_dead_reckoning_is_placed_alike(solution: Solution, returns: Returns) ->
     n = len(solution.t_ns)
     path = Trajectory(
         t_ns=solution.t_ns,
-        quaternion=solution.quaternion,
-        translation=solution.translation,
+        quaternion=solution.global_from_vehicle.quaternion,
+        translation=solution.global_from_vehicle.translation,
         covariance=np.zeros((n, 6, 6)),
         tray=solution.tray,
         image=solution.image,
     )
-    before = reckoned_beams(path, SHIFT, of_seven(solution.T_s_d), returns, ORIGIN)
+    before = reckoned_beams(path, SHIFT, solution.mounts.tray_from_dvl, returns, ORIGIN)
     np.testing.assert_allclose(before.points(), adjusted_beams(solution, SHIFT, returns, ORIGIN).points())
 
 
@@ -65,13 +64,12 @@ def test_a_field_moves_the_cad_model_along_the_beam(package: Path, solution: Sol
     assert residuals.max() == pytest.approx(0.1 / np.cos(0.02), abs=1e-5)
 
 
-def test_the_field_is_looked_up_on_the_chart_and_held_past_its_edge(solution: Solution) -> None:
+def test_the_field_is_looked_up_on_the_chart_and_held_past_its_edge() -> None:
     class Plan:
         def to_chart(self, points: np.ndarray) -> np.ndarray:
             return points[:, [0, 2, 1]]
 
-    step = replace(
-        solution, field_origin=np.zeros(2), field_step=np.array([1.0, 2.0]), field_value=np.array([[0.0, 0.0], [0.1, 0.1]])
-    )
+    value = np.array([[0.0, 0.0], [0.1, 0.1]])
+    step = DeviationField(origin=np.zeros(2), step=np.array([1.0, 2.0]), value=value, sigma=np.zeros((2, 2)))
     field = field_at(step, Plan())  # type: ignore[arg-type]
     np.testing.assert_allclose(field(np.array([[0.5, 9, 1.0], [-3, 9, 0], [7, 9, 9]])), [0.05, 0.0, 0.1])

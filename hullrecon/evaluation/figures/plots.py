@@ -68,7 +68,7 @@ def cross_sections(rows: Sequence[Sequence[Section]], overviews: Sequence[Overvi
         axis.set_title(EXPLAINED.get(section.method, section.method), fontsize=9)
     for axis, section in zip(axes[1:].flat, [s for row in rows for s in row], strict=True):
         _section(axis, section)
-        for part in ("dvl", "on", "off", "steel", "CAD model"):
+        for part in ("dvl", "on", "off", "steel", "cad_model"):
             points = getattr(section, part).tolist()
             table += [f"{section.method},{section.weighting},{part},{x:.5f},{y:.5f}" for x, y in points]
     for axis, row in zip(axes[1:, 0], rows, strict=True):
