@@ -18,6 +18,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.trajectory import Returns
+from hullrecon.rig import SensorRig, rig_from_settings
 
 PROUD_M = 0.012
 BLOCK: dict[str, Any] = {
@@ -174,3 +175,9 @@ def returns() -> Returns:
         tray_offset=np.zeros(n), beam=np.tile([0.0, 0, 1], (n, 1)), range_m=ahead / np.cos(THETA),
         flagged=np.arange(n) == n - 1,
     )  # fmt: skip
+
+
+@pytest.fixture
+def rig() -> SensorRig:
+    """The rig as the truth has it, as a step reads it from dive.toml."""
+    return rig_from_settings({"tray.origin": tuple(TRAY_ORIGIN), "dvl.mount": (0, 0, 0.08, 0, 90, 0)})

@@ -12,17 +12,16 @@ from hullrecon.evaluation.comparison.method_comparison import (
     METHODS,
     TABLE,
     WEIGHTINGS,
-    frame_of,
     gap_figures,
     height_figures,
+    hull_frame,
     method_figures,
 )
-from hullrecon.evaluation.scoring.alignment import STILL
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.geometry.poses import identity
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns
-
-ORIGIN = np.array([0.45, 0.0, 0.1])
+from hullrecon.rig import SensorRig
 
 
 @pytest.fixture(scope="module")
@@ -38,8 +37,10 @@ def squashed(solution: Solution, share: float) -> Solution:
     return replace(solution, landmarks=replace(solution.landmarks, position=position))
 
 
-def test_the_truth_keeps_every_height_and_every_gap_closed(solution: Solution, returns: Returns, truth: Truth) -> None:
-    figures = method_figures(solution, returns, ORIGIN, truth)
+def test_the_truth_keeps_every_height_and_every_gap_closed(
+    solution: Solution, returns: Returns, rig: SensorRig, truth: Truth
+) -> None:
+    figures = method_figures(solution, returns, rig, truth)
     assert figures["trajectory"]["rigid_rmse_m"] == pytest.approx(0, abs=1e-6)
     assert figures["cameras"]["similarity_rmse_m"] == pytest.approx(0, abs=1e-6)
     assert figures["cameras"]["images"] == 41
@@ -54,14 +55,16 @@ def test_the_truth_keeps_every_height_and_every_gap_closed(solution: Solution, r
 
 
 @pytest.mark.parametrize("share", [0.0, 0.25, 0.5])
-def test_a_squashed_block_shows_in_its_ratio(share: float, solution: Solution, truth: Truth) -> None:
-    figures = method_figures(squashed(solution, share), None, ORIGIN, truth)
+def test_a_squashed_block_shows_in_its_ratio(share: float, solution: Solution, rig: SensorRig, truth: Truth) -> None:
+    figures = method_figures(squashed(solution, share), None, rig, truth)
     assert figures["heights"]["ratio_median"] == pytest.approx(share, abs=0.01)
 
 
-def test_landmarks_off_the_dvl_surface_show_in_the_gap(solution: Solution, returns: Returns, truth: Truth) -> None:
+def test_landmarks_off_the_dvl_surface_show_in_the_gap(
+    solution: Solution, returns: Returns, rig: SensorRig, truth: Truth
+) -> None:
     off = replace(solution.landmarks, position=np.add(solution.landmarks.position, [0, 0.03, 0]))
-    figures = method_figures(replace(solution, landmarks=off), returns, ORIGIN, truth)
+    figures = method_figures(replace(solution, landmarks=off), returns, rig, truth)
     assert figures["gap"]["median_m"] == pytest.approx(0.03, abs=3e-4)
     assert figures["gap"]["mean_m"] == pytest.approx(0.03, abs=3e-4)
 
@@ -69,12 +72,12 @@ def test_landmarks_off_the_dvl_surface_show_in_the_gap(solution: Solution, retur
 def test_moving_the_hull_as_a_whole_squashes_nothing(solution: Solution, truth: Truth) -> None:
     points = solution.landmarks.position - [1, 2, 3]
     around = np.column_stack([np.linspace(1.25, 1.4, 20), np.full(20, 0.012), np.linspace(-0.1, 0.1, 20)])
-    figures = height_figures(np.add(np.vstack([points, around]), [0, 0.02, 0]), truth, STILL)
+    figures = height_figures(np.add(np.vstack([points, around]), [0, 0.02, 0]), truth, identity())
     assert figures["ratio_median"] == pytest.approx(1, abs=0.02)
 
 
 def test_too_few_landmarks_on_top_give_no_ratio(truth: Truth) -> None:
-    assert height_figures(np.array([[1.0, 0.112, 0.0], [1.01, 0.112, 0.0]]), truth, STILL) == {"structures": 0}
+    assert height_figures(np.array([[1.0, 0.112, 0.0], [1.01, 0.112, 0.0]]), truth, identity()) == {"structures": 0}
 
 
 def test_landmarks_without_returns_nearby_have_no_gap(truth: Truth, wall_points: np.ndarray) -> None:
@@ -83,18 +86,18 @@ def test_landmarks_without_returns_nearby_have_no_gap(truth: Truth, wall_points:
     assert gap_figures(wall_points, wall_points[:3], truth.cad_model) == {"landmarks": 0}
 
 
-def test_without_cameras_only_the_track_is_judged(solution: Solution, truth: Truth) -> None:
+def test_without_cameras_only_the_track_is_scored(solution: Solution, rig: SensorRig, truth: Truth) -> None:
     none = replace(solution.landmarks, position=np.zeros((0, 3)), label=np.zeros(0, np.int64))
     bare = replace(solution, landmarks=none)
-    assert set(method_figures(bare, None, ORIGIN, truth)) == {"trajectory"}
+    assert set(method_figures(bare, None, rig, truth)) == {"trajectory"}
 
 
 def test_without_a_cad_model_the_true_frame_is_taken(solution: Solution, truth: Truth) -> None:
     lost = replace(solution, hull_pose=None)
-    np.testing.assert_array_equal(frame_of(lost, truth).translation[0], [1, 2, 3])
+    np.testing.assert_array_equal(hull_frame(lost, truth).translation[0], [1, 2, 3])
 
 
 def test_every_method_is_compared_in_both_weightings() -> None:
     assert METHODS == ("naive", "geva", "maxmix")
-    assert WEIGHTINGS == {"as printed": True, "as weighted by us": False}
+    assert WEIGHTINGS == {"as published": True, "as weighted by us": False}
     assert all("." in name for name in TABLE)

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.scoring.score import judge, plain, rows, unit_of
+from hullrecon.evaluation.scoring.score import score_run, table_rows, unit_of, without_nan
 
 STEEL_M = 0.012
 
 
 def by_hand(deliver: Any, package: Path) -> dict[str, Any]:
-    return judge(deliver.folder, package)
+    return score_run(deliver.folder, package)
 
 
 @pytest.fixture
@@ -73,7 +73,7 @@ def test_a_surface_a_centimetre_off_is_a_centimetre_off(deliver: Any, package: P
     assert figures["vertices"] == 400
     for name in ("rmse_m", "p95_m", "aligned_rmse_m", "aligned_median_m"):
         assert figures[name] == pytest.approx(0.01, abs=1e-5)
-    assert figures["drawing_alone_rmse_m"] == pytest.approx(STEEL_M, abs=1e-5)
+    assert figures["cad_model_alone_rmse_m"] == pytest.approx(STEEL_M, abs=1e-5)
     assert figures["share_within_1.96_sigma"] == 1
     assert figures["share_within_1_sigma"] == 0
 
@@ -116,7 +116,7 @@ def test_labels_are_judged_where_the_steel_leaves_the_cad_model_clearly(
     figures = by_hand(deliver, package)["landmarks"]
     assert figures["landmarks"] == 500
     assert figures["far_from_hull"] == 0
-    assert figures["off_drawing"] == 100
+    assert figures["off_cad_model"] == 100
     assert figures["off_recall"] == pytest.approx(0.8)
     assert figures["off_precision"] == pytest.approx(80 / 120)
     assert figures["median_m"] == pytest.approx(0, abs=1e-5)
@@ -181,7 +181,7 @@ def test_without_a_cad_model_what_needs_one_is_left_out(
     (bare / "dive.toml").write_text("")
     deliver.track()
     deliver.cloud("landmarks.ply", wall_points, label=np.zeros(400, "u1"))
-    figures = judge(deliver.folder, bare)
+    figures = score_run(deliver.folder, bare)
     assert "rigid_rmse_m" in figures["trajectory"]
     assert "normal_rmse_m" not in figures["trajectory"]
     assert "off_recall" not in figures["landmarks"]
@@ -189,7 +189,7 @@ def test_without_a_cad_model_what_needs_one_is_left_out(
 
 def test_rows_have_units_and_four_digits() -> None:
     figures = {"cameras": {"images": 5, "rmse_m": 0.00123456, "scale_error_percent": 0.5}, "objects": "missing"}
-    assert rows(figures) == [
+    assert table_rows(figures) == [
         ("cameras.images", "5", ""),
         ("cameras.rmse_m", "0.001235", "m"),
         ("cameras.scale_error_percent", "0.5", "%"),
@@ -199,4 +199,4 @@ def test_rows_have_units_and_four_digits() -> None:
 
 
 def test_json_has_null_for_nan() -> None:
-    assert plain({"a": {"b": float("nan"), "c": 1.5, "d": [1]}}) == {"a": {"b": None, "c": 1.5, "d": [1]}}
+    assert without_nan({"a": {"b": float("nan"), "c": 1.5, "d": [1]}}) == {"a": {"b": None, "c": 1.5, "d": [1]}}

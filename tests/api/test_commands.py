@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from hullrecon_cli import score
-from hullrecon_cli.dives import DiveRun
-from hullrecon_cli.method_variants import read_solutions
 from msgspec import Struct
 
+from hullrecon.api import commands as api_commands
+from hullrecon.api.dive_run import DiveRun
+from hullrecon.api.method_variants import read_solutions
 from hullrecon.artifacts.graph.chain import Chain
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.storage.workspace import Workspace
@@ -61,6 +62,7 @@ def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) 
         rounds.append((p.as_published, p.rounds, p.max_iterations))
         context.out.arrays("solution.npz", to_arrays(solution))
         context.out.arrays("iterations.npz", record)
+        context.out.json("adjust.json", {"registration": {"T_g_M": [1, 2, 3, 0, 0, 0, 1]}})
         context.record_times("iterations_s", [0.5, 1.0, 1.5])
 
     stages = (
@@ -110,7 +112,7 @@ def test_compare_solves_six_times_and_prints_one_table(opened: Any, package: Pat
     assert set(opened.calls) == {(m, p) for m in ("naive", "geva", "maxmix") for p in (True, False)}
     table = lines[-7:]
     assert table[0].startswith("method")
-    assert [line.split("  ")[0] for line in table[1:4]] == ["naive as printed", "geva as printed", "maxmix as printed"]
+    assert [line.split("  ")[0] for line in table[1:4]] == ["naive as published", "geva as published", "maxmix as published"]
 
 
 def test_compare_again_solves_nothing(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -134,7 +136,7 @@ def test_what_the_chain_solves_itself_stands_in_its_own_place(
     call(score.compare, package)
     root = opened().workspace.root
     assert (root / "adjust" / "solution.npz").exists()
-    assert (root / "compare" / "maxmix-as-printed" / "adjust" / "solution.npz").exists()
+    assert (root / "compare" / "maxmix-as-published" / "adjust" / "solution.npz").exists()
     assert not (root / "compare" / "maxmix-as-weighted-by-us").exists()
 
 
@@ -166,10 +168,41 @@ def test_a_variant_that_is_not_there_says_what_to_run(opened: Any) -> None:
 
 
 def test_a_json_of_figures_has_no_nan(deliver: Any, package: Path) -> None:
-    from hullrecon.evaluation.scoring.score import judge as judged
-    from hullrecon.evaluation.scoring.score import plain
+    from hullrecon.evaluation.scoring.score import score_run, without_nan
 
     deliver.track()
     deliver.objects()
-    document = json.dumps(plain(judged(deliver.folder, package)), allow_nan=False)
+    document = json.dumps(without_nan(score_run(deliver.folder, package)), allow_nan=False)
     assert json.loads(document)["objects"]["height_error_median_m"] is None
+
+
+def test_solutions_are_read_back_with_their_times_and_registration(opened: Any, solution: Solution) -> None:
+    dive = opened()
+    with pytest.raises(InputError):
+        read_solutions(dive)
+    api_commands.compare(dive)
+    found = {v.name: v for v in read_solutions(dive)}
+    ours, published = found["geva as weighted by us"], found["geva as published"]
+    assert (ours.as_published, published.as_published) == (False, True)
+    assert ours.iterations_s.tolist() == [0.5, 1.0, 1.5]
+    assert ours.registered is not None
+    assert ours.registered.translation.tolist() == [[1, 2, 3]]
+    assert ours.chart is None
+    read_back, written = to_arrays(ours.solution), to_arrays(solution)
+    assert read_back.keys() == written.keys()
+    for name, values in written.items():
+        np.testing.assert_array_equal(read_back[name], values)
+
+
+def test_dead_reckoning_has_the_rig_of_the_package(opened: Any, returns: Returns) -> None:
+    dive = opened()
+    api_commands.compare(dive)
+    start = read_dead_reckoning(dive)
+    np.testing.assert_array_equal(start.rig.tray_origin, [0.45, 0.0, 0.1])
+    np.testing.assert_allclose(start.rig.tray_from_dvl.translation, [[0, 0, 0.08]])
+    assert start.returns is not None
+    np.testing.assert_array_equal(start.returns.range_m, returns.range_m)
+
+
+def test_a_dive_without_detect_delivers_no_objects(opened: Any) -> None:
+    assert read_objects(opened()) == ()
