@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.poses import Poses, roll_pitch_yaw
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.output.calibration import cameras_of
 from hullrecon.synthetic.output.mcap_log import TOPICS
@@ -73,7 +76,7 @@ def _head(dive: Dive) -> str:
     topics = "\n".join(f'{name} = "{TOPICS[name][0]}"' for name in carried)
     files = '["logs/dive.mcap"]' if spec.form == "mcap" else '["logs"]'
     return f"""[dive]
-name = "{spec.name}"
+name = {json.dumps(spec.name)}
 vessel = "Simulated {spec.ship.length_m:.0f} m vessel"
 date = 2026-05-04T09:30:00Z
 

@@ -14,6 +14,7 @@ from hullrecon.synthetic.world.item_paint import ITEM_TONES, paint_items
 from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.texture import PLATE_M, Atlas, Floats, paint_steel
 
+ROWS = 1 << 20  # more rows of plates than any hull has
 KEPT_PLATES = 24  # 2.4 m x 1.3 m at a millimetre a texel are 9.4 MB
 
 
@@ -39,10 +40,12 @@ class PlateAtlas:
         """Return the albedo (h, w, 3) at chart coordinates (h, w), bilinear, where `seen` (h, w); nothing elsewhere."""
         column = np.floor(along_m / np.float32(PLATE_M[0])).astype(np.int64)
         row = np.floor(girth_m / np.float32(PLATE_M[1])).astype(np.int64)
+        number = column * ROWS + row + ROWS // 2  # rows have either sign
         out = np.zeros((*seen.shape, 3), np.float32)
-        for c, r in np.unique(np.stack([column[seen], row[seen]], axis=1), axis=0).tolist():
-            inside = seen & (column == c) & (row == r)
-            out[inside] = self._plate(c, r).look_up(along_m, girth_m, inside)[inside]
+        for plate in np.unique(number[seen]).tolist():
+            inside = seen & (number == plate)
+            c, r = divmod(plate, ROWS)
+            out[inside] = self._plate(c, r - ROWS // 2).look_up(along_m, girth_m, inside)[inside]
         return out
 
     def _plate(self, column: int, row: int) -> Atlas:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.poses import Poses, identity, roll_pitch_yaw
+from hullrecon.geometry.poses import Poses, identity
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import spec_from, with_options
 from hullrecon.synthetic.sensors import instruments

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import from_mount, identity
-from hullrecon.synthetic.vehicle.motion import Motion, with_backlash
+from hullrecon.synthetic.vehicle.motion import Motion, ticks, with_backlash
 
 
 @pytest.fixture
@@ -57,3 +57,11 @@ def test_the_sonar_has_its_own_servo(turning: Motion) -> None:
     mount = from_mount([1.0, 0, 0, 0, 0, 0])
     at = turning.on_tray(np.array([0.0]), mount, (0.0, 0.0, 0.0), turning.sonar_tray)
     np.testing.assert_allclose(at.translation[0], [np.cos(0.6), 0, 2 + np.sin(0.6)], atol=1e-9)
+
+
+@pytest.mark.parametrize("rate_hz", [2.0, 25.0])
+def test_a_sensor_ticks_nearly_evenly_within_the_motion(turning: Motion, rate_hz: float) -> None:
+    t = ticks(turning, rate_hz, np.random.default_rng(0), 0.3)
+    assert t[0] == pytest.approx(0.3, abs=0.011)
+    assert t[-1] < turning.t_s[-1]
+    np.testing.assert_allclose(np.diff(t), 1 / rate_hz, atol=0.021 / max(1.0, rate_hz / 5))
