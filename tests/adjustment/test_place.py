@@ -110,7 +110,8 @@ def test_the_points_of_a_dive_are_landmarks_on_the_hull_and_returns():
     none = estimate.points_on_hull(replace(m, returns=None), adjusted.state, adjusted.chosen, 0 * adjusted.result.label + 1)
     assert len(both) > len(no_returns) > 50
     assert len(none) > len(no_returns)  # those of the box
-    on = found.outcome.solution.landmark[found.outcome.solution.label == 1]
+    landmarks = found.outcome.solution.landmarks
+    on = landmarks.position[landmarks.label == 1]
     nearest = np.linalg.norm(no_returns[:, None] - on[None], axis=2).min(1)
     assert nearest.max() < 0.15
 
