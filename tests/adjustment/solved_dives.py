@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment.bundle_adjustment import Adjusted, adjust
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.results.solution import Outcome, outcome_of
+from hullrecon.adjustment.results.solution import Outcome, summarise_adjustment
 
 SCENE = ("stereo", "cad", "ranges", "camera", "per_leg", "landmarks", "seed")
 
@@ -73,4 +73,4 @@ def solved(**chosen):
     dive = simulate(**{k: v for k, v in chosen.items() if k in SCENE})
     options = AdjustOptions(**{k: v for k, v in chosen.items() if k not in SCENE})
     adjusted = adjust(dive.measured, options, lambda _: None)
-    return SolvedDive(dive=dive, options=options, adjusted=adjusted, outcome=outcome_of(dive.measured, adjusted, options))
+    return SolvedDive(dive=dive, options=options, adjusted=adjusted, outcome=summarise_adjustment(dive.measured, adjusted, options))

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.results.solution import outcome_of
+from hullrecon.adjustment.results.solution import summarise_adjustment
 from hullrecon.records.serialisation import to_arrays
 
 SCENES = {
@@ -105,7 +105,7 @@ def test_the_dvls_held_position_widens_the_vehicles_place_alone():
     rig = found.dive.measured.rig
     held = replace(found.dive.measured, rig=replace(rig, dvl_position_sigma=np.array([0.03, 0.0, 0.0])))
     none = replace(found.dive.measured, rig=replace(rig, dvl_position_sigma=np.zeros(3)))
-    with_lever, without = (outcome_of(m, found.adjusted, found.options).solution for m in (held, none))
+    with_lever, without = (summarise_adjustment(m, found.adjusted, found.options).solution for m in (held, none))
     added = with_lever.pose_covariance - without.pose_covariance
     np.testing.assert_allclose(added[:, 3:], 0.0, atol=1e-12)
     tray = matrix(np.tile(TRAY_ORIGIN_M, (len(added), 1)), Rotation.from_euler("y", found.outcome.solution.tray[:, None]))
@@ -172,7 +172,7 @@ def test_a_solve_that_did_not_converge_is_warned_of():
 def test_landmarks_mostly_off_the_hull_are_warned_of():
     found = solved()
     off = replace(found.adjusted.result, label=np.zeros_like(found.adjusted.result.label))
-    outcome = outcome_of(found.dive.measured, replace(found.adjusted, result=off), found.options)
+    outcome = summarise_adjustment(found.dive.measured, replace(found.adjusted, result=off), found.options)
     assert any("Fewer than half" in warning for warning in outcome.warnings)
 
 
@@ -180,7 +180,7 @@ def test_beams_that_miss_the_cad_model_are_warned_of():
     found = solved()
     missed = np.arange(len(found.adjusted.result.ray_hit)) % 5 > 0
     result = replace(found.adjusted.result, ray_hit=missed)
-    outcome = outcome_of(found.dive.measured, replace(found.adjusted, result=result), found.options)
+    outcome = summarise_adjustment(found.dive.measured, replace(found.adjusted, result=result), found.options)
     expected = f"{100 * np.mean(~missed):.0f} % of the DVL's beams miss"
     assert any(warning.startswith(expected) for warning in outcome.warnings)
 
