@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 
-from hullrecon.adjustment.hull_pose.registration import perturbed
+from hullrecon.adjustment.hull_pose.registration import perturb_pose
 from hullrecon.adjustment.results.covariance import cross_matrices, hull_axes, points_in_hull, poses_in_hull
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
@@ -34,8 +34,8 @@ def test_covariance_of_a_pose_in_the_hull_equals_sampling():
     many = moved(one[np.zeros(len(draws), int)], draws[:, :6])
     in_hull = poses.identity(0)
     in_hull = Poses(
-        np.vstack([(perturbed(HULL, CENTER, d[6:]).inverse() @ many[i]).quaternion for i, d in enumerate(draws[:4000])]),
-        np.vstack([(perturbed(HULL, CENTER, d[6:]).inverse() @ many[i]).translation for i, d in enumerate(draws[:4000])]),
+        np.vstack([(perturb_pose(HULL, CENTER, d[6:]).inverse() @ many[i]).quaternion for i, d in enumerate(draws[:4000])]),
+        np.vstack([(perturb_pose(HULL, CENTER, d[6:]).inverse() @ many[i]).translation for i, d in enumerate(draws[:4000])]),
     )
     mean = HULL.inverse() @ one
     error = np.c_[in_hull.translation - mean.translation, (mean.rotation.inv() * in_hull.rotation).as_rotvec()]

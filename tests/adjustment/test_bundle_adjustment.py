@@ -51,7 +51,7 @@ def test_the_path_and_the_landmarks_come_out_to_millimetres(case):
     assert np.sqrt(np.mean(np.sum(found.position_errors_m() ** 2, 1))) < position_m
     assert np.sqrt(np.mean(found.turn_errors_rad() ** 2)) < turn_rad
     assert np.median(found.landmark_errors_m()) < landmark_m
-    assert len(found.outcome.solution.landmark) > 300
+    assert len(found.outcome.solution.landmarks) > 300
 
 
 def test_no_camera_still_leaves_a_path_better_than_dead_reckoning():
@@ -59,7 +59,7 @@ def test_no_camera_still_leaves_a_path_better_than_dead_reckoning():
     reckoned, truth = found.dive.measured.trajectory.translation, found.dive.global_from_vehicle[:, :3, 3]
     before = np.sqrt(np.mean(np.sum((moved(aligning(reckoned, truth), reckoned) - truth) ** 2, 1)))
     assert np.sqrt(np.mean(np.sum(found.position_errors_m() ** 2, 1))) < 0.7 * before
-    assert len(found.outcome.solution.landmark) == 0
+    assert len(found.outcome.solution.landmarks) == 0
     assert found.adjusted.state.T_s_ct is None
 
 
@@ -81,7 +81,7 @@ def test_the_vehicle_lies_within_three_of_its_sigmas_in_the_hull_frame(case):
 @pytest.mark.parametrize("case", ["stereo with CAD", "mono with CAD", "labels by an outer loop", "no ranges", "as published"])
 def test_landmarks_are_told_on_the_hull_from_off_it(case):
     found = of(case)
-    label = found.outcome.solution.label
+    label = found.outcome.solution.landmarks.label
     assert (~found.on_hull_truth).sum() > 20
     assert np.mean(label[found.on_hull_truth] == 1) > 0.98
     assert np.mean(label[~found.on_hull_truth] == 0) > 0.95
@@ -95,8 +95,8 @@ def test_the_distance_of_the_boxs_face_is_its_height():
 
 
 def test_naive_draws_no_landmark_to_the_hull_and_geva_draws_all():
-    assert not of("stereo with CAD, no landmark drawn to it").outcome.solution.label.any()
-    assert of("stereo with CAD, every landmark drawn to it").outcome.solution.label.all()
+    assert not of("stereo with CAD, no landmark drawn to it").outcome.solution.landmarks.label.any()
+    assert of("stereo with CAD, every landmark drawn to it").outcome.solution.landmarks.label.all()
 
 
 @pytest.mark.parametrize("case", [c for c in CASES if c != "as published"])
@@ -132,8 +132,8 @@ def test_the_tray_angles_are_freed_of_their_backlash():
 def test_the_field_follows_the_bump_that_the_cad_model_lacks(case):
     found = of(case)
     state, solution = found.adjusted.state, found.outcome.solution
-    on = solution.label == 1
-    at = hull_chart().to_chart(state.T_g_M.inverse().apply(solution.landmark[on]))[:, :2]
+    on = solution.landmarks.label == 1
+    at = hull_chart().to_chart(state.T_g_M.inverse().apply(solution.landmarks.position[on]))[:, :2]
     field = state.grid.value(state.field, at)
     x, _, z = moved(np.linalg.inv(TRUTH), found.landmark_truth[on]).T
     truth = true_deviation(x, z)

@@ -76,19 +76,19 @@ def problem():
 
 
 def test_nothing_is_freed_unless_asked_for(problem, rig) -> None:
-    assert intrinsics.freed(problem, rig, AdjustOptions()) is problem
+    assert intrinsics.free_intrinsics(problem, rig, AdjustOptions()) is problem
 
 
 def test_only_a_camera_that_saw_something_is_freed(problem, rig) -> None:
-    constant = intrinsics.freed(problem, rig, ASKED).constant
+    constant = intrinsics.free_intrinsics(problem, rig, ASKED).constant
     assert "intrinsics_top" not in constant
     assert "intrinsics_bottom" in constant
 
 
 def test_a_wrong_focal_length_is_found(problem, rig) -> None:
-    free = intrinsics.freed(problem, rig, ASKED)
+    free = intrinsics.free_intrinsics(problem, rig, ASKED)
     result = native.solve(free, native.Options(function_tolerance=1e-12))
-    found = intrinsics.applied(Measured(rig), free, result).rig
+    found = intrinsics.apply_intrinsics(Measured(rig), free, result).rig
     assert found.top.fx == pytest.approx(TRUE.fx, abs=0.7)
     assert found.top.fy == pytest.approx(TRUE.fy, abs=0.7)
     assert found.bottom is CALIBRATED
@@ -98,7 +98,7 @@ def test_a_wrong_focal_length_is_found(problem, rig) -> None:
 def test_every_round_starts_from_the_calibration(problem, rig) -> None:
     found_before = replace(problem.unknowns, intrinsics_top=TRUE.parameters())
     problem = problem.started_from(found_before)
-    free = intrinsics.freed(problem, rig, ASKED)
+    free = intrinsics.free_intrinsics(problem, rig, ASKED)
     np.testing.assert_array_equal(free.unknowns.intrinsics_top, CALIBRATED.parameters())
     np.testing.assert_array_equal(problem.unknowns.intrinsics_top, TRUE.parameters())
 
@@ -112,10 +112,10 @@ def test_what_moved_is_told_in_sigmas_and_far_moves_are_complained_of(rig) -> No
     found = Lenses(replace(CALIBRATED, fx=520.0, cx=321.0), CALIBRATED)
     nothing = np.zeros((9, 9))
     marginals = SimpleNamespace(intrinsics_top=np.diag(np.full(9, 0.04)), intrinsics_bottom=nothing)
-    figures = intrinsics.in_figures(rig, found, marginals, ASKED)
+    figures = intrinsics.summarise_intrinsics(rig, found, marginals, ASKED)
     assert list(figures) == ["top"]
     assert figures["top"]["fx"] == {"calibrated": 500.0, "found": 520.0, "sigma": 0.2, "moved_in_prior_sigma": 4.0}
-    said = intrinsics.complaints(figures)
+    said = intrinsics.intrinsics_warnings(figures)
     assert len(said) == 1
     assert "camera.top" in said[0]
     assert "fx from 500 to 520" in said[0]
@@ -124,9 +124,9 @@ def test_what_moved_is_told_in_sigmas_and_far_moves_are_complained_of(rig) -> No
 
 def test_held_cameras_have_no_figures_and_no_complaint(rig) -> None:
     marginals = SimpleNamespace(intrinsics_top=np.zeros((9, 9)), intrinsics_bottom=np.zeros((9, 9)))
-    assert intrinsics.in_figures(rig, rig, marginals, ASKED) == {}
-    assert intrinsics.complaints({}) == []
+    assert intrinsics.summarise_intrinsics(rig, rig, marginals, ASKED) == {}
+    assert intrinsics.intrinsics_warnings({}) == []
 
 
 def test_a_camera_is_written_as_it_is_read() -> None:
-    assert CameraModel(**intrinsics.fields(TRUE)) == TRUE
+    assert CameraModel(**intrinsics.camera_fields(TRUE)) == TRUE

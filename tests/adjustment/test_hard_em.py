@@ -108,11 +108,11 @@ def test_labels_are_those_that_the_solver_gives_with_a_field_too(wall) -> None:
         surface=dataclasses.replace(problem.surface, field=nodes),
     )
     got = native.solve(problem, OPTIONS)
-    np.testing.assert_array_equal(hard_em.labels(problem.started_from(got.unknowns), got.distance, OPTIONS), got.label)
+    np.testing.assert_array_equal(hard_em.likelier_labels(problem.started_from(got.unknowns), got.distance, OPTIONS), got.label)
     assert (got.label == 0).sum() > 5
 
 
 def test_at_the_boundary_both_labels_cost_the_same() -> None:
-    h = hard_em.boundary(0.02, 1.0)
+    h = hard_em.label_boundary(0.02, 1.0)
     assert h == pytest.approx(0.05595, abs=1e-5)
     assert (h / 0.02) ** 2 == pytest.approx((h / 1.0) ** 2 + 2 * np.log(1.0 / 0.02))

@@ -11,8 +11,8 @@ from adjustment.solved_dives import solved
 
 from hullrecon.adjustment.facets import facets_near
 from hullrecon.adjustment.hull_pose import estimate
-from hullrecon.adjustment.hull_pose.observability import weak_directions
-from hullrecon.adjustment.hull_pose.registration import about, perturbed, register, thin
+from hullrecon.adjustment.hull_pose.observability import find_weak_directions
+from hullrecon.adjustment.hull_pose.registration import frame_at, perturb_pose, register, thin_points
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry import poses
 
@@ -26,22 +26,22 @@ def placed(fullness, error=GUESS_ERROR, noise_m=0.003, structure_m=0.0, seed=5):
     mesh, rng = side(fullness), np.random.default_rng(seed)
     local = survey(mesh, rng)
     local[:, 1] += structure_m * ((abs(local[:, 0] - 6) < 0.4) & (abs(local[:, 2] - 2.5) < 0.4))
-    points = thin(TRUTH.apply(local + noise_m * rng.standard_normal(local.shape)), 0.35, 500)
+    points = thin_points(TRUTH.apply(local + noise_m * rng.standard_normal(local.shape)), 0.35, 500)
     center = TRUTH.inverse().apply(points).mean(0)
     drawn = cad_model(mesh, TRUTH, 0 * GUESS_ERROR)
-    drawn = replace(drawn, guess=perturbed(TRUTH, center, error), deviation_sigma=0.01)
-    ground, best = estimate.surveyed(points, drawn.guess, drawn, center)
-    return ground, best, estimate.settled(ground, best)
+    drawn = replace(drawn, guess=perturb_pose(TRUTH, center, error), deviation_sigma=0.01)
+    ground, best = estimate.fit_hull_pose(points, drawn.guess, drawn, center)
+    return ground, best, estimate.profile_mean_pose(ground, best)
 
 
 def apart(found, center):
     """(6,): the found T_g_M less the truth, translation in M, about the centre."""
-    middle = about(center)
+    middle = frame_at(center)
     return ((TRUTH @ middle).inverse() @ found @ middle).log()[0]
 
 
 def along_axes(ground, found):
-    return hull_axes(estimate.covariance(ground, found), found)
+    return hull_axes(estimate.hull_pose_covariance(ground, found), found)
 
 
 def test_a_curved_hull_is_found_within_three_sigmas_and_across_it_to_centimetres():
@@ -66,7 +66,7 @@ def test_a_cylinder_leaves_the_place_along_it_where_the_guess_had_it():
 
 def test_along_a_cylinder_is_named_as_weak_and_across_it_is_not():
     ground, _, found = placed(CYLINDER)
-    weak = weak_directions(along_axes(ground, found))
+    weak = find_weak_directions(along_axes(ground, found))
     positions = [w for w in weak if w["kind"] == "position"]
     assert len(positions) == 1
     assert abs(positions[0]["direction"][0]) > 0.98
@@ -81,7 +81,7 @@ def test_curvature_makes_the_place_along_the_hull_surer():
 @pytest.mark.parametrize("fullness", [CURVED, CYLINDER])
 def test_the_covariance_is_symmetric_positive_and_no_narrower_than_the_points_alone_allow(fullness):
     ground, _, found = placed(fullness)
-    covariance = estimate.covariance(ground, found)
+    covariance = estimate.hull_pose_covariance(ground, found)
     np.testing.assert_allclose(covariance, covariance.T, rtol=1e-6, atol=1e-12)
     assert (np.linalg.eigvalsh(covariance) > 0).all()
     assert covariance[0, 0] <= 1.5 * (ground.cad_model.guess_sigma[:3] ** 2).max()
@@ -96,8 +96,8 @@ def test_points_on_a_structure_say_nothing_of_the_place():
 def test_the_answer_does_not_depend_on_where_the_search_starts():
     _, _, found = placed(CYLINDER)
     ground, best, _ = placed(CYLINDER)
-    again = estimate.settled(
-        ground, perturbed(best, ground.center, np.r_[TRUTH.rotation.as_matrix()[0] @ [0.1, 0, 0], 0, 0, 0])
+    again = estimate.profile_mean_pose(
+        ground, perturb_pose(best, ground.center, np.r_[TRUTH.rotation.as_matrix()[0] @ [0.1, 0, 0], 0, 0, 0])
     )
     assert abs(apart(again, ground.center)[0] - apart(found, ground.center)[0]) < 0.05
 
@@ -105,12 +105,13 @@ def test_the_answer_does_not_depend_on_where_the_search_starts():
 def test_the_points_of_a_dive_are_landmarks_on_the_hull_and_returns():
     found = solved()
     m, adjusted = found.dive.measured, found.adjusted
-    both = estimate.points_on_hull(m, adjusted.state, adjusted.chosen, adjusted.result.label)
-    no_returns = estimate.points_on_hull(replace(m, returns=None), adjusted.state, adjusted.chosen, adjusted.result.label)
-    none = estimate.points_on_hull(replace(m, returns=None), adjusted.state, adjusted.chosen, 0 * adjusted.result.label + 1)
+    both = estimate.collect_hull_points(m, adjusted.state, adjusted.chosen, adjusted.result.label)
+    no_returns = estimate.collect_hull_points(replace(m, returns=None), adjusted.state, adjusted.chosen, adjusted.result.label)
+    none = estimate.collect_hull_points(replace(m, returns=None), adjusted.state, adjusted.chosen, 0 * adjusted.result.label + 1)
     assert len(both) > len(no_returns) > 50
     assert len(none) > len(no_returns)  # those of the box
-    on = found.outcome.solution.landmark[found.outcome.solution.label == 1]
+    landmarks = found.outcome.solution.landmarks
+    on = landmarks.position[landmarks.label == 1]
     nearest = np.linalg.norm(no_returns[:, None] - on[None], axis=2).min(1)
     assert nearest.max() < 0.15
 
@@ -122,8 +123,8 @@ def test_registration_finds_a_known_offset_whichever_way_the_guess_errs():
     for sense in (1.0, -1.0):
         drawn = replace(cad_model(mesh, TRUTH, sense * GUESS_ERROR), deviation_sigma=0.01)
         found = register(points, drawn, 0.01)
-        error = apart(found.hull_from, found.center)
-        turned = np.sqrt(np.diag(hull_axes(found.covariance, found.hull_from)))
+        error = apart(found.global_from_hull, found.center)
+        turned = np.sqrt(np.diag(hull_axes(found.covariance, found.global_from_hull)))
         assert np.all(np.abs(error) < 3.5 * turned), sense
         ends.append(error)
     assert np.abs(ends[0] - ends[1])[1] < 0.05
@@ -133,7 +134,7 @@ def test_registration_repeats_itself_to_the_byte():
     mesh = side(CURVED)
     points = TRUTH.apply(survey(mesh, np.random.default_rng(2)))
     once, again = (register(points, cad_model(mesh, TRUTH, GUESS_ERROR), 0.01) for _ in range(2))
-    assert once.hull_from.translation.tobytes() == again.hull_from.translation.tobytes()
+    assert once.global_from_hull.translation.tobytes() == again.global_from_hull.translation.tobytes()
     assert once.covariance.tobytes() == again.covariance.tobytes()
 
 
@@ -147,7 +148,7 @@ def test_points_on_one_facet_share_out_its_information():
     coarse = replace(ground, cad_model=replace(ground.cad_model, mesh=type(ground.cad_model.mesh)(v, faces)))
     at = best.inverse().apply(ground.points)
     assert facets_near(coarse.cad_model.mesh, at).sigma > 5 * facets_near(ground.cad_model.mesh, at).sigma
-    fine, rough = (np.linalg.det(estimate.covariance(g, best)[:3, :3]) for g in (ground, coarse))
+    fine, rough = (np.linalg.det(estimate.hull_pose_covariance(g, best)[:3, :3]) for g in (ground, coarse))
     assert rough > fine
 
 
@@ -157,5 +158,5 @@ def test_a_hull_pose_turned_in_g_turns_its_covariance_with_it():
     turned = replace(
         ground, points=turn.apply(ground.points), cad_model=replace(ground.cad_model, guess=turn @ ground.cad_model.guess)
     )
-    spun = estimate.covariance(turned, turn @ found)
+    spun = estimate.hull_pose_covariance(turned, turn @ found)
     np.testing.assert_allclose(hull_axes(spun, turn @ found), along_axes(ground, found), rtol=0.05, atol=1e-5)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon import native
-from hullrecon.adjustment.problem.iteration_history import Round, columns, in_figures, lines, seconds
+from hullrecon.adjustment.problem.iteration_history import Round, columns, summarise_rounds, lines, seconds
 from hullrecon.adjustment.problem.state import Weights
 
 WEIGHTS = Weights(pixel=1.0, depth=1.0, tray=0.01, range_sigma=0.02, surface=np.ones(3), tray_direction=np.zeros(2))
@@ -55,7 +55,7 @@ def test_seconds_run_on_from_round_to_round(rounds) -> None:
 
 
 def test_a_round_in_figures_says_what_it_was_given_and_reached(rounds) -> None:
-    first, second = in_figures(rounds)
+    first, second = summarise_rounds(rounds)
     assert (first["iterations"], first["first_cost"], first["last_cost"], first["labels_changed"]) == (2, 90.0, 10.0, 30)
     assert (first["converged"], first["message"]) == (False, "stopped")
     assert (second["landmarks"], second["pixel_sigma_px"], second["on_surface"]) == (400, 0.2, 310)
@@ -63,7 +63,7 @@ def test_a_round_in_figures_says_what_it_was_given_and_reached(rounds) -> None:
 
 def test_a_dive_without_depths_has_none_in_figures_and_nan_in_its_columns(rounds) -> None:
     without = [replace(r, depth_sigma_m=float("nan")) for r in rounds]
-    assert in_figures(without)[0]["depth_sigma_m"] is None
+    assert summarise_rounds(without)[0]["depth_sigma_m"] is None
     assert np.isnan(columns(without)["depth_sigma_m"]).all()
 
 
