@@ -80,7 +80,7 @@ def test_a_vehicle_that_stood_still_has_no_direction():
 
 
 @pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("count", [30, 200, 1000])
+@pytest.mark.parametrize("count", [60, 200, 1000])
 def test_noise_gives_no_direction_to_a_vehicle_that_stood_still(seed, count):
     """Its matches move by their noise alone, which was once taken for information: a sigma of 0.03 rad."""
     seen = matches(n=count, seed=seed, motion=np.eye(4))
