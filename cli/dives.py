@@ -5,15 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
-from hullrecon.artifacts.graph.chain import Chain
+from hullrecon.api.dive_run import DiveRun
 from hullrecon.artifacts.storage.workspace import Workspace
-from hullrecon.errors import InputError
 
 from .set_errors import name_overrides
 from .state import state_of
@@ -21,15 +19,6 @@ from .state import state_of
 Command = TypeVar("Command", bound=Callable[..., Any])
 FOLDER = click.Path(path_type=Path, file_okay=True)
 CONFIGURATION = "dive.toml"
-
-
-@dataclass(frozen=True)
-class DiveRun:
-    """A dive package, read, with the place of its artifacts."""
-
-    name: str
-    chain: Chain
-    workspace: Workspace
 
 
 def runs_option(command: Command) -> Command:
@@ -49,28 +38,13 @@ def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> DiveRu
 
     Raises InputError when it is neither, UsageError for a wrong configuration.
     """
-    from hullrecon.dive.config.load import load_config
+    from hullrecon.api.dive_run import open_dive as open_dive_run
     from hullrecon.steps.chain import stages
 
-    workspace = Workspace(target) if Workspace(target).exists() else None
-    package = target if workspace is None else package_of(workspace)
-    all_stages = stages()
-    step_sections = {stage.name: stage.parameters for stage in all_stages}
-    with name_overrides(step_sections, overrides):
-        config = load_config(package, step_sections, overrides)
-    name = config.sections["dive"].name
-    workspace = workspace or Workspace(runs / name)
-    state_of().workspace = workspace.root
-    return DiveRun(name, Chain(all_stages, config.sections, package), workspace)
-
-
-def package_of(workspace: Workspace) -> Path:
-    package = workspace.package
-    if package is None:
-        raise InputError(
-            "this run does not say which dive package it read", where=str(workspace.root), remedy="give the package's folder"
-        )
-    return package
+    with name_overrides({stage.name: stage.parameters for stage in stages()}, overrides):
+        dive = open_dive_run(target, runs, overrides)
+    state_of().workspace = dive.workspace.root
+    return dive
 
 
 def find_workspace(target: Path, runs: Path) -> Workspace:
