@@ -16,6 +16,7 @@ from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.serialisation import from_arrays
 
 CAMERAS = ("camera_top", "camera_bottom")
+IMAGE_SUFFIXES = frozenset((".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff"))  # of images that are plain files
 
 
 @dataclass(frozen=True)

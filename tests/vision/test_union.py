@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from hullrecon.vision.tracks.union import join
+from hullrecon.vision.tracks.union import join_matches
 
 
 def joined(node_of, edges, quality=None):
     a, b = np.array(edges, np.int64).reshape(-1, 2).T
-    return join(np.array(node_of), a, b, np.zeros(len(a)) if quality is None else np.array(quality)).tolist()
+    return join_matches(np.array(node_of), a, b, np.zeros(len(a)) if quality is None else np.array(quality)).tolist()
 
 
 def test_a_chain_of_matches_is_one_landmark():
@@ -49,7 +49,7 @@ def test_no_landmark_of_random_matches_holds_a_node_twice(seed):
     node_of = np.sort(rng.integers(0, 12, 300))
     edges = rng.integers(0, 300, (260, 2))
     edges = edges[node_of[edges[:, 0]] != node_of[edges[:, 1]]]
-    label = join(node_of, edges[:, 0], edges[:, 1], rng.random(len(edges)))
+    label = join_matches(node_of, edges[:, 0], edges[:, 1], rng.random(len(edges)))
     rows = np.column_stack([label, node_of])[label >= 0]
     assert len(np.unique(rows, axis=0)) == len(rows)
     assert (np.bincount(label[label >= 0]) >= 2).all()

@@ -7,7 +7,7 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pairs.camera_track import Survey
+from hullrecon.vision.pairs.camera_track import CameraTrack
 from hullrecon.vision.pairs.selection import footprint_overlap, propose
 
 CAMERA = CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5)  # at 1 m: 1 m wide, 0.8 m high
@@ -22,13 +22,13 @@ def random_walk(covariance):
     )
 
 
-def survey(places, sigma_m=0.0):
+def track(places, sigma_m=0.0):
     """Cameras that all look along z, at x, y."""
     n = len(places)
     covariance = np.zeros((n, 6, 6))
     covariance[:, [0, 1, 2], [0, 1, 2]] = (sigma_m**2 * np.arange(n) / max(n - 1, 1))[:, None]
     poses = Poses(np.tile([0, 0, 0, 1.0], (n, 1)), np.column_stack([places, np.zeros(n)]))
-    return Survey(global_from_camera=poses, errors=random_walk(covariance))
+    return CameraTrack(global_from_camera=poses, errors=random_walk(covariance))
 
 
 def lawnmower(step=0.2, leg=11, apart=0.5):
@@ -41,7 +41,7 @@ def proposed(places, options=None, depth=DEPTH, sigma_m=0.0, usable=None, salien
     n = len(places)
     usable = np.ones(n, bool) if usable is None else usable
     salient = np.ones(n, bool) if salient is None else salient
-    return propose(survey(places, sigma_m), usable, np.full(n, depth), CAMERA, options or MatchOptions(), salient)
+    return propose(track(places, sigma_m), usable, np.full(n, depth), CAMERA, options or MatchOptions(), salient)
 
 
 def pairs(proposal, across=None):
@@ -51,13 +51,13 @@ def pairs(proposal, across=None):
 
 def test_overlap_is_the_share_of_the_image_that_is_seen_again():
     places = np.array([[0.0, 0.0], [0.5, 0.0], [0.0, 0.8], [0.25, 0.4]])
-    found = footprint_overlap(survey(places), np.zeros(4, int), np.arange(4), np.ones(4), CAMERA)
+    found = footprint_overlap(track(places), np.zeros(4, int), np.arange(4), np.ones(4), CAMERA)
     np.testing.assert_allclose(found, [1.0, 0.5, 0.0, 0.375], atol=0.01)
 
 
 def test_without_depth_no_overlap_is_claimed():
     places = np.array([[0.0, 0.0], [0.5, 0.0]])
-    assert np.isnan(footprint_overlap(survey(places), np.array([0]), np.array([1]), np.array([np.nan, 1.0]), CAMERA)).all()
+    assert np.isnan(footprint_overlap(track(places), np.array([0]), np.array([1]), np.array([np.nan, 1.0]), CAMERA)).all()
 
 
 def test_neighbours_along_the_dive_are_always_compared():

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import exp
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.tracks.track_verification import Link, doubtful
+from hullrecon.vision.tracks.track_verification import Link, contradicted_observations
 
 
 @pytest.fixture
@@ -15,35 +16,43 @@ def case(rig, wall):
     poses = [exp([[0.1 * k, 0.01 * k, 0, 0, 0.01 * k, 0]]) for k in range(5)]
     ahead = np.flatnonzero((np.abs(wall.points[:, :2] - [0.2, 0.05]) < [0.35, 0.3]).all(axis=1))[:60]
     node, label = np.repeat(np.arange(5), len(ahead)), np.tile(np.arange(len(ahead)), 5)
-    top = np.concatenate([rig.top.project(p.inverse().apply(wall.points[ahead])) for p in poses])
-    bottom = np.concatenate([rig.bottom.project((p @ rig.top_from_bottom).inverse().apply(wall.points[ahead])) for p in poses])
+    top = np.concatenate([rig.model(Camera.TOP).project(p.inverse().apply(wall.points[ahead])) for p in poses])
+    bottom = np.concatenate(
+        [rig.model(Camera.BOTTOM).project((p @ rig.top_from_bottom).inverse().apply(wall.points[ahead])) for p in poses]
+    )
     links = [
-        Link(i, j, Motion((poses[j].inverse() @ poses[i]).matrix()[0], 1e-8 * np.eye(6)), True)
+        Link(first=i, second=j, motion=Motion((poses[j].inverse() @ poses[i]).matrix()[0], 1e-8 * np.eye(6)), scaled=True)
         for i in range(5) for j in range(i + 1, 5)
     ]  # fmt: skip
     return node, label, top, bottom, links
 
 
-def test_true_tracks_are_believed(rig, case):
-    assert not doubtful(rig, *case, MatchOptions()).any()
+def test_true_tracks_are_kept(rig, case):
+    assert not contradicted_observations(rig, *case, MatchOptions()).any()
 
 
 @pytest.mark.parametrize("shift", [[0.0, 6.0], [8.0, 0.0]])
-def test_an_observation_that_is_off_in_both_images_is_the_only_one_doubted(rig, case, shift):
+def test_an_observation_that_is_off_in_both_images_is_the_only_one_rejected(rig, case, shift):
     """Off across the lines of the motion, or along them at the wrong depth."""
     node, label, top, bottom, links = case
     wrong = np.flatnonzero((node == 2) & (label == 7))
     top[wrong] += shift
     bottom[wrong] += shift
-    assert np.flatnonzero(doubtful(rig, node, label, top, bottom, links, MatchOptions())).tolist() == wrong.tolist()
+    assert (
+        np.flatnonzero(contradicted_observations(rig, node, label, top, bottom, links, MatchOptions())).tolist()
+        == wrong.tolist()
+    )
 
 
-def test_a_landmark_without_stereo_is_judged_by_its_lines(rig, case):
+def test_a_landmark_without_stereo_is_held_to_its_lines(rig, case):
     node, label, top, bottom, links = case
     bottom[:] = np.nan
     wrong = np.flatnonzero((node == 2) & (label == 7))
     top[wrong] += [0.0, 6.0]
-    assert np.flatnonzero(doubtful(rig, node, label, top, bottom, links, MatchOptions())).tolist() == wrong.tolist()
+    assert (
+        np.flatnonzero(contradicted_observations(rig, node, label, top, bottom, links, MatchOptions())).tolist()
+        == wrong.tolist()
+    )
 
 
 def test_two_halves_of_a_wrong_track_lose_the_smaller_one(rig, case):
@@ -51,12 +60,12 @@ def test_two_halves_of_a_wrong_track_lose_the_smaller_one(rig, case):
     mixed = label.copy()
     mixed[(node >= 3) & (label == 7)] = 8  # nodes 3 and 4 call landmark 7 number 8, and 8 is not seen there
     keep = ~((node >= 3) & (label == 8))
-    found = doubtful(rig, node[keep], mixed[keep], top[keep], bottom[keep], links, MatchOptions())
-    doubted = np.flatnonzero(found)
-    assert set(node[keep][doubted].tolist()) == {3, 4}
-    assert set(mixed[keep][doubted].tolist()) == {8}
+    found = contradicted_observations(rig, node[keep], mixed[keep], top[keep], bottom[keep], links, MatchOptions())
+    rejected = np.flatnonzero(found)
+    assert set(node[keep][rejected].tolist()) == {3, 4}
+    assert set(mixed[keep][rejected].tolist()) == {8}
 
 
-def test_without_verified_pairs_nobody_is_doubted(rig, case):
+def test_without_verified_pairs_nothing_is_rejected(rig, case):
     node, label, top, bottom, _ = case
-    assert not doubtful(rig, node, label, top, bottom, [], MatchOptions()).any()
+    assert not contradicted_observations(rig, node, label, top, bottom, [], MatchOptions()).any()

@@ -4,11 +4,14 @@ import dataclasses
 
 import numpy as np
 import pytest
+from vision.scene import camera_rig
 
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import from_mount, from_rpy, identity
 from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel
-from hullrecon.vision.pairs.camera_track import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, depth_priors, survey_of
+from hullrecon.vision.pairs.camera_track import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, depth_priors, track_cameras
 
+CAMERA = CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5)
 FORWARD = from_mount([0.0, 0.0, -0.05, 90.0, 0.0, 90.0])  # looks along the vehicle's x
 
 
@@ -36,25 +39,30 @@ def random_walk(covariance):
     )
 
 
-def survey(trajectory, sigma=0.0, top_from_bottom=None, errors=None):
+def cameras(top_from_bottom=None):
+    bottom = None if top_from_bottom is None else CAMERA
+    return camera_rig(CAMERA, bottom, top_from_bottom, (0.45, 0.0, 0.1), FORWARD)
+
+
+def track(trajectory, sigma=0.0, top_from_bottom=None, errors=None):
     errors = random_walk(trajectory.covariance) if errors is None else errors
-    return survey_of(trajectory, errors, [0.45, 0.0, 0.1], FORWARD, top_from_bottom, sigma)
+    return track_cameras(trajectory, errors, cameras(top_from_bottom), sigma)
 
 
 def test_the_camera_stands_where_tray_and_mount_put_it():
-    found = survey(path()).global_from_camera
+    found = track(path()).global_from_camera
     np.testing.assert_allclose(found.translation[3], [0.45, 0.3, 2.05], atol=1e-12)
     np.testing.assert_allclose(found.rotation.as_matrix()[3][:, 2], [1, 0, 0], atol=1e-12)
 
 
 def test_the_bottom_camera_stands_in_where_the_top_has_no_image():
     image = [[0, 0], [-1, 1], [2, 2]]
-    found = survey(path(3, image), top_from_bottom=from_rpy([0.0, 0.1, 0.0], [0, 0, 0])).global_from_camera
+    found = track(path(3, image), top_from_bottom=from_rpy([0.0, 0.1, 0.0], [0, 0, 0])).global_from_camera
     np.testing.assert_allclose(found.translation[:, 2], [2.05, 2.15, 2.05])  # the camera's y points down
 
 
 def test_a_relative_pose_is_as_uncertain_as_what_was_gained_between():
-    motion = survey(path()).motion(2, 6)
+    motion = track(path()).motion(2, 6)
     np.testing.assert_allclose(motion.second_from_first[:3, 3], [-0.4, 0, 0], atol=1e-12)  # the camera's x is starboard
     want = 4 * 0.01**2 + WHITE_TRANSLATION_M**2
     np.testing.assert_allclose(np.diag(motion.covariance)[[0, 2]], want)
@@ -63,11 +71,11 @@ def test_a_relative_pose_is_as_uncertain_as_what_was_gained_between():
 
 
 def test_the_order_of_the_two_nodes_does_not_make_a_variance_negative():
-    assert (np.linalg.eigvalsh(survey(path()).motion(6, 2).covariance) > 0).all()
+    assert (np.linalg.eigvalsh(track(path()).motion(6, 2).covariance) > 0).all()
 
 
-def test_the_servos_play_turns_about_its_axis_alone():
-    motion = survey(path(), sigma=0.01).motion(0, 1)
+def test_the_servos_backlash_turns_about_its_axis_alone():
+    motion = track(path(), sigma=0.01).motion(0, 1)
     gained = np.diag(motion.covariance)[3:] - WHITE_ROTATION_RAD**2
     np.testing.assert_allclose(gained, [2 * 0.01**2, 0, 0], atol=1e-12)  # vehicle's y is the camera's x
 
@@ -75,14 +83,16 @@ def test_the_servos_play_turns_about_its_axis_alone():
 def returns(node, range_m, flagged=None):
     n = len(node)
     return Returns(
-        t_ns=np.zeros(n, np.int64), node=np.array(node), quaternion=identity(n).quaternion, translation=np.zeros((n, 3)), tray_offset=np.zeros(n),
-        beam=np.tile([0.0, 0.0, 1.0], (n, 1)), range_m=np.array(range_m, float), flagged=np.zeros(n, bool) if flagged is None else np.array(flagged),
+        t_ns=np.zeros(n, np.int64), node=np.array(node), quaternion=identity(n).quaternion, translation=np.zeros((n, 3)),
+        tray_offset=np.zeros(n),
+        beam=np.tile([0.0, 0.0, 1.0], (n, 1)), range_m=np.array(range_m, float),
+        flagged=np.zeros(n, bool) if flagged is None else np.array(flagged),
     )  # fmt: skip
 
 
 def priors(made, trajectory):
     dvl = from_mount([0.0, 0.0, 0.08, 0.0, 90.0, 0.0])  # the DVL looks along the vehicle's x as well
-    return depth_priors(survey(trajectory), trajectory, made, [0.45, 0.0, 0.1], dvl, 1.5)
+    return depth_priors(track(trajectory), trajectory, made, dataclasses.replace(cameras().rig, tray_from_dvl=dvl), 1.5)
 
 
 def test_depth_comes_from_the_returns_of_neighbouring_nodes():
@@ -93,7 +103,7 @@ def test_depth_comes_from_the_returns_of_neighbouring_nodes():
     assert found[20] is None
 
 
-def test_flagged_and_lost_returns_say_nothing():
+def test_flagged_and_lost_returns_count_nothing():
     found = priors(returns([0, 1, 2], [1.2, np.nan, 9.0], [False, False, True]), path())
     assert found[1].mean == pytest.approx(1.2)
 
@@ -113,7 +123,8 @@ def normal_of(shift, rows=slice(None)):
     made = spread_returns(shift)
     part = {f.name: getattr(made, f.name)[rows] for f in dataclasses.fields(made)}
     dvl = from_mount([0.08, 0.0, 0.0, 0.0, 90.0, 0.0])
-    return depth_priors(survey(path()), path(), Returns(**part), [0.45, 0.0, 0.1], dvl, 1.5)[0].normal
+    rig = dataclasses.replace(cameras().rig, tray_from_dvl=dvl)
+    return depth_priors(track(path()), path(), Returns(**part), rig, 1.5)[0].normal
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.4])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hullrecon.vision.features.extraction import FeatureOptions, extract, nothing, root_sift
+from hullrecon.vision.features.extraction import FeatureOptions, extract, no_features, root_sift
 
 
 @pytest.fixture
@@ -56,7 +56,7 @@ def test_at_most_the_number_of_features_asked_for_is_kept():
 
 def test_an_image_without_texture_has_no_features_but_whole_arrays():
     found = extract(np.full((64, 64, 3), 7, np.uint8), FeatureOptions())
-    assert len(found) == len(nothing()) == 0
+    assert len(found) == len(no_features()) == 0
     assert found.descriptors.shape == (0, 128)
     assert found.color.shape == (0, 3)
 
