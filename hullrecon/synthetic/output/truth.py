@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 
 def write_truth(folder: Path, dive: Dive) -> None:
-    """poses.csv, alignment.json, servo.csv, sonar_servo.csv, extrinsics.json, objects.json, as_built.ply."""
+    """Write poses.csv, alignment.json, servo.csv, sonar_servo.csv, extrinsics.json, objects.json, as_built.ply."""
     motion = dive.motion
     at = motion.in_hull(motion.vehicle(dive.frame_s))
     rows = np.hstack([at.translation, at.quaternion])
@@ -81,13 +81,15 @@ def _extrinsics(dive: Dive) -> dict[str, Any]:
 
 
 def _objects(dive: Dive) -> dict[str, Any]:
-    rows = [_object(dive, item, k + 1) for k, item in enumerate(dive.items)]
+    along = sorted(range(len(dive.items)), key=lambda k: dive.items[k].along_m)  # as the hull's blocks lie
+    made = {k: _object(dive, dive.items[k], k + 1) for k in along}
+    rows = [made[k] for k in range(len(dive.items))]
     rough = [row for row in rows if row["kind"] == "barnacles"]
     return {"objects": [row for row in rows if row["kind"] != "barnacles"], "not_objects": rough}
 
 
 def _object(dive: Dive, item: Item, number: int) -> dict[str, Any]:
-    """The centre lies on the visible surface: a protrusion's top, a recess's floor."""
+    """Return an item as objects.json has it. The centre lies on the visible surface: a protrusion's top, a recess's floor."""
     a, g = np.array([item.along_m]), np.array([item.girth_m])
     block = dive.hull.near(item.along_m)
     normal = block.patch.sample(block.patch.normal, a, g)[0]
@@ -108,7 +110,7 @@ def _object(dive: Dive, item: Item, number: int) -> dict[str, Any]:
 
 
 def _views(dive: Dive, point: Array) -> int:
-    """Frames in which the top camera has that point before it."""
+    """Return the number of frames in which the top camera has that point before it."""
     if dive.spec.cameras.carried == "none":
         return 0
     camera = dive.rig.camera_top

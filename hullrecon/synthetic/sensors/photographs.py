@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.sensors.rendering import Scene, lens, photograph
 from hullrecon.synthetic.vehicle.rig import LAMP_IN_TOP, TRAY_ORIGIN
-from hullrecon.synthetic.world.plate_atlas import PlateAtlas
-from hullrecon.synthetic.world.texture import Atlas, paint_atlas
+from hullrecon.synthetic.world.plate_atlas import PlateAtlas, paint_atlas
+from hullrecon.synthetic.world.texture import Atlas
 
 Image = NDArray[np.uint8]
 ATLAS_TEXELS = 24e6  # up to there the texture is one image: painting it takes 0.5 GB

@@ -33,7 +33,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Lens:
-    """A camera's rays (h w, 3) and its vignetting (h, w)."""
+    """Hold a camera's rays (h w, 3) and its vignetting (h, w)."""
 
     camera: CameraModel
     ray: Floats
@@ -41,13 +41,14 @@ class Lens:
 
 
 def lens(camera: CameraModel) -> Lens:
+    """Return the rays of all pixels of a camera, row by row."""
     x, y = np.meshgrid(np.arange(camera.width, dtype=float), np.arange(camera.height, dtype=float))
     ray = camera.rays(np.stack([x.ravel(), y.ravel()], 1)).astype(np.float32)
     return Lens(camera, ray, np.asarray(ray[:, 2] ** 2.5, np.float32).reshape(camera.height, camera.width))
 
 
 def photograph(scene: Scene, view: Lens, T_M_c: Poses, lamp: Array, random: np.random.Generator) -> NDArray[np.uint8]:
-    """One image (h, w, 3) RGB from a pose (a batch of one) with the lamp at that point of M."""
+    """Return one image (h, w, 3) RGB from a pose (a batch of one) with the lamp at that point of M."""
     shape = view.vignetting.shape
     direction = view.ray @ T_M_c.rotation.as_matrix()[0].T.astype(np.float32)
     hits = scene.block.rays.cast(T_M_c.translation, direction)
@@ -69,8 +70,8 @@ def photograph(scene: Scene, view: Lens, T_M_c: Poses, lamp: Array, random: np.r
 def _lamp(
     scene: Scene, hit: NDArray[np.bool_], point: Floats, normal: Floats, chart: Floats, camera: Array, lamp: Array
 ) -> tuple[Floats, Floats]:
-    """Light (n,) that the lamp throws on points given from the camera, and its way through the water; shadows where something
-    stands out nearby."""
+    """Return the light (n,) that the lamp throws on points given from the camera, and its way through the water; shadows
+    where something stands out nearby."""
     to_lamp = (lamp - camera).astype(np.float32) - point
     way = np.linalg.norm(to_lamp, axis=1)
     to_lamp /= way[:, None]
@@ -86,7 +87,7 @@ def _lamp(
 
 
 def _snow(radiance: Floats, random: np.random.Generator) -> Floats:
-    """Particles in the beam, most of them out of focus, and the blur of the lens and the water."""
+    """Add particles in the beam, most of them out of focus, and the blur of the lens and the water."""
     import cv2
 
     height, width = radiance.shape[:2]

@@ -29,7 +29,8 @@ RATE_HZ = 2.0
 
 @dataclass(frozen=True)
 class Fan:
-    """Rays of one ping in `sonar`: direction (n, 3), the beam (n,) each belongs to, and the beam pattern's gain (n,)."""
+    """Hold the rays of one ping in `sonar`: direction (n, 3), the beam (n,) each belongs to, and the beam pattern's gain
+    (n,)."""
 
     direction: Array
     beam: NDArray[np.int64]
@@ -46,11 +47,12 @@ def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
 
 
 def beam_directions() -> Array:
-    """(beams, 3) unit vectors in `sonar`: the fan lies in the y-z plane."""
+    """Return the beams' unit vectors (beams, 3) in `sonar`: the fan lies in the y-z plane."""
     return np.stack([np.zeros(BEAM_COUNT), np.sin(AZIMUTH), np.cos(AZIMUTH)], axis=1)
 
 
 def fan() -> Fan:
+    """Return rays that fill the arc of elevation of every beam."""
     half = np.radians(SONAR_ELEVATION_DEG / 2)
     step = abs(AZIMUTH[1] - AZIMUTH[0])
     offset = (np.arange(SUB_BEAMS) + 0.5) / SUB_BEAMS - 0.5
@@ -63,7 +65,8 @@ def fan() -> Fan:
 
 
 def ping(T_M_o: Poses, block: Block, rays: Fan, random: np.random.Generator) -> NDArray[np.uint8]:
-    """One image (beams, ranges): Lambert's echo of every ray that hits, summed by range bin, with speckle and a noise floor."""
+    """Return one image (beams, ranges): Lambert's echo of every ray that hits, summed by range bin, with speckle and a noise
+    floor."""
     direction = T_M_o.rotation.apply(rays.direction)
     hits = block.rays.cast(T_M_o.translation, direction)
     corner = block.built.mesh.faces[hits.face]

@@ -22,7 +22,7 @@ MARGIN_M = 4.0  # beyond a block on both sides: more than any sensor sees past t
 
 @dataclass(frozen=True)
 class HullPatch:
-    """point (a, g, 3) on the CAD model and outward unit normal (a, g, 3), in M, at evenly spaced along_m and girth_m."""
+    """Hold points (a, g, 3) on the CAD model and outward unit normals (a, g, 3), in M, at evenly spaced along_m and girth_m."""
 
     along_m: Array
     girth_m: Array
@@ -30,7 +30,7 @@ class HullPatch:
     normal: Array
 
     def sample(self, grid: Array, along_m: Array, girth_m: Array) -> Array:
-        """Values (n, k) of a grid (a, g, k) by bilinear interpolation; outside, the edge's."""
+        """Return values (n, k) of a grid (a, g, k) by bilinear interpolation; outside, the edge's."""
         i, p = _place(self.along_m, along_m)
         j, q = _place(self.girth_m, girth_m)
         p, q = p[:, None], q[:, None]
@@ -39,7 +39,7 @@ class HullPatch:
         return np.asarray((1 - q) * low + q * high)
 
     def smoothed(self, width_m: float) -> HullPatch:
-        """The same with facets ironed out over that width: what a vehicle follows."""
+        """Return the same with normals smoothed over that width: what a vehicle follows."""
         from scipy.ndimage import gaussian_filter
 
         sigma = width_m / (self.along_m[1] - self.along_m[0])
@@ -149,7 +149,7 @@ def _section(caster: Rays, spine: Array, out: Array, far: float, angle: Array) -
 
 
 def _arc_at(arc: Array, line: Array, z_m: float) -> float:
-    """Where the port side of a section first passes that height."""
+    """Return the arc length where the port side of a section first passes that height."""
     lowest = int(np.argmin(line[:, 2]))
     return float(np.interp(z_m, np.maximum.accumulate(line[lowest:, 2]), arc[lowest:]))
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.sensors import sonar
 from hullrecon.synthetic.world.as_built import build
@@ -81,3 +82,9 @@ def test_speckle_is_multiplicative(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sonar, "LOOKS", 100.0)
     smooth = look(wall())[:, inside].astype(float) ** 2
     assert rough.std() / rough.mean() > 2 * smooth.std() / smooth.mean()
+
+
+def test_pings_come_twice_a_second_and_see_the_hull(dive: Dive) -> None:
+    t, images = sonar.pings(dive)
+    assert 1 / np.diff(t).mean() == pytest.approx(2.0, rel=0.02)
+    assert (next(images) > 80).mean() > 0.05

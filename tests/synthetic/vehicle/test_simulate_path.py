@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.geometry.poses import identity, roll_pitch_yaw
+from hullrecon.geometry.poses import identity
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import with_options
 from hullrecon.synthetic.spec import Survey

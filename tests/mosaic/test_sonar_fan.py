@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.mosaic.imagery.sonar_fan import fan_of
+from hullrecon.mosaic.imagery.sonar_fan import build_fan
 
 BEARING = np.radians(np.linspace(14, -14, 57))  # numbered from port to starboard, as a driver may have it
 DIRECTIONS = np.stack([np.zeros(57), np.sin(BEARING), np.cos(BEARING)], axis=1)
-FAN = fan_of(DIRECTIONS, np.linspace(1.0, 5.0, 201), np.radians(14))
+FAN = build_fan(DIRECTIONS, np.linspace(1.0, 5.0, 201), np.radians(14))
 
 
 def test_a_point_straight_ahead_falls_on_the_middle_beam_at_its_range_bin() -> None:

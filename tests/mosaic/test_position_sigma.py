@@ -11,11 +11,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, from_mount, identity
-from hullrecon.mosaic.position_sigma import Stance, place_sigma
+from hullrecon.mosaic.position_sigma import PingUncertainty, position_sigma
 
 AHEAD = np.array([[[0.0, 0.0, 2.0]]])
 BACK = np.array([[[0.0, 0.0, -1.0]]])
-STILL = Stance(
+STILL = PingUncertainty(
     sonar=identity(),
     vehicle=identity(),
     pose_covariance=np.zeros((1, 6, 6)),
@@ -26,20 +26,20 @@ STILL = Stance(
 
 def test_half_a_degree_of_mount_moves_a_point_by_its_lever() -> None:
     sure = replace(STILL, mount_sigma=np.r_[0, 0, 0, np.radians([0.5, 0.5, 0.5])])
-    every, mount = place_sigma(sure, AHEAD, BACK)
+    every, mount = position_sigma(sure, AHEAD, BACK)
     assert every[0, 0] == pytest.approx(2 * np.radians(0.5))
     assert mount[0, 0] == every[0, 0]
 
 
 def test_what_moves_a_point_along_the_normal_does_not_move_it_on_the_hull() -> None:
     along = replace(STILL, mount_sigma=np.array([0.0, 0.0, 0.03, 0.0, 0.0, 0.1]))
-    assert place_sigma(along, AHEAD, BACK)[0][0, 0] == pytest.approx(0.0, abs=1e-12)
+    assert position_sigma(along, AHEAD, BACK)[0][0, 0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_pose_and_mount_add_up_in_squares() -> None:
     covariance = np.diag([0.03**2, 0, 0, 0, 0, 0])[None]
     both = replace(STILL, pose_covariance=covariance, mount_sigma=np.array([0.04, 0, 0, 0, 0, 0]))
-    every, mount = place_sigma(both, AHEAD, BACK)
+    every, mount = position_sigma(both, AHEAD, BACK)
     assert every[0, 0] == pytest.approx(0.05)
     assert mount[0, 0] == pytest.approx(0.04)
 
@@ -47,7 +47,7 @@ def test_pose_and_mount_add_up_in_squares() -> None:
 def test_the_mounts_shift_is_along_the_servos_axes() -> None:
     turned = from_mount([0.0, 0.0, 0.0, 0.0, 90.0, 0.0])  # the servo's x is the sonar's z
     shifted = replace(STILL, servo_from_sonar=turned, mount_sigma=np.array([0.05, 0, 0, 0, 0, 0]))
-    assert place_sigma(shifted, AHEAD, BACK)[0][0, 0] == pytest.approx(0.0, abs=1e-12)
+    assert position_sigma(shifted, AHEAD, BACK)[0][0, 0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_sigma_equals_the_spread_of_drawn_poses_and_mounts() -> None:
@@ -58,11 +58,11 @@ def test_sigma_equals_the_spread_of_drawn_poses_and_mounts() -> None:
     mount_sigma = np.array([0.01, 0.02, 0.03, 0.01, 0.02, 0.005])
     sonar = hull_from_vehicle @ vehicle_from_servo @ servo_from_sonar
     inside, normal = np.array([0.2, -0.3, 1.7]), np.array([0.6, 0.0, 0.8])
-    stance = Stance(
+    pings = PingUncertainty(
         sonar=sonar, vehicle=hull_from_vehicle, pose_covariance=(root @ root.T)[None], servo_from_sonar=servo_from_sonar,
         mount_sigma=mount_sigma,
     )  # fmt: skip
-    sigma = place_sigma(stance, sonar.apply(inside[None])[None], normal[None, None])[0][0, 0]
+    sigma = position_sigma(pings, sonar.apply(inside[None])[None], normal[None, None])[0][0, 0]
     drawn = []
     for _ in range(6000):
         pose, mount = root @ rng.normal(size=6), mount_sigma * rng.normal(size=6)
@@ -76,4 +76,4 @@ def test_sigma_equals_the_spread_of_drawn_poses_and_mounts() -> None:
 
 
 def test_a_point_that_was_not_met_has_no_sigma() -> None:
-    assert np.isnan(place_sigma(STILL, np.full((1, 1, 3), np.nan), BACK)[0][0, 0])
+    assert np.isnan(position_sigma(STILL, np.full((1, 1, 3), np.nan), BACK)[0][0, 0])

@@ -15,12 +15,12 @@ from hullrecon.typing import Array, Floats32
 
 CELL_M = 0.1  # of the chart, for each of which the outermost point of the surface is kept
 BLOCK_M = 0.1  # texels that share one answer
-LEAST_RELIEF_M = 0.012  # lower relief is within the surface's own error and hides nothing
+MIN_RELIEF_M = 0.012  # lower relief is within the surface's own error and hides nothing
 PAIRS = 2_000_000  # of blocks and cells at a time: bounds memory at some 100 MB
 
 
 @dataclass(frozen=True, kw_only=True)
-class Skyline:
+class OcclusionHorizon:
     """top (n, 3): the outermost point of the surface in each cell of the chart; normal (n, 3) of the chart there; span_m: what
     is farther from a texel than that stands behind every instrument."""
 
@@ -29,8 +29,8 @@ class Skyline:
     span_m: float
 
 
-def skyline_of(mesh: Mesh, chart: Chart, bounds: Array, span_m: float) -> Skyline:
-    """The skyline of what lies within span_m of bounds (2, 2), the least and greatest along and girth of the texels."""
+def build_occlusion_horizon(mesh: Mesh, chart: Chart, bounds: Array, span_m: float) -> OcclusionHorizon:
+    """The horizon of what lies within span_m of bounds (2, 2), the least and greatest along and girth of the texels."""
     at = chart.to_chart(mesh.vertices)[:, :2]
     corner = at[mesh.faces]
     corner = np.where(np.isfinite(corner), corner, np.roll(corner, 1, axis=1))
@@ -43,14 +43,14 @@ def skyline_of(mesh: Mesh, chart: Chart, bounds: Array, span_m: float) -> Skylin
     known = known[np.argsort(-charted[known, 2], kind="stable")]
     _, first = np.unique(np.floor(charted[known, :2] / CELL_M), axis=0, return_index=True)
     chosen = known[first]
-    return Skyline(top=fine.vertices[chosen], normal=chart.from_chart(charted[chosen, :2])[1], span_m=span_m)
+    return OcclusionHorizon(top=fine.vertices[chosen], normal=chart.from_chart(charted[chosen, :2])[1], span_m=span_m)
 
 
-def hidden_from(skyline: Skyline, point: Array, normal: Array, step_m: float) -> Floats32:
+def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:
     """(h, w): the tangent of the incidence up to which nothing can hide the texel, for texels point and normal (h, w, 3).
 
-    A line of sight with the tangent t rises 1 m over t metres along the tangent plane. What stands h above that plane at the
-    distance d can meet it only if t >= d / h. The least d / h over the skyline is a lower bound: distances are taken too short
+    A line of image_view with the tangent t rises 1 m over t metres along the tangent plane. What stands h above that plane at the
+    distance d can meet it only if t >= d / h. The least d / h over the horizon is a lower bound: distances are taken too short
     and heights too large by as much as blocks, cells and faces extend.
     """
     height, width = point.shape[:2]
@@ -59,7 +59,7 @@ def hidden_from(skyline: Skyline, point: Array, normal: Array, step_m: float) ->
     some = np.flatnonzero(np.isfinite(blocks[0][..., 0]).any(axis=1))
     bound = np.full(len(blocks[0]), np.inf)
     if len(some):
-        bound[some] = _least_tangent(skyline, blocks[0][some], blocks[1][some])
+        bound[some] = _least_tangent(horizon, blocks[0][some], blocks[1][some])
     rows = -(-height // side)
     spread = np.repeat(np.repeat(bound.reshape(rows, -1), side, axis=0), side, axis=1)
     return np.asarray(spread[:height, :width], np.float32)
@@ -74,8 +74,8 @@ def _blocks(field: Array, side: int) -> Array:
     return padded.reshape(rows, side, columns, side, 3).swapaxes(1, 2).reshape(rows * columns, side * side, 3)
 
 
-def _least_tangent(skyline: Skyline, points: Array, normals: Array) -> Array:
-    """(blocks,): the least d / h over the skyline, inf where nothing stands out."""
+def _least_tangent(horizon: OcclusionHorizon, points: Array, normals: Array) -> Array:
+    """(blocks,): the least d / h over the horizon, inf where nothing stands out."""
     middle, up = np.nanmean(points, axis=1), np.nanmean(normals, axis=1)
     up /= np.linalg.norm(up, axis=1, keepdims=True)
     off = points - middle[:, None]
@@ -84,8 +84,8 @@ def _least_tangent(skyline: Skyline, points: Array, normals: Array) -> Array:
     radius = np.sqrt(np.nanmax(np.einsum("bki,bki->bk", off, off), axis=1))
     center = 0.5 * (middle.min(axis=0) + middle.max(axis=0))
     extent = float(np.linalg.norm(middle - center, axis=1).max() + radius.max())
-    near = np.linalg.norm(skyline.top - center, axis=1) < extent + skyline.span_m + 3 * CELL_M
-    top, normal = skyline.top[near] - center, skyline.normal[near]
+    near = np.linalg.norm(horizon.top - center, axis=1) < extent + horizon.span_m + 3 * CELL_M
+    top, normal = horizon.top[near] - center, horizon.normal[near]
     least = np.full(len(middle), np.inf)
     if not len(top):
         return least
@@ -98,8 +98,6 @@ def _least_tangent(skyline: Skyline, points: Array, normals: Array) -> Array:
         away = np.sqrt(np.maximum(square - above**2, 0)) - radius[part, None] - (1 + np.sqrt(2)) * CELL_M
         lean = np.sqrt(np.maximum(1 - (n @ normal.T) ** 2, 0))  # other points of the cell may stand higher by its tilt
         rise = above - floor[part, None] + np.sqrt(2) * CELL_M * lean
-        found = np.where(
-            (rise > LEAST_RELIEF_M) & (away < skyline.span_m), np.maximum(away, 0) / np.maximum(rise, 1e-9), np.inf
-        )
+        found = np.where((rise > MIN_RELIEF_M) & (away < horizon.span_m), np.maximum(away, 0) / np.maximum(rise, 1e-9), np.inf)
         least[part] = found.min(axis=1)
     return least

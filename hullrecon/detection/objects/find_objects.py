@@ -8,13 +8,13 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from hullrecon.detection.as_found.estimate import Found
-from hullrecon.detection.as_found.landmarks import Measured
+from hullrecon.detection.as_found.hull_as_found import HullAsFound
+from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
 from hullrecon.detection.objects.outline import outline
 from hullrecon.detection.objects.regions import Region, find_regions, weighted_quantile
 from hullrecon.detection.objects.significance import height_sigma, p_value, relief_left, roughness
 from hullrecon.detection.options import DetectOptions
-from hullrecon.detection.views import Views, in_frame, seen_from
+from hullrecon.detection.views import CameraViews, rows_in_image, visible_rows
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import vertex_areas
@@ -48,7 +48,7 @@ class HullObject:
 
 
 @dataclass(frozen=True)
-class _Candidate:
+class _RegionEvidence:
     """A region looked at. center: the vertex in the middle of its top; seen: views that show it, the best first; chance that
     bare hull looks so; sigma m of its height."""
 
@@ -63,11 +63,11 @@ class _Candidate:
 class _Landmarks:
     """Of a dive, with their heights (n,) m above the hull, and where their feet lie."""
 
-    measured: Measured
+    measured: SurfaceLandmarks
     height: Array
     around: Around
 
-    def on(self, found: Found, region: Region, vertices: Ints) -> tuple[Mask, Array, Array]:
+    def on(self, found: HullAsFound, region: Region, vertices: Ints) -> tuple[Mask, Array, Array]:
         """Those near these vertices of a region: whether each stands off the hull as the region does (n,), its height over the
         surface there (n,), and its own sigma (n,), m."""
         at = found.base.vertices[vertices]
@@ -80,7 +80,7 @@ class _Landmarks:
 
 
 @dataclass(frozen=True)
-class Rejected:
+class RejectedRegion:
     """A region that was not reported, and why."""
 
     center: list[float]
@@ -92,8 +92,14 @@ class Rejected:
 
 
 def find_objects(
-    found: Found, measured: Measured, height: Array, views: Views, chart: Chart, options: DetectOptions, drawn: bool
-) -> tuple[list[HullObject], list[Rejected]]:
+    found: HullAsFound,
+    measured: SurfaceLandmarks,
+    height: Array,
+    views: CameraViews,
+    chart: Chart,
+    options: DetectOptions,
+    drawn: bool,
+) -> tuple[list[HullObject], list[RejectedRegion]]:
     """Objects, the highest first, and the regions that were not certain enough.
 
     measured with its heights (m,) above the hull are the landmarks; drawn: the base surface is the ship's CAD model.
@@ -104,16 +110,18 @@ def find_objects(
     landmarks = _Landmarks(measured, height, Around(measured.foot))
     objects, rejected = [], []
     for region in find_regions(found, options):
-        candidate = _candidate(found, region, area, rough, landmarks, _seen_by(found, region, views, scene))
-        doubt = _doubt(found, candidate, area, _witnesses(found, region, landmarks), options)
-        if doubt:
-            rejected.append(Rejected(_rounded(found.mesh.vertices[candidate.center]), round(region.height, 5), doubt))
+        evidence = _collect_evidence(found, region, area, rough, landmarks, _seen_by(found, region, views, scene))
+        reason = _rejection_reason(found, evidence, area, _supporting_landmarks(found, region, landmarks), options)
+        if reason:
+            rejected.append(RejectedRegion(_round(found.mesh.vertices[evidence.center]), round(region.height, 5), reason))
         else:
-            objects.append(_object(found, candidate, area, views, chart, drawn))
+            objects.append(_object(found, evidence, area, views, chart, drawn))
     return objects, rejected
 
 
-def _candidate(found: Found, region: Region, area: Array, rough: float, landmarks: _Landmarks, seen: Ints) -> _Candidate:
+def _collect_evidence(
+    found: HullAsFound, region: Region, area: Array, rough: float, landmarks: _Landmarks, seen: Ints
+) -> _RegionEvidence:
     sigma = height_sigma(found, region)
     places = float(area[found.measured].sum() / max(area[region.foot].sum(), 1e-9))
     chance = p_value(region.height, sigma, rough, places)
@@ -122,12 +130,14 @@ def _candidate(found: Found, region: Region, area: Array, rough: float, landmark
     stands, over, own = landmarks.on(found, region, _top_rows(found, region))
     unresolved = relief_left(over[stands], own[stands])
     sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2 + unresolved**2))
-    return _Candidate(region, _center(found, region, area), seen, chance, sigma)
+    return _RegionEvidence(region, _center(found, region, area), seen, chance, sigma)
 
 
-def _doubt(found: Found, candidate: _Candidate, area: Array, witnesses: tuple[int, float], options: DetectOptions) -> str:
-    """Why the region is not an object, or nothing. witnesses: landmarks that agree, and their share."""
-    region, seen, (on, agree) = candidate.region, len(candidate.seen), witnesses
+def _rejection_reason(
+    found: HullAsFound, evidence: _RegionEvidence, area: Array, supporting: tuple[int, float], options: DetectOptions
+) -> str:
+    """Why the region is not an object, or nothing. supporting: landmarks that agree, and their share."""
+    region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
     shapes = int(np.percentile(found.shapes[region.core], 75))
     core = float(area[region.core].sum())
     least = options.least_height + float(np.median(found.facet[region.core]))
@@ -137,48 +147,50 @@ def _doubt(found: Found, candidate: _Candidate, area: Array, witnesses: tuple[in
         (on < options.least_landmarks, f"only {on} landmarks"),
         (agree < options.least_agreement, f"only {100 * agree:.0f} % of its landmarks agree"),
         (min(seen, shapes) < options.least_views, f"only {min(seen, shapes)} images show it"),
-        (candidate.chance > options.significance, f"bare hull does so with probability {candidate.chance:.2g}"),
+        (evidence.chance > options.significance, f"bare hull does so with probability {evidence.chance:.2g}"),
     )
     return next((reason for failed, reason in checks if failed), "")
 
 
-def _witnesses(found: Found, region: Region, landmarks: _Landmarks) -> tuple[int, float]:
+def _supporting_landmarks(found: HullAsFound, region: Region, landmarks: _Landmarks) -> tuple[int, float]:
     """Landmarks on the core that stand off as it does, and their share of all landmarks there."""
     stands, _, _ = landmarks.on(found, region, region.core)
     return int(stands.sum()), float(stands.mean()) if len(stands) else 0.0
 
 
-def _center(found: Found, region: Region, area: Array) -> int:
+def _center(found: HullAsFound, region: Region, area: Array) -> int:
     """The vertex on the visible surface nearest to the middle of the highest part."""
     top = _top_rows(found, region)
     middle = np.average(found.base.vertices[top], axis=0, weights=np.maximum(area[top], 1e-12))
     return int(top[np.argmin(np.linalg.norm(found.base.vertices[top] - middle, axis=1))])
 
 
-def _seen_by(found: Found, region: Region, views: Views, scene: Scene) -> Ints:
-    """Views that saw more than half of the top, the best (nearest to the image's middle) first."""
+def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scene) -> Ints:
+    """CameraViews that saw more than half of the top, the best (nearest to the image's middle) first."""
     top = _top_rows(found, region)
     middle = views.T_x_c.inverse().apply(found.mesh.vertices[top].mean(axis=0)[None])
     offset = np.hypot(middle[:, 0], middle[:, 1]) / np.maximum(middle[:, 2], 1e-6)
     near = np.linalg.norm(middle, axis=1) < views.farthest_m + 0.5
     share = np.zeros(len(views))
     for view in np.flatnonzero(near).tolist():
-        rows = in_frame(views, view, found.mesh.vertices, top)
-        clear, _, _ = seen_from(views.T_x_c.translation[view], rows, found.mesh.vertices, found.normal, scene)
+        rows = rows_in_image(views, view, found.mesh.vertices, top)
+        clear, _, _ = visible_rows(views.T_x_c.translation[view], rows, found.mesh.vertices, found.normal, scene)
         share[view] = len(clear) / len(top)
     seen = np.flatnonzero(share > 0.5)
     return seen[np.argsort(offset[seen], kind="stable")]
 
 
-def _top_rows(found: Found, region: Region) -> Ints:
+def _top_rows(found: HullAsFound, region: Region) -> Ints:
     """Vertices of the core above four fifths of the height."""
     above = region.side * (found.height[region.core] - region.level)
     top = region.core[above >= 0.8 * abs(region.height)]
     return top if len(top) else region.core
 
 
-def _object(found: Found, candidate: _Candidate, area: Array, views: Views, chart: Chart, drawn: bool) -> HullObject:
-    region = candidate.region
+def _object(
+    found: HullAsFound, evidence: _RegionEvidence, area: Array, views: CameraViews, chart: Chart, drawn: bool
+) -> HullObject:
+    region = evidence.region
     foot, core = region.foot, region.core
     normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
     normal /= np.linalg.norm(normal)
@@ -186,22 +198,22 @@ def _object(found: Found, candidate: _Candidate, area: Array, views: Views, char
     deviation = region.side * weighted_quantile(region.side * found.deviation[core], area[core], 0.98)
     above = found.height[foot] - region.level
     return HullObject(
-        center=_rounded(_top(found, region, candidate.center)),
-        normal=_rounded(normal),
+        center=_round(_top(found, region, evidence.center)),
+        normal=_round(normal),
         height=round(region.height, 5),
-        height_sigma=round(candidate.sigma, 5),
+        height_sigma=round(evidence.sigma, 5),
         deviation=round(deviation, 5) if drawn else None,
-        extent=_rounded(_extent(found.base.vertices[foot], normal, chart)),
+        extent=_round(_extent(found.base.vertices[foot], normal, chart)),
         area=round(float(area[foot].sum()), 6),
         volume=round(float((above * area[foot]).sum()), 7),
-        views=len(candidate.seen),
-        p_value=float(f"{candidate.chance:.3g}"),
-        images=[views.name[view] for view in candidate.seen[:IMAGES]],
-        outline=[_rounded(point) for point in line],
+        views=len(evidence.seen),
+        p_value=float(f"{evidence.chance:.3g}"),
+        images=[views.name[view] for view in evidence.seen[:IMAGES]],
+        outline=[_round(point) for point in line],
     )
 
 
-def _top(found: Found, region: Region, center: int) -> Array:
+def _top(found: HullAsFound, region: Region, center: int) -> Array:
     """The center's foot on the base, lifted to the region's height."""
     lift = found.hull[center] + region.level + region.height
     return np.asarray(found.base.vertices[center] + found.normal[center] * lift)
@@ -219,5 +231,5 @@ def _extent(points: Array, normal: Array, chart: Chart) -> Array:
     return np.asarray(np.percentile(flat, 99, axis=0) - np.percentile(flat, 1, axis=0))
 
 
-def _rounded(values: Array) -> list[float]:
+def _round(values: Array) -> list[float]:
     return [round(float(v), 5) for v in values]

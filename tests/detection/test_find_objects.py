@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hullrecon.detection.objects.detection import find_objects
+from hullrecon.detection.objects.find_objects import find_objects
 from hullrecon.detection.options import DetectOptions
 
 

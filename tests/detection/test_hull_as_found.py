@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hullrecon.detection.as_found.estimate import find_hull
+from hullrecon.detection.as_found.hull_as_found import estimate_hull_as_found
 from hullrecon.detection.options import DetectOptions
 
 OFF = -0.012  # of the whole wall
@@ -65,7 +65,7 @@ def test_shapes_of_several_views_show_each_structure(found, height_at) -> None:
 @pytest.mark.parametrize("fusion", ["heights", "rays"])
 def test_both_ways_of_fusion_find_the_top_of_the_disc(fusion: str, scenery) -> None:
     options = DetectOptions(fusion=fusion)
-    found = find_hull(scenery.base, scenery.measured, scenery.background, scenery.views, options)
+    found = estimate_hull_as_found(scenery.base, scenery.measured, scenery.background, scenery.views, options)
     x, z = found.base.vertices[:, [0, 2]].T
     top = np.hypot(x - 1.2, z - 1.0) < 0.05
     # landmarks 3 mm noisy, 2 % wild: a wild one inside a shape lifts its triangles, the regression leaves it out
@@ -74,14 +74,14 @@ def test_both_ways_of_fusion_find_the_top_of_the_disc(fusion: str, scenery) -> N
 
 def test_the_mesh_is_coarser_rather_than_too_large(scenery) -> None:
     few = DetectOptions(most_vertices=2000)
-    found = find_hull(scenery.base, scenery.measured, scenery.background, scenery.views, few)
+    found = estimate_hull_as_found(scenery.base, scenery.measured, scenery.background, scenery.views, few)
     plain = replace(scenery.measured)
     assert len(found.mesh.vertices) < 0.5 * len(
-        find_hull(scenery.base, plain, scenery.background, scenery.views, DetectOptions()).mesh.vertices
+        estimate_hull_as_found(scenery.base, plain, scenery.background, scenery.views, DetectOptions()).mesh.vertices
     )
 
 
 def test_the_same_input_gives_the_same_bytes(scenery, found) -> None:
-    again = find_hull(scenery.base, scenery.measured, scenery.background, scenery.views, DetectOptions())
+    again = estimate_hull_as_found(scenery.base, scenery.measured, scenery.background, scenery.views, DetectOptions())
     assert again.mesh.vertices.tobytes() == found.mesh.vertices.tobytes()
     assert again.shapes.tobytes() == found.shapes.tobytes()

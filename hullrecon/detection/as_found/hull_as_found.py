@@ -10,12 +10,12 @@ import numpy as np
 
 from hullrecon.detection.as_found.background import Background
 from hullrecon.detection.as_found.fusion import fuse_shapes
-from hullrecon.detection.as_found.landmarks import Measured
+from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
 from hullrecon.detection.as_found.mesh import affordable_edge, refine_near, vertex_normals
 from hullrecon.detection.facets import facet_sagitta
 from hullrecon.detection.objects.heights import Heights, local_heights
 from hullrecon.detection.options import DetectOptions
-from hullrecon.detection.views import Sightings, Views, sightings_by_cell
+from hullrecon.detection.views import CameraViews, Visibility, find_visibility_by_cell
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.neighbours import nearest
@@ -26,7 +26,7 @@ SHADOW_M = 0.15  # a structure's shadow hardly reaches farther
 
 
 @dataclass(frozen=True)
-class Found:
+class HullAsFound:
     """Vertex by vertex (n): where it is now (mesh) and on the base; normal (n, 3) of the base; hull (n,) m, the smooth offset
     of the hull from the base, and its sigma; height (n,) m above that hull, 0 where not measured; sigma (n,) m of the height;
     measured (n,) bool; agreement (n,) share of landmarks that agree; shapes (n,) views whose shapes show it
@@ -43,7 +43,7 @@ class Found:
     measured: Mask
     agreement: Array
     shapes: Ints
-    seen: Sightings
+    seen: Visibility
     facet: Array
 
     @property
@@ -52,7 +52,9 @@ class Found:
         return self.hull + self.height
 
 
-def find_hull(base: Mesh, measured: Measured, background: Background, views: Views, options: DetectOptions) -> Found:
+def estimate_hull_as_found(
+    base: Mesh, measured: SurfaceLandmarks, background: Background, views: CameraViews, options: DetectOptions
+) -> HullAsFound:
     """Refine the base where landmarks are, finely at structures; move it to the landmarks; see what saw it."""
     hull_at_foot, _ = background.at(measured.foot)
     height = measured.offset - hull_at_foot
@@ -63,7 +65,7 @@ def find_hull(base: Mesh, measured: Measured, background: Background, views: Vie
     old = len(mesh.vertices)
     mesh = refine_near(mesh, mesh.vertices[high], min(edge, options.fine_edge), 2 * options.fine_edge)
     normal = vertex_normals(mesh)
-    heights = coarse.followed_by(_regress(mesh.vertices[old:], normal[old:], measured, height, options))
+    heights = coarse.append(_regress(mesh.vertices[old:], normal[old:], measured, height, options))
     hull, hull_sigma = background.at(mesh.vertices)
     known = np.isfinite(heights.value)
     moved = mesh.vertices + normal * (hull + np.where(known, heights.value, 0.0))[:, None]
@@ -76,13 +78,13 @@ def find_hull(base: Mesh, measured: Measured, background: Background, views: Vie
         raised = np.where(taken, np.einsum("ni,ni->n", moved - mesh.vertices, normal) - hull, 0.0)
     shape = Mesh(moved, mesh.faces)
     cell = np.where(_near_structures(mesh, raised, options), FINE_CELL_M, COARSE_CELL_M)
-    seen = sightings_by_cell(views, moved, vertex_normals(shape), Scene(shape), cell)
-    facet = _facets(base, mesh, np.abs(raised) >= options.threshold)
+    seen = find_visibility_by_cell(views, moved, vertex_normals(shape), Scene(shape), cell)
+    facet = _sagitta_at(base, mesh, np.abs(raised) >= options.threshold)
     sigma = np.where(known, heights.sigma, options.threshold)
-    return Found(shape, mesh, normal, hull, hull_sigma, raised, sigma, known, heights.agreement, fused.count, seen, facet)
+    return HullAsFound(shape, mesh, normal, hull, hull_sigma, raised, sigma, known, heights.agreement, fused.count, seen, facet)
 
 
-def _facets(base: Mesh, mesh: Mesh, which: Mask) -> Array:
+def _sagitta_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
     """The sagitta of the base's face under each of those vertices, 0 elsewhere."""
     out = np.zeros(len(mesh.vertices))
     if which.any():
@@ -98,5 +100,5 @@ def _near_structures(mesh: Mesh, height: Array, options: DetectOptions) -> Mask:
     return np.asarray(np.isfinite(nearest(mesh.vertices[off], mesh.vertices, 1, SHADOW_M)[0][:, 0]))
 
 
-def _regress(at: Array, normal: Array, measured: Measured, height: Array, options: DetectOptions) -> Heights:
+def _regress(at: Array, normal: Array, measured: SurfaceLandmarks, height: Array, options: DetectOptions) -> Heights:
     return local_heights(at, normal, measured.foot, height, measured.sigma, options.neighbours, options.reach)

@@ -12,7 +12,7 @@ import tifffile
 from hullrecon.mosaic.blend import Tile
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.output.raster import write_raster
-from hullrecon.mosaic.output.store import TileStore, lay
+from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
 
 GRID = TexelGrid(west=30.0, north=6.0, step_m=0.01, height=100, width=150)
 
@@ -27,7 +27,7 @@ def ramp(window: Window) -> Tile:
 
 @pytest.fixture
 def store() -> TileStore:
-    return lay(GRID, 3, 64, 80, ramp, lambda tiles: tiles)
+    return make_tiles(GRID, 3, 64, 80, ramp, lambda tiles: tiles)
 
 
 def test_the_small_copy_is_reduced_until_it_fits_and_keeps_the_mean(store: TileStore) -> None:
@@ -39,7 +39,7 @@ def test_the_small_copy_is_reduced_until_it_fits_and_keeps_the_mean(store: TileS
 
 
 def test_the_small_copy_is_reduced_by_what_divides_a_tile() -> None:
-    store = lay(GRID, 3, 80, 4, ramp, lambda tiles: tiles)
+    store = make_tiles(GRID, 3, 80, 4, ramp, lambda tiles: tiles)
     assert store.reduction == 16
     assert store.small.shape == (7, 10, 4)
 

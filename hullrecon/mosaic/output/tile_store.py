@@ -71,7 +71,7 @@ class TileStore:
         return [float((np.searchsorted(share, p / 100) + 1) * VARIANCE_STEP) for p in percent]
 
 
-def lay(
+def make_tiles(
     grid: TexelGrid, channels: int, size: int, most_pixels: int, make: Callable[[Window], Tile], progress: Any
 ) -> TileStore:
     """Makes every tile in turn; only one is in memory uncompressed. The small copy is reduced to most_pixels a side, or as
