@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.report.content.phrases import count, duration, join, length, probability, with_sigma
+from hullrecon.report.content.phrases import count, duration, join, length, lengths, probability, with_sigma
 
 
 @pytest.mark.parametrize(
@@ -52,3 +52,17 @@ def test_one_is_singular_and_more_are_plural() -> None:
 
 def test_a_list_ends_with_and() -> None:
     assert [join([]), join(["a"]), join(["a", "b", "c"])] == ["", "a", "a, b and c"]
+
+
+@pytest.mark.parametrize(
+    ("metres", "text"),
+    [
+        ([0.35, 0.041, 0.098], "0.350 / 0.041 / 0.098 m"),
+        ([0.35, 0.41], "0.35 / 0.41 m"),
+        ([0.012, 0.035], "12 / 35 mm"),
+        ([0.0044, 0.035], "4.4 / 35.0 mm"),
+        ([float("nan"), 0.5], "– / 0.50 m"),
+    ],
+)
+def test_a_row_of_lengths_has_one_unit(metres: list[float], text: str) -> None:
+    assert lengths(metres) == text
