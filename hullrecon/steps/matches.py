@@ -174,7 +174,7 @@ def _most_frequent(found: Sequence[PairMatch]) -> str:
 
 STAGE = Stage(
     name="matches",
-    summary="match images and join the matches to landmarks",
+    summary="match images and build feature tracks",
     inputs=("ingest", "navigate", "features"),
     parameters=MatchOptions,
     version=3,

@@ -149,7 +149,7 @@ def _write(context: Context, found: Navigated, source: str) -> None:
 
 STAGE = Stage(
     name="navigate",
-    summary="reckon the vehicle's path",
+    summary="compute the dead-reckoned trajectory",
     inputs=("ingest",),
     parameters=NavigateOptions,
     version=2,
