@@ -1,41 +1,27 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Turn the arguments of a command into a chain of stages and the workspace of its run."""
+"""Turn the arguments of a command into a dive with its chain and workspace, and name --set in the errors that it caused."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import click
 import msgspec
 from msgspec import inspect as types
 
-from hullrecon.artifacts.graph.chain import Chain
+from hullrecon.api.dive_run import DiveRun
 from hullrecon.artifacts.storage.workspace import Workspace
-from hullrecon.errors import InputError, UsageError
+from hullrecon.errors import UsageError
 
 from .state import state_of
-
-if TYPE_CHECKING:
-    from hullrecon.dive.config.load import LoadedConfig
 
 Command = TypeVar("Command", bound=Callable[..., object])
 FOLDER = click.Path(path_type=Path, file_okay=True)
 CONFIGURATION = "dive.toml"
-
-
-@dataclass(frozen=True)
-class DiveRun:
-    """A dive package as read, with the workspace of its artifacts."""
-
-    name: str
-    chain: Chain
-    workspace: Workspace
-    config: LoadedConfig
 
 
 def runs_option(command: Command) -> Command:
@@ -53,33 +39,17 @@ def set_option(command: Command) -> Command:
 
 
 def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> DiveRun:
-    """Return the run of a target: a dive package, or the folder of a run, whose package is the one that it last read.
+    """Return the dive of a target: a package, or the folder of a run, whose package is the one that it last read.
 
     Raises InputError when it is neither, UsageError for a wrong configuration.
     """
-    from hullrecon.dive.config.load import load_config
+    from hullrecon.api.dive_run import open_dive as open_dive_run
     from hullrecon.steps.chain import stages
 
-    workspace = Workspace(target) if Workspace(target).exists() else None
-    package = target if workspace is None else package_of(workspace)
-    all_stages = stages()
-    step_sections = {stage.name: stage.parameters for stage in all_stages}
-    with name_overrides(step_sections, overrides):
-        config = load_config(package, step_sections, overrides)
-    name = config.config.dive.name
-    workspace = workspace or Workspace(runs / name)
-    state_of().workspace = workspace.root
-    return DiveRun(name, Chain(all_stages, config.sections, package), workspace, config)
-
-
-def package_of(workspace: Workspace) -> Path:
-    """Return the package that a workspace was last run on. Raises InputError where it is unknown."""
-    package = workspace.package
-    if package is None:
-        raise InputError(
-            "this run does not say which dive package it read", where=str(workspace.root), remedy="give the package's folder"
-        )
-    return package
+    with name_overrides({stage.name: stage.parameters for stage in stages()}, overrides):
+        dive = open_dive_run(target, runs, overrides)
+    state_of().workspace = dive.workspace.root
+    return dive
 
 
 def find_workspace(target: Path, runs: Path) -> Workspace:

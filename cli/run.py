@@ -13,6 +13,7 @@ from pathlib import Path
 
 import click
 
+from hullrecon.api.dive_run import DiveRun
 from hullrecon.artifacts.execution.chain_runner import StepOutcome, run_chain
 from hullrecon.artifacts.execution.executor import choose_executor
 from hullrecon.artifacts.execution.progress import choose_progress
@@ -22,7 +23,7 @@ from hullrecon.artifacts.graph.plan import StepStatus, assess_chain
 from hullrecon.artifacts.storage.workspace import PUBLISHED
 from hullrecon.errors import StorageError
 
-from .dives import FOLDER, Command, DiveRun, open_dive, runs_option, set_option
+from .dives import FOLDER, Command, open_dive, runs_option, set_option
 from .state import state_of
 
 log = logging.getLogger("hullrecon.cli")
@@ -69,16 +70,18 @@ def run(
 ) -> None:  # fmt: skip
     """Run the chain on a dive PACKAGE; steps that are up to date are left as they are."""
     dive = open_dive(package, runs, overrides)
-    _warn_of_defaults(dive)
+    _warn_of_defaults(dive, overrides)
     options = RunOptions(from_scratch=from_scratch, read_data=read_data, jobs=jobs, scheduler=scheduler, wait_s=wait_s)
     execute(dive, last, options)
 
 
-def _warn_of_defaults(dive: DiveRun) -> None:
+def _warn_of_defaults(dive: DiveRun, overrides: Sequence[str]) -> None:
     """Log a warning for each lever arm, mount and calibration that dive.toml leaves open."""
     from hullrecon.dive.check.to_fill_in import configured_sensors, to_fill_in
+    from hullrecon.dive.config.load import load_config
 
-    for line in to_fill_in(dive.config, configured_sensors(dive.config)):
+    config = load_config(dive.chain.package, {stage.name: stage.parameters for stage in dive.chain.stages}, overrides)
+    for line in to_fill_in(config, configured_sensors(config)):
         log.warning("%s", line)
 
 

@@ -64,7 +64,7 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
         state = replace(state, landmark=selection.relocate(m, state))
         chosen = _chosen(m, state, most_px, options, last)
         weights = replace(weights, surface=weighting.of_surface(m, state, chosen, options))
-        problem = assemble(m, state, weights, chosen, center, options.as_published, hold_place=last and settle)
+        problem = assemble(m, state, weights, chosen, center, options.as_published, hold_hull_pose=last and settle)
         problem = intrinsics.freed(problem, calibrated, options)
         first = first or problem
         began = time.perf_counter() - begun
@@ -79,7 +79,19 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
     assert outcome is not None
     assert first is not None
     problem, result, chosen, used = outcome
-    done = Adjusted(state, used, chosen, center, first, _at(problem, result), result, registered, tuple(rounds), m.rig, ground)
+    done = Adjusted(
+        state,
+        used,
+        chosen,
+        center,
+        first,
+        problem.started_from(result.unknowns),
+        result,
+        registered,
+        tuple(rounds),
+        m.rig,
+        ground,
+    )
     return _without_lost(m, done)
 
 
@@ -194,7 +206,7 @@ def _without_lost(m: Measurements, done: Adjusted) -> Adjusted:
     landmark = done.state.landmark.copy()
     landmark[lost] = np.nan
     log.info("%d landmarks were lost in the solve and are left out", len(lost))
-    rows = keep[done.problem.surface_landmark]
+    rows = keep[done.problem.surface.landmark]
     return replace(
         done,
         state=replace(done.state, landmark=landmark),
@@ -202,14 +214,6 @@ def _without_lost(m: Measurements, done: Adjusted) -> Adjusted:
         problem=pruning.without(done.problem, keep),
         result=pruning.result_without(done.result, rows),
     )
-
-
-def _at(problem: native.Problem, result: native.Result) -> native.Problem:
-    """The same factors at the solution."""
-    moved = replace(problem)
-    for name, values in result.unknowns.items():
-        setattr(moved, name, values)
-    return moved
 
 
 def _told(

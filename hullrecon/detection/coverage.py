@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How much of the hull was seen, how well, and where the survey has holes."""
+"""How much of the hull was seen, how well, and where the survey has find_holes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from hullrecon.detection.as_found.mesh import vertex_normals
-from hullrecon.detection.views import GRAZING, Sightings
+from hullrecon.detection.views import GRAZING, Visibility
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas
@@ -22,24 +22,24 @@ from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, Any]
 CELL_M = 0.1
-BRIDGE_CELLS = 6  # gaps of up to twice as many cells inside the surveyed area count as holes
-LEAST_HOLE_M2 = 0.03
+BRIDGE_CELLS = 6  # gaps of up to twice as many cells inside the surveyed area count as find_holes
+MIN_HOLE_M2 = 0.03
 
 
 @dataclass(frozen=True)
-class Hull:
-    """The base surface in pieces of some 0.1 m, on which seen area is summed."""
+class HullPatches:
+    """The base surface in hull_patches of some 0.1 m, on which seen area is summed."""
 
     mesh: Mesh
     normal: Array
     area: Array
 
 
-def pieces(mesh: Mesh) -> Hull:
-    return Hull(mesh, vertex_normals(mesh), vertex_areas(mesh))
+def hull_patches(mesh: Mesh) -> HullPatches:
+    return HullPatches(mesh, vertex_normals(mesh), vertex_areas(mesh))
 
 
-def camera_facts(hull: Hull, seen: Sightings, focal_px: float, images: int) -> Facts:
+def camera_facts(hull: HullPatches, seen: Visibility, focal_px: float, images: int) -> Facts:
     """Area, metres per pixel on the surface and incidence, each at its best view."""
     which = seen.views > 0
     gsd = seen.distance[which] / focal_px
@@ -51,14 +51,14 @@ def camera_facts(hull: Hull, seen: Sightings, focal_px: float, images: int) -> F
     }  # fmt: skip
 
 
-def near_surface(hull: Hull, vertices: Array, reach_m: float) -> Mask:
+def covered_by_surface(hull: HullPatches, vertices: Array, reach_m: float) -> Mask:
     """Pieces that the DVL's surface with those vertices covers."""
     if not len(vertices):
         return np.zeros(len(hull.area), bool)
     return np.asarray(np.isfinite(nearest(vertices, hull.mesh.vertices, 1, reach_m)[0][:, 0]))
 
 
-def sonar_seen(hull: Hull, pings: SonarPings, T_x_o: Poses, half_elevation_rad: float, scene: Scene) -> Mask:
+def visible_to_sonar(hull: HullPatches, pings: SonarPings, T_x_o: Poses, half_elevation_rad: float, scene: Scene) -> Mask:
     """Pieces inside any ping's fan: range, bearing and elevation fit, facing the sonar, nothing in front.
 
     T_x_o: the sonar at each ping. z looks along the middle of the fan, x out of its plane (docs/conventions.md).
@@ -83,11 +83,11 @@ def sonar_seen(hull: Hull, pings: SonarPings, T_x_o: Poses, half_elevation_rad: 
     return seen
 
 
-def area_facts(hull: Hull, seen: Mask) -> Facts:
+def area_facts(hull: HullPatches, seen: Mask) -> Facts:
     return {"area_m2": _area(hull, seen)}
 
 
-def holes(hull: Hull, seen: Mask, chart: Chart, address: Callable[[Array], str]) -> list[Facts]:
+def find_holes(hull: HullPatches, seen: Mask, chart: Chart, address: Callable[[Array], str]) -> list[Facts]:
     """Unseen patches inside the surveyed area, the largest first: address, center, area."""
     from scipy import ndimage
 
@@ -109,12 +109,12 @@ def holes(hull: Hull, seen: Mask, chart: Chart, address: Callable[[Array], str])
     missed[tuple(cell[inside & ~seen].T)] = True
     label, count = ndimage.label(missed & ~image)
     number = np.where(inside & ~seen, label[tuple(np.where(inside[:, None], cell, 0).T)], 0)
-    found = [_hole(hull, np.flatnonzero(number == k), address) for k in range(1, count + 1)]
-    large = [hole for hole in found if hole["area_m2"] >= LEAST_HOLE_M2]
+    found = [_hole_facts(hull, np.flatnonzero(number == k), address) for k in range(1, count + 1)]
+    large = [hole for hole in found if hole["area_m2"] >= MIN_HOLE_M2]
     return sorted(large, key=lambda hole: (-hole["area_m2"], hole["address"]))
 
 
-def _hole(hull: Hull, rows: Ints, address: Callable[[Array], str]) -> Facts:
+def _hole_facts(hull: HullPatches, rows: Ints, address: Callable[[Array], str]) -> Facts:
     middle = hull.mesh.vertices[rows].mean(axis=0)
     center = hull.mesh.vertices[rows[np.argmin(np.linalg.norm(hull.mesh.vertices[rows] - middle, axis=1))]]
     return {
@@ -124,7 +124,7 @@ def _hole(hull: Hull, rows: Ints, address: Callable[[Array], str]) -> Facts:
     }
 
 
-def _area(hull: Hull, which: Mask) -> float:
+def _area(hull: HullPatches, which: Mask) -> float:
     return round(float(hull.area[which].sum()), 4)
 
 

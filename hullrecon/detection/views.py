@@ -20,7 +20,7 @@ CLEARANCE_M = 0.005  # a surface this little in front does not hide
 
 
 @dataclass(frozen=True)
-class Views:
+class CameraViews:
     """Images of the top camera. T_x_c (n) in the frame of the surface; node (n,); name (n,) of the image; farthest m, how far
     away surfaces were seen."""
 
@@ -35,7 +35,7 @@ class Views:
 
 
 @dataclass(frozen=True)
-class Sightings:
+class Visibility:
     """What the views saw of n surface points: views (n,) images; distance (n,) m and cosine (n,) of the incidence of the best
     (nearest) one, NaN where unseen."""
 
@@ -44,7 +44,7 @@ class Sightings:
     cosine: Array
 
 
-def in_frame(views: Views, view: int, points: Array, near: Ints) -> Ints:
+def rows_in_image(views: CameraViews, view: int, points: Array, near: Ints) -> Ints:
     """Those of the rows `near` of points that project into that view's image."""
     T_c_x = views.T_x_c[view].inverse()
     pixel = views.camera.project(T_c_x.apply(points[near]))
@@ -52,38 +52,38 @@ def in_frame(views: Views, view: int, points: Array, near: Ints) -> Ints:
     return np.asarray(near[((pixel > -0.5) & (pixel < size)).all(axis=1)])
 
 
-def each_view(views: Views, points: Array) -> Iterator[tuple[int, Ints]]:
+def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints]]:
     """View by view the rows of points (n, 3) in its image and within reach, hidden ones included."""
     around = Around(points)
     for view in range(len(views)):
         center = views.T_x_c.translation[view]
         near = around(center, views.farthest_m)
         if len(near):
-            yield view, in_frame(views, view, points, near)
+            yield view, rows_in_image(views, view, points, near)
 
 
-def sightings(views: Views, points: Array, normals: Array, scene: Scene) -> Sightings:
+def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Scene) -> Visibility:
     """Which views saw the points (n, 3) with normals (n, 3): in the image, facing it, nothing of the scene in between."""
     count = np.zeros(len(points), np.int64)
     best, cosine = np.full(len(points), np.inf), np.full(len(points), np.nan)
-    for view, rows in each_view(views, points):
-        rows, distance, facing = seen_from(views.T_x_c.translation[view], rows, points, normals, scene)
+    for view, rows in iterate_views(views, points):
+        rows, distance, facing = visible_rows(views.T_x_c.translation[view], rows, points, normals, scene)
         count[rows] += 1
         closer = distance < best[rows]
         best[rows[closer]], cosine[rows[closer]] = distance[closer], facing[closer]
-    return Sightings(count, np.where(np.isfinite(best), best, np.nan), cosine)
+    return Visibility(count, np.where(np.isfinite(best), best, np.nan), cosine)
 
 
-def sightings_by_cell(views: Views, points: Array, normals: Array, scene: Scene, cell_m: Array) -> Sightings:
-    """As `sightings`, one point answering for all that share its cell, of size cell_m (n,) at each point."""
+def find_visibility_by_cell(views: CameraViews, points: Array, normals: Array, scene: Scene, cell_m: Array) -> Visibility:
+    """As `find_visibility`, one point answering for all that share its cell, of size cell_m (n,) at each point."""
     key = np.column_stack([np.floor(points / cell_m[:, None]), cell_m])
     _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    few = sightings(views, points[first], normals[first], scene)
+    few = find_visibility(views, points[first], normals[first], scene)
     cell = cell.reshape(-1)
-    return Sightings(few.views[cell], few.distance[cell], few.cosine[cell])
+    return Visibility(few.views[cell], few.distance[cell], few.cosine[cell])
 
 
-def seen_from(center: Array, rows: Ints, points: Array, normals: Array, scene: Scene) -> tuple[Ints, Array, Array]:
+def visible_rows(center: Array, rows: Ints, points: Array, normals: Array, scene: Scene) -> tuple[Ints, Array, Array]:
     """Those rows that face the center (3,) and are not hidden, their distances and cosines of incidence."""
     ray = points[rows] - center
     distance = np.linalg.norm(ray, axis=1)

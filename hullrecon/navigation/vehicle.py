@@ -6,8 +6,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
@@ -28,10 +26,3 @@ class Vehicle:
     sigma_tray: float
     sigma_tilt: float
     sigma_depth: float
-
-
-def cross_matrix(v: Array) -> Array:
-    """[v]x (n, 3, 3) of (n, 3): [v]x w = v x w."""
-    x, y, z = np.moveaxis(v, -1, 0)
-    zero = np.zeros_like(x)
-    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*v.shape[:-1], 3, 3)

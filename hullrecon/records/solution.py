@@ -14,6 +14,9 @@ from hullrecon.geometry.poses import Poses, identity
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.typing import Array, Ints
 
+# |deviation| at which a landmark's label changes, m: where the two parts of the mixture of native/factors/mixture.h are equal.
+LABEL_BOUNDARY_M = 0.05595
+
 
 @dataclass(frozen=True, kw_only=True)
 class Landmarks:
@@ -64,6 +67,15 @@ class DeviationField:
     step: Array
     value: Array
     sigma: Array
+
+    def value_at(self, along_girth: Array) -> Array:
+        """Return the offset (n,) m at points (n, 2) of the hull chart, bilinear, held past the grid's edge; NaN counts as 0."""
+        from scipy.interpolate import RegularGridInterpolator
+
+        axes = [o + s * np.arange(n) for o, s, n in zip(self.origin, self.step, self.value.shape, strict=True)]
+        look_up = RegularGridInterpolator(axes, self.value, bounds_error=False, fill_value=None)
+        low, high = (np.array([axis[end] for axis in axes]) for end in (0, -1))
+        return np.asarray(look_up(np.clip(np.nan_to_num(along_girth), low, high)))
 
 
 @dataclass(frozen=True, kw_only=True)

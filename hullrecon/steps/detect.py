@@ -13,13 +13,13 @@ import numpy as np
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.detection import coverage
 from hullrecon.detection.as_found.background import Background, FieldBackground, median_background
-from hullrecon.detection.as_found.estimate import Found, find_hull
-from hullrecon.detection.as_found.landmarks import Measured, measure
+from hullrecon.detection.as_found.hull_as_found import HullAsFound, estimate_hull_as_found
+from hullrecon.detection.as_found.landmarks import SurfaceLandmarks, measure_surface
 from hullrecon.detection.as_found.mesh import refine_near
-from hullrecon.detection.as_found.record import found_surface, surface_on_cad_model
-from hullrecon.detection.objects.detection import find_objects
+from hullrecon.detection.as_found.record import as_found_surface, surface_on_cad_model
+from hullrecon.detection.objects.find_objects import find_objects
 from hullrecon.detection.options import DetectOptions
-from hullrecon.detection.views import Views, sightings
+from hullrecon.detection.views import CameraViews, find_visibility
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import Chart, address, chart_from_arrays
@@ -35,8 +35,8 @@ from hullrecon.steps.cameras import cameras_file
 from hullrecon.typing import Array
 
 Facts = dict[str, object]
-PIECE_M = 0.12  # edges of the pieces on which coverage is summed
-PIECES_REACH_M = 2.0  # from what the survey saw; beyond, the CAD model's own faces are the pieces
+PIECE_M = 0.12  # edges of the hull_patches on which coverage is summed
+PIECES_REACH_M = 2.0  # from what the survey saw; beyond, the CAD model's own faces are the hull_patches
 DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
 
 
@@ -67,8 +67,8 @@ def run(context: Context) -> None:
     objects: list[Facts] = []
     if views is not None and measured is not None and len(measured) >= context.parameters.least_landmarks:
         background = _background(dive, measured, context.parameters)
-        found = find_hull(dive.base, measured, background, views, context.parameters)
-        context.out.arrays("as_found.npz", to_arrays(found_surface(found, measured)))
+        found = estimate_hull_as_found(dive.base, measured, background, views, context.parameters)
+        context.out.arrays("as_found.npz", to_arrays(as_found_surface(found, measured)))
         objects, more = _objects(found, measured, background, views, dive, context.parameters)
         facts.update(more)
     else:
@@ -94,7 +94,7 @@ def _dive(context: Context) -> Dive:
     return Dive(solution, T_x_g, T_x_v, base, drawn, surface, chart, hull.frame_spacing if hull is not None else None)
 
 
-def _views(context: Context, dive: Dive) -> Views | None:
+def _views(context: Context, dive: Dive) -> CameraViews | None:
     """The top camera's images; None without a camera or a landmark."""
     path, solution = cameras_file(context.inputs), dive.solution
     node = np.flatnonzero(solution.image[:, 0] >= 0)
@@ -105,7 +105,7 @@ def _views(context: Context, dive: Dive) -> Views | None:
     T_x_c = dive.T_x_v[node] @ tray @ solution.mounts.tray_from_camera
     index = from_arrays(ImageIndex, load_arrays(context.inputs["ingest"] / "images_camera_top.npz"))
     names = tuple(f"camera_top/{t}.jpg" for t in index.t_ns[solution.image[node, 0]].tolist())
-    return Views(
+    return CameraViews(
         T_x_c, node, names, camera, _farthest(T_x_c.translation, dive.T_x_g.apply(solution.landmarks.position), camera)
     )
 
@@ -118,15 +118,15 @@ def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
     return float(1.25 * usual / max(corner, 0.3))
 
 
-def _measured(dive: Dive, options: DetectOptions) -> Measured:
+def _measured(dive: Dive, options: DetectOptions) -> SurfaceLandmarks:
     position = dive.T_x_g.apply(dive.solution.landmarks.position)
     covariance = dive.solution.landmarks.covariance
-    return measure(
+    return measure_surface(
         Scene(dive.base), position, covariance, dive.solution.landmarks.views, options.farthest, 0.5 * options.threshold
     )
 
 
-def _background(dive: Dive, measured: Measured, options: DetectOptions) -> Background:
+def _background(dive: Dive, measured: SurfaceLandmarks, options: DetectOptions) -> Background:
     """The solution's deviation field where there is one, else running medians of the landmarks."""
     s = dive.solution
     field = s.deviation_field
@@ -136,7 +136,12 @@ def _background(dive: Dive, measured: Measured, options: DetectOptions) -> Backg
 
 
 def _objects(
-    found: Found, measured: Measured, background: Background, views: Views, dive: Dive, options: DetectOptions
+    found: HullAsFound,
+    measured: SurfaceLandmarks,
+    background: Background,
+    views: CameraViews,
+    dive: Dive,
+    options: DetectOptions,
 ) -> tuple[list[Facts], Facts]:
     height = measured.offset - background.at(measured.foot)[0]
     objects, rejected = find_objects(found, measured, height, views, dive.chart, options, dive.drawn)
@@ -156,19 +161,19 @@ def _without_camera(context: Context, dive: Dive, facts: Facts) -> None:
     facts["as_found"] = "from the DVL's surface"
 
 
-def _coverage(context: Context, dive: Dive, views: Views | None) -> Facts:
+def _coverage(context: Context, dive: Dive, views: CameraViews | None) -> Facts:
     """Areas seen by each sensor on the base surface, and holes in what the camera (else the DVL) saw."""
-    hull = coverage.pieces(_pieces(dive))
+    hull = coverage.hull_patches(_pieces(dive))
     scene = Scene(dive.base)
-    by_dvl = coverage.near_surface(hull, dive.surface.vertices[dive.surface.support > 0], DVL_REACH_M)
+    by_dvl = coverage.covered_by_surface(hull, dive.surface.vertices[dive.surface.support > 0], DVL_REACH_M)
     report: Facts = {"frame": "M" if dive.drawn else "g", "dvl": coverage.area_facts(hull, by_dvl), "camera": None}
     seen = by_dvl
     if views is not None:
-        by_camera = sightings(views, hull.mesh.vertices, hull.normal, scene)
+        by_camera = find_visibility(views, hull.mesh.vertices, hull.normal, scene)
         report["camera"] = coverage.camera_facts(hull, by_camera, views.camera.fx, len(views))
         seen = by_camera.views > 0
     report["sonar"] = _sonar(context, dive, hull, scene)
-    report["holes"] = coverage.holes(hull, seen, dive.chart, dive.address_of)
+    report["holes"] = coverage.find_holes(hull, seen, dive.chart, dive.address_of)
     return report
 
 
@@ -176,8 +181,8 @@ def _pieces(dive: Dive) -> Mesh:
     return refine_near(dive.base, dive.surface.vertices[::7], PIECE_M, PIECES_REACH_M)
 
 
-def _sonar(context: Context, dive: Dive, hull: coverage.Hull, scene: Scene) -> Facts | None:
-    """None when no sonar was carried."""
+def _sonar(context: Context, dive: Dive, hull: coverage.HullPatches, scene: Scene) -> Facts | None:
+    """None when no sonar was carry_over."""
     ingest, settings = context.inputs["ingest"], context.settings["sonar"]
     if settings is None or not (ingest / "sonar.npz").exists():
         return None
@@ -188,7 +193,7 @@ def _sonar(context: Context, dive: Dive, hull: coverage.Hull, scene: Scene) -> F
         angle = np.interp(pings.t_ns, servo.t_ns, servo.angle)
     T_x_v = poses.interpolate(dive.solution.t_ns, dive.T_x_v, pings.t_ns)
     T_x_o = T_x_v @ poses.tray_poses(np.array(settings.origin), angle) @ poses.from_mount(settings.mount)
-    seen = coverage.sonar_seen(hull, pings, T_x_o, math.radians(settings.elevation_deg) / 2, scene)
+    seen = coverage.visible_to_sonar(hull, pings, T_x_o, math.radians(settings.elevation_deg) / 2, scene)
     return {"pings": len(pings.t_ns), **coverage.area_facts(hull, seen)}
 
 

@@ -14,14 +14,14 @@ from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.dive.config.schema import Sonar
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses, from_mount, interpolate, tray_poses
-from hullrecon.mosaic.imagery.camera_views import Footprint
+from hullrecon.mosaic.imagery.camera_views import Footprints
 from hullrecon.mosaic.options import SonarOptions
-from hullrecon.mosaic.position_sigma import Stance, place_sigma
+from hullrecon.mosaic.position_sigma import PingUncertainty, position_sigma
 from hullrecon.mosaic.sonar import sonar_mosaic
 from hullrecon.records.sensors import JointSamples, SonarPings
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.steps.mosaics import Scenery, scenery, write_mosaic
+from hullrecon.steps.mosaics import MosaicInputs, scenery, write_mosaic
 
 
 def applies(settings: Mapping[str, Any]) -> str | None:
@@ -40,11 +40,13 @@ def run(context: Context) -> None:
     sonar: Sonar = context.settings["sonar"]
     poses = sonar_poses(place.track, pings.t_ns, angles, sonar)
     try:
-        made = sonar_mosaic(place.ground, pings, poses, np.radians(sonar.elevation_deg), options, context.progress)
+        made = sonar_mosaic(place.surface, pings, poses, np.radians(sonar.elevation_deg), options, context.progress)
     except ValueError as error:
         raise StageError(f"no sonar mosaic: {error}", where="mosaic-sonar", remedy="check the mount of the sonar") from error
-    spread = place_spread(place, pings.t_ns, poses, sonar, made.footprint)
-    remarks = ["returns brought to one level by range, beam and ping"] if made.lit else ["returns left as they were"]
+    spread = place_spread(place, pings.t_ns, poses, sonar, made.footprints)
+    remarks = (
+        ["returns brought to one level by range, beam and ping"] if made.light_corrected else ["returns left as they were"]
+    )
     facts = {
         **spread,
         "pings": len(pings.t_ns),
@@ -67,19 +69,19 @@ def sonar_poses(track: VehicleTrack, t_ns: NDArray[np.int64], angles: JointSampl
 
 
 def place_spread(
-    place: Scenery, t_ns: NDArray[np.int64], poses: Poses, sonar: Sonar, footprint: Footprint
+    place: MosaicInputs, t_ns: NDArray[np.int64], poses: Poses, sonar: Sonar, footprints: Footprints
 ) -> dict[str, float | None]:
     """One sigma of a texel's place on the hull, in the median over pings and their footprints, and what the mount has of it."""
-    track, chart = place.track, place.ground.chart
+    track, chart = place.track, place.surface.chart
     near = np.minimum(np.searchsorted(track.t_ns, t_ns), len(track.t_ns) - 1)
-    stance = Stance(
+    pings = PingUncertainty(
         sonar=poses, vehicle=interpolate(track.t_ns, track.poses, t_ns), pose_covariance=track.covariance[near],
         servo_from_sonar=from_mount(sonar.mount),
         mount_sigma=np.r_[sonar.mount_sigma[:3], np.radians(sonar.mount_sigma[3:])],
     )  # fmt: skip
-    normals = chart.from_chart(footprint.at.reshape(-1, 2))[1].reshape(footprint.point.shape)
+    normals = chart.from_chart(footprints.at.reshape(-1, 2))[1].reshape(footprints.point.shape)
     names = ("position_sigma_m", "position_sigma_of_mount_m")
-    both = place_sigma(stance, footprint.point, normals)
+    both = position_sigma(pings, footprints.point, normals)
     return {n: float(np.nanmedian(s)) if np.isfinite(s).any() else None for n, s in zip(names, both, strict=True)}
 
 

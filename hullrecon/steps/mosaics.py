@@ -13,12 +13,12 @@ import numpy as np
 from hullrecon.artifacts.graph.stage import Context, load_arrays
 from hullrecon.geometry.charts.chart import chart_from_arrays
 from hullrecon.geometry.charts.viewing_side import UP, flips
+from hullrecon.mosaic.charted_surface import ChartedSurface, charted_surface
 from hullrecon.mosaic.grid import TexelGrid
-from hullrecon.mosaic.ground import Ground, ground_of
 from hullrecon.mosaic.output.preview import Caption, preview_png
 from hullrecon.mosaic.output.raster import write_raster
-from hullrecon.mosaic.output.store import TileStore
-from hullrecon.mosaic.output.textured import glb_bytes, sheet_of
+from hullrecon.mosaic.output.textured_mesh import build_textured_mesh, encode_glb
+from hullrecon.mosaic.output.tile_store import TileStore
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import Surface
@@ -29,16 +29,16 @@ PERCENT = (50, 90, 95, 99)
 
 
 @dataclass(frozen=True)
-class Scenery:
+class MosaicInputs:
     """The surface with its chart, and the vehicle over it, in one frame (M, or g without a CAD model)."""
 
-    ground: Ground
+    surface: ChartedSurface
     track: VehicleTrack
     solution: Solution | None
     surface_name: str
 
 
-def scenery(context: Context, reach_m: float) -> Scenery:
+def scenery(context: Context, reach_m: float) -> MosaicInputs:
     """The surface as found where there is one, else that of the DVL."""
     folder = context.inputs
     adjusted = folder["adjust"] / "solution.npz" if "adjust" in folder else None
@@ -48,12 +48,11 @@ def scenery(context: Context, reach_m: float) -> Scenery:
     name = "as found" if found and found.exists() else "of the survey"
     surface = from_arrays(Surface, load_arrays(found if found and found.exists() else folder["surface"] / "surface.npz"))
     chart = chart_from_arrays(load_arrays(folder["surface"] / "chart.npz"))
-    ground = ground_of(surface.mesh(), chart, reach_m)
-    return Scenery(ground, track_of(trajectory, solution), solution, name)
+    return MosaicInputs(charted_surface(surface.mesh(), chart, reach_m), track_of(trajectory, solution), solution, name)
 
 
 def write_mosaic(
-    context: Context, place: Scenery, store: TileStore, title: str, facts: Mapping[str, Any], sizes: tuple[int, int]
+    context: Context, place: MosaicInputs, store: TileStore, title: str, facts: Mapping[str, Any], sizes: tuple[int, int]
 ) -> None:
     """ortho.tif, variance.tif, ortho.png, mosaic.glb, mosaic.json. sizes: of the texture in pixels, of the mesh in faces."""
     grid, frame = store.grid, place.track.frame
@@ -62,21 +61,21 @@ def write_mosaic(
     with context.out.path("variance.tif") as path:
         write_raster(path, store.variance_tiles(), grid, store.size, 1, "float32", frame)
     document = mosaic_document(store, frame, {**facts, "surface": place.surface_name})
-    legend = f"{document['caption']} Seen from outside; contrast stretched; light gray: not seen."
+    legend = f"{document['caption']} Seen from outside; contrast stretch_contrast; light gray: not seen."
     spacing = context.settings["hull.frame_spacing"]
     caption = Caption(title, legend, frame, spacing if frame == "M" else None, _seen_from_outside(place, grid))
     context.out.bytes("ortho.png", preview_png(store.small, grid.west, grid.north, grid.step_m * store.reduction, caption))
-    sheet = sheet_of(place.ground, grid, store.small[..., -1], store.reduction, sizes[1])
-    if len(sheet.faces):
-        context.out.bytes("mosaic.glb", glb_bytes(sheet, store.small, upright=frame == "M"))
+    mesh = build_textured_mesh(place.surface, grid, store.small[..., -1], store.reduction, sizes[1])
+    if len(mesh.faces):
+        context.out.bytes("mosaic.glb", encode_glb(mesh, store.small, upright=frame == "M"))
     else:
         context.warn("too little was seen for a textured mesh")
     context.out.json("mosaic.json", document)
 
 
-def _seen_from_outside(place: Scenery, grid: TexelGrid) -> tuple[bool, bool]:
+def _seen_from_outside(place: MosaicInputs, grid: TexelGrid) -> tuple[bool, bool]:
     rows, columns = (np.linspace(0, n - 1, 12) for n in (grid.height, grid.width))
-    return flips(place.ground.chart, grid.centers(rows, columns).reshape(-1, 2), UP[place.track.frame])
+    return flips(place.surface.chart, grid.centers(rows, columns).reshape(-1, 2), UP[place.track.frame])
 
 
 def mosaic_document(store: TileStore, frame: str, facts: Mapping[str, Any]) -> dict[str, Any]:

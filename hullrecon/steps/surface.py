@@ -22,13 +22,13 @@ from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Returns, Trajectory
-from hullrecon.surface.build import LEAST_LEAN, Cloud, build_surface
+from hullrecon.surface.build import MIN_FACING, SurfacePoints, build_surface
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.surface.outliers import statistical_inliers
 from hullrecon.surface.returns import pose_sigma_along, return_points
 from hullrecon.typing import Array, Mask
 
-MOST_FOLDED = 0.01  # share of returns that may lie where the hull turns away from the plane
+MAX_FOLDED_SHARE = 0.01  # share of returns that may lie where the hull turns away from the plane
 
 
 @dataclass(frozen=True)
@@ -143,12 +143,12 @@ def _chart(context: Context, hull: Mesh | None, points: Array, place: Placement)
     return chart_for_hull(hull) if hull is not None else chart_for_points(points, toward=place.T_x_v.translation)
 
 
-def _cloud(points: Array, returns: Returns, place: Placement, chart: Chart, sigma_range: float) -> Cloud:
+def _cloud(points: Array, returns: Returns, place: Placement, chart: Chart, sigma_range: float) -> SurfacePoints:
     _, normals = chart.from_chart(chart.to_chart(points)[:, :2])
     T_x_v = place.T_x_v[returns.node]
     levers = points - T_x_v.translation
     shared = pose_sigma_along(normals, levers, place.covariance[returns.node], T_x_v.rotation.as_matrix())
-    return Cloud(points, np.full(len(points), sigma_range), np.nan_to_num(shared), np.ones(len(points), bool))
+    return SurfacePoints(points, np.full(len(points), sigma_range), np.nan_to_num(shared), np.ones(len(points), bool))
 
 
 def _landmarks(solution: Solution, hull: Mesh | None, options: SurfaceOptions) -> tuple[Array, Array]:
@@ -161,10 +161,10 @@ def _landmarks(solution: Solution, hull: Mesh | None, options: SurfaceOptions) -
     return points[kept], np.sqrt(variance[good])[kept]
 
 
-def _with_landmarks(cloud: Cloud, points: Array, noise: Array) -> Cloud:
+def _with_landmarks(cloud: SurfacePoints, points: Array, noise: Array) -> SurfacePoints:
     """Landmarks join the returns; where there are none, they support the surface themselves."""
     n, alone = len(points), not len(cloud.point)
-    return Cloud(
+    return SurfacePoints(
         np.vstack([cloud.point, points]),
         np.concatenate([cloud.noise, noise]),
         np.concatenate([cloud.pose_sigma, np.full(n, 0.0 if alone else float(np.median(cloud.pose_sigma)))]),
@@ -172,7 +172,7 @@ def _with_landmarks(cloud: Cloud, points: Array, noise: Array) -> Cloud:
     )
 
 
-def _reference(cloud: Cloud, chart: Chart, reference: str, place: Placement) -> tuple[Chart, PlaneChart | None]:
+def _reference(cloud: SurfacePoints, chart: Chart, reference: str, place: Placement) -> tuple[Chart, PlaneChart | None]:
     """The chart on which is regressed, and the plane whose heights are, None where it is the chart's own offsets."""
     if reference == "cad":
         return chart, None
@@ -181,7 +181,7 @@ def _reference(cloud: Cloud, chart: Chart, reference: str, place: Placement) -> 
         return chart, plane
     _, normals = chart.from_chart(chart.to_chart(cloud.point)[:, :2])
     facing = normals[np.isfinite(normals).all(axis=1)] @ plane.axes[2]
-    if np.mean(facing < LEAST_LEAN) > MOST_FOLDED:
+    if np.mean(facing < MIN_FACING) > MAX_FOLDED_SHARE:
         raise StageError(
             "the hull bends too far around for a plane",
             where="surface",

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from hullrecon.surface.factor import Factor, NotPositiveDefiniteError, factor
+from hullrecon.surface.factor import Factor, NotPositiveDefiniteError, factorise
 from hullrecon.surface.kernels import Kernel
 from hullrecon.typing import Array
 
@@ -33,11 +33,11 @@ class Regression:
     def sigma(self, wanted: Array, noise: float = 0.0) -> Array:
         """Deviations [Ozog2016 eq. 3.3] at (m, 2): one sigma of the surface; with the noise of a return, one sigma of the next
         return."""
-        parts = [self._explained(wanted[i : i + CHUNK]) for i in range(0, len(wanted), CHUNK)]
+        parts = [self._explained_variance(wanted[i : i + CHUNK]) for i in range(0, len(wanted), CHUNK)]
         variance = np.concatenate([np.zeros(0), *parts])
         return np.asarray(np.sqrt(np.maximum(0.0, self.kernel.sigma**2 - variance) + noise**2))
 
-    def _explained(self, wanted: Array) -> Array:
+    def _explained_variance(self, wanted: Array) -> Array:
         cross = self.kernel.matrix(self.at, wanted).toarray()
         return np.asarray(np.einsum("nm,nm->m", cross, self.factor.solve(cross)))
 
@@ -50,7 +50,7 @@ def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
     covariance = kernel.matrix(at, at)
     if kernel.form == "radial":
         _require_covariance(kernel, covariance)
-    solver = factor(covariance + sparse.diags_array(noise**2).tocsr())
+    solver = factorise(covariance + sparse.diags_array(noise**2).tocsr())
     return Regression(kernel, at, noise, solver.solve(values), solver)
 
 
@@ -64,7 +64,9 @@ def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array, threshold
     return result
 
 
-def most_likely(start: Kernel, at: Array, values: Array, noise: Array, limit: tuple[float, float]) -> tuple[Kernel, float]:
+def maximise_likelihood(
+    start: Kernel, at: Array, values: Array, noise: Array, limit: tuple[float, float]
+) -> tuple[Kernel, float]:
     """Lengths and sigma of the field, and a factor on the noise, by marginal likelihood; lengths stay within `limit` m."""
     from scipy.optimize import minimize
 

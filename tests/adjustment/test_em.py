@@ -22,21 +22,32 @@ def wall():
     nodes = poses.from_rpy(np.c_[0.15 * np.arange(n), np.zeros(n), np.zeros(n)], np.zeros((n, 3)))
     off = np.arange(count) % 6 == 0
     true = np.c_[rng.uniform(0, 1, count), rng.uniform(-0.4, 0.4, count), np.where(off, 0.9, 1.0)]
-    p = native.Problem(pose=np.hstack([nodes.translation, nodes.quaternion, np.zeros((n, 1))]))
-    p.constant = ("T_s_ct", "T_ct_cb", "T_s_d", "T_g_M", "navigation", "intrinsics_top", "intrinsics_bottom", "tray")
-    p.vertices = np.array([[-3.0, -3, 1], [4, -3, 1], [4, 3, 1], [-3, 3, 1]])
-    p.faces = np.array([[0, 2, 1], [0, 3, 2]], np.int32)
-    p.prior_pose_node, p.prior_pose = np.arange(n, dtype=np.int32), p.pose[:, :7].copy()
-    p.prior_pose_sqrt = np.tile(np.eye(6) / 0.02, (n, 1, 1))
-    p.intrinsics_top = np.array([500.0, 500, 320, 240, 0, 0, 0, 0, 0])
+    pose = np.hstack([nodes.translation, nodes.quaternion])
     node, landmark = np.repeat(np.arange(n), count), np.tile(np.arange(count), n)
     at = true[landmark] - nodes.translation[node]
-    p.mono_node, p.mono_landmark = node.astype(np.int32), landmark.astype(np.int32)
-    p.mono_camera, p.mono_pixel = np.zeros(len(node), np.int32), 500 * at[:, :2] / at[:, 2:] + [320, 240]
-    p.mono_pixel = p.mono_pixel + 0.3 * rng.standard_normal(p.mono_pixel.shape)
-    p.landmark = true + 0.03 * rng.standard_normal(true.shape)
-    p.surface_landmark, p.surface_weight = np.arange(count, dtype=np.int32), np.ones(count)
-    return p, off
+    pixel = 500 * at[:, :2] / at[:, 2:] + [320, 240]
+    pixel = pixel + 0.3 * rng.standard_normal(pixel.shape)
+    first = np.zeros(len(node), np.int32)
+    problem = native.Problem(
+        unknowns=native.Unknowns(
+            pose=np.hstack([pose, np.zeros((n, 1))]),
+            landmark=true + 0.03 * rng.standard_normal(true.shape),
+            intrinsics_top=np.array([500.0, 500, 320, 240, 0, 0, 0, 0, 0]),
+        ),
+        constant=("T_s_ct", "T_ct_cb", "T_s_d", "T_g_M", "navigation", "intrinsics_top", "intrinsics_bottom", "tray"),
+        cad_mesh=native.CadMesh(
+            vertices=np.array([[-3.0, -3, 1], [4, -3, 1], [4, 3, 1], [-3, 3, 1]]),
+            faces=np.array([[0, 2, 1], [0, 3, 2]], np.int32),
+        ),
+        priors=native.Priors(
+            pose=native.PosePriors(
+                node=np.arange(n, dtype=np.int32), value=pose, sqrt_information=np.tile(np.eye(6) / 0.02, (n, 1, 1))
+            )
+        ),
+        mono=native.MonoTable(node=node.astype(np.int32), landmark=landmark.astype(np.int32), camera=first, pixel=pixel),
+        surface=native.SurfaceTable(landmark=np.arange(count, dtype=np.int32), weight=np.ones(count)),
+    )
+    return problem, off
 
 
 def test_both_ways_reach_the_same_cost_and_labels(wall) -> None:
@@ -79,7 +90,7 @@ def test_labels_that_change_between_solves_are_counted(wall) -> None:
 
 def test_a_loop_that_is_cut_short_says_that_it_did_not_settle(wall) -> None:
     problem, _ = wall
-    problem.landmark[:, 2] += 0.2
+    problem.unknowns.landmark[:, 2] += 0.2
     got = hard_em.solve(problem, dataclasses.replace(OPTIONS, max_iterations=2), most_turns=1)
     assert not got.converged
     assert got.message.startswith("1 turns of EM")
@@ -87,13 +98,17 @@ def test_a_loop_that_is_cut_short_says_that_it_did_not_settle(wall) -> None:
 
 def test_labels_are_those_that_the_solver_gives_with_a_field_too(wall) -> None:
     problem, _ = wall
-    count = len(problem.landmark)
-    problem.deviation = np.array([0.0, -0.03])
-    problem.surface_field_index = np.tile(np.array([0, 1, 0, 1], np.int32), (count, 1))
-    problem.surface_field_weight = np.tile([0.5, 0.5, 0.0, 0.0], (count, 1))
+    count = len(problem.surface.landmark)
+    nodes = native.FieldNodes(
+        index=np.tile(np.array([0, 1, 0, 1], np.int32), (count, 1)), weight=np.tile([0.5, 0.5, 0.0, 0.0], (count, 1))
+    )
+    problem = dataclasses.replace(
+        problem,
+        unknowns=dataclasses.replace(problem.unknowns, deviation=np.array([0.0, -0.03])),
+        surface=dataclasses.replace(problem.surface, field=nodes),
+    )
     got = native.solve(problem, OPTIONS)
-    problem.landmark, problem.pose = got.unknowns["landmark"], got.unknowns["pose"]
-    np.testing.assert_array_equal(hard_em.labels(problem, got.distance, OPTIONS), got.label)
+    np.testing.assert_array_equal(hard_em.labels(problem.started_from(got.unknowns), got.distance, OPTIONS), got.label)
     assert (got.label == 0).sum() > 5
 
 

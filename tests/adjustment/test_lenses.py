@@ -44,25 +44,35 @@ def problem():
     at = np.c_[rng.uniform(-0.3, 0.3, (10, 2)), np.tile([0.0, 0.4], 5)]
     nodes = poses.from_rpy(at, 0.1 * rng.standard_normal((10, 3)))
     points = np.c_[rng.uniform(-0.5, 0.5, (80, 2)), rng.uniform(1.4, 1.8, 80)]
-    p = native.Problem(pose=np.hstack([nodes.translation, nodes.quaternion, np.zeros((10, 1))]), landmark=points)
-    p.constant = (
-        "T_s_ct",
-        "T_ct_cb",
-        "T_s_d",
-        "T_g_M",
-        "navigation",
-        "intrinsics_top",
-        "intrinsics_bottom",
-        "tray",
-        "deviation",
-    )
-    p.prior_pose_node, p.prior_pose = np.arange(10, dtype=np.int32), p.pose[:, :7].copy()
-    p.prior_pose_sqrt = np.tile(np.eye(6) / 1e-3, (10, 1, 1))
+    pose = np.hstack([nodes.translation, nodes.quaternion])
     node, landmark = np.repeat(np.arange(10), 80), np.tile(np.arange(80), 10)
-    p.mono_node, p.mono_landmark, p.mono_camera = (a.astype(np.int32) for a in (node, landmark, 0 * node))
-    p.mono_pixel = TRUE.project(nodes.inverse()[node].apply(points[landmark])) + 0.1 * rng.standard_normal((800, 2))
-    p.sigma_px = 0.1
-    return p
+    pixel = TRUE.project(nodes.inverse()[node].apply(points[landmark])) + 0.1 * rng.standard_normal((800, 2))
+    return native.Problem(
+        unknowns=native.Unknowns(pose=np.hstack([pose, np.zeros((10, 1))]), landmark=points),
+        constant=(
+            "T_s_ct",
+            "T_ct_cb",
+            "T_s_d",
+            "T_g_M",
+            "navigation",
+            "intrinsics_top",
+            "intrinsics_bottom",
+            "tray",
+            "deviation",
+        ),
+        priors=native.Priors(
+            pose=native.PosePriors(
+                node=np.arange(10, dtype=np.int32), value=pose, sqrt_information=np.tile(np.eye(6) / 1e-3, (10, 1, 1))
+            )
+        ),
+        mono=native.MonoTable(
+            node=node.astype(np.int32),
+            landmark=landmark.astype(np.int32),
+            camera=np.zeros(800, np.int32),
+            pixel=pixel,
+        ),
+        sigma_px=0.1,
+    )
 
 
 def test_nothing_is_freed_unless_asked_for(problem, rig) -> None:
@@ -86,10 +96,11 @@ def test_a_wrong_focal_length_is_found(problem, rig) -> None:
 
 
 def test_every_round_starts_from_the_calibration(problem, rig) -> None:
-    problem.intrinsics_top = TRUE.parameters()  # what the round before found
+    found_before = replace(problem.unknowns, intrinsics_top=TRUE.parameters())
+    problem = problem.started_from(found_before)
     free = intrinsics.freed(problem, rig, ASKED)
-    np.testing.assert_array_equal(free.intrinsics_top, CALIBRATED.parameters())
-    np.testing.assert_array_equal(problem.intrinsics_top, TRUE.parameters())
+    np.testing.assert_array_equal(free.unknowns.intrinsics_top, CALIBRATED.parameters())
+    np.testing.assert_array_equal(problem.unknowns.intrinsics_top, TRUE.parameters())
 
 
 def test_priors_are_shares_of_the_focal_length_and_pixels() -> None:

@@ -196,5 +196,5 @@ def test_as_published_the_hulls_covariance_is_the_solves_own():
 def test_the_last_problem_stands_at_the_solution():
     adjusted = solved().adjusted
     for name in ("pose", "landmark", "deviation"):
-        np.testing.assert_array_equal(getattr(adjusted.problem, name), adjusted.result.unknowns[name])
-    assert simulate().measured.trajectory.translation.tobytes() == adjusted.start.pose[:, :3].tobytes()
+        np.testing.assert_array_equal(getattr(adjusted.problem.unknowns, name), getattr(adjusted.result.unknowns, name))
+    assert simulate().measured.trajectory.translation.tobytes() == adjusted.start.unknowns.pose[:, :3].tobytes()

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.odometry import velocity_variance
 from hullrecon.navigation.dead_reckoning.reckoning import reckon
 from hullrecon.navigation.sensors.attitude import (
@@ -21,7 +22,6 @@ from hullrecon.navigation.sensors.attitude import (
 from hullrecon.navigation.sensors.depth import hold_to_pressure
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import Velocities, usable_velocities
-from hullrecon.navigation.vehicle import cross_matrix
 from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples
 
 SECOND = 1_000_000_000

@@ -9,6 +9,7 @@ import pytest
 
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.dead_reckon import dead_reckon
 from hullrecon.navigation.options import NavigateOptions
 
@@ -40,7 +41,7 @@ def test_attitude_has_the_depth_of_the_sensor_and_not_of_the_vehicle(swim, found
     t = (found.trajectory.t_ns - 1_777_887_000_000_000_000) * 1e-9
     sensor = swim.poses(t).apply(vehicle.pressure_origin)[:, 2]
     assert np.abs(found.attitude.depth - sensor).max() < 3e-3
-    rpy = poses.roll_pitch_yaw(swim.attitude(t))
+    rpy = roll_pitch_yaw(swim.attitude(t))
     assert np.allclose(np.stack([found.attitude.roll, found.attitude.pitch], 1), rpy[:, :2], atol=1e-3)
     assert found.attitude.sigma[0].tolist() == [vehicle.sigma_depth, vehicle.sigma_tilt, vehicle.sigma_tilt]
 

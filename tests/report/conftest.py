@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from hullrecon.dive.config.schema import Dive, Hull
 from hullrecon.geometry.cameras import CameraModel
-from hullrecon.geometry.poses import from_rpy
+from hullrecon.geometry.poses import from_rpy, identity
 from hullrecon.records.sensors import DvlPings, ImageIndex
-from hullrecon.records.solution import Solution
+from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.report.content.survey import Eye, StepRun, Survey
@@ -25,8 +25,7 @@ from hullrecon.report.export.trajectory import track_of
 
 NODES = 5
 START = 1_777_887_000_468_241_234
-IDENTITY = np.array([0.0, 0, 0, 0, 0, 0, 1])
-TURNED = np.array([10.0, 20.0, 3.0, 1.0, 0.0, 0.0, 0.0])  # T_g_M: moved, and turned by 180 degrees about x
+TURNED = from_rpy([10.0, 20.0, 3.0], [np.pi, 0.0, 0.0])  # T_g_M: moved, and turned by 180 degrees about x
 CAMERA = CameraModel(width=400, height=320, fx=500.0, fy=500.0, cx=199.5, cy=159.5)
 
 
@@ -61,32 +60,29 @@ def trajectory() -> Trajectory:
 
 @pytest.fixture
 def solution(trajectory: Trajectory) -> Solution:
-    landmark = np.array([[10.0, 21.0, 3.0], [11.0, 21.5, 2.9], [12.0, 20.5, 3.0]])
     return Solution(
         t_ns=trajectory.t_ns,
         image=trajectory.image,
-        quaternion=trajectory.quaternion,
-        translation=trajectory.translation,
+        global_from_vehicle=trajectory.poses(),
         tray=trajectory.tray,
         tray_sigma=np.full(NODES, 0.001),
         pose_covariance=np.tile(np.diag([0.5, 0.02, 0.01, 0.001, 0.001, 0.002]) ** 2, (NODES, 1, 1)),
-        landmark=landmark,
-        landmark_covariance=np.tile(np.diag([0.001, 0.002, 0.002]) ** 2, (3, 1, 1)),
-        label=np.array([1, 0, 1]),
-        deviation=np.array([0.0, 0.1, -0.004]),
-        views=np.array([4, 6, 2]),
-        color=np.array([[10, 20, 30], [40, 50, 60], [70, 80, 90]], np.uint8),
-        T_g_M=TURNED,
-        T_s_ct=IDENTITY,
-        T_ct_cb=np.full(7, np.nan),
-        T_s_d=IDENTITY,
-        hull_covariance=np.diag([0.25, 1e-4, 1e-4, 1e-6, 1e-6, 1e-6]),
-        survey_center=np.array([1.0, -1.0, 0.0]),
-        navigation=np.zeros(6),
-        field_origin=np.zeros(2),
-        field_step=np.ones(2),
-        field_value=np.zeros((2, 2)),
-        field_sigma=np.zeros((2, 2)),
+        landmarks=Landmarks(
+            position=np.array([[10.0, 21.0, 3.0], [11.0, 21.5, 2.9], [12.0, 20.5, 3.0]]),
+            covariance=np.tile(np.diag([0.001, 0.002, 0.002]) ** 2, (3, 1, 1)),
+            label=np.array([1, 0, 1]),
+            deviation=np.array([0.0, 0.1, -0.004]),
+            views=np.array([4, 6, 2]),
+            color=np.array([[10, 20, 30], [40, 50, 60], [70, 80, 90]], np.uint8),
+        ),
+        mounts=Mounts(tray_from_dvl=identity(), tray_from_camera=identity(), top_from_bottom=None),
+        navigation_errors=np.zeros(6),
+        hull_pose=HullPose(
+            global_from_hull=TURNED,
+            covariance=np.diag([0.25, 1e-4, 1e-4, 1e-6, 1e-6, 1e-6]),
+            survey_center=np.array([1.0, -1.0, 0.0]),
+        ),
+        deviation_field=None,
     )
 
 

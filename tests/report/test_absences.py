@@ -18,14 +18,14 @@ def test_a_whole_dive_lacks_nothing(solution: Solution) -> None:
 
 
 def test_without_cameras_all_that_needs_images_says_so(solution: Solution) -> None:
-    blind = replace(solution, landmark=np.zeros((0, 3)))
+    blind = replace(solution, landmarks=replace(solution.landmarks, position=np.zeros((0, 3))))
     reasons = absences({**ALL, "camera.top": None}, ("ingest", "navigate", "adjust", "surface", "mosaic-sonar"), blind)
     assert {reasons[k] for k in ("ortho_optical.tif", "landmarks.ply", "colmap/")} == {"no camera was carried"}
     assert "ortho_sonar.tif" not in reasons
 
 
 def test_without_a_cad_model_there_is_no_alignment(solution: Solution) -> None:
-    reasons = absences({**ALL, "hull": None}, CHAIN, replace(solution, T_g_M=np.full(7, np.nan)))
+    reasons = absences({**ALL, "hull": None}, CHAIN, replace(solution, hull_pose=None))
     assert list(reasons) == ["alignment.json"]
     assert "no CAD model was given" in reasons["alignment.json"]
 

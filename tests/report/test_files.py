@@ -64,9 +64,9 @@ def test_without_a_solution_the_trajectory_is_dead_reckoned_in_g(trajectory: Tra
 
 
 def test_without_a_cad_model_the_trajectory_is_adjusted_in_g(trajectory: Trajectory, solution: Solution) -> None:
-    track = track_of(trajectory, replace(solution, T_g_M=np.full(7, np.nan)))
+    track = track_of(trajectory, replace(solution, hull_pose=None))
     assert track.frame == "g"
-    np.testing.assert_allclose(track.poses.translation, solution.translation)
+    np.testing.assert_allclose(track.poses.translation, solution.global_from_vehicle.translation)
 
 
 def test_the_tum_file_holds_the_same_poses(trajectory: Trajectory, solution: Solution) -> None:
@@ -121,14 +121,14 @@ def test_the_alignment_names_its_prior_and_its_weak_directions(solution: Solutio
     said = alignment_json(solution, hull, [{"sigma": 0.5, "sentence": "along"}])
     assert said["T_g_M"]["translation"] == [10.0, 20.0, 3.0]
     np.testing.assert_allclose(np.abs(said["prior"]["quaternion"]), [1, 0, 0, 0], atol=1e-9)
-    assert said["covariance"] == solution.hull_covariance.tolist()
+    assert said["covariance"] == solution.hull_pose.covariance.tolist()
     assert said["covariance_order"].startswith("translation x y z in g")  # as Solution has it: added in the parent frame
     assert said["weak_directions"][0]["sentence"] == "along"
 
 
 def test_an_alignment_without_a_cad_model_is_refused(solution: Solution) -> None:
     with pytest.raises(ValueError, match="no CAD model"):
-        alignment_json(replace(solution, T_g_M=np.full(7, np.nan)), Hull(mesh="h"), [])
+        alignment_json(replace(solution, hull_pose=None), Hull(mesh="h"), [])
 
 
 def test_objects_have_one_line_each(found: dict[str, Any]) -> None:

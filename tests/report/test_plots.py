@@ -95,5 +95,5 @@ def test_the_histogram_weighs_a_surface_by_its_area(plate: Surface, solution: So
 
 
 def test_without_a_cad_model_there_is_no_histogram(plate: Surface, solution: Solution) -> None:
-    lost = replace(solution, deviation=np.full(3, np.nan))
+    lost = replace(solution, landmarks=replace(solution.landmarks, deviation=np.full(3, np.nan)))
     assert deviation_histogram(lost, replace(plate, deviation=np.full(15, np.nan))) is None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import zipfile
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,15 +19,14 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
-from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.geometry.poses import Poses, from_mount, identity
 from hullrecon.records.sensors import ImageIndex, JointSamples, SonarPings
 from hullrecon.records.serialisation import from_arrays, to_arrays
-from hullrecon.records.solution import Solution
+from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import Surface
 from hullrecon.steps.detect import STAGE
 
 OFF, HEIGHT = -0.010, 0.09  # the wall is 1 cm behind its CAD model and carries a disc 9 cm high
-STILL = np.array([0, 0, 0, 0, 0, 0, 1.0])
 T_g_M = from_mount([5, 7, 3, 180, 0, 0])
 CHART = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
 
@@ -51,14 +50,25 @@ def _solution(landmarks: np.ndarray) -> Solution:
     T_g_v = T_g_M[np.zeros(n, int)] @ hull_from_vehicle
     grid = np.full((9, 5), OFF)
     return Solution(
-        t_ns=1000 + np.arange(n), image=np.column_stack([np.arange(n), np.full(n, -1)]), quaternion=T_g_v.quaternion,
-        translation=T_g_v.translation, tray=np.zeros(n), tray_sigma=np.zeros(n), pose_covariance=np.zeros((n, 6, 6)),
-        landmark=T_g_M.apply(landmarks), landmark_covariance=np.tile(np.diag([0.1, 0.01, 0.01]) ** 2, (m, 1, 1)),
-        label=np.ones(m, np.int64), deviation=landmarks[:, 1] - 2, views=np.full(m, 6), color=np.zeros((m, 3), np.uint8),
-        T_g_M=np.r_[T_g_M.translation[0], T_g_M.quaternion[0]], T_s_ct=STILL, T_ct_cb=STILL, T_s_d=STILL,
-        hull_covariance=np.eye(6), survey_center=np.zeros(3), navigation=np.zeros(6), field_origin=np.array([0.0, 0.0]),
-        field_step=np.array([0.5, 0.5]), field_value=grid, field_sigma=np.abs(grid),
-    )  # fmt: skip
+        t_ns=1000 + np.arange(n),
+        image=np.column_stack([np.arange(n), np.full(n, -1)]),
+        global_from_vehicle=T_g_v,
+        tray=np.zeros(n),
+        tray_sigma=np.zeros(n),
+        pose_covariance=np.zeros((n, 6, 6)),
+        landmarks=Landmarks(
+            position=T_g_M.apply(landmarks),
+            covariance=np.tile(np.diag([0.1, 0.01, 0.01]) ** 2, (m, 1, 1)),
+            label=np.ones(m, np.int64),
+            deviation=landmarks[:, 1] - 2,
+            views=np.full(m, 6),
+            color=np.zeros((m, 3), np.uint8),
+        ),
+        mounts=Mounts(tray_from_dvl=identity(), tray_from_camera=identity(), top_from_bottom=None),
+        navigation_errors=np.zeros(6),
+        hull_pose=HullPose(global_from_hull=T_g_M, covariance=np.eye(6), survey_center=np.zeros(3)),
+        deviation_field=DeviationField(origin=np.zeros(2), step=np.full(2, 0.5), value=grid, sigma=np.abs(grid)),
+    )
 
 
 def _dvl_surface() -> Surface:
@@ -84,16 +94,14 @@ class Bench:
         self.hull = False
         unknown = np.full(len(self.surface.sigma), np.nan)
         self.surface = replace(self.surface, vertices=T_g_M.apply(self.surface.vertices), deviation=unknown)
-        none = np.zeros((0, 0))
-        self.solution = replace(self.solution, T_g_M=np.full(7, np.nan), field_value=none, field_sigma=none)
+        self.solution = replace(self.solution, hull_pose=None, deviation_field=None)
 
     def without_camera(self) -> None:
         self.camera = False
         s = self.solution
-        self.solution = replace(
-            s, image=np.full_like(s.image, -1), landmark=s.landmark[:0], landmark_covariance=s.landmark_covariance[:0],
-            label=s.label[:0], deviation=s.deviation[:0], views=s.views[:0], color=s.color[:0], T_s_ct=np.full(7, np.nan),
-        )  # fmt: skip
+        none = Landmarks(**{f.name: getattr(s.landmarks, f.name)[:0] for f in fields(Landmarks)})
+        mounts = replace(s.mounts, tray_from_camera=None)
+        self.solution = replace(s, image=np.full_like(s.image, -1), landmarks=none, mounts=mounts)
 
     def run(self, **options: object) -> Path:
         ingest, adjust, surface = (self._folder(name) for name in ("ingest", "adjust", "surface"))
@@ -209,8 +217,7 @@ def test_without_a_cad_model_structures_are_told_from_the_own_surface(bench: Ben
 
 
 def test_without_a_field_running_medians_stand_in(bench: Bench) -> None:
-    none = np.zeros((0, 0))
-    bench.solution = replace(bench.solution, field_value=none, field_sigma=none)
+    bench.solution = replace(bench.solution, deviation_field=None)
     (item,) = _json(bench.run(), "objects.json")["objects"]
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
 

@@ -17,14 +17,15 @@ from hullrecon.geometry.charts.chart import chart_for_hull, chart_from_arrays
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.records.serialisation import from_arrays, to_arrays
-from hullrecon.records.solution import Solution
+from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Returns, Trajectory
 from hullrecon.steps.surface import STAGE
 from hullrecon.surface.options import SurfaceOptions
 
 RADIUS, OFF = 3.0, 0.02  # a cylinder along x about (0, 3), drawn 2 cm too small
-TURN = [0.0, 0.0, 0.0, 180.0, 0.0, 0.0]  # T_g_M: z down against z up
+TURN = (0.0, 0.0, 0.0, 180.0, 0.0, 0.0)  # T_g_M: z down against z up
+DVL_MOUNT = (0, 0, 0, 90, 0, 0)
 
 
 def _hull() -> Mesh:
@@ -47,7 +48,7 @@ def _dive(rng: np.random.Generator) -> tuple[Poses, Returns]:
     hull_from_vehicle = Poses(np.tile([0.0, 0, 0, 1], (n, 1)), np.column_stack([x, np.full(n, 4.5), z]))
     node, beams = np.repeat(np.arange(n), 4), np.tile([[0.3, 0, 1], [-0.3, 0, 1], [0, 0.3, 1], [0, -0.3, 1.0]], (n, 1))
     beams /= np.linalg.norm(beams, axis=1, keepdims=True)
-    mount = from_mount([0, 0, 0, 90, 0, 0])
+    mount = from_mount(DVL_MOUNT)
     direction = mount.rotation.apply(beams)  # in v, which here is turned like M
     start = hull_from_vehicle.translation[node] - [0, 0, 3]
     grown = RADIUS + OFF
@@ -65,16 +66,26 @@ def _dive(rng: np.random.Generator) -> tuple[Poses, Returns]:
 
 def _solution(T_g_v: Poses, landmarks: np.ndarray) -> Solution:
     n, m = len(T_g_v), len(landmarks)
-    seven = lambda mount: np.r_[from_mount(mount).translation[0], from_mount(mount).quaternion[0]]  # noqa: E731
-    still = np.array([0, 0, 0, 0, 0, 0, 1.0])
     return Solution(
-        t_ns=np.arange(n), image=np.full((n, 2), -1), quaternion=T_g_v.quaternion, translation=T_g_v.translation,
-        tray=np.zeros(n), tray_sigma=np.zeros(n), pose_covariance=np.tile(1e-6 * np.eye(6), (n, 1, 1)), landmark=landmarks,
-        landmark_covariance=np.tile(4e-6 * np.eye(3), (m, 1, 1)), label=np.ones(m, np.int64), deviation=np.full(m, OFF),
-        views=np.full(m, 4), color=np.zeros((m, 3), np.uint8), T_g_M=seven(TURN), T_s_ct=still, T_ct_cb=still,
-        T_s_d=seven([0, 0, 0, 90, 0, 0]), hull_covariance=1e-6 * np.eye(6), survey_center=np.zeros(3), navigation=np.zeros(6),
-        field_origin=np.zeros(2), field_step=np.ones(2), field_value=np.zeros((0, 0)), field_sigma=np.zeros((0, 0)),
-    )  # fmt: skip
+        t_ns=np.arange(n),
+        image=np.full((n, 2), -1),
+        global_from_vehicle=T_g_v,
+        tray=np.zeros(n),
+        tray_sigma=np.zeros(n),
+        pose_covariance=np.tile(1e-6 * np.eye(6), (n, 1, 1)),
+        landmarks=Landmarks(
+            position=landmarks,
+            covariance=np.tile(4e-6 * np.eye(3), (m, 1, 1)),
+            label=np.ones(m, np.int64),
+            deviation=np.full(m, OFF),
+            views=np.full(m, 4),
+            color=np.zeros((m, 3), np.uint8),
+        ),
+        mounts=Mounts(tray_from_dvl=from_mount(DVL_MOUNT), tray_from_camera=None, top_from_bottom=None),
+        navigation_errors=np.zeros(6),
+        hull_pose=HullPose(global_from_hull=from_mount(TURN), covariance=1e-6 * np.eye(6), survey_center=np.zeros(3)),
+        deviation_field=None,
+    )
 
 
 class Bench:
@@ -90,9 +101,13 @@ class Bench:
         self.solution = _solution(self.T_g_v, from_mount(TURN).apply(marks))
         self.sections = {
             "tray": schema.Tray(),
-            "dvl": schema.Dvl(mount=(0, 0, 0, 90, 0, 0)),
+            "dvl": schema.Dvl(mount=DVL_MOUNT),
             "hull": schema.Hull(mesh="hull.stl", pose=TURN),
         }
+
+    def without_cad_model(self) -> None:
+        self.sections["hull"] = None
+        self.solution = replace(self.solution, hull_pose=None)
 
     def run(self, adjusted: bool = True, dvl: bool = True, **options: object) -> Path:
         ingest, navigate, adjust = (self._folder(name) for name in ("ingest", "navigate", "adjust"))
@@ -153,7 +168,7 @@ def test_without_an_adjustment_the_first_guess_places_the_dive(bench: Bench) -> 
 
 
 def test_without_a_cad_model_the_surface_is_in_g_and_has_no_deviation(bench: Bench) -> None:
-    bench.sections["hull"] = None
+    bench.without_cad_model()
     surface, _ = _read(bench.run())
     y, z = surface.vertices[:, 1], -surface.vertices[:, 2]
     assert np.abs(np.hypot(y, z - 3) - RADIUS - OFF).max() < 0.05
@@ -213,7 +228,7 @@ def test_with_a_cad_model_the_record_says_that_the_comparison_is_partly_circular
 
 
 def test_without_a_cad_model_there_is_nothing_to_compare(bench: Bench) -> None:
-    bench.sections["hull"] = None
+    bench.without_cad_model()
     _, facts = _read(bench.run())
     assert facts["reference"] == "plane"
     assert facts["comparison"] is None
@@ -236,7 +251,7 @@ def test_a_bump_that_the_cad_model_lacks_is_found_with_every_reference(bench: Be
 
 def _ends(bench: Bench) -> np.ndarray:
     hull_from_vehicle = from_mount(TURN).inverse()[np.zeros(240, int)] @ bench.T_g_v[bench.returns.node]
-    beam = hull_from_vehicle @ from_mount([0, 0, 0, 90, 0, 0])
+    beam = hull_from_vehicle @ from_mount(DVL_MOUNT)
     return beam.apply(bench.returns.beam * bench.returns.range_m[:, None])
 
 

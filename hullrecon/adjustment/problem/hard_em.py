@@ -29,9 +29,7 @@ def solve(problem: native.Problem, options: native.Options, most_turns: int = MO
     held, turns, changes = replace(options, labels_in_solve=False), list[native.Result](), list[int]()
     for _ in range(most_turns):
         turns.append(native.solve(problem, held))
-        problem = replace(problem)
-        for name, values in turns[-1].unknowns.items():
-            setattr(problem, name, values)
+        problem = problem.started_from(turns[-1].unknowns)
         label = labels(problem, turns[-1].distance, options)
         changes.append(int((label != turns[-1].label).sum()))
         if not changes[-1]:
@@ -43,9 +41,9 @@ def labels(problem: native.Problem, distance: NDArray[np.float64], options: nati
     """The likelier label (m,) of each surface row; distance (m,): signed, to the CAD model without the field
     [Ozog2016 eq. 4.4]."""
     offset = distance
-    if len(problem.surface_field_index):
-        field = problem.deviation[problem.surface_field_index]
-        offset = distance - np.einsum("nk,nk->n", problem.surface_field_weight, field)
+    nodes = problem.surface.field
+    if len(nodes.index):
+        offset = distance - np.einsum("nk,nk->n", nodes.weight, problem.unknowns.deviation[nodes.index])
     return np.asarray(np.abs(offset) <= boundary(options.sigma_on, options.sigma_off), np.int32)
 
 

@@ -34,22 +34,20 @@ def freed(problem: native.Problem, calibrated: Rig, options: AdjustOptions) -> n
     if not options.refine_intrinsics or calibrated.top is None:
         return problem
     seen = {"top": _saw(problem, 0), "bottom": calibrated.bottom is not None and _saw(problem, 1)}
-    free = {f"intrinsics_{name}" for name, saw in seen.items() if saw}
-    problem = replace(problem, constant=tuple(name for name in problem.constant if name not in free))
-    problem.prior_intrinsics_sigma = prior_sigma(calibrated.top, options)
-    problem.intrinsics_top = calibrated.top.parameters()
+    unknowns = replace(problem.unknowns, intrinsics_top=calibrated.top.parameters())
     if calibrated.bottom is not None:
-        problem.intrinsics_bottom = calibrated.bottom.parameters()
-    return problem
+        unknowns = replace(unknowns, intrinsics_bottom=calibrated.bottom.parameters())
+    priors = replace(problem.priors, intrinsics_sigma=prior_sigma(calibrated.top, options))
+    return replace(problem, unknowns=unknowns, priors=priors).free(*(f"intrinsics_{name}" for name, saw in seen.items() if saw))
 
 
 def applied(m: Measurements, problem: native.Problem, result: native.Result) -> Measurements:
     """The measurements seen through the cameras that the solve found; the same where they were held."""
     rig = m.rig
     if "intrinsics_top" not in problem.constant and rig.top is not None:
-        rig = replace(rig, top=_camera(rig.top, result.unknowns["intrinsics_top"]))
+        rig = replace(rig, top=_camera(rig.top, result.unknowns.intrinsics_top))
     if "intrinsics_bottom" not in problem.constant and rig.bottom is not None:
-        rig = replace(rig, bottom=_camera(rig.bottom, result.unknowns["intrinsics_bottom"]))
+        rig = replace(rig, bottom=_camera(rig.bottom, result.unknowns.intrinsics_bottom))
     return m if rig is m.rig else replace(m, rig=rig)
 
 
@@ -85,7 +83,7 @@ def fields(camera: CameraModel) -> dict[str, float]:
 
 
 def _saw(problem: native.Problem, camera: int) -> bool:
-    return bool(len(problem.stereo_node) or (problem.mono_camera == camera).any())
+    return bool(len(problem.stereo.node) or (problem.mono.camera == camera).any())
 
 
 def _camera(camera: CameraModel, parameters: Array) -> CameraModel:

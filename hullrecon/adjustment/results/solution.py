@@ -60,8 +60,7 @@ def _marginals(m: Measurements, adjusted: Adjusted, options: AdjustOptions, sett
     free = native.covariance(_place_free(adjusted.problem), settings)
     if m.cad_model is None or adjusted.state.T_g_M is None or options.as_published:
         return free
-    held = {*adjusted.problem.constant, "T_g_M", "deviation"}
-    known = native.covariance(replace(adjusted.problem, constant=tuple(sorted(held))), settings)
+    known = native.covariance(adjusted.problem.hold("T_g_M", "deviation"), settings)
     ground = adjusted.ground or _ground(m, adjusted)
     return replace(
         known,
@@ -82,9 +81,7 @@ def _ground(m: Measurements, adjusted: Adjusted) -> estimate.Ground:
 
 def _place_free(problem: native.Problem) -> native.Problem:
     """The last round holds T_g_M where its profile put it; what is unknown about it is still unknown."""
-    if not len(problem.vertices):
-        return problem
-    return replace(problem, constant=tuple(name for name in problem.constant if name != "T_g_M"))
+    return problem.free("T_g_M") if len(problem.cad_mesh.vertices) else problem
 
 
 def _solution(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> Solution:

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hullrecon.errors import StageError
-from hullrecon.geometry.poses import Poses, roll_pitch_yaw
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.error_propagation import dead_reckoning_errors, trajectory_covariance
 from hullrecon.navigation.dead_reckoning.nodes import Nodes, choose_nodes
 from hullrecon.navigation.dead_reckoning.odometry import odometry

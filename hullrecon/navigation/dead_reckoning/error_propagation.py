@@ -7,10 +7,11 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.odometry import velocity_variance
 from hullrecon.navigation.dead_reckoning.reckoning import MOMENT, MOUNT, PLAY, TILT, UP_DOWN, Instant, Reckoning
 from hullrecon.navigation.sensors.depth import Depth
-from hullrecon.navigation.vehicle import Vehicle, cross_matrix
+from hullrecon.navigation.vehicle import Vehicle
 from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.typing import Array
 

@@ -16,12 +16,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, tray_poses
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.clock import seconds
 from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.velocity import Velocities
-from hullrecon.navigation.vehicle import Vehicle, cross_matrix
+from hullrecon.navigation.vehicle import Vehicle
 from hullrecon.typing import Array, Ints
 
 UP_DOWN = np.array([0.0, 0.0, 1.0])  # z of g

@@ -11,7 +11,7 @@ import numpy as np
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation.vehicle import cross_matrix
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array, Floats32, Ints, Mask, Pixels
 
 BLOCK = 256  # descriptors compared at a time

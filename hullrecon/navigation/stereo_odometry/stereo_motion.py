@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.poses import Poses, exp
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.stereo_odometry.stereo_frame import Features, StereoFrame, StereoRig, mutual_best, pinhole_derivative
-from hullrecon.navigation.vehicle import cross_matrix
 from hullrecon.typing import Array, Mask
 
 CHI2_99 = 9.21  # two degrees of freedom

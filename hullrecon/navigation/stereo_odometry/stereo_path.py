@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from hullrecon.errors import StageError
-from hullrecon.geometry.poses import Poses, identity, roll_pitch_yaw, tray_poses
+from hullrecon.geometry.poses import Poses, identity, tray_poses
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.dead_reckon import UNKNOWN_SIGMA_M, Navigated, finite_attitude
 from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_covariance
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.error_propagation import twist_by_pose_error
 from hullrecon.navigation.stereo_odometry.stereo_frame import StereoFrame, StereoRig
 from hullrecon.navigation.stereo_odometry.stereo_motion import StereoMotion, stereo_motion
-from hullrecon.navigation.vehicle import cross_matrix
 from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.typing import Array, Ints
 

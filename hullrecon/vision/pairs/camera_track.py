@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hullrecon.geometry.poses import Poses, tray_poses
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel
 from hullrecon.typing import Array, Ints
 from hullrecon.vision.pairs.gating import Motion
@@ -53,7 +54,7 @@ class Survey:
         a, b = (self.global_from_camera[k].rotation.inv().as_matrix() for k in (first, second))
         by_twist = np.zeros((len(first), 6, 6))
         by_twist[:, :3, :3] = b
-        by_twist[:, :3, 3:] = -b @ _cross(self.global_from_camera.translation[first])
+        by_twist[:, :3, 3:] = -b @ cross_matrix(self.global_from_camera.translation[first])
         by_twist[:, 3:, 3:] = a
         return np.asarray(by_twist @ twist @ by_twist.swapaxes(1, 2))
 
@@ -135,10 +136,3 @@ def _surface_normal(points: Array) -> tuple[float, float, float] | None:
         return None
     normal = axes[2] * np.sign(axes[2] @ points.mean(axis=0) or 1.0)
     return float(normal[0]), float(normal[1]), float(normal[2])
-
-
-def _cross(v: Array) -> Array:
-    """(n, 3, 3) with [v]x u = v x u."""
-    out = np.zeros((len(v), 3, 3))
-    out[:, 0, 1], out[:, 0, 2], out[:, 1, 2] = -v[:, 2], v[:, 1], -v[:, 0]
-    return out - out.swapaxes(1, 2)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array
 
 
@@ -27,7 +28,7 @@ class Motion:
         back[:3, :3], back[:3, 3] = rotation.T, -rotation.T @ translation
         by = np.zeros((6, 6))
         by[:3, :3] = -rotation.T
-        by[:3, 3:] = -_cross(rotation.T @ translation)  # t' = -Exp(-w) R^T t = -R^T t - (R^T t) x w
+        by[:3, 3:] = -cross_matrix(rotation.T @ translation)  # t' = -Exp(-w) R^T t = -R^T t - (R^T t) x w
         by[3:, 3:] = -rotation  # R^T perturbed by Exp(-w) on its left is Exp(-R w) on its right
         return Motion(back, by @ self.covariance @ by.T)
 
@@ -74,7 +75,3 @@ def _look(motions: Array, points: Array) -> Array:
     seen = points @ motions[:, :3, :3].swapaxes(1, 2) + motions[:, None, :3, 3]
     depth = np.where(seen[..., 2:] > 1e-6, seen[..., 2:], np.nan)
     return np.asarray(seen[..., :2] / depth)
-
-
-def _cross(v: Array) -> Array:
-    return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])

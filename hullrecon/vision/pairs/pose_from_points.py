@@ -12,6 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.geometry.rigid_fit import fit_rigid
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array, Mask
 
 BLOCK = 128  # hypotheses at a time
@@ -32,18 +34,6 @@ class Sight:
     baseline_m: float
 
 
-def align(first: Array, second: Array) -> Array:
-    """Least-squares rigid motions (s, 4, 4) of point sets (s, n, 3) onto (s, n, 3), n >= 3 (Arun's method)."""
-    mean_first, mean_second = first.mean(axis=1, keepdims=True), second.mean(axis=1, keepdims=True)
-    u, _, vt = np.linalg.svd(np.einsum("sni,snj->sij", second - mean_second, first - mean_first))
-    flip = np.ones((len(first), 3))
-    flip[:, 2] = np.sign(np.linalg.det(u) * np.linalg.det(vt))
-    out = np.tile(np.eye(4), (len(first), 1, 1))
-    out[:, :3, :3] = (u * flip[:, None, :]) @ vt
-    out[:, :3, 3] = mean_second[:, 0] - np.einsum("sij,sj->si", out[:, :3, :3], mean_first[:, 0])
-    return out
-
-
 def ransac(
     first: Array, second: Array, sights: list[Sight], tolerance: float, most_trials: int, seed: tuple[int, ...]
 ) -> Array | None:
@@ -57,7 +47,7 @@ def ransac(
     best, least, spent, needed = np.eye(4), np.inf, 0, float(most_trials)
     while spent < min(needed, most_trials):
         triple = rng.integers(len(first), size=(BLOCK, 3))  # one that repeats a point fits nothing and loses
-        motions = align(first[triple], second[triple])
+        motions = fit_rigid(first[triple], second[triple]).matrix()
         error = sum(np.minimum(squared_errors(motions, s), tolerance**2).sum(axis=1) for s in sights)
         k = int(np.argmin(error))
         if error[k] < least:
@@ -139,10 +129,10 @@ def _linearised(motion: Array, sight: Sight, mask: Mask) -> tuple[Array, Array]:
     points = sight.points[mask]
     if sight.backward:
         moved = (points - translation) @ rotation  # R^T (X - t): by t it is -R^T, by w on the right it is [Y]x
-        by_t, by_w = np.broadcast_to(-rotation.T, (len(points), 3, 3)), _cross(moved)
+        by_t, by_w = np.broadcast_to(-rotation.T, (len(points), 3, 3)), cross_matrix(moved)
     else:
         moved = points @ rotation.T + translation
-        by_t, by_w = np.broadcast_to(np.eye(3), (len(points), 3, 3)), -rotation @ _cross(points)
+        by_t, by_w = np.broadcast_to(np.eye(3), (len(points), 3, 3)), -rotation @ cross_matrix(points)
     turn = sight.camera_from_node[:3, :3]
     seen = moved @ turn.T + sight.camera_from_node[:3, 3]
     z = np.where(seen[:, 2] > 1e-6, seen[:, 2], np.inf)
@@ -166,14 +156,6 @@ def _whitening(by_moved: Array, rotation: Array, points: Array, baseline_m: floa
     square = np.maximum((u * u).sum(axis=1), 1e-12)
     shrink = (1 - 1 / np.sqrt(1 + square)) / square
     return np.asarray(np.eye(2) - shrink[:, None, None] * u[:, :, None] * u[:, None, :])
-
-
-def _cross(v: Array) -> Array:
-    """(n, 3, 3) with [v]x u = v x u."""
-    out = np.zeros((len(v), 3, 3))
-    out[:, 0, 1], out[:, 0, 2], out[:, 1, 2] = -v[:, 2], v[:, 1], -v[:, 0]
-    out[:, 1, 0], out[:, 2, 0], out[:, 2, 1] = v[:, 2], -v[:, 1], v[:, 0]
-    return out
 
 
 def known(sight: Sight) -> Sight:

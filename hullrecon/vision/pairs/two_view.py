@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array, Mask
 
 
@@ -78,9 +79,7 @@ def homography_squared(homography: Array, first: Array, second: Array) -> Array:
 
 def essential_of(second_from_first: Array) -> Array:
     """[t]x R of a motion (4, 4)."""
-    t = second_from_first[:3, 3]
-    cross = np.array([[0, -t[2], t[1]], [t[2], 0, -t[0]], [-t[1], t[0], 0]])
-    return np.asarray(cross @ second_from_first[:3, :3])
+    return np.asarray(cross_matrix(second_from_first[:3, 3]) @ second_from_first[:3, :3])
 
 
 def motions_of(found: TwoView, first: Array, second: Array) -> list[PossibleMotion]:
