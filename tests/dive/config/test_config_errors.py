@@ -3,7 +3,7 @@
 import msgspec
 import pytest
 
-from hullrecon.dive.config.config_errors import in_words, known_keys, refuse_not_finite
+from hullrecon.dive.config.config_errors import explain_error, known_keys, refuse_not_finite
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.errors import UsageError
 
@@ -11,7 +11,7 @@ from hullrecon.errors import UsageError
 def told(raw: dict, kind: type = DiveConfig, prefix: str = "", more: tuple[str, ...] = ()) -> str:
     with pytest.raises(msgspec.ValidationError) as caught:
         msgspec.convert(raw, kind)
-    return in_words(str(caught.value), raw, kind, prefix, more, "dive.toml").line()
+    return explain_error(str(caught.value), raw, kind, prefix, more, "dive.toml").line()
 
 
 PLAIN = {"dive": {"name": "x"}, "logs": {"files": ["l"]}}

@@ -9,10 +9,10 @@ import trimesh
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hullrecon.dive.hull.cleaning import cleaned, degenerate, merge_corners
+from hullrecon.dive.hull.cleaning import clean_mesh, find_degenerate, merge_corners
 from hullrecon.dive.hull.load import read_hull
-from hullrecon.dive.hull.mirrors import boundary, possible_cuts, reflected
-from hullrecon.dive.hull.orientation import outward
+from hullrecon.dive.hull.mirrors import find_boundary, find_possible_cuts, reflect_mesh
+from hullrecon.dive.hull.orientation import orient_outward
 from hullrecon.errors import HullreconError, InputError
 from hullrecon.geometry.meshes.mesh import Mesh
 
@@ -57,11 +57,11 @@ def save(path: Path, mesh: Mesh, scale: float = 1.0) -> Path:
 
 @pytest.mark.parametrize("kind", ["stl", "ply", "obj", "off", "glb"])
 def test_every_format_gives_the_same_hull(tmp_path, kind):
-    words = []
-    mesh = read_hull(save(tmp_path / f"hull.{kind}", tube()), "m", words)
-    assert len(mesh.faces) == len(cleaned(tube(), []).faces)
+    messages = []
+    mesh = read_hull(save(tmp_path / f"hull.{kind}", tube()), "m", messages)
+    assert len(mesh.faces) == len(clean_mesh(tube(), []).faces)
     assert np.ptp(mesh.vertices, axis=0) == pytest.approx([40, 8, 8], abs=0.1)
-    assert "the CAD model is closed" in words
+    assert "the mesh is watertight" in messages
     assert faces_away(mesh) > 0.99
 
 
@@ -88,9 +88,9 @@ def test_a_cad_model_in_other_units_than_declared_is_refused_with_the_likely_one
 
 
 def test_a_small_model_is_remarked_not_refused(tmp_path):
-    words = []
-    read_hull(save(tmp_path / "hull.stl", tube(), 1 / 40), "m", words)
-    assert any("is it a model?" in line for line in words)
+    messages = []
+    read_hull(save(tmp_path / "hull.stl", tube(), 1 / 40), "m", messages)
+    assert any("is it a model?" in line for line in messages)
 
 
 def test_corners_within_single_precision_become_one():
@@ -102,23 +102,23 @@ def test_corners_within_single_precision_become_one():
 
 def test_degenerate_and_duplicate_faces_are_removed_and_counted():
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0]], float)
-    words = []
-    mesh = cleaned(Mesh(vertices, np.array([[0, 1, 2], [2, 0, 1], [0, 2, 1], [0, 1, 3], [1, 1, 2]], np.int32)), words)
+    messages = []
+    mesh = clean_mesh(Mesh(vertices, np.array([[0, 1, 2], [2, 0, 1], [0, 2, 1], [0, 1, 3], [1, 1, 2]], np.int32)), messages)
     assert mesh.faces.tolist() == [[0, 1, 2]]
     assert len(mesh.vertices) == 3
-    assert words == ["2 degenerate faces were removed", "2 duplicate faces were removed"]
+    assert messages == ["2 degenerate faces were removed", "2 duplicate faces were removed"]
 
 
 def test_a_sliver_is_degenerate_by_its_height_not_by_its_area():
     vertices = np.array([[0, 0, 0], [100, 0, 0], [50, 1e-8, 0], [0, 1e-3, 0], [1e-3, 0, 0]], float)
-    assert degenerate(vertices, np.array([[0, 1, 2], [0, 4, 3]]), 1e-6).tolist() == [True, False]
+    assert find_degenerate(Mesh(vertices, np.array([[0, 1, 2], [0, 4, 3]], np.int32)), 1e-6).tolist() == [True, False]
 
 
 def test_holes_are_counted(tmp_path):
     mesh = tube()
-    words = []
-    read_hull(save(tmp_path / "hull.stl", Mesh(mesh.vertices, np.delete(mesh.faces, 500, axis=0))), "m", words)
-    assert "3 edges have a face on one side only: the CAD model is open there" in words
+    messages = []
+    read_hull(save(tmp_path / "hull.stl", Mesh(mesh.vertices, np.delete(mesh.faces, 500, axis=0))), "m", messages)
+    assert "the mesh is not watertight: 3 boundary edges" in messages
 
 
 def flipped(mesh: Mesh, which: np.ndarray) -> Mesh:
@@ -129,19 +129,19 @@ def flipped(mesh: Mesh, which: np.ndarray) -> Mesh:
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
 def test_faces_wound_any_way_come_out_outward(share):
-    mesh = cleaned(tube(), [])
+    mesh = clean_mesh(tube(), [])
     which = np.random.default_rng(3).random(len(mesh.faces)) < share
-    words = []
-    assert faces_away(outward(flipped(mesh, which), words)) > 0.99
-    assert (words == []) == (share == 0.0)
+    messages = []
+    assert faces_away(orient_outward(flipped(mesh, which), messages)) > 0.99
+    assert (messages == []) == (share == 0.0)
 
 
 @pytest.mark.parametrize("arc", [(0, np.pi), (-np.pi / 2, np.pi / 2), (np.pi, 2 * np.pi), (np.pi * 1.2, np.pi * 1.9)])
 @pytest.mark.parametrize("inverted", [False, True])
 def test_a_half_hull_or_one_without_deck_comes_out_outward_whichever_way_it_was_wound(arc, inverted):
-    mesh = cleaned(tube(arc=arc, caps=False), [])
+    mesh = clean_mesh(tube(arc=arc, caps=False), [])
     mesh = flipped(mesh, np.full(len(mesh.faces), inverted))
-    assert faces_away(outward(mesh, [])) > 0.99
+    assert faces_away(orient_outward(mesh, [])) > 0.99
 
 
 def test_separate_patches_of_one_hull_each_come_out_outward():
@@ -150,15 +150,15 @@ def test_separate_patches_of_one_hull_each_come_out_outward():
     shift = np.cumsum([0] + [len(p.vertices) for p in parts[:-1]])
     faces = [(p.faces[:, ::-1] if k % 2 else p.faces) + shift[k] for k, p in enumerate(parts)]
     mesh = Mesh(np.vstack([p.vertices for p in parts]), np.vstack(faces).astype(np.int32))
-    assert faces_away(outward(mesh, [])) > 0.99
+    assert faces_away(orient_outward(mesh, [])) > 0.99
 
 
 def test_a_half_hull_was_cut_at_its_middle_plane_and_is_whole_when_reflected_there():
-    half = cleaned(tube(arc=(-np.pi / 2, np.pi / 2), caps=False), [])  # y >= 0
-    cuts = possible_cuts(half)
+    half = clean_mesh(tube(arc=(-np.pi / 2, np.pi / 2), caps=False), [])  # y >= 0
+    cuts = find_possible_cuts(half)
     assert cuts[0][0] == 1
     assert cuts[0][1] == pytest.approx(0, abs=1e-9)
-    whole = reflected(half, cuts[:1])
+    whole = reflect_mesh(half, cuts[:1])
     assert len(whole.faces) == 2 * len(half.faces)
     assert np.ptp(whole.vertices[:, 1]) == pytest.approx(2 * np.ptp(half.vertices[:, 1]))
 
@@ -166,11 +166,11 @@ def test_a_half_hull_was_cut_at_its_middle_plane_and_is_whole_when_reflected_the
 def test_a_flat_bottom_is_plating_not_a_cut():
     box = trimesh.creation.box((40, 8, 6))
     open_top = Mesh(np.asarray(box.vertices), np.asarray(box.faces)[np.asarray(box.face_normals)[:, 2] < 0.5].astype(np.int32))
-    assert possible_cuts(open_top) == [(2, 3.0)]
+    assert find_possible_cuts(open_top) == [(2, 3.0)]
 
 
 def test_the_boundary_of_one_triangle_is_its_three_edges():
-    assert boundary(np.array([[0, 1, 2]], np.int32)).tolist() == [[0, 1], [0, 2], [1, 2]]
+    assert find_boundary(np.array([[0, 1, 2]], np.int32)).tolist() == [[0, 1], [0, 2], [1, 2]]
 
 
 def test_a_missing_cad_model_is_an_input_error(tmp_path):
@@ -230,12 +230,12 @@ def outer_share(mesh: Mesh, middle_y: float) -> float:
         ("JBC_rigidBodyHull_HULL.obj.gz", 86668, "8 duplicate faces"),
         ("kvlcc2_lq_3dpea.stl", 7060, "degenerate faces"),
         ("wigley.stl.gz", 12892, "12888 of 12892 faces had their normals inward"),
-        ("DTC-scaled_decimated30k.stl", 30000, "the CAD model is closed"),
+        ("DTC-scaled_decimated30k.stl", 30000, "the mesh is watertight"),
     ],
 )
 def test_real_hulls_open_half_messy_or_inverted_come_out_clean_and_outward(data, name, faces, said):
-    words = []
-    mesh = read_hull(data / "hulls" / name, "m", words)
+    messages = []
+    mesh = read_hull(data / "hulls" / name, "m", messages)
     assert len(mesh.faces) == faces
-    assert any(said in line for line in words)
+    assert any(said in line for line in messages)
     assert outer_share(mesh, 0.0) > 0.998

@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping
 from hullrecon.dive.logs.readers.protocol import Loss, Message
 
 
-class Ledger:
+class LossTracker:
     """One pass over one log. `gap` opens a loss whose end is known only once the next message comes."""
 
     def __init__(self) -> None:
@@ -19,7 +19,7 @@ class Ledger:
         self._last: dict[str, int] = {}
         self._open: list[tuple[str, dict[str, int]]] = []
 
-    def saw(self, message: Message) -> Message:
+    def record(self, message: Message) -> Message:
         if self._open:
             self._close(message.t_ns)
         topic = message.channel.topic
@@ -27,13 +27,13 @@ class Ledger:
         self._last[topic] = max(message.t_ns, self._last.get(topic, message.t_ns))
         return message
 
-    def lose(self, why: str, start_ns: int, end_ns: int, topics: Collection[str] = ()) -> None:
+    def add_loss(self, why: str, start_ns: int, end_ns: int, topics: Collection[str] = ()) -> None:
         """A part with a known span; without topics, of every topic seen so far."""
         self.losses += [Loss(why, topic, start_ns, end_ns) for topic in sorted(topics or self._last)] or [
             Loss(why, "", start_ns, end_ns)
         ]
 
-    def gap(self, why: str) -> None:
+    def open_gap(self, why: str) -> None:
         """A part of unknown content: of each topic what lies between its last message and the next message of the log."""
         self._open.append((why, dict(self._last)))
 

@@ -4,14 +4,16 @@ from pathlib import Path
 
 import pytest
 
+from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.check.package_check import check_package, defaults_of
 from hullrecon.dive.config.load import load_config
+from hullrecon.dive.logs.summary import is_runnable, missing
 from hullrecon.steps.ingest import USES, request_of
 
 
 def check(package: Path, *overrides: str):
     loaded = load_config(package, {}, overrides)
-    return check_package(loaded, request_of({name: loaded.value(name) for name in USES}))
+    return check_package(loaded, request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES})))
 
 
 def test_a_package_is_told_with_what_it_lacks(package):
@@ -54,11 +56,11 @@ def test_the_document_has_every_stream_with_its_rate(package):
 
 def test_the_simulated_dive_raises_no_suspicion(data):
     found = check(data / "dive-a")
-    assert found.suspicious == []
+    assert found.warnings == []
     assert found.missing == []
     assert found.found.lost == []
     assert "depth runs from 1.1 to 4.2 m" in found.lines()
-    assert "the CAD model is closed" in found.lines()
+    assert "the mesh is watertight" in found.lines()
 
 
 @pytest.mark.parametrize(
@@ -70,7 +72,7 @@ def test_the_simulated_dive_raises_no_suspicion(data):
     ],
 )
 def test_a_wrong_entry_for_the_simulated_dive_is_suspected(data, override, suspicion):
-    assert any(suspicion in line for line in check(data / "dive-a", override).suspicious)
+    assert any(suspicion in line for line in check(data / "dive-a", override).warnings)
 
 
 def test_lever_arms_that_are_left_to_defaults_are_asked_for(package):
@@ -91,3 +93,35 @@ def test_a_dvl_without_an_imu_is_said_to_be_no_run(package):
     path.write_text(path.read_text().replace('imu = "/imu"\n', ""))
     lines = check(package).lines()
     assert "no imu: the DVL's velocities have no heading: no run is possible" in lines
+
+
+def test_a_package_whose_files_are_there_can_be_run(package):
+    found = check(package)
+    assert found.run_is_possible
+    assert found.missing_files == []
+
+
+def test_files_that_are_missing_are_listed_with_their_keys_and_forbid_a_run(package):
+    text = (package / "dive.toml").read_text()
+    (package / "dive.toml").write_text(text + '[hull]\nmesh = "nowhere.stl"\n')
+    found = check(package)
+    assert found.missing_files == ["nowhere.stl (hull.mesh)"]
+    assert not found.run_is_possible
+    assert found.found.records.dvl is not None
+    assert "missing: nowhere.stl (hull.mesh)" in found.lines()
+
+
+@pytest.mark.parametrize(
+    ("sensors", "runnable"),
+    [
+        ({"dvl", "imu"}, True),
+        ({"dvl"}, False),
+        ({"imu", "camera_top"}, False),
+        ({"camera_top", "camera_bottom"}, True),
+        ({"dvl", "camera_top", "camera_bottom"}, False),
+        (set(), False),
+    ],
+)
+def test_a_run_needs_velocities_with_a_heading_or_stereo_images(sensors, runnable):
+    assert is_runnable(sensors) == runnable
+    assert any("no run is possible" in line for line in missing(sensors)) != runnable

@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from hullrecon.dive.logs.read_streams import gather
+from hullrecon.dive.logs.read_streams import read_streams
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.errors import InputError
 
@@ -13,7 +13,7 @@ TOPICS = {"/imu": "imu", "/pressure": "pressure", "/joints": "joints", "/dvl": "
 
 def run(path, topics=TOPICS):
     images = []
-    return gather([McapLog(path)], topics, lambda sample, logged: images.append((sample, logged))), images
+    return read_streams([McapLog(path)], topics, lambda sample, logged: images.append((sample, logged))), images
 
 
 def test_samples_are_sorted_by_sensor_and_images_are_handed_on(kit, tmp_path):

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from hullrecon.dive.logs.timeline import NS, clock_jumps, gaps, moment, put_in_order, rate_hz
+from hullrecon.dive.logs.timeline import NS, describe_clock_jumps, describe_gaps, format_time, put_in_order, rate_hz
 from hullrecon.errors import InputError
 
 
@@ -32,34 +32,34 @@ def test_of_duplicate_stamps_the_first_stays():
 
 
 def test_a_clock_that_jumps_against_the_loggers_is_named_with_its_size_and_moment():
-    (words,) = clock_jumps("dvl", ns(0, 1, 2, 12.5, 13.5), ns(0, 1, 2, 3, 4))
+    (words,) = describe_clock_jumps("dvl", ns(0, 1, 2, 12.5, 13.5), ns(0, 1, 2, 3, 4))
     assert "jumps by +9.500 s at 1970-01-01T00:00:02.000Z" in words
 
 
 def test_a_clock_that_falls_back_is_named_without_a_logger_too():
     stamps = ns(10, 11, 12, 5, 6)
-    (words,) = clock_jumps("dvl", stamps, stamps)
+    (words,) = describe_clock_jumps("dvl", stamps, stamps)
     assert "jumps by -7.000 s" in words
 
 
 def test_several_jumps_are_counted():
-    (words,) = clock_jumps("dvl", ns(0, 5, 0, 5), ns(0, 0.1, 0.2, 0.3))
+    (words,) = describe_clock_jumps("dvl", ns(0, 5, 0, 5), ns(0, 0.1, 0.2, 0.3))
     assert "and 2 more times" in words
 
 
 def test_a_dropout_is_a_gap_not_a_jump():
     stamps = ns(0, 1, 2, 60, 61)
-    assert clock_jumps("dvl", stamps, stamps) == []
-    assert gaps("dvl", stamps) == ["dvl: nothing for 58.0 s from 1970-01-01T00:00:02.000Z to 1970-01-01T00:01:00.000Z"]
+    assert describe_clock_jumps("dvl", stamps, stamps) == []
+    assert describe_gaps("dvl", stamps) == ["dvl: nothing for 58.0 s from 1970-01-01T00:00:02.000Z to 1970-01-01T00:01:00.000Z"]
 
 
 def test_a_missing_message_or_two_is_no_gap():
-    assert gaps("imu", ns(0, 0.1, 0.2, 0.5, 0.6)) == []
+    assert describe_gaps("imu", ns(0, 0.1, 0.2, 0.5, 0.6)) == []
 
 
 def test_many_gaps_are_summed_up():
     stamps = ns(*[t + 20 * (t // 5) for t in range(50)])
-    words = gaps("imu", stamps)
+    words = describe_gaps("imu", stamps)
     assert len(words) == 6
     assert words[-1] == "imu: 4 more gaps, shorter"
 
@@ -70,8 +70,8 @@ def test_the_rate_is_that_of_the_median_step():
 
 
 def test_a_stamp_beyond_every_calendar_is_shown_in_seconds():
-    assert moment(2**62) == "4611686018.427 s" or moment(2**62).startswith("2116-")
-    assert moment(-(2**62)).startswith(("-", "18"))
+    assert format_time(2**62) == "4611686018.427 s" or format_time(2**62).startswith("2116-")
+    assert format_time(-(2**62)).startswith(("-", "18"))
 
 
 @given(st.lists(st.integers(0, 10**12), min_size=1, max_size=50))

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.dvl_beams import A50, a50_beams, choose_beams, tilted_beams, unit
 from hullrecon.dive.logs.messages.samples import DVL_TYPES
@@ -117,7 +118,7 @@ def test_vectors_are_brought_to_length_one():
 
 def beams_of(package, *overrides):
     loaded = load_config(package, {}, overrides)
-    return request_of({name: loaded.value(name) for name in USES}).beams
+    return request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES})).beams
 
 
 def test_the_configuration_gives_beams_by_angle_and_azimuth(package):

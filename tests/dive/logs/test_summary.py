@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from hullrecon.dive.check.to_fill_in import to_fill_in
-from hullrecon.dive.config.config_template import beams_to_ask_for, first_config
+from hullrecon.dive.config.config_template import beams_to_ask_for, fill_template
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.protocol import Channel
-from hullrecon.dive.logs.summary import TopicNote, guess_topics, missing, survey, survey_all
+from hullrecon.dive.logs.summary import TopicNote, guess_topics, missing, summarise_log, summarise_logs
 
 IMAGE = "sensor_msgs/msg/CompressedImage"
 
@@ -18,17 +18,17 @@ def notes(**kinds: str) -> list[TopicNote]:
 
 
 def test_a_log_is_told_topic_by_topic(kit, tmp_path):
-    found = survey(open_log(kit.mcap(tmp_path / "x.mcap", kit.dive())))
+    found = summarise_log(open_log(kit.mcap(tmp_path / "x.mcap", kit.dive())))
     lines = found.lines()
     assert lines[0] == "MCAP: 96 messages on 5 topics, 3.9 s from 2026-05-04T09:30:00.000Z"
-    assert "/imu: 40 messages in 3.9 s, 10.0 a second, sensor_msgs/msg/Imu" in lines
+    assert "/imu: 40 messages in 3.9 s, 10.0 Hz, sensor_msgs/msg/Imu" in lines
     assert "/cam can be the camera_top" in lines
     assert "no sonar: there will be no sonar mosaic" in lines
     assert found.document()["guessed"]["dvl"] == "/dvl"
 
 
 def test_a_real_ros1_bag_is_told_with_what_is_missing_for_a_run(data):
-    lines = survey(open_log(data / "ros1-micron-bag" / "static_sonar.bag")).lines()
+    lines = summarise_log(open_log(data / "ros1-micron-bag" / "static_sonar.bag")).lines()
     assert lines[0] == "ROS 1 bag: 2784 messages on 7 topics, 25.4 s from 2020-02-10T14:53:22.362Z"
     assert any(line.startswith("/tritech_micron/scan: 553 messages") for line in lines)
     assert any("a run would not use" in line and "/tritech_micron/scan" in line for line in lines)
@@ -38,7 +38,7 @@ def test_a_real_ros1_bag_is_told_with_what_is_missing_for_a_run(data):
 def test_a_damaged_log_is_told_with_its_loss(kit, tmp_path):
     path = kit.mcap(tmp_path / "x.mcap", kit.dive())
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    assert any("is lost" in line for line in survey(open_log(path)).lines())
+    assert any("is lost" in line for line in summarise_log(open_log(path)).lines())
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,7 @@ def test_topics_that_were_not_chosen_are_told_from_those_of_types_that_are_not_r
     second = [entry("/second_imu", "sensor_msgs/msg/Imu", e.t_ns, e.message) for e in entries if e.topic == "/imu"]
     text = kit.make("std_msgs/msg/String", data="hello")
     log = kit.mcap(tmp_path / "x.mcap", [*entries, *second, entry("/talk", "std_msgs/msg/String", entries[0].t_ns, text)])
-    lines = survey(open_log(log)).lines()
+    lines = summarise_log(open_log(log)).lines()
     assert "not chosen, though of a type that is read: /second_imu (could be imu); name it in [topics] to use it" in lines
     assert "a run would not use /talk: of other types than it reads" in lines
 
@@ -100,7 +100,7 @@ def test_the_first_configuration_loads_and_names_the_log_topics_joints_cad_model
     path = kit.mcap(tmp_path / "logs" / "x.mcap", kit.dive())
     (tmp_path / "ship.stl").write_bytes(b"")
     calibration(tmp_path / "cal" / "my_top.yaml")
-    text = first_config(survey(open_log(path)), [path], tmp_path)
+    text = fill_template(summarise_log(open_log(path)), [path], tmp_path)
     (tmp_path / "dive.toml").write_text(text)
     loaded = load_config(tmp_path)
     assert loaded.config.logs.files == ("logs/x.mcap",)
@@ -117,7 +117,7 @@ def test_the_first_configuration_loads_and_names_the_log_topics_joints_cad_model
 def test_the_first_configuration_of_plain_files_has_no_topics(tmp_path):
     (tmp_path / "logs").mkdir()
     (tmp_path / "logs" / "pressure.csv").write_text("t,pascal\n1777887000,101325\n")
-    text = first_config(survey(open_log(tmp_path / "logs")), [tmp_path / "logs"], tmp_path)
+    text = fill_template(summarise_log(open_log(tmp_path / "logs")), [tmp_path / "logs"], tmp_path)
     (tmp_path / "dive.toml").write_text(text)
     assert load_config(tmp_path).config.logs.files == ("logs",)
     assert load_config(tmp_path).config.topics.pressure is None
@@ -128,7 +128,7 @@ def test_a_sonar_in_the_log_gives_a_sonar_section(kit, tmp_path):
     entry = type(kit.dive()[0])
     ping = entry("/sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", 5, kit.sonar(5, np.zeros((3, 2), np.uint8)))
     path = kit.mcap(tmp_path / "x.mcap", [*kit.dive(), ping])
-    (tmp_path / "dive.toml").write_text(first_config(survey(open_log(path)), [path], tmp_path))
+    (tmp_path / "dive.toml").write_text(fill_template(summarise_log(open_log(path)), [path], tmp_path))
     assert load_config(tmp_path).sections["sonar"].elevation_deg == 14.0
 
 
@@ -139,13 +139,13 @@ def test_what_a_log_names_can_not_break_out_of_the_configuration(kit, tmp_path):
     path = kit.mcap(
         tmp_path / "x.mcap", [entry(evil if e.topic == "/imu" else e.topic, e.kind, e.t_ns, e.message) for e in entries]
     )
-    (tmp_path / "dive.toml").write_text(first_config(survey(open_log(path)), [path], tmp_path))
+    (tmp_path / "dive.toml").write_text(fill_template(summarise_log(open_log(path)), [path], tmp_path))
     assert load_config(tmp_path).config.topics.imu == evil
 
 
 def test_cameras_without_a_calibration_stand_in_comments(kit, tmp_path):
     path = kit.mcap(tmp_path / "x.mcap", kit.dive())
-    (tmp_path / "dive.toml").write_text(first_config(survey(open_log(path)), [path], tmp_path))
+    (tmp_path / "dive.toml").write_text(fill_template(summarise_log(open_log(path)), [path], tmp_path))
     loaded = load_config(tmp_path)
     assert loaded.config.camera.top is None
     assert "# [camera.top]" in (tmp_path / "dive.toml").read_text()
@@ -155,7 +155,7 @@ def test_cameras_without_a_calibration_stand_in_comments(kit, tmp_path):
 def test_what_no_log_tells_is_asked_for_and_not_written(kit, tmp_path, calibration):
     path = kit.mcap(tmp_path / "x.mcap", kit.dive())
     calibration(tmp_path / "top.yaml")
-    (tmp_path / "dive.toml").write_text(first_config(survey(open_log(path)), [path], tmp_path))
+    (tmp_path / "dive.toml").write_text(fill_template(summarise_log(open_log(path)), [path], tmp_path))
     lines = to_fill_in(load_config(tmp_path), {"dvl", "imu", "pressure", "camera_top"})
     keys = [line.split(": ")[1] for line in lines]
     assert keys == ["tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount"]
@@ -169,14 +169,14 @@ def test_what_is_given_or_not_carried_is_not_asked_for(package):
 def test_several_logs_are_told_as_one(kit, tmp_path):
     entries = kit.dive()
     logs = [kit.mcap(tmp_path / "a.mcap", entries[:50]), kit.mcap(tmp_path / "b.mcap", entries[50:])]
-    both = survey_all([open_log(log) for log in logs])
-    whole = survey(open_log(kit.mcap(tmp_path / "c.mcap", entries)))
+    both = summarise_logs([open_log(log) for log in logs])
+    whole = summarise_log(open_log(kit.mcap(tmp_path / "c.mcap", entries)))
     assert both.lines() == whole.lines()
 
 
 def test_beams_are_asked_for_only_where_ranges_come_without_them(kit, tmp_path):
     (tmp_path / "dvl.csv").write_text("t,vx,vy,vz,range_1,range_2,range_3\n0,1,0,0,1,1,1\n")
-    assert beams_to_ask_for(survey(open_log(tmp_path))) == 3
+    assert beams_to_ask_for(summarise_log(open_log(tmp_path))) == 3
     (tmp_path / "dvl.csv").write_text("t,vx,vy,vz\n0,1,0,0\n")
-    assert beams_to_ask_for(survey(open_log(tmp_path))) == 0
-    assert beams_to_ask_for(survey(open_log(kit.mcap(tmp_path / "x.mcap", kit.dive())))) == 0
+    assert beams_to_ask_for(summarise_log(open_log(tmp_path))) == 0
+    assert beams_to_ask_for(summarise_log(open_log(kit.mcap(tmp_path / "x.mcap", kit.dive())))) == 0
