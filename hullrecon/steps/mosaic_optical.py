@@ -69,7 +69,7 @@ def _station(context: Context, track: VehicleTrack, side: int, camera: CameraMod
     nodes = nodes[store.index.usable[track.image[nodes, side]]]
     origin = context.settings["tray"].origin if context.settings["tray"] is not None else (0.0, 0.0, 0.0)
     poses = track.poses[nodes] @ tray_poses(origin, track.tray[nodes]) @ tray_from_camera
-    return CameraImages(camera, track.image[nodes, side], poses, store.read)
+    return CameraImages(camera=camera, rows=track.image[nodes, side], poses=poses, read=store.read)
 
 
 STAGE = Stage(

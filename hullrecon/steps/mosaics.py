@@ -13,8 +13,8 @@ import numpy as np
 from hullrecon.artifacts.graph.stage import Context, load_arrays
 from hullrecon.geometry.charts.chart import chart_from_arrays
 from hullrecon.geometry.charts.viewing_side import UP, flips
-from hullrecon.mosaic.charted_surface import ChartedSurface, charted_surface
 from hullrecon.mosaic.grid import TexelGrid
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, build_mosaic_surface
 from hullrecon.mosaic.output.preview import Caption, preview_png
 from hullrecon.mosaic.output.raster import write_raster
 from hullrecon.mosaic.output.textured_mesh import build_textured_mesh, encode_glb
@@ -28,11 +28,11 @@ from hullrecon.report.export.trajectory import track_of
 PERCENT = (50, 90, 95, 99)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MosaicInputs:
     """The surface with its chart, and the vehicle over it, in one frame (M, or g without a CAD model)."""
 
-    surface: ChartedSurface
+    surface: MosaicSurface
     track: VehicleTrack
     solution: Solution | None
     surface_name: str
@@ -48,7 +48,12 @@ def scenery(context: Context, reach_m: float) -> MosaicInputs:
     name = "as found" if found and found.exists() else "of the survey"
     surface = from_arrays(Surface, load_arrays(found if found and found.exists() else folder["surface"] / "surface.npz"))
     chart = chart_from_arrays(load_arrays(folder["surface"] / "chart.npz"))
-    return MosaicInputs(charted_surface(surface.mesh(), chart, reach_m), track_of(trajectory, solution), solution, name)
+    return MosaicInputs(
+        surface=build_mosaic_surface(surface.mesh(), chart, reach_m),
+        track=track_of(trajectory, solution),
+        solution=solution,
+        surface_name=name,
+    )
 
 
 def write_mosaic(
@@ -63,7 +68,13 @@ def write_mosaic(
     document = mosaic_document(store, frame, {**facts, "surface": place.surface_name})
     legend = f"{document['caption']} Seen from outside; contrast stretch_contrast; light gray: not seen."
     spacing = context.settings["hull.frame_spacing"]
-    caption = Caption(title, legend, frame, spacing if frame == "M" else None, _seen_from_outside(place, grid))
+    caption = Caption(
+        title=title,
+        legend=legend,
+        frame=frame,
+        frame_spacing_m=spacing if frame == "M" else None,
+        flips=_seen_from_outside(place, grid),
+    )
     context.out.bytes("ortho.png", preview_png(store.small, grid.west, grid.north, grid.step_m * store.reduction, caption))
     mesh = build_textured_mesh(place.surface, grid, store.small[..., -1], store.reduction, sizes[1])
     if len(mesh.faces):
