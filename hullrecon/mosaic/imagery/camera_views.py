@@ -12,12 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.grid import TexelGrid, Window, grid_around
 from hullrecon.mosaic.imagery.image_view import CameraView, ImageView
 from hullrecon.mosaic.imagery.radiometry import FIELD, FLOOR, LightModel, LightSamples, first_fields, solve_light
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface, seen
-from hullrecon.typing import Array, Floats32, Ints
+from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.rig import SensorRig
+from hullrecon.typing import Array, Floats32, Ints, Mask
 
 Read = Callable[[int], NDArray[np.uint8] | None]
 LIGHT_STEP_M = 0.06  # texels that the light is estimated from
@@ -44,6 +47,18 @@ class Footprints:
     at: Array
     distance: Array
     span_m: float
+
+
+def images_of_camera(rig: SensorRig, track: VehicleTrack, camera: Camera, usable: Mask, read: Read) -> CameraImages:
+    """Return a camera's usable images that have a pose, in the frame of the track; usable (m,): by row of the camera's index."""
+    nodes = np.flatnonzero(track.image[:, camera.column] >= 0)
+    nodes = nodes[usable[track.image[nodes, camera.column]]]
+    return CameraImages(
+        camera=rig.camera_models[camera],
+        rows=track.image[nodes, camera.column],
+        poses=rig.camera_poses(track.path[nodes], camera),
+        read=read,
+    )
 
 
 def plain_views(cameras: Sequence[CameraImages]) -> list[CameraView]:
