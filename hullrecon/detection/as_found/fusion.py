@@ -17,7 +17,7 @@ from hullrecon.geometry.neighbours import nearest
 from hullrecon.typing import Array, Ints
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FusedShapes:
     """vertex (n, 3): running means of the rays' intersections, the prior's where there were none; count (n,): views whose
     shapes met the ray to that vertex."""
@@ -49,7 +49,7 @@ def fuse_shapes(views: CameraViews, features: Array, deviation: Array, vertices:
         total[seen[hit]] += views.T_x_c[view].apply(met[hit])
         count[seen[hit]] += 1
     vertex = np.where(count[:, None] > 0, total / np.maximum(count, 1)[:, None], vertices)
-    return FusedShapes(vertex, count)
+    return FusedShapes(vertex=vertex, count=count)
 
 
 def _near(vertices: Array, features: Array, reach_m: float) -> Ints:

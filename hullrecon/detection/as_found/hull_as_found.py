@@ -11,13 +11,13 @@ import numpy as np
 from hullrecon.detection.as_found.background import Background
 from hullrecon.detection.as_found.fusion import fuse_shapes
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
-from hullrecon.detection.as_found.mesh import affordable_edge, refine_near, vertex_normals
-from hullrecon.detection.facets import facet_sagitta
+from hullrecon.detection.as_found.mesh import affordable_edge, refine_near
 from hullrecon.detection.objects.heights import Heights, local_heights
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews, Visibility, find_visibility_by_cell
 from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
+from hullrecon.geometry.meshes.tessellation import facet_sagitta
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.typing import Array, Ints, Mask
 
@@ -25,7 +25,7 @@ COARSE_CELL_M, FINE_CELL_M = 0.06, 0.02  # one vertex a cell is asked who saw it
 SHADOW_M = 0.15  # a structure's shadow hardly reaches farther
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class HullAsFound:
     """Vertex by vertex (n): where it is now (mesh) and on the base; normal (n, 3) of the base; hull (n,) m, the smooth offset
     of the hull from the base, and its sigma; height (n,) m above that hull, 0 where not measured; sigma (n,) m of the height;
@@ -81,7 +81,20 @@ def estimate_hull_as_found(
     seen = find_visibility_by_cell(views, moved, vertex_normals(shape), Scene(shape), cell)
     facet = _sagitta_at(base, mesh, np.abs(raised) >= options.threshold)
     sigma = np.where(known, heights.sigma, options.threshold)
-    return HullAsFound(shape, mesh, normal, hull, hull_sigma, raised, sigma, known, heights.agreement, fused.count, seen, facet)
+    return HullAsFound(
+        mesh=shape,
+        base=mesh,
+        normal=normal,
+        hull=hull,
+        hull_sigma=hull_sigma,
+        height=raised,
+        sigma=sigma,
+        measured=known,
+        agreement=heights.agreement,
+        shapes=fused.count,
+        seen=seen,
+        facet=facet,
+    )
 
 
 def _sagitta_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:

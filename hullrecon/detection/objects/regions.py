@@ -24,7 +24,7 @@ RING_GAP_M = 0.04  # the ring of hull begins so far from the footprint, beyond w
 MIN_RING = 10  # vertices; fewer do not say where the hull around lies
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Region:
     """One structure. side +1 raised, -1 sunken; foot, core, ring: vertices of the footprint, of its part above half height, and
     of the hull around it; level m, the hull around it; height m above that, signed; bluntness m, how much lower it is where
@@ -39,7 +39,7 @@ class Region:
     bluntness: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Relief:
     """The hull as found, and what is asked of it again and again: area (n,) m2 of its vertices, off (n,) whether they stand off
     the hull by the threshold, around: where its vertices lie."""
@@ -59,7 +59,7 @@ class _Relief:
 def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
     """Raised and sunken regions of measured vertices, the highest first; parts nearer than `cluster_reach` are one."""
     off = found.measured & (np.abs(found.height) >= options.threshold)
-    relief = _Relief(found, vertex_areas(found.base), off, Around(found.base.vertices), options)
+    relief = _Relief(found=found, area=vertex_areas(found.base), off=off, around=Around(found.base.vertices), options=options)
     regions = [_region(relief, seed, foreign, side) for side in (1.0, -1.0) for seed, foreign in _seeds(relief, side)]
     return sorted((r for r in regions if r is not None), key=lambda r: (-abs(r.height), int(r.foot[0])))
 
@@ -110,7 +110,11 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
     own = (distance <= relief.options.cluster_reach) & found.measured[near] & ~np.isin(near, foreign)
     foot = near[own & (above[near] >= FOOT_SHARE * height)]
     core = foot[above[foot] >= 0.5 * height]
-    return Region(side, foot, core, ring, level, side * height, height - shoulder) if len(core) else None
+    return (
+        Region(side=side, foot=foot, core=core, ring=ring, level=level, height=side * height, bluntness=height - shoulder)
+        if len(core)
+        else None
+    )
 
 
 def _height_of_top(height: Array, area: Array, top_m2: float) -> float:

@@ -6,38 +6,9 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry import poses
-from hullrecon.records.trajectory import Returns
-from hullrecon.surface.returns import pose_sigma_along, return_points
-
-
-def _one_return(beam: list[float], range_m: float, offset: list[float], tray_offset: float = 0.0) -> Returns:
-    return Returns(
-        t_ns=np.array([0]), node=np.array([1]), quaternion=np.array([[0.0, 0, 0, 1]]), translation=np.array([offset]),
-        tray_offset=np.array([tray_offset]), beam=np.array([beam]), range_m=np.array([range_m]), flagged=np.array([False]),
-    )  # fmt: skip
-
-
-STILL = poses.identity(2)
-NO_TRAY = np.zeros(2)
-
-
-def test_a_beam_ends_at_its_range_along_its_direction() -> None:
-    hit = return_points(_one_return([0, 0, 1], 1.5, [0, 0, 0]), STILL, NO_TRAY, np.zeros(3), poses.identity())
-    assert np.allclose(hit, [[0, 0, 1.5]])
-
-
-def test_the_node_the_motion_since_and_the_levers_add_up() -> None:
-    nodes = poses.from_rpy([[9.0, 9, 9], [1, 2, 3]], [[0, 0, 0], [0, 0, np.pi / 2]])
-    mount = poses.from_mount([0, 0, 0.08, 0, 90, 0])  # the beam's z looks forward
-    hit = return_points(_one_return([0, 0, 1], 2.0, [0.1, 0, 0]), nodes, NO_TRAY, np.array([0.45, 0, 0.1]), mount)
-    # forward of the vehicle, 0.1 + 0.45 + 2.0 m, turned to y; down 0.1 + 0.08
-    assert np.allclose(hit, [[1.0, 2 + 2.55, 3 + 0.18]])
-
-
-def test_a_tray_that_tilts_up_lifts_a_forward_beam() -> None:
-    beam = _one_return([1, 0, 0], 1.0, [0, 0, 0], tray_offset=0.1)
-    hit = return_points(beam, STILL, np.array([0.0, 0.2]), np.zeros(3), poses.identity())
-    assert np.allclose(hit, [[np.cos(0.3), 0, -np.sin(0.3)]])  # z is down
+from hullrecon.geometry.frames import Frame
+from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.surface.placement import place_on_hull, pose_sigma_along
 
 
 def test_a_position_sigma_counts_along_the_normal_only() -> None:
@@ -68,3 +39,19 @@ def test_the_sigma_equals_numeric_propagation(rng: np.random.Generator) -> None:
 
     gradient = np.array([(along(h) - along(-h)) / 2e-6 for h in 1e-6 * np.eye(6)])
     assert sigma[0] == pytest.approx(np.sqrt(gradient @ root @ root.T @ gradient), rel=1e-6)
+
+
+def test_a_track_is_moved_to_the_hull_with_the_sigma_of_the_guess() -> None:
+    quarter_turn = poses.from_mount([10.0, 0, 0, 0, 0, 90])  # x of M points along y of g
+    track = VehicleTrack(
+        t_ns=np.arange(2),
+        poses=poses.from_rpy([[10.0, 3, 1], [9.0, 3, 1]], np.zeros((2, 3))),
+        tray=np.zeros(2),
+        covariance=np.tile(np.diag([0.04, 0.01, 0.0, 1e-4, 0, 0]), (2, 1, 1)),
+        image=np.full((2, 2), -1),
+        frame=Frame.GLOBAL,
+    )
+    placed = place_on_hull(track, quarter_turn, np.array([0.3, 0.5, 0.1]))
+    assert placed.frame is Frame.HULL
+    assert np.allclose(placed.poses.translation, [[3, 0, 1], [3, 1, 1]])
+    assert np.allclose(placed.covariance, np.diag([0.01 + 0.09, 0.04 + 0.25, 0.01, 1e-4, 0, 0]))

@@ -19,8 +19,8 @@ COARSE = 8  # texels between points of the chart; between them it is linear, 0.1
 OFF_SURFACE_M = 0.004  # rays start so far off the surface, not to hit it where they start
 
 
-@dataclass(frozen=True)
-class ChartedSurface:
+@dataclass(frozen=True, kw_only=True)
+class MosaicSurface:
     """A mesh, and the chart that unrolls it; reach_m: how far from the chart's surface the mesh may lie; horizon: what may
     stand in the way of a view, None to cast a ray for every texel of every view."""
 
@@ -30,19 +30,19 @@ class ChartedSurface:
     reach_m: float
     horizon: OcclusionHorizon | None = None
 
-    def with_occlusion_horizon(self, grid: TexelGrid, span_m: float) -> ChartedSurface:
+    def with_occlusion_horizon(self, grid: TexelGrid, span_m: float) -> MosaicSurface:
         """The same, for views of the grid's texels from up to span_m away."""
         low = [grid.west, grid.north - grid.height * grid.step_m]
         bounds = np.array([low, [grid.west + grid.width * grid.step_m, grid.north]])
         return replace(self, horizon=build_occlusion_horizon(self.mesh, self.chart, bounds, span_m))
 
 
-def charted_surface(mesh: Mesh, chart: Chart, reach_m: float) -> ChartedSurface:
+def build_mosaic_surface(mesh: Mesh, chart: Chart, reach_m: float) -> MosaicSurface:
     """A surface without a horizon."""
-    return ChartedSurface(mesh, Scene(mesh), chart, reach_m)
+    return MosaicSurface(mesh=mesh, scene=Scene(mesh), chart=chart, reach_m=reach_m)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SurfacePatch:
     """The surface at the texels of a window: point (h, w, 3), NaN where there is none, normal (h, w, 3) of the chart,
     hidden_from (h, w): the tangent of the incidence from which on something may hide the texel, inf where nothing does."""
@@ -53,10 +53,10 @@ class SurfacePatch:
 
     def part(self, which: tuple[slice, slice]) -> SurfacePatch:
         """The patch of some of its rows and columns."""
-        return SurfacePatch(self.point[which], self.normal[which], self.hidden_from[which])
+        return SurfacePatch(point=self.point[which], normal=self.normal[which], hidden_from=self.hidden_from[which])
 
 
-def sample_surface(surface: ChartedSurface, grid: TexelGrid, window: Window) -> SurfacePatch:
+def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> SurfacePatch:
     """The outermost surface at each texel of the grid: a ray along the chart's normal from outside."""
     base, normal = _chart_at(surface.chart, grid, window)
     shape = base.shape
@@ -70,8 +70,8 @@ def sample_surface(surface: ChartedSurface, grid: TexelGrid, window: Window) -> 
     gone[gone > 2 * surface.reach_m] = np.nan
     point = (start + gone[:, None] * direction).reshape(shape)
     if surface.horizon is None:
-        return SurfacePatch(point, normal, np.zeros(shape[:2], np.float32))
-    return SurfacePatch(point, normal, hidden_from(surface.horizon, point, normal, grid.step_m))
+        return SurfacePatch(point=point, normal=normal, hidden_from=np.zeros(shape[:2], np.float32))
+    return SurfacePatch(point=point, normal=normal, hidden_from=hidden_from(surface.horizon, point, normal, grid.step_m))
 
 
 def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Array]:
@@ -94,7 +94,7 @@ def _interpolate_axis(values: Array, count: int, axis: int) -> Array:
     return np.asarray(np.take(values, low, axis) * (1 - share) + np.take(values, low + 1, axis) * share)
 
 
-def seen(surface: ChartedSurface, patch: SurfacePatch, rows: Ints, sensor: Array, min_cosine: float) -> tuple[Mask, Array]:
+def seen(surface: MosaicSurface, patch: SurfacePatch, rows: Ints, sensor: Array, min_cosine: float) -> tuple[Mask, Array]:
     """Whether the sensor (3,) sees the texels of these flat rows of the patch, and the cosines of the incidence there.
 
     A texel is seen when it faces the sensor, no flatter than min_cosine, and no other part of the surface lies on the straight
@@ -111,7 +111,7 @@ def seen(surface: ChartedSurface, patch: SurfacePatch, rows: Ints, sensor: Array
     return free, cosine
 
 
-def find_unobstructed(surface: ChartedSurface, points: Array, normals: Array, sensor: Array) -> Mask:
+def find_unobstructed(surface: MosaicSurface, points: Array, normals: Array, sensor: Array) -> Mask:
     """Whether the straight line from each point (n, 3) to the sensor (3,) is free."""
     start = points + OFF_SURFACE_M * normals
     away = sensor - start
