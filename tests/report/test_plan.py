@@ -66,7 +66,7 @@ def test_words_in_the_plan_are_escaped() -> None:
 
 
 def test_frame_numbers_stand_beside_metres() -> None:
-    assert "36 m · fr 60" in plan_svg(replace(PLAN, frame_spacing_m=0.6), "t")
+    assert "36 m · fr 60.0" in plan_svg(replace(PLAN, frame_spacing_m=0.6), "t")
 
 
 def test_steps_are_one_two_or_five_times_a_power_of_ten() -> None:

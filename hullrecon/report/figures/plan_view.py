@@ -93,7 +93,7 @@ def _ticks(plan: Plan, scale: float, height: float) -> list[str]:
     parts = []
     for value in _multiples(plan.extent.along, step):
         x = _x(value, plan, scale)
-        frame = f" · fr {value / plan.frame_spacing_m:.0f}" if plan.frame_spacing_m else ""
+        frame = f" · fr {value / plan.frame_spacing_m:.1f}" if plan.frame_spacing_m else ""
         parts.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{TOP}" y2="{TOP + height:.1f}" class="grid"/>')
         parts.append(f'<text x="{x:.1f}" y="{TOP + height + 17:.1f}" class="tick mid">{value:g} m{frame}</text>')
     for value in _multiples(plan.extent.girth, step):
