@@ -48,10 +48,10 @@ def find_structures(
         base.result_from_global.apply(landmarks.position),
         landmarks.covariance,
         landmarks.views,
-        options.farthest,
-        0.5 * options.threshold,
+        options.max_offset_m,
+        0.5 * options.min_offset_m,
     )
-    if len(measured) < options.least_landmarks:
+    if len(measured) < options.min_landmarks:
         return _without_landmarks(base)
     # The hull without structures, then with them
     background = _choose_background(base, field, measured, options)
@@ -76,7 +76,7 @@ def _choose_background(
     """Return the deviation field where it was estimated throughout, else running medians of the landmarks."""
     if field is not None and np.isfinite(field.value).all():
         return FieldBackground(chart=base.chart, field=field)
-    return median_background(measured.foot, measured.offset, options.background)
+    return median_background(measured.foot, measured.offset, options.background_width_m)
 
 
 def _without_landmarks(base: BaseSurface) -> Structures:

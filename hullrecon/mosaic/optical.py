@@ -53,7 +53,7 @@ def optical_mosaic(
     )
     light_corrected = camera_views(cameras, light)
     windows = footprint_windows(grid, footprints)
-    limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.most_incidence_deg))))
+    limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.max_incidence_deg))))
     store = make_tiles(
         grid, 3, options.tile_px, options.texture_px,
         lambda window: blend_tile(surface, grid, window, light_corrected, windows, limits, 3),
@@ -75,5 +75,5 @@ def texel_size(gsd_m: float, options: OpticalOptions) -> float:
     """The side of a texel: as asked, else some pixels wide within bounds, in whole tenths of a millimetre."""
     if options.resolution_m is not None:
         return options.resolution_m
-    wanted = float(np.clip(options.samples_per_texel * gsd_m, options.least_resolution_m, options.most_resolution_m))
+    wanted = float(np.clip(options.samples_per_texel * gsd_m, options.min_resolution_m, options.max_resolution_m))
     return round(wanted, 4)

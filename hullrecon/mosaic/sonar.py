@@ -78,7 +78,7 @@ def sonar_mosaic(
     step = options.resolution_m or round(float(np.median(np.diff(pings.range_m))), 4)
     grid = grid_around(footprints.at.reshape(-1, 2), step)
     surface = surface.with_occlusion_horizon(grid, footprints.span_m)
-    limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.most_incidence_deg))), slant=0.0)
+    limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.max_incidence_deg))), slant=0.0)
     levels = learn_levels(surface, image_views, footprints, limits.min_cosine) if options.even_light else None
     if levels is not None:
         image_views = [replace(s, level=level) for s, level in zip(image_views, levels, strict=True)]

@@ -57,7 +57,7 @@ def write_mosaic(context: MosaicContext, inputs: MosaicInputs, store: TileStore,
         title=title,
         frame=frame,
         frame_spacing_m=context.settings.read_optional("hull.frame_spacing", float),
-        max_faces=context.parameters.faces,
+        max_faces=context.parameters.max_faces,
         facts={**facts, "surface": inputs.surface_name},
     )
     made = make_deliverables(inputs.surface, store, presentation)

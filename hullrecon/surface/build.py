@@ -55,16 +55,16 @@ def build_surface(
     charted, observed = charted[known], _take(observed, known)
     if datum is not None:
         charted[:, 2] = datum.to_chart(observed.point)[:, 2]
-    grid = supported_lattice(charted[observed.gives_support, :2], options.grid, options.reach)
+    grid = supported_lattice(charted[observed.gives_support, :2], options.grid_step_m, options.reach_m)
     if not len(grid.faces):
-        raise StageError("the returns are too sparse for a surface", where="surface", remedy="raise surface.reach")
+        raise StageError("the returns are too sparse for a surface", where="surface", remedy="raise surface.reach_m")
     estimate = _by_gaussian_process if options.method == "gp" else _by_triangles
     offset, sigma, facts = estimate(charted, observed, grid.vertices[:, :2], options)
     if datum is not None:
         offset, sigma = _heights_to_offsets(offset, sigma, grid.vertices[:, :2], chart, datum)
-    mesh, values = refine(grid, options.edge, np.stack([offset, sigma], axis=1))
+    mesh, values = refine(grid, options.max_edge_m, np.stack([offset, sigma], axis=1))
     shared = _nearest(charted[:, :2], observed.pose_sigma, mesh.vertices[:, :2])
-    support = count_within(charted[observed.gives_support, :2], mesh.vertices[:, :2], options.reach)
+    support = count_within(charted[observed.gives_support, :2], mesh.vertices[:, :2], options.reach_m)
     surface = _lift_to_space(mesh, values[:, 0], np.hypot(values[:, 1], shared), np.maximum(support, 1), chart)
     return surface, {**facts, "vertices": len(surface.vertices), "faces": len(surface.faces)}
 
@@ -72,12 +72,12 @@ def build_surface(
 def _by_gaussian_process(
     charted: Array, observed: SurfacePoints, wanted: Array, options: SurfaceOptions
 ) -> tuple[Array, Array, Facts]:
-    seen = cell_means(charted[:, :2], charted[:, 2], np.hypot(observed.noise, options.roughness), options.voxel)
-    kernel, scale = Kernel(options.kernel, (options.length_along, options.length_girth), options.sigma), 1.0
+    seen = cell_means(charted[:, :2], charted[:, 2], np.hypot(observed.noise, options.roughness_sigma_m), options.cell_m)
+    kernel, scale = Kernel(options.kernel, (options.length_along_m, options.length_girth_m), options.offset_sigma_m), 1.0
     middle = float(np.median(seen.offset))
     if options.fit:
         few = _sample(seen)
-        limit = (4 * options.voxel, 60.0)
+        limit = (4 * options.cell_m, 60.0)
         kernel, scale = maximise_likelihood(kernel, few.at, few.offset - middle, few.noise, limit)
     result = fit_robust(kernel, seen.at, seen.offset - middle, seen.noise * scale)
     facts: Facts = {
@@ -90,7 +90,7 @@ def _by_gaussian_process(
 def _by_triangles(
     charted: Array, observed: SurfacePoints, wanted: Array, options: SurfaceOptions
 ) -> tuple[Array, Array, Facts]:
-    seen = cell_means(charted[:, :2], charted[:, 2], observed.noise, 0.25 * options.voxel)
+    seen = cell_means(charted[:, :2], charted[:, 2], observed.noise, 0.25 * options.cell_m)
     sigma = scatter_sigma(seen.at, seen.offset)
     facts: Facts = {"method": "linear", "observations": len(seen.at), "scatter_m": sigma}
     return interpolate(seen.at, seen.offset, wanted), np.full(len(wanted), sigma), facts

@@ -99,7 +99,7 @@ def _find_inliers(points: Array, flagged: Mask, options: SurfaceOptions) -> Mask
     inlier = ~flagged & np.isfinite(points).all(axis=1)
     if inlier.sum() < 4:
         raise StageError("the DVL gave fewer than four returns", where="surface", remedy="check topics.dvl and the log's span")
-    inlier[inlier] = statistical_inliers(points[inlier], options.outlier_neighbours, options.outlier_deviations)
+    inlier[inlier] = statistical_inliers(points[inlier], options.outlier_neighbours, options.outlier_sigmas)
     return inlier
 
 
@@ -112,7 +112,7 @@ def _points_of_landmarks(survey: SurfaceInputs, options: SurfaceOptions) -> Surf
     good = np.isfinite(landmarks.position).all(axis=1) & (landmarks.views >= 3) & (variance > 0)
     good &= survey.hull.on_hull(landmarks.label)
     points = survey.solution.result_from_global().apply(landmarks.position[good])
-    inlier = statistical_inliers(points, options.outlier_neighbours, 2 * options.outlier_deviations)
+    inlier = statistical_inliers(points, options.outlier_neighbours, 2 * options.outlier_sigmas)
     n = int(inlier.sum())
     return SurfacePoints(
         point=points[inlier],

@@ -90,10 +90,10 @@ def test_a_top_rougher_than_its_landmarks_are_uncertain_is_less_certain(scenery,
 @pytest.mark.parametrize(
     ("option", "value", "words"),
     [
-        ("least_height", 0.08, "m off the hull"),
-        ("least_area", 0.042, "cm2 above half"),
-        ("least_views", 6, "images show it"),
-        ("least_landmarks", 120, "landmarks"),
+        ("min_height_m", 0.08, "m off the hull"),
+        ("min_area_m2", 0.042, "cm2 above half"),
+        ("min_views", 6, "images show it"),
+        ("min_landmarks", 120, "landmarks"),
     ],
 )
 def test_what_is_not_certain_is_named_with_its_reason(option: str, value: float, words: str, scenery, found) -> None:

@@ -242,7 +242,7 @@ def test_with_neither_camera_nor_cad_model_as_found_is_absent_with_its_reason(ea
 
 
 def test_what_was_not_reported_is_named_with_its_reason(earlier: EarlierSteps) -> None:
-    out = earlier.run(least_height=0.2)
+    out = earlier.run(min_height_m=0.2)
     assert _json(out, "objects.json")["objects"] == []
     reasons = [row["reason"] for row in _json(out, "detect.json")["not_reported"]]
     assert any("0.09" in reason for reason in reasons)

@@ -241,7 +241,7 @@ def test_a_bump_that_the_cad_model_lacks_is_found_with_every_reference(earlier: 
     beam_end = _ends(earlier)
     bump = 0.08 * np.exp(-0.5 * ((beam_end[:, 0] - 5) ** 2 + (beam_end[:, 2] - 3) ** 2) / 0.5**2)
     earlier.returns = replace(earlier.returns, range_m=earlier.returns.range_m - bump)
-    surface, facts = _read(earlier.run(reference=reference, outlier_deviations=3.0))
+    surface, facts = _read(earlier.run(reference=reference, outlier_sigmas=3.0))
     x, z = surface.vertices[:, 0], surface.vertices[:, 2]
     top = np.hypot(x - 5, z - 3) < 0.15
     aside = (np.hypot(x - 5, z - 3) > 1.3) & (np.abs(x - 5) < 1.8) & (np.abs(z - 3) < 0.6)

@@ -58,12 +58,12 @@ def estimate_hull_as_found(
     """Refine the base where landmarks are, finely at structures; move it to the landmarks; see what saw it."""
     hull_at_foot, _ = background.at(measured.foot)
     height = measured.offset - hull_at_foot
-    edge = affordable_edge(measured.foot, options.edge, options.most_vertices)
-    mesh = refine_near(base, measured.foot, edge, options.reach)
+    edge = affordable_edge(measured.foot, options.max_edge_m, options.max_vertices)
+    mesh = refine_near(base, measured.foot, edge, options.reach_m)
     coarse = _regress(mesh.vertices, vertex_normals(mesh), measured, height, options)
-    high = np.abs(coarse.value) >= options.threshold
+    high = np.abs(coarse.value) >= options.min_offset_m
     old = len(mesh.vertices)
-    mesh = refine_near(mesh, mesh.vertices[high], min(edge, options.fine_edge), 2 * options.fine_edge)
+    mesh = refine_near(mesh, mesh.vertices[high], min(edge, options.max_fine_edge_m), 2 * options.max_fine_edge_m)
     normal = vertex_normals(mesh)
     heights = coarse.append(_regress(mesh.vertices[old:], normal[old:], measured, height, options))
     hull, hull_sigma = background.at(mesh.vertices)
@@ -79,8 +79,8 @@ def estimate_hull_as_found(
     shape = Mesh(moved, mesh.faces)
     cell = np.where(_near_structures(mesh, raised, options), FINE_CELL_M, COARSE_CELL_M)
     seen = find_visibility_by_cell(views, moved, vertex_normals(shape), Scene(shape), cell)
-    facet = _sagitta_at(base, mesh, np.abs(raised) >= options.threshold)
-    sigma = np.where(known, heights.sigma, options.threshold)
+    facet = _sagitta_at(base, mesh, np.abs(raised) >= options.min_offset_m)
+    sigma = np.where(known, heights.sigma, options.min_offset_m)
     return HullAsFound(
         mesh=shape,
         base=mesh,
@@ -107,11 +107,11 @@ def _sagitta_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
 
 def _near_structures(mesh: Mesh, height: Array, options: DetectOptions) -> Mask:
     """Vertices on structures and where these may hide the hull from a camera."""
-    off = np.abs(height) >= options.threshold
+    off = np.abs(height) >= options.min_offset_m
     if not off.any():
         return off
     return np.asarray(np.isfinite(nearest(mesh.vertices[off], mesh.vertices, 1, SHADOW_M)[0][:, 0]))
 
 
 def _regress(at: Array, normal: Array, measured: SurfaceLandmarks, height: Array, options: DetectOptions) -> Heights:
-    return local_heights(at, normal, measured.foot, height, measured.sigma, options.neighbours, options.reach)
+    return local_heights(at, normal, measured.foot, height, measured.sigma, options.neighbours, options.reach_m)

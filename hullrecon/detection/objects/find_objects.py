@@ -144,14 +144,14 @@ def _rejection_reason(
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
     shapes = int(np.percentile(found.shapes[region.core], 75))
     core = float(area[region.core].sum())
-    least = options.least_height + float(np.median(found.facet[region.core]))
+    least = options.min_height_m + float(np.median(found.facet[region.core]))
     checks = (
         (abs(region.height) < least, f"only {abs(region.height):.3f} m off the hull around it, of {least:.3f} m needed there"),
-        (core < options.least_area, f"only {1e4 * core:.0f} cm2 above half its height"),
-        (on < options.least_landmarks, f"only {on} landmarks"),
-        (agree < options.least_agreement, f"only {100 * agree:.0f} % of its landmarks agree"),
-        (min(seen, shapes) < options.least_views, f"only {min(seen, shapes)} images show it"),
-        (evidence.chance > options.significance, f"bare hull does so with probability {evidence.chance:.2g}"),
+        (core < options.min_area_m2, f"only {1e4 * core:.0f} cm2 above half its height"),
+        (on < options.min_landmarks, f"only {on} landmarks"),
+        (agree < options.min_agreement, f"only {100 * agree:.0f} % of its landmarks agree"),
+        (min(seen, shapes) < options.min_views, f"only {min(seen, shapes)} images show it"),
+        (evidence.chance > options.max_p_value, f"bare hull does so with probability {evidence.chance:.2g}"),
     )
     return next((reason for failed, reason in checks if failed), "")
 
