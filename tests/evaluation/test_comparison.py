@@ -15,7 +15,7 @@ from hullrecon.evaluation.comparison.comparison import Reckoned, Solved, compare
 from hullrecon.evaluation.figures.figures import draw
 from hullrecon.evaluation.figures.sections import cut, whole
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
-from hullrecon.geometry.poses import of_seven
+from hullrecon.geometry.poses import pose_from_vector
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, Trajectory
@@ -40,7 +40,7 @@ def start(solution: Solution, returns: Returns) -> Reckoned:
         tray=solution.tray,
         image=solution.image,
     )
-    return Reckoned(reckoned, returns, np.array([0.45, 0.0, 0.1]), of_seven(solution.T_s_d))
+    return Reckoned(reckoned, returns, np.array([0.45, 0.0, 0.1]), pose_from_vector(solution.T_s_d))
 
 
 @pytest.fixture

@@ -10,12 +10,12 @@ import pytest
 
 from hullrecon.evaluation.comparison.beams import adjusted_beams, field_at, range_residuals, reckoned_beams
 from hullrecon.evaluation.scoring.truth import read_truth
-from hullrecon.geometry.poses import of_seven
+from hullrecon.geometry.poses import pose_from_vector
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, Trajectory
 
 ORIGIN = np.array([0.45, 0.0, 0.1])
-SHIFT = of_seven(np.array([1.0, 2, 3, 0, 0, 0, 1]))
+SHIFT = pose_from_vector(np.array([1.0, 2, 3, 0, 0, 0, 1]))
 
 
 def test_beams_end_on_the_steel(solution: Solution, returns: Returns) -> None:
@@ -44,14 +44,14 @@ def test_dead_reckoning_is_placed_alike(solution: Solution, returns: Returns) ->
         tray=solution.tray,
         image=solution.image,
     )
-    before = reckoned_beams(path, SHIFT, of_seven(solution.T_s_d), returns, ORIGIN)
+    before = reckoned_beams(path, SHIFT, pose_from_vector(solution.T_s_d), returns, ORIGIN)
     np.testing.assert_allclose(before.points(), adjusted_beams(solution, SHIFT, returns, ORIGIN).points())
 
 
 def test_beams_past_the_cad_model_have_no_residual(package: Path, solution: Solution, returns: Returns) -> None:
     truth = read_truth(package)
     assert truth.cad_model is not None
-    beams = adjusted_beams(solution, of_seven(np.array([-50.0, 2, 3, 0, 0, 0, 1])), returns, ORIGIN)
+    beams = adjusted_beams(solution, pose_from_vector(np.array([-50.0, 2, 3, 0, 0, 0, 1])), returns, ORIGIN)
     assert len(range_residuals(beams, truth.cad_model)) == 0
 
 

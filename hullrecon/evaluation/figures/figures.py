@@ -30,7 +30,7 @@ from hullrecon.evaluation.scoring.deliverables import Track
 from hullrecon.evaluation.scoring.objects import delivered_of
 from hullrecon.evaluation.scoring.trajectory import judge_trajectory
 from hullrecon.evaluation.scoring.truth import Truth
-from hullrecon.geometry.poses import of_seven
+from hullrecon.geometry.poses import pose_from_vector
 from hullrecon.records.iterations import reached
 from hullrecon.typing import Array
 
@@ -112,7 +112,7 @@ def _ranges(solved: Sequence[Solved], start: Reckoned, truth: Truth) -> Figure:
     assert start.returns is not None
     assert truth.cad_model is not None
     best = next(s for s in solved if s.method == "maxmix" and not s.printed)
-    registered = frame_of(best.solution, truth) if best.registered is None else of_seven(best.registered)
+    registered = frame_of(best.solution, truth) if best.registered is None else pose_from_vector(best.registered)
     reckoned = reckoned_beams(start.trajectory, registered, start.T_s_d, start.returns, start.tray_origin_m)
     before = {"registered, before the adjustment": range_residuals(reckoned, truth.cad_model)}
     after = {}
