@@ -41,7 +41,7 @@ def bundle_of(problem: Any) -> Bundle:
     node = problem.stereo.node if stereo else problem.mono.node
     used, seen_from = np.unique(node, return_inverse=True)
     start = Poses(problem.unknowns.pose[used, 3:7], problem.unknowns.pose[used, :3])
-    mount = poses.of_seven(problem.unknowns.T_s_ct)
+    mount = poses.pose_from_vector(problem.unknowns.T_s_ct)
     top = start @ poses.tray_poses(TRAY_ORIGIN, problem.unknowns.pose[used, 7]) @ mount
     return Bundle(
         pose=np.hstack([top.translation, top.quaternion]),

@@ -102,7 +102,7 @@ def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
     stereo, mono = _images(size, truth, first, second, rng)
     pixel = stereo.pixel[::2] if size.stereo else mono.pixel
     seen_from = stereo.node if size.stereo else mono.node
-    mount = poses.of_seven(unknowns.T_s_ct)
+    mount = poses.pose_from_vector(unknowns.T_s_ct)
     first_landmarks = _start_landmarks(size, start, tray_table.measured, mount, ranges, seen_from, pixel)
     problem = Problem(
         unknowns=replace(unknowns, pose=pose, landmark=first_landmarks),
@@ -122,22 +122,18 @@ def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
     return problem, truth
 
 
-def _seven(pose: Poses) -> Array:
-    return np.asarray(np.r_[pose.translation[0], pose.quaternion[0]])
-
-
 def _mounts(T_g_M: Poses, rng: np.random.Generator) -> tuple[Unknowns, Priors]:
     """T_g_M starts where a registration left it (0.3 m along the hull), T_s_ct at the rig's CAD model; both priors say so."""
-    guess = _seven(T_g_M @ poses.exp(np.r_[0.3, 0.1, 0.05, 0.002, 0.002, 0.005]))
+    guess = poses.pose_vector(T_g_M @ poses.exp(np.r_[0.3, 0.1, 0.05, 0.002, 0.002, 0.005]))
     guess_rows = np.diag(1 / np.r_[0.5, 0.2, 0.1, 0.005, 0.005, 0.01])
-    camera = _seven(T_S_CT @ mount_error(rng, 0.003, 0.004))
+    camera = poses.pose_vector(T_S_CT @ mount_error(rng, 0.003, 0.004))
     camera_rows = np.diag(1 / np.r_[np.full(3, 0.003), np.full(3, 0.004)])
     unknowns = Unknowns(
         pose=np.zeros((0, 8)),
         T_g_M=guess,
         T_s_ct=camera,
-        T_ct_cb=_seven(T_CT_CB),
-        T_s_d=_seven(T_S_D),
+        T_ct_cb=poses.pose_vector(T_CT_CB),
+        T_s_d=poses.pose_vector(T_S_D),
         intrinsics_top=CAMERA.parameters(),
         intrinsics_bottom=CAMERA.parameters(),
     )
@@ -176,7 +172,7 @@ def _odometry(measured: Poses) -> OdometryTable:
         by_mount=np.zeros((m, 6, 3)),
         by_tray=np.zeros((m, 6)),
         tray=np.zeros(m),
-        mount=_seven(T_S_D),
+        mount=poses.pose_vector(T_S_D),
     )
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,128 +17,183 @@ from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import hard_em, intrinsics, iteration_history, pruning, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection, assemble, state_from_unknowns
 from hullrecon.adjustment.problem.deviation_field import grid_over
-from hullrecon.adjustment.problem.measurements import Measurements, Rig, return_points
-from hullrecon.adjustment.problem.state import State, Weights
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements, Rig, return_points
+from hullrecon.adjustment.problem.state import HullState, State, Weights
 from hullrecon.errors import StageError
 from hullrecon.records.iterations import reached
 from hullrecon.typing import Array
 
 Report = Callable[[str], None]
+FIRST_MAX_PX = 40.0  # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
+LEAST_MAX_PX = 2.0
 NO_STRUCTURE_M = 0.5  # off the hull: a mismatch, not something that stands on it
 log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """What one round leaves to the next: measured, with the intrinsics found so far; the unknowns; sigmas and weights; the
+    largest reprojection error that counts, px."""
+
+    measured: Measurements
+    state: State
+    weights: Weights
+    max_px: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class RoundResult:
+    """One solve: the measurements chosen and the weights that it used, the problem at its start and at its solution, its
+    history, and the estimate after it."""
+
+    chosen: Selection
+    weights: Weights
+    start: native.Problem
+    problem: native.Problem
+    result: native.Result
+    history: iteration_history.Round
+    after: Estimate
+
+
+@dataclass(frozen=True, kw_only=True)
 class Adjusted:
-    """The end of the story. start: the first round's problem as dead reckoning left it;
-    problem and result: of the last round, at its solution; rig: with the intrinsics found; ground: what the place was
-    settled on."""
+    """The adjusted dive. start: the first round's problem as dead reckoning left it; problem and result: of the last round, at
+    its solution; rig: with the intrinsics found; evidence: what the hull pose was fitted to (None where no round held it)."""
 
     state: State
     weights: Weights
     chosen: Selection
-    center: Array
     start: native.Problem
     problem: native.Problem
     result: native.Result
     registration: registration.Registration | None
     rounds: tuple[iteration_history.Round, ...]
     rig: Rig
-    ground: estimate.HullPoseEvidence | None
+    evidence: estimate.HullPoseEvidence | None
 
 
-def adjust(m: Measurements, options: AdjustOptions, report: Report) -> Adjusted:
-    """Solve in rounds: each settles outliers and sigmas for the next. Raises StageError when nothing usable comes out."""
-    begun, rounds = time.perf_counter(), list[iteration_history.Round]()
-    calibrated = m.rig
-    state, registered = _start(m, options, report)
-    center = registered.center if registered else np.zeros(3)
-    weights = weighting.initial_weights(m, options)
-    most_px = 40.0  # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
-    outcome, first, ground = None, None, None
-    settle = m.cad_model is not None and not options.as_published and options.rounds > 1
-    for k in range(options.rounds):
-        last = k == options.rounds - 1
-        if last and settle and outcome is not None:
-            ground, state = _grounded(m, state, outcome[2], outcome[1], center)
-        state = replace(state, landmark=selection.triangulate_landmarks(m, state))
-        chosen = _chosen(m, state, most_px, options, last)
-        weights = replace(weights, surface=weighting.surface_weights(m, state, chosen, options))
-        problem = assemble(m, state, weights, chosen, center, options.as_published, hold_hull_pose=last and settle)
-        problem = intrinsics.free_intrinsics(problem, calibrated, options)
-        first = first or problem
-        began = time.perf_counter() - begun
-        result = _solved(problem, options, last)
-        rounds.append(_told(len(rounds) + 1, m, result, weights, chosen, began))
-        outcome = (problem, result, chosen, weights)
-        state = state_from_unknowns(state, result.unknowns, chosen, center)
-        m = intrinsics.apply_intrinsics(m, problem, result)
-        weights = weighting.estimate_weights(m, state, chosen, weights, options)
-        most_px = max(2.0, options.outlier_sigmas * weights.pixel)
-        report(_round_in_words(k, result, chosen, weights))
-    assert outcome is not None
-    assert first is not None
-    problem, result, chosen, used = outcome
-    done = Adjusted(
-        state,
-        used,
-        chosen,
-        center,
-        first,
-        problem.started_from(result.unknowns),
-        result,
-        registered,
-        tuple(rounds),
-        m.rig,
-        ground,
-    )
-    return _without_lost(m, done)
+def adjust(measured: Measurements, options: AdjustOptions, report: Report) -> Adjusted:
+    """Return the dive adjusted in rounds, each with the outliers and sigmas that the one before found.
+
+    Raises StageError when too little agrees to be adjusted.
+    """
+    solver = _RoundSolver(measured.rig, options, report)
+    start, registered = _start(measured, options, report)
+    # Coarse rounds: some well-seen landmarks find poses, outliers and sigmas at a fraction of the last round's cost.
+    rounds = solver.coarse_rounds(start)
+    # The hull pose: solves slide along the hull, the profile of its likelihood does not.
+    evidence, ready = _estimate_hull_pose(rounds, options) if rounds else (None, start)
+    # The final round: every landmark, with the hull pose held.
+    rounds.append(solver.solve_round(ready, final=True, hold_hull_pose=evidence is not None))
+    return _drop_lost_landmarks(rounds, registered, evidence)
 
 
-def _start(m: Measurements, options: AdjustOptions, report: Report) -> tuple[State, registration.Registration | None]:
-    rig, nodes = m.rig, m.trajectory.poses()
-    empty = np.full((selection.landmark_count(m), 3), np.nan)
+@dataclass(frozen=True)
+class _RoundSolver:
+    """Solves rounds, counts and reports them. calibrated: the rig with the intrinsics of the calibration."""
+
+    calibrated: Rig
+    options: AdjustOptions
+    report: Report
+    history: list[iteration_history.Round] = field(default_factory=list)
+    begun_s: float = field(default_factory=time.perf_counter)
+
+    def coarse_rounds(self, start: Estimate) -> list[RoundResult]:
+        """Return all rounds but the last one."""
+        rounds: list[RoundResult] = []
+        for _ in range(self.options.rounds - 1):
+            rounds.append(self.solve_round(rounds[-1].after if rounds else start))
+        return rounds
+
+    def solve_round(self, before: Estimate, *, final: bool = False, hold_hull_pose: bool = False) -> RoundResult:
+        """Return the round from an estimate: choose and weight measurements, solve, estimate sigmas anew."""
+        options, measured = self.options, before.measured
+        state = replace(before.state, landmark=selection.triangulate_landmarks(measured, before.state))
+        chosen = choose_measurements(measured, state, before.max_px, options, final)
+        weights = replace(before.weights, surface=weighting.surface_weights(state, chosen, options))
+        problem = assemble(measured, state, weights, chosen, options.as_published, hold_hull_pose)
+        problem = intrinsics.free_intrinsics(problem, self.calibrated, options)
+        began_s = time.perf_counter() - self.begun_s
+        result = _solve(problem, options, final)
+        history = self._record(measured, result, weights, chosen, began_s)
+        state = state_from_unknowns(state, result.unknowns, chosen)
+        measured = intrinsics.apply_intrinsics(measured, problem, result)
+        found = weighting.estimate_weights(measured, state, chosen, weights, options)
+        max_px = max(LEAST_MAX_PX, options.outlier_sigmas * found.pixel)
+        self.report(_describe_round(len(self.history), result, chosen, found))
+        return RoundResult(
+            chosen=chosen,
+            weights=weights,
+            start=problem,
+            problem=problem.started_from(result.unknowns),
+            result=result,
+            history=history,
+            after=Estimate(measured=measured, state=state, weights=found, max_px=max_px),
+        )
+
+    def _record(
+        self, measured: Measurements, result: native.Result, weights: Weights, chosen: Selection, began_s: float
+    ) -> iteration_history.Round:
+        """Return the round for the history; its table goes to the log (`--verbose`)."""
+        done = iteration_history.Round(
+            record=result.iterations,
+            weights=weights,
+            depth_sigma_m=weighting.depth_sigma(measured, weights),
+            landmarks=len(chosen.landmarks),
+            converged=result.converged,
+            message=result.message,
+            began_s=began_s,
+        )
+        self.history.append(done)
+        for line in iteration_history.lines(len(self.history), done):
+            log.debug("%s", line)
+        return done
+
+
+def _start(measured: Measurements, options: AdjustOptions, report: Report) -> tuple[Estimate, registration.Registration | None]:
+    """Return the dead-reckoned dive, laid onto the CAD model where there is one."""
+    rig, seen = measured.rig, measured.tracks is not None
     state = State(
-        nodes=nodes,
-        tray=m.trajectory.tray.copy(),
-        landmark=empty,
-        T_g_M=None,
-        T_s_ct=rig.T_s_ct.nominal if rig.T_s_ct and m.tracks is not None else None,
-        T_ct_cb=rig.T_ct_cb.nominal if rig.T_ct_cb and m.tracks is not None else None,
+        nodes=measured.trajectory.poses(),
+        tray=measured.trajectory.tray.copy(),
+        landmark=np.full((selection.landmark_count(measured), 3), np.nan),
+        T_s_ct=rig.T_s_ct.nominal if rig.T_s_ct and seen else None,
+        T_ct_cb=rig.T_ct_cb.nominal if rig.T_ct_cb and seen else None,
         T_s_d=rig.T_s_d.nominal,
         navigation=np.zeros(6),
+        hull=None,
+    )
+    registered = None
+    if measured.cad_model is not None:
+        points = _points_to_register(measured, state)
+        registered = registration.register(points, measured.cad_model, rig.sigma_range)
+        report(f"registered {len(points)} points to the CAD model, {100 * registered.fitness:.0f} % within three sigma")
+        state = replace(state, hull=_hull_state(measured.cad_model, registered, points, options))
+    weights = weighting.initial_weights(measured, options)
+    return Estimate(measured=measured, state=state, weights=weights, max_px=FIRST_MAX_PX), registered
+
+
+def _hull_state(cad_model: CadModel, found: registration.Registration, points: Array, options: AdjustOptions) -> HullState:
+    hull = HullState(
+        cad_model=cad_model,
+        global_from_hull=found.global_from_hull,
+        survey_center=found.center,
         grid=None,
         field=np.zeros(0),
     )
-    if m.cad_model is None:
-        return state, None
-    points = _register_points(m, state)
-    found = registration.register(points, m.cad_model, rig.sigma_range)
-    report(f"registered {len(points)} points to the CAD model, {100 * found.fitness:.0f} % within three sigma")
-    grid = None
-    if not options.as_published:
-        at = m.cad_model.chart.to_chart(found.global_from_hull.inverse().apply(points))[:, :2]
-        grid = grid_over(at[np.isfinite(at).all(1)], m.cad_model.deviation_length)
-    return replace(state, T_g_M=found.global_from_hull, grid=grid, field=np.zeros(grid.size if grid else 0)), found
+    if options.as_published:
+        return hull
+    at = hull.to_chart(points)
+    grid = grid_over(at[np.isfinite(at).all(1)], cad_model.deviation_length)
+    return replace(hull, grid=grid, field=np.zeros(grid.size))
 
 
-def _grounded(
-    m: Measurements, state: State, chosen: Selection, result: native.Result, center: Array
-) -> tuple[estimate.HullPoseEvidence, State]:
-    """What the dive is laid on, and T_g_M there."""
-    assert m.cad_model is not None
-    assert state.T_g_M is not None
-    points = estimate.collect_hull_points(m, state, chosen, result.label)
-    ground, best = estimate.fit_hull_pose(points, state.T_g_M, m.cad_model, center)
-    return ground, replace(state, T_g_M=estimate.profile_mean_pose(ground, best))
-
-
-def _register_points(m: Measurements, state: State) -> Array:
-    """What is laid onto the CAD model: DVL returns, or stereo landmarks where no ranges were carried, in g."""
-    if m.returns is not None and (~m.returns.flagged).sum() >= 30:
-        points, _ = return_points(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
-        return points[~m.returns.flagged]
-    landmarks = selection.triangulate_landmarks(m, state)
+def _points_to_register(measured: Measurements, state: State) -> Array:
+    """Return what is laid onto the CAD model, in g: DVL returns, or stereo landmarks where no ranges were carried."""
+    if measured.returns is not None and (~measured.returns.flagged).sum() >= 30:
+        points, _ = return_points(measured.returns, state.nodes, state.tray, measured.rig.tray_origin, state.T_s_d)
+        return points[~measured.returns.flagged]
+    landmarks = selection.triangulate_landmarks(measured, state)
     landmarks = landmarks[np.isfinite(landmarks[:, 0])]
     if len(landmarks) < 30:
         raise StageError(
@@ -148,20 +203,36 @@ def _register_points(m: Measurements, state: State) -> Array:
     return landmarks
 
 
-def _chosen(m: Measurements, state: State, most_px: float, options: AdjustOptions, last: bool) -> Selection:
-    """Anchors before the last round, then every landmark but isolated ones off the hull."""
-    chosen = selection.select_measurements(m, state, most_px)
-    if last and m.cad_model is not None and state.T_g_M is not None and not options.as_published:
-        deviation = deviation_from_hull(m, state, state.landmark[chosen.landmarks])
-        off = np.abs(deviation) > hard_em.label_boundary(options.sigma_on, options.sigma_off)
-        chosen = selection.drop_isolated_landmarks(m, state, chosen, off)
-    if options.method == "geva" and m.cad_model is not None and state.T_g_M is not None:
-        # drawn to the hull, a mismatch near the lens passes through the camera's plane, and the solve stalls there
-        far = np.abs(deviation_from_hull(m, state, state.landmark[chosen.landmarks])) > NO_STRUCTURE_M
+def _estimate_hull_pose(rounds: list[RoundResult], options: AdjustOptions) -> tuple[estimate.HullPoseEvidence | None, Estimate]:
+    """Return what the hull pose was fitted to, and the last estimate with the pose at the mean of its profile; as published and
+    without a CAD model, the estimate as it is."""
+    last, ready = rounds[-1], rounds[-1].after
+    hull = ready.state.hull
+    if hull is None or options.as_published:
+        return None, ready
+    points = estimate.collect_hull_points(ready.measured, ready.state, last.chosen, last.result.label)
+    evidence, best = estimate.fit_hull_pose(points, hull.global_from_hull, hull.cad_model, hull.survey_center)
+    hull = replace(hull, global_from_hull=estimate.profile_mean_pose(evidence, best))
+    return evidence, replace(ready, state=replace(ready.state, hull=hull))
+
+
+def choose_measurements(measured: Measurements, state: State, max_px: float, options: AdjustOptions, final: bool) -> Selection:
+    """Return anchor landmarks for a coarse round, all landmarks but isolated ones off the hull for the final one.
+
+    Raises StageError when fewer than 20 agree with the navigation.
+    """
+    chosen = selection.select_measurements(measured, state, max_px)
+    if final and state.hull is not None and not options.as_published:
+        off = np.abs(state.hull.deviation(state.landmark[chosen.landmarks]))
+        off_hull = off > hard_em.label_boundary(options.sigma_on, options.sigma_off)
+        chosen = selection.drop_isolated_landmarks(measured, state, chosen, off_hull)
+    if options.method == "geva" and state.hull is not None:
+        # pulled to the hull, a mismatch near the camera passes through the camera's plane, and the solve stalls there
+        far = np.abs(state.hull.deviation(state.landmark[chosen.landmarks])) > NO_STRUCTURE_M
         chosen = replace(chosen, landmarks=chosen.landmarks[~far])
-    if not last:
-        chosen = selection.choose_anchors(m, chosen, options.anchors)
-    if m.tracks is not None and len(chosen.landmarks) < 20:
+    if not final:
+        chosen = selection.choose_anchors(measured, chosen, options.anchors)
+    if measured.tracks is not None and len(chosen.landmarks) < 20:
         raise StageError(
             f"only {len(chosen.landmarks)} landmarks agree with the navigation",
             remedy="check camera mounts and time offsets, or lower matches' thresholds",
@@ -169,68 +240,57 @@ def _chosen(m: Measurements, state: State, most_px: float, options: AdjustOption
     return chosen
 
 
-def deviation_from_hull(m: Measurements, state: State, points: Array) -> Array:
-    """Signed distance (n,) of points (n, 3) in g to the hull as it is: the CAD model moved by the field."""
-    if m.cad_model is None or state.T_g_M is None:
-        raise ValueError("a deviation needs a CAD model")
-    at = state.T_g_M.inverse().apply(points)
-    distance = native.MeshIndex(m.cad_model.mesh.vertices, m.cad_model.mesh.faces).closest(at).distance
-    if state.grid is None:
-        return np.asarray(distance)
-    return np.asarray(distance - state.grid.value(state.field, m.cad_model.chart.to_chart(at)[:, :2]))
-
-
-def _solved(problem: native.Problem, options: AdjustOptions, last: bool) -> native.Result:
+def _solve(problem: native.Problem, options: AdjustOptions, final: bool) -> native.Result:
     solve = hard_em.solve if options.labels == "outer" and options.method == "maxmix" else native.solve
-    return solve(problem, _native_options(options, last))
-
-
-def _native_options(options: AdjustOptions, last: bool) -> native.Options:
-    return native.Options(
+    settings = native.Options(
         method=options.method,
         sigma_on=options.sigma_on,
         sigma_off=options.sigma_off,
         max_iterations=options.max_iterations,
-        function_tolerance=options.function_tolerance if last else 10 * options.function_tolerance,
+        function_tolerance=options.function_tolerance if final else 10 * options.function_tolerance,
         threads=options.threads,
     )
+    return solve(problem, settings)
 
 
-def _without_lost(m: Measurements, done: Adjusted) -> Adjusted:
-    """Leaves out landmarks that the last solve pushed behind their cameras or metres off the hull: nothing determines them."""
-    sound = selection.select_measurements(m, done.state, most_px=1e3).landmarks
-    keep = np.isin(done.chosen.landmarks, sound)
-    if keep.all():
-        return done
-    lost = done.chosen.landmarks[~keep]
-    landmark = done.state.landmark.copy()
-    landmark[lost] = np.nan
-    log.info("%d landmarks were lost in the solve and are left out", len(lost))
-    rows = keep[done.problem.surface.landmark]
-    return replace(
-        done,
-        state=replace(done.state, landmark=landmark),
-        chosen=replace(done.chosen, landmarks=done.chosen.landmarks[keep]),
-        problem=pruning.drop_landmarks(done.problem, keep),
-        result=pruning.drop_label_rows(done.result, rows),
+def _drop_lost_landmarks(
+    rounds: list[RoundResult],
+    registered: registration.Registration | None,
+    evidence: estimate.HullPoseEvidence | None,
+) -> Adjusted:
+    """Return the adjusted dive without landmarks that the last solve pushed behind their cameras or metres off the hull:
+    nothing determines them."""
+    last, state = rounds[-1], rounds[-1].after.state
+    chosen, problem, result = last.chosen, last.problem, last.result
+    sound = selection.select_measurements(last.after.measured, state, max_px=1e3).landmarks
+    keep = np.isin(chosen.landmarks, sound)
+    if not keep.all():
+        lost = chosen.landmarks[~keep]
+        landmark = state.landmark.copy()
+        landmark[lost] = np.nan
+        log.info("%d landmarks were lost in the solve and are left out", len(lost))
+        state = replace(state, landmark=landmark)
+        chosen = replace(chosen, landmarks=chosen.landmarks[keep])
+        result = pruning.drop_label_rows(result, keep[problem.surface.landmark])
+        problem = pruning.drop_landmarks(problem, keep)
+    return Adjusted(
+        state=state,
+        weights=last.weights,
+        chosen=chosen,
+        start=rounds[0].start,
+        problem=problem,
+        result=result,
+        registration=registered,
+        rounds=tuple(r.history for r in rounds),
+        rig=last.after.measured.rig,
+        evidence=evidence,
     )
 
 
-def _told(
-    number: int, m: Measurements, result: native.Result, weights: Weights, chosen: Selection, began_s: float
-) -> iteration_history.Round:
-    """The round for the history; its table goes to the log (`--verbose`)."""
-    depth, count = weighting.depth_sigma(m, weights), len(chosen.landmarks)
-    done = iteration_history.Round(result.iterations, weights, depth, count, result.converged, result.message, began_s)
-    for line in iteration_history.lines(number, done):
-        log.debug("%s", line)
-    return done
-
-
-def _round_in_words(k: int, result: native.Result, chosen: Selection, weights: Weights) -> str:
+def _describe_round(number: int, result: native.Result, chosen: Selection, weights: Weights) -> str:
     record = result.iterations
     cost = reached(record.cost, record.accepted)
     return (
-        f"round {k + 1}: {len(record.cost) - 1} iterations, cost {cost[0]:.6g} to {cost[-1]:.6g}, "
+        f"round {number}: {len(record.cost) - 1} iterations, cost {cost[0]:.6g} to {cost[-1]:.6g}, "
         f"{len(chosen.landmarks)} landmarks, {int((result.label == 1).sum())} on the hull, pixel sigma now {weights.pixel:.2f}"
     )

@@ -102,7 +102,7 @@ def _read_solution(variant: MethodVariant, workspace: Workspace) -> SolvedVarian
     import numpy as np
 
     from hullrecon.evaluation.comparison.comparison import SolvedVariant
-    from hullrecon.geometry.poses import of_seven
+    from hullrecon.geometry.poses import pose_from_vector
     from hullrecon.steps.artifacts import AdjustArtifact
 
     manifest = workspace.manifest("adjust")
@@ -119,7 +119,7 @@ def _read_solution(variant: MethodVariant, workspace: Workspace) -> SolvedVarian
         iterations=artifact.iterations,
         seconds=float(manifest.run["seconds"]),
         iterations_s=np.asarray(manifest.run.get("times", {}).get("iterations_s", []), float),
-        registered=None if seven is None else of_seven(np.asarray(seven, float)),
+        registered=None if seven is None else pose_from_vector(np.asarray(seven, float)),
         chart=artifact.chart,
     )
 

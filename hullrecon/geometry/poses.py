@@ -89,9 +89,14 @@ def from_mount(mount: ArrayLike) -> Poses:
     return from_rpy(m[:3], np.radians(m[3:]))
 
 
-def of_seven(values: Array) -> Poses:
-    """One pose of (7,) x y z qx qy qz qw, as Solution holds motions."""
-    return Poses(values[None, 3:], values[None, :3])
+def pose_vector(pose: Poses) -> Array:
+    """Return x y z qx qy qz qw (7,) of a batch of one."""
+    return np.asarray(np.r_[pose.translation[0], pose.quaternion[0]])
+
+
+def pose_from_vector(values: Array) -> Poses:
+    """Return the pose (a batch of one) of x y z qx qy qz qw (7,), its quaternion normalised."""
+    return Poses(values[None, 3:] / np.linalg.norm(values[3:]), values[None, :3].copy())
 
 
 def tray_poses(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The dive adjusted: poses, landmarks with labels, the hull's place and its deviation from the CAD model."""
+"""The dive adjusted: poses, landmarks with labels, the pose of the hull and its deviation from the CAD model."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from hullrecon.adjustment.problem.intrinsics import camera_fields
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements, rig_from_config
 from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
-from hullrecon.adjustment.results.solution import summarise_adjustment
+from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import CameraModel
@@ -103,7 +103,7 @@ def _write_colmap(context: Context, m: Measurements, adjusted: Adjusted) -> None
     if m.tracks is None or m.rig.top is None or mount is None:
         return
     top, _ = camera_poses(state.nodes, state.tray, m.rig, mount, state.T_ct_cb)
-    to_hull = state.T_g_M.inverse() if state.T_g_M is not None else poses.identity()
+    to_hull = state.hull.global_from_hull.inverse() if state.hull is not None else poses.identity()
     model = SparseModel(
         tracks=m.tracks,
         top=adjusted.chosen.top,

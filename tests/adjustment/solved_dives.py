@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment.bundle_adjustment import Adjusted, adjust
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.results.solution import Outcome, summarise_adjustment
+from hullrecon.adjustment.results.summary import Outcome, summarise_adjustment
 
 SCENE = ("stereo", "cad", "ranges", "camera", "per_leg", "landmarks", "seed")
 
@@ -54,7 +54,7 @@ class SolvedDive:
         solution = self.outcome.solution
         center = solution.hull_pose.survey_center
         laid = aligning(solution.landmarks.position, self.landmark_truth)
-        found = laid @ self.adjusted.state.T_g_M.matrix()[0]
+        found = laid @ self.adjusted.state.hull.global_from_hull.matrix()[0]
         shift = laid[:3, :3].T @ (moved(found, center) - moved(GLOBAL_FROM_HULL, center))
         turn = Rotation.from_matrix(GLOBAL_FROM_HULL[:3, :3].T @ found[:3, :3]).as_rotvec()
         return np.r_[shift, turn]
@@ -62,7 +62,7 @@ class SolvedDive:
     def pose_errors_in_hull(self):
         """(n, 6): T_M_v less its truth, m in M, rad in v."""
         truth = np.linalg.inv(GLOBAL_FROM_HULL) @ self.dive.global_from_vehicle
-        found = (self.adjusted.state.T_g_M.inverse() @ self.outcome.solution.global_from_vehicle).matrix()
+        found = (self.adjusted.state.hull.global_from_hull.inverse() @ self.outcome.solution.global_from_vehicle).matrix()
         turn = Rotation.from_matrix(np.swapaxes(truth[:, :3, :3], 1, 2) @ found[:, :3, :3]).as_rotvec()
         return np.c_[found[:, :3, 3] - truth[:, :3, 3], turn]
 
@@ -73,4 +73,6 @@ def solved(**chosen):
     dive = simulate(**{k: v for k, v in chosen.items() if k in SCENE})
     options = AdjustOptions(**{k: v for k, v in chosen.items() if k not in SCENE})
     adjusted = adjust(dive.measured, options, lambda _: None)
-    return SolvedDive(dive=dive, options=options, adjusted=adjusted, outcome=summarise_adjustment(dive.measured, adjusted, options))
+    return SolvedDive(
+        dive=dive, options=options, adjusted=adjusted, outcome=summarise_adjustment(dive.measured, adjusted, options)
+    )

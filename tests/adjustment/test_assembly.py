@@ -29,7 +29,7 @@ from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import selection, weighting
 from hullrecon.adjustment.problem.assembly import assemble, share_weight_by_cell, state_from_unknowns
 from hullrecon.adjustment.problem.deviation_field import grid_over
-from hullrecon.adjustment.problem.state import State
+from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.geometry.poses import Poses
 
 CENTER = np.array([0.1, 2.4, 0.2])
@@ -43,18 +43,26 @@ def some_poses(rng, n=1):
 def some_state(rng, measured, stereo, cad, camera):
     """Any state that fits the measurements in its shapes."""
     n, count = len(measured.trajectory.t_ns), selection.landmark_count(measured)
-    grid = grid_over(rng.uniform(0, 4, (20, 2)), (3.0, 1.5)) if cad else None
     return State(
         nodes=some_poses(rng, n),
         tray=rng.normal(0, 1, n),
         landmark=rng.normal(0, 5, (count, 3)),
-        T_g_M=some_poses(rng) if cad else None,
         T_s_ct=some_poses(rng) if camera else None,
         T_ct_cb=some_poses(rng) if camera and stereo else None,
         T_s_d=some_poses(rng),
         navigation=rng.normal(0, 1, 6),
+        hull=some_hull(rng, measured.cad_model) if cad else None,
+    )
+
+
+def some_hull(rng, cad_model):
+    grid = grid_over(rng.uniform(0, 4, (20, 2)), (3.0, 1.5))
+    return HullState(
+        cad_model=cad_model,
+        global_from_hull=some_poses(rng),
+        survey_center=CENTER,
         grid=grid,
-        field=rng.normal(0, 0.02, grid.size if grid else 0),
+        field=rng.normal(0, 0.02, grid.size),
     )
 
 
@@ -72,22 +80,23 @@ def true_state(dive):
     """The truth as a state, its field on a grid of zeros."""
     m = dive.measured
     start = solved().adjusted.state
-    hull = records_poses(GLOBAL_FROM_HULL)
+    hull = replace(
+        start.hull, global_from_hull=records_poses(GLOBAL_FROM_HULL), survey_center=CENTER, field=0 * start.hull.field
+    )
     return replace(
         start,
         nodes=records_poses(dive.global_from_vehicle),
         tray=dive.tray,
         landmark=dive.landmark,
-        T_g_M=hull if m.cad_model is not None else None,
         navigation=NAVIGATION,
-        field=0 * start.field,
+        hull=hull if m.cad_model is not None else None,
     )
 
 
 def problem_at(dive, state, **held):
     chosen = selection.select_measurements(dive.measured, state, 40.0)
     weights = weighting.initial_weights(dive.measured, AdjustOptions())
-    return assemble(dive.measured, state, weights, chosen, CENTER, held.pop("as_published", False), **held), chosen, weights
+    return assemble(dive.measured, state, weights, chosen, held.pop("as_published", False), **held), chosen, weights
 
 
 def assert_same_motion(a, b):
@@ -107,16 +116,21 @@ def test_a_state_comes_back_as_it_went_in(seed, seen_by, cad):
     state = some_state(rng, measured, stereo, cad, camera)
     chosen = chosen_from(rng, measured)
     weights = weighting.initial_weights(measured, AdjustOptions())
-    problem = assemble(measured, state, weights, chosen, CENTER, as_published=False)
-    back = state_from_unknowns(state, problem.unknowns, chosen, CENTER)
-    for name in ("nodes", "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d"):
+    problem = assemble(measured, state, weights, chosen, as_published=False)
+    back = state_from_unknowns(state, problem.unknowns, chosen)
+    for name in ("nodes", "T_s_ct", "T_ct_cb", "T_s_d"):
         assert_same_motion(getattr(back, name), getattr(state, name))
-    for name in ("tray", "navigation", "field"):
+    for name in ("tray", "navigation"):
         np.testing.assert_array_equal(getattr(back, name), getattr(state, name))
     np.testing.assert_array_equal(back.landmark[chosen.landmarks], state.landmark[chosen.landmarks])
     out = np.setdiff1d(np.arange(len(state.landmark)), chosen.landmarks)
     assert np.isnan(back.landmark[out]).all()
-    assert back.grid is state.grid
+    if state.hull is None:
+        assert back.hull is None
+        return
+    assert_same_motion(back.hull.global_from_hull, state.hull.global_from_hull)
+    np.testing.assert_array_equal(back.hull.field, state.hull.field)
+    assert back.hull.grid is state.hull.grid
 
 
 @pytest.mark.parametrize("factor", ["odometry", "attitude", "tray"])
@@ -125,7 +139,7 @@ def test_truth_leaves_residuals_of_one_sigma(factor):
     state = replace(true_state(dive), T_s_d=records_poses(TRAY_FROM_DVL))
     chosen = selection.select_measurements(dive.measured, state, 40.0)
     weights = replace(weighting.initial_weights(dive.measured, AdjustOptions()), tray=TRAY_NOISE_RAD)
-    found = native.evaluate(assemble(dive.measured, state, weights, chosen, CENTER, as_published=False))
+    found = native.evaluate(assemble(dive.measured, state, weights, chosen, as_published=False))
     rows = found.residual[found.factor == native.FACTORS.index(factor)]
     assert np.sqrt(np.mean(rows**2)) == pytest.approx(1.0, abs=0.25)
 
@@ -199,8 +213,8 @@ def test_the_beams_meet_the_field_where_they_meet_the_cad_model():
     tray = matrix(np.tile(TRAY_ORIGIN_M, (len(angle), 1)), Rotation.from_euler("y", angle))
     hull_from_dvl = np.linalg.inv(GLOBAL_FROM_HULL) @ ping @ tray @ TRAY_FROM_DVL
     hits = ellipsoid_hits(hull_from_dvl[:, :3, 3], np.einsum("nij,nj->ni", hull_from_dvl[:, :3, :3], returns.beam))
-    row, column = np.divmod(problem.ranges.field.index, state.grid.shape[1])
-    node = state.grid.origin + np.stack([row, column], -1) * state.grid.step
+    row, column = np.divmod(problem.ranges.field.index, state.hull.grid.shape[1])
+    node = state.hull.grid.origin + np.stack([row, column], -1) * state.hull.grid.step
     found = np.einsum("nk,nkc->nc", problem.ranges.field.weight, node)
     met = np.isfinite(hits[:, 0])
     assert met.mean() > 0.9
@@ -213,14 +227,15 @@ def test_a_beam_that_misses_the_cad_model_takes_the_field_at_its_measured_end():
     measured = replace(dive.measured, returns=replace(dive.measured.returns, beam=turned))
     state = true_state(dive)
     chosen, weights = selection.select_measurements(measured, state, 40.0), weighting.initial_weights(measured, AdjustOptions())
-    problem = assemble(measured, state, weights, chosen, CENTER, as_published=False)
+    problem = assemble(measured, state, weights, chosen, as_published=False)
     np.testing.assert_allclose(problem.ranges.field.weight.sum(1), 1.0)
-    assert (problem.ranges.field.index < state.grid.size).all()
+    assert (problem.ranges.field.index < state.hull.grid.size).all()
 
 
 def test_without_a_field_ranges_and_landmarks_have_no_nodes():
     dive = simulate()
-    problem, _, _ = problem_at(dive, replace(true_state(dive), grid=None, field=np.zeros(0)))
+    state = true_state(dive)
+    problem, _, _ = problem_at(dive, replace(state, hull=replace(state.hull, grid=None, field=np.zeros(0))))
     assert problem.ranges.field.index.shape == problem.surface.field.index.shape == (0, 4)
     assert len(problem.unknowns.deviation) == 0
 
@@ -232,7 +247,7 @@ def test_weights_go_into_the_tables_of_their_measurements():
     first = weighting.initial_weights(dive.measured, AdjustOptions())
     surface = np.linspace(0.1, 1.0, len(state.landmark))
     weights = replace(first, pixel=0.7, depth=0.5, tray=0.003, range_sigma=0.02, surface=surface)
-    problem = assemble(dive.measured, state, weights, chosen, CENTER, as_published=False)
+    problem = assemble(dive.measured, state, weights, chosen, as_published=False)
     assert problem.sigma_px == 0.7
     np.testing.assert_allclose(problem.attitude.sigma, dive.measured.attitude.sigma * [0.5, 1, 1])
     assert set(problem.tray.sigma) == {0.003}
@@ -271,10 +286,8 @@ def test_landmarks_of_one_cell_share_one_observations_weight():
     dive = simulate()
     state = true_state(dive)
     landmarks = np.arange(0, len(state.landmark), 2)
-    weight = share_weight_by_cell(dive.measured, state, landmarks, (0.5, 0.5))
+    weight = share_weight_by_cell(state.hull, state.landmark, landmarks, (0.5, 0.5))
     assert set(weight[1::2]) == {1.0}
-    cells = dive.measured.cad_model.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[landmarks]))[:, :2]
+    cells = dive.measured.cad_model.chart.to_chart(state.hull.to_hull(state.landmark[landmarks]))[:, :2]
     occupied = len(np.unique(np.floor(cells / 0.5), axis=0))
     assert weight[landmarks].sum() == pytest.approx(occupied)
-    with pytest.raises(ValueError, match="CAD model"):
-        share_weight_by_cell(simulate(cad=False).measured, state, landmarks, (0.5, 0.5))

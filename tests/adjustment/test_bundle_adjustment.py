@@ -117,7 +117,7 @@ def test_biases_that_nothing_resolves_stay_within_their_priors(case):
 def test_as_published_has_no_systematic_errors_and_no_field():
     state = of("as published").adjusted.state
     assert not state.navigation.any()
-    assert state.grid is None
+    assert state.hull.grid is None
     np.testing.assert_array_equal(state.T_s_d.matrix(), simulate().measured.rig.T_s_d.nominal.matrix())
 
 
@@ -133,8 +133,8 @@ def test_the_field_follows_the_bump_that_the_cad_model_lacks(case):
     found = of(case)
     state, solution = found.adjusted.state, found.outcome.solution
     on = solution.landmarks.label == 1
-    at = hull_chart().to_chart(state.T_g_M.inverse().apply(solution.landmarks.position[on]))[:, :2]
-    field = state.grid.value(state.field, at)
+    at = hull_chart().to_chart(state.hull.to_hull(solution.landmarks.position[on]))[:, :2]
+    field = state.hull.grid.value(state.hull.field, at)
     x, _, z = moved(np.linalg.inv(TRUTH), found.landmark_truth[on]).T
     truth = true_deviation(x, z)
     assert np.corrcoef(field, truth)[0, 1] > 0.85
@@ -150,7 +150,7 @@ def test_two_runs_give_the_same_bytes_whatever_the_threads():
     once, again = (adjust(dive.measured, AdjustOptions(threads=threads), lambda _: None) for threads in (1, 2))
     for name, values in vars(once.result.unknowns).items():
         assert values.tobytes() == getattr(again.result.unknowns, name).tobytes(), name
-    assert once.state.T_g_M.translation.tobytes() == again.state.T_g_M.translation.tobytes()
+    assert once.state.hull.global_from_hull.translation.tobytes() == again.state.hull.global_from_hull.translation.tobytes()
     assert once.state.landmark.tobytes() == again.state.landmark.tobytes()
     assert once.result.label.tobytes() == again.result.label.tobytes()
 

@@ -9,7 +9,7 @@ import pytest
 from adjustment.simulated_dive import simulate
 from adjustment.solved_dives import solved
 
-from hullrecon.adjustment.bundle_adjustment import adjust, deviation_from_hull
+from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.errors import StageError
 from hullrecon.records.serialisation import from_arrays, to_arrays
@@ -117,17 +117,15 @@ def test_a_dive_without_pressure_keeps_its_depth_by_dead_reckoning():
     np.testing.assert_allclose(found.state.nodes.translation[0], measured.trajectory.translation[0], atol=1e-3)
 
 
-def test_a_deviation_from_a_hull_needs_a_cad_model():
-    found = solved(cad=False)
-    with pytest.raises(ValueError, match="CAD model"):
-        deviation_from_hull(found.dive.measured, found.adjusted.state, np.zeros((1, 3)))
+def test_without_a_cad_model_there_is_no_hull_state():
+    assert solved(cad=False).adjusted.state.hull is None
 
 
 def test_the_deviation_from_the_hull_is_the_cad_models_less_the_field():
     found = solved()
     state, solution = found.adjusted.state, found.outcome.solution
     on = solution.landmarks.label == 1
-    apart = deviation_from_hull(found.dive.measured, state, solution.landmarks.position[on])
-    bare = deviation_from_hull(found.dive.measured, replace(state, grid=None), solution.landmarks.position[on])
-    np.testing.assert_allclose(bare, solution.deviation[on], atol=1e-6)
+    apart = state.hull.deviation(solution.landmarks.position[on])
+    bare = replace(state.hull, grid=None).deviation(solution.landmarks.position[on])
+    np.testing.assert_allclose(bare, solution.landmarks.deviation[on], atol=1e-6)
     assert np.std(apart) < np.std(bare)

@@ -3,9 +3,10 @@
 import numpy as np
 
 from hullrecon.adjustment.hull_pose.registration import perturb_pose
-from hullrecon.adjustment.results.covariance import cross_matrices, hull_axes, points_in_hull, poses_in_hull
+from hullrecon.adjustment.results.covariance import hull_axes, points_in_hull, poses_in_hull
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import cross_matrix
 
 HULL = poses.from_rpy([9.0, 35.0, 3.8], np.radians([-179.3, 0.4, -96.0]))
 NODES = poses.from_rpy([[1.0, 2.0, 2.0], [4.0, 1.0, 2.5]], [[0.02, -0.1, 0.3], [0.0, 0.2, -0.4]])
@@ -62,7 +63,7 @@ def test_a_turning_hull_moves_far_points_most():
 def test_cross_matrices_are_cross_products():
     rng = np.random.default_rng(1)
     a, b = rng.standard_normal((2, 5, 3))
-    np.testing.assert_allclose(np.einsum("nij,nj->ni", cross_matrices(a), b), np.cross(a, b))
+    np.testing.assert_allclose(np.einsum("nij,nj->ni", cross_matrix(a), b), np.cross(a, b))
 
 
 def test_translation_of_the_hull_is_turned_into_its_axes():

@@ -9,12 +9,12 @@ import pytest
 from adjustment.scenes import TRUTH, cad_model, side, survey
 from adjustment.solved_dives import solved
 
-from hullrecon.adjustment.facets import facets_near
 from hullrecon.adjustment.hull_pose import estimate
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
 from hullrecon.adjustment.hull_pose.registration import frame_at, perturb_pose, register, thin_points
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry import poses
+from hullrecon.geometry.meshes.tessellation import tessellation_error
 
 ALONG = np.array([1.0, 0.0, 0.0])
 CURVED, CYLINDER = 1.0, 0.0
@@ -107,7 +107,9 @@ def test_the_points_of_a_dive_are_landmarks_on_the_hull_and_returns():
     m, adjusted = found.dive.measured, found.adjusted
     both = estimate.collect_hull_points(m, adjusted.state, adjusted.chosen, adjusted.result.label)
     no_returns = estimate.collect_hull_points(replace(m, returns=None), adjusted.state, adjusted.chosen, adjusted.result.label)
-    none = estimate.collect_hull_points(replace(m, returns=None), adjusted.state, adjusted.chosen, 0 * adjusted.result.label + 1)
+    none = estimate.collect_hull_points(
+        replace(m, returns=None), adjusted.state, adjusted.chosen, 0 * adjusted.result.label + 1
+    )
     assert len(both) > len(no_returns) > 50
     assert len(none) > len(no_returns)  # those of the box
     landmarks = found.outcome.solution.landmarks
@@ -147,7 +149,7 @@ def test_points_on_one_facet_share_out_its_information():
     faces = np.vstack([np.stack([a, c, b], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)]).astype(np.int32)
     coarse = replace(ground, cad_model=replace(ground.cad_model, mesh=type(ground.cad_model.mesh)(v, faces)))
     at = best.inverse().apply(ground.points)
-    assert facets_near(coarse.cad_model.mesh, at).sigma > 5 * facets_near(ground.cad_model.mesh, at).sigma
+    assert tessellation_error(coarse.cad_model.mesh, at).sigma_m > 5 * tessellation_error(ground.cad_model.mesh, at).sigma_m
     fine, rough = (np.linalg.det(estimate.hull_pose_covariance(g, best)[:3, :3]) for g in (ground, coarse))
     assert rough > fine
 

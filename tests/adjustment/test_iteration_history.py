@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon import native
-from hullrecon.adjustment.problem.iteration_history import Round, columns, summarise_rounds, lines, seconds
+from hullrecon.adjustment.problem.iteration_history import Round, columns, lines, seconds, summarise_rounds
 from hullrecon.adjustment.problem.state import Weights
 
 WEIGHTS = Weights(pixel=1.0, depth=1.0, tray=0.01, range_sigma=0.02, surface=np.ones(3), tray_direction=np.zeros(2))

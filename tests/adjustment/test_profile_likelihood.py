@@ -8,7 +8,13 @@ from adjustment.scenes import ERROR, TRUTH, cad_model, side, survey
 from scipy.linalg import cho_factor
 
 from hullrecon.adjustment.hull_pose import cad_error
-from hullrecon.adjustment.hull_pose.profile_likelihood import Valley, descended, inflated, posterior, profile
+from hullrecon.adjustment.hull_pose.profile_likelihood import (
+    Valley,
+    inflate_covariance,
+    minimise_cost,
+    posterior_covariance,
+    profile,
+)
 from hullrecon.adjustment.hull_pose.registration import perturb_pose, thin_points
 from hullrecon.native import MeshIndex
 
@@ -22,7 +28,7 @@ def profiled(fullness, span=(2.0, 11.0), sigma=0.02):
     drawn = drawn.__class__(**{**drawn.__dict__, "deviation_sigma": sigma})
     center = TRUTH.inverse().apply(points).mean(0)
     index = MeshIndex(mesh.vertices, mesh.faces)
-    known = cad_error.CadError(sigma, drawn.deviation_length, noise=0.01, offset=0.0)
+    known = cad_error.CadError(sigma=sigma, length=drawn.deviation_length, noise=0.01, offset=0.0)
     factor = cho_factor(cad_error.distance_covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
     return profile(Valley(points, ALONG, drawn, center, index, factor), TRUTH, reach=3.0), center
 
@@ -48,9 +54,9 @@ def test_the_cost_is_lowest_near_the_mean():
 def test_inflation_gives_the_profile_s_sigma_and_never_less():
     found, _ = profiled(1.0)
     along = np.r_[found.global_from_hull.rotation.as_matrix()[0] @ ALONG, np.zeros(3)]
-    wider = inflated(1e-6 * np.eye(6), found, found.global_from_hull)
+    wider = inflate_covariance(1e-6 * np.eye(6), found, found.global_from_hull)
     assert np.sqrt(along @ wider @ along) == pytest.approx(found.sigma, rel=0.05)
-    np.testing.assert_array_equal(inflated(1e2 * np.eye(6), found, found.global_from_hull), 1e2 * np.eye(6))
+    np.testing.assert_array_equal(inflate_covariance(1e2 * np.eye(6), found, found.global_from_hull), 1e2 * np.eye(6))
 
 
 def test_the_tangent_follows_the_valley():
@@ -66,11 +72,11 @@ def test_where_the_valley_is_a_parabola_the_profiles_sigma_is_the_hessians():
     points = thin_points(TRUTH.apply(survey(mesh, np.random.default_rng(4))), 0.3, 600)
     drawn = replace(cad_model(mesh, TRUTH, 0 * ERROR), guess_sigma=np.r_[0.05, 0.3, 0.3, np.radians([1, 1, 5])])
     center = TRUTH.inverse().apply(points).mean(0)
-    known = cad_error.CadError(0.02, drawn.deviation_length, noise=0.01, offset=0.0)
+    known = cad_error.CadError(sigma=0.02, length=drawn.deviation_length, noise=0.01, offset=0.0)
     factor = cho_factor(cad_error.distance_covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
     valley = Valley(points, ALONG, drawn, center, MeshIndex(mesh.vertices, mesh.faces), factor)
-    best, _ = descended(valley, TRUTH)
+    best, _ = minimise_cost(valley, TRUTH)
     along = np.r_[best.rotation.as_matrix()[0] @ ALONG, np.zeros(3)]
-    hessian = np.sqrt(along @ posterior(valley, best) @ along)
+    hessian = np.sqrt(along @ posterior_covariance(valley, best) @ along)
     assert profile(valley, best, reach=0.2).sigma == pytest.approx(hessian, rel=0.1)
     assert hessian == pytest.approx(0.05, rel=0.1)

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.results.solution import summarise_adjustment
+from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.records.serialisation import to_arrays
 
 SCENES = {
@@ -109,7 +109,9 @@ def test_the_dvls_held_position_widens_the_vehicles_place_alone():
     added = with_lever.pose_covariance - without.pose_covariance
     np.testing.assert_allclose(added[:, 3:], 0.0, atol=1e-12)
     tray = matrix(np.tile(TRAY_ORIGIN_M, (len(added), 1)), Rotation.from_euler("y", found.outcome.solution.tray[:, None]))
-    hull_from_tray = found.adjusted.state.T_g_M.inverse().matrix() @ with_lever.global_from_vehicle.matrix() @ tray
+    hull_from_tray = (
+        found.adjusted.state.hull.global_from_hull.inverse().matrix() @ with_lever.global_from_vehicle.matrix() @ tray
+    )
     x = hull_from_tray[:, :3, 0]
     np.testing.assert_allclose(added[:, :3, :3], 0.03**2 * x[:, :, None] * x[:, None, :], atol=1e-10)
     np.testing.assert_array_equal(with_lever.landmarks.covariance, without.landmarks.covariance)

@@ -9,12 +9,12 @@ import pytest
 
 from hullrecon.evaluation.comparison.dvl_residuals import adjusted_beams, dead_reckoned_beams, range_residuals
 from hullrecon.evaluation.scoring.truth import read_truth
-from hullrecon.geometry.poses import of_seven
+from hullrecon.geometry.poses import pose_from_vector
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Returns, Trajectory
 from hullrecon.rig import SensorRig
 
-SHIFT = of_seven(np.array([1.0, 2, 3, 0, 0, 0, 1]))
+SHIFT = pose_from_vector(np.array([1.0, 2, 3, 0, 0, 0, 1]))
 
 
 def test_beams_end_on_the_steel(solution: Solution, returns: Returns, rig: SensorRig) -> None:
@@ -50,7 +50,7 @@ def test_dead_reckoning_is_placed_alike(solution: Solution, returns: Returns, ri
 def test_beams_past_the_cad_model_have_no_residual(package: Path, solution: Solution, returns: Returns, rig: SensorRig) -> None:
     truth = read_truth(package)
     assert truth.cad_model is not None
-    beams = adjusted_beams(solution, of_seven(np.array([-50.0, 2, 3, 0, 0, 0, 1])), returns, rig)
+    beams = adjusted_beams(solution, pose_from_vector(np.array([-50.0, 2, 3, 0, 0, 0, 1])), returns, rig)
     assert len(range_residuals(beams, truth.cad_model)) == 0
 
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from scipy.linalg import cho_solve
 
-from hullrecon.adjustment.facets import facets_near
 from hullrecon.adjustment.problem.measurements import CadModel
+from hullrecon.geometry.meshes.tessellation import tessellation_error
 from hullrecon.typing import Array, Mask
 
 POINT_NOISE_M = 0.005  # of the mean of a voxel of landmarks and returns
@@ -23,7 +23,7 @@ OFFSET_SHARE = 0.7  # sigma of the common offset in the CAD model's deviation_si
 OUTLIER_SIGMAS = 4.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CadError:
     """sigma: of the smooth error, m; length: along and over the girth, m; noise: of a point, m; offset: sigma of an error
     common to the whole CAD model, m."""
@@ -35,13 +35,14 @@ class CadError:
 
 
 def expected_cad_error(cad_model: CadModel) -> CadError:
-    """What the package says of its CAD model."""
+    """Return what the package states of its CAD model."""
     sigma = cad_model.deviation_sigma
-    return CadError(sigma, cad_model.deviation_length, POINT_NOISE_M, OFFSET_SHARE * sigma)
+    return CadError(sigma=sigma, length=cad_model.deviation_length, noise=POINT_NOISE_M, offset=OFFSET_SHARE * sigma)
 
 
 def distance_covariance(cad_error_model: CadError, cad_model: CadModel, at: Array) -> Array:
-    """Covariance (n, n) of the signed distances of points (n, 3) in M to the CAD model: smooth error, offset, facets, noise.
+    """Return the covariance (n, n) of the signed distances of points (n, 3) in M to the CAD model: smooth error, offset,
+    facets, noise.
 
     The facets' pattern repeats all over a survey, which no stationary covariance says: the points on one facet share out the
     information of one (docs/methods.md 9), with three of its sigmas, lest a slide by one facet look like a better place.
@@ -51,7 +52,8 @@ def distance_covariance(cad_error_model: CadError, cad_model: CadModel, at: Arra
 
 
 def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> Array:
-    """Covariance (n, n) of a field at chart points (n, 2): sigma^2 (1 + sqrt3 r) exp(-sqrt3 r), r in correlation lengths."""
+    """Return the covariance (n, n) of a field at chart points (n, 2): sigma^2 (1 + sqrt3 r) exp(-sqrt3 r), r in correlation
+    lengths."""
     scaled = along_girth / np.array(length)
     squared = np.sum(scaled**2, 1)
     r = np.sqrt(np.maximum(squared[:, None] + squared[None] - 2 * scaled @ scaled.T, 0))
@@ -59,9 +61,9 @@ def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> A
 
 
 def _facet_variance(cad_model: CadModel, at: Array, along_girth: Array) -> float:
-    facets = facets_near(cad_model.mesh, at)
-    cells = len(np.unique(np.floor(along_girth / facets.length).astype(np.int64), axis=0))
-    return float((3 * facets.sigma) ** 2 * len(at) / cells)
+    facets = tessellation_error(cad_model.mesh, at)
+    cells = len(np.unique(np.floor(along_girth / facets.length_m).astype(np.int64), axis=0))
+    return float((3 * facets.sigma_m) ** 2 * len(at) / cells)
 
 
 def _covariance(cad_error_model: CadError, along_girth: Array, facet_variance: float) -> Array:
@@ -71,8 +73,8 @@ def _covariance(cad_error_model: CadError, along_girth: Array, facet_variance: f
 
 
 def find_outliers(factor: Any, distance: Array) -> Mask:
-    """Points (n,) that the others do not predict: leave-one-out residuals beyond four of their sigmas, the worst first and the
-    rest without it, lest a point on a structure take its neighbours along.
+    """Return which points (n,) the others do not predict: leave-one-out residuals beyond four of their sigmas, the worst first
+    and the rest without it, lest a point on a structure take its neighbours along.
 
     factor: Cholesky factor of the distances' covariance.
     """

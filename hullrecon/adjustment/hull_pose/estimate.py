@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where on the hull the dive was: T_g_M settled by profile along the hull, and its covariance.
+"""Where on the hull the dive was: T_g_M by its profile along the hull, and its covariance.
 
 The solve slides along a flat valley and stops at a facet's edge or where its tolerance lets it (docs/methods.md 9). The
-posterior along the valley, with the CAD model's error as correlated noise, is what is known; its mean is the place that the last
+posterior along the valley, with the CAD model's error as correlated noise, is what is known; its mean is the pose that the last
 round holds.
 """
 
@@ -30,9 +30,10 @@ ALONG = np.array([1.0, 0.0, 0.0])
 MAX_PASSES = 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class HullPoseEvidence:
-    """Points (n, 3) in g that lie on the hull, the CAD model, the survey's centre (3,) in M, and how wrong the CAD model may be."""
+    """What is known of the hull pose: points (n, 3) in g that lie on the hull, the CAD model and how wrong it may be, and the
+    survey's centre (3,) in M."""
 
     points: Array
     cad_model: CadModel
@@ -41,7 +42,7 @@ class HullPoseEvidence:
 
 
 def collect_hull_points(m: Measurements, state: State, chosen: Selection, label: Ints32) -> Array:
-    """Points (n, 3) in g that lie on the hull: landmarks labelled so, and DVL returns; thinned to some hundreds."""
+    """Return points (n, 3) in g that lie on the hull: landmarks labelled so, and DVL returns; thinned to some hundreds."""
     landmarks = state.landmark[chosen.landmarks][label == 1] if len(chosen.landmarks) == len(label) else np.zeros((0, 3))
     parts = [landmarks]
     if m.returns is not None:
@@ -50,49 +51,59 @@ def collect_hull_points(m: Measurements, state: State, chosen: Selection, label:
     return registration.thin_points(np.vstack(parts), 0.15, 800)
 
 
-def fit_hull_pose(points: Array, place: Poses, cad_model: CadModel, center: Array) -> tuple[HullPoseEvidence, Poses]:
-    """The ground under points (n, 3) in g, stray ones left out; and T_g_M settled on it from `place`."""
-    ground, index = HullPoseEvidence(points, cad_model, center, cad_error.expected_cad_error(cad_model)), _index(cad_model)
+def fit_hull_pose(points: Array, pose: Poses, cad_model: CadModel, center: Array) -> tuple[HullPoseEvidence, Poses]:
+    """Return points (n, 3) in g without their outliers as evidence, and T_g_M fitted to it from `pose`."""
+    evidence, index = _evidence(points, cad_model, center), _index(cad_model)
     for _ in range(MAX_PASSES):
-        valley = _valley(ground, place, ALONG, index)
-        place, _ = profile_likelihood.minimise_cost(valley, place)
-        distance, _ = registration.signed_distances(ground.points, place, center, index)
+        valley = _valley(evidence, pose, ALONG, index)
+        pose, _ = profile_likelihood.minimise_cost(valley, pose)
+        distance, _ = registration.signed_distances(evidence.points, pose, center, index)
         outlier = cad_error.find_outliers(valley.factor, distance)
         if not outlier.any():
             break
-        ground = replace(ground, points=ground.points[~outlier])
-    return ground, place
+        evidence = replace(evidence, points=evidence.points[~outlier])
+    return evidence, pose
 
 
-def profile_mean_pose(ground: HullPoseEvidence, place: Poses) -> Poses:
-    """T_g_M at the mean of its profile along the hull."""
-    return _profile(ground, place, ALONG).global_from_hull
+def profile_mean_pose(evidence: HullPoseEvidence, pose: Poses) -> Poses:
+    """Return T_g_M at the mean of its profile along the hull."""
+    return _profile(evidence, pose, ALONG).global_from_hull
 
 
-def hull_pose_covariance(ground: HullPoseEvidence, place: Poses) -> Array:
-    """Covariance (6, 6) of T_g_M about the centre, given the points: what the CAD model's error, its facets and the package's
-    prior leave open; with the variances along the hull and along its weak directions from their profiles, taken as the
-    posterior's second moment about the delivered place."""
-    out = profile_likelihood.posterior_covariance(_valley(ground, place, ALONG, _index(ground.cad_model)), place)
-    for direction in _directions(hull_axes(out, place)):
-        found = _profile(ground, place, direction)
-        out = profile_likelihood.inflate_covariance(out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), place)
+def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
+    """Return the covariance (6, 6) of T_g_M about the centre, given the points: what the CAD model's error, its facets and the
+    package's prior leave open; with the variances along the hull and along its weak directions from their profiles, taken as
+    the posterior's second moment about the delivered pose."""
+    out = profile_likelihood.posterior_covariance(_valley(evidence, pose, ALONG, _index(evidence.cad_model)), pose)
+    for direction in _directions(hull_axes(out, pose)):
+        found = _profile(evidence, pose, direction)
+        out = profile_likelihood.inflate_covariance(out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), pose)
     return out
 
 
-def _profile(ground: HullPoseEvidence, place: Poses, direction: Array) -> profile_likelihood.Profile:
-    valley = _valley(ground, place, direction, _index(ground.cad_model))
+def _profile(evidence: HullPoseEvidence, pose: Poses, direction: Array) -> profile_likelihood.Profile:
+    valley = _valley(evidence, pose, direction, _index(evidence.cad_model))
     return profile_likelihood.profile(
-        valley, place, reach=3 * float(np.linalg.norm(direction * ground.cad_model.guess_sigma[:3]))
+        valley, pose, reach=3 * float(np.linalg.norm(direction * evidence.cad_model.guess_sigma[:3]))
     )
 
 
-def _valley(ground: HullPoseEvidence, place: Poses, direction: Array, index: native.MeshIndex) -> profile_likelihood.Valley:
-    return profile_likelihood.Valley(ground.points, direction, ground.cad_model, ground.center, index, _factor(ground, place))
+def _valley(evidence: HullPoseEvidence, pose: Poses, direction: Array, index: native.MeshIndex) -> profile_likelihood.Valley:
+    return profile_likelihood.Valley(
+        evidence.points, direction, evidence.cad_model, evidence.center, index, _factor(evidence, pose)
+    )
 
 
-def _factor(ground: HullPoseEvidence, place: Poses) -> Any:
-    return cho_factor(cad_error.distance_covariance(ground.cad_error_model, ground.cad_model, place.inverse().apply(ground.points)), lower=True)
+def _factor(evidence: HullPoseEvidence, pose: Poses) -> Any:
+    return cho_factor(
+        cad_error.distance_covariance(evidence.cad_error_model, evidence.cad_model, pose.inverse().apply(evidence.points)),
+        lower=True,
+    )
+
+
+def _evidence(points: Array, cad_model: CadModel, center: Array) -> HullPoseEvidence:
+    expected = cad_error.expected_cad_error(cad_model)
+    return HullPoseEvidence(points=points, cad_model=cad_model, center=center, cad_error_model=expected)
 
 
 def _index(cad_model: CadModel) -> native.MeshIndex:
@@ -100,6 +111,6 @@ def _index(cad_model: CadModel) -> native.MeshIndex:
 
 
 def _directions(hull_in_axes: Array) -> list[Array]:
-    """Along the hull, and the weak directions of position (unit vectors in M) that point elsewhere."""
+    """Return along the hull, and the weak directions of position (unit vectors in M) that point elsewhere."""
     weak = [np.array(w["direction"]) for w in find_weak_directions(hull_in_axes) if w["kind"] == "position"]
     return [ALONG, *(d for d in weak if abs(d[0]) < 0.9)]

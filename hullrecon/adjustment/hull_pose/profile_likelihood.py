@@ -29,8 +29,9 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True)
 class Profile:
-    """step (k,) m along `direction` (3,) unit in M; cost (k,), lowest zero; mean and sigma (m) of the posterior; global_from_hull:
-    T_g_M at the mean; tangent (6,): how T_g_M (translation in g, rotation in M, about the centre) moves per metre of step."""
+    """step (k,) m along `direction` (3,) unit in M; cost (k,), lowest zero; mean and sigma (m) of the posterior;
+    global_from_hull: T_g_M at the mean; tangent (6,): how T_g_M (translation in g, rotation in M, about the centre) moves per
+    metre of step."""
 
     direction: Array
     step: Array

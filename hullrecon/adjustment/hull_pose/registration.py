@@ -142,9 +142,11 @@ def _trimmed_cost(points: Array, global_from_hull: Poses, cad_model: CadModel, c
 def fit_correlated(
     points: Array, start: Poses, cad_model: CadModel, center: Array, index: MeshIndex, sigma_range: float, iterations: int = 60
 ) -> Registration:
-    """Levenberg-Marquardt on signed distances whose errors are range noise and the CAD model's correlated deviation. Outliers are
-    weighed down by their distance at the start, so that the cost is one function and its descent ends."""
-    field = cad_error.distance_covariance(replace(cad_error.expected_cad_error(cad_model), noise=0.0), cad_model, start.inverse().apply(points))
+    """Levenberg-Marquardt on signed distances whose errors are range noise and the CAD model's correlated deviation. Outliers
+    are weighed down by their distance at the start, so that the cost is one function and its descent ends."""
+    field = cad_error.distance_covariance(
+        replace(cad_error.expected_cad_error(cad_model), noise=0.0), cad_model, start.inverse().apply(points)
+    )
     noise = _robust_noise(signed_distances(points, start, center, index)[0], sigma_range, cad_model.deviation_sigma)
     problem = _Correlated(points, cad_model, center, index, cho_factor(field + np.diag(noise**2)))
     pose, damping = start, 1e-4

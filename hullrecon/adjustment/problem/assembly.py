@@ -15,9 +15,9 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.hull_pose.registration import frame_at
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid, prior_rows
-from hullrecon.adjustment.problem.measurements import CadModel, Measurements, Mount, return_points
-from hullrecon.adjustment.problem.state import State, Weights, from_seven, seven
-from hullrecon.geometry.poses import Poses
+from hullrecon.adjustment.problem.measurements import Measurements, Mount, return_points
+from hullrecon.adjustment.problem.state import HullState, State, Weights
+from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Returns
@@ -40,14 +40,13 @@ def assemble(
     state: State,
     weights: Weights,
     chosen: Selection,
-    center: Array,
     as_published: bool,
     hold_hull_pose: bool = False,
 ) -> native.Problem:
     """Return the problem of one round, its intrinsics held. hold_hull_pose: T_g_M is held too."""
-    priors = _priors(m, state, center)
+    priors = _priors(m, state)
     problem = native.Problem(
-        unknowns=_unknowns(m, state, chosen, center),
+        unknowns=_unknowns(m, state, chosen),
         constant=_held_blocks(priors, state, as_published, hold_hull_pose),
         lever_arms=native.LeverArms(tray=m.rig.tray_origin, pressure=m.rig.pressure_origin),
         priors=priors,
@@ -58,43 +57,44 @@ def assemble(
     if m.tracks is not None:
         stereo, mono = _image_tables(m.tracks, state, chosen)
         problem = replace(problem, stereo=stereo, mono=mono, sigma_px=weights.pixel)
-    if m.cad_model is None or state.T_g_M is None:
+    if state.hull is None:
         return problem
-    mesh = native.CadMesh(vertices=m.cad_model.mesh.vertices - center, faces=m.cad_model.mesh.faces)
-    surface = _surface_table(m.cad_model, state, weights, chosen)
-    problem = replace(problem, cad_mesh=mesh, surface=surface)
-    return problem if m.returns is None else replace(problem, ranges=_range_table(m, m.returns, state, weights, chosen, center))
+    problem = replace(problem, cad_mesh=_cad_mesh(state.hull), surface=_surface_table(state.hull, state, weights, chosen))
+    if m.returns is None:
+        return problem
+    return replace(problem, ranges=_range_table(m, m.returns, state.hull, state, weights, chosen))
 
 
-def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selection, center: Array) -> State:
-    """The state after a solve; landmarks that did not enter stay NaN."""
+def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selection) -> State:
+    """Return the state after a solve; landmarks that did not enter stay NaN."""
     pose = unknowns.pose
     landmark = np.full_like(state.landmark, np.nan)
     landmark[chosen.landmarks] = unknowns.landmark
-    moved = pose_from_vector(unknowns.T_g_M) @ frame_at(center).inverse() if state.T_g_M is not None else None
+    hull = state.hull
+    if hull is not None:
+        found = pose_from_vector(unknowns.T_g_M) @ frame_at(hull.survey_center).inverse()
+        hull = replace(hull, global_from_hull=found, field=unknowns.deviation.copy())
     return replace(
         state,
         nodes=Poses(pose[:, 3:7] / np.linalg.norm(pose[:, 3:7], axis=1, keepdims=True), pose[:, :3].copy()),
         tray=pose[:, 7].copy(),
         landmark=landmark,
-        T_g_M=moved,
         T_s_ct=pose_from_vector(unknowns.T_s_ct) if state.T_s_ct is not None else None,
         T_ct_cb=pose_from_vector(unknowns.T_ct_cb) if state.T_ct_cb is not None else None,
         T_s_d=pose_from_vector(unknowns.T_s_d),
         navigation=unknowns.navigation.copy(),
-        field=unknowns.deviation.copy(),
+        hull=hull,
     )
 
 
-def _unknowns(m: Measurements, state: State, chosen: Selection, center: Array) -> native.Unknowns:
+def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknowns:
     unknowns = native.Unknowns(
         pose=np.hstack([state.nodes.translation, state.nodes.quaternion, state.tray[:, None]]),
         T_s_d=pose_vector(state.T_s_d),
         navigation=state.navigation.copy(),
-        deviation=state.field.copy(),
     )
-    if state.T_g_M is not None:
-        unknowns = replace(unknowns, T_g_M=pose_vector(state.T_g_M @ frame_at(center)))
+    if state.hull is not None:
+        unknowns = replace(unknowns, T_g_M=pose_vector(_centred_pose(state.hull)), deviation=state.hull.field.copy())
     if m.tracks is not None and m.rig.top is not None and state.T_s_ct is not None:
         unknowns = replace(
             unknowns,
@@ -114,7 +114,7 @@ def _held_blocks(priors: native.Priors, state: State, as_published: bool, hold_h
         held |= {"navigation", "T_s_d"}
     mounts = {"T_s_d": priors.T_s_d, "T_s_ct": priors.T_s_ct, "T_ct_cb": priors.T_ct_cb}
     held |= {name for name, prior in mounts.items() if prior is None}
-    if state.T_g_M is None:
+    if state.hull is None:
         held |= {"T_g_M", "deviation"}
     if hold_hull_pose:
         held.add("T_g_M")
@@ -128,7 +128,7 @@ def _mount_prior(mount: Mount | None, value: Poses | None) -> native.MotionPrior
     return native.MotionPrior(value=pose_vector(mount.nominal), sqrt_information=mount.sqrt_information)
 
 
-def _priors(m: Measurements, state: State, center: Array) -> native.Priors:
+def _priors(m: Measurements, state: State) -> native.Priors:
     """Return the priors of mounts, navigation, hull pose and deviation field, and that which fixes g by the first pose."""
     first = np.hstack([state.nodes.translation, state.nodes.quaternion])[:1]
     rows = _gauge_rows(m.trajectory.poses(), levelled=len(m.attitude.node) > 0)[None]
@@ -139,15 +139,17 @@ def _priors(m: Measurements, state: State, center: Array) -> native.Priors:
         pose=native.PosePriors(node=np.zeros(1, np.int32), value=first, sqrt_information=rows),
         navigation_sigma=m.rig.navigation_sigma,
     )
-    if m.cad_model is None:
+    if state.hull is None:
         return priors
+    cad_model, grid = state.hull.cad_model, state.hull.grid
     guess = native.MotionPrior(
-        value=pose_vector(m.cad_model.guess @ frame_at(center)), sqrt_information=np.diag(1.0 / m.cad_model.guess_sigma)
+        value=pose_vector(cad_model.guess @ frame_at(state.hull.survey_center)),
+        sqrt_information=np.diag(1.0 / cad_model.guess_sigma),
     )
     priors = replace(priors, T_g_M=guess)
-    if state.grid is None:
+    if grid is None:
         return priors
-    field = prior_rows(state.grid, m.cad_model.deviation_sigma, m.cad_model.deviation_length)
+    field = prior_rows(grid, cad_model.deviation_sigma, cad_model.deviation_length)
     sparse = native.SparseRows(start=field.indptr.astype(np.int32), index=field.indices.astype(np.int32), value=field.data)
     return replace(priors, deviation=sparse)
 
@@ -218,17 +220,26 @@ def _image_tables(tracks: Tracks, state: State, chosen: Selection) -> tuple[nati
     return stereo, mono
 
 
-def _surface_table(cad_model: CadModel, state: State, weights: Weights, chosen: Selection) -> native.SurfaceTable:
+def _centred_pose(hull: HullState) -> Poses:
+    """Return T_g_M' of the problem's hull frame M', which is M moved to the survey's centre."""
+    return hull.global_from_hull @ frame_at(hull.survey_center)
+
+
+def _cad_mesh(hull: HullState) -> native.CadMesh:
+    mesh = hull.cad_model.mesh
+    return native.CadMesh(vertices=mesh.vertices - hull.survey_center, faces=mesh.faces)
+
+
+def _surface_table(hull: HullState, state: State, weights: Weights, chosen: Selection) -> native.SurfaceTable:
     landmark = np.arange(len(chosen.landmarks), dtype=np.int32)
     table = native.SurfaceTable(landmark=landmark, weight=weights.surface[chosen.landmarks])
-    if state.grid is None or state.T_g_M is None:
+    if hull.grid is None:
         return table
-    at = cad_model.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[chosen.landmarks]))
-    return replace(table, field=_field_nodes(state.grid, at[:, :2]))
+    return replace(table, field=_field_nodes(hull.grid, hull.to_chart(state.landmark[chosen.landmarks])))
 
 
 def _range_table(
-    m: Measurements, returns: Returns, state: State, weights: Weights, chosen: Selection, center: Array
+    m: Measurements, returns: Returns, hull: HullState, state: State, weights: Weights, chosen: Selection
 ) -> native.RangeTable:
     keep = chosen.returns
     table = native.RangeTable(
@@ -239,10 +250,10 @@ def _range_table(
         measured=returns.range_m[keep],
         sigma=np.full(int(keep.sum()), weights.range_sigma),
     )
-    if state.grid is None or m.cad_model is None:
+    if hull.grid is None:
         return table
-    at = m.cad_model.chart.to_chart(_hits(m, m.cad_model, returns, state, chosen, center) + center)
-    return replace(table, field=_field_nodes(state.grid, at[:, :2]))
+    at = hull.cad_model.chart.to_chart(_hits(m, returns, hull, state, chosen) + hull.survey_center)
+    return replace(table, field=_field_nodes(hull.grid, at[:, :2]))
 
 
 def _field_nodes(grid: DeviationGrid, along_girth: Array) -> native.FieldNodes:
@@ -250,26 +261,27 @@ def _field_nodes(grid: DeviationGrid, along_girth: Array) -> native.FieldNodes:
     return native.FieldNodes(index=index, weight=weight)
 
 
-def _hits(m: Measurements, cad_model: CadModel, returns: Returns, state: State, chosen: Selection, center: Array) -> Array:
+def _hits(m: Measurements, returns: Returns, hull: HullState, state: State, chosen: Selection) -> Array:
     """Return where the beams meet the CAD model, (r, 3) in the problem's hull frame; the measured end where they miss."""
-    if state.T_g_M is None:
-        raise ValueError("beams meet a CAD model")
     used = from_arrays(Returns, {k: v[chosen.returns] for k, v in to_arrays(returns).items()})
     points, direction = return_points(used, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
-    hull = pose_from_vector(pose_vector(state.T_g_M @ frame_at(center)))
-    points, direction = hull.inverse().apply(points), hull.inverse().rotation.apply(direction)
+    to_hull = pose_from_vector(pose_vector(_centred_pose(hull))).inverse()
+    points, direction = to_hull.apply(points), to_hull.rotation.apply(direction)
     origin = points - direction * used.range_m[:, None]
-    cast = native.MeshIndex(cad_model.mesh.vertices - center, cad_model.mesh.faces).cast(origin, direction)
+    mesh = _cad_mesh(hull)
+    cast = native.MeshIndex(mesh.vertices, mesh.faces).cast(origin, direction)
     length = np.where(np.isfinite(cast.range), cast.range, used.range_m)
     return np.asarray(origin + direction * length[:, None])
 
 
-def share_weight_by_cell(m: Measurements, state: State, landmarks: Ints, cell: tuple[float, float]) -> Array:
-    """Weight of each landmark's surface factor so that those of one cell of the chart (metres) weigh as one observation."""
-    if m.cad_model is None or state.T_g_M is None:
-        raise ValueError("cells need a CAD model")
-    at = m.cad_model.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[landmarks]))[:, :2]
+def share_weight_by_cell(hull: HullState, landmark: Array, chosen: Ints, cell: tuple[float, float]) -> Array:
+    """Return the weight (L,) of each landmark's surface factor, so that those of one cell of the chart weigh as one
+    observation.
+
+    landmark (L, 3) in g; chosen: those that have one; cell: along and girth, m.
+    """
+    at = hull.to_chart(landmark[chosen])
     _, owner = np.unique(np.floor(np.nan_to_num(at) / np.array(cell)).astype(np.int64), axis=0, return_inverse=True)
-    weight = np.ones(len(state.landmark))
-    weight[landmarks] = 1.0 / np.bincount(owner)[owner]
+    weight = np.ones(len(landmark))
+    weight[chosen] = 1.0 / np.bincount(owner)[owner]
     return weight

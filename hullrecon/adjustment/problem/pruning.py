@@ -17,7 +17,7 @@ from hullrecon.typing import Mask
 
 
 def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
-    """The problem of the landmarks `keep` (L,) alone; their factors are numbered anew, all other factors stay."""
+    """Return the problem of the landmarks `keep` (L,) alone; their factors are renumbered, all other factors stay."""
     number = (np.cumsum(keep) - 1).astype(np.int32)
     stereo, mono, surface = problem.stereo, problem.mono, problem.surface
     kept = {"stereo": keep[stereo.landmark], "mono": keep[mono.landmark], "surface": keep[surface.landmark]}
@@ -45,7 +45,8 @@ def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
 
 
 def drop_label_rows(result: Result, surface_rows: Mask) -> Result:
-    """The result with these rows (m,) of the surface table alone; its landmarks are those of the problem that goes with it."""
+    """Return the result with these rows (m,) of the surface table alone; its landmarks are those of the problem that goes with
+    it."""
     if len(result.label) != len(surface_rows):
         return result
     return replace(result, label=result.label[surface_rows], distance=result.distance[surface_rows])

@@ -14,11 +14,12 @@ from hullrecon.typing import Array, Mask
 
 
 def landmark_count(m: Measurements) -> int:
+    """Return how many landmarks the tracks have."""
     return 0 if m.tracks is None else len(m.tracks.color)
 
 
 def triangulate_landmarks(m: Measurements, state: State) -> Array:
-    """Landmarks (L, 3) triangulated anew from the present poses; NaN where it cannot be done."""
+    """Return landmarks (L, 3) in g triangulated from the present poses; NaN where it cannot be done."""
     if m.tracks is None or state.T_s_ct is None:
         return np.zeros((0, 3))
     top, bottom = camera_poses(state.nodes, state.tray, m.rig, state.T_s_ct, state.T_ct_cb)
@@ -26,8 +27,8 @@ def triangulate_landmarks(m: Measurements, state: State) -> Array:
     return position
 
 
-def select_measurements(m: Measurements, state: State, most_px: float) -> Selection:
-    """Observations whose reprojection error is at most `most_px`, landmarks that keep at least two rays and lie near the
+def select_measurements(m: Measurements, state: State, max_px: float) -> Selection:
+    """Return observations whose reprojection error is at most `max_px`, landmarks that keep at least two rays and lie near the
     hull, returns that were not flagged."""
     returns = ~m.returns.flagged if m.returns is not None else np.zeros(0, bool)
     if m.tracks is None or state.T_s_ct is None:
@@ -35,15 +36,15 @@ def select_measurements(m: Measurements, state: State, most_px: float) -> Select
         return Selection(empty, empty, returns, np.zeros(0, np.int64))
     poses = camera_poses(state.nodes, state.tray, m.rig, state.T_s_ct, state.T_ct_cb)
     top_error, bottom_error = reprojection_errors(m.tracks, state.landmark, *poses, m.rig)
-    top, bottom = np.nan_to_num(top_error, nan=np.inf) <= most_px, np.nan_to_num(bottom_error, nan=np.inf) <= most_px
+    top, bottom = np.nan_to_num(top_error, nan=np.inf) <= max_px, np.nan_to_num(bottom_error, nan=np.inf) <= max_px
     rays = np.bincount(m.tracks.landmark, top.astype(float) + bottom, minlength=landmark_count(m))
-    used = (rays >= 2) & np.isfinite(state.landmark[:, 0]) & _near_hull(m, state)
+    used = (rays >= 2) & np.isfinite(state.landmark[:, 0]) & _near_hull(state)
     return Selection(top, bottom, returns, np.flatnonzero(used))
 
 
 def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
-    """The landmarks seen best, at most `most`, spread evenly over the nodes that first saw them: enough to settle poses and
-    sigmas in the rounds before the last, at a fraction of its cost."""
+    """Return the landmarks seen best, at most `most`, spread evenly over the nodes that first saw them: enough to settle poses
+    and sigmas in the rounds before the last, at a fraction of its cost."""
     if m.tracks is None or len(chosen.landmarks) <= most:
         return chosen
     rays = np.bincount(m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m))
@@ -57,8 +58,8 @@ def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
 
 
 def drop_isolated_landmarks(m: Measurements, state: State, chosen: Selection, off: Mask, reach_m: float = 0.15) -> Selection:
-    """Leaves out landmarks off the hull (`off`, one a chosen landmark) that at most three rays saw and that have no two neighbours
-    off the hull within reach: a mismatch along the epipolar line looks like structure, but stands alone."""
+    """Leave out landmarks off the hull (`off`, one a chosen landmark) that at most three rays saw and that have no two
+    neighbours off the hull within reach: a mismatch along the epipolar line looks like structure, but stands alone."""
     from scipy.spatial import cKDTree
 
     if m.tracks is None or not off.any():
@@ -73,22 +74,19 @@ def drop_isolated_landmarks(m: Measurements, state: State, chosen: Selection, of
     return Selection(chosen.top, chosen.bottom, chosen.returns, chosen.landmarks[~isolated])
 
 
-def _near_hull(m: Measurements, state: State, reach_m: float = 2.0) -> Mask:
-    """Within reach of the vehicle's path at all, and of the CAD model when there is one: a landmark metres off is a mismatch."""
+def _near_hull(state: State, reach_m: float = 2.0) -> Mask:
+    """Return which landmarks (L,) lie within reach of the CAD model, or of the path without one: metres off is a mismatch."""
     from scipy.spatial import cKDTree
 
     finite = np.nan_to_num(state.landmark, nan=1e6)
-    if m.cad_model is None or state.T_g_M is None:
+    if state.hull is None:
         gap, _ = cKDTree(state.nodes.translation).query(finite)
         return np.asarray(gap < 30.0)
-    from hullrecon.native import MeshIndex
-
-    index = MeshIndex(m.cad_model.mesh.vertices, m.cad_model.mesh.faces)
-    return np.asarray(np.abs(index.closest(state.T_g_M.inverse().apply(finite)).distance) < reach_m)
+    return np.asarray(np.abs(state.hull.cad_distance(finite)) < reach_m)
 
 
 def estimate_pixel_sigma(m: Measurements, state: State, chosen: Selection, least: float) -> float:
-    """One sigma of a pixel coordinate from the residuals of well-seen landmarks (at least six rays), freed of the three
+    """Return one sigma of a pixel coordinate from the residuals of well-seen landmarks (at least six rays), freed of the three
     coordinates that each landmark takes from them."""
     if m.tracks is None or state.T_s_ct is None:
         return least

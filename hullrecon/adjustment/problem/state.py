@@ -9,28 +9,58 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid
+from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.poses import Poses
+from hullrecon.native import MeshIndex
 from hullrecon.typing import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
+class HullState:
+    """The hull as it is estimated: global_from_hull T_g_M (a batch of one), survey_center (3,) in M, and the field (size,) m
+    of its deviation from the CAD model on `grid` (None: no field)."""
+
+    cad_model: CadModel
+    global_from_hull: Poses
+    survey_center: Array
+    grid: DeviationGrid | None
+    field: Array
+
+    def to_hull(self, points: Array) -> Array:
+        """Return points (n, 3) of g in M."""
+        return self.global_from_hull.inverse().apply(points)
+
+    def to_chart(self, points: Array) -> Array:
+        """Return along and girth (n, 2) m of points (n, 3) in g."""
+        return np.asarray(self.cad_model.chart.to_chart(self.to_hull(points))[:, :2])
+
+    def cad_distance(self, points: Array) -> Array:
+        """Return signed distances (n,) m of points (n, 3) in g to the CAD model, positive outside."""
+        index = MeshIndex(self.cad_model.mesh.vertices, self.cad_model.mesh.faces)
+        return index.closest(self.to_hull(points)).distance
+
+    def deviation(self, points: Array) -> Array:
+        """Return signed distances (n,) m of points (n, 3) in g to the hull as it is: the CAD model moved by the field."""
+        distance = self.cad_distance(points)
+        return distance if self.grid is None else np.asarray(distance - self.grid.value(self.field, self.to_chart(points)))
+
+
+@dataclass(frozen=True, kw_only=True)
 class State:
-    """nodes T_g_v, tray (n,), landmark (L, 3) in g (NaN: not used), motions T_a_b as batches of one (None where absent),
-    navigation (6,), field (size,) on `grid` (None: no field)."""
+    """The unknowns: nodes T_g_v, tray (n,) rad, landmark (L, 3) in g (NaN: not used), motions T_a_b as batches of one (None
+    where the sensor was not carried), navigation (6,); hull: None without a CAD model."""
 
     nodes: Poses
     tray: Array
     landmark: Array
-    T_g_M: Poses | None
     T_s_ct: Poses | None
     T_ct_cb: Poses | None
     T_s_d: Poses
     navigation: Array
-    grid: DeviationGrid | None
-    field: Array
+    hull: HullState | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Weights:
     """One sigma of each kind of measurement as used in a round. surface (L,): weight of each landmark's mixture.
     depth: in the sigma that navigation gave it. range_sigma: metres. tray_direction (n,): +1 or -1, the side of its backlash on
@@ -42,13 +72,3 @@ class Weights:
     range_sigma: float
     surface: Array
     tray_direction: Array
-
-
-def pose_vector(pose: Poses | None) -> Array:
-    """x y z qx qy qz qw of a batch of one; NaN where there is none."""
-    return np.full(7, np.nan) if pose is None else np.r_[pose.translation[0], pose.quaternion[0]]
-
-
-def pose_from_vector(values: Array) -> Poses:
-    """The inverse of `seven`."""
-    return Poses(values[None, 3:] / np.linalg.norm(values[3:]), values[None, :3].copy())

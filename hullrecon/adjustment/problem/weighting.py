@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One sigma of each kind of measurement: the package's word at first, then what the residuals of a round say."""
+"""One sigma of each kind of measurement: as the package states it at first, then from the residuals of a round."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ UNKNOWN_DEPTH_M = 1.0  # sigma beyond which no pressure was logged
 
 
 def initial_weights(m: Measurements, options: AdjustOptions) -> Weights:
+    """Return the sigmas of the package."""
     return Weights(
         pixel=m.rig.sigma_px,
         depth=1.0,
@@ -31,17 +32,18 @@ def initial_weights(m: Measurements, options: AdjustOptions) -> Weights:
     )
 
 
-def surface_weights(m: Measurements, state: State, chosen: Selection, options: AdjustOptions) -> Array:
-    """Full weight as published. With the field, landmarks of one cell a tenth of its length wide share one observation's
-    weight: what the field does not follow within a cell (plate edges, weld seams) is common to them."""
-    if m.cad_model is None or options.as_published or not len(chosen.landmarks):
+def surface_weights(state: State, chosen: Selection, options: AdjustOptions) -> Array:
+    """Return the weight (L,) of each landmark's surface factor: full as published. With the field, landmarks of one cell a
+    tenth of its length wide share one observation's weight: what the field does not follow within a cell (plate edges, weld
+    seams) is common to them."""
+    if state.hull is None or options.as_published or not len(chosen.landmarks):
         return np.ones(len(state.landmark))
-    along, girth = m.cad_model.deviation_length
-    return share_weight_by_cell(m, state, chosen.landmarks, (0.1 * along, 0.1 * girth))
+    along, girth = state.hull.cad_model.deviation_length
+    return share_weight_by_cell(state.hull, state.landmark, chosen.landmarks, (0.1 * along, 0.1 * girth))
 
 
 def estimate_weights(m: Measurements, state: State, chosen: Selection, weights: Weights, options: AdjustOptions) -> Weights:
-    """Sigmas from the residuals, sides of the tray's backlash from the adjusted angles."""
+    """Return sigmas from the residuals, and sides of the tray's backlash from the adjusted angles."""
     if options.as_published or m.tracks is None:
         return weights
     pixel = selection.estimate_pixel_sigma(m, state, chosen, options.least_pixel_sigma)
@@ -52,13 +54,13 @@ def estimate_weights(m: Measurements, state: State, chosen: Selection, weights: 
 
 
 def depth_sigma(m: Measurements, weights: Weights) -> float:
-    """Sigma of a depth with these weights (m), in the median; NaN without depths."""
+    """Return the sigma of a depth with these weights (m), in the median; NaN without depths."""
     return weights.depth * float(np.median(m.attitude.sigma[:, 0])) if len(m.attitude.sigma) else float("nan")
 
 
 def _depth_weight(m: Measurements, state: State) -> float:
-    """Sigma of the depths from their residuals, in the sigma that navigation gave them. The water's density scales all of them:
-    n readings do not tell the dive's scale better than it is known."""
+    """Return the sigma of the depths from their residuals, in the sigma that navigation gave them. The water's density scales
+    all of them: n readings do not tell the dive's scale better than it is known."""
     if not len(m.attitude.node) or np.median(m.attitude.sigma[:, 0]) > UNKNOWN_DEPTH_M:
         return 1.0
     z = state.nodes[m.attitude.node].apply(m.rig.pressure_origin)[:, 2]

@@ -24,8 +24,9 @@ TOP, BOTTOM = 1, 2  # camera ids; the rig has id 1
 
 @dataclass(frozen=True)
 class SparseModel:
-    """hull_from_top: T_M_ct at the nodes (T_g_ct without a CAD model); T_ct_cb None for a mono rig. position (L, 3), NaN where a
-    landmark is not in the model. top, bottom (m,) bool: observations that entered. stamps (n, 2): ns by camera, -1 for none."""
+    """hull_from_top: T_M_ct at the nodes (T_g_ct without a CAD model); T_ct_cb None for a mono rig. position (L, 3), NaN where
+    a landmark is not in the model. top, bottom (m,) bool: observations that entered. stamps (n, 2): ns by camera, -1 for
+    none."""
 
     tracks: Tracks
     top: Mask
@@ -97,7 +98,7 @@ class _Seen:
     image: Ints
     landmark: Ints
     pixel: Array
-    place: Ints
+    keypoint: Ints
 
 
 def _observations(model: SparseModel) -> _Seen:
@@ -138,11 +139,11 @@ def _add_points(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
     import pycolmap
 
     order = np.lexsort((seen.image, seen.landmark))
-    landmark, image, place = seen.landmark[order], seen.image[order].tolist(), seen.place[order].tolist()
+    landmark, image, keypoint = seen.landmark[order], seen.image[order].tolist(), seen.keypoint[order].tolist()
     edges = np.r_[0, np.flatnonzero(np.diff(landmark)) + 1, len(landmark)].tolist()
     for low, high in pairwise(edges):
         number = int(landmark[low])
-        elements = [pycolmap.TrackElement(i, p) for i, p in zip(image[low:high], place[low:high], strict=True)]
+        elements = [pycolmap.TrackElement(i, p) for i, p in zip(image[low:high], keypoint[low:high], strict=True)]
         point = pycolmap.Point3D(
             xyz=model.position[number], color=model.tracks.color[number], track=pycolmap.Track(elements=elements)
         )

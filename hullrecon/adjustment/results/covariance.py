@@ -12,18 +12,12 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array
 
 
-def cross_matrices(vectors: Array) -> Array:
-    """[v]x of vectors (n, 3): (n, 3, 3)."""
-    out = np.zeros((len(vectors), 3, 3))
-    out[:, 0, 1], out[:, 0, 2], out[:, 1, 2] = -vectors[:, 2], vectors[:, 1], -vectors[:, 0]
-    return out - out.transpose(0, 2, 1)
-
-
 def poses_in_hull(pose: Array, pose_hull: Array, hull: Array, nodes: Poses, T_g_M: Poses, center: Array) -> Array:
-    """Covariance (n, 6, 6) of T_M_v (translation in M, rotation right-perturb_pose in v).
+    """Return the covariance (n, 6, 6) of T_M_v (translation in M, rotation right-perturb_pose in v).
 
     pose (n, 6, 6) of T_g_v, pose_hull (n, 6, 6) with T_g_M, hull (6, 6) of T_g_M about `center` (3,) in M.
     """
@@ -33,19 +27,20 @@ def poses_in_hull(pose: Array, pose_hull: Array, hull: Array, nodes: Poses, T_g_
     by_pose, by_hull = np.zeros((n, 6, 6)), np.zeros((n, 6, 6))
     by_pose[:, :3, :3], by_pose[:, 3:, 3:] = to_hull, np.eye(3)
     by_hull[:, :3, :3] = -to_hull
-    by_hull[:, :3, 3:] = cross_matrices(in_hull.translation - center)
+    by_hull[:, :3, 3:] = cross_matrix(in_hull.translation - center)
     by_hull[:, 3:, 3:] = -in_hull.rotation.as_matrix().transpose(0, 2, 1)
     return _propagated(by_pose, by_hull, pose, pose_hull, hull)
 
 
 def points_in_hull(point: Array, point_hull: Array, hull: Array, position: Array, T_g_M: Poses, center: Array) -> Array:
-    """Covariance (n, 3, 3) in M of points (n, 3) in g: point (n, 3, 3), point_hull (n, 3, 6) with T_g_M, hull (6, 6)."""
+    """Return the covariance (n, 3, 3) in M of points (n, 3) in g: point (n, 3, 3), point_hull (n, 3, 6) with T_g_M, hull (6,
+    6)."""
     to_hull = T_g_M.rotation.as_matrix()[0].T
     n = len(position)
     by_point = np.broadcast_to(to_hull, (n, 3, 3))
     by_hull = np.zeros((n, 3, 6))
     by_hull[:, :, :3] = -to_hull
-    by_hull[:, :, 3:] = cross_matrices(T_g_M.inverse().apply(position) - center)
+    by_hull[:, :, 3:] = cross_matrix(T_g_M.inverse().apply(position) - center)
     return _propagated(by_point, by_hull, point, point_hull, hull)
 
 
@@ -62,7 +57,7 @@ def _propagated(by_own: Array, by_hull: Array, own: Array, cross: Array, hull: A
 
 
 def hull_axes(hull: Array, T_g_M: Poses) -> Array:
-    """Covariance (6, 6) of T_g_M with its translation turned into M's axes."""
+    """Return the covariance (6, 6) of T_g_M with its translation turned into M's axes."""
     turn = np.eye(6)
     turn[:3, :3] = T_g_M.rotation.as_matrix()[0].T
     return np.asarray(turn @ hull @ turn.T)

@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the adjustment reports beside its Solution: the solver's record as arrays, figures for adjust.json, warnings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon import native
+from hullrecon.adjustment.bundle_adjustment import Adjusted
+from hullrecon.adjustment.hull_pose.observability import find_weak_directions
+from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.problem import intrinsics, iteration_history, weighting
+from hullrecon.adjustment.problem.measurements import Measurements
+from hullrecon.adjustment.problem.state import State
+from hullrecon.adjustment.results import residual_statistics
+from hullrecon.adjustment.results.covariance import hull_axes
+from hullrecon.adjustment.results.solution import build_solution, marginal_covariances
+from hullrecon.geometry.poses import pose_vector
+from hullrecon.records.solution import Solution
+from hullrecon.typing import Array, Arrays
+
+NAVIGATION = ("dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_play_rad")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """solution; iterations: arrays for iterations.npz, and when each was done (s); summary: for adjust.json; warnings:
+    sentences for the report."""
+
+    solution: Solution
+    iterations: Arrays
+    iterations_s: Array
+    summary: dict[str, object]
+    warnings: list[str]
+
+
+def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> Outcome:
+    """Return all that the step writes. m: as measured, its rig as calibrated."""
+    settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
+    marginals = marginal_covariances(m, adjusted, options, settings)
+    solution = build_solution(m, adjusted, marginals)
+    hull = adjusted.state.hull
+    weak = [] if hull is None else find_weak_directions(hull_axes(marginals.T_g_M, hull.global_from_hull))
+    seen_with = intrinsics.summarise_intrinsics(m.rig, adjusted.rig, marginals, options)
+    summary = {
+        **_figures(m, adjusted, options),
+        "weak_directions": weak,
+        "residuals_before": residual_statistics.by_factor(native.evaluate(adjusted.start, settings)),
+        "residuals_after": residual_statistics.by_factor(native.evaluate(adjusted.problem, settings)),
+        **_registration(adjusted),
+        **({"intrinsics": seen_with} if seen_with else {}),
+    }
+    return Outcome(
+        solution=solution,
+        iterations=iteration_history.columns(adjusted.rounds),
+        iterations_s=iteration_history.seconds(adjusted.rounds),
+        summary=summary,
+        warnings=[str(w["sentence"]) for w in weak] + _warnings(adjusted, solution) + intrinsics.intrinsics_warnings(seen_with),
+    )
+
+
+def _figures(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> dict[str, object]:
+    state, result = adjusted.state, adjusted.result
+    depth = weighting.depth_sigma(m, adjusted.weights)
+    return {
+        "method": options.method,
+        "as_published": options.as_published,
+        "converged": result.converged,
+        "message": result.message,
+        "iterations": len(result.iterations.cost) - 1,
+        "rounds": iteration_history.summarise_rounds(adjusted.rounds),
+        "landmarks": len(adjusted.chosen.landmarks),
+        "on_hull": int((result.label == 1).sum()),
+        "rays_missed": int((~result.ray_hit).sum()),
+        "observations": int(adjusted.chosen.top.sum() + adjusted.chosen.bottom.sum()),
+        "observations_left_out": _left_out(m, adjusted),
+        "sigmas": {
+            "pixel_px": adjusted.weights.pixel,
+            "tray_rad": adjusted.weights.tray,
+            "depth_m": depth if np.isfinite(depth) else None,
+            "range_m": adjusted.weights.range_sigma,
+        },
+        "navigation": dict(zip(NAVIGATION, state.navigation.tolist(), strict=True)),
+        "mounts": _mounts(state),
+    }
+
+
+def _registration(adjusted: Adjusted) -> dict[str, object]:
+    found = adjusted.registration
+    if found is None:
+        return {}
+    rms_m = float(np.sqrt(np.mean(found.residual**2)))
+    vector = pose_vector(found.global_from_hull).tolist()
+    return {"registration": {"fitness": found.fitness, "rms_m": rms_m, "T_g_M": vector}}
+
+
+def _mounts(state: State) -> dict[str, list[float]]:
+    """Return motions by name as x y z qx qy qz qw, those that there are."""
+    hull = None if state.hull is None else state.hull.global_from_hull
+    present = {"T_s_ct": state.T_s_ct, "T_ct_cb": state.T_ct_cb, "T_s_d": state.T_s_d, "T_g_M": hull}
+    return {name: pose_vector(pose).tolist() for name, pose in present.items() if pose is not None}
+
+
+def _left_out(m: Measurements, adjusted: Adjusted) -> int:
+    if m.tracks is None:
+        return 0
+    seen = np.isfinite(m.tracks.top[:, 0]).sum() + np.isfinite(m.tracks.bottom[:, 0]).sum()
+    return int(seen - adjusted.chosen.top.sum() - adjusted.chosen.bottom.sum())
+
+
+def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
+    """Return what an inspector should know before trusting the result."""
+    found = []
+    if not adjusted.result.converged:
+        found.append(f"The adjustment stopped before it converged ({adjusted.result.message}): raise adjust.max_iterations.")
+    missed = float(np.mean(~adjusted.result.ray_hit)) if len(adjusted.result.ray_hit) else 0.0
+    if missed > 0.05:
+        found.append(
+            f"{100 * missed:.0f} % of the DVL's beams miss the CAD model: it may be incomplete, or the first guess wrong."
+        )
+    if len(solution.landmarks) and solution.landmarks.label.mean() < 0.5 and adjusted.state.hull is not None:
+        found.append(
+            "Fewer than half of the landmarks lie on the CAD model's surface: the CAD model or its first guess may be wrong."
+        )
+    return found
