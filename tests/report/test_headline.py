@@ -88,7 +88,9 @@ def test_the_side_of_the_deviation_is_named(survey: Survey, plate: Surface) -> N
 
 def test_a_hull_that_was_not_seen_has_no_deviation(survey: Survey, plate: Surface) -> None:
     unseen = replace(plate, support=np.zeros(15, np.int64))
-    assert not any("CAD model" in line for line in headline(replace(survey, surfaces=replace(survey.surfaces, as_found=unseen))))
+    assert not any(
+        "CAD model" in line for line in headline(replace(survey, surfaces=replace(survey.surfaces, as_found=unseen)))
+    )
 
 
 def test_a_dive_without_warnings_says_so(bare: Survey) -> None:
