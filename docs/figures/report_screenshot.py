@@ -37,7 +37,7 @@ def main() -> int:
         subprocess.run([browser, *flags, f"--screenshot={shot}", page.as_uri()], check=True, capture_output=True)
         with Image.open(shot) as picture:
             TARGET.parent.mkdir(exist_ok=True)
-            picture.convert("RGB").quantize(COLOURS).save(TARGET, optimize=True)
+            picture.convert("RGB").quantize(COLOURS, kmeans=4).save(TARGET, optimize=True)
     print(f"{TARGET}: {TARGET.stat().st_size / 1e3:.0f} kB")
     return 0
 

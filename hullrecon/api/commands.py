@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Comparison:
+class MethodComparison:
     """The methods side by side: figures by method and weighting, and the table of them."""
 
     figures: dict[str, MethodFigures]
@@ -63,7 +63,7 @@ def evaluate(run: Path | str, package: Path | str) -> Score:
     return score_run(Path(run), Path(package))
 
 
-def compare(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> Comparison:
+def compare(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> MethodComparison:
     """Solve a simulated dive by every method, as published and as weighted by us, and return the figures of each.
 
     Raises InputError when the package holds no truth.
@@ -76,7 +76,7 @@ def compare(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -
         solve_all(dive, run_context)
     figures = compare_methods(read_solutions(dive), read_dead_reckoning(dive), truth)
     heads, rows = comparison_table(figures)
-    return Comparison(figures=figures, heads=heads, rows=rows)
+    return MethodComparison(figures=figures, heads=heads, rows=rows)
 
 
 def draw_figures(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> tuple[Path, list[PublishedFigure]]:

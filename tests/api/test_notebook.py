@@ -70,7 +70,7 @@ def test_the_example_runs_scores_and_prints_the_comparison(
     """The chain and the solves are stood in for: they have tests of their own; this one holds the example to the functions."""
     import runpy
 
-    from hullrecon.api.commands import Comparison
+    from hullrecon.api.commands import MethodComparison
 
     figures = {
         "trajectory": {"rigid_rmse_m": 0.002},
@@ -79,7 +79,7 @@ def test_the_example_runs_scores_and_prints_the_comparison(
     }
     monkeypatch.setattr("hullrecon.api.run_dive", hullrecon.open_dive)
     monkeypatch.setattr("hullrecon.api.evaluate", lambda run, package: figures)
-    comparison = Comparison(figures={}, heads=["method"], rows=[["maxmix as published"]])
+    comparison = MethodComparison(figures={}, heads=["method"], rows=[["maxmix as published"]])
     monkeypatch.setattr("hullrecon.api.compare", lambda dive: comparison)
     example = runpy.run_path(str(ROOT / "examples" / "compare_methods.py"))
     example["main"]([str(DEMO), str(tmp_path)])

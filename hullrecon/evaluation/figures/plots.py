@@ -98,8 +98,8 @@ def cross_sections(rows: Sequence[Sequence[CrossSection]], overviews: Sequence[W
         for line, label in zip(*axis.get_legend_handles_labels(), strict=True)
     }
     figure.legend(names.values(), names.keys(), loc="outside lower center", ncols=len(names), fontsize=8, frameon=False)
-    words = f"Slices across the hull at the {kind}, landmarks and DVL returns after alignment with the true path."
-    return finish_figure("cross_sections", figure, table, words)
+    caption = f"Slices across the hull at the {kind}, landmarks and DVL returns after alignment with the true path."
+    return finish_figure("cross_sections", figure, table, caption)
 
 
 def range_histogram(before: Mapping[str, Array], after: Mapping[str, Array], reach_m: float) -> PublishedFigure:
@@ -117,8 +117,8 @@ def range_histogram(before: Mapping[str, Array], after: Mapping[str, Array], rea
     middle = 0.5 * (edges[1:] + edges[:-1])
     rows = zip(middle.tolist(), *(count.tolist() for count in counts.values()), strict=True)
     table = [",".join(["residual_m", *counts]), *(",".join(f"{value:.5g}" for value in row) for row in rows)]
-    words = "; ".join(f"{name} {1e3 * robust_sigma(values):.0f} mm" for name, values in {**before, **after}.items())
-    return finish_figure("range_residuals", figure, table, f"Robust sigma of the DVL's range residuals: {words}.")
+    sigmas = "; ".join(f"{name} {1e3 * robust_sigma(values):.0f} mm" for name, values in {**before, **after}.items())
+    return finish_figure("range_residuals", figure, table, f"Robust sigma of the DVL's range residuals: {sigmas}.")
 
 
 def structure_heights(

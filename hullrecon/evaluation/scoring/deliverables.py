@@ -101,11 +101,11 @@ def _vertex_layout(lines: list[str]) -> tuple[int, np.dtype[np.void]]:
     """Return count and row type of the first element, which must be the vertices."""
     count, row = 0, list[tuple[str, str]]()
     for line in lines:
-        words = line.split()
-        if words[:1] == ["element"]:
-            if row or words[1] != "vertex":
+        fields = line.split()
+        if fields[:1] == ["element"]:
+            if row or fields[1] != "vertex":
                 break
-            count = int(words[2])
-        elif words[:1] == ["property"]:
-            row.append((words[-1], "<" + _TYPES[words[1]]))
+            count = int(fields[2])
+        elif fields[:1] == ["property"]:
+            row.append((fields[-1], "<" + _TYPES[fields[1]]))
     return count, np.dtype(row)

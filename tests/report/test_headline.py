@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The sentences on top of the page."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hullrecon.records.deliverables import ReportedObject
+from hullrecon.records.solution import Solution
+from hullrecon.records.surface import Surface
+from hullrecon.report.content.headline import headline, path_length_m, weak_sentences
+from hullrecon.report.step_documents import LogFindings, MosaicFacts
+from hullrecon.report.survey import Mosaic, Mosaics, Provenance, Survey
+
+
+def line_with(survey: Survey, text: str) -> str:
+    """The one sentence that holds a text."""
+    (line,) = [line for line in headline(survey) if text in line]
+    return line
+
+
+def with_objects(survey: Survey, *objects: ReportedObject) -> Survey:
+    return replace(survey, findings=replace(survey.findings, objects=objects))
+
+
+def test_the_path_is_as_long_as_its_steps_together(survey: Survey) -> None:
+    assert path_length_m(survey) == pytest.approx(2.0)
+
+
+def test_a_dive_without_a_camera_says_so(bare: Survey) -> None:
+    assert headline(bare)[0] == "Dive bare on the vessel: 4 s, 2.00 m of path, 5 poses, without a camera."
+
+
+def test_dead_reckoning_is_named_as_such(bare: Survey) -> None:
+    assert "dead reckoned in a local level frame (g)" in headline(bare)[1]
+
+
+def test_an_adjusted_dive_names_method_and_frame(survey: Survey) -> None:
+    assert "adjusted by method maxmix and given in the ship's frame (M)" in headline(survey)[1]
+
+
+def test_an_adjusted_dive_without_a_cad_model_is_in_g(survey: Survey, solution: Solution) -> None:
+    assert survey.adjusted is not None
+    free = replace(solution, hull_pose=None)
+    in_g = replace(survey, track=free.track(), adjusted=replace(survey.adjusted, solution=free))
+    assert "a local level frame (g), as there is no CAD model" in headline(in_g)[1]
+    assert line_with(in_g, "landmarks were") == "3 landmarks were measured in the images."
+
+
+def test_landmarks_on_the_hull_are_a_share_of_all(survey: Survey) -> None:
+    assert line_with(survey, "landmarks were") == (
+        "3 landmarks were measured in the images, 66.7 % of them on the hull's surface."
+    )
+
+
+def test_only_the_first_two_uncertain_directions_are_on_top(survey: Survey) -> None:
+    assert survey.adjusted is not None
+    weak = tuple({"sentence": f"Direction {k} is uncertain."} for k in range(4))
+    many = replace(survey, adjusted=replace(survey.adjusted, weak_directions=weak))
+    assert len(weak_sentences(many)) == 4
+    assert sum("is uncertain" in line for line in headline(many)) == 2
+
+
+def test_a_small_sigma_makes_no_sentence(bare: Survey) -> None:
+    track = replace(bare.track, covariance=np.tile(np.eye(6) * 1e-4, (5, 1, 1)))
+    assert weak_sentences(replace(bare, track=track)) == []
+
+
+def test_protrusions_and_recesses_are_counted_apart(survey: Survey, found: ReportedObject) -> None:
+    recess = replace(found, id=2, height=-0.2)
+    line = line_with(with_objects(survey, found, recess, replace(found, id=3, height=-0.05)), "found on the hull")
+    assert line.startswith("3 objects found on the hull (1 protrusion and 2 recesses); the largest, no. 2,")
+
+
+def test_objects_that_were_not_looked_for_are_not_mentioned(bare: Survey) -> None:
+    assert not any("object" in line.lower() for line in headline(bare))
+
+
+def test_the_side_of_the_deviation_is_named(survey: Survey, plate: Surface) -> None:
+    inside = replace(plate, deviation=np.full(15, -0.012))
+    line = line_with(replace(survey, surfaces=replace(survey.surfaces, as_found=inside)), "CAD model")
+    assert line.startswith("Where it was seen, the hull lies 12 mm inside its CAD model in the median (one sigma 2 mm)")
+
+
+def test_a_hull_that_was_not_seen_has_no_deviation(survey: Survey, plate: Surface) -> None:
+    unseen = replace(plate, support=np.zeros(15, np.int64))
+    assert not any(
+        "CAD model" in line for line in headline(replace(survey, surfaces=replace(survey.surfaces, as_found=unseen)))
+    )
+
+
+def test_a_dive_without_warnings_says_so(bare: Survey) -> None:
+    quiet = replace(bare, provenance=Provenance())
+    assert headline(quiet)[-1] == "The log was read completely and no step raised a warning."
+
+
+def test_losses_and_warnings_are_counted(survey: Survey) -> None:
+    facts = replace(survey.facts, log=LogFindings(lost=("a", "b")))
+    line = line_with(replace(survey, facts=facts), "section 9")
+    assert line == "2 spans of data were lost and 1 warning was raised; see section 9, rejected data and warnings."
+
+
+def test_a_mosaic_without_a_resolution_is_not_named(survey: Survey) -> None:
+    unknown = Mosaic(facts=MosaicFacts(caption="x"), preview=b"", has_mesh=False)
+    assert not any("Mosaic" in line for line in headline(replace(survey, mosaics=Mosaics(optical=unknown))))

@@ -1,0 +1,115 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the template is given, piece by piece."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from hullrecon.records.deliverables import Coverage, CoverageHole, ReportedObject, SensorCoverage
+from hullrecon.report.content.page_context import (
+    card_context,
+    chart_view,
+    coverage_rows,
+    deviation_map,
+    draw_plan,
+    hole_text,
+    mark_of,
+    mosaic_context,
+    percentile_text,
+)
+from hullrecon.report.step_documents import MosaicFacts
+from hullrecon.report.survey import Mosaic, Survey
+
+
+def preview(width: int) -> bytes:
+    buffer = BytesIO()
+    Image.fromarray(np.full((30, width, 3), 90, np.uint8)).save(buffer, format="PNG")
+    return buffer.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("percentiles", "text"),
+    [
+        ({"p05": 0.0018, "p50": 0.002, "p95": 0.0025}, "2 mm (5th to 95th percentile 1.8 to 2.5 mm)"),
+        ({"p05": 0.0018, "p95": 0.0025}, "5th to 95th percentile 1.8 to 2.5 mm"),
+        ({"p50": 0.002}, "2 mm"),
+    ],
+)
+def test_percentiles_are_named(percentiles: dict[str, float], text: str) -> None:
+    assert percentile_text(percentiles, 1000.0, " mm") == text
+
+
+def test_coverage_rows_are_by_sensor_in_its_order() -> None:
+    coverage = Coverage(
+        camera=SensorCoverage(area_m2=8.3, area_twice_m2=8.1, incidence_deg={"p05": 3.0, "p50": 15.0, "p95": 32.0}),
+        dvl=SensorCoverage(area_m2=10.7),
+    )
+    assert coverage_rows(coverage) == [
+        ("Hull seen by camera", "8.3 m²"),
+        ("Hull seen at least twice by camera", "8.1 m²"),
+        ("Incidence angle of the best view, camera", "15° (5th to 95th percentile 3 to 32°)"),
+        ("Hull seen by DVL", "10.7 m²"),
+    ]
+    assert coverage_rows(None) == []
+
+
+def test_a_hole_without_an_address_is_named_all_the_same() -> None:
+    assert hole_text(CoverageHole(area_m2=0.251)) == "at a point without an address, 0.25 m²"
+
+
+def test_without_a_chart_there_is_no_plan(bare: Survey) -> None:
+    assert chart_view(bare) is None
+
+
+def test_the_plan_names_its_extent_and_its_objects(survey: Survey) -> None:
+    view = chart_view(survey)
+    assert view is not None
+    svg = draw_plan(survey, view)
+    assert "path of the vehicle, hull seen, 1 object." in svg
+    assert "Object 1: height 0.100 ± 0.004 m, frame 3 + 0.2 m, port" in svg
+
+
+def test_a_mark_stands_where_its_object_is(found: ReportedObject) -> None:
+    mark = mark_of(found, np.array([1.5, -2.0]), (0.3, 0.02))
+    assert (mark.label, mark.along, mark.girth, mark.sigma) == ("1", 1.5, -2.0, (0.3, 0.02))
+
+
+def test_without_a_cad_model_there_is_no_map_of_the_deviation(survey: Survey, bare: Survey) -> None:
+    view = chart_view(survey)
+    assert view is not None
+    assert (deviation_map(survey, view) or "").startswith("data:image/png;base64,")
+    assert deviation_map(replace(survey, track=bare.track), view) is None
+
+
+def test_a_recess_is_called_so(survey: Survey, found: ReportedObject) -> None:
+    assert card_context(replace(found, height=-0.1), survey)["kind"] == "Recess"
+    assert card_context(found, survey)["kind"] == "Protrusion"
+
+
+def test_a_card_without_a_picture_has_none(survey: Survey, found: ReportedObject) -> None:
+    facts = replace(survey.facts, images={})
+    assert card_context(found, replace(survey, facts=facts))["crop"] is None
+
+
+def test_a_wide_mosaic_is_reduced_for_the_page() -> None:
+    from base64 import b64decode
+
+    def width(pixels: int) -> int:
+        mosaic = Mosaic(facts=MosaicFacts(caption="c"), preview=preview(pixels), has_mesh=True)
+        data = str(mosaic_context("optical", mosaic)["src"]).split(",")[1]
+        with Image.open(BytesIO(b64decode(data))) as picture:
+            return picture.width
+
+    assert width(600) == 600
+    assert width(2400) == 1800
+
+
+def test_a_mosaic_is_named_by_its_sensor() -> None:
+    shown = mosaic_context("sonar", Mosaic(facts=MosaicFacts(caption="c"), preview=preview(20), has_mesh=False))
+    assert (shown["name"], shown["stem"], shown["caption"], shown["has_mesh"]) == ("Sonar", "sonar", "c", False)

@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Section 9 of the page and its parameters."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hullrecon.records.deliverables import RejectedRegion
+from hullrecon.report.content.rejected import rejected_groups, settings_rows
+from hullrecon.report.step_documents import AdjustSummary, LogFindings, NavigationFacts, PairFacts
+from hullrecon.report.survey import StepRun, Survey
+
+
+def step(name: str, settings: dict[str, object]) -> StepRun:
+    return StepRun(name=name, version=1, settings=settings, inputs={}, warnings=(), run={})
+
+
+def groups_of(survey: Survey) -> dict[str, list[str]]:
+    return dict(rejected_groups(survey))
+
+
+def test_headings_without_an_item_are_left_out(bare: Survey) -> None:
+    assert list(groups_of(bare)) == ["Deliverables that this dive cannot give"]
+    assert rejected_groups(replace(bare, provenance=replace(bare.provenance, missing={}))) == []
+
+
+def test_missing_deliverables_stand_with_their_reason(bare: Survey) -> None:
+    items = groups_of(bare)["Deliverables that this dive cannot give"]
+    assert "objects.json: no camera was carried" in items
+
+
+def test_outages_are_in_seconds_of_the_log(bare: Survey) -> None:
+    navigation = NavigationFacts(outages_s=((1.0, 2.5),), attitude_gaps_s=((3.0, 4.0),), remarks=("one remark",))
+    items = groups_of(replace(bare, facts=replace(bare.facts, navigation=navigation)))["Navigation"]
+    assert items == ["no DVL from 1.0 s to 2.5 s of the log", "no attitude from 3.0 s to 4.0 s of the log", "one remark"]
+
+
+def test_pairs_are_counted_by_reason_singular_and_plural(bare: Survey) -> None:
+    pairs = PairFacts(failed={"too few inliers": 1, "inconsistent with navigation": 12})
+    items = groups_of(replace(bare, facts=replace(bare.facts, pairs=pairs)))["Image pairs without a relative pose"]
+    assert items == ["inconsistent with navigation: 12 pairs", "too few inliers: 1 pair"]
+
+
+def test_what_the_log_lost_and_what_the_check_of_the_cad_model_found_are_apart(bare: Survey) -> None:
+    log = LogFindings(lost=("2 s of /dvl",), hull=("22 boundary edges",), remarks=("no sonar",))
+    groups = groups_of(replace(bare, facts=replace(bare.facts, log=log)))
+    assert groups["Lost data"] == ["2 s of /dvl"]
+    assert groups["CAD model, as checked"] == ["22 boundary edges"]
+    assert groups["Remarks on the log"] == ["no sonar"]
+
+
+def test_no_observation_is_counted_where_none_was_rejected(survey: Survey) -> None:
+    assert survey.adjusted is not None
+    clean = replace(survey.adjusted, summary=AdjustSummary(observations=100))
+    assert "Observations" not in groups_of(replace(survey, adjusted=clean))
+    assert groups_of(survey)["Observations"] == ["2 of 100 image observations rejected as outliers"]
+
+
+def test_a_region_has_its_height_and_its_centre(bare: Survey) -> None:
+    region = RejectedRegion(center=(1.0, -2.0, 0.5), height=-0.043, reason="only 4 landmarks")
+    groups = groups_of(replace(bare, findings=replace(bare.findings, not_reported=(region,))))
+    assert groups["Regions examined and not reported as objects"] == ["only 4 landmarks (height -0.043 m at 1.00, -2.00, 0.50)"]
+
+
+def test_warnings_carry_the_name_of_their_step(survey: Survey) -> None:
+    assert groups_of(survey)["Warnings of the steps"] == ["adjust: two rays missed"]
+
+
+def test_options_are_listed_once_by_section_and_key() -> None:
+    steps = [
+        step("adjust", {"adjust": {"rounds": 3, "method": "maxmix"}, "dvl": {"mount": [0, 0, 1.5]}}),
+        step("surface", {"dvl": {"mount": [0, 0, 1.5]}, "surface": {"cell_m": None}}),
+    ]
+    assert settings_rows(steps) == [
+        ("adjust.method", "maxmix"), ("adjust.rounds", "3"), ("dvl.mount", "0, 0, 1.5"), ("surface.cell_m", "not set")
+    ]  # fmt: skip
+
+
+def test_nested_options_have_dotted_names_and_absent_sections_no_row() -> None:
+    assert settings_rows([step("x", {"hull": None, "camera": {"top": {"mount": 1}}})]) == [("camera.top.mount", "1")]
