@@ -26,9 +26,9 @@ ON_A_DIVE = {
 }
 STEPS = {
     "ingest": Entry("steps", "ingest", "read the logs, the calibration and the CAD model"),
-    "navigate": Entry("steps", "navigate", "reckon the vehicle's path"),
+    "navigate": Entry("steps", "navigate", "compute the dead-reckoned trajectory"),
     "features": Entry("steps", "features", "find features in every image"),
-    "matches": Entry("steps", "matches", "match images and join the matches to landmarks"),
+    "matches": Entry("steps", "matches", "match images and build feature tracks"),
     "adjust": Entry("steps", "adjust", "adjust images, DVL ranges and the CAD model together"),
     "surface": Entry("steps", "surface", "make a surface of the DVL's returns"),
     "detect": Entry("steps", "detect", "find structures and remesh the hull as found"),
