@@ -155,9 +155,8 @@ def _whole(s: Sections, radius: Array, index: MeshIndex) -> Mask:
 
 
 def _on_skin(start: Array, stop: Array, radius: Array, turn: float, index: MeshIndex) -> Mask:
-    """Return whether the middle of stretches from start to stop (a, b, 3) lies on the mesh: nearly, where they are much
-    longer than
-    their rays' spacing explains."""
+    """Return whether the middle of stretches from start to stop (a, b, 3) lies on the mesh: nearly, where they are much longer
+    than their rays' spacing explains."""
     length = np.linalg.norm(stop - start, axis=2)
     good = np.asarray(length * GRAZING <= radius * turn)
     doubtful = np.isfinite(length)

@@ -62,9 +62,8 @@ class Sections:
         return angle, np.where(fits, radius, np.nan)
 
     def slack_at(self, along: Array, angle: Array) -> Array:
-        """Return (n,) m: how far the skin may be from the bilinear radius: the spread of the cell's corners, at least a
-        tenth of a
-        step between stations (a chine or a plate's edge inside the cell)."""
+        """Return (n,) m: how far the skin may be from the bilinear radius: the spread of the cell's corners, at least a tenth
+        of a step between stations (a chine or a plate's edge inside the cell)."""
         row, _ = self._cell(self.station, along)
         column, _ = self._cell(self.angle, angle)
         corners = np.stack([self.radius[row + i, column + j] for i in (0, 1) for j in (0, 1)])

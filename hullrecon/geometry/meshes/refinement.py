@@ -17,11 +17,10 @@ def refine(
 ) -> tuple[Mesh, Array]:
     """Return the mesh with edges split at their midpoints until none is longer than wanted.
 
-    longest_m: the longest edge allowed, metres; a function gives it at the edges' midpoints (n, 3), inf where the mesh may
-    stay coarse; no edge up to `spared_m` is asked about. Neighbouring faces split their common edge together, so no crack
-    opens; with an edge a face splits its longest edge too, so that triangles do not degenerate. attributes (n, k) of the
-    vertices are averaged along; returned with the mesh.
-    The first vertices are the old ones, unmoved.
+    longest_m: the longest edge allowed, metres; a function gives it at the edges' midpoints (n, 3), inf where the mesh may stay
+    coarse; no edge up to `spared_m` is asked about. Neighbouring faces split their common edge together, so no crack opens;
+    with an edge a face splits its longest edge too, so that triangles do not degenerate. attributes (n, k) of the vertices are
+    averaged along; returned with the mesh. The first vertices are the old ones, unmoved.
     """
     table = np.hstack([mesh.vertices, np.zeros((len(mesh.vertices), 0)) if attributes is None else attributes])
     faces = mesh.faces.astype(np.int64)

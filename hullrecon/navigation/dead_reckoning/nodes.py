@@ -42,9 +42,8 @@ def pair_frames(top_ns: Ints, bottom_ns: Ints) -> Ints:
 def choose_nodes(
     top: tuple[Ints, Ints], bottom: tuple[Ints, Ints], pings_ns: Ints, span_ns: tuple[int, int], spacing_s: float
 ) -> Nodes:
-    """Return nodes in time order. top, bottom: stamps and rows in the index of the usable frames, in time order. A pair
-    stands at
-    the top camera's stamp. span_ns: what navigation covers; frames outside get no node. spacing_s: least distance between
+    """Return nodes in time order. top, bottom: stamps and rows in the index of the usable frames, in time order. A pair stands
+    at the top camera's stamp. span_ns: what navigation covers; frames outside get no node. spacing_s: least distance between
     the pings chosen.
     """
     pair = pair_frames(top[0], bottom[0])

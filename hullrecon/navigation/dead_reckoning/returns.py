@@ -16,9 +16,8 @@ from hullrecon.typing import Array, Mask
 
 
 def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Returns:
-    """Return one row a beam that came back, by ping and then by beam. flagged (pings, beams). Pings beyond the nodes' span
-    by more
-    than a second are left out: nothing places them."""
+    """Return one row a beam that came back, by ping and then by beam. flagged (pings, beams). Pings beyond the nodes' span by
+    more than a second are left out: nothing places them."""
     inside = (dvl.t_ns >= nodes.t_ns[0] - 10**9) & (dvl.t_ns <= nodes.t_ns[-1] + 10**9)
     back = mark_lost(dvl.ranges)
     ping, beam = np.nonzero(np.isfinite(back) & inside[:, None])

@@ -88,9 +88,8 @@ def _disagreement(t: Array, imu: ImuSamples) -> Array:
 
 
 def _noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
-    """Return white variance (rad2) of the orientation and walk (rad2/s) of the rates: the variance of differences over a lag
-    is twice
-    the first plus the second times the lag. Medians, so that a jolt does not count."""
+    """Return white variance (rad2) of the orientation and walk (rad2/s) of the rates: the variance of differences over a lag is
+    twice the first plus the second times the lag. Medians, so that a jolt does not count."""
     step = float(np.median(np.diff(t)))
     lags = np.unique(np.geomspace(1, max(2, longest_s / step), 12).astype(int))
     lags = lags[lags < len(t) // 2]

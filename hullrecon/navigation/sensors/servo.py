@@ -44,9 +44,8 @@ def servo(tray: JointSamples | None, start_ns: int) -> Servo:
 
 
 def _directions(angle: Array, travel: float) -> Array:
-    """Return +1 or -1 a reading: the sense flips when the angle has come back by `travel` from its farthest point, and is
-    dated back
-    to that point. A scan, since each flip decides what the next one is measured from."""
+    """Return +1 or -1 a reading: the sense flips when the angle has come back by `travel` from its farthest point, and is dated
+    back to that point. A scan, since each flip decides what the next one is measured from."""
     out = np.ones(len(angle))
     sense, far, turned, first = 0, 0, 0, angle[0]
     for i, value in enumerate(angle.tolist()):

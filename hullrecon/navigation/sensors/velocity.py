@@ -32,8 +32,7 @@ class Velocities:
 
     def bridged_variance(self, start_ns: Ints, stop_ns: Ints) -> Array:
         """Return variance (m,) m2 that intervals add where they lie in an outage of length T: that of a velocity that walks
-        between
-        its two known ends adds up to agitation T^3 / 12 over the whole."""
+        between its two known ends adds up to agitation T^3 / 12 over the whole."""
         out = np.zeros(len(start_ns))
         for begin, end in self.outages:
             inside = np.maximum(0, np.minimum(stop_ns, end) - np.maximum(start_ns, begin)) * 1e-9
