@@ -41,7 +41,7 @@ def open_dive(target: Path | str, runs: Path | str = "runs", overrides: Sequence
     package = given if workspace is None else package_of(workspace)
     steps = stages()
     config = load_config(package, {stage.name: stage.parameters for stage in steps}, overrides)
-    name = config.sections["dive"].name
+    name = config.config.dive.name
     return DiveRun(name, Chain(steps, config.sections, package), workspace or Workspace(Path(runs) / name))
 
 

@@ -15,7 +15,7 @@ from hullrecon.artifacts.execution.chain_runner import run_chain
 from hullrecon.artifacts.execution.runner import RunContext, build
 from hullrecon.artifacts.graph.chain import Chain, inputs_of
 from hullrecon.artifacts.graph.job import make_job
-from hullrecon.artifacts.graph.plan import assess
+from hullrecon.artifacts.graph.plan import assess_step
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import InputError
 
@@ -40,7 +40,11 @@ class MethodVariant:
 
         As published is one solve from the registration on, as [Ozog2016] did it, so that its history is that of one function.
         """
-        own = msgspec.structs.replace(whole.sections["adjust"], method=self.method, as_published=self.as_published)
+        from hullrecon.adjustment.options import AdjustOptions
+
+        own = whole.sections["adjust"]
+        assert isinstance(own, AdjustOptions)
+        own = msgspec.structs.replace(own, method=self.method, as_published=self.as_published)
         if self.as_published:
             own = msgspec.structs.replace(own, rounds=1, max_iterations=max(own.max_iterations, WHOLE_SOLVE_ITERATIONS))
         return replace(whole, sections={**whole.sections, "adjust": own})
@@ -85,7 +89,7 @@ def _solve(chain: Chain, upstream: Workspace, target: Workspace, run_context: Ru
     job = make_job(
         stage, chain.sections, inputs_of(stage, chain, upstream, chain.skip_reasons()), chain.package, run_context.hashes
     )
-    if assess(job, target, run_context.hashes).to_do:
+    if assess_step(job, target, run_context.hashes).to_do:
         build(job, target.root / stage.name, target.build_folder(stage.name), run_context)
 
 
