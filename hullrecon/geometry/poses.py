@@ -9,7 +9,7 @@ A 6-vector of a motion is (translation, rotation): `log` gives (t, w) with R = E
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,63 +28,66 @@ class Poses:
     def __len__(self) -> int:
         return len(self.quaternion)
 
-    def __getitem__(self, index: Any) -> Poses:
-        """Rows by slice, mask or index array; an integer gives a batch of one."""
-        rows = np.atleast_1d(np.arange(len(self))[index])
+    def __getitem__(self, index: SupportsIndex | slice | ArrayLike) -> Poses:
+        """Return rows by slice, mask or index array; an integer gives a batch of one."""
+        rows = np.atleast_1d(np.arange(len(self))[index if isinstance(index, slice) else np.asarray(index)])
         return Poses(self.quaternion[rows], self.translation[rows])
 
     def __matmul__(self, other: Poses) -> Poses:
-        """Composition: T_a_b @ T_b_c = T_a_c; a batch of one broadcasts."""
+        """Return the composition T_a_b @ T_b_c = T_a_c; a batch of one broadcasts."""
         rotation = self.rotation * other.rotation
         return Poses(rotation.as_quat(), self.apply(other.translation))
 
     @property
     def rotation(self) -> Rotation:
+        """Return R_a_b (n)."""
         return Rotation.from_quat(self.quaternion)
 
     def matrix(self) -> Array:
-        """(n, 4, 4)."""
+        """Return (n, 4, 4)."""
         out = np.tile(np.eye(4), (len(self), 1, 1))
         out[:, :3, :3], out[:, :3, 3] = self.rotation.as_matrix(), self.translation
         return out
 
     def apply(self, points: ArrayLike) -> Array:
-        """Points (n, 3) in b, one a pose (or a batch of one on either side), to a."""
+        """Return points (n, 3) in b, one a pose (or a batch of one on either side), to a."""
         return np.asarray(self.rotation.apply(np.asarray(points, float)) + self.translation)
 
     def inverse(self) -> Poses:
+        """Return T_b_a (n)."""
         back = self.rotation.inv()
         return Poses(back.as_quat(), -back.apply(self.translation))
 
     def log(self) -> Array:
-        """(n, 6): translation, rotation vector."""
+        """Return (n, 6): translation, rotation vector."""
         return np.hstack([self.translation, self.rotation.as_rotvec()])
 
 
 def identity(n: int = 1) -> Poses:
+    """Return n identities."""
     return Poses(np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)), np.zeros((n, 3)))
 
 
 def exp(vectors: ArrayLike) -> Poses:
-    """Poses of (n, 6) translation, rotation vector: the inverse of `Poses.log`."""
+    """Return poses of (n, 6) translation, rotation vector: the inverse of `Poses.log`."""
     v = np.atleast_2d(np.asarray(vectors, float))
     return Poses(Rotation.from_rotvec(v[:, 3:]).as_quat(), v[:, :3].copy())
 
 
 def from_matrix(matrices: ArrayLike) -> Poses:
-    """Poses of (n, 4, 4) or (4, 4)."""
+    """Return poses of (n, 4, 4) or (4, 4)."""
     m = np.asarray(matrices, float).reshape(-1, 4, 4)
     return Poses(Rotation.from_matrix(m[:, :3, :3]).as_quat(), m[:, :3, 3].copy())
 
 
 def from_rpy(translation: ArrayLike, roll_pitch_yaw_rad: ArrayLike) -> Poses:
-    """R = Rz(yaw) Ry(pitch) Rx(roll); both (n, 3) or (3,)."""
+    """Return poses (n) with R = Rz(yaw) Ry(pitch) Rx(roll); both (n, 3) or (3,)."""
     rpy = np.atleast_2d(np.asarray(roll_pitch_yaw_rad, float))
     return Poses(Rotation.from_euler("xyz", rpy).as_quat(), np.atleast_2d(np.asarray(translation, float)).copy())
 
 
 def from_mount(mount: ArrayLike) -> Poses:
-    """One pose of dive.toml's six numbers: x, y, z in metres, roll, pitch, yaw in degrees."""
+    """Return one pose of dive.toml's six numbers: x, y, z in metres, roll, pitch, yaw in degrees."""
     m = np.asarray(mount, float)
     return from_rpy(m[:3], np.radians(m[3:]))
 
@@ -106,7 +109,8 @@ def tray_poses(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
 
 
 def interpolate(t_ns: Ints, poses: Poses, wanted_ns: Ints) -> Poses:
-    """Linear in translation, slerp in rotation; outside the span the nearest end is held."""
+    """Return poses (m) at the times wanted (m,), linear in translation, slerp in rotation; outside the span the nearest end
+    is held."""
     at = np.clip(wanted_ns, t_ns[0], t_ns[-1])
     right = np.clip(np.searchsorted(t_ns, at, side="right"), 1, max(1, len(t_ns) - 1))
     if len(t_ns) == 1:

@@ -41,6 +41,7 @@ def sigmas_from_settings(settings: Mapping[str, object]) -> NavigationSigmas:
     """Return the sigmas of a dive from the values of dive.toml by dotted key (SIGMA_KEYS)."""
 
     def number(key: str) -> float:
+        """Return a value as a float."""
         return float(cast(SupportsFloat, settings[key]))
 
     mount = np.array(settings["dvl.mount_sigma"], float)

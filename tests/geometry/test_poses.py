@@ -85,3 +85,52 @@ def test_interpolation_goes_half_way_and_holds_the_ends() -> None:
 def test_a_single_pose_is_held_everywhere() -> None:
     only = poses.from_mount([1, 2, 3, 0, 0, 0])
     assert np.allclose(poses.interpolate(np.array([5]), only, np.array([1, 9])).translation, [[1, 2, 3], [1, 2, 3]])
+
+
+def test_an_empty_batch_composes_to_an_empty_one() -> None:
+    none = poses.identity(0)
+    assert len(none @ none) == 0
+    assert none.matrix().shape == (0, 4, 4)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_composition_is_the_product_of_matrices(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    a, b = (poses.exp(rng.normal(0, 1, (5, 6))) for _ in range(2))
+    np.testing.assert_allclose((a @ b).matrix(), a.matrix() @ b.matrix(), atol=1e-12)
+    np.testing.assert_allclose((a @ a.inverse()).matrix(), np.tile(np.eye(4), (5, 1, 1)), atol=1e-12)
+
+
+def test_a_pose_of_one_broadcasts_on_either_side() -> None:
+    rng = np.random.default_rng(8)
+    one, many = poses.exp(rng.normal(0, 1, (1, 6))), poses.exp(rng.normal(0, 1, (4, 6)))
+    np.testing.assert_allclose((one @ many).matrix(), one.matrix() @ many.matrix(), atol=1e-12)
+    np.testing.assert_allclose((many @ one).matrix(), many.matrix() @ one.matrix(), atol=1e-12)
+
+
+def test_rows_are_taken_by_number_mask_and_slice() -> None:
+    many = poses.exp(np.random.default_rng(9).normal(0, 1, (4, 6)))
+    assert len(many[2]) == 1
+    np.testing.assert_array_equal(many[np.array([True, False, True, False])].translation, many.translation[[0, 2]])
+    np.testing.assert_array_equal(many[1:].quaternion, many.quaternion[1:])
+
+
+def test_exp_gives_back_what_log_was_taken_of() -> None:
+    vectors = np.random.default_rng(10).normal(0, 0.8, (20, 6))
+    np.testing.assert_allclose(poses.exp(vectors).log(), vectors, atol=1e-12)
+
+
+def test_six_numbers_of_a_mount_are_metres_and_degrees() -> None:
+    found = poses.from_mount([1.0, 2.0, 3.0, 0.0, 0.0, 90.0])
+    np.testing.assert_allclose(found.apply([[1.0, 0, 0]]), [[1.0, 3.0, 3.0]], atol=1e-12)
+
+
+def test_a_tray_turns_about_y_through_its_origin() -> None:
+    found = poses.tray_poses([0.5, 0.0, 0.1], [0.0, np.pi / 2])
+    np.testing.assert_allclose(found.apply(np.tile([1.0, 0, 0], (2, 1))), [[1.5, 0, 0.1], [0.5, 0, -0.9]], atol=1e-12)
+
+
+def test_interpolation_of_one_pose_holds_it() -> None:
+    one = poses.from_mount([1.0, 2.0, 3.0, 10.0, 0.0, 0.0])
+    found = poses.interpolate(np.array([5]), one, np.array([0, 5, 9]))
+    np.testing.assert_array_equal(found.translation, np.tile([1.0, 2.0, 3.0], (3, 1)))

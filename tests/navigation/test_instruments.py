@@ -128,10 +128,10 @@ def test_lost_velocities_and_those_outside_the_attitude_are_left_out() -> None:
 
 def test_a_jump_is_a_stray_and_a_steady_acceleration_is_none() -> None:
     velocity = np.column_stack([0.02 * np.arange(60), np.zeros((60, 2))])
-    assert len(usable_velocities(pings(velocity), ALWAYS, 0.6).strays) == 0
+    assert len(usable_velocities(pings(velocity), ALWAYS, 0.6).outliers) == 0
     velocity[25, 1] += 0.4
     found = usable_velocities(pings(velocity), ALWAYS, 0.6)
-    assert found.strays.tolist() == [5 * SECOND]
+    assert found.outliers.tolist() == [5 * SECOND]
     assert len(found.t_ns) == 59
 
 

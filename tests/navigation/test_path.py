@@ -108,12 +108,12 @@ def test_the_white_covariance_is_that_of_velocity_noise_and_of_a_turn_that_swing
 # remarks
 
 
-def said_of(path: Reckoning, pings: DvlPings, nodes: Nodes, flagged: np.ndarray):
+def remarks_on(path: Reckoning, pings: DvlPings, nodes: Nodes, flagged: np.ndarray):
     hung = returns(pings, path, path.at(nodes.t_ns), flagged)
     return remarks_of(pings.t_ns, False, path, nodes, None, hung)
 
 
-def test_what_was_bridged_and_what_was_flagged_is_said_with_its_times(plain) -> None:
+def test_what_was_bridged_and_what_was_rejected_is_reported_with_its_times(plain) -> None:
     path = run(plain, [0.2, 0, 0], outages=np.array([stamps([1.0, 2.0]), stamps([4.0, 7.5])]))
     pings = DvlPings(
         t_ns=path.velocities.t_ns,
@@ -125,10 +125,10 @@ def test_what_was_bridged_and_what_was_flagged_is_said_with_its_times(plain) -> 
     nodes = Nodes(stamps([0, 5, 10]), np.full((3, 2), -1), 0, 2)
     flagged = np.zeros((201, 2), bool)
     flagged[100, 1] = True
-    words, facts = said_of(path, pings, nodes, flagged)
-    assert "DVL: 2 outages bridged at constant velocity, the longest 3.5 s" in words
-    assert "DVL: 1 return of 402 flagged as strays" in words
-    assert "2 images before or after the DVL's log have no pose" in words
+    sentences, facts = remarks_on(path, pings, nodes, flagged)
+    assert "DVL: 2 outages bridged at constant velocity, the longest 3.5 s" in sentences
+    assert "1 of 402 DVL ranges rejected as outliers" in sentences
+    assert "2 images before or after the DVL's log have no pose" in sentences
     assert facts["outages_s"] == [[1.0, 2.0], [4.0, 7.5]]
     assert facts["flagged_returns_s"] == [5.0]
     assert facts["path_length_m"] == pytest.approx(2.0)
@@ -144,8 +144,8 @@ def test_a_run_without_a_flaw_says_only_what_was_not_logged(plain) -> None:
         ranges=np.full((201, 2), np.nan),
         beams=np.eye(3)[:2],
     )
-    words, facts = said_of(path, pings, Nodes(stamps([0, 10]), np.full((2, 2), -1), 0, 0), np.zeros((201, 2), bool))
-    assert words == [
+    sentences, facts = remarks_on(path, pings, Nodes(stamps([0, 10]), np.full((2, 2), -1), 0, 0), np.zeros((201, 2), bool))
+    assert sentences == [
         "IMU: no rates; the attitude between readings is interpolated",
         "no pressure: the depth is counted from the start and drifts",
     ]

@@ -210,6 +210,6 @@ def test_lost_beams_are_never_flagged() -> None:
     assert not flag_ranges(pings(ranges), 3.0, 0.5, 5.0, 0.01).any()
 
 
-def test_a_slope_is_not_a_stray() -> None:
+def test_a_slope_is_not_an_outlier() -> None:
     ranges = (1.5 + 0.3 * np.arange(60) / 5)[:, None]
     assert not flag_ranges(pings(ranges), 3.0, 0.5, 5.0, 0.01)[8:-8].any()

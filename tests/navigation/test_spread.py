@@ -42,7 +42,7 @@ def path_of(logs: Logs, rig: SensorRig, error: np.ndarray) -> Reckoning:
     mount = rig.tray_from_dvl.rotation * Rotation.from_rotvec(error[error_propagation.MOUNT_TURN])
     off = replace(rig, tray_from_dvl=Poses(mount.as_quat(), rig.tray_from_dvl.translation))
     hung = servo(logs.tray, 0)
-    hung = replace(hung, angle=hung.angle + error[error_propagation.TRAY_PLAY] * hung.direction)
+    hung = replace(hung, angle=hung.angle + error[error_propagation.TRAY_BACKLASH] * hung.direction)
     return reckon(velocities, history, hung, off)
 
 

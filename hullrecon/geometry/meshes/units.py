@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Units of length in which a mesh may be drawn."""
+"""Units of length in which a mesh may be written."""
 
 from __future__ import annotations
 

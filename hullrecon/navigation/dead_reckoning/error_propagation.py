@@ -9,7 +9,7 @@ import numpy as np
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.odometry import velocity_variance
-from hullrecon.navigation.dead_reckoning.reckoning import MOMENT, MOUNT, PLAY, TILT, UP_DOWN, Instant, Reckoning
+from hullrecon.navigation.dead_reckoning.reckoning import BACKLASH, MOMENT, MOUNT, TILT, UP_DOWN, Instant, Reckoning
 from hullrecon.navigation.sensors.depth import Depth
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.trajectory import TrajectoryErrorModel
@@ -18,7 +18,7 @@ from hullrecon.typing import Array
 UNKNOWN_DEPTH_M = 10.0  # without a pressure sensor the depth of the start is anyone's guess
 LEAST_SIGMA_M = 1e-4  # of a position: keeps the covariance at the start invertible
 # The errors that persist, in the order of the columns of `pose_by_error`.
-SCALE, DRIFT, MOUNT_TURN, TRAY_PLAY, ROLL_PITCH, HEADING, DEPTH_BIAS = 0, 1, slice(2, 5), 5, slice(6, 8), 8, 9
+SCALE, DRIFT, MOUNT_TURN, TRAY_BACKLASH, ROLL_PITCH, HEADING, DEPTH_BIAS = 0, 1, slice(2, 5), 5, slice(6, 8), 8, 9
 ERRORS = 10
 
 
@@ -73,7 +73,7 @@ def twist_by_pose_error(poses: Poses) -> Array:
 
 def pose_by_error(at: Instant) -> Array:
     """Return (n, 6, ERRORS): derivatives of (translation in g, rotation perturbed on the right in v) by the DVL's scale, the
-    heading drift, the mount's rotation vector, the tray's play, roll and pitch bias, and the heading at the start. Depth by
+    heading drift, the mount's rotation vector, the tray's backlash, roll and pitch bias, and the heading at the start. Depth by
     the DVL; the column of the depth's bias is zero.
 
     A drift c turns the velocity at the time s by c s: the path moves by c z x (integral of s v ds), the lever arm by c t
@@ -82,12 +82,12 @@ def pose_by_error(at: Instant) -> Array:
     R = at.rotation.as_matrix()
     turned_lever = at.rotation.apply(at.lever)
     lever_by_turn = R @ cross_matrix(at.lever)  # of -R r
-    play = at.sums[:, :, PLAY][:, :, 0] - at.direction[:, None] * at.rotation.apply(at.lever_by_tray)
+    backlash = at.sums[:, :, BACKLASH][:, :, 0] - at.direction[:, None] * at.rotation.apply(at.lever_by_tray)
     out = np.zeros((len(at.t_ns), 6, ERRORS))
     out[:, :3, SCALE] = at.instrument
     out[:, :3, DRIFT] = np.cross(UP_DOWN, at.sums[:, :, MOMENT][:, :, 0] - at.t_s[:, None] * turned_lever)
     out[:, :3, MOUNT_TURN] = at.sums[:, :, MOUNT]
-    out[:, :3, TRAY_PLAY] = play
+    out[:, :3, TRAY_BACKLASH] = backlash
     out[:, :3, ROLL_PITCH] = (at.sums[:, :, TILT] + lever_by_turn)[:, :, :2]
     out[:, :3, HEADING] = np.cross(UP_DOWN, at.poses().translation)
     out[:, 3:, DRIFT] = R[:, 2] * at.t_s[:, None]
@@ -97,9 +97,9 @@ def pose_by_error(at: Instant) -> Array:
 
 
 def _error_sigma(sigmas: NavigationSigmas, depth_is_measured: bool) -> Array:
-    """(ERRORS,) prior sigma of each error; the heading at the start is known like a roll or pitch."""
+    """Return (ERRORS,) prior sigma of each error; the heading at the start is known like a roll or pitch."""
     out = np.zeros(ERRORS)
     out[SCALE], out[DRIFT], out[MOUNT_TURN] = sigmas.scale, sigmas.heading_drift_rad_s, sigmas.mount[3:]
-    out[TRAY_PLAY], out[ROLL_PITCH], out[HEADING] = sigmas.tray_rad, sigmas.tilt_bias_rad, sigmas.tilt_rad
+    out[TRAY_BACKLASH], out[ROLL_PITCH], out[HEADING] = sigmas.tray_rad, sigmas.tilt_bias_rad, sigmas.tilt_rad
     out[DEPTH_BIAS] = sigmas.depth_bias_m if depth_is_measured else UNKNOWN_DEPTH_M
     return out

@@ -20,7 +20,7 @@ class Integral:
     total: Array
 
     def at(self, t_s: Array) -> Array:
-        """(m, ...) at times (m,). Beyond the ends the signal holds its last value."""
+        """Return (m, ...) at times (m,). Beyond the ends the signal holds its last value."""
         left = np.clip(np.searchsorted(self.t_s, t_s, side="right") - 1, 0, len(self.t_s) - 2)
         wide = (slice(None), *[None] * (self.signal.ndim - 1))
         step = self.t_s[left + 1] - self.t_s[left]
@@ -32,7 +32,7 @@ class Integral:
 
 
 def integral(t_s: Array, signal: Array) -> Integral:
-    """Of at least two samples at growing times."""
+    """Return the running integral of at least two samples (n, ...) at growing times (n,)."""
     step = np.diff(t_s).reshape(-1, *[1] * (signal.ndim - 1))
     pieces = 0.5 * (signal[1:] + signal[:-1]) * step
     return Integral(t_s, signal, np.concatenate([np.zeros((1, *signal.shape[1:])), np.cumsum(pieces, axis=0)]))

@@ -25,7 +25,8 @@ class Nodes:
 
 
 def pair_frames(top_ns: Ints, bottom_ns: Ints) -> Ints:
-    """Rows (k, 2) of frames taken together: nearest stamps, both ways, within half a frame period. Both in time order."""
+    """Return rows (k, 2) of frames taken together: nearest stamps, both ways, within half a frame period. Both in time
+    order."""
     if not len(top_ns) or not len(bottom_ns):
         return np.zeros((0, 2), np.int64)
     periods = [np.median(np.diff(s)) for s in (top_ns, bottom_ns) if len(s) > 1]
@@ -41,29 +42,29 @@ def pair_frames(top_ns: Ints, bottom_ns: Ints) -> Ints:
 def choose_nodes(
     top: tuple[Ints, Ints], bottom: tuple[Ints, Ints], pings_ns: Ints, span_ns: tuple[int, int], spacing_s: float
 ) -> Nodes:
-    """Nodes in time order. top, bottom: stamps and rows in the index of the usable frames, in time order. A pair stands at
-    the top camera's stamp. span_ns: what navigation covers; frames outside get no node. spacing_s: least distance between
+    """Return nodes in time order. top, bottom: stamps and rows in the index of the usable frames, in time order. A pair stands
+    at the top camera's stamp. span_ns: what navigation covers; frames outside get no node. spacing_s: least distance between
     the pings chosen.
     """
     pair = pair_frames(top[0], bottom[0])
-    lonely = np.setdiff1d(np.arange(len(bottom[0])), pair[:, 1])
-    image = np.full((len(top[0]) + len(lonely), 2), -1, np.int64)
+    unpaired = np.setdiff1d(np.arange(len(bottom[0])), pair[:, 1])
+    image = np.full((len(top[0]) + len(unpaired), 2), -1, np.int64)
     image[: len(top[0]), 0] = top[1]
     image[pair[:, 0], 1] = bottom[1][pair[:, 1]]
-    image[len(top[0]) :, 1] = bottom[1][lonely]
-    frame_ns = np.concatenate([top[0], bottom[0][lonely]])
+    image[len(top[0]) :, 1] = bottom[1][unpaired]
+    frame_ns = np.concatenate([top[0], bottom[0][unpaired]])
     inside = (frame_ns >= span_ns[0]) & (frame_ns <= span_ns[1])
     frame_ns, image = frame_ns[inside], image[inside]
     far = pings_ns[_distance(pings_ns, np.sort(frame_ns)) > FAR_FROM_FRAME_S * 1e9]
-    extra = far[_thinned(far, spacing_s)]
+    extra = far[_thin(far, spacing_s)]
     t_ns = np.concatenate([frame_ns, extra])
     order = np.argsort(t_ns, kind="stable")
     table = np.vstack([image, np.full((len(extra), 2), -1, np.int64)])[order]
-    return Nodes(t_ns[order], table, len(lonely) if len(top[0]) else 0, int((~inside).sum()))
+    return Nodes(t_ns[order], table, len(unpaired) if len(top[0]) else 0, int((~inside).sum()))
 
 
 def nearest(sorted_ns: Ints, wanted_ns: Ints) -> Ints:
-    """Row (m,) of the nearest stamp."""
+    """Return row (m,) of the nearest stamp."""
     right = np.clip(np.searchsorted(sorted_ns, wanted_ns), 1, max(1, len(sorted_ns) - 1))
     left = right - 1
     right = np.minimum(right, len(sorted_ns) - 1)
@@ -76,8 +77,8 @@ def _distance(at_ns: Ints, sorted_ns: Ints) -> Array:
     return np.asarray(np.abs(at_ns - sorted_ns[nearest(sorted_ns, at_ns)]), float)
 
 
-def _thinned(t_ns: Ints, spacing_s: float) -> Mask:
-    """Keeps the first stamp of each cell of the clock; the cells are as wide as the spacing, less a tenth for jitter."""
+def _thin(t_ns: Ints, spacing_s: float) -> Mask:
+    """Return the first stamp of each cell of the clock; the cells are as wide as the spacing, less a tenth for jitter."""
     if not len(t_ns):
         return np.zeros(0, bool)
     cell = (t_ns - t_ns[0]) // int(0.9e9 * spacing_s)

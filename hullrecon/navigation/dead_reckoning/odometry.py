@@ -21,7 +21,7 @@ LEAST_SIGMA_M = 2e-4  # of a step between two nodes: stamps and levers
 
 
 def odometry(path: Reckoning, at: Instant) -> Odometry:
-    """Edges between neighbouring nodes: n - 1 of them."""
+    """Return edges between neighbouring nodes: n - 1 of them."""
     n = len(at.t_ns)
     first, second = np.arange(n - 1), np.arange(1, n)
     poses = at.poses()
@@ -55,7 +55,7 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
 
 
 def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
-    """(m, 6, 6) of the steps' white part: velocity noise and outages; the turn's noise, which also swings the lever."""
+    """Return (m, 6, 6) of the steps' white part: velocity noise and outages; the turn's noise, which also swings the lever."""
     start, stop = at.t_ns[:-1], at.t_ns[1:]
     shift = velocity_variance(path, start, stop) + LEAST_SIGMA_M**2
     turn = path.attitude.turn_variance(start, stop)
@@ -69,11 +69,11 @@ def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
 
 
 def velocity_variance(path: Reckoning, start_ns: Ints, stop_ns: Ints) -> Array:
-    """(m,) m2, each axis: a velocity's noise holds until the next ping, and outages add their own."""
+    """Return (m,) m2, each axis: a velocity's noise holds until the next ping, and outages add their own."""
     v = path.velocities
     period = float(np.median(np.diff(v.t_ns))) * 1e-9
-    place = (0.5 * (start_ns + stop_ns) - path.start_ns).astype(float)
-    sigma = np.interp(place, (v.t_ns - path.start_ns).astype(float), v.sigma)
+    middle = (0.5 * (start_ns + stop_ns) - path.start_ns).astype(float)
+    sigma = np.interp(middle, (v.t_ns - path.start_ns).astype(float), v.sigma)
     return np.asarray(sigma**2 * period * (stop_ns - start_ns) * 1e-9 + v.bridged_variance(start_ns, stop_ns))
 
 

@@ -29,7 +29,7 @@ UP_DOWN = np.array([0.0, 0.0, 1.0])  # z of g
 TILT_AXIS = np.array([0.0, 1.0, 0.0])  # the tray turns about y of the vehicle
 
 # Columns of the integrated derivatives: the path itself, the path weighted with time, and what each error adds to it.
-PATH, MOMENT, MOUNT, TRAY, PLAY, TILT = slice(0, 1), slice(1, 2), slice(2, 5), slice(5, 6), slice(6, 7), slice(7, 10)
+PATH, MOMENT, MOUNT, TRAY, BACKLASH, TILT = slice(0, 1), slice(1, 2), slice(2, 5), slice(5, 6), slice(6, 7), slice(7, 10)
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Reckoning:
     rig: SensorRig
 
     def at(self, t_ns: Ints) -> Instant:
-        """The vehicle and all that its derivatives need at times (n,)."""
+        """Return the vehicle and all that its derivatives need at times (n,)."""
         theta = self.servo.angle_at(t_ns)
         rotation = self.attitude.rotation(t_ns)
         mounted = tray_poses(self.rig.tray_origin, theta)
@@ -78,16 +78,16 @@ class Instant:
 
     @property
     def instrument(self) -> Array:
-        """(n, 3) m in g, from the first instant of the path."""
+        """Return (n, 3) m in g, from the first instant of the path."""
         return self.sums[:, :, 0]
 
     def poses(self) -> Poses:
-        """T_g_v by DVL and IMU alone, the instrument starting at nothing."""
+        """Return T_g_v by DVL and IMU alone, the instrument starting at nothing."""
         return Poses(self.rotation.as_quat(), self.instrument - self.rotation.apply(self.lever))
 
 
 def reckon(velocities: Velocities, attitude: AttitudeHistory, servo: Servo, rig: SensorRig) -> Reckoning:
-    """The path of at least two velocities."""
+    """Return the path of at least two velocities."""
     t_ns = velocities.t_ns
     start = int(t_ns[0])
     t = seconds(t_ns, start)
@@ -98,7 +98,7 @@ def reckon(velocities: Velocities, attitude: AttitudeHistory, servo: Servo, rig:
     v_g = np.einsum("nij,nj->ni", R_g_v, v_v)
     by_mount = -R_g_v @ R_v_d @ cross_matrix(velocities.velocity)
     by_tray = np.einsum("nij,nj->ni", R_g_v, np.cross(TILT_AXIS, v_v))
-    by_play = by_tray * servo.direction_at(t_ns)[:, None]
+    by_backlash = by_tray * servo.direction_at(t_ns)[:, None]
     by_tilt = -R_g_v @ cross_matrix(v_v)
-    columns = [v_g[..., None], (v_g * t[:, None])[..., None], by_mount, by_tray[..., None], by_play[..., None], by_tilt]
+    columns = [v_g[..., None], (v_g * t[:, None])[..., None], by_mount, by_tray[..., None], by_backlash[..., None], by_tilt]
     return Reckoning(start, integral(t, np.concatenate(columns, axis=2)), attitude, servo, velocities, rig)

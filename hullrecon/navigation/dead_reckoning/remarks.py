@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What navigation has to say: outages, flagged beams, steps in depth, holes in the attitude."""
+"""Remarks of navigation: outages, flagged beams, steps in depth, holes in the attitude."""
 
 from __future__ import annotations
 
@@ -14,19 +14,20 @@ from hullrecon.typing import Ints
 
 
 def remarks_of(
-    pings_ns: Ints, no_tray: bool, path: Reckoning, nodes: Nodes, depth: Depth | None, hung: Returns
+    pings_ns: Ints, no_tray: bool, path: Reckoning, nodes: Nodes, depth: Depth | None, returns: Returns
 ) -> tuple[list[str], dict[str, object]]:
-    """Sentences, and the numbers behind them for navigation.json; times are seconds since the first velocity."""
+    """Return sentences, and the numbers behind them for navigation.json; times are seconds since the first velocity."""
 
     def since(t_ns: Ints) -> list[float]:
+        """Return seconds since the first velocity."""
         return [round(float(t), 3) for t in (np.asarray(t_ns) - path.start_ns).ravel() * 1e-9]
 
     v, holes = path.velocities, path.attitude.holes
     steps = np.zeros(0, np.int64) if depth is None else depth.steps
-    said = [
+    sentences = [
         (len(v.outages), f"DVL: {_times(len(v.outages), 'outage')} bridged at constant velocity, {_longest(v.outages)}"),
-        (len(v.strays), f"DVL: {_times(len(v.strays), 'velocity')} far from the neighbours left out"),
-        (int(hung.flagged.sum()), f"DVL: {_times(int(hung.flagged.sum()), 'return')} of {len(hung.flagged)} flagged as strays"),
+        (len(v.outliers), f"DVL: {_times(len(v.outliers), 'velocity')} rejected as outliers"),
+        (returns.flagged.any(), f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers"),
         (len(holes), f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"),
         (not path.attitude.fused, "IMU: no rates; the attitude between readings is interpolated"),
         (depth is None, "no pressure: the depth is counted from the start and drifts"),
@@ -40,16 +41,16 @@ def remarks_of(
         "pings": len(pings_ns),
         "velocities": len(v.t_ns),
         "outages_s": np.reshape(since(v.outages), (-1, 2)).tolist(),
-        "stray_velocities_s": since(v.strays),
-        "returns": len(hung.t_ns),
-        "flagged_returns_s": since(hung.t_ns[hung.flagged]),
+        "outlier_velocities_s": since(v.outliers),
+        "returns": len(returns.t_ns),
+        "flagged_returns_s": since(returns.t_ns[returns.flagged]),
         "attitude_gaps_s": np.reshape(since(holes), (-1, 2)).tolist(),
         "attitude_sigma_deg": round(float(np.degrees(path.attitude.sigma_rad)), 5),
         "depth_steps_s": since(steps),
         "depth_white_sigma_m": None if depth is None else round(depth.white, 5),
         "path_length_m": round(float(np.linalg.norm(np.diff(path.at(nodes.t_ns).instrument, axis=0), axis=1).sum()), 3),
     }
-    return [words for holds, words in said if holds], facts
+    return [sentence for holds, sentence in sentences if holds], facts
 
 
 def _times(count: int, noun: str) -> str:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The DVL's returns hung on the nodes, and those that disagree with their neighbours."""
+"""The DVL's returns by their nearest node, and those that disagree with their neighbours."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from hullrecon.typing import Array, Mask
 
 
 def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Returns:
-    """One row a beam that came back, by ping and then by beam. flagged (pings, beams). Pings beyond the nodes' span by more
-    than a second are left out: nothing places them."""
+    """Return one row a beam that came back, by ping and then by beam. flagged (pings, beams). Pings beyond the nodes' span by
+    more than a second are left out: nothing places them."""
     inside = (dvl.t_ns >= nodes.t_ns[0] - 10**9) & (dvl.t_ns <= nodes.t_ns[-1] + 10**9)
-    back = lost_as_nan(dvl.ranges)
+    back = mark_lost(dvl.ranges)
     ping, beam = np.nonzero(np.isfinite(back) & inside[:, None])
     at = path.at(dvl.t_ns)
     node = nearest(nodes.t_ns, dvl.t_ns)
@@ -36,8 +36,8 @@ def returns(dvl: DvlPings, path: Reckoning, nodes: Instant, flagged: Mask) -> Re
     )
 
 
-def lost_as_nan(ranges: Array) -> Array:
-    """Ranges with what is no return (zero, negative, infinite) as NaN."""
+def mark_lost(ranges: Array) -> Array:
+    """Return ranges with what is no return (zero, negative, infinite) as NaN."""
     return np.where(np.isfinite(ranges) & (ranges > 0), ranges, np.nan)
 
 
@@ -46,7 +46,7 @@ def flag_ranges(dvl: DvlPings, window_s: float, jump_m: float, sigmas: float, si
 
     The robust sigma is that of the neighbours' own departures, at least the instrument's.
     """
-    ranges = lost_as_nan(dvl.ranges)
+    ranges = mark_lost(dvl.ranges)
     if len(ranges) < 3:
         return np.zeros(ranges.shape, bool)
     period_s = float(np.median(np.diff(dvl.t_ns))) * 1e-9

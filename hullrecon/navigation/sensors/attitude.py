@@ -37,11 +37,12 @@ class AttitudeHistory:
     fused: bool
 
     def rotation(self, at_ns: Ints) -> Rotation:
+        """Return R_g_v (m) at times (m,), the ends held."""
         held = Poses(self.quaternion, np.zeros((len(self.quaternion), 3)))
         return interpolate(self.t_ns, held, at_ns).rotation
 
     def turn_variance(self, start_ns: Ints, stop_ns: Ints) -> Array:
-        """Variance (m,) rad2, each axis, of the turn between two instants."""
+        """Return variance (m,) rad2, each axis, of the turn between two instants."""
         limit = 2 * self.sigma_rad**2
         short = self.walk * (stop_ns - start_ns) * 1e-9
         bound = limit * -np.expm1(-short / limit) if self.fused else np.full(len(start_ns), limit)
@@ -52,7 +53,8 @@ class AttitudeHistory:
 
 
 def attitude_history(imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: float) -> AttitudeHistory:
-    """From an IMU's record in time order. sigma_tilt_rad: white error of roll and pitch where rates cannot tell it."""
+    """Return the attitude by an IMU's record in time order. sigma_tilt_rad: white error of roll and pitch where rates cannot
+    tell it."""
     holes = gaps(imu.t_ns, longest_gap_s)
     if len(imu.t_ns) < 50 or np.isfinite(imu.angular_velocity).all(axis=1).mean() < 0.99:
         return AttitudeHistory(imu.t_ns, imu.quaternion, sigma_tilt_rad, 0.0, holes, False)
@@ -68,13 +70,13 @@ def attitude_history(imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: floa
 
 
 def _disagreement(t: Array, imu: ImuSamples) -> Array:
-    """Small rotation in g (n, 3) of the logged orientation against the integrated rates, their mean bias taken off.
+    """Return small rotation in g (n, 3) of the logged orientation against the integrated rates, their mean bias taken off.
 
     Accumulated as a sum: its wander stays far below a degree, so that the order of rotations does not count.
     """
-    place = np.arange(len(t))
+    row = np.arange(len(t))
     known = np.isfinite(imu.angular_velocity).all(axis=1)
-    rate = np.stack([np.interp(place, place[known], w[known]) for w in imu.angular_velocity.T], axis=1)
+    rate = np.stack([np.interp(row, row[known], w[known]) for w in imu.angular_velocity.T], axis=1)
     orientation = Rotation.from_quat(imu.quaternion)
     step = np.diff(t)[:, None]
     turned = (orientation[:-1].inv() * orientation[1:]).as_rotvec()
@@ -86,8 +88,8 @@ def _disagreement(t: Array, imu: ImuSamples) -> Array:
 
 
 def _noise(t: Array, gap: Array, longest_s: float = 2.0) -> tuple[float, float]:
-    """White variance (rad2) of the orientation and walk (rad2/s) of the rates: the variance of differences over a lag is twice
-    the first plus the second times the lag. Medians, so that a jolt does not count."""
+    """Return white variance (rad2) of the orientation and walk (rad2/s) of the rates: the variance of differences over a lag is
+    twice the first plus the second times the lag. Medians, so that a jolt does not count."""
     step = float(np.median(np.diff(t)))
     lags = np.unique(np.geomspace(1, max(2, longest_s / step), 12).astype(int))
     lags = lags[lags < len(t) // 2]

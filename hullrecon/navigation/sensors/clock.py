@@ -16,7 +16,7 @@ Stream = TypeVar("Stream")
 
 
 def in_order(record: Stream, name: str) -> tuple[Stream, list[str]]:
-    """A stream's record in time order without repeated stamps (the first of equals stays), and what was done, in words."""
+    """A stream's record in time order without repeated stamps (the first of equals stays), and what was done, as sentences."""
     stamps: Ints = record.t_ns  # type: ignore[attr-defined]
     n = len(stamps)
     order = np.argsort(stamps, kind="stable")
@@ -26,22 +26,22 @@ def in_order(record: Stream, name: str) -> tuple[Stream, list[str]]:
     back, repeated = int((np.diff(stamps) < 0).sum()), n - len(keep)
     rows = {f.name: getattr(record, f.name) for f in fields(record)}  # type: ignore[arg-type]
     kept = {name: value[keep] for name, value in rows.items() if _by_row(value, n, name)}
-    words = [f"{back} times its clock ran backwards; sorted"] * (back > 0)
-    words += [f"{repeated} repeated stamps; the first of each was kept"] * (repeated > 0)
-    return replace(record, **kept), [f"{name}: {w}" for w in words]  # type: ignore[type-var]
+    notes = [f"{back} times its clock ran backwards; sorted"] * (back > 0)
+    notes += [f"{repeated} repeated stamps; the first of each was kept"] * (repeated > 0)
+    return replace(record, **kept), [f"{name}: {note}" for note in notes]  # type: ignore[type-var]
 
 
 def _by_row(value: NDArray[np.generic], n: int, name: str) -> bool:
-    """Whether a field has a row a stamp; tables of the instrument (beams, directions, bins) do not."""
+    """Return whether a field has a row a stamp; tables of the instrument (beams, directions, bins) do not."""
     return name not in ("beams", "directions", "range_m") and value.shape[:1] == (n,)
 
 
 def gaps(t_ns: Ints, longest_s: float) -> Ints:
-    """Start and end (m, 2) of the intervals between stamps that are longer than that."""
+    """Return start and end (m, 2) of the intervals between stamps that are longer than that."""
     long = np.flatnonzero(np.diff(t_ns) > longest_s * 1e9)
     return np.stack([t_ns[long], t_ns[long + 1]], axis=1) if len(long) else np.zeros((0, 2), np.int64)
 
 
 def seconds(t_ns: Ints, start_ns: int) -> Array:
-    """Seconds since a start, exact to the nanosecond over a year."""
+    """Return seconds since a start, exact to the nanosecond over a year."""
     return np.asarray((t_ns - start_ns) * 1e-9)

@@ -36,7 +36,8 @@ class Depth:
 
 
 def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints, window_s: float) -> Depth:
-    """Pressure in time order, against the path; window_s: half a node's share of the time, over which readings are averaged."""
+    """Return what the pressure adds to the path's depth, from a record in time order; window_s: half a node's share of the
+    time, over which readings are averaged."""
     known = np.isfinite(pressure.depth)
     t_ns, depth = pressure.t_ns[known], pressure.depth[known]
     t, at = path_seconds(path, t_ns), path_seconds(path, nodes_ns)
@@ -53,9 +54,10 @@ def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints,
 
 
 def path_seconds(path: Reckoning, t_ns: Ints) -> Array:
+    """Return seconds (n,) since the start of the path."""
     return np.asarray((t_ns - path.start_ns) * 1e-9)
 
 
 def _sensor(path: Reckoning, t_ns: Ints) -> Array:
-    """z (n,) of the pressure sensor by the DVL's path."""
+    """Return z (n,) of the pressure sensor by the DVL's path."""
     return np.asarray(path.at(t_ns).poses().apply(path.rig.pressure_origin)[:, 2])

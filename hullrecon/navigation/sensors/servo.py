@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tray's servo: its angle at any time, and the side of its play on which it hangs."""
+"""The tray's servo: its angle at any time, and the side of its backlash on which it rests."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ class Servo:
     direction: Array
 
     def angle_at(self, t_ns: Ints) -> Array:
-        """(m,) rad, linear; the ends held."""
+        """Return (m,) rad, linear; the ends held."""
         start = self.t_ns[0]
         return np.asarray(np.interp((t_ns - start).astype(float), (self.t_ns - start).astype(float), self.angle))
 
     def direction_at(self, t_ns: Ints) -> Array:
-        """(m,) +1 or -1."""
+        """Return (m,) +1 or -1."""
         return self.direction[np.clip(np.searchsorted(self.t_ns, t_ns, side="right") - 1, 0, len(self.t_ns) - 1)]
 
 
 def servo(tray: JointSamples | None, start_ns: int) -> Servo:
-    """Of a joint's record in time order; one that was not logged stays at zero."""
+    """Return the servo of a joint's record in time order; one that was not logged stays at zero."""
     if tray is None or not np.isfinite(tray.angle).any():
         return Servo(np.array([start_ns]), np.zeros(1), np.ones(1))
     known = np.isfinite(tray.angle)
@@ -44,8 +44,8 @@ def servo(tray: JointSamples | None, start_ns: int) -> Servo:
 
 
 def _directions(angle: Array, travel: float) -> Array:
-    """+1 or -1 a reading: the sense flips when the angle has come back by `travel` from its farthest point, and is dated back
-    to that point. A scan, since each flip decides what the next one is measured from."""
+    """Return +1 or -1 a reading: the sense flips when the angle has come back by `travel` from its farthest point, and is dated
+    back to that point. A scan, since each flip decides what the next one is measured from."""
     out = np.ones(len(angle))
     sense, far, turned, first = 0, 0, 0, angle[0]
     for i, value in enumerate(angle.tolist()):

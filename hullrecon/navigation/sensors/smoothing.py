@@ -16,7 +16,7 @@ REACH = 4  # widths of the Gaussian that count
 
 
 def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[Array, Array]:
-    """Value (m, k) and slope (m, k) at times at_s (m,) of samples (n, k) at t_s (n,); width_s: sigma of the weights.
+    """Return value (m, k) and slope (m, k) at times at_s (m,) of samples (n, k) at t_s (n,); width_s: sigma of the weights.
 
     Samples are gathered into bins of a sixth of the width, their first two moments kept. Where a gap leaves no sample in reach
     the neighbours are joined linearly.
@@ -24,18 +24,18 @@ def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[
     step = width_s / BINS_A_WIDTH
     start = min(t_s.min(), at_s.min())
     size = int((max(t_s.max(), at_s.max()) - start) / step) + 2
-    place = np.floor((t_s - start) / step + 0.5).astype(np.int64)
-    off = t_s - start - place * step
+    cell = np.floor((t_s - start) / step + 0.5).astype(np.int64)
+    off = t_s - start - cell * step
     values = values.reshape(len(t_s), -1)
-    weight = [_binned(place, off**power, size) for power in range(3)]
-    moment = [np.stack([_binned(place, off**power * v, size) for v in values.T], axis=1) for power in range(2)]
+    weight = [_bin(cell, off**power, size) for power in range(3)]
+    moment = [np.stack([_bin(cell, off**power * v, size) for v in values.T], axis=1) for power in range(2)]
     level, slope = _lines(weight, moment, step, width_s)
     node = start + step * np.arange(size)
     return _between(node, level, at_s), _between(node, slope, at_s)
 
 
 def running_median(values: Array, count: int) -> Array:
-    """Median of `count` (odd) neighbours of each of (n, k), NaN left out; the ends repeat their first and last value."""
+    """Return median of `count` (odd) neighbours of each of (n, k), NaN left out; the ends repeat their first and last value."""
     import warnings
 
     padded = np.pad(values, ((count // 2, count // 2), (0, 0)), mode="edge")
@@ -44,19 +44,19 @@ def running_median(values: Array, count: int) -> Array:
         return np.asarray(np.nanmedian(np.lib.stride_tricks.sliding_window_view(padded, count, axis=0), axis=-1))
 
 
-def _binned(place: Ints, weight: Array, size: int) -> Array:
-    return np.asarray(np.bincount(place, weight, minlength=size)[:size], float)
+def _bin(cell: Ints, weight: Array, size: int) -> Array:
+    return np.asarray(np.bincount(cell, weight, minlength=size)[:size], float)
 
 
 def _lines(weight: list[Array], moment: list[Array], step: float, width_s: float) -> tuple[Array, Array]:
-    """Level (g, k) and slope (g, k) at the bins; NaN where no sample is in reach."""
+    """Return level (g, k) and slope (g, k) at the bins; NaN where no sample is in reach."""
     x = step * np.arange(-REACH * BINS_A_WIDTH, REACH * BINS_A_WIDTH + 1)
     kernel = np.exp(-0.5 * (x / width_s) ** 2)
-    s0 = _gathered(weight[0], kernel)
-    s1 = _gathered(weight[0], kernel * x) + _gathered(weight[1], kernel)
-    s2 = _gathered(weight[0], kernel * x**2) + 2 * _gathered(weight[1], kernel * x) + _gathered(weight[2], kernel)
-    y0 = _gathered(moment[0], kernel)
-    y1 = _gathered(moment[0], kernel * x) + _gathered(moment[1], kernel)
+    s0 = _correlate(weight[0], kernel)
+    s1 = _correlate(weight[0], kernel * x) + _correlate(weight[1], kernel)
+    s2 = _correlate(weight[0], kernel * x**2) + 2 * _correlate(weight[1], kernel * x) + _correlate(weight[2], kernel)
+    y0 = _correlate(moment[0], kernel)
+    y1 = _correlate(moment[0], kernel * x) + _correlate(moment[1], kernel)
     some = s0 > 1e-6
     s0 = np.where(some, s0, np.nan)
     spread = s2 - s1**2 / s0
@@ -65,7 +65,7 @@ def _lines(weight: list[Array], moment: list[Array], step: float, width_s: float
     return (y0 - slope * s1[:, None]) / s0[:, None], slope
 
 
-def _gathered(signal: Array, kernel: Array) -> Array:
+def _correlate(signal: Array, kernel: Array) -> Array:
     from scipy.ndimage import correlate1d
 
     return np.asarray(correlate1d(signal, kernel, axis=0, mode="constant"))

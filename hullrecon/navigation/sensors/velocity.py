@@ -14,25 +14,25 @@ from hullrecon.navigation.sensors.smoothing import running_median
 from hullrecon.records.sensors import DvlPings
 from hullrecon.typing import Array, Ints, Mask
 
-STRAY_M_S = 0.25  # no inspection vehicle leaves the median of its neighbours by more in a second
-STRAY_SIGMAS = 8.0
+OUTLIER_M_S = 0.25  # no inspection vehicle leaves the median of its neighbours by more in a second
+OUTLIER_SIGMAS = 8.0
 
 
 @dataclass(frozen=True)
 class Velocities:
     """Pings with a velocity: t_ns (n,), velocity (n, 3) m/s of the instrument in dvl, sigma (n,) m/s each axis. outages (m, 2):
-    intervals without one that were bridged, ns. agitation: variance of a velocity's change, m2/s3. strays: pings refused."""
+    intervals without one that were bridged, ns. agitation: variance of a velocity's change, m2/s3. outliers: pings rejected."""
 
     t_ns: Ints
     velocity: Array
     sigma: Array
     outages: Ints
     agitation: float
-    strays: Ints
+    outliers: Ints
 
     def bridged_variance(self, start_ns: Ints, stop_ns: Ints) -> Array:
-        """Variance (m,) m2 that intervals add where they lie in an outage of length T: that of a velocity that walks between
-        its two known ends adds up to agitation T^3 / 12 over the whole."""
+        """Return variance (m,) m2 that intervals add where they lie in an outage of length T: that of a velocity that walks
+        between its two known ends adds up to agitation T^3 / 12 over the whole."""
         out = np.zeros(len(start_ns))
         for begin, end in self.outages:
             inside = np.maximum(0, np.minimum(stop_ns, end) - np.maximum(start_ns, begin)) * 1e-9
@@ -41,25 +41,28 @@ class Velocities:
 
 
 def usable_velocities(dvl: DvlPings, span_ns: tuple[int, int], longest_gap_s: float) -> Velocities:
-    """Finite, near their neighbours, and within the span that the attitude covers (ns)."""
+    """Return the velocities that are finite, near their neighbours, and within the span that the attitude covers (ns)."""
     finite = np.isfinite(dvl.velocity).all(axis=1) & np.isfinite(dvl.velocity_sigma) & (dvl.velocity_sigma > 0)
     finite &= (dvl.t_ns >= span_ns[0]) & (dvl.t_ns <= span_ns[1])
     t, v, sigma = dvl.t_ns[finite], dvl.velocity[finite], dvl.velocity_sigma[finite]
-    stray = _stray(v)
-    t_good, v_good, sigma_good = t[~stray], v[~stray], sigma[~stray]
-    return Velocities(t_good, v_good, sigma_good, gaps(t_good, longest_gap_s), _agitation(t_good, v_good, sigma_good), t[stray])
+    outlier = _find_outliers(v)
+    t_good, v_good, sigma_good = t[~outlier], v[~outlier], sigma[~outlier]
+    return Velocities(
+        t_good, v_good, sigma_good, gaps(t_good, longest_gap_s), _agitation(t_good, v_good, sigma_good), t[outlier]
+    )
 
 
-def _stray(velocity: Array, count: int = 9) -> Mask:
-    """Pings that leave the running median by a jump and by many robust sigma of that."""
+def _find_outliers(velocity: Array, count: int = 9) -> Mask:
+    """Return pings that leave the running median by a jump and by many robust sigma of that."""
     if len(velocity) < count:
         return np.zeros(len(velocity), bool)
     away = np.linalg.norm(velocity - running_median(velocity, count), axis=1)
-    return np.asarray(away > max(STRAY_M_S, STRAY_SIGMAS * NORMAL_MAD * float(np.median(away))))
+    return np.asarray(away > max(OUTLIER_M_S, OUTLIER_SIGMAS * NORMAL_MAD * float(np.median(away))))
 
 
 def _agitation(t_ns: Ints, velocity: Array, sigma: Array) -> float:
-    """From the changes over a second or so, less the instrument's noise; at least that of 0.01 m/s in a second."""
+    """Return the agitation from the changes over a second or so, less the instrument's noise; at least that of 0.01 m/s in a
+    second."""
     if len(t_ns) < 12:
         return 0.01
     step = (t_ns[5:] - t_ns[:-5]) * 1e-9

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What stereo odometry needs to be told: the motion of the rig between two pairs of images. Vision tells it."""
+"""What stereo odometry asks for: the motion of the rig between two pairs of images. Vision measures it."""
 
 from __future__ import annotations
 

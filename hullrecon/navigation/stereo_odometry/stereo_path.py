@@ -22,7 +22,7 @@ from hullrecon.navigation.sensors.clock import in_order, seconds
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.navigation.stereo_odometry.pair_motion import Frame, PairMotion
-from hullrecon.navigation.stereo_odometry.visual_odometry import Chain, chain_errors, compose, follow, in_vehicle
+from hullrecon.navigation.stereo_odometry.visual_odometry import StereoChain, chain_errors, compose, follow, in_vehicle
 from hullrecon.records.sensors import ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 from hullrecon.rig import SensorRig
@@ -173,7 +173,7 @@ def _attitude(
     )
 
 
-def _remarks(chain: Chain, unpaired: int, aids: Aids) -> list[str]:
+def _remarks(chain: StereoChain, unpaired: int, aids: Aids) -> list[str]:
     sentences = [
         (True, "no DVL: the path is stereo visual odometry; its scale is that of the rig's baseline"),
         (aids.imu is None, "no IMU: the vehicle is taken to be level at the first pair"),
@@ -187,7 +187,7 @@ def _remarks(chain: Chain, unpaired: int, aids: Aids) -> list[str]:
     return [sentence for holds, sentence in sentences if holds]
 
 
-def _facts(chain: Chain, step: Poses, t_ns: Ints) -> dict[str, object]:
+def _facts(chain: StereoChain, step: Poses, t_ns: Ints) -> dict[str, object]:
     return {
         "start_ns": int(t_ns[0]),
         "inliers": chain.inliers.tolist(),

@@ -3,7 +3,7 @@
 """Stereo visual odometry: the path of a dive without a DVL, pair by pair.
 
 g begins at the first pair. With an IMU its attitude there is the IMU's, and with pressure its depth; without, the vehicle is
-taken to be level and at the surface, which is said.
+taken to be level and at the surface, and a remark says so.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # of a step that no pair could tell
 
 
 @dataclass(frozen=True, kw_only=True)
-class Chain:
+class StereoChain:
     """step: T_i_j of the top camera between neighbouring pairs (n - 1); covariance (n - 1, 6, 6) of (translation in i, rotation
     perturbed on the right); inliers (n - 1,); `lost` (k,): steps that were guessed."""
 
@@ -38,7 +38,7 @@ class Chain:
 
 def follow(
     images: Sequence[tuple[int, int]], motion: PairMotion[Frame], progress: Callable[[Sequence[int]], Iterable[int]]
-) -> Chain:
+) -> StereoChain:
     """Return the chain of stereo pairs; images: their rows in the indices of the top and the bottom camera, in time order.
 
     Each pair is read once. A step that the pair before cannot give is taken from one of the pairs before that, else guessed to
@@ -56,7 +56,7 @@ def follow(
                 found = _repeat_last(steps)
             steps.append(found)
         recent = [*recent, new][-LOOK_BACK:]
-    return Chain(
+    return StereoChain(
         step=Poses(
             np.vstack([s.pose.quaternion for s in steps]).reshape(-1, 4),
             np.vstack([s.pose.translation for s in steps]).reshape(-1, 3),
@@ -103,7 +103,7 @@ def _repeat_last(steps: Sequence[StereoMotion]) -> StereoMotion:
     return StereoMotion(pose=pose, covariance=np.diag(sigma**2), inliers=0)
 
 
-def in_vehicle(chain: Chain, T_v_ct: Poses) -> tuple[Poses, Array]:
+def in_vehicle(chain: StereoChain, T_v_ct: Poses) -> tuple[Poses, Array]:
     """Return the steps T_i_j of the vehicle (n - 1) and their covariance, from those of the camera; T_v_ct (n) at each pair."""
     before, after = T_v_ct[np.arange(len(chain.step))], T_v_ct[np.arange(1, len(chain.step) + 1)]
     step = before @ chain.step @ after.inverse()

@@ -34,9 +34,8 @@ class Motion:
 
 
 def transfer(motion: Motion, xy: Array, depth_m: Array, depth_sigma_m: Array, pixel_sigma: float) -> tuple[Array, Array]:
-    """Return by the unscented transform [Julier2002; Ozog2016 eq. D.12] the mean (n, 2) and covariance (n, 2, 2) in the
-    second camera's ideal
-    coordinates.
+    """Return by the unscented transform [Julier2002; Ozog2016 eq. D.12] the mean (n, 2) and covariance (n, 2, 2) in the second
+    camera's ideal coordinates.
 
     xy (n, 2) ideal coordinates in the first camera, depth_m (n,) along its axis, pixel_sigma in ideal units. Nine unknowns a
     feature, kappa 0: each is moved by 3 sigma both ways. NaN where any of the nineteen points falls behind the camera.

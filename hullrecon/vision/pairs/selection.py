@@ -108,8 +108,7 @@ def _across(
     track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, options: MatchOptions
 ) -> tuple[Ints, Ints, Array]:
     """Return for each node those to which the vehicle came back and whose footprints overlap most, were navigation right; of
-    the ones
-    that overlap by min_overlap within 3 sigma of it."""
+    the ones that overlap by min_overlap within 3 sigma of it."""
     first, second = _near(track, nodes, depth_m, camera, options.sequential)
     possible = footprint_overlap(track, first, second, depth_m, camera, sigmas=3.0) >= options.min_overlap
     first, second = first[possible], second[possible]
