@@ -10,16 +10,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.geometry.neighbours import Around
+from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints
 
 GRAZING = 0.2  # cosine of the steepest incidence at which a surface still shows texture
 CLEARANCE_M = 0.005  # a surface this little in front does not hide
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CameraViews:
     """Images of the top camera. T_x_c (n) in the frame of the surface; node (n,); name (n,) of the image; farthest m, how far
     away surfaces were seen."""
@@ -34,7 +37,7 @@ class CameraViews:
         return len(self.node)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Visibility:
     """What the views saw of n surface points: views (n,) images; distance (n,) m and cosine (n,) of the incidence of the best
     (nearest) one, NaN where unseen."""
@@ -42,6 +45,29 @@ class Visibility:
     views: Ints
     distance: Array
     cosine: Array
+
+
+def views_of_top_camera(rig: SensorRig, track: VehicleTrack, image_t_ns: Ints, landmarks: Array) -> CameraViews | None:
+    """Return where the top camera took its images, in the frame of the track; None without an image or a landmark.
+
+    image_t_ns: of the images in the camera's index. landmarks (n, 3) in that frame say how far away surfaces were seen.
+    """
+    camera = Camera.TOP
+    node = np.flatnonzero(track.image[:, camera.column] >= 0)
+    if camera not in rig.cameras or not len(node) or not len(landmarks):
+        return None
+    model, poses = rig.camera_models[camera], rig.camera_poses(track.path[node], camera)
+    names = tuple(f"{camera.key}/{t}.jpg" for t in image_t_ns[track.image[node, camera.column]].tolist())
+    farthest_m = _farthest(poses.translation, landmarks, model)
+    return CameraViews(T_x_c=poses, node=node, name=names, camera=model, farthest_m=farthest_m)
+
+
+def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
+    """Return how far the corner of an image can lie: the usual distance of landmarks over the corner's cosine, and some more."""
+    known = landmarks[np.isfinite(landmarks).all(axis=1)]
+    usual = np.percentile(nearest(centers, known[:: max(1, len(known) // 5000)], 1)[0], 95)
+    corner = camera.rays(np.array([[0.0, 0], [camera.width, camera.height]]))[:, 2].min()
+    return float(1.25 * usual / max(corner, 0.3))
 
 
 def rows_in_image(views: CameraViews, view: int, points: Array, near: Ints) -> Ints:
@@ -71,7 +97,7 @@ def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Sc
         count[rows] += 1
         closer = distance < best[rows]
         best[rows[closer]], cosine[rows[closer]] = distance[closer], facing[closer]
-    return Visibility(count, np.where(np.isfinite(best), best, np.nan), cosine)
+    return Visibility(views=count, distance=np.where(np.isfinite(best), best, np.nan), cosine=cosine)
 
 
 def find_visibility_by_cell(views: CameraViews, points: Array, normals: Array, scene: Scene, cell_m: Array) -> Visibility:
@@ -80,7 +106,7 @@ def find_visibility_by_cell(views: CameraViews, points: Array, normals: Array, s
     _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
     few = find_visibility(views, points[first], normals[first], scene)
     cell = cell.reshape(-1)
-    return Visibility(few.views[cell], few.distance[cell], few.cosine[cell])
+    return Visibility(views=few.views[cell], distance=few.distance[cell], cosine=few.cosine[cell])
 
 
 def visible_rows(center: Array, rows: Ints, points: Array, normals: Array, scene: Scene) -> tuple[Ints, Array, Array]:

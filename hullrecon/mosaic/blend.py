@@ -11,15 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.mosaic.bands import STEEPNESS, band_weight, split_bands
-from hullrecon.mosaic.charted_surface import ChartedSurface, SurfacePatch, sample_surface, seen
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.imagery.image_view import ImageView
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
 from hullrecon.typing import Array, Floats32, Ints32, Mask
 
 VIEWS = 4  # at most so many a texel [Ozog2016 3.2.4]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BestViews:
     """The best views of each texel, best first: view (4, h, w), -1 where fewer see it; cost (4, h, w), inf there."""
 
@@ -27,7 +27,7 @@ class BestViews:
     cost: Floats32
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Tile:
     """value (h, w, channels) 0 to 255, variance (h, w) of the weighted intensities, views (h, w): how many were blended."""
 
@@ -36,7 +36,7 @@ class Tile:
     views: NDArray[np.uint8]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ViewLimits:
     """Views steeper than min_cosine to the surface are not used; slant weighs the incidence against the distance to the
     image's best place when views are chosen."""
@@ -46,7 +46,7 @@ class ViewLimits:
 
 
 def blend_tile(
-    surface: ChartedSurface,
+    surface: MosaicSurface,
     grid: TexelGrid,
     window: Window,
     image_views: Sequence[ImageView],
@@ -62,7 +62,7 @@ def blend_tile(
 
 
 def choose_views(
-    surface: ChartedSurface,
+    surface: MosaicSurface,
     patch: SurfacePatch,
     window: Window,
     image_views: dict[int, ImageView],
@@ -70,7 +70,9 @@ def choose_views(
     limits: ViewLimits,
 ) -> BestViews:
     """Best views first by distance from the image's best place, plus the slant of the view."""
-    best = BestViews(np.full((VIEWS, *window.shape), -1, np.int32), np.full((VIEWS, *window.shape), np.inf, np.float32))
+    best = BestViews(
+        view=np.full((VIEWS, *window.shape), -1, np.int32), cost=np.full((VIEWS, *window.shape), np.inf, np.float32)
+    )
     for k, image_view in image_views.items():
         part = windows[k].meet(window).within(window)
         cost = view_cost(surface, patch, part, image_view, limits)
@@ -79,7 +81,7 @@ def choose_views(
 
 
 def view_cost(
-    surface: ChartedSurface, patch: SurfacePatch, part: tuple[slice, slice], image_view: ImageView, limits: ViewLimits
+    surface: MosaicSurface, patch: SurfacePatch, part: tuple[slice, slice], image_view: ImageView, limits: ViewLimits
 ) -> Floats32:
     """(h, w) of the part: lower is better, inf where the view does not see the texel."""
     inside = patch.part(part)
@@ -135,7 +137,7 @@ def blend(
         intensity = _sample(picture, pixel).mean(axis=2)
         moments[(slice(None), *part)] += np.stack([mean, mean * intensity, mean * intensity**2])
         count[part] += np.isfinite(ratio)
-    return Tile(_normalise(total, weights), _variance(moments), count)
+    return Tile(value=_normalise(total, weights), variance=_variance(moments), views=count)
 
 
 def _project(patch: SurfacePatch, part: tuple[slice, slice], chosen: Mask, image_view: ImageView) -> tuple[Floats32, Array]:

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from hullrecon.mosaic.blend import ViewLimits, blend_tile
-from hullrecon.mosaic.charted_surface import ChartedSurface
 from hullrecon.mosaic.grid import grid_around
 from hullrecon.mosaic.imagery.camera_views import (
     CameraImages,
@@ -22,13 +21,14 @@ from hullrecon.mosaic.imagery.camera_views import (
     footprint_windows,
     plain_views,
 )
+from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.options import OpticalOptions
 from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
 
 Progress = Callable[[Sequence[Any], str], Iterable[Any]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class OpticalMosaic:
     """The tiles; gsd_m: a pixel on the hull, in the median; light_corrected: whether the light was evened out."""
 
@@ -38,7 +38,7 @@ class OpticalMosaic:
 
 
 def optical_mosaic(
-    surface: ChartedSurface, cameras: Sequence[CameraImages], options: OpticalOptions, progress: Progress
+    surface: MosaicSurface, cameras: Sequence[CameraImages], options: OpticalOptions, progress: Progress
 ) -> OpticalMosaic:
     """Footprints, light, then tile by tile. ValueError when no image meets the surface or the raster would be too large."""
     image_views = plain_views(cameras)
@@ -53,13 +53,13 @@ def optical_mosaic(
     )
     light_corrected = camera_views(cameras, light)
     windows = footprint_windows(grid, footprints)
-    limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.most_incidence_deg))))
+    limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.max_incidence_deg))))
     store = make_tiles(
         grid, 3, options.tile_px, options.texture_px,
         lambda window: blend_tile(surface, grid, window, light_corrected, windows, limits, 3),
         lambda tiles: progress(tiles, "tiles"),
     )  # fmt: skip
-    return OpticalMosaic(store, gsd, light is not None)
+    return OpticalMosaic(store=store, gsd_m=gsd, light_corrected=light is not None)
 
 
 def ground_sample_distance(cameras: Sequence[CameraImages], footprints: Footprints) -> float:
@@ -75,5 +75,5 @@ def texel_size(gsd_m: float, options: OpticalOptions) -> float:
     """The side of a texel: as asked, else some pixels wide within bounds, in whole tenths of a millimetre."""
     if options.resolution_m is not None:
         return options.resolution_m
-    wanted = float(np.clip(options.samples_per_texel * gsd_m, options.least_resolution_m, options.most_resolution_m))
+    wanted = float(np.clip(options.samples_per_texel * gsd_m, options.min_resolution_m, options.max_resolution_m))
     return round(wanted, 4)

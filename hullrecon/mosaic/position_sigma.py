@@ -8,7 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.poses import Poses
+from hullrecon.mosaic.imagery.camera_views import Footprints
 from hullrecon.typing import Array
 
 
@@ -26,7 +28,7 @@ class PingUncertainty:
 
 
 def position_sigma(pings: PingUncertainty, points: Array, normals: Array) -> tuple[Array, Array]:
-    """One sigma (n, k) m of points (n, k, 3) along the worst direction of the tangent plane of normals (n, k, 3): of all, and
+    """Return one sigma (n, k) m of points (n, k, 3) along the worst direction of the tangent plane of normals (n, k, 3): of all, and
     of the mount alone; NaN where a point is.
 
     A point R p + t moves by dt + R (w x p), with p seen from the vehicle or, for the mount, from the sonar.
@@ -38,6 +40,15 @@ def position_sigma(pings: PingUncertainty, points: Array, normals: Array) -> tup
     mount = np.einsum("nkai,i,nkbi->nkab", of_mount, np.square(pings.mount_sigma), of_mount)
     pose = np.einsum("nkai,nij,nkbj->nkab", of_pose, pings.pose_covariance, of_pose)
     return _largest_sigma(mount + pose, normals), _largest_sigma(mount, normals)
+
+
+def median_position_sigma(pings: PingUncertainty, footprints: Footprints, chart: Chart) -> dict[str, float | None]:
+    """Return one sigma of a texel's place on the hull, m, in the median over pings and their footprints: `position_sigma_m`, and
+    what the mount has of it, `position_sigma_of_mount_m`; None where no ping met the surface."""
+    normals = chart.from_chart(footprints.at.reshape(-1, 2))[1].reshape(footprints.point.shape)
+    names = ("position_sigma_m", "position_sigma_of_mount_m")
+    both = position_sigma(pings, footprints.point, normals)
+    return {n: float(np.nanmedian(s)) if np.isfinite(s).any() else None for n, s in zip(names, both, strict=True)}
 
 
 def _motion_jacobian(shift_axes: Array, turn_axes: Array, levers: Array) -> Array:

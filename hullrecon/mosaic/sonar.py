@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.blend import ViewLimits, blend_tile
-from hullrecon.mosaic.charted_surface import ChartedSurface, SurfacePatch, sample_surface, seen
 from hullrecon.mosaic.grid import grid_around
 from hullrecon.mosaic.imagery.camera_views import Footprints, compute_footprints, footprint_windows
 from hullrecon.mosaic.imagery.sonar_fan import SonarFan, build_fan
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
 from hullrecon.records.sensors import SonarPings
@@ -27,7 +27,7 @@ LEVEL = 90.0  # gray level that the mean return is brought to
 MIN_SAMPLES = 200  # of the hull, for a ping or a place in the fan to have a level of its own
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SonarView:
     """A ping. pose: one T_M_o (T_g_o without a CAD model); image (beams, ranges) uint8; level (beams, ranges): what a mean piece
     of hull returns there in that ping, None to leave the image as it is."""
@@ -46,7 +46,7 @@ class SonarView:
         inside = (points - self.center) @ self.pose.rotation.as_matrix()[0]
         return self.fan.locate(inside)
 
-    def outline(self, surface: ChartedSurface) -> Array:
+    def outline(self, surface: MosaicSurface) -> Array:
         """Rays all over the aperture; where the surface is met beyond the last range, the point at that range."""
         rays = self.fan.rays(bearings=9, elevations=13) @ self.pose.rotation.as_matrix()[0].T
         gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
@@ -59,7 +59,7 @@ class SonarView:
         return np.ascontiguousarray(np.minimum(even, 255)[..., None])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SonarMosaic:
     """The tiles; whether the level of the returns was learnt from the dive; where the pings met the surface."""
 
@@ -69,16 +69,16 @@ class SonarMosaic:
 
 
 def sonar_mosaic(
-    surface: ChartedSurface, pings: SonarPings, poses: Poses, elevation_rad: float, options: SonarOptions, progress: Progress
+    surface: MosaicSurface, pings: SonarPings, poses: Poses, elevation_rad: float, options: SonarOptions, progress: Progress
 ) -> SonarMosaic:
     """poses: T_M_o at the pings; elevation_rad: the full aperture out of the fan. ValueError when no ping meets the surface."""
     fan = build_fan(pings.directions, pings.range_m, options.aperture_share * elevation_rad)
-    image_views = [SonarView(poses[i], fan, image) for i, image in enumerate(pings.image)]
+    image_views = [SonarView(pose=poses[i], fan=fan, image=image) for i, image in enumerate(pings.image)]
     footprints = compute_footprints(surface, image_views)
     step = options.resolution_m or round(float(np.median(np.diff(pings.range_m))), 4)
     grid = grid_around(footprints.at.reshape(-1, 2), step)
     surface = surface.with_occlusion_horizon(grid, footprints.span_m)
-    limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.most_incidence_deg))), slant=0.0)
+    limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.max_incidence_deg))), slant=0.0)
     levels = learn_levels(surface, image_views, footprints, limits.min_cosine) if options.even_light else None
     if levels is not None:
         image_views = [replace(s, level=level) for s, level in zip(image_views, levels, strict=True)]
@@ -88,11 +88,11 @@ def sonar_mosaic(
         lambda window: blend_tile(surface, grid, window, image_views, windows, limits, 1),
         lambda tiles: progress(tiles, "tiles"),
     )  # fmt: skip
-    return SonarMosaic(store, levels is not None, footprints)
+    return SonarMosaic(store=store, light_corrected=levels is not None, footprints=footprints)
 
 
 def learn_levels(
-    surface: ChartedSurface, image_views: Sequence[SonarView], footprints: Footprints, min_cosine: float
+    surface: MosaicSurface, image_views: Sequence[SonarView], footprints: Footprints, min_cosine: float
 ) -> list[Array] | None:
     """What the hull returns on average at each range and beam, times each ping's gain: beam pattern, spreading, grazing angle.
 
@@ -122,7 +122,7 @@ def learn_levels(
     ]
 
 
-def _hull_cells(surface: ChartedSurface, image_view: SonarView, patch: SurfacePatch, min_cosine: float) -> Ints:
+def _hull_cells(surface: MosaicSurface, image_view: SonarView, patch: SurfacePatch, min_cosine: float) -> Ints:
     """Flat indices into the image of the pixels that hold these pieces of hull."""
     point = patch.point.reshape(-1, 3)
     rows = np.flatnonzero(np.isfinite(point[:, 0]))

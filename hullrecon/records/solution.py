@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.poses import Poses, identity
 from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
 
 # |deviation| at which a landmark's label changes, m: where the two parts of the mixture of native/factors/mixture.h are equal.
 LABEL_BOUNDARY_M = 0.05595
@@ -68,14 +68,27 @@ class DeviationField:
     value: Array
     sigma: Array
 
-    def value_at(self, along_girth: Array) -> Array:
-        """Return the offset (n,) m at points (n, 2) of the hull chart, bilinear, held past the grid's edge; NaN counts as 0."""
-        from scipy.interpolate import RegularGridInterpolator
+    def covers(self, along_girth: Array) -> Mask:
+        """Return which of chart points (n, 2) lie within the grid; a point off the chart (NaN) does not."""
+        cell = (along_girth - self.origin) / self.step
+        return np.asarray(np.all((cell >= 0) & (cell <= np.array(self.value.shape) - 1), axis=1))
 
-        axes = [o + s * np.arange(n) for o, s, n in zip(self.origin, self.step, self.value.shape, strict=True)]
-        look_up = RegularGridInterpolator(axes, self.value, bounds_error=False, fill_value=None)
-        low, high = (np.array([axis[end] for axis in axes]) for end in (0, -1))
-        return np.asarray(look_up(np.clip(np.nan_to_num(along_girth), low, high)))
+    def value_at(self, along_girth: Array) -> Array:
+        """Return the offset (n,) m at chart points (n, 2), bilinear; held beyond the grid's ends, NaN where a point is NaN."""
+        return self._interpolate(self.value, along_girth)
+
+    def sigma_at(self, along_girth: Array) -> Array:
+        """Return one sigma (n,) m of the offset at chart points (n, 2), interpolated as the offset is."""
+        return self._interpolate(self.sigma, along_girth)
+
+    def _interpolate(self, grid: Array, along_girth: Array) -> Array:
+        last = np.array(grid.shape) - 1
+        cell = np.clip((along_girth - self.origin) / self.step, 0, last)
+        low = np.minimum(np.nan_to_num(cell).astype(np.int64), np.maximum(last - 1, 0))
+        high, (a, g) = np.minimum(low + 1, last), (cell - low).T
+        near = grid[low[:, 0], low[:, 1]] * (1 - g) + grid[low[:, 0], high[:, 1]] * g
+        far = grid[high[:, 0], low[:, 1]] * (1 - g) + grid[high[:, 0], high[:, 1]] * g
+        return np.asarray(near * (1 - a) + far * a)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,7 @@ from hullrecon.typing import Array
 CHUNK = 2000  # columns of a variance solved at once: bounds memory at n x 2000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Regression:
     """A fitted field of offsets. at (n, 2) chart points; noise (n,) m, one sigma of each observation, 1/sqrt(beta) in O."""
 
@@ -51,7 +51,7 @@ def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
     if kernel.form == "radial":
         _require_covariance(kernel, covariance)
     solver = factorise(covariance + sparse.diags_array(noise**2).tocsr())
-    return Regression(kernel, at, noise, solver.solve(values), solver)
+    return Regression(kernel=kernel, at=at, noise=noise, weights=solver.solve(values), factor=solver)
 
 
 def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array, threshold: float = 2.0, rounds: int = 4) -> Regression:

@@ -28,7 +28,8 @@ OnTriangle closest_on_triangle(const Vec3& p, const Triangle& t);
 // The same point, to the last bit, for a point known to be over the inside.
 Vec3 foot_inside(const Vec3& p, const Triangle& t);
 
-// Range along the direction, in its lengths [MollerTrumbore1997]; either side counts. Empty: no crossing ahead, or a triangle of no area.
+// Range along the direction, in its lengths [MollerTrumbore1997]; either side counts. Empty: no crossing ahead, or a triangle
+// of no area.
 std::optional<double> cross(const Vec3& origin, const Vec3& direction, const Triangle& t);
 
 }  // namespace hullrecon

@@ -27,7 +27,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import selection, weighting
-from hullrecon.adjustment.problem.assembly import assemble, cell_share, read_back
+from hullrecon.adjustment.problem.assembly import assemble, share_weight_by_cell, state_from_unknowns
 from hullrecon.adjustment.problem.deviation_field import grid_over
 from hullrecon.adjustment.problem.state import State
 from hullrecon.geometry.poses import Poses
@@ -85,8 +85,8 @@ def true_state(dive):
 
 
 def problem_at(dive, state, **held):
-    chosen = selection.select(dive.measured, state, 40.0)
-    weights = weighting.first(dive.measured, AdjustOptions())
+    chosen = selection.select_measurements(dive.measured, state, 40.0)
+    weights = weighting.initial_weights(dive.measured, AdjustOptions())
     return assemble(dive.measured, state, weights, chosen, CENTER, held.pop("as_published", False), **held), chosen, weights
 
 
@@ -106,9 +106,9 @@ def test_a_state_comes_back_as_it_went_in(seed, seen_by, cad):
     measured = simulate(stereo=stereo, cad=cad, camera=camera, per_leg=3, landmarks=60).measured
     state = some_state(rng, measured, stereo, cad, camera)
     chosen = chosen_from(rng, measured)
-    weights = weighting.first(measured, AdjustOptions())
+    weights = weighting.initial_weights(measured, AdjustOptions())
     problem = assemble(measured, state, weights, chosen, CENTER, as_published=False)
-    back = read_back(state, problem.unknowns, chosen, CENTER)
+    back = state_from_unknowns(state, problem.unknowns, chosen, CENTER)
     for name in ("nodes", "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d"):
         assert_same_motion(getattr(back, name), getattr(state, name))
     for name in ("tray", "navigation", "field"):
@@ -123,8 +123,8 @@ def test_a_state_comes_back_as_it_went_in(seed, seen_by, cad):
 def test_truth_leaves_residuals_of_one_sigma(factor):
     dive = simulate()
     state = replace(true_state(dive), T_s_d=records_poses(TRAY_FROM_DVL))
-    chosen = selection.select(dive.measured, state, 40.0)
-    weights = replace(weighting.first(dive.measured, AdjustOptions()), tray=TRAY_NOISE_RAD)
+    chosen = selection.select_measurements(dive.measured, state, 40.0)
+    weights = replace(weighting.initial_weights(dive.measured, AdjustOptions()), tray=TRAY_NOISE_RAD)
     found = native.evaluate(assemble(dive.measured, state, weights, chosen, CENTER, as_published=False))
     rows = found.residual[found.factor == native.FACTORS.index(factor)]
     assert np.sqrt(np.mean(rows**2)) == pytest.approx(1.0, abs=0.25)
@@ -212,7 +212,7 @@ def test_a_beam_that_misses_the_cad_model_takes_the_field_at_its_measured_end():
     turned = dive.measured.returns.beam * [1, 1, -1]  # away from the hull
     measured = replace(dive.measured, returns=replace(dive.measured.returns, beam=turned))
     state = true_state(dive)
-    chosen, weights = selection.select(measured, state, 40.0), weighting.first(measured, AdjustOptions())
+    chosen, weights = selection.select_measurements(measured, state, 40.0), weighting.initial_weights(measured, AdjustOptions())
     problem = assemble(measured, state, weights, chosen, CENTER, as_published=False)
     np.testing.assert_allclose(problem.ranges.field.weight.sum(1), 1.0)
     assert (problem.ranges.field.index < state.grid.size).all()
@@ -228,8 +228,8 @@ def test_without_a_field_ranges_and_landmarks_have_no_nodes():
 def test_weights_go_into_the_tables_of_their_measurements():
     dive = simulate()
     state = true_state(dive)
-    chosen = selection.select(dive.measured, state, 40.0)
-    first = weighting.first(dive.measured, AdjustOptions())
+    chosen = selection.select_measurements(dive.measured, state, 40.0)
+    first = weighting.initial_weights(dive.measured, AdjustOptions())
     surface = np.linspace(0.1, 1.0, len(state.landmark))
     weights = replace(first, pixel=0.7, depth=0.5, tray=0.003, range_sigma=0.02, surface=surface)
     problem = assemble(dive.measured, state, weights, chosen, CENTER, as_published=False)
@@ -271,10 +271,10 @@ def test_landmarks_of_one_cell_share_one_observations_weight():
     dive = simulate()
     state = true_state(dive)
     landmarks = np.arange(0, len(state.landmark), 2)
-    weight = cell_share(dive.measured, state, landmarks, (0.5, 0.5))
+    weight = share_weight_by_cell(dive.measured, state, landmarks, (0.5, 0.5))
     assert set(weight[1::2]) == {1.0}
     cells = dive.measured.cad_model.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[landmarks]))[:, :2]
     occupied = len(np.unique(np.floor(cells / 0.5), axis=0))
     assert weight[landmarks].sum() == pytest.approx(occupied)
     with pytest.raises(ValueError, match="CAD model"):
-        cell_share(simulate(cad=False).measured, state, landmarks, (0.5, 0.5))
+        share_weight_by_cell(simulate(cad=False).measured, state, landmarks, (0.5, 0.5))

@@ -126,8 +126,8 @@ def test_a_deviation_from_a_hull_needs_a_cad_model():
 def test_the_deviation_from_the_hull_is_the_cad_models_less_the_field():
     found = solved()
     state, solution = found.adjusted.state, found.outcome.solution
-    on = solution.label == 1
-    apart = deviation_from_hull(found.dive.measured, state, solution.landmark[on])
-    bare = deviation_from_hull(found.dive.measured, replace(state, grid=None), solution.landmark[on])
+    on = solution.landmarks.label == 1
+    apart = deviation_from_hull(found.dive.measured, state, solution.landmarks.position[on])
+    bare = deviation_from_hull(found.dive.measured, replace(state, grid=None), solution.landmarks.position[on])
     np.testing.assert_allclose(bare, solution.deviation[on], atol=1e-6)
     assert np.std(apart) < np.std(bare)

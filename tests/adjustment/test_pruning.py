@@ -3,7 +3,7 @@
 import numpy as np
 
 from hullrecon import native
-from hullrecon.adjustment.problem.pruning import result_without, without
+from hullrecon.adjustment.problem.pruning import drop_label_rows, drop_landmarks
 
 
 def problem():
@@ -24,7 +24,7 @@ def problem():
 
 def test_a_landmark_goes_with_all_its_factors_and_the_rest_is_numbered_anew() -> None:
     before = problem()
-    after = without(before, np.array([True, False, True]))
+    after = drop_landmarks(before, np.array([True, False, True]))
     assert after.unknowns.landmark[:, 2].tolist() == [1, 2]
     assert after.stereo.landmark.tolist() == [0, 0, 1]
     assert after.mono.landmark.tolist() == [1]
@@ -35,7 +35,7 @@ def test_a_landmark_goes_with_all_its_factors_and_the_rest_is_numbered_anew() ->
 
 
 def test_tables_that_are_empty_stay_so() -> None:
-    after = without(problem(), np.array([True, False, True]))
+    after = drop_landmarks(problem(), np.array([True, False, True]))
     assert after.surface.field.index.shape == (0, 4)
     assert len(after.unknowns.pose) == 2
 
@@ -53,6 +53,6 @@ def test_labels_and_distances_go_with_their_rows() -> None:
             seconds={},
         )
 
-    kept = result_without(result([1, 0, 1]), np.array([True, False, True]))
+    kept = drop_label_rows(result([1, 0, 1]), np.array([True, False, True]))
     assert (kept.label.tolist(), kept.distance.tolist()) == ([1, 1], [0.0, 2.0])
-    assert result_without(result([]), np.array([True, False, True])).label.tolist() == []
+    assert drop_label_rows(result([]), np.array([True, False, True])).label.tolist() == []

@@ -62,3 +62,27 @@ def test_a_dive_is_run_up_to_a_step_and_opened_again_by_its_run(tmp_path: Path) 
     again = hullrecon.open_dive(dive.workspace.root)
     assert again.name == "demo"
     assert again.chain.package.resolve() == DEMO
+
+
+def test_the_example_runs_scores_and_prints_the_comparison(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The chain and the solves are stood in for: they have tests of their own; this one holds the example to the functions."""
+    import runpy
+
+    from hullrecon.api.commands import Comparison
+
+    figures = {
+        "trajectory": {"rigid_rmse_m": 0.002},
+        "as_found": {"aligned_rmse_m": 0.004},
+        "objects": {"height_error_worst_m": 0.01},
+    }
+    monkeypatch.setattr("hullrecon.api.run_dive", hullrecon.open_dive)
+    monkeypatch.setattr("hullrecon.api.evaluate", lambda run, package: figures)
+    comparison = Comparison(figures={}, heads=["method"], rows=[["maxmix as published"]])
+    monkeypatch.setattr("hullrecon.api.compare", lambda dive: comparison)
+    example = runpy.run_path(str(ROOT / "examples" / "compare_methods.py"))
+    example["main"]([str(DEMO), str(tmp_path)])
+    printed = capsys.readouterr().out
+    assert "path, after rigid alignment: 2.0 mm" in printed
+    assert "maxmix as published" in printed

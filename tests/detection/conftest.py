@@ -36,7 +36,13 @@ def wall_mesh(width: float = 4.0, height: float = 2.0, step: float = 0.5) -> Mes
 def views_along(x: np.ndarray, z: float = 1.0, standoff: float = 1.3) -> CameraViews:
     centers = np.stack([x, np.full(len(x), 2 + standoff), np.full(len(x), z)], axis=1)
     poses = Poses(np.tile(TOWARD_WALL.as_quat(), (len(x), 1)), centers)
-    return CameraViews(poses, np.arange(len(x)), tuple(f"camera_top/{k}.jpg" for k in range(len(x))), CAMERA, 2.2)
+    return CameraViews(
+        T_x_c=poses,
+        node=np.arange(len(x)),
+        name=tuple(f"camera_top/{k}.jpg" for k in range(len(x))),
+        camera=CAMERA,
+        farthest_m=2.2,
+    )
 
 
 @dataclass(frozen=True)
@@ -66,7 +72,16 @@ def landmarks_on_wall(x: np.ndarray, z: np.ndarray, noise: np.ndarray) -> Surfac
     foot = np.stack([x, np.full(n, 2.0), z], axis=1)
     normal = np.tile([0.0, 1, 0], (n, 1))
     position = foot + normal * offset[:, None]
-    return SurfaceLandmarks(np.arange(n), position, foot, normal, offset, np.full(n, 0.003), np.full(n, 0.004), np.full(n, 6))
+    return SurfaceLandmarks(
+        row=np.arange(n),
+        position=position,
+        foot=foot,
+        normal=normal,
+        offset=offset,
+        sigma=np.full(n, 0.003),
+        common=np.full(n, 0.004),
+        views=np.full(n, 6),
+    )
 
 
 @pytest.fixture(scope="session")
@@ -78,7 +93,9 @@ def scenery() -> Scenery:
     wild = rng.random(len(x)) < 0.02
     noise[wild] += rng.uniform(-0.3, 0.3, wild.sum())
     measured = landmarks_on_wall(x, z, noise)
-    background = MedianBackground(np.array([[2.0, 2.0, 1.0]]), np.array([OFF]), np.array([0.002]), 1.0)
+    background = MedianBackground(
+        node=np.array([[2.0, 2.0, 1.0]]), value=np.array([OFF]), spread=np.array([0.002]), reach_m=1.0
+    )
     chart = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
     views = views_along(np.arange(0.5, 3.6, 0.25))
     return Scenery(wall_mesh(), measured, background, views, chart, measured.offset - OFF)

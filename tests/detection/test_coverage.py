@@ -70,8 +70,12 @@ def _sonar_at(x: float, y: float) -> Poses:
     return Poses(Rotation.from_matrix(turn).as_quat()[None], np.array([[x, y, 1.0]]))
 
 
+def _survey(poses: Poses) -> coverage.SonarSurvey:
+    return coverage.SonarSurvey(pings=_pings(np.radians(30)), poses=poses, half_elevation_rad=np.radians(7))
+
+
 def test_the_sonar_sees_a_strip_as_wide_as_its_fan_and_as_high_as_its_elevation(hull, wall) -> None:
-    seen = coverage.visible_to_sonar(hull, _pings(np.radians(30)), _sonar_at(2.0, 4.0), np.radians(7), Scene(wall))
+    seen = coverage.visible_to_sonar(hull, _survey(_sonar_at(2.0, 4.0)), Scene(wall))
     x, _, z = hull.mesh.vertices[seen].T
     assert np.abs(x - 2).max() == pytest.approx(2 * np.tan(np.radians(30)), abs=0.1)
     assert np.abs(z - 1).max() <= np.hypot(2, 2 * np.tan(np.radians(30))) * np.tan(np.radians(7)) + 1e-9
@@ -79,10 +83,9 @@ def test_the_sonar_sees_a_strip_as_wide_as_its_fan_and_as_high_as_its_elevation(
 
 
 def test_beyond_its_range_and_from_behind_the_sonar_sees_nothing(hull, wall) -> None:
-    pings, elevation = _pings(np.radians(30)), np.radians(7)
-    assert not coverage.visible_to_sonar(hull, pings, _sonar_at(2.0, 5.0), elevation, Scene(wall)).any()
+    assert not coverage.visible_to_sonar(hull, _survey(_sonar_at(2.0, 5.0)), Scene(wall)).any()
     behind = Poses(from_rpy([0, 0, 0], [0, 0, 0]).quaternion, np.array([[2.0, 2.0, -1.0]]))
-    assert not coverage.visible_to_sonar(hull, pings, behind, elevation, Scene(wall)).any()
+    assert not coverage.visible_to_sonar(hull, _survey(behind), Scene(wall)).any()
 
 
 def _address(point: np.ndarray) -> str:

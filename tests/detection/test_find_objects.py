@@ -7,12 +7,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hullrecon.detection.as_found.record import as_found_surface
+from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.objects.find_objects import find_objects
 from hullrecon.detection.options import DetectOptions
+from hullrecon.geometry.poses import identity
 
 
-def _objects(scenery, found, drawn: bool = True, **options):
-    return find_objects(found, scenery.measured, scenery.height, scenery.views, scenery.chart, DetectOptions(**options), drawn)
+def _objects(scenery, found, with_cad_model: bool = True, **options):
+    surveyed = as_found_surface(found, scenery.measured)
+    base = BaseSurface(
+        cad_model=scenery.base if with_cad_model else None,
+        surveyed=surveyed,
+        chart=scenery.chart,
+        result_from_global=identity(),
+        frame_spacing_m=None,
+    )
+    return find_objects(found, scenery.measured, scenery.height, scenery.views, base, DetectOptions(**options))
 
 
 def test_the_disc_and_the_recess_are_reported_once_and_nothing_else(scenery, found) -> None:
@@ -42,7 +53,7 @@ def test_the_deviation_is_against_the_cad_model_and_absent_without_one(scenery, 
     disc, recess = _objects(scenery, found)[0]
     assert disc.deviation == pytest.approx(0.10 - 0.012, abs=0.005)
     assert recess.deviation == pytest.approx(-0.05 - 0.012, abs=0.005)
-    assert _objects(scenery, found, drawn=False)[0][0].deviation is None
+    assert _objects(scenery, found, with_cad_model=False)[0][0].deviation is None
 
 
 def test_images_are_counted_and_the_best_named(scenery, found) -> None:
@@ -79,10 +90,10 @@ def test_a_top_rougher_than_its_landmarks_are_uncertain_is_less_certain(scenery,
 @pytest.mark.parametrize(
     ("option", "value", "words"),
     [
-        ("least_height", 0.08, "m off the hull"),
-        ("least_area", 0.042, "cm2 above half"),
-        ("least_views", 6, "images show it"),
-        ("least_landmarks", 120, "landmarks"),
+        ("min_height_m", 0.08, "m off the hull"),
+        ("min_area_m2", 0.042, "cm2 above half"),
+        ("min_views", 6, "images show it"),
+        ("min_landmarks", 120, "landmarks"),
     ],
 )
 def test_what_is_not_certain_is_named_with_its_reason(option: str, value: float, words: str, scenery, found) -> None:

@@ -73,7 +73,7 @@ def test_both_ways_of_fusion_find_the_top_of_the_disc(fusion: str, scenery) -> N
 
 
 def test_the_mesh_is_coarser_rather_than_too_large(scenery) -> None:
-    few = DetectOptions(most_vertices=2000)
+    few = DetectOptions(max_vertices=2000)
     found = estimate_hull_as_found(scenery.base, scenery.measured, scenery.background, scenery.views, few)
     plain = replace(scenery.measured)
     assert len(found.mesh.vertices) < 0.5 * len(

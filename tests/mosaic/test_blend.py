@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.blend import VIEWS, ViewLimits, blend_tile, choose_views
-from hullrecon.mosaic.charted_surface import ChartedSurface, sample_surface
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.imagery.image_view import CameraView
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
 
 GRID = TexelGrid(west=-0.4, north=0.3, step_m=0.004, height=150, width=200)
 LIMITS = ViewLimits()
@@ -25,11 +25,11 @@ def painted(camera: CameraModel, pose: Poses, gain: float = 1.0) -> CameraView:
     x = (u - camera.cx) / camera.fx + pose.translation[0, 0]
     y = -(v - camera.cy) / camera.fy + pose.translation[0, 1]
     picture = np.stack([125 + 200 * x, 125 + 200 * y, np.full(x.shape, 60.0)], axis=2).astype(np.float32) * gain
-    return CameraView(pose, camera, lambda: picture)
+    return CameraView(pose=pose, camera=camera, load=lambda: picture)
 
 
 def test_overlapping_views_reproduce_what_is_painted(
-    flat_surface: Callable[..., ChartedSurface], camera: CameraModel, above: Callable[..., Poses]
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     image_views = [painted(camera, above(x, 0.0)) for x in (-0.15, 0.0, 0.15)]
     tile = blend_tile(flat_surface(), GRID, GRID.whole, image_views, [GRID.whole] * 3, LIMITS, 3)
@@ -43,10 +43,12 @@ def test_overlapping_views_reproduce_what_is_painted(
 
 
 def test_views_that_disagree_leave_the_variance_of_their_weighted_intensities(
-    flat_surface: Callable[..., ChartedSurface], camera: CameraModel, above: Callable[..., Poses]
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     picture = [np.full((320, 400, 3), level, np.float32) for level in (100.0, 140.0)]
-    image_views = [CameraView(above(x, 0.0), camera, lambda p=p: p) for x, p in zip((-0.1, 0.1), picture, strict=True)]
+    image_views = [
+        CameraView(pose=above(x, 0.0), camera=camera, load=lambda p=p: p) for x, p in zip((-0.1, 0.1), picture, strict=True)
+    ]
     tile = blend_tile(flat_surface(), GRID, GRID.whole, image_views, [GRID.whole] * 2, LIMITS, 3)
     # half way between both the weights are equal: the mean is 120, the variance 20 squared
     column = 100
@@ -56,10 +58,10 @@ def test_views_that_disagree_leave_the_variance_of_their_weighted_intensities(
 
 
 def test_at_most_four_views_are_kept_and_the_best_first(
-    flat_surface: Callable[..., ChartedSurface], camera: CameraModel, above: Callable[..., Poses]
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     shifts = (0.10, 0.0, 0.16, 0.04, 0.13, 0.07)
-    image_views = {k: CameraView(above(x, 0.0), camera, lambda: None) for k, x in enumerate(shifts)}
+    image_views = {k: CameraView(pose=above(x, 0.0), camera=camera, load=lambda: None) for k, x in enumerate(shifts)}
     patch = sample_surface(flat_surface(), GRID, GRID.whole)
     choice = choose_views(flat_surface(), patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS)
     assert choice.view.shape[0] == VIEWS
@@ -68,12 +70,12 @@ def test_at_most_four_views_are_kept_and_the_best_first(
 
 
 def test_a_view_behind_a_block_is_not_chosen(
-    flat_surface: Callable[..., ChartedSurface], camera: CameraModel, above: Callable[..., Poses]
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     surface = flat_surface(([-0.02, -0.3, 0.0], [0.02, 0.3, 0.2]))
     image_views = {
-        0: CameraView(above(-0.15, 0.0), camera, lambda: None),
-        1: CameraView(above(0.12, 0.0), camera, lambda: None),
+        0: CameraView(pose=above(-0.15, 0.0), camera=camera, load=lambda: None),
+        1: CameraView(pose=above(0.12, 0.0), camera=camera, load=lambda: None),
     }
     patch = sample_surface(surface, GRID, GRID.whole)
     choice = choose_views(surface, patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS)
@@ -82,19 +84,19 @@ def test_a_view_behind_a_block_is_not_chosen(
 
 
 def test_an_image_that_cannot_be_read_is_left_out(
-    flat_surface: Callable[..., ChartedSurface], camera: CameraModel, above: Callable[..., Poses]
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
-    image_views = [CameraView(above(0.0, 0.0), camera, lambda: None), painted(camera, above(0.02, 0.0))]
+    image_views = [CameraView(pose=above(0.0, 0.0), camera=camera, load=lambda: None), painted(camera, above(0.02, 0.0))]
     tile = blend_tile(flat_surface(), GRID, GRID.whole, image_views, [GRID.whole] * 2, LIMITS, 3)
     assert tile.views.max() == 1
     np.testing.assert_allclose(tile.value[75, 100, 2], 60, atol=0.5)
 
 
 def test_where_a_view_grazes_the_surface_it_is_not_chosen(
-    flat_surface: Callable[..., ChartedSurface], camera: CameraModel
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel
 ) -> None:
     turned = Rotation.from_euler("y", -85, degrees=True) * Rotation.from_quat(DOWN)
-    flat = CameraView(Poses(turned.as_quat()[None], np.array([[-0.5, 0.0, 0.05]])), camera, lambda: None)
+    flat = CameraView(pose=Poses(turned.as_quat()[None], np.array([[-0.5, 0.0, 0.05]])), camera=camera, load=lambda: None)
     patch = sample_surface(flat_surface(), GRID, GRID.whole)
     seen = np.isfinite(flat.project(patch.point.reshape(-1, 3))[1])
     choice = choose_views(flat_surface(), patch, GRID.whole, {0: flat}, {0: GRID.whole}, LIMITS)

@@ -11,8 +11,8 @@ import pytest
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
-from hullrecon.mosaic.charted_surface import ChartedSurface
 from hullrecon.mosaic.imagery.camera_views import CameraImages
+from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.optical import optical_mosaic, texel_size
 from hullrecon.mosaic.options import OpticalOptions
 
@@ -38,7 +38,9 @@ def images(camera: CameraModel, spots: np.ndarray, lamp: bool) -> CameraImages:
         return np.repeat((paint(x, y) * fall * shade)[..., None], 3, axis=2).clip(0, 255).astype(np.uint8)
 
     down = np.tile([1.0, 0.0, 0.0, 0.0], (len(spots), 1))
-    return CameraImages(camera, np.arange(len(spots)), Poses(down, np.column_stack([spots, np.ones(len(spots))])), read)
+    return CameraImages(
+        camera=camera, rows=np.arange(len(spots)), poses=Poses(down, np.column_stack([spots, np.ones(len(spots))])), read=read
+    )
 
 
 SPOTS = np.stack(np.meshgrid(np.linspace(-0.4, 0.4, 7), np.linspace(-0.15, 0.15, 4)), axis=-1).reshape(-1, 2)
@@ -46,7 +48,7 @@ SPOTS = np.stack(np.meshgrid(np.linspace(-0.4, 0.4, 7), np.linspace(-0.15, 0.15,
 
 @pytest.mark.parametrize("lamp", [False, True])
 def test_the_mosaic_shows_the_paint_and_not_the_lamp(
-    flat_surface: Callable[..., ChartedSurface], camera: CameraModel, lamp: bool
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel, lamp: bool
 ) -> None:
     store = optical_mosaic(flat_surface(), [images(camera, SPOTS, lamp)], OPTIONS, still).store
     grid = store.grid
@@ -59,7 +61,7 @@ def test_the_mosaic_shows_the_paint_and_not_the_lamp(
     assert np.corrcoef(shown, want)[0, 1] > 0.99
 
 
-def test_without_correction_the_lamp_stays(flat_surface: Callable[..., ChartedSurface], camera: CameraModel) -> None:
+def test_without_correction_the_lamp_stays(flat_surface: Callable[..., MosaicSurface], camera: CameraModel) -> None:
     one = images(camera, SPOTS[:1], True)
     made = optical_mosaic(flat_surface(), [one], OpticalOptions(tile_px=64, resolution_m=0.01, even_light=False), still)
     assert not made.light_corrected
@@ -75,6 +77,6 @@ def test_texels_are_some_pixels_wide_within_bounds() -> None:
     assert texel_size(0.1, OpticalOptions(resolution_m=0.0015)) == 0.0015
 
 
-def test_images_that_miss_the_surface_make_no_mosaic(flat_surface: Callable[..., ChartedSurface], camera: CameraModel) -> None:
+def test_images_that_miss_the_surface_make_no_mosaic(flat_surface: Callable[..., MosaicSurface], camera: CameraModel) -> None:
     with pytest.raises(ValueError, match="no image meets"):
         optical_mosaic(flat_surface(), [images(camera, np.array([[5.0, 5.0]]), False)], OPTIONS, still)

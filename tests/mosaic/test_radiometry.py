@@ -23,7 +23,7 @@ def dive(gain: np.ndarray, seed: int = 0) -> LightSamples:
     texel = rng.integers(0, 2000, len(view))
     cell = rng.integers(0, FIELD[0] * FIELD[1], len(view))
     value = scene[texel] + lamp().reshape(-1)[cell] + gain[view] + rng.normal(0, 0.02, len(view))
-    return LightSamples(view, texel, cell, value[:, None], np.zeros(len(gain), np.int64))
+    return LightSamples(view=view, texel=texel, cell=cell, log_value=value[:, None], camera=np.zeros(len(gain), np.int64))
 
 
 def test_the_lamp_is_told_from_the_scene() -> None:
@@ -43,13 +43,13 @@ def test_a_corrected_image_of_an_even_plate_is_even() -> None:
 
     shown = cv2.resize(np.exp(lamp()[..., 0]), (128, 96), interpolation=cv2.INTER_CUBIC)
     picture = np.rint(100 * shown * np.exp(0.2))[..., None].astype(np.uint8)
-    even = LightModel((lamp(),), np.array([0.2])).correct(picture, camera=0, view=0)
+    even = LightModel(log_field=(lamp(),), log_gain=np.array([0.2])).correct(picture, camera=0, view=0)
     np.testing.assert_allclose(even[8:-8, 8:-8], 100, atol=2.0)
 
 
 def test_a_dark_corner_is_not_blown_up_without_end() -> None:
     picture = np.full((48, 64, 1), 10, np.uint8)
-    light = LightModel((np.full((*FIELD, 1), -9.0),), np.zeros(1))
+    light = LightModel(log_field=(np.full((*FIELD, 1), -9.0),), log_gain=np.zeros(1))
     assert light.correct(picture, 0, 0).max() == pytest.approx(80.0)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses
-from hullrecon.mosaic.charted_surface import ChartedSurface
+from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.sonar import LEVEL, sonar_mosaic
 from hullrecon.records.sensors import SonarPings
@@ -49,7 +49,7 @@ def plate_image(pose: Poses, draw: Callable[[np.ndarray], np.ndarray]) -> np.nda
     return np.clip(image, 0, 255).astype(np.uint8)
 
 
-def test_a_bright_stripe_is_mapped_to_its_place(flat_surface: Callable[..., ChartedSurface]) -> None:
+def test_a_bright_stripe_is_mapped_to_its_place(flat_surface: Callable[..., MosaicSurface]) -> None:
     def stripe(points: np.ndarray) -> np.ndarray:
         return np.where(np.abs(points[:, 0] - 0.1) < 0.03, 200.0, 60.0)
 
@@ -63,7 +63,7 @@ def test_a_bright_stripe_is_mapped_to_its_place(flat_surface: Callable[..., Char
     assert 0.02 < np.ptp(bright) < 0.10
 
 
-def test_an_even_plate_becomes_even_whatever_the_beam_pattern(flat_surface: Callable[..., ChartedSurface]) -> None:
+def test_an_even_plate_becomes_even_whatever_the_beam_pattern(flat_surface: Callable[..., MosaicSurface]) -> None:
     pings, poses = pings_over([-0.2, -0.1, 0.0, 0.1, 0.2], lambda points: np.full(len(points), 120.0))
     pattern = np.exp(-((BEARING / 0.3) ** 2))[:, None] * np.linspace(1.4, 0.6, 141)
     shaded = SonarPings(
@@ -77,7 +77,7 @@ def test_an_even_plate_becomes_even_whatever_the_beam_pattern(flat_surface: Call
     assert seen.std() < 0.15 * LEVEL
 
 
-def test_what_a_block_shadows_is_not_mapped_to_the_end_of_its_shadow(flat_surface: Callable[..., ChartedSurface]) -> None:
+def test_what_a_block_shadows_is_not_mapped_to_the_end_of_its_shadow(flat_surface: Callable[..., MosaicSurface]) -> None:
     pings, poses = pings_over([0.0], lambda points: np.full(len(points), 90.0))
     free = sonar_mosaic(flat_surface(), pings, poses, np.radians(14), OPTIONS, still).store
     girth = girths(free)
@@ -92,7 +92,7 @@ def test_what_a_block_shadows_is_not_mapped_to_the_end_of_its_shadow(flat_surfac
         np.testing.assert_array_equal(np.array(mapped)[clear], (girth > end)[clear])
 
 
-def test_a_long_shadow_is_found_to_its_end(flat_surface: Callable[..., ChartedSurface]) -> None:
+def test_a_long_shadow_is_found_to_its_end(flat_surface: Callable[..., MosaicSurface]) -> None:
     """From 25 cm height a block of 12 cm, half a metre off, throws a shadow of 46 cm."""
     turn = Rotation.from_matrix(np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]))
     turn = Rotation.from_euler("x", -18, degrees=True) * turn

@@ -22,7 +22,7 @@ def ramp(window: Window) -> Tile:
     rows, columns = np.mgrid[window.top : window.bottom, window.left : window.right]
     value = np.repeat(columns[..., None] % 250, 3, axis=2).astype(np.float32)
     views = np.where(columns < 50, 0, 2).astype(np.uint8)
-    return Tile(value, rows.astype(np.float32), views)
+    return Tile(value=value, variance=rows.astype(np.float32), views=views)
 
 
 @pytest.fixture

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,13 +14,17 @@ from numpy.typing import NDArray
 
 from hullrecon.dive.config.schema import Dive, Hull
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_rpy, identity
+from hullrecon.records.deliverables import Coverage, CoverageHole, ReportedObject, SensorCoverage
 from hullrecon.records.sensors import DvlPings, ImageIndex
 from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Trajectory
-from hullrecon.report.content.survey import Eye, StepRun, Survey
 from hullrecon.report.export.trajectory import track_of
+from hullrecon.report.step_documents import AdjustSummary, NavigationFacts
+from hullrecon.report.survey import AdjustedDive, DiveFacts, Findings, Provenance, StepRun, Surfaces, Survey
+from hullrecon.rig import SensorRig
 
 NODES = 5
 START = 1_777_887_000_468_241_234
@@ -104,31 +107,50 @@ def plate() -> Surface:
 
 
 @pytest.fixture
-def found() -> dict[str, Any]:
+def found() -> ReportedObject:
     ring = np.linspace(0, 2 * np.pi, 8, endpoint=False)
-    return {
-        "id": 1, "center": [1.0, -1.2, -0.1], "normal": [0.0, 0.0, -1.0], "height": 0.1, "height_sigma": 0.004,
-        "deviation": 0.104, "extent": [0.2, 0.16], "area": 0.025, "volume": 0.0019, "views": 6, "p_value": 1e-9,
-        "address": "frame 3 + 0.2 m, port",
-        "images": [f"camera_top/{START + 2 * 10**9}.jpg"],
-        "outline": np.column_stack([1 + 0.1 * np.cos(ring), -1.2 + 0.08 * np.sin(ring), 0 * ring]).tolist(),
-    }  # fmt: skip
+    outline = np.column_stack([1 + 0.1 * np.cos(ring), -1.2 + 0.08 * np.sin(ring), 0 * ring])
+    return ReportedObject(
+        id=1, center=(1.0, -1.2, -0.1), normal=(0.0, 0.0, -1.0), height=0.1, height_sigma=0.004, deviation=0.104,
+        extent=(0.2, 0.16), area=0.025, volume=0.0019, views=6, p_value=1e-9, address="frame 3 + 0.2 m, port",
+        images=(f"camera_top/{START + 2 * 10**9}.jpg",), outline=tuple((x, y, z) for x, y, z in outline.tolist()),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """The same picture at every row."""
+
+    index: ImageIndex
+
+    def read(self, row: int) -> NDArray[np.uint8]:
+        v, u = np.mgrid[0:320, 0:400]
+        return np.stack([u % 256, v % 256, (u + v) % 256], axis=2).astype(np.uint8)
 
 
 @pytest.fixture
-def eye() -> Eye:
-    """Looks along z of the vehicle, which is outward of the plate seen from above."""
-    stamps = START + np.arange(NODES) * 10**9
-    index = ImageIndex(
-        t_ns=stamps,
-        file=np.full(NODES, ""),
-        offset=np.zeros(NODES, np.int64),
-        size=np.ones(NODES, np.int64),
-        usable=np.ones(NODES, bool),
+def pictures() -> Pictures:
+    return Pictures(
+        ImageIndex(
+            t_ns=START + np.arange(NODES) * 10**9,
+            file=np.full(NODES, ""),
+            offset=np.zeros(NODES, np.int64),
+            size=np.ones(NODES, np.int64),
+            usable=np.ones(NODES, bool),
+        )
     )
-    v, u = np.mgrid[0:320, 0:400]
-    picture = np.stack([u % 256, v % 256, (u + v) % 256], axis=2).astype(np.uint8)
-    return Eye("camera_top", CAMERA, index, from_rpy([0.0, 0, 0], [0.0, 0, 0]), lambda row: picture)
+
+
+@pytest.fixture
+def rig() -> SensorRig:
+    """The camera looks along z of the vehicle, which is outward of the plate seen from above; the tray does not turn it."""
+    return SensorRig(
+        tray_origin=np.zeros(3),
+        pressure_origin=np.zeros(3),
+        tray_from_dvl=identity(),
+        tray_from_camera=identity(),
+        camera_models={Camera.TOP: CAMERA},
+    )
 
 
 @pytest.fixture
@@ -146,34 +168,52 @@ def dvl() -> DvlPings:
     )
 
 
+WEAK = {"direction": [1.0, 0, 0], "sigma": 0.5, "sentence": "The position along the hull is uncertain by 0.50 m."}
+
+
 @pytest.fixture
 def survey(
-    trajectory: Trajectory, solution: Solution, plate: Surface, found: dict[str, Any], eye: Eye, dvl: DvlPings
-) -> Survey:
+    trajectory: Trajectory, solution: Solution, plate: Surface, found: ReportedObject, pictures: Pictures, rig: SensorRig,
+    dvl: DvlPings,
+) -> Survey:  # fmt: skip
     """With everything but mosaics."""
+    coverage = Coverage(
+        camera=SensorCoverage(area_m2=4.0, gsd_m={"p05": 0.0018, "p50": 0.002, "p95": 0.0025}),
+        holes=(CoverageHole(address="frame 4", area_m2=0.2),),
+    )
     return Survey(
-        dive=Dive(name="plate-1", vessel="MV Plate", date=datetime(2026, 5, 4, 9, 30, tzinfo=UTC)),
+        facts=DiveFacts(
+            dive=Dive(name="plate-1", vessel="MV Plate", date=datetime(2026, 5, 4, 9, 30, tzinfo=UTC)),
+            hull=Hull(mesh="hull.stl", frame_spacing=0.6),
+            dvl=dvl,
+            rig=rig,
+            images={Camera.TOP: pictures},
+            navigation=NavigationFacts(outages_s=((31.0, 34.2),)),
+        ),
         track=track_of(trajectory, solution),
         trajectory=trajectory,
-        navigation={"source": "dvl", "outages_s": [[31.0, 34.2]]},
-        findings={"lost": [], "remarks": []},
-        tray_origin_m=(0.0, 0.0, 0.0),
-        hull=Hull(mesh="hull.stl", frame_spacing=0.6),
-        solution=solution,
-        adjust={"method": "maxmix", "weak_directions": [
-            {"direction": [1.0, 0, 0], "sigma": 0.5, "sentence": "The position along the hull is uncertain by 0.50 m."}]},
-        iterations={"cost": np.array([100.0, 10.0, 9.0]), "on_surface": np.array([1, 2, 2]),
-                    "label_changes": np.array([0, 1, 0])},
-        chart=FlatChart(),
-        surface=plate,
-        as_found=plate,
-        objects=(found,),
-        coverage={"camera": {"area_m2": 4.0, "gsd_m": {"p05": 0.0018, "p95": 0.0025}}, "sonar": None,
-                  "holes": [{"address": "frame 4", "area_m2": 0.2}]},
-        dvl=dvl,
-        eyes=(eye,),
-        steps=(StepRun("adjust", 2, {"adjust": {"rounds": 3, "method": "maxmix"}}, {"navigate": "ab12"}, ("two rays missed",),
-                       {"seconds": 7.5}),),
+        adjusted=AdjustedDive(
+            solution=solution,
+            summary=AdjustSummary(method="maxmix", observations=98, observations_left_out=2),
+            weak_directions=(WEAK,),
+            iterations={
+                "cost": np.array([100.0, 10.0, 9.0]), "on_surface": np.array([1, 2, 2]), "label_changes": np.array([0, 1, 0])
+            },
+        ),
+        surfaces=Surfaces(chart=FlatChart(), dvl=plate, as_found=plate, comparison="The comparison is partly circular."),
+        findings=Findings(objects=(found,), coverage=coverage),
+        provenance=Provenance(
+            steps=(
+                StepRun(
+                    name="adjust",
+                    version=2,
+                    settings={"adjust": {"rounds": 3, "method": "maxmix"}},
+                    inputs={"navigate": "ab12"},
+                    warnings=("two rays missed",),
+                    run={"seconds": 7.5},
+                ),
+            )
+        ),
     )  # fmt: skip
 
 
@@ -181,10 +221,13 @@ def survey(
 def bare(trajectory: Trajectory) -> Survey:
     """Dead reckoning alone: no camera, no CAD model, no sonar."""
     reasons = {"objects.json": "no camera was carried", "alignment.json": "no CAD model was given"}
+    rig = SensorRig(tray_origin=np.zeros(3), pressure_origin=np.zeros(3), tray_from_dvl=identity())
     return Survey(
-        dive=Dive(name="bare"), track=track_of(trajectory, None), trajectory=trajectory, navigation={}, findings={},
-        tray_origin_m=(0.0, 0.0, 0.0), absent=reasons,
-    )  # fmt: skip
+        facts=DiveFacts(dive=Dive(name="bare"), rig=rig),
+        track=track_of(trajectory, None),
+        trajectory=trajectory,
+        provenance=Provenance(missing=reasons),
+    )
 
 
 @pytest.fixture

@@ -81,7 +81,7 @@ def _dvl_surface() -> Surface:
     return Surface(vertices=vertices, faces=faces, deviation=np.full(n, OFF), sigma=np.full(n, 0.005), support=np.full(n, 3))
 
 
-class Bench:
+class EarlierSteps:
     """Artifacts of the earlier steps, to be spoilt by a test before `run`."""
 
     def __init__(self, root: Path) -> None:
@@ -159,16 +159,16 @@ def _write(path: Path, arrays: dict[str, np.ndarray]) -> None:
 
 
 @pytest.fixture
-def bench(tmp_path: Path) -> Bench:
-    return Bench(tmp_path)
+def earlier(tmp_path: Path) -> EarlierSteps:
+    return EarlierSteps(tmp_path)
 
 
 def _json(out: Path, name: str) -> dict:
     return json.loads((out / name).read_text())
 
 
-def test_the_one_structure_is_reported_with_its_place_and_images(bench: Bench) -> None:
-    (item,) = _json(bench.run(), "objects.json")["objects"]
+def test_the_one_structure_is_reported_with_its_place_and_images(earlier: EarlierSteps) -> None:
+    (item,) = _json(earlier.run(), "objects.json")["objects"]
     assert item["id"] == 1
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
     assert item["deviation"] == pytest.approx(HEIGHT + OFF, abs=0.004)
@@ -177,8 +177,8 @@ def test_the_one_structure_is_reported_with_its_place_and_images(bench: Bench) -
     assert "below waterline" in item["address"]
 
 
-def test_the_hull_as_found_lies_where_it_was_seen(bench: Bench) -> None:
-    found = from_arrays(Surface, load_arrays(bench.run() / "as_found.npz"))
+def test_the_hull_as_found_lies_where_it_was_seen(earlier: EarlierSteps) -> None:
+    found = from_arrays(Surface, load_arrays(earlier.run() / "as_found.npz"))
     x, y, z = found.vertices.T
     rim = np.abs(np.hypot(x - 2, z - 1) - 0.12) < 0.02
     truth = 2 + OFF + HEIGHT * (np.hypot(x - 2, z - 1) < 0.12)
@@ -189,9 +189,9 @@ def test_the_hull_as_found_lies_where_it_was_seen(bench: Bench) -> None:
     assert found.sigma[seen].min() > 0.009  # every landmark shares a centimetre of doubt about the dive's place
 
 
-def test_coverage_tells_each_sensors_area(bench: Bench) -> None:
-    bench.sonar = True
-    facts = _json(bench.run(), "coverage.json")
+def test_coverage_tells_each_sensors_area(earlier: EarlierSteps) -> None:
+    earlier.sonar = True
+    facts = _json(earlier.run(), "coverage.json")
     assert facts["frame"] == "M"
     assert facts["camera"]["area_m2"] == pytest.approx((3.0 + 1.3 - 0.3) * 1.04, rel=0.1)
     assert facts["camera"]["gsd_m"]["p50"] == pytest.approx(1.3 / 640, rel=0.1)
@@ -201,13 +201,13 @@ def test_coverage_tells_each_sensors_area(bench: Bench) -> None:
     assert facts["holes"] == []
 
 
-def test_without_a_sonar_coverage_says_null(bench: Bench) -> None:
-    assert _json(bench.run(), "coverage.json")["sonar"] is None
+def test_without_a_sonar_coverage_says_null(earlier: EarlierSteps) -> None:
+    assert _json(earlier.run(), "coverage.json")["sonar"] is None
 
 
-def test_without_a_cad_model_structures_are_told_from_the_own_surface(bench: Bench) -> None:
-    bench.without_cad_model()
-    out = bench.run()
+def test_without_a_cad_model_structures_are_told_from_the_own_surface(earlier: EarlierSteps) -> None:
+    earlier.without_cad_model()
+    out = earlier.run()
     (item,) = _json(out, "objects.json")["objects"]
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
     assert item["deviation"] is None
@@ -216,15 +216,15 @@ def test_without_a_cad_model_structures_are_told_from_the_own_surface(bench: Ben
     assert "own surface" in _json(out, "detect.json")["reference"]
 
 
-def test_without_a_field_running_medians_stand_in(bench: Bench) -> None:
-    bench.solution = replace(bench.solution, deviation_field=None)
-    (item,) = _json(bench.run(), "objects.json")["objects"]
+def test_without_a_field_running_medians_stand_in(earlier: EarlierSteps) -> None:
+    earlier.solution = replace(earlier.solution, deviation_field=None)
+    (item,) = _json(earlier.run(), "objects.json")["objects"]
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
 
 
-def test_without_a_camera_the_cad_model_is_moved_to_the_dvls_surface(bench: Bench) -> None:
-    bench.without_camera()
-    out = bench.run()
+def test_without_a_camera_the_cad_model_is_moved_to_the_dvls_surface(earlier: EarlierSteps) -> None:
+    earlier.without_camera()
+    out = earlier.run()
     found = from_arrays(Surface, load_arrays(out / "as_found.npz"))
     covered = found.support > 0
     assert np.allclose(found.vertices[covered, 1], 2 + OFF)
@@ -233,23 +233,23 @@ def test_without_a_camera_the_cad_model_is_moved_to_the_dvls_surface(bench: Benc
     assert _json(out, "coverage.json")["camera"] is None
 
 
-def test_with_neither_camera_nor_cad_model_as_found_is_absent_with_its_reason(bench: Bench) -> None:
-    bench.without_cad_model()
-    bench.without_camera()
-    out = bench.run()
+def test_with_neither_camera_nor_cad_model_as_found_is_absent_with_its_reason(earlier: EarlierSteps) -> None:
+    earlier.without_cad_model()
+    earlier.without_camera()
+    out = earlier.run()
     assert not (out / "as_found.npz").exists()
     assert "no CAD model" in _json(out, "detect.json")["as_found"]
 
 
-def test_what_was_not_reported_is_named_with_its_reason(bench: Bench) -> None:
-    out = bench.run(least_height=0.2)
+def test_what_was_not_reported_is_named_with_its_reason(earlier: EarlierSteps) -> None:
+    out = earlier.run(min_height_m=0.2)
     assert _json(out, "objects.json")["objects"] == []
     reasons = [row["reason"] for row in _json(out, "detect.json")["not_reported"]]
     assert any("0.09" in reason for reason in reasons)
 
 
-def test_two_runs_give_the_same_bytes(bench: Bench, tmp_path: Path) -> None:
+def test_two_runs_give_the_same_bytes(earlier: EarlierSteps, tmp_path: Path) -> None:
     (tmp_path / "again").mkdir()
-    first, second = bench.run(), Bench(tmp_path / "again").run()
+    first, second = earlier.run(), EarlierSteps(tmp_path / "again").run()
     for name in ("as_found.npz", "objects.json", "coverage.json", "detect.json"):
         assert (first / name).read_bytes() == (second / name).read_bytes()

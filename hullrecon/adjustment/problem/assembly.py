@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon import native
-from hullrecon.adjustment.hull_pose.registration import about
+from hullrecon.adjustment.hull_pose.registration import frame_at
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid, prior_rows
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements, Mount, return_points
 from hullrecon.adjustment.problem.state import State, Weights, from_seven, seven
@@ -66,21 +66,21 @@ def assemble(
     return problem if m.returns is None else replace(problem, ranges=_range_table(m, m.returns, state, weights, chosen, center))
 
 
-def read_back(state: State, unknowns: native.Unknowns, chosen: Selection, center: Array) -> State:
+def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selection, center: Array) -> State:
     """The state after a solve; landmarks that did not enter stay NaN."""
     pose = unknowns.pose
     landmark = np.full_like(state.landmark, np.nan)
     landmark[chosen.landmarks] = unknowns.landmark
-    moved = from_seven(unknowns.T_g_M) @ about(center).inverse() if state.T_g_M is not None else None
+    moved = pose_from_vector(unknowns.T_g_M) @ frame_at(center).inverse() if state.T_g_M is not None else None
     return replace(
         state,
         nodes=Poses(pose[:, 3:7] / np.linalg.norm(pose[:, 3:7], axis=1, keepdims=True), pose[:, :3].copy()),
         tray=pose[:, 7].copy(),
         landmark=landmark,
         T_g_M=moved,
-        T_s_ct=from_seven(unknowns.T_s_ct) if state.T_s_ct is not None else None,
-        T_ct_cb=from_seven(unknowns.T_ct_cb) if state.T_ct_cb is not None else None,
-        T_s_d=from_seven(unknowns.T_s_d),
+        T_s_ct=pose_from_vector(unknowns.T_s_ct) if state.T_s_ct is not None else None,
+        T_ct_cb=pose_from_vector(unknowns.T_ct_cb) if state.T_ct_cb is not None else None,
+        T_s_d=pose_from_vector(unknowns.T_s_d),
         navigation=unknowns.navigation.copy(),
         field=unknowns.deviation.copy(),
     )
@@ -89,21 +89,21 @@ def read_back(state: State, unknowns: native.Unknowns, chosen: Selection, center
 def _unknowns(m: Measurements, state: State, chosen: Selection, center: Array) -> native.Unknowns:
     unknowns = native.Unknowns(
         pose=np.hstack([state.nodes.translation, state.nodes.quaternion, state.tray[:, None]]),
-        T_s_d=seven(state.T_s_d),
+        T_s_d=pose_vector(state.T_s_d),
         navigation=state.navigation.copy(),
         deviation=state.field.copy(),
     )
     if state.T_g_M is not None:
-        unknowns = replace(unknowns, T_g_M=seven(state.T_g_M @ about(center)))
+        unknowns = replace(unknowns, T_g_M=pose_vector(state.T_g_M @ frame_at(center)))
     if m.tracks is not None and m.rig.top is not None and state.T_s_ct is not None:
         unknowns = replace(
             unknowns,
             landmark=state.landmark[chosen.landmarks],
-            T_s_ct=seven(state.T_s_ct),
+            T_s_ct=pose_vector(state.T_s_ct),
             intrinsics_top=m.rig.top.parameters(),
         )
     if m.rig.bottom is not None and state.T_ct_cb is not None:
-        unknowns = replace(unknowns, T_ct_cb=seven(state.T_ct_cb), intrinsics_bottom=m.rig.bottom.parameters())
+        unknowns = replace(unknowns, T_ct_cb=pose_vector(state.T_ct_cb), intrinsics_bottom=m.rig.bottom.parameters())
     return unknowns
 
 
@@ -125,7 +125,7 @@ def _mount_prior(mount: Mount | None, value: Poses | None) -> native.MotionPrior
     """Return the prior of a mount; None where it is held or its sensor was not carried."""
     if mount is None or mount.sqrt_information is None or value is None:
         return None
-    return native.MotionPrior(value=seven(mount.nominal), sqrt_information=mount.sqrt_information)
+    return native.MotionPrior(value=pose_vector(mount.nominal), sqrt_information=mount.sqrt_information)
 
 
 def _priors(m: Measurements, state: State, center: Array) -> native.Priors:
@@ -142,7 +142,7 @@ def _priors(m: Measurements, state: State, center: Array) -> native.Priors:
     if m.cad_model is None:
         return priors
     guess = native.MotionPrior(
-        value=seven(m.cad_model.guess @ about(center)), sqrt_information=np.diag(1.0 / m.cad_model.guess_sigma)
+        value=pose_vector(m.cad_model.guess @ frame_at(center)), sqrt_information=np.diag(1.0 / m.cad_model.guess_sigma)
     )
     priors = replace(priors, T_g_M=guess)
     if state.grid is None:
@@ -192,7 +192,7 @@ def _odometry_table(m: Measurements) -> native.OdometryTable:
         by_mount=odometry.by_mount,
         by_tray=odometry.by_tray,
         tray=0.5 * (tray[odometry.first] + tray[odometry.second]),
-        mount=seven(m.rig.T_s_d.nominal),
+        mount=pose_vector(m.rig.T_s_d.nominal),
     )
 
 
@@ -256,7 +256,7 @@ def _hits(m: Measurements, cad_model: CadModel, returns: Returns, state: State, 
         raise ValueError("beams meet a CAD model")
     used = from_arrays(Returns, {k: v[chosen.returns] for k, v in to_arrays(returns).items()})
     points, direction = return_points(used, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
-    hull = from_seven(seven(state.T_g_M @ about(center)))
+    hull = pose_from_vector(pose_vector(state.T_g_M @ frame_at(center)))
     points, direction = hull.inverse().apply(points), hull.inverse().rotation.apply(direction)
     origin = points - direction * used.range_m[:, None]
     cast = native.MeshIndex(cad_model.mesh.vertices - center, cad_model.mesh.faces).cast(origin, direction)
@@ -264,7 +264,7 @@ def _hits(m: Measurements, cad_model: CadModel, returns: Returns, state: State, 
     return np.asarray(origin + direction * length[:, None])
 
 
-def cell_share(m: Measurements, state: State, landmarks: Ints, cell: tuple[float, float]) -> Array:
+def share_weight_by_cell(m: Measurements, state: State, landmarks: Ints, cell: tuple[float, float]) -> Array:
     """Weight of each landmark's surface factor so that those of one cell of the chart (metres) weigh as one observation."""
     if m.cad_model is None or state.T_g_M is None:
         raise ValueError("cells need a CAD model")

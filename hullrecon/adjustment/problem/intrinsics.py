@@ -29,7 +29,7 @@ def prior_sigma(camera: CameraModel, options: AdjustOptions) -> Array:
     return np.asarray(np.r_[focal, center, center, radial, radial, 0.1 * radial, 0.1 * radial, radial])
 
 
-def freed(problem: native.Problem, calibrated: Rig, options: AdjustOptions) -> native.Problem:
+def free_intrinsics(problem: native.Problem, calibrated: Rig, options: AdjustOptions) -> native.Problem:
     """The problem with the intrinsics of the cameras that saw something as unknowns, started at their calibration."""
     if not options.refine_intrinsics or calibrated.top is None:
         return problem
@@ -41,7 +41,7 @@ def freed(problem: native.Problem, calibrated: Rig, options: AdjustOptions) -> n
     return replace(problem, unknowns=unknowns, priors=priors).free(*(f"intrinsics_{name}" for name, saw in seen.items() if saw))
 
 
-def applied(m: Measurements, problem: native.Problem, result: native.Result) -> Measurements:
+def apply_intrinsics(m: Measurements, problem: native.Problem, result: native.Result) -> Measurements:
     """The measurements seen through the cameras that the solve found; the same where they were held."""
     rig = m.rig
     if "intrinsics_top" not in problem.constant and rig.top is not None:
@@ -51,7 +51,7 @@ def applied(m: Measurements, problem: native.Problem, result: native.Result) -> 
     return m if rig is m.rig else replace(m, rig=rig)
 
 
-def in_figures(calibrated: Rig, found: Rig, marginals: native.Covariance, options: AdjustOptions) -> dict[str, Any]:
+def summarise_intrinsics(calibrated: Rig, found: Rig, marginals: native.Covariance, options: AdjustOptions) -> dict[str, Any]:
     """By camera and name: calibrated, found, its sigma, and by how many sigmas of the prior it moved."""
     out: dict[str, Any] = {}
     for name, covariance in (("top", marginals.intrinsics_top), ("bottom", marginals.intrinsics_bottom)):
@@ -66,18 +66,18 @@ def in_figures(calibrated: Rig, found: Rig, marginals: native.Covariance, option
     return out
 
 
-def complaints(figures: dict[str, Any]) -> list[str]:
+def intrinsics_warnings(figures: dict[str, Any]) -> list[str]:
     """A sentence for each camera of which something moved further than its prior lets one expect."""
-    said = []
+    warnings = []
     for name, values in figures.items():
         far = {key: v for key, v in values.items() if abs(v["moved_in_prior_sigma"]) > _FAR_SIGMAS}
         if far:
             words = ", ".join(f"{key} from {v['calibrated']:.5g} to {v['found']:.5g}" for key, v in far.items())
-            said.append(f"The calibration of camera.{name} does not fit the dive ({words}): check it, or calibrate anew.")
-    return said
+            warnings.append(f"The calibration of camera.{name} does not fit the dive ({words}): check it, or calibrate anew.")
+    return warnings
 
 
-def fields(camera: CameraModel) -> dict[str, float]:
+def camera_fields(camera: CameraModel) -> dict[str, float]:
     """As cameras.json has it."""
     return {name: getattr(camera, name) for name in camera.__dataclass_fields__}
 

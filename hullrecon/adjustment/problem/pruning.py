@@ -16,7 +16,7 @@ from hullrecon.native import FieldNodes, MonoTable, Problem, Result, StereoTable
 from hullrecon.typing import Mask
 
 
-def without(problem: Problem, keep: Mask) -> Problem:
+def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
     """The problem of the landmarks `keep` (L,) alone; their factors are numbered anew, all other factors stay."""
     number = (np.cumsum(keep) - 1).astype(np.int32)
     stereo, mono, surface = problem.stereo, problem.mono, problem.surface
@@ -44,7 +44,7 @@ def without(problem: Problem, keep: Mask) -> Problem:
     )
 
 
-def result_without(result: Result, surface_rows: Mask) -> Result:
+def drop_label_rows(result: Result, surface_rows: Mask) -> Result:
     """The result with these rows (m,) of the surface table alone; its landmarks are those of the problem that goes with it."""
     if len(result.label) != len(surface_rows):
         return result

@@ -15,7 +15,7 @@ from hullrecon.typing import Array, Ints, Mask
 MIN_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SurfaceLandmarks:
     """Landmarks that measure_surface the base surface, in its frame. row (n,): in the Solution; position, foot on the base and outward
     normal there (n, 3); offset (n,) m, signed distance to the base; sigma (n,) m along the normal, of each on its own;
@@ -55,8 +55,8 @@ def measure_surface(
     common = shared_variance(position[row[good]], variance[good])
     sigma = np.sqrt(np.maximum(variance[good] - common, 0.0) + MIN_SIGMA_M**2)
     kept = SurfaceLandmarks(
-        row[good], position[row[good]], near.foot[good], near.normal[good], near.distance[good], sigma, np.sqrt(common),
-        views[row[good]],
+        row=row[good], position=position[row[good]], foot=near.foot[good], normal=near.normal[good], offset=near.distance[good], sigma=sigma, common=np.sqrt(common),
+        views=views[row[good]],
     )  # fmt: skip
     return kept.take(sigma <= largest_sigma_m)
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
-from hullrecon.detection.as_found.mesh import refine_near, vertex_normals
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.detection.as_found.mesh import refine_near
+from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.records.surface import Surface
 from hullrecon.typing import Array

@@ -10,6 +10,7 @@ import numpy as np
 
 from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
+from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.objects.outline import outline
 from hullrecon.detection.objects.regions import Region, find_regions, weighted_quantile
 from hullrecon.detection.objects.significance import height_sigma, p_value, relief_left, roughness
@@ -25,7 +26,7 @@ IMAGES = 6  # named with each object
 NEAR_M = 0.02  # a landmark so near to a structure's vertices lies on it, or on the hull at the foot of its edge
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class HullObject:
     """One structure, as in objects.json (docs/deliverables.md): lengths in m, points in the frame of the surface. deviation:
     None without a CAD model."""
@@ -47,7 +48,7 @@ class HullObject:
         return asdict(self)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _RegionEvidence:
     """A region looked at. center: the vertex in the middle of its top; seen: views that show it, the best first; chance that
     bare hull looks so; sigma m of its height."""
@@ -59,7 +60,7 @@ class _RegionEvidence:
     sigma: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Landmarks:
     """Of a dive, with their heights (n,) m above the hull, and where their feet lie."""
 
@@ -79,7 +80,7 @@ class _Landmarks:
         return stands, height - surface, self.measured.sigma[near[on]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RejectedRegion:
     """A region that was not reported, and why."""
 
@@ -96,26 +97,29 @@ def find_objects(
     measured: SurfaceLandmarks,
     height: Array,
     views: CameraViews,
-    chart: Chart,
+    base: BaseSurface,
     options: DetectOptions,
-    drawn: bool,
 ) -> tuple[list[HullObject], list[RejectedRegion]]:
     """Objects, the highest first, and the regions that were not certain enough.
 
-    measured with its heights (m,) above the hull are the landmarks; drawn: the base surface is the ship's CAD model.
+    measured with its heights (m,) above the hull are the landmarks.
     """
     area = vertex_areas(found.base)
     rough = roughness(found)
     scene = Scene(found.mesh)
-    landmarks = _Landmarks(measured, height, Around(measured.foot))
+    landmarks = _Landmarks(measured=measured, height=height, around=Around(measured.foot))
     objects, rejected = [], []
     for region in find_regions(found, options):
         evidence = _collect_evidence(found, region, area, rough, landmarks, _seen_by(found, region, views, scene))
         reason = _rejection_reason(found, evidence, area, _supporting_landmarks(found, region, landmarks), options)
         if reason:
-            rejected.append(RejectedRegion(_round(found.mesh.vertices[evidence.center]), round(region.height, 5), reason))
+            rejected.append(
+                RejectedRegion(
+                    center=_round(found.mesh.vertices[evidence.center]), height=round(region.height, 5), reason=reason
+                )
+            )
         else:
-            objects.append(_object(found, evidence, area, views, chart, drawn))
+            objects.append(_object(found, evidence, area, views, base))
     return objects, rejected
 
 
@@ -130,7 +134,7 @@ def _collect_evidence(
     stands, over, own = landmarks.on(found, region, _top_rows(found, region))
     unresolved = relief_left(over[stands], own[stands])
     sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2 + unresolved**2))
-    return _RegionEvidence(region, _center(found, region, area), seen, chance, sigma)
+    return _RegionEvidence(region=region, center=_center(found, region, area), seen=seen, chance=chance, sigma=sigma)
 
 
 def _rejection_reason(
@@ -140,14 +144,14 @@ def _rejection_reason(
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
     shapes = int(np.percentile(found.shapes[region.core], 75))
     core = float(area[region.core].sum())
-    least = options.least_height + float(np.median(found.facet[region.core]))
+    least = options.min_height_m + float(np.median(found.facet[region.core]))
     checks = (
         (abs(region.height) < least, f"only {abs(region.height):.3f} m off the hull around it, of {least:.3f} m needed there"),
-        (core < options.least_area, f"only {1e4 * core:.0f} cm2 above half its height"),
-        (on < options.least_landmarks, f"only {on} landmarks"),
-        (agree < options.least_agreement, f"only {100 * agree:.0f} % of its landmarks agree"),
-        (min(seen, shapes) < options.least_views, f"only {min(seen, shapes)} images show it"),
-        (evidence.chance > options.significance, f"bare hull does so with probability {evidence.chance:.2g}"),
+        (core < options.min_area_m2, f"only {1e4 * core:.0f} cm2 above half its height"),
+        (on < options.min_landmarks, f"only {on} landmarks"),
+        (agree < options.min_agreement, f"only {100 * agree:.0f} % of its landmarks agree"),
+        (min(seen, shapes) < options.min_views, f"only {min(seen, shapes)} images show it"),
+        (evidence.chance > options.max_p_value, f"bare hull does so with probability {evidence.chance:.2g}"),
     )
     return next((reason for failed, reason in checks if failed), "")
 
@@ -187,9 +191,7 @@ def _top_rows(found: HullAsFound, region: Region) -> Ints:
     return top if len(top) else region.core
 
 
-def _object(
-    found: HullAsFound, evidence: _RegionEvidence, area: Array, views: CameraViews, chart: Chart, drawn: bool
-) -> HullObject:
+def _object(found: HullAsFound, evidence: _RegionEvidence, area: Array, views: CameraViews, base: BaseSurface) -> HullObject:
     region = evidence.region
     foot, core = region.foot, region.core
     normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
@@ -202,8 +204,8 @@ def _object(
         normal=_round(normal),
         height=round(region.height, 5),
         height_sigma=round(evidence.sigma, 5),
-        deviation=round(deviation, 5) if drawn else None,
-        extent=_round(_extent(found.base.vertices[foot], normal, chart)),
+        deviation=round(deviation, 5) if base.cad_model is not None else None,
+        extent=_round(_extent(found.base.vertices[foot], normal, base.chart)),
         area=round(float(area[foot].sum()), 6),
         volume=round(float((above * area[foot]).sum()), 7),
         views=len(evidence.seen),

@@ -24,7 +24,7 @@ RING_GAP_M = 0.04  # the ring of hull begins so far from the footprint, beyond w
 MIN_RING = 10  # vertices; fewer do not say where the hull around lies
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Region:
     """One structure. side +1 raised, -1 sunken; foot, core, ring: vertices of the footprint, of its part above half height, and
     of the hull around it; level m, the hull around it; height m above that, signed; bluntness m, how much lower it is where
@@ -39,7 +39,7 @@ class Region:
     bluntness: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Relief:
     """The hull as found, and what is asked of it again and again: area (n,) m2 of its vertices, off (n,) whether they stand off
     the hull by the threshold, around: where its vertices lie."""
@@ -52,14 +52,14 @@ class _Relief:
 
     def clusters(self, rows: Ints) -> list[Ints]:
         """Those vertices in clusters; what is nearer than `cluster_reach` is one."""
-        label = dbscan(self.found.base.vertices[rows], self.options.cluster_reach, self.options.cluster_points)
+        label = dbscan(self.found.base.vertices[rows], self.options.cluster_reach_m, self.options.min_cluster_points)
         return [rows[label == k] for k in range(int(label.max(initial=-1)) + 1)]
 
 
 def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
     """Raised and sunken regions of measured vertices, the highest first; parts nearer than `cluster_reach` are one."""
-    off = found.measured & (np.abs(found.height) >= options.threshold)
-    relief = _Relief(found, vertex_areas(found.base), off, Around(found.base.vertices), options)
+    off = found.measured & (np.abs(found.height) >= options.min_offset_m)
+    relief = _Relief(found=found, area=vertex_areas(found.base), off=off, around=Around(found.base.vertices), options=options)
     regions = [_region(relief, seed, foreign, side) for side in (1.0, -1.0) for seed, foreign in _seeds(relief, side)]
     return sorted((r for r in regions if r is not None), key=lambda r: (-abs(r.height), int(r.foot[0])))
 
@@ -69,7 +69,7 @@ def _seeds(relief: _Relief, side: float) -> Iterator[tuple[Ints, Ints]]:
     for cluster in relief.clusters(np.flatnonzero(relief.off & (side * relief.found.height > 0))):
         parts = _split_at_saddles(relief, cluster, side)
         for k, seed in enumerate(parts):
-            if relief.area[seed].sum() >= SPECK * relief.options.least_area:
+            if relief.area[seed].sum() >= SPECK * relief.options.min_area_m2:
                 yield seed, np.concatenate([np.zeros(0, np.int64), *parts[:k], *parts[k + 1 :]])
 
 
@@ -77,7 +77,7 @@ def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
     """A cluster, or its parts: two peaks are two structures when the saddle between them is lower than half of either.
     Smoothing bridges the hull between neighbours, so that clusters at the threshold may hold both."""
     height, vertices = side * relief.found.height[rows], relief.found.base.vertices
-    level = SADDLE_STEP * relief.options.threshold
+    level = SADDLE_STEP * relief.options.min_offset_m
     while level < 0.5 * height.max():
         peaks = [p for p in relief.clusters(rows[height > level]) if _is_peak(relief, p, side, level)]
         if len(peaks) > 1:
@@ -91,7 +91,7 @@ def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
 def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
     """Wide enough to be told from noise, and twice as high as the level that cuts it off."""
     area = relief.area[rows]
-    wide = area.sum() >= SPECK * relief.options.least_area
+    wide = area.sum() >= SPECK * relief.options.min_area_m2
     return bool(wide and _height_of_top(side * relief.found.height[rows], area, TOP_M2) >= 2 * level)
 
 
@@ -107,10 +107,14 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
     level = weighted_quantile(found.height[ring], area[ring], 0.5)
     above = side * (found.height - level)
     height, shoulder = (_height_of_top(above[seed], area[seed], top) for top in (TOP_M2, 3 * TOP_M2))
-    own = (distance <= relief.options.cluster_reach) & found.measured[near] & ~np.isin(near, foreign)
+    own = (distance <= relief.options.cluster_reach_m) & found.measured[near] & ~np.isin(near, foreign)
     foot = near[own & (above[near] >= FOOT_SHARE * height)]
     core = foot[above[foot] >= 0.5 * height]
-    return Region(side, foot, core, ring, level, side * height, height - shoulder) if len(core) else None
+    return (
+        Region(side=side, foot=foot, core=core, ring=ring, level=level, height=side * height, bluntness=height - shoulder)
+        if len(core)
+        else None
+    )
 
 
 def _height_of_top(height: Array, area: Array, top_m2: float) -> float:

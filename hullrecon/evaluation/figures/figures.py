@@ -145,7 +145,7 @@ def _ranges(
 
 
 def _field_in_hull(field: DeviationField, chart: Chart) -> Callable[[Array], Array]:
-    return lambda points: field.value_at(chart.to_chart(points)[:, :2])
+    return lambda points: np.nan_to_num(field.value_at(chart.to_chart(points)[:, :2]))
 
 
 def _alignment(v: SolvedVariant, truth: Truth) -> Poses:

@@ -12,19 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
-from hullrecon.mosaic.charted_surface import ChartedSurface, sample_surface, seen
 from hullrecon.mosaic.grid import TexelGrid, Window, grid_around
 from hullrecon.mosaic.imagery.image_view import CameraView, ImageView
 from hullrecon.mosaic.imagery.radiometry import FIELD, FLOOR, LightModel, LightSamples, first_fields, solve_light
-from hullrecon.typing import Array, Floats32, Ints
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface, seen
+from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.rig import SensorRig
+from hullrecon.typing import Array, Floats32, Ints, Mask
 
 Read = Callable[[int], NDArray[np.uint8] | None]
 LIGHT_STEP_M = 0.06  # texels that the light is estimated from
 BLOCK = 1024  # of those texels, at a time
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CameraImages:
     """One camera of the rig and its images: rows (n,) of its index, poses T_M_c (n) (T_g_c without a CAD model), and how a row is
     read, (h, w, 3) uint8 RGB or None."""
@@ -35,7 +38,7 @@ class CameraImages:
     read: Read
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Footprints:
     """Where images meet the surface: point (views, k, 3), at (views, k, 2) on the chart, NaN where they do not; distance
     (views,) m in the median; span_m: the largest of all distances, 0 when no image meets it."""
@@ -46,12 +49,24 @@ class Footprints:
     span_m: float
 
 
+def images_of_camera(rig: SensorRig, track: VehicleTrack, camera: Camera, usable: Mask, read: Read) -> CameraImages:
+    """Return a camera's usable images that have a pose, in the frame of the track; usable (m,): by row of the camera's index."""
+    nodes = np.flatnonzero(track.image[:, camera.column] >= 0)
+    nodes = nodes[usable[track.image[nodes, camera.column]]]
+    return CameraImages(
+        camera=rig.camera_models[camera],
+        rows=track.image[nodes, camera.column],
+        poses=rig.camera_poses(track.path[nodes], camera),
+        read=read,
+    )
+
+
 def plain_views(cameras: Sequence[CameraImages]) -> list[CameraView]:
     """Uncorrected, in the order of the cameras."""
-    return [CameraView(s.poses[i], s.camera, lambda: None) for s in cameras for i in range(len(s.rows))]
+    return [CameraView(pose=s.poses[i], camera=s.camera, load=lambda: None) for s in cameras for i in range(len(s.rows))]
 
 
-def compute_footprints(surface: ChartedSurface, image_views: Sequence[ImageView]) -> Footprints:
+def compute_footprints(surface: MosaicSurface, image_views: Sequence[ImageView]) -> Footprints:
     outlines = [image_view.outline(surface) for image_view in image_views]
     middle = [np.linalg.norm(o - s.center, axis=1) for o, s in zip(outlines, image_views, strict=True)]
     points = np.stack(outlines)
@@ -60,7 +75,7 @@ def compute_footprints(surface: ChartedSurface, image_views: Sequence[ImageView]
     at[good] = surface.chart.to_chart(points[good])[:, :2]
     distance = [float(np.median(m[np.isfinite(m)])) if np.isfinite(m).any() else np.nan for m in middle]
     span_m = max((float(m.max(initial=0.0, where=np.isfinite(m))) for m in middle), default=0.0)
-    return Footprints(points, at, np.array(distance), span_m)
+    return Footprints(point=points, at=at, distance=np.array(distance), span_m=span_m)
 
 
 def footprint_windows(grid: TexelGrid, footprints: Footprints, margin_share: float = 0.06) -> list[Window]:
@@ -78,7 +93,9 @@ def camera_views(cameras: Sequence[CameraImages], light: LightModel | None) -> l
     for k, images in enumerate(cameras):
         for i, row in enumerate(images.rows.tolist()):
             view = len(image_views)
-            image_views.append(CameraView(images.poses[i], images.camera, _loader(images.read, row, light, k, view)))
+            image_views.append(
+                CameraView(pose=images.poses[i], camera=images.camera, load=_loader(images.read, row, light, k, view))
+            )
     return image_views
 
 
@@ -93,7 +110,7 @@ def _loader(read: Read, row: int, light: LightModel | None, camera: int, view: i
 
 
 def estimate_light(
-    surface: ChartedSurface,
+    surface: MosaicSurface,
     cameras: Sequence[CameraImages],
     image_views: Sequence[CameraView],
     footprints: Footprints,
@@ -109,7 +126,11 @@ def estimate_light(
     fields = first_fields([t for t in thumbnails if t is not None], camera[good])
     grid = grid_around(footprints.at.reshape(-1, 2), LIGHT_STEP_M)
     samples = sample_light(surface, grid, image_views, footprint_windows(grid, footprints), thumbnails, camera)
-    return solve_light(samples, fields) if len(samples.view) else LightModel(tuple(fields), np.zeros(len(image_views)))
+    return (
+        solve_light(samples, fields)
+        if len(samples.view)
+        else LightModel(log_field=tuple(fields), log_gain=np.zeros(len(image_views)))
+    )
 
 
 def _thumbnail(read: Read, row: int) -> NDArray[np.uint8] | None:
@@ -123,7 +144,7 @@ def _thumbnail(read: Read, row: int) -> NDArray[np.uint8] | None:
 
 
 def sample_light(
-    surface: ChartedSurface, grid: TexelGrid, image_views: Sequence[CameraView], windows: Sequence[Window],
+    surface: MosaicSurface, grid: TexelGrid, image_views: Sequence[CameraView], windows: Sequence[Window],
     thumbnails: Sequence[NDArray[np.uint8] | None], camera: Ints,
 ) -> LightSamples:  # fmt: skip
     parts: list[tuple[Any, ...]] = []
@@ -144,10 +165,12 @@ def sample_light(
             parts.append((np.full(len(texel), view), texel, _cell(share), _value(thumbnail, share)))
     if not parts:
         none = np.zeros(0, np.int64)
-        return LightSamples(none, none, none, np.zeros((0, 3)), camera)
+        return LightSamples(view=none, texel=none, cell=none, log_value=np.zeros((0, 3)), camera=camera)
     view_of, texel_size, cell_of, value = (np.concatenate(p) for p in zip(*parts, strict=True))
     _, texel_size = np.unique(texel_size, return_inverse=True)
-    return LightSamples(view_of.astype(np.int64), texel_size, cell_of.astype(np.int64), value, camera)
+    return LightSamples(
+        view=view_of.astype(np.int64), texel=texel_size, cell=cell_of.astype(np.int64), log_value=value, camera=camera
+    )
 
 
 def _cell(share: Array) -> Ints:

@@ -22,7 +22,7 @@ FIELD = (24, 32)  # cells of the field, rows and columns
 SMOOTH = 2.0  # cells, sigma of the field's smoothing
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LightModel:
     """log_field: by camera, (rows, columns, channels); log_gain (views,): what is taken off each view's logarithm."""
 
@@ -39,7 +39,7 @@ class LightModel:
         return np.asarray(np.asarray(picture, np.float32) * np.minimum(factor, 8), np.float32)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LightSamples:
     """Intensities of scene points in several views, one row a sample: view, texel (m,) int; cell (m,) of the field;
     log_value (m, channels). camera (views,): which camera took the view."""
@@ -73,7 +73,7 @@ def solve_light(samples: LightSamples, fields: list[Array], rounds: int = 3) -> 
         residual -= _texel_mean(samples, residual)
         fields = [f + _correction(samples, residual, k) for k, f in enumerate(fields)]
         fields = [f - f.mean(axis=(0, 1)) for f in fields]
-    return LightModel(tuple(fields), gain)
+    return LightModel(log_field=tuple(fields), log_gain=gain)
 
 
 def _field_at(samples: LightSamples, fields: list[Array]) -> Array:

@@ -15,7 +15,7 @@ import numpy as np
 from hullrecon.typing import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SonarFan:
     """bearing (beams,) rad, rising; beam (beams,) its number in the image; range_m (ranges,) rising; half_elevation rad."""
 
@@ -65,4 +65,4 @@ def build_fan(directions: Array, range_m: Array, elevation_rad: float) -> SonarF
     """directions (beams, 3) unit vectors in `sonar`; elevation_rad: full aperture out of the fan."""
     bearing = np.arctan2(directions[:, 1], directions[:, 2])
     order = np.argsort(bearing, kind="stable")
-    return SonarFan(bearing[order], order.astype(float), range_m, 0.5 * elevation_rad)
+    return SonarFan(bearing=bearing[order], beam=order.astype(float), range_m=range_m, half_elevation=0.5 * elevation_rad)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 INK, BACK, UNSEEN = "#1c2733", "#ffffff", "#e9edf1"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Caption:
     """title; the lines under the picture; frame_spacing_m for frame numbers along the top, None without; flips: along grows to
     the left, girth downwards, so that the hull is seen from outside."""

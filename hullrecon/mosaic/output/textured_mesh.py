@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.mosaic.charted_surface import ChartedSurface, SurfacePatch, sample_surface
 from hullrecon.mosaic.grid import TexelGrid, Window
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface
 from hullrecon.typing import Array, Ints, Mask
 
 UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # M has z up, glTF has y up
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TexturedMesh:
     """vertices (n, 3), faces (m, 3) seen from outside, uv (n, 2) with v upwards."""
 
@@ -28,7 +28,7 @@ class TexturedMesh:
 
 
 def build_textured_mesh(
-    surface: ChartedSurface, grid: TexelGrid, alpha: NDArray[np.uint8], reduction: int, most_faces: int
+    surface: MosaicSurface, grid: TexelGrid, alpha: NDArray[np.uint8], reduction: int, most_faces: int
 ) -> TexturedMesh:
     """The seen part of the surface as a regular mesh on the chart; alpha: of the mosaic reduced by that many texels."""
     seen = int((alpha > 0).sum()) * reduction**2 * grid.step_m**2
@@ -42,7 +42,7 @@ def build_textured_mesh(
     faces = _outward(_faces(good), patch)
     used, faces = np.unique(faces, return_inverse=True)
     uv = np.stack(np.meshgrid(columns / alpha.shape[1], 1 - rows / alpha.shape[0]), axis=-1).reshape(-1, 2)
-    return TexturedMesh(patch.point.reshape(-1, 3)[used], faces.reshape(-1, 3), uv[used])
+    return TexturedMesh(vertices=patch.point.reshape(-1, 3)[used], faces=faces.reshape(-1, 3), uv=uv[used])
 
 
 def _faces(good: Mask) -> Ints:

@@ -80,7 +80,15 @@ def make_tiles(
     while max(grid.width, grid.height) / reduction > most_pixels and size % (2 * reduction) == 0:
         reduction *= 2
     small = np.zeros((-(-grid.height // reduction), -(-grid.width // reduction), channels + 1), np.uint8)
-    store = TileStore(grid, size, channels, reduction, small, np.zeros(4096, np.int64), np.zeros(5, np.int64))
+    store = TileStore(
+        grid=grid,
+        size=size,
+        channels=channels,
+        reduction=reduction,
+        small=small,
+        histogram=np.zeros(4096, np.int64),
+        views=np.zeros(5, np.int64),
+    )
     for window in progress(list(grid.tiles(size))):
         store.add(window, make(window))
     return store
