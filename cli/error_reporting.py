@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a user is told when something fails, and the exit code; the one place where errors end."""
+"""Report errors in one line with an exit code; the one place where errors end."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ UNEXPECTED, USAGE, INTERRUPTED = 1, 2, 130
 
 
 def exit_code_of(error: BaseException, state: CallState) -> int:
-    """Says in one line on standard error what happened and returns the exit code (docs/deliverables.md)."""
+    """Print in one line on standard error what happened and return the exit code (docs/deliverables.md)."""
     if isinstance(error, HullreconError):
-        return _say(state, error.line(), type(error).__name__, error.exit_code, where=error.where, remedy=error.remedy)
+        return _report(state, error.line(), type(error).__name__, error.exit_code, where=error.where, remedy=error.remedy)
     if isinstance(error, click.ClickException):
         context = getattr(error, "ctx", None)
         remedy = f"see {context.command_path} --help" if context is not None else ""
-        return _say(state, f"{error.format_message()} ({remedy})" if remedy else error.format_message(), "UsageError", USAGE)
+        return _report(state, f"{error.format_message()} ({remedy})" if remedy else error.format_message(), "UsageError", USAGE)
     if isinstance(error, KeyboardInterrupt | click.Abort):
-        return _say(state, "interrupted: what is finished is kept, run again to go on", "Interrupted", INTERRUPTED)
+        return _report(state, "interrupted: what is finished is kept, run again to go on", "Interrupted", INTERRUPTED)
     if isinstance(
         error, SystemExit
     ):  # click: completion has been printed, or the reader of our output has left, as `head` does
         return error.code if isinstance(error.code, int) else UNEXPECTED
     line = f"internal error; traceback in {_write_traceback(error, state)}"
-    return _say(state, line, "InternalError", UNEXPECTED)
+    return _report(state, line, "InternalError", UNEXPECTED)
 
 
-def _say(state: CallState, line: str, kind: str, code: int, **more: str) -> int:
+def _report(state: CallState, line: str, kind: str, code: int, **more: str) -> int:
     one_line = " ".join(line.split())
     click.echo(f"error: {one_line}", err=True)
     log_to_file(f"error: {one_line}")

@@ -25,7 +25,7 @@ class CallState:
     workspace: Path | None = None
 
     def emit(self, document: object, lines: Iterable[str]) -> None:
-        """The result on standard output: the document with --json, else the lines, nothing when quiet."""
+        """Print the result on standard output: the document with --json, else the lines, nothing when quiet."""
         if self.json:
             from hullrecon.artifacts.storage.documents import encode
 
@@ -36,7 +36,7 @@ class CallState:
 
 
 def state_of(context: click.Context | None = None) -> CallState:
-    """The state of this call; a plain one outside the program's own group."""
+    """Return the state of this call; a plain one outside the program's own group."""
     return (context or click.get_current_context()).find_root().ensure_object(CallState)
 
 

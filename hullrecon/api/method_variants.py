@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import msgspec
 
@@ -20,6 +20,7 @@ from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import InputError
 
 if TYPE_CHECKING:
+    from hullrecon.adjustment.options import AdjustOptions
     from hullrecon.evaluation.comparison.comparison import DeadReckoning, SolvedVariant
     from hullrecon.records.deliverables import ReportedObject
 
@@ -40,10 +41,7 @@ class MethodVariant:
 
         As published is one solve from the registration on, as [Ozog2016] did it, so that its history is that of one function.
         """
-        from hullrecon.adjustment.options import AdjustOptions
-
-        own = whole.sections["adjust"]
-        assert isinstance(own, AdjustOptions)
+        own = cast("AdjustOptions", whole.sections["adjust"])
         own = msgspec.structs.replace(own, method=self.method, as_published=self.as_published)
         if self.as_published:
             own = msgspec.structs.replace(own, rounds=1, max_iterations=max(own.max_iterations, WHOLE_SOLVE_ITERATIONS))

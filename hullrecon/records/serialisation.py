@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Records as the members of an .npz and back: fields by name, those of nested records by `part.field`.
+"""Write records as the members of an .npz and read them back: fields by name, those of nested records by `part.field`.
 
-A part that is None has no members; so it is told from one that is empty.
+A part that is None has no members, which distinguishes it from an empty one.
 """
 
 from __future__ import annotations

@@ -15,12 +15,12 @@ NAMES = (
 
 
 def stage(name: str) -> Stage:
-    """The stage of that name, imported when asked for."""
+    """Return the stage of that name, imported when asked for."""
     return cast(Stage, import_module(_module(name)).STAGE)
 
 
 def stages() -> tuple[Stage, ...]:
-    """All stages; each comes after its inputs."""
+    """Return all stages; each comes after its inputs."""
     return tuple(stage(name) for name in NAMES)
 
 

@@ -22,7 +22,7 @@ Preflight = Callable[[list[StepStatus]], None]
 
 @dataclass(frozen=True)
 class StepOutcome:
-    """What a run did with one step: where it stood, whether it ran, and its artifact's manifest, None when skipped."""
+    """What a run did with one step: its status before, whether it ran, and its artifact's manifest, None when skipped."""
 
     before: StepStatus
     made: bool
@@ -33,9 +33,9 @@ def run_chain(
     chain: Chain, workspace: Workspace, run_context: RunContext, *, from_scratch: bool = False, wait_s: float = 0.0,
     preflight: Preflight | None = None,
 ) -> list[StepOutcome]:  # fmt: skip
-    """Brings every step of the chain up to date and publishes what is to be delivered.
+    """Bring every step of the chain up to date and publishes what is to be delivered.
 
-    preflight is told where every step stands before anything is done; an error that it raises ends the run.
+    preflight gets the status of every step before anything is done; an error that it raises ends the run.
     LockedError when another run holds the workspace; a stage's own errors pass, and what was finished before is kept.
     """
     with workspace.lock(wait_s):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a manifest's `run` block says of the machine: versions, host, peak memory."""
+"""Collect what a manifest's `run` block holds of the machine: versions, host, peak memory."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def host() -> dict[str, str | int | None]:
 
 
 def reset_peak_rss() -> None:
-    """Starts the peak of this process anew; where the kernel has no such thing, `peak_rss` is that of the whole run."""
+    """Reset the peak memory of this process; where the kernel has no such thing, `peak_rss` is that of the whole run."""
     with suppress(OSError):
         Path("/proc/self/clear_refs").write_text(_RESET_PEAK)
 

@@ -19,7 +19,7 @@ log = logging.getLogger(__name__)
 
 class Progress(Protocol):
     def track(self, items: Iterable[Item], label: str, total: int | None) -> Iterator[Item]:
-        """The same items, shown while they pass."""
+        """Yield the same items and show how many have passed."""
 
 
 class Silent:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Runs one stage: calls its function into a temporary folder and commits that, with its manifest, as a whole."""
+"""Run one stage: call its function into a temporary folder and commit that, with its manifest, as a whole."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from hullrecon.artifacts.graph.job import Job, make_job
 from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.artifacts.storage.disk import commit_folder, make_folder, remove, storage_errors
 from hullrecon.artifacts.storage.hashing import HashCache, files_below, hash_file
-from hullrecon.artifacts.storage.manifest import Manifest, JsonTable, write_manifest
+from hullrecon.artifacts.storage.manifest import JsonTable, Manifest, write_manifest
 from hullrecon.artifacts.storage.writer import ArtifactWriter
 from hullrecon.errors import InputError, StageError
 

@@ -24,7 +24,7 @@ class Chain:
     package: Path
 
     def up_to(self, name: str) -> Chain:
-        """The part that `name` needs. UsageError when there is no such step."""
+        """Return the part of the chain that `name` needs. Raises UsageError when there is no such step."""
         by_name = {stage.name: stage for stage in self.stages}
         if name not in by_name:
             raise unknown_step(name, tuple(by_name))
@@ -36,7 +36,7 @@ class Chain:
         return replace(self, stages=tuple(s for s in self.stages if s.name in needed))
 
     def skip_reasons(self) -> dict[str, str]:
-        """Steps that this dive cannot have, with the reason; a step whose needed input is one of them is one too."""
+        """Return steps that this dive cannot have, with the reason; a step whose needed input is one of them is one too."""
         reasons: dict[str, str] = {}
         for stage in self.stages:
             own = stage.applies(settings_for(stage, self.sections)) if stage.applies is not None else None
@@ -58,6 +58,6 @@ def unknown_step(name: str, names: Sequence[str]) -> UsageError:
 
 
 def inputs_of(stage: Stage, chain: Chain, workspace: Workspace, skipped: Mapping[str, str]) -> dict[str, Path]:
-    """Folders of the inputs that are part of this dive's chain."""
+    """Return the folders of the inputs that are part of this dive's chain."""
     part = {s.name for s in chain.stages} - set(skipped)
     return {name: workspace.artifact(name) for name in (*stage.inputs, *stage.optional) if name in part}

@@ -23,7 +23,8 @@ State = Literal["up to date", "not run yet", "out of date", "damaged", "skipped"
 
 @dataclass(frozen=True)
 class StepStatus:
-    """Where one step stands. reasons: sentences, empty when up to date. manifest: that of the present artifact, if readable."""
+    """The status of one step. reasons: sentences, empty when up to date. manifest: that of the present artifact, if
+    readable."""
 
     stage: Stage
     state: State
@@ -40,7 +41,7 @@ class StepStatus:
 
 
 def assess_chain(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[StepStatus]:
-    """Where every step stands, in the chain's order. Reads only."""
+    """Return the status of every step, in the chain's order, without changing anything."""
     skipped = chain.skip_reasons()
     found: list[StepStatus] = []
     for stage in chain.stages:
@@ -65,7 +66,7 @@ def _status_of(
 
 
 def assess_step(job: Job, workspace: Workspace, hashes: HashCache) -> StepStatus:
-    """Where one step stands whose inputs are as they will be."""
+    """Return the status of one step whose inputs are up to date."""
     stage = job.stage
     try:
         manifest = workspace.manifest(stage.name)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What decides a stage's result: its settings, its inputs by content, its files of the package, its version."""
+"""Collect what decides a stage's result: its settings, its inputs by content, its files of the package, its version."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from hullrecon.errors import InputError
 def make_recipe(
     stage: Stage, settings: StageSettings, inputs: Mapping[str, Path], source: Path | None, hashes: HashCache
 ) -> Recipe:
-    """The recipe as things are now. InputError when a file of the package is missing."""
+    """Return the recipe as things are now. Raises InputError when a file of the package is missing."""
     return Recipe(
         stage=stage.name,
         version=stage.version,
@@ -30,7 +30,7 @@ def make_recipe(
 
 
 def external_files(stage: Stage, settings: StageSettings, source: Path | None, hashes: HashCache) -> dict[str, FileRecord]:
-    """The files of the package that the stage reads, a folder as all files below it, by path relative to the package."""
+    """Return the files of the package that the stage reads by path relative to it, a folder as all files below it."""
     if stage.external is None or source is None:
         return {}
     found: dict[str, FileRecord] = {}
@@ -49,7 +49,7 @@ def external_files(stage: Stage, settings: StageSettings, source: Path | None, h
 
 
 def content_hash(folder: Path, hashes: HashCache) -> str:
-    """That of the artifact's manifest; of a folder made by hand, the hash of its files."""
+    """Return the content hash of an artifact by its manifest; of a folder made by hand, the hash of its files."""
     manifest = read_manifest(folder) if (folder / FILE_NAME).exists() else None
     if manifest is not None:
         return manifest.content_hash

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a step declares, and what it is given when it runs."""
+"""Declare a step, and what it is given when it runs."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ class Writer(Protocol):
     """Writes the files of one artifact; nothing else opens a file for writing in RUNS."""
 
     def arrays(self, name: str, arrays: Mapping[str, NDArray[np.generic]]) -> None:
-        """An .npz with those members, same bytes for the same arrays."""
+        """Write an .npz with those members, same bytes for the same arrays."""
 
     def json(self, name: str, value: object) -> None:
-        """Indented JSON with sorted keys; NaN is refused."""
+        """Write indented JSON with sorted keys; NaN is refused."""
 
     def text(self, name: str, value: str) -> None: ...
 
     def bytes(self, name: str, value: bytes) -> None: ...
 
     def path(self, name: str) -> AbstractContextManager[Path]:
-        """A temporary path to let a library write to; made durable and renamed at the end of the `with`."""
+        """Give a temporary path to let a library write to; it is made durable and renamed at the end of the `with`."""
 
 
 class Context(Protocol[Parameters]):
@@ -47,23 +47,24 @@ class Context(Protocol[Parameters]):
 
     @property
     def source(self) -> Path:
-        """Folder of the package (stages with `external` only)."""
+        """Return the folder of the package (stages with `external` only)."""
 
     @property
     def parameters(self) -> Parameters:
-        """The stage's own section, an instance of its `parameters`."""
+        """Return the stage's own section, an instance of its `parameters`."""
 
     def progress(self, items: Iterable[Item], label: str, total: int | None = None) -> Iterable[Item]:
-        """The same items, shown as a bar on a terminal and as log lines else."""
+        """Yield the same items, shown as a bar on a terminal and as log lines elsewhere."""
 
     def map(self, function: Callable[[Item], Result], items: Sequence[Item], label: str) -> list[Result]:
-        """In order, over the executor (`--jobs`, `--scheduler`); `function` must pickle. Same results whichever executor."""
+        """Return the results in order, computed by the executor (`--jobs`, `--scheduler`); `function` must pickle. Same
+        results whichever executor."""
 
     def warn(self, message: str) -> None:
-        """A sentence for the log, the manifest and summary.json."""
+        """Add a sentence to the log, the manifest and summary.json."""
 
     def record_times(self, name: str, seconds: Sequence[float]) -> None:
-        """Wall-clock times for the manifest's run block: they differ between equal runs, so no file holds them."""
+        """Record wall-clock times, s, for the manifest's run block: they differ between equal runs, so no file holds them."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,6 @@ class Stage:
 
 
 def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """The members of an .npz, read whole."""
+    """Return the members of an .npz, read whole."""
     with np.load(path, allow_pickle=False) as file:
         return {name: file[name] for name in file.files}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Why an artifact is no longer what a run would make now, in words."""
+"""Explain why an artifact is not what a run would make now."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ABSENT = object()
 
 
 def differences(made: Recipe, now: Recipe) -> list[str]:
-    """Each part of the recipe that changed; empty exactly when the keys are equal."""
+    """Return a sentence for each part of the recipe that changed; none exactly when the keys are equal."""
     return [
         *_options(made.settings, now.settings),
         *_inputs(made.inputs, now.inputs),
@@ -26,7 +26,7 @@ def differences(made: Recipe, now: Recipe) -> list[str]:
 
 
 def _options(made: Mapping[str, Json], now: Mapping[str, Json]) -> Iterator[str]:
-    """A section that came or went is one sentence, not one for each of its options."""
+    """Yield a sentence for each changed option; one for a whole section that came or went."""
     for section in sorted({*made, *now}):
         before, after = made.get(section, _ABSENT), now.get(section, _ABSENT)
         if isinstance(before, dict) and isinstance(after, dict):

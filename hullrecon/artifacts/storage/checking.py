@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""`check` of a workspace: every artifact against its manifest, and the package's files against what was read from them."""
+"""Check a workspace: every artifact against its manifest, and the package's files against what was read from them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class WorkspaceCheck:
 
 
 def check_workspace(workspace: Workspace, names: Sequence[str], *, read_data: bool) -> WorkspaceCheck:
-    """Compares presence and size of every file with the manifests; with read_data every byte, the package's files too."""
+    """Compare presence and size of every file with the manifests; with read_data every byte, the package's files too."""
     result = WorkspaceCheck()
     hashes = workspace.hashes(trusting=not read_data)
     for name in names:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The one place that changes files in RUNS: durable files, folders renamed whole, errors of the disk in words."""
+"""The one place that changes files in RUNS: durable files, folders renamed whole, errors of the disk explained."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def storage_errors(folder: Path, only_below: Path | None = None) -> Iterator[Non
 
 @contextmanager
 def durable_file(path: Path) -> Iterator[BinaryIO]:
-    """A new binary file under a temporary name; on leaving it is synced and renamed to `path`, and the folder synced."""
+    """Open a new binary file under a temporary name; on leaving it is synced and renamed to `path`, and the folder synced."""
     temporary = temporary_name(path)
     with storage_errors(path.parent):
         make_folder(path.parent)
@@ -66,14 +66,15 @@ def durable_file(path: Path) -> Iterator[BinaryIO]:
 
 
 def write_file(path: Path, data: bytes) -> None:
-    """All of `data` is in `path`, durably, or `path` is as it was."""
+    """Write all of `data` to `path`, durably, or leave `path` as it was."""
     with durable_file(path) as file:
         file.write(data)
 
 
 @contextmanager
 def durable_path(path: Path) -> Iterator[Path]:
-    """A temporary path, of the same suffix, for a library to write a file or a folder to; synced and renamed on leaving."""
+    """Give a temporary path, of the same suffix, for a library to write a file or a folder to; synced and renamed on
+    leaving."""
     temporary = temporary_name(path)
     with storage_errors(path.parent):
         make_folder(path.parent)
@@ -156,7 +157,7 @@ def set_aside(final: Path) -> Path:
 
 
 def existing_folder(final: Path) -> Path:
-    """Where the folder is: at its place or, when a commit without swap was cut short, beside it."""
+    """Return where the folder lies: under its name or, when a commit without swap was cut short, beside it."""
     return set_aside(final) if not final.exists() and set_aside(final).exists() else final
 
 

@@ -53,7 +53,7 @@ class Manifest(Struct, frozen=True, kw_only=True):
 
     @property
     def content_hash(self) -> str:
-        """Of all but the `run` block: what a step that takes this artifact depends on."""
+        """Return the hash of all but the `run` block: what a step that takes this artifact depends on."""
         content = msgspec.to_builtins(self)
         del content["run"]
         return digest(content)
@@ -64,7 +64,10 @@ def write_manifest(folder: Path, manifest: Manifest) -> None:
 
 
 def read_manifest(folder: Path) -> Manifest | None:
-    """None when there is no artifact; DamagedArtifactError when the manifest is missing in one, cut short or altered."""
+    """Return the manifest of an artifact; None when there is no artifact.
+
+    Raises DamagedArtifactError when it is missing in one, cut short or altered.
+    """
     if not folder.is_dir():
         return None
     try:

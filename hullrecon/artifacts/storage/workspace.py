@@ -36,11 +36,11 @@ class Workspace:
         self.root = root
 
     def artifact(self, name: str) -> Path:
-        """The folder of a step's artifact, whether it is there or not."""
+        """Return the folder of a step's artifact, whether it is there or not."""
         return existing_folder(self.root / name)
 
     def manifest(self, name: str) -> Manifest | None:
-        """None when there is no artifact; DamagedArtifactError when its manifest cannot be trusted."""
+        """Return a step's manifest; None without an artifact. Raises DamagedArtifactError when it cannot be trusted."""
         return read_manifest(self.artifact(name))
 
     def build_folder(self, name: str) -> Path:
@@ -117,7 +117,7 @@ class Workspace:
 
 
 def damaged_files(folder: Path, manifest: Manifest, hashes: HashCache) -> list[str]:
-    """Each file of an artifact that is not as its manifest says, in words."""
+    """Return a sentence for each file of an artifact that is not as its manifest has it."""
     found = []
     for name, record in sorted(manifest.outputs.items()):
         try:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the files of one artifact into a folder under construction."""
+"""Write the files of one artifact into a folder under construction."""
 
 from __future__ import annotations
 
@@ -28,7 +28,10 @@ class ArtifactWriter:
         self._folder = folder
 
     def arrays(self, name: str, arrays: Mapping[str, NDArray[np.generic]]) -> None:
-        """An uncompressed .npz, members sorted by name, in C order, without dates. ValueError for arrays of objects."""
+        """Write an uncompressed .npz, members sorted by name, in C order, without dates.
+
+        Raises ValueError for arrays of objects.
+        """
         with durable_file(self._place(name)) as file:
             _write_npz(file, arrays)
 

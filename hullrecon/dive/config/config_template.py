@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The first dive.toml, written from what a log and the folder around it hold."""
+"""Write the first dive.toml from what a log and the folder around it hold."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from hullrecon.dive.logs.timeline import format_time
 HEAD = """\
 # What was dived, with which sensors, and how they are mounted. Written by `hullrecon init`; read through it once:
 # sigmas are typical values; no log can tell what is marked "to fill in".
-# Then `hullrecon check {folder}` says in words what it reads.
+# Then `hullrecon check {folder}` describes what it reads.
 # Lengths are metres, angles degrees where a key ends in _deg or a mount lists x, y, z, roll, pitch, yaw.
 
 [dive]
@@ -35,7 +35,7 @@ files = [{logs}]
 [tray]                           # the servoed tray that carries DVL and cameras
 {tray}# its name in the joint messages{joints}
 # origin = [x, y, z]             # to fill in: where it turns, in the vehicle's frame: x forward, y starboard, z down
-sigma_deg = 0.8                  # slop of the servo
+sigma_deg = 0.8                  # backlash of the servo
 
 [imu]
 frame = "ned"                    # or "enu": the convention of the messages' orientation
@@ -96,19 +96,19 @@ BEAMS = """\
 """
 
 
-def fill_template(survey: LogSummary, logs: Sequence[Path], folder: Path) -> str:
+def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> str:
     """Return the text of a dive.toml for that folder, which load_config accepts; what no log tells stands in comments."""
-    guessed = guess_topics(survey.topics)
-    names = joint_names(survey)
+    guessed = guess_topics(summary.topics)
+    names = joint_names(summary)
     tray = next((n for n in names if "tray" in n or "tilt" in n), names[0] if names else "tray")
-    starts = [t.start_ns for t in survey.topics if t.count]
+    starts = [t.start_ns for t in summary.topics if t.count]
     text = HEAD.format(
         folder=_printable(folder.name) or ".",
         name=_quoted(re.sub(r"[^A-Za-z0-9._-]+", "-", folder.resolve().name).lstrip(".-")[:100] or "dive"),
         date=f"date = {format_time(min(starts))[:19]}Z\n" if starts else "",
         logs=", ".join(_quoted(Path(os.path.relpath(log, folder)).as_posix()) for log in logs),
-        beams=BEAMS if beams_to_ask_for(survey) else "",
-        topics=_topics(survey, guessed),
+        beams=BEAMS if beams_to_ask_for(summary) else "",
+        topics=_topics(summary, guessed),
         tray=f"joint = {_quoted(tray)} ".ljust(33),
         joints=f": {_printable(', '.join(names))}" if names else "",
     )
@@ -125,35 +125,35 @@ def fill_template(survey: LogSummary, logs: Sequence[Path], folder: Path) -> str
     return text + (HULL.format(mesh=_quoted(mesh)) if mesh else NO_HULL)
 
 
-def beams_to_ask_for(survey: LogSummary) -> int:
+def beams_to_ask_for(summary: LogSummary) -> int:
     """Return the number of the DVL's beams where the first message has ranges but nothing says where they point, else 0."""
-    topic = guess_topics(survey.topics).get("dvl")
-    note = next((t for t in survey.topics if t.channel.topic == topic), None)
+    topic = guess_topics(summary.topics).get("dvl")
+    note = next((t for t in summary.topics if t.channel.topic == topic), None)
     first = None if note is None else note.first
     if note is not None and first is not None and not isinstance(first, DvlSample):
         first = next(iter(TYPES["dvl"][type_name(note.channel)](first, 0, "dvl")), None)
     return len(first.ranges) if isinstance(first, DvlSample) and first.beams is None else 0
 
 
-def joint_names(survey: LogSummary) -> list[str]:
-    """The joints of the first joint message."""
-    for note in survey.topics:
+def joint_names(summary: LogSummary) -> list[str]:
+    """Return the joints of the first joint message."""
+    for note in summary.topics:
         if note.channel.type.endswith("/JointState") and note.first is not None:
             return [str(name) for name in note.first.name]  # type: ignore[attr-defined]
     return []
 
 
-def _topics(survey: LogSummary, guessed: dict[str, str]) -> str:
-    if any(note.channel.encoding == "sample" for note in survey.topics):
+def _topics(summary: LogSummary, guessed: dict[str, str]) -> str:
+    if any(note.channel.encoding == "sample" for note in summary.topics):
         return "# the names of the files say which sensor is which\n"
     lines = []
     for sensor in TYPES:
         if sensor in guessed:
-            kind = next(t.channel.type for t in survey.topics if t.channel.topic == guessed[sensor])
+            kind = next(t.channel.type for t in summary.topics if t.channel.topic == guessed[sensor])
             lines.append(f"{sensor} = {_quoted(guessed[sensor])} ".ljust(33) + f"# {_printable(kind)}")
         else:
             lines.append(f"# {sensor} =".ljust(33) + "# no topic of the log has a type that fits, or a name that tells")
-    others = [t.channel for t in survey.topics if t.channel.topic not in guessed.values()]
+    others = [t.channel for t in summary.topics if t.channel.topic not in guessed.values()]
     lines += [f"#   not used: {_printable(c.topic)} ({_printable(c.type)})" for c in others]
     return "\n".join(lines) + "\n"
 

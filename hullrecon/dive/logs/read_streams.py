@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Streams every log once and sorts what comes by sensor."""
+"""Stream every log once and sort what comes by sensor."""
 
 from __future__ import annotations
 
@@ -36,8 +36,12 @@ class LogContents:
 
 
 def read_streams(logs: Sequence[Log], topics: Mapping[str, str], take_image: TakeImage, watch: Watch = iter) -> LogContents:
-    """topics: sensor by topic; a sensor named there comes from that topic, not from a PD0 file or a table beside the log.
-    Streams; only small samples are kept. `watch` sees every message pass (progress)."""
+    """Return what the logs hold, read once.
+
+    topics: sensor by topic; a sensor named there comes from that topic, not from a PD0 file or a table beside the log.
+    Only small samples are kept. `watch` sees every message pass (progress). Raises InputError for a topic of a type that is
+    not read.
+    """
     out = LogContents()
     for log in logs:
         for message in watch(log.messages()):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Samples to records: units, conventions and lost values made one, and in words what was assumed."""
+"""Turn samples into records: one set of units and conventions, NaN for lost values, remarks on what was assumed."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def imu_samples(samples: Sequence[ImuSample], frame: str, remarks: list[str]) ->
 
 
 def pressure_samples(samples: Sequence[PressureSample], model: PressureModel, remarks: list[str]) -> PressureSamples:
-    """Depth of the sensor, positive down; readings that are not finite are left out."""
+    """Return the depth of the sensor, positive down; readings that are not finite are left out."""
     pascal = np.array([s.pascal for s in samples])
     good = np.isfinite(pascal)
     depth = (pascal[good] - model.atmosphere) / (model.density * model.gravity)
@@ -94,7 +94,7 @@ def pressure_samples(samples: Sequence[PressureSample], model: PressureModel, re
 
 
 def joint_samples(samples: Sequence[JointSample], name: str, remarks: list[str]) -> JointSamples:
-    """One servo's angle; readings that are not finite are left out."""
+    """Return one servo's angle; readings that are not finite are left out."""
     angle = np.array([s.angle for s in samples])
     good = np.isfinite(angle)
     if good.any() and np.abs(angle[good]).max() > 2 * np.pi:
@@ -103,7 +103,7 @@ def joint_samples(samples: Sequence[JointSample], name: str, remarks: list[str])
 
 
 def sonar_pings(samples: Sequence[SonarSample], remarks: list[str]) -> SonarPings | None:
-    """Pings of the most common geometry, as 8 bits; None without any."""
+    """Return pings of the most common geometry, as 8 bits; None without any."""
     shapes = Counter((s.image.shape, round(float(s.range_m[-1]), 6)) for s in samples)
     if not shapes:
         return None

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A log looked over without a dive.toml: its topics, and which of them could be which sensor."""
+"""Summarise a log without a dive.toml: its topics, and which of them could be which sensor."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class LogSummary:
     remarks: list[str] = field(default_factory=list)
 
     def lines(self) -> list[str]:
-        """Sentences: the topics, the sensors among them, what is missing for a run."""
+        """Return sentences: the topics, the sensors among them, what is missing for a run."""
         span = [t for t in self.topics if t.count]
         count = messages.count_noun(sum(t.count for t in span), "message")
         head = f"{self.kind}: {count} on {messages.count_noun(len(span), 'topic')}"
@@ -73,7 +73,7 @@ class LogSummary:
 
 
 def _unused(topics: Sequence[TopicNote], chosen: set[str]) -> list[str]:
-    """Return what is said of topics that no sensor was given: of those of a type that is read, and of the others."""
+    """Return a sentence for topics that no sensor was given: of those of a type that is read, and of the others."""
     left = sorted((t for t in topics if t.channel.topic not in chosen), key=lambda t: t.channel.topic)
     sensors = {t.channel.topic: [name for name, types in TYPES.items() if _fits(t, types)] for t in left}
     known = [f"{topic} (could be {' or '.join(names)})" for topic, names in sensors.items() if names]
@@ -85,7 +85,7 @@ def _unused(topics: Sequence[TopicNote], chosen: set[str]) -> list[str]:
 
 
 def summarise_log(log: Log) -> LogSummary:
-    """Reads the log once, decoding the first message of each topic alone."""
+    """Read the log once, decoding the first message of each topic alone."""
     notes: dict[Channel, TopicNote] = {}
     for message in log.messages():
         note = notes.setdefault(message.channel, TopicNote(message.channel, _first(message), 0, message.t_ns, message.t_ns))
@@ -115,7 +115,8 @@ def summarise_logs(logs: Sequence[Log]) -> LogSummary:
 
 
 def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
-    """Topic by sensor: those whose type fits, by name where several do; for a DVL, whose types are common ones, by both."""
+    """Return topics by sensor: those whose type fits, by name where several do; for a DVL, whose types are common ones, by
+    both."""
     found: dict[str, str] = {}
     for sensor, parts in NAMED.items():
         fitting = [t.channel.topic for t in topics if _fits(t, TYPES[sensor])]
@@ -145,7 +146,7 @@ def _named(topics: Sequence[str], parts: Sequence[str]) -> list[str]:
 
 
 def missing(sensors: set[str], hull: bool | None = None) -> list[str]:
-    """What the absence of sensors means for a run. hull: is there a CAD model; None: not known yet."""
+    """Return what the absence of sensors means for a run. hull: whether there is a CAD model; None: not known yet."""
     stereo = {"camera_top", "camera_bottom"} <= sensors
     consequences = {
         "dvl": "motion comes from stereo images" if stereo else "and no stereo images either: no motion, no run is possible",

@@ -239,3 +239,25 @@ def test_real_hulls_open_half_messy_or_inverted_come_out_clean_and_outward(data,
     assert len(mesh.faces) == faces
     assert any(said in line for line in messages)
     assert outer_share(mesh, 0.0) > 0.998
+
+
+def test_one_removed_face_is_told_in_the_singular():
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+    messages = []
+    clean_mesh(Mesh(vertices, np.array([[0, 1, 2], [1, 2, 3], [0, 1, 1]], np.int32)), messages)
+    assert messages == ["1 degenerate face was removed"]
+
+
+def test_a_strip_with_half_a_twist_has_an_edge_without_a_consistent_winding():
+    """A Moebius strip of 10 quads: no orientation agrees across all of its edges."""
+    turn = np.linspace(0, 2 * np.pi, 10, endpoint=False)
+    along = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(10)])
+    across = 0.3 * np.column_stack([np.cos(turn / 2) * along[:, 0], np.cos(turn / 2) * along[:, 1], np.sin(turn / 2)])
+    vertices = np.vstack([along - across, along + across])
+    faces = []
+    for k in range(10):
+        low, high = (k, k + 10), (k + 1, k + 11) if k < 9 else (10, 0)
+        faces += [[low[0], high[0], high[1]], [low[0], high[1], low[1]]]
+    messages = []
+    orient_outward(Mesh(vertices, np.array(faces, np.int32)), messages)
+    assert any("cannot have a consistent winding on both sides" in line for line in messages)

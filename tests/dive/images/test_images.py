@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hullrecon.artifacts.storage.writer import ArtifactWriter
 from hullrecon.dive.images.integrity import jpeg_is_whole, size_of
 from hullrecon.dive.images.sink import ImageSink
-from hullrecon.dive.images.store import ImageStore, decode
+from hullrecon.dive.images.store import CAMERAS, IMAGE_SUFFIXES, ImageStore, decode
 from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.errors import InputError
 from hullrecon.records.serialisation import to_arrays
@@ -164,3 +164,21 @@ def test_a_restart_out_of_order_is_damage():
 @given(st.data())
 def test_any_cut_of_a_jpeg_is_noticed(jpegs, data):
     assert size_of(jpegs[0][: data.draw(st.integers(0, len(jpegs[0]) - 1))]) is None
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".jpeg", ".png", ".tif", ".bmp"])
+def test_files_with_common_suffixes_are_images_and_decode(suffix):
+    assert suffix in IMAGE_SUFFIXES
+    ok, encoded = cv2.imencode(suffix, np.full((4, 6, 3), 128, np.uint8))
+    assert ok
+    image = decode(encoded.tobytes())
+    assert image is not None
+    assert image.shape == (4, 6, 3)
+
+
+def test_names_of_logs_and_tables_are_no_images():
+    assert not IMAGE_SUFFIXES & {".csv", ".npz", ".mcap", ".toml", ".mp4"}
+
+
+def test_the_cameras_of_the_store_are_those_of_the_rig():
+    assert CAMERAS == ("camera_top", "camera_bottom")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""sensor_msgs/Image to PNG, without loss of what eight bits hold."""
+"""Convert sensor_msgs/Image to PNG, without loss of what eight bits hold."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ QUICK = 1  # PNG's compression level: images are written once, and read a few ti
 
 
 def encode_raw(message: Fields) -> bytes:
-    """PNG bytes; DamagedError when the pixels are not all there or the encoding is not known."""
+    """Return PNG bytes. Raises DamagedError when the pixels are not all there or the encoding is not known."""
     import cv2
 
     pixels = _pixels(message)
@@ -29,7 +29,7 @@ def encode_raw(message: Fields) -> bytes:
 
 
 def _pixels(message: Fields) -> NDArray[np.integer]:
-    """Pixels (h, w) or (h, w, channels), rows freed of their padding."""
+    """Return pixels (h, w) or (h, w, channels), rows freed of their padding."""
     encoding = message.encoding.lower()
     if encoding not in CHANNELS:
         raise DamagedError(f"an image in the encoding {message.encoding!r}")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What each message type means, one small function a type; the tables at the end say which topics take which types."""
+"""Translate messages to samples, one small function a type; the tables at the end say which topics take which types."""
 
 from __future__ import annotations
 
@@ -31,8 +31,11 @@ def vector(v: Fields) -> Array:
 
 
 def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """A lost velocity has a covariance of -1, or comes from the water; a lost beam a range of 0, negative or NaN, or a
-    covariance of -1."""
+    """Read marine_acoustic_msgs/Dvl.
+
+    A lost velocity has a covariance of -1, or comes from the water; a lost beam a range of 0, negative or NaN, or a covariance
+    of -1.
+    """
     covariance = np.asarray(message.velocity_covar, float)
     ranges = np.asarray(message.range, float).copy()
     bad = np.asarray(message.range_covar, float) == -1
@@ -46,7 +49,7 @@ def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def twist_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """geometry_msgs/TwistWithCovarianceStamped and nav_msgs/Odometry: no ranges."""
+    """Read geometry_msgs/TwistWithCovarianceStamped and nav_msgs/Odometry: no ranges."""
     covariance = np.asarray(message.twist.covariance, float)
     velocity = LOST if covariance[0] == -1 else vector(message.twist.twist.linear)
     return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 7, 14]]), NO_RANGES, None)]
@@ -57,8 +60,10 @@ def twist(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def water_linked(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """The A50's report: figure of merit as sigma, one entry a beam with its own validity. Its beams are those of the A50: the
-    message has none."""
+    """Read the A50's report: figure of merit as sigma, one entry a beam with its own validity.
+
+    Its beams are those of the A50: the message has none.
+    """
     valid = bool(message.velocity_valid)
     ranges = [b.distance if b.valid and b.distance > 0 else np.nan for b in sorted(message.beams, key=lambda b: int(b.id))]
     sigma = float(message.fom) if 0 < message.fom < FIGURE_OF_MERIT_LIMIT else np.nan
@@ -68,14 +73,14 @@ def water_linked(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def girona_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """cola2_msgs/DVL: velocity with covariance, one altitude, no beams."""
+    """Read cola2_msgs/DVL: velocity with covariance, one altitude, no beams."""
     covariance = np.asarray(message.velocity_covariance, float)
     velocity = LOST if covariance[0] == -1 else vector(message.velocity)
     return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), NO_RANGES, None)]
 
 
 def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """UUV Simulator and Stonefish: as Girona's, with one message a beam; a covariance of -1 marks a lost one."""
+    """Read DVLs of UUV Simulator and Stonefish: as Girona's, with one message a beam; a covariance of -1 marks a lost one."""
     covariance = np.asarray(message.velocity_covariance, float)
     velocity = LOST if covariance[0] == -1 else vector(message.velocity)
     ranges = [b.range if b.range > 0 and b.range_covariance != -1 else np.nan for b in message.beams]
@@ -83,7 +88,7 @@ def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """nortek_dvl/Dvl: figure of merit as sigma; a lost velocity is -32.768, a lost distance 0."""
+    """Read nortek_dvl/Dvl: figure of merit as sigma; a lost velocity is -32.768, a lost distance 0."""
     velocity, merit = vector(message.velocity), float(message.figureOfMerit)
     lost = bool(np.any(velocity <= NORTEK_LOST)) or merit >= NORTEK_BAD_MERIT
     ranges = np.asarray(message.beamDistance, float)
@@ -92,7 +97,7 @@ def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def imu(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """A covariance of -1 says that the IMU does not measure that quantity."""
+    """Read sensor_msgs/Imu. A covariance of -1 says that the IMU does not measure that quantity."""
     q = message.orientation
     quaternion = np.array([q.x, q.y, q.z, q.w], float)
     given = [np.asarray(c)[0] != -1 for c in (
@@ -125,7 +130,7 @@ def raw_image(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def projected_sonar(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    """The pixel of range bin r and beam b lies at r * beam_count + b."""
+    """Read ProjectedSonarImage. The pixel of range bin r and beam b lies at r * beam_count + b."""
     if int(message.image.dtype) not in DTYPES:
         raise DamagedError(f"a sonar image of data type {message.image.dtype}")
     order = ">" if message.image.is_bigendian else "<"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Keeps account of what a reader saw and what it could not read, topic by topic."""
+"""Track what a reader saw and what it could not read, topic by topic."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ class LossTracker:
         self._open: list[tuple[str, dict[str, int]]] = []
 
     def record(self, message: Message) -> Message:
+        """Count a message, close open losses at its time, and return it."""
         if self._open:
             self._close(message.t_ns)
         topic = message.channel.topic
@@ -28,17 +29,18 @@ class LossTracker:
         return message
 
     def add_loss(self, why: str, start_ns: int, end_ns: int, topics: Collection[str] = ()) -> None:
-        """A part with a known span; without topics, of every topic seen so far."""
+        """Add the loss of a part with a known span; without topics, of every topic seen so far."""
         self.losses += [Loss(why, topic, start_ns, end_ns) for topic in sorted(topics or self._last)] or [
             Loss(why, "", start_ns, end_ns)
         ]
 
     def open_gap(self, why: str) -> None:
-        """A part of unknown content: of each topic what lies between its last message and the next message of the log."""
+        """Open the loss of a part of unknown content: of each topic what lies between its last message and the next message
+        of the log."""
         self._open.append((why, dict(self._last)))
 
     def finish(self, expected: Mapping[str, int] | None = None) -> None:
-        """Closes what is open; `expected` counts by topic, where the log tells them, turn into numbers of lost messages."""
+        """Close what is open; `expected` counts by topic, where the log tells them, turn into numbers of lost messages."""
         self._close(None)
         for topic, count in sorted((expected or {}).items()):
             missing = count - self.seen[topic]

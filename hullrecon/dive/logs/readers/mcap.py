@@ -22,11 +22,12 @@ from hullrecon.dive.logs.readers.mcap_records import (
     SCHEMA,
     Chunk,
     Definitions,
+    Summary,
     head,
     messages_of,
     read_chunk,
+    read_summary,
 )  # fmt: skip
-from hullrecon.dive.logs.readers.mcap_summary import Summary, read_summary
 from hullrecon.dive.logs.readers.protocol import Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, fields
 
@@ -136,7 +137,7 @@ def checksum(stream: BinaryIO, end: int) -> int:
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """The first byte at or after `start` where a whole chunk lies; `size` when there is none."""
+    """Return the first byte at or after `start` where a whole chunk lies; `size` when there is none."""
     at = start
     while at < size:
         stream.seek(at)

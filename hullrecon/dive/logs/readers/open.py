@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which reader a log needs: by its first bytes; by its name where those are damaged."""
+"""Choose the reader of a log: by its first bytes; by its name where those are damaged."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 file or a folder of CSVs"
 
 
 def open_log(path: Path, package: Path | None = None) -> Log:
-    """The log's reader. InputError when nothing lies there, or nothing that any reader knows.
+    """Return the log's reader. Raises InputError when nothing lies there, or nothing that any reader knows.
 
     package: the folder that paths in plain files may be relative to.
     """

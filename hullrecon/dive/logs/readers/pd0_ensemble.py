@@ -72,7 +72,7 @@ def ensembles(data: bytes | mmap.mmap) -> Iterator[tuple[int, int, Ensemble | st
 
 
 def parse(data: bytes) -> Ensemble:
-    """One whole ensemble without its checksum; DamagedError when a part that every ensemble has is missing."""
+    """Parse one whole ensemble without its checksum. Raises DamagedError when a part that every ensemble has is missing."""
     parts = _parts(data)
     if FIXED not in parts or VARIABLE not in parts:
         raise DamagedError("its leaders are missing")

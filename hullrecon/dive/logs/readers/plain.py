@@ -151,7 +151,7 @@ class _LateStampError(ValueError):
 
 
 def unit_of_stamp(value: float) -> str:
-    """Return in words the unit in which a stamp that is none in seconds would be one; "" where none fits."""
+    """Return the name of the unit in which a stamp that is none in seconds would be one; "" where none fits."""
     fits = [name for name, size in UNITS.items() if EARLIEST_S <= value / size <= LATEST_S]
     return f", which look like {fits[0]}" if fits else ""
 

@@ -49,7 +49,7 @@ class Log(Protocol):
     """A log that was opened. Reading it twice gives the same."""
 
     path: Path
-    kind: str  # in words, "MCAP"
+    kind: str  # its name, "MCAP"
     gives_samples: bool  # its messages are samples of known sensors: no topics apply
     remarks: list[str]  # what a reader should know; filled while reading
 
@@ -57,4 +57,4 @@ class Log(Protocol):
         """Every whole message, in the order of the file. Raises HullreconError only."""
 
     def losses(self) -> list[Loss]:
-        """What the last pass of `messages` could not read."""
+        """Return what the last pass of `messages` could not read."""

@@ -133,7 +133,7 @@ def messages_of(head: Head, data: bytes, connections: Connections) -> list[Messa
 
 
 def records(data: bytes) -> Iterator[tuple[Head, bytes]]:
-    """Head and data of records in a row."""
+    """Yield head and data of records in a row."""
     at = 0
     while at < len(data):
         (length,) = fields("<I", data, at)
@@ -146,7 +146,8 @@ def records(data: bytes) -> Iterator[tuple[Head, bytes]]:
 
 
 def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[BagChunk] | None:
-    """The chunks that the index at the end of the bag names, in the order of the file; None when there is none to trust."""
+    """Return the chunks that the index at the end of the bag names, in the order of the file; None when there is none to
+    trust."""
     try:
         head, _, _ = record(stream, len(MAGIC), size)
         (at,) = fields("<Q", head.get("index_pos", b""))
@@ -163,7 +164,7 @@ def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[Ba
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """The first byte at or after `start` where a whole chunk record lies; `size` when there is none."""
+    """Return the first byte at or after `start` where a whole chunk record lies; `size` when there is none."""
     at = start
     while at < size:
         stream.seek(max(0, at - HEAD_REACH))

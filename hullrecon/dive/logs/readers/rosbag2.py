@@ -58,7 +58,7 @@ class Rosbag2Log:
         return [STORAGE[p.suffix](p) for p in order if p.stat().st_size]
 
     def _metadata(self) -> dict[str, Any]:
-        """What metadata.yaml says; nothing when it is missing or damaged, which is said."""
+        """Return what metadata.yaml holds; nothing, with a remark, when it is missing or damaged."""
         try:
             info = read_yaml(self.path / METADATA).get("rosbag2_bagfile_information")
         except HullreconError as error:

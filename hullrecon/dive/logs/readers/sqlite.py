@@ -71,7 +71,7 @@ class SqliteLog:
 
 
 def bytes_missing(path: Path) -> int:
-    """How much shorter the file is than its header says."""
+    """Return how many bytes the file is shorter than its header says."""
     with path.open("rb") as stream:
         head = stream.read(32)
     if len(head) < 32:

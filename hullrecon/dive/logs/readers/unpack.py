@@ -15,7 +15,7 @@ class DamagedError(ValueError):
 
 
 def decompress(data: bytes, how: str, size: int) -> bytes:
-    """`size` bytes of a chunk packed as "", "none", "zstd", "lz4" or "bz2"; DamagedError when they are not there."""
+    """Return `size` bytes of a chunk packed as "", "none", "zstd", "lz4" or "bz2"; DamagedError when they are not there."""
     if size > LARGEST_CHUNK:
         raise DamagedError(f"it claims {size} bytes")
     unpack = {"": lambda: data, "none": lambda: data, "zstd": lambda: _zstd(data, size), "lz4": lambda: _lz4(data, size),
@@ -39,7 +39,7 @@ def text(data: bytes) -> str:
 
 
 def fields(layout: str, data: bytes, offset: int = 0) -> tuple[int, ...]:
-    """struct.unpack_from that raises DamagedError when the bytes end too early."""
+    """Unpack fields as struct.unpack_from does; raises DamagedError when the bytes end too early."""
     try:
         return struct.unpack_from(layout, data, offset)
     except struct.error:
