@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,25 +21,31 @@ GAUGE = 1e6  # one over sigma: a micrometre, a microradian
 
 def problem_of(bundle: Bundle) -> native.Problem:
     """Camera poses stand for vehicle poses: T_s_ct and the tray are nothing, and held."""
-    camera = bundle.camera
-    problem = native.Problem(pose=np.c_[bundle.pose, np.zeros(len(bundle.pose))], landmark=bundle.point, constant=HELD)
-    problem.intrinsics_top, problem.intrinsics_bottom, problem.T_ct_cb = camera, camera, bundle.T_ct_cb
-    nodes = [0]
+    unknowns = native.Unknowns(
+        pose=np.c_[bundle.pose, np.zeros(len(bundle.pose))],
+        landmark=bundle.point,
+        T_ct_cb=bundle.T_ct_cb,
+        intrinsics_top=bundle.camera,
+        intrinsics_bottom=bundle.camera,
+    )
+    problem = native.Problem(unknowns=unknowns, constant=HELD, priors=native.Priors(pose=_gauge(bundle)))
     if bundle.stereo:
-        problem.stereo_node, problem.stereo_landmark, problem.stereo_pixel = bundle.seen_from, bundle.seen, bundle.pixel
-    else:
-        problem.mono_node, problem.mono_landmark, problem.mono_pixel = bundle.seen_from, bundle.seen, bundle.pixel
-        problem.mono_camera = np.zeros(len(bundle.seen), np.int32)
-        nodes.append(bundle.baseline()[0])
-    problem.prior_pose_node, problem.prior_pose = np.array(nodes, np.int32), bundle.pose[nodes]
-    weights = [np.eye(6) * GAUGE, np.zeros((6, 6))]
+        return replace(problem, stereo=native.StereoTable(node=bundle.seen_from, landmark=bundle.seen, pixel=bundle.pixel))
+    top = np.zeros(len(bundle.seen), np.int32)
+    return replace(problem, mono=native.MonoTable(node=bundle.seen_from, landmark=bundle.seen, camera=top, pixel=bundle.pixel))
+
+
+def _gauge(bundle: Bundle) -> native.PosePriors:
+    """Priors that hold the first pose and, without a stereo pair, the length of one baseline."""
+    nodes, weights = [0], [np.eye(6) * GAUGE]
     if not bundle.stereo:
+        far, axis, _ = bundle.baseline()
         # The prior reads in its own axes: turn the far pose's into those of the first.
-        _, axis, _ = bundle.baseline()
-        turn = bundles.rotation(bundle.pose[0, 3:]).T @ bundles.rotation(bundle.pose[nodes[1], 3:])
+        turn = bundles.rotation(bundle.pose[0, 3:]).T @ bundles.rotation(bundle.pose[far, 3:])
+        nodes.append(far)
+        weights.append(np.zeros((6, 6)))
         weights[1][0, :3] = GAUGE * turn[axis]
-    problem.prior_pose_sqrt = np.array(weights[: len(nodes)])
-    return problem
+    return native.PosePriors(node=np.array(nodes, np.int32), value=bundle.pose[nodes], sqrt_information=np.array(weights))
 
 
 def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path) -> None:
@@ -55,7 +62,7 @@ def main(path: Path, threads: int, iterations: int, tolerance: float, out: Path)
     problem, before = problem_of(bundle), time.process_time()
     result = native.solve(problem, options)
     cpu, peak, record = time.process_time() - before, bundles.peak_mb(), result.iterations
-    pose, point = result.unknowns["pose"][:, :7], result.unknowns["landmark"]
+    pose, point = result.unknowns.pose[:, :7], result.unknowns.landmark
     count = len(record.cost) - 1
     bundles.answer(
         out,

@@ -37,20 +37,20 @@ def bundle_of(problem: Any) -> Bundle:
     from hullrecon.geometry import poses
     from hullrecon.geometry.poses import Poses
 
-    stereo = len(problem.stereo_node) > 0
-    node = problem.stereo_node if stereo else problem.mono_node
+    stereo = len(problem.stereo.node) > 0
+    node = problem.stereo.node if stereo else problem.mono.node
     used, seen_from = np.unique(node, return_inverse=True)
-    start = Poses(problem.pose[used, 3:7], problem.pose[used, :3])
-    mount = poses.of_seven(problem.T_s_ct)
-    top = start @ poses.tray_poses(TRAY_ORIGIN, problem.pose[used, 7]) @ mount
+    start = Poses(problem.unknowns.pose[used, 3:7], problem.unknowns.pose[used, :3])
+    mount = poses.of_seven(problem.unknowns.T_s_ct)
+    top = start @ poses.tray_poses(TRAY_ORIGIN, problem.unknowns.pose[used, 7]) @ mount
     return Bundle(
         pose=np.hstack([top.translation, top.quaternion]),
-        point=np.ascontiguousarray(problem.landmark),
-        camera=problem.intrinsics_top,
+        point=np.ascontiguousarray(problem.unknowns.landmark),
+        camera=problem.unknowns.intrinsics_top,
         T_ct_cb=np.r_[T_CT_CB.translation[0], T_CT_CB.quaternion[0]],
         seen_from=seen_from.astype(np.int32),
-        seen=problem.stereo_landmark if stereo else problem.mono_landmark,
-        pixel=problem.stereo_pixel if stereo else problem.mono_pixel,
+        seen=problem.stereo.landmark if stereo else problem.mono.landmark,
+        pixel=problem.stereo.pixel if stereo else problem.mono.pixel,
     )
 
 

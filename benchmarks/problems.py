@@ -17,7 +17,7 @@ survey by 0.06 %: the scatter's cost falls with the scale by one unit a landmark
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -37,14 +37,30 @@ from benchmarks.survey import (
 )
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
-from hullrecon.native import MeshIndex, Problem
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.native import (
+    AttitudeTable,
+    CadMesh,
+    LeverArms,
+    MeshIndex,
+    MonoTable,
+    MotionPrior,
+    OdometryTable,
+    PosePriors,
+    Priors,
+    Problem,
+    RangeTable,
+    StereoTable,
+    SurfaceTable,
+    TrayTable,
+    Unknowns,
+)
+from hullrecon.typing import Array, Ints, Ints32, Mask
 
 __all__ = ["SIZES", "Size", "Truth", "make", "simulate"]
 
 NOISE_PX, SCATTER_M, OFF_HULL = 1.0, 0.005, 0.05
 ACROSS = 0.125
-PLAY_RAD = np.radians(0.5)
+BACKLASH_RAD = np.radians(0.5)
 
 
 @dataclass(frozen=True)
@@ -75,72 +91,116 @@ def simulate(size: Size, seed: int = 0) -> tuple[Problem, Truth]:
     first, second = _pairs(size, rng)
     in_cad_model, off = _landmarks(size, hull, in_hull, tray, first, second, rng)
     landmark = T_g_M.apply(in_cad_model)
-    problem = Problem(pose=np.zeros((0, 8)), vertices=vertices, faces=faces, tray_origin=TRAY_ORIGIN)
-    problem.constant = ("T_ct_cb", "T_s_d", "intrinsics_bottom", "intrinsics_top", "navigation")
-    _mounts(problem, T_g_M, rng)
-    measured = _navigation(problem, nodes, tray, rng)
+    truth = Truth(nodes, tray, T_g_M, T_S_CT, landmark, off)
+    unknowns, priors = _mounts(T_g_M, rng)
+    attitude = _attitude(nodes, rng)
+    tray_table = _tray(tray, rng)
+    measured = measure(nodes, rng)
     start = dead_reckoned(nodes, measured, rng)
-    problem.pose = np.hstack([start.translation, start.quaternion, problem.tray_measured[:, None]])
-    _gauge(problem)
-    _ranges(problem, hull, in_hull, tray, rng)
-    _images(problem, size, Truth(nodes, tray, T_g_M, T_S_CT, landmark, off), first, second, rng)
-    _start_landmarks(problem, size, start)
-    return problem, Truth(nodes, tray, T_g_M, T_S_CT, landmark, off)
+    pose = np.hstack([start.translation, start.quaternion, tray_table.measured[:, None]])
+    ranges = _ranges(hull, in_hull, tray, rng)
+    stereo, mono = _images(size, truth, first, second, rng)
+    pixel = stereo.pixel[::2] if size.stereo else mono.pixel
+    seen_from = stereo.node if size.stereo else mono.node
+    mount = poses.of_seven(unknowns.T_s_ct)
+    first_landmarks = _start_landmarks(size, start, tray_table.measured, mount, ranges, seen_from, pixel)
+    problem = Problem(
+        unknowns=replace(unknowns, pose=pose, landmark=first_landmarks),
+        constant=("T_ct_cb", "T_s_d", "intrinsics_bottom", "intrinsics_top", "navigation"),
+        cad_mesh=CadMesh(vertices=vertices, faces=faces),
+        lever_arms=LeverArms(tray=TRAY_ORIGIN),
+        priors=replace(priors, pose=_gauge(pose)),
+        attitude=attitude,
+        tray=tray_table,
+        odometry=_odometry(measured),
+        stereo=stereo,
+        mono=mono,
+        sigma_px=NOISE_PX,
+        ranges=ranges,
+        surface=SurfaceTable(landmark=np.arange(size.landmarks, dtype=np.int32), weight=np.ones(size.landmarks)),
+    )
+    return problem, truth
 
 
 def _seven(pose: Poses) -> Array:
     return np.asarray(np.r_[pose.translation[0], pose.quaternion[0]])
 
 
-def _mounts(problem: Problem, T_g_M: Poses, rng: np.random.Generator) -> None:
+def _mounts(T_g_M: Poses, rng: np.random.Generator) -> tuple[Unknowns, Priors]:
     """T_g_M starts where a registration left it (0.3 m along the hull), T_s_ct at the rig's CAD model; both priors say so."""
-    guess = T_g_M @ poses.exp(np.r_[0.3, 0.1, 0.05, 0.002, 0.002, 0.005])
-    problem.T_g_M = problem.prior_T_g_M = _seven(guess)
-    problem.prior_T_g_M_sqrt = np.diag(1 / np.r_[0.5, 0.2, 0.1, 0.005, 0.005, 0.01])
-    problem.T_s_ct = problem.prior_T_s_ct = _seven(T_S_CT @ mount_error(rng, 0.003, 0.004))
-    problem.prior_T_s_ct_sqrt = np.diag(1 / np.r_[np.full(3, 0.003), np.full(3, 0.004)])
-    problem.T_ct_cb, problem.T_s_d = _seven(T_CT_CB), _seven(T_S_D)
-    problem.intrinsics_top = problem.intrinsics_bottom = CAMERA.parameters()
+    guess = _seven(T_g_M @ poses.exp(np.r_[0.3, 0.1, 0.05, 0.002, 0.002, 0.005]))
+    guess_rows = np.diag(1 / np.r_[0.5, 0.2, 0.1, 0.005, 0.005, 0.01])
+    camera = _seven(T_S_CT @ mount_error(rng, 0.003, 0.004))
+    camera_rows = np.diag(1 / np.r_[np.full(3, 0.003), np.full(3, 0.004)])
+    unknowns = Unknowns(
+        pose=np.zeros((0, 8)),
+        T_g_M=guess,
+        T_s_ct=camera,
+        T_ct_cb=_seven(T_CT_CB),
+        T_s_d=_seven(T_S_D),
+        intrinsics_top=CAMERA.parameters(),
+        intrinsics_bottom=CAMERA.parameters(),
+    )
+    priors = Priors(
+        T_g_M=MotionPrior(value=guess, sqrt_information=guess_rows),
+        T_s_ct=MotionPrior(value=camera, sqrt_information=camera_rows),
+    )
+    return unknowns, priors
 
 
-def _navigation(problem: Problem, nodes: Poses, tray: Array, rng: np.random.Generator) -> Poses:
-    """Attitude, tray and odometry tables; returns the measured steps. The tray's error is its play, by direction of motion."""
+def _attitude(nodes: Poses, rng: np.random.Generator) -> AttitudeTable:
     n = len(nodes)
-    each = np.arange(n, dtype=np.int32)
     sigma = np.r_[0.02, np.radians([0.1, 0.1])]
     truth = np.c_[nodes.translation[:, 2], poses.roll_pitch_yaw(nodes.rotation)[:, :2]]
-    problem.attitude_node, problem.attitude_sigma = each, np.tile(sigma, (n, 1))
-    problem.attitude_measured = truth + sigma * rng.standard_normal((n, 3))
-    play = PLAY_RAD * np.sign(np.diff(tray, prepend=tray[0]))
-    problem.tray_node, problem.tray_measured = each, tray + play + np.radians(0.05) * rng.standard_normal(n)
-    problem.tray_direction, problem.tray_sigma = np.zeros(n), np.full(n, PLAY_RAD)
-    measured = measure(nodes, rng)
-    problem.odometry_first, problem.odometry_second = each[:-1], each[1:]
-    problem.odometry_measured = np.hstack([measured.translation, measured.quaternion])
-    problem.odometry_sqrt = np.tile(np.diag(1 / SIGMA_ODOMETRY), (n - 1, 1, 1))
-    problem.odometry_by_navigation, problem.odometry_by_mount = np.zeros((n - 1, 6, 2)), np.zeros((n - 1, 6, 3))
-    problem.odometry_by_tray, problem.odometry_tray = np.zeros((n - 1, 6)), np.zeros(n - 1)
-    problem.odometry_mount = _seven(T_S_D)
-    return measured
+    measured = truth + sigma * rng.standard_normal((n, 3))
+    return AttitudeTable(node=np.arange(n, dtype=np.int32), measured=measured, sigma=np.tile(sigma, (n, 1)))
 
 
-def _gauge(problem: Problem) -> None:
+def _tray(tray: Array, rng: np.random.Generator) -> TrayTable:
+    """The tray's error is its backlash, by direction of motion."""
+    n = len(tray)
+    backlash = BACKLASH_RAD * np.sign(np.diff(tray, prepend=tray[0]))
+    measured = tray + backlash + np.radians(0.05) * rng.standard_normal(n)
+    node = np.arange(n, dtype=np.int32)
+    return TrayTable(node=node, measured=measured, direction=np.zeros(n), sigma=np.full(n, BACKLASH_RAD))
+
+
+def _odometry(measured: Poses) -> OdometryTable:
+    m = len(measured)
+    return OdometryTable(
+        first=np.arange(m, dtype=np.int32),
+        second=np.arange(1, m + 1, dtype=np.int32),
+        measured=np.hstack([measured.translation, measured.quaternion]),
+        sqrt_information=np.tile(np.diag(1 / SIGMA_ODOMETRY), (m, 1, 1)),
+        by_navigation=np.zeros((m, 6, 2)),
+        by_mount=np.zeros((m, 6, 3)),
+        by_tray=np.zeros((m, 6)),
+        tray=np.zeros(m),
+        mount=_seven(T_S_D),
+    )
+
+
+def _gauge(pose: Array) -> PosePriors:
     """g is the frame of dead reckoning: its first pose holds it."""
-    problem.prior_pose_node, problem.prior_pose = np.zeros(1, np.int32), problem.pose[:1, :7].copy()
-    problem.prior_pose_sqrt = np.diag(1 / np.r_[0.001, 0.001, 0.02, 0.002, 0.002, 0.001])[None]
+    rows = np.diag(1 / np.r_[0.001, 0.001, 0.02, 0.002, 0.002, 0.001])[None]
+    return PosePriors(node=np.zeros(1, np.int32), value=pose[:1, :7].copy(), sqrt_information=rows)
 
 
-def _ranges(problem: Problem, hull: MeshIndex, in_hull: Poses, tray: Array, rng: np.random.Generator) -> None:
+def _ranges(hull: MeshIndex, in_hull: Poses, tray: Array, rng: np.random.Generator) -> RangeTable:
     n = len(in_hull)
     dvl = in_hull @ poses.tray_poses(TRAY_ORIGIN, tray) @ T_S_D
     node, beam = np.repeat(np.arange(n, dtype=np.int32), 4), np.tile(BEAMS, (n, 1))
     hits = hull.cast(dvl.translation[node], dvl.rotation[node].apply(beam))
     if not np.isfinite(hits.range).all():
         raise ValueError("a beam misses the hull: the legs leave it")
-    problem.range_node, problem.range_beam = node, beam
-    problem.range_measured = hits.range + 0.01 * rng.standard_normal(4 * n)
-    problem.range_offset = np.tile([0, 0, 0, 0, 0, 0, 1.0], (4 * n, 1))
-    problem.range_tray_offset, problem.range_sigma = np.zeros(4 * n), np.full(4 * n, 0.01)
+    return RangeTable(
+        node=node,
+        offset=np.tile([0, 0, 0, 0, 0, 0, 1.0], (4 * n, 1)),
+        tray_offset=np.zeros(4 * n),
+        beam=beam,
+        measured=hits.range + 0.01 * rng.standard_normal(4 * n),
+        sigma=np.full(4 * n, 0.01),
+    )
 
 
 def _pairs(size: Size, rng: np.random.Generator) -> tuple[Ints, Ints]:
@@ -195,31 +255,28 @@ def _project(nodes: Poses, tray: Array, points: Array, T_s_ct: Poses, stereo: bo
     return np.hstack(pixels)
 
 
-def _images(problem: Problem, size: Size, truth: Truth, first: Ints, second: Ints, rng: np.random.Generator) -> None:
+def _images(size: Size, truth: Truth, first: Ints, second: Ints, rng: np.random.Generator) -> tuple[StereoTable, MonoTable]:
     node, landmark = np.stack([first, second], 1).ravel(), np.repeat(np.arange(size.landmarks).astype(np.int32), 2)
     pixels = _project(truth.nodes[node], truth.tray[node], truth.landmark[landmark], T_S_CT, size.stereo)
     pixels += NOISE_PX * rng.standard_normal(pixels.shape)
     seen_from = node.astype(np.int32)
     if size.stereo:
-        problem.stereo_node, problem.stereo_landmark, problem.stereo_pixel = seen_from, landmark, pixels
-    else:
-        problem.mono_node, problem.mono_landmark, problem.mono_pixel = seen_from, landmark, pixels
-        problem.mono_camera = np.zeros(len(node), np.int32)
-    problem.sigma_px = NOISE_PX
-    problem.surface_landmark = np.arange(size.landmarks, dtype=np.int32)
-    problem.surface_weight = np.ones(size.landmarks)
+        return StereoTable(node=seen_from, landmark=landmark, pixel=pixels), MonoTable()
+    top = np.zeros(len(node), np.int32)
+    return StereoTable(), MonoTable(node=seen_from, landmark=landmark, camera=top, pixel=pixels)
 
 
-def _start_landmarks(problem: Problem, size: Size, start: Poses) -> None:
+def _start_landmarks(
+    size: Size, start: Poses, tray: Array, mount: Poses, ranges: RangeTable, seen_from: Ints32, pixel: Array
+) -> Array:
     """A stereo front end starts a landmark from its first pair, a mono one from its two images."""
-    mount = poses.of_seven(problem.T_s_ct)
-    node = (problem.stereo_node if size.stereo else problem.mono_node).reshape(-1, 2)
-    pixel = (problem.stereo_pixel[::2] if size.stereo else problem.mono_pixel).reshape(size.landmarks, 2, 2)
-    range_m = problem.range_measured.reshape(-1, 4).mean(1)[node[:, 0]]
+    node = seen_from.reshape(-1, 2)
+    pixel = pixel.reshape(size.landmarks, 2, 2)
+    range_m = ranges.measured.reshape(-1, 4).mean(1)[node[:, 0]]
     origins, rays = np.empty((size.landmarks, 2, 3)), np.empty((size.landmarks, 2, 3))
     for k in range(2):
         at = node[:, 0 if size.stereo else k]
-        camera = start[at] @ poses.tray_poses(TRAY_ORIGIN, problem.pose[at, 7]) @ mount
+        camera = start[at] @ poses.tray_poses(TRAY_ORIGIN, tray[at]) @ mount
         camera = camera @ T_CT_CB if size.stereo and k == 1 else camera
         origins[:, k], rays[:, k] = camera.translation, camera.rotation.apply(CAMERA.rays(pixel[:, k]))
-    problem.landmark = triangulate(origins, rays, range_m)
+    return triangulate(origins, rays, range_m)

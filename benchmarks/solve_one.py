@@ -52,8 +52,8 @@ def row_of(problem: native.Problem, options: native.Options, truth: dict[str, Ar
         "final_cost_by_factor": {name: float(cost[-1]) for name, cost in record.cost_by_factor.items()},
         "on_surface": int(on.sum()),
         "labels_wrong": float(np.mean(on == truth["off_hull"])) if options.method != "naive" else None,
-        "start_rmse_m": rigid_rmse_m(problem.pose[:, :3], truth["position"]),
-        "rigid_rmse_m": rigid_rmse_m(result.unknowns["pose"][:, :3], truth["position"]),
+        "start_rmse_m": rigid_rmse_m(problem.unknowns.pose[:, :3], truth["position"]),
+        "rigid_rmse_m": rigid_rmse_m(result.unknowns.pose[:, :3], truth["position"]),
     }
 
 

@@ -19,24 +19,21 @@ from typing import Any
 import numpy as np
 
 from hullrecon.native import Problem
+from hullrecon.records.serialisation import from_arrays, to_arrays
 
 ROOT = Path(__file__).resolve().parent.parent
 
 
 def save(path: Path, problem: Problem, **truth: Any) -> None:
-    """Every table that is not empty, and arrays named truth_*."""
-    tables = {field.name: getattr(problem, field.name) for field in dataclasses.fields(problem)}
-    filled = {name: np.asarray(table) for name, table in tables.items() if table is not None and np.size(table)}
-    np.savez(path, **filled, **{f"truth_{name}": array for name, array in truth.items()})  # type: ignore[arg-type]
+    """Every table, and arrays named truth_*."""
+    np.savez(path, **to_arrays(problem), **{f"truth_{name}": array for name, array in truth.items()})  # type: ignore[arg-type]
 
 
 def load(path: Path) -> Problem:
     """What `save` wrote, without the truth."""
     with np.load(path) as archive:
-        tables = {name: archive[name] for name in archive.files if not name.startswith("truth_")}
-    tables["constant"] = tuple(str(name) for name in tables.get("constant", ()))
-    tables["sigma_px"] = float(tables["sigma_px"])
-    return Problem(**tables)
+        problem = from_arrays(Problem, {name: archive[name] for name in archive.files if not name.startswith("truth_")})
+    return dataclasses.replace(problem, constant=tuple(str(c) for c in problem.constant), sigma_px=float(problem.sigma_px))
 
 
 def load_truth(path: Path) -> dict[str, np.ndarray[Any, Any]]:

@@ -15,7 +15,7 @@ from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate, registration
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import hard_em, intrinsics, iteration_history, pruning, selection, weighting
-from hullrecon.adjustment.problem.assembly import Selection, assemble, read_back
+from hullrecon.adjustment.problem.assembly import Selection, assemble, state_from_unknowns
 from hullrecon.adjustment.problem.deviation_field import grid_over
 from hullrecon.adjustment.problem.measurements import Measurements, Rig, return_points
 from hullrecon.adjustment.problem.state import State, Weights
@@ -23,7 +23,7 @@ from hullrecon.errors import StageError
 from hullrecon.records.iterations import reached
 from hullrecon.typing import Array
 
-Say = Callable[[str], None]
+Report = Callable[[str], None]
 NO_STRUCTURE_M = 0.5  # off the hull: a mismatch, not something that stands on it
 log = logging.getLogger(__name__)
 
@@ -44,16 +44,16 @@ class Adjusted:
     registration: registration.Registration | None
     rounds: tuple[iteration_history.Round, ...]
     rig: Rig
-    ground: estimate.Ground | None
+    ground: estimate.HullPoseEvidence | None
 
 
-def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
+def adjust(m: Measurements, options: AdjustOptions, report: Report) -> Adjusted:
     """Solve in rounds: each settles outliers and sigmas for the next. Raises StageError when nothing usable comes out."""
     begun, rounds = time.perf_counter(), list[iteration_history.Round]()
     calibrated = m.rig
-    state, registered = _start(m, options, say)
+    state, registered = _start(m, options, report)
     center = registered.center if registered else np.zeros(3)
-    weights = weighting.first(m, options)
+    weights = weighting.initial_weights(m, options)
     most_px = 40.0  # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
     outcome, first, ground = None, None, None
     settle = m.cad_model is not None and not options.as_published and options.rounds > 1
@@ -61,29 +61,41 @@ def adjust(m: Measurements, options: AdjustOptions, say: Say) -> Adjusted:
         last = k == options.rounds - 1
         if last and settle and outcome is not None:
             ground, state = _grounded(m, state, outcome[2], outcome[1], center)
-        state = replace(state, landmark=selection.relocate(m, state))
+        state = replace(state, landmark=selection.triangulate_landmarks(m, state))
         chosen = _chosen(m, state, most_px, options, last)
-        weights = replace(weights, surface=weighting.of_surface(m, state, chosen, options))
-        problem = assemble(m, state, weights, chosen, center, options.as_published, hold_place=last and settle)
-        problem = intrinsics.freed(problem, calibrated, options)
+        weights = replace(weights, surface=weighting.surface_weights(m, state, chosen, options))
+        problem = assemble(m, state, weights, chosen, center, options.as_published, hold_hull_pose=last and settle)
+        problem = intrinsics.free_intrinsics(problem, calibrated, options)
         first = first or problem
         began = time.perf_counter() - begun
         result = _solved(problem, options, last)
         rounds.append(_told(len(rounds) + 1, m, result, weights, chosen, began))
         outcome = (problem, result, chosen, weights)
-        state = read_back(state, result.unknowns, chosen, center)
-        m = intrinsics.applied(m, problem, result)
-        weights = weighting.settled(m, state, chosen, weights, options)
+        state = state_from_unknowns(state, result.unknowns, chosen, center)
+        m = intrinsics.apply_intrinsics(m, problem, result)
+        weights = weighting.estimate_weights(m, state, chosen, weights, options)
         most_px = max(2.0, options.outlier_sigmas * weights.pixel)
-        say(_round_in_words(k, result, chosen, weights))
+        report(_round_in_words(k, result, chosen, weights))
     assert outcome is not None
     assert first is not None
     problem, result, chosen, used = outcome
-    done = Adjusted(state, used, chosen, center, first, _at(problem, result), result, registered, tuple(rounds), m.rig, ground)
+    done = Adjusted(
+        state,
+        used,
+        chosen,
+        center,
+        first,
+        problem.started_from(result.unknowns),
+        result,
+        registered,
+        tuple(rounds),
+        m.rig,
+        ground,
+    )
     return _without_lost(m, done)
 
 
-def _start(m: Measurements, options: AdjustOptions, say: Say) -> tuple[State, registration.Registration | None]:
+def _start(m: Measurements, options: AdjustOptions, report: Report) -> tuple[State, registration.Registration | None]:
     rig, nodes = m.rig, m.trajectory.poses()
     empty = np.full((selection.landmark_count(m), 3), np.nan)
     state = State(
@@ -102,23 +114,23 @@ def _start(m: Measurements, options: AdjustOptions, say: Say) -> tuple[State, re
         return state, None
     points = _register_points(m, state)
     found = registration.register(points, m.cad_model, rig.sigma_range)
-    say(f"registered {len(points)} points to the CAD model, {100 * found.fitness:.0f} % within three sigma")
+    report(f"registered {len(points)} points to the CAD model, {100 * found.fitness:.0f} % within three sigma")
     grid = None
     if not options.as_published:
-        at = m.cad_model.chart.to_chart(found.hull_from.inverse().apply(points))[:, :2]
+        at = m.cad_model.chart.to_chart(found.global_from_hull.inverse().apply(points))[:, :2]
         grid = grid_over(at[np.isfinite(at).all(1)], m.cad_model.deviation_length)
-    return replace(state, T_g_M=found.hull_from, grid=grid, field=np.zeros(grid.size if grid else 0)), found
+    return replace(state, T_g_M=found.global_from_hull, grid=grid, field=np.zeros(grid.size if grid else 0)), found
 
 
 def _grounded(
     m: Measurements, state: State, chosen: Selection, result: native.Result, center: Array
-) -> tuple[estimate.Ground, State]:
+) -> tuple[estimate.HullPoseEvidence, State]:
     """What the dive is laid on, and T_g_M there."""
     assert m.cad_model is not None
     assert state.T_g_M is not None
-    points = estimate.points_on_hull(m, state, chosen, result.label)
-    ground, best = estimate.surveyed(points, state.T_g_M, m.cad_model, center)
-    return ground, replace(state, T_g_M=estimate.settled(ground, best))
+    points = estimate.collect_hull_points(m, state, chosen, result.label)
+    ground, best = estimate.fit_hull_pose(points, state.T_g_M, m.cad_model, center)
+    return ground, replace(state, T_g_M=estimate.profile_mean_pose(ground, best))
 
 
 def _register_points(m: Measurements, state: State) -> Array:
@@ -126,7 +138,7 @@ def _register_points(m: Measurements, state: State) -> Array:
     if m.returns is not None and (~m.returns.flagged).sum() >= 30:
         points, _ = return_points(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
         return points[~m.returns.flagged]
-    landmarks = selection.relocate(m, state)
+    landmarks = selection.triangulate_landmarks(m, state)
     landmarks = landmarks[np.isfinite(landmarks[:, 0])]
     if len(landmarks) < 30:
         raise StageError(
@@ -137,18 +149,18 @@ def _register_points(m: Measurements, state: State) -> Array:
 
 
 def _chosen(m: Measurements, state: State, most_px: float, options: AdjustOptions, last: bool) -> Selection:
-    """Anchors before the last round, then every landmark but lonely ones off the hull."""
-    chosen = selection.select(m, state, most_px)
+    """Anchors before the last round, then every landmark but isolated ones off the hull."""
+    chosen = selection.select_measurements(m, state, most_px)
     if last and m.cad_model is not None and state.T_g_M is not None and not options.as_published:
         deviation = deviation_from_hull(m, state, state.landmark[chosen.landmarks])
-        off = np.abs(deviation) > hard_em.boundary(options.sigma_on, options.sigma_off)
-        chosen = selection.without_lonely(m, state, chosen, off)
+        off = np.abs(deviation) > hard_em.label_boundary(options.sigma_on, options.sigma_off)
+        chosen = selection.drop_isolated_landmarks(m, state, chosen, off)
     if options.method == "geva" and m.cad_model is not None and state.T_g_M is not None:
         # drawn to the hull, a mismatch near the lens passes through the camera's plane, and the solve stalls there
         far = np.abs(deviation_from_hull(m, state, state.landmark[chosen.landmarks])) > NO_STRUCTURE_M
         chosen = replace(chosen, landmarks=chosen.landmarks[~far])
     if not last:
-        chosen = selection.anchors(m, chosen, options.anchors)
+        chosen = selection.choose_anchors(m, chosen, options.anchors)
     if m.tracks is not None and len(chosen.landmarks) < 20:
         raise StageError(
             f"only {len(chosen.landmarks)} landmarks agree with the navigation",
@@ -186,7 +198,7 @@ def _native_options(options: AdjustOptions, last: bool) -> native.Options:
 
 def _without_lost(m: Measurements, done: Adjusted) -> Adjusted:
     """Leaves out landmarks that the last solve pushed behind their cameras or metres off the hull: nothing determines them."""
-    sound = selection.select(m, done.state, most_px=1e3).landmarks
+    sound = selection.select_measurements(m, done.state, most_px=1e3).landmarks
     keep = np.isin(done.chosen.landmarks, sound)
     if keep.all():
         return done
@@ -194,22 +206,14 @@ def _without_lost(m: Measurements, done: Adjusted) -> Adjusted:
     landmark = done.state.landmark.copy()
     landmark[lost] = np.nan
     log.info("%d landmarks were lost in the solve and are left out", len(lost))
-    rows = keep[done.problem.surface_landmark]
+    rows = keep[done.problem.surface.landmark]
     return replace(
         done,
         state=replace(done.state, landmark=landmark),
         chosen=replace(done.chosen, landmarks=done.chosen.landmarks[keep]),
-        problem=pruning.without(done.problem, keep),
-        result=pruning.result_without(done.result, rows),
+        problem=pruning.drop_landmarks(done.problem, keep),
+        result=pruning.drop_label_rows(done.result, rows),
     )
-
-
-def _at(problem: native.Problem, result: native.Result) -> native.Problem:
-    """The same factors at the solution."""
-    moved = replace(problem)
-    for name, values in result.unknowns.items():
-        setattr(moved, name, values)
-    return moved
 
 
 def _told(

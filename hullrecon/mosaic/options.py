@@ -15,7 +15,7 @@ class OpticalOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     """Hold the options of mosaic-optical."""
 
     resolution_m: Annotated[
-        Metres | None, Meta(description="m, side of a texel; absent: from the images' surface sample distance")
+        Metres | None, Meta(description="m, side of a texel; absent: from the images' ground sample distance")
     ] = None
     min_resolution_m: Annotated[Metres, Meta(description="m, smallest side of a texel that is chosen")] = 0.003
     max_resolution_m: Annotated[Metres, Meta(description="m, largest side of a texel that is chosen")] = 0.02

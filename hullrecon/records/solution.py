@@ -14,6 +14,9 @@ from hullrecon.geometry.poses import Poses, identity
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.typing import Array, Ints, Mask
 
+# |deviation| at which a landmark's label changes, m: where the two parts of the mixture of native/factors/mixture.h are equal.
+LABEL_BOUNDARY_M = 0.05595
+
 
 @dataclass(frozen=True, kw_only=True)
 class Landmarks:

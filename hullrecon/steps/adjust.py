@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from hullrecon.adjustment.bundle_adjustment import Adjusted, adjust
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.problem.intrinsics import fields
+from hullrecon.adjustment.problem.intrinsics import camera_fields
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements, rig_from_config
 from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
-from hullrecon.adjustment.results.solution import outcome_of
+from hullrecon.adjustment.results.solution import summarise_adjustment
 from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import CameraModel
@@ -35,7 +35,7 @@ from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 def run(context: Context) -> None:
     measured = _measurements(context)
     adjusted = adjust(measured, context.parameters, logging.getLogger(__name__).info)
-    outcome = outcome_of(measured, adjusted, context.parameters)
+    outcome = summarise_adjustment(measured, adjusted, context.parameters)
     for sentence in outcome.warnings:
         context.warn(sentence)
     context.out.arrays("solution.npz", to_arrays(outcome.solution))
@@ -46,7 +46,7 @@ def run(context: Context) -> None:
         context.out.arrays("chart.npz", measured.cad_model.chart.to_arrays())
     if context.parameters.refine_intrinsics:
         found = {"top": adjusted.rig.top, "bottom": adjusted.rig.bottom}
-        context.out.json("cameras.json", {name: fields(camera) for name, camera in found.items() if camera is not None})
+        context.out.json("cameras.json", {name: camera_fields(camera) for name, camera in found.items() if camera is not None})
     if measured.tracks is not None:
         _write_colmap(context, replace(measured, rig=adjusted.rig), adjusted)
 

@@ -1,11 +1,15 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Python to tables and options, and our errors to Python's: the border of module.cpp.
+// Converts Problem and Options to tables, and our errors to those of hullrecon.errors.
 #pragma once
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
 
 #include "common/errors.h"
 #include "model/tables.h"
@@ -14,32 +18,103 @@ namespace hullrecon {
 
 namespace py = pybind11;
 
-template <class Number>
-Table<Number> table(const py::object& owner, const char* name, std::vector<py::object>& alive) {
-  const py::object value = owner.attr(name);
-  Table<Number> out{name};
-  if (value.is_none()) return out;
-  const py::array raw = py::array::ensure(value);
-  const char kind = raw ? raw.dtype().kind() : '?';
-  const bool integers = kind == 'i' || kind == 'u';
-  if (!(integers || (std::is_same_v<Number, double> && kind == 'f'))) {
-    throw InputError("the numbers are of the wrong type", name, "");
+// Reads arrays of a Problem by path ("stereo.pixel"), which is what errors about them name.
+class TableReader {
+ public:
+  TableReader(const py::object& problem, std::vector<py::object>& alive) : problem_(problem), alive_(alive) {}
+
+  // An array left out (None, or a field of a part that is None) stays empty.
+  template <class Number>
+  void read(Table<Number>& table, const char* path) const {
+    table.name = path;
+    const py::object value = attribute(path);
+    if (value.is_none()) return;
+    const py::array raw = py::array::ensure(value);
+    const char kind = raw ? raw.dtype().kind() : '?';
+    const bool integers = kind == 'i' || kind == 'u';
+    if (!(integers || (std::is_same_v<Number, double> && kind == 'f'))) {
+      throw InputError("the numbers are of the wrong type", path, "");
+    }
+    py::array_t<Number, py::array::c_style | py::array::forcecast> array(raw);
+    table.shape.assign(array.shape(), array.shape() + array.ndim());
+    table.data = array.data();
+    alive_.push_back(std::move(array));
   }
-  py::array_t<Number, py::array::c_style | py::array::forcecast> array(raw);
-  out.shape.assign(array.shape(), array.shape() + array.ndim());
-  out.data = array.data();
-  alive.push_back(std::move(array));
-  return out;
+
+ private:
+  py::object attribute(const std::string& path) const {
+    py::object value = problem_;
+    for (size_t begin = 0; begin < path.size() && !value.is_none();) {
+      const size_t end = std::min(path.find('.', begin), path.size());
+      value = value.attr(path.substr(begin, end - begin).c_str());
+      begin = end + 1;
+    }
+    return value;
+  }
+
+  const py::object& problem_;
+  std::vector<py::object>& alive_;
+};
+
+inline void read_unknowns(const TableReader& from, Tables& t) {
+  from.read(t.pose, "unknowns.pose"), from.read(t.landmark, "unknowns.landmark");
+  from.read(t.T_g_M, "unknowns.T_g_M"), from.read(t.T_s_ct, "unknowns.T_s_ct");
+  from.read(t.T_ct_cb, "unknowns.T_ct_cb"), from.read(t.T_s_d, "unknowns.T_s_d");
+  from.read(t.navigation, "unknowns.navigation"), from.read(t.deviation, "unknowns.deviation");
+  from.read(t.intrinsics_top, "unknowns.intrinsics_top"), from.read(t.intrinsics_bottom, "unknowns.intrinsics_bottom");
+}
+
+inline void read_priors(const TableReader& from, Tables& t) {
+  from.read(t.prior_pose_node, "priors.pose.node"), from.read(t.prior_pose, "priors.pose.value");
+  from.read(t.prior_pose_sqrt, "priors.pose.sqrt_information");
+  from.read(t.prior_T_g_M, "priors.T_g_M.value"), from.read(t.prior_T_g_M_sqrt, "priors.T_g_M.sqrt_information");
+  from.read(t.prior_T_s_ct, "priors.T_s_ct.value"), from.read(t.prior_T_s_ct_sqrt, "priors.T_s_ct.sqrt_information");
+  from.read(t.prior_T_ct_cb, "priors.T_ct_cb.value"), from.read(t.prior_T_ct_cb_sqrt, "priors.T_ct_cb.sqrt_information");
+  from.read(t.prior_T_s_d, "priors.T_s_d.value"), from.read(t.prior_T_s_d_sqrt, "priors.T_s_d.sqrt_information");
+  from.read(t.prior_navigation_sigma, "priors.navigation_sigma");
+  from.read(t.prior_intrinsics_sigma, "priors.intrinsics_sigma");
+  from.read(t.field_prior_start, "priors.deviation.start"), from.read(t.field_prior_index, "priors.deviation.index");
+  from.read(t.field_prior_value, "priors.deviation.value");
+}
+
+inline void read_navigation(const TableReader& from, Tables& t) {
+  from.read(t.attitude_node, "attitude.node"), from.read(t.attitude_measured, "attitude.measured");
+  from.read(t.attitude_sigma, "attitude.sigma");
+  from.read(t.tray_node, "tray.node"), from.read(t.tray_measured, "tray.measured");
+  from.read(t.tray_direction, "tray.direction"), from.read(t.tray_sigma, "tray.sigma");
+  from.read(t.odometry_first, "odometry.first"), from.read(t.odometry_second, "odometry.second");
+  from.read(t.odometry_measured, "odometry.measured"), from.read(t.odometry_sqrt, "odometry.sqrt_information");
+  from.read(t.odometry_by_navigation, "odometry.by_navigation"), from.read(t.odometry_by_mount, "odometry.by_mount");
+  from.read(t.odometry_by_tray, "odometry.by_tray"), from.read(t.odometry_tray, "odometry.tray");
+  from.read(t.odometry_mount, "odometry.mount");
+}
+
+inline void read_images(const TableReader& from, Tables& t) {
+  from.read(t.stereo_node, "stereo.node"), from.read(t.stereo_landmark, "stereo.landmark");
+  from.read(t.stereo_pixel, "stereo.pixel");
+  from.read(t.mono_node, "mono.node"), from.read(t.mono_landmark, "mono.landmark");
+  from.read(t.mono_camera, "mono.camera"), from.read(t.mono_pixel, "mono.pixel");
+}
+
+inline void read_hull(const TableReader& from, Tables& t) {
+  from.read(t.vertices, "cad_mesh.vertices"), from.read(t.faces, "cad_mesh.faces");
+  from.read(t.tray_origin, "lever_arms.tray"), from.read(t.pressure_origin, "lever_arms.pressure");
+  from.read(t.range_node, "ranges.node"), from.read(t.range_offset, "ranges.offset");
+  from.read(t.range_tray_offset, "ranges.tray_offset"), from.read(t.range_beam, "ranges.beam");
+  from.read(t.range_measured, "ranges.measured"), from.read(t.range_sigma, "ranges.sigma");
+  from.read(t.range_field_index, "ranges.field.index"), from.read(t.range_field_weight, "ranges.field.weight");
+  from.read(t.surface_landmark, "surface.landmark"), from.read(t.surface_weight, "surface.weight");
+  from.read(t.surface_field_index, "surface.field.index"), from.read(t.surface_field_weight, "surface.field.weight");
 }
 
 inline Tables read_tables(const py::object& problem, std::vector<py::object>& alive) {
   Tables t;
-#define HULLRECON_READ(name) t.name = table<double>(problem, #name, alive);
-  HULLRECON_FLOAT_TABLES(HULLRECON_READ)
-#undef HULLRECON_READ
-#define HULLRECON_READ(name) t.name = table<int32_t>(problem, #name, alive);
-  HULLRECON_INT_TABLES(HULLRECON_READ)
-#undef HULLRECON_READ
+  const TableReader from(problem, alive);
+  read_unknowns(from, t);
+  read_priors(from, t);
+  read_navigation(from, t);
+  read_images(from, t);
+  read_hull(from, t);
   t.constant = problem.attr("constant").cast<std::vector<std::string>>();
   t.sigma_px = problem.attr("sigma_px").cast<double>();
   return t;
@@ -63,13 +138,13 @@ inline Options read_options(const py::object& options) {
   return o;
 }
 
-// A model with what keeps its arrays alive, checked.
-struct Held {
+// A checked problem, and what keeps its arrays alive.
+struct BoundProblem {
   std::vector<py::object> alive;
   Tables tables;
   Options options;
 
-  Held(const py::object& problem, const py::object& settings)
+  BoundProblem(const py::object& problem, const py::object& settings)
       : tables(read_tables(problem, alive)), options(read_options(settings)) {
     py::gil_scoped_release free;
     validate(tables);

@@ -151,12 +151,12 @@ bool interrupted() {
 }
 
 py::dict run_solve(const py::object& problem, const py::object& settings) {
-  const Held held(problem, settings);
+  const BoundProblem bound(problem, settings);
   std::unique_ptr<Model> model;
   Solution solution;
   try {
     py::gil_scoped_release free;
-    model = std::make_unique<Model>(held.tables, held.options);
+    model = std::make_unique<Model>(bound.tables, bound.options);
     solution = solve(*model, interrupted);
   } catch (const Interrupted&) {
     throw py::error_already_set();
@@ -166,7 +166,7 @@ py::dict run_solve(const py::object& problem, const py::object& settings) {
   out["label"] = column<int32_t>(model->labels());
   out["distance"] = column<double>(model->association().distance());
   std::vector<char> hit;
-  for (int64_t i = 0; i < held.tables.range_node.rows(); ++i) hit.push_back(model->association().hit(i));
+  for (int64_t i = 0; i < bound.tables.range_node.rows(); ++i) hit.push_back(model->association().hit(i));
   out["ray_hit"] = column<bool>(hit);
   out["iterations"] = record(solution.iterations);
   out["converged"] = solution.converged;
@@ -177,12 +177,12 @@ py::dict run_solve(const py::object& problem, const py::object& settings) {
 }
 
 py::dict run_evaluate(const py::object& problem, const py::object& settings) {
-  const Held held(problem, settings);
+  const BoundProblem bound(problem, settings);
   std::unique_ptr<Model> model;
   Evaluation e;
   {
     py::gil_scoped_release free;
-    model = std::make_unique<Model>(held.tables, held.options);
+    model = std::make_unique<Model>(bound.tables, bound.options);
     e = evaluate(*model);
   }
   py::dict out, columns, cost;
@@ -200,21 +200,21 @@ py::dict run_evaluate(const py::object& problem, const py::object& settings) {
 }
 
 py::dict run_covariance(const py::object& problem, const py::object& settings) {
-  const Held held(problem, settings);
+  const BoundProblem bound(problem, settings);
   Covariance c;
   {
     py::gil_scoped_release free;
-    Model model(held.tables, held.options);
+    Model model(bound.tables, bound.options);
     c = covariance(model);
   }
-  const auto n = held.tables.pose.rows(), l = held.tables.landmark.rows();
+  const auto n = bound.tables.pose.rows(), l = bound.tables.landmark.rows();
   py::dict out;
   out["pose"] = column<double>(c.pose).reshape({n, int64_t{7}, int64_t{7}});
   out["pose_T_g_M"] = column<double>(c.pose_hull).reshape({n, int64_t{7}, int64_t{6}});
   out["landmark"] = column<double>(c.landmark).reshape({l, int64_t{3}, int64_t{3}});
   out["landmark_T_g_M"] = column<double>(c.landmark_hull).reshape({l, int64_t{3}, int64_t{6}});
   out["deviation"] = column<double>(c.deviation);
-  out["deviation_T_g_M"] = column<double>(c.deviation_hull).reshape({held.tables.deviation.rows(), int64_t{6}});
+  out["deviation_T_g_M"] = column<double>(c.deviation_hull).reshape({bound.tables.deviation.rows(), int64_t{6}});
   for (const auto& [name, block] : c.global) out[name.c_str()] = block;
   return out;
 }

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.adjustment.bundle_adjustment import Adjusted, adjust
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.results.solution import Outcome, outcome_of
+from hullrecon.adjustment.results.solution import Outcome, summarise_adjustment
 
 SCENE = ("stereo", "cad", "ranges", "camera", "per_leg", "landmarks", "seed")
 
@@ -34,25 +34,26 @@ class SolvedDive:
 
     def position_errors_m(self):
         """Of the vehicle (n, 3) in the true g, after the best rigid alignment."""
-        truth, found = self.dive.global_from_vehicle[:, :3, 3], self.outcome.solution.translation
+        truth, found = self.dive.global_from_vehicle[:, :3, 3], self.outcome.solution.global_from_vehicle.translation
         return moved(aligning(found, truth), found) - truth
 
     def turn_errors_rad(self):
         """Angles (n,) after alignment, less what is common to all: camera and vehicle may turn together on the tray."""
-        truth, found = self.dive.global_from_vehicle, self.outcome.solution.poses().matrix()
+        truth, found = self.dive.global_from_vehicle, self.outcome.solution.global_from_vehicle.matrix()
         laid = aligning(found[:, :3, 3], truth[:, :3, 3]) @ found
         apart = Rotation.from_matrix(np.swapaxes(truth[:, :3, :3], 1, 2) @ laid[:, :3, :3])
         return (apart.mean().inv() * apart).magnitude()
 
     def landmark_errors_m(self):
         """Distances (L,) after the best rigid alignment."""
-        found = self.outcome.solution.landmark
+        found = self.outcome.solution.landmarks.position
         return np.linalg.norm(moved(aligning(found, self.landmark_truth), found) - self.landmark_truth, axis=1)
 
     def hull_error(self):
         """(6,): T_g_M less its truth, (m in g, rad in M) about the survey's centre; g laid on the true one by the landmarks."""
-        solution, center = self.outcome.solution, self.outcome.solution.survey_center
-        laid = aligning(solution.landmark, self.landmark_truth)
+        solution = self.outcome.solution
+        center = solution.hull_pose.survey_center
+        laid = aligning(solution.landmarks.position, self.landmark_truth)
         found = laid @ self.adjusted.state.T_g_M.matrix()[0]
         shift = laid[:3, :3].T @ (moved(found, center) - moved(GLOBAL_FROM_HULL, center))
         turn = Rotation.from_matrix(GLOBAL_FROM_HULL[:3, :3].T @ found[:3, :3]).as_rotvec()
@@ -61,7 +62,7 @@ class SolvedDive:
     def pose_errors_in_hull(self):
         """(n, 6): T_M_v less its truth, m in M, rad in v."""
         truth = np.linalg.inv(GLOBAL_FROM_HULL) @ self.dive.global_from_vehicle
-        found = (self.adjusted.state.T_g_M.inverse() @ self.outcome.solution.poses()).matrix()
+        found = (self.adjusted.state.T_g_M.inverse() @ self.outcome.solution.global_from_vehicle).matrix()
         turn = Rotation.from_matrix(np.swapaxes(truth[:, :3, :3], 1, 2) @ found[:, :3, :3]).as_rotvec()
         return np.c_[found[:, :3, 3] - truth[:, :3, 3], turn]
 
@@ -72,4 +73,4 @@ def solved(**chosen):
     dive = simulate(**{k: v for k, v in chosen.items() if k in SCENE})
     options = AdjustOptions(**{k: v for k, v in chosen.items() if k not in SCENE})
     adjusted = adjust(dive.measured, options, lambda _: None)
-    return SolvedDive(dive=dive, options=options, adjusted=adjusted, outcome=outcome_of(dive.measured, adjusted, options))
+    return SolvedDive(dive=dive, options=options, adjusted=adjusted, outcome=summarise_adjustment(dive.measured, adjusted, options))

@@ -27,14 +27,11 @@ from scipy.spatial.transform import Rotation
 from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import selection, weighting
-from hullrecon.adjustment.problem.assembly import assemble, cell_share, read_back
+from hullrecon.adjustment.problem.assembly import assemble, share_weight_by_cell, state_from_unknowns
 from hullrecon.adjustment.problem.deviation_field import grid_over
 from hullrecon.adjustment.problem.state import State
 from hullrecon.geometry.poses import Poses
 
-UNKNOWNS = (
-    "pose", "landmark", "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top", "intrinsics_bottom",
-)  # fmt: skip
 CENTER = np.array([0.1, 2.4, 0.2])
 SEEN_BY = ("stereo", "mono", "none")
 
@@ -88,8 +85,8 @@ def true_state(dive):
 
 
 def problem_at(dive, state, **held):
-    chosen = selection.select(dive.measured, state, 40.0)
-    weights = weighting.first(dive.measured, AdjustOptions())
+    chosen = selection.select_measurements(dive.measured, state, 40.0)
+    weights = weighting.initial_weights(dive.measured, AdjustOptions())
     return assemble(dive.measured, state, weights, chosen, CENTER, held.pop("as_published", False), **held), chosen, weights
 
 
@@ -109,9 +106,9 @@ def test_a_state_comes_back_as_it_went_in(seed, seen_by, cad):
     measured = simulate(stereo=stereo, cad=cad, camera=camera, per_leg=3, landmarks=60).measured
     state = some_state(rng, measured, stereo, cad, camera)
     chosen = chosen_from(rng, measured)
-    weights = weighting.first(measured, AdjustOptions())
+    weights = weighting.initial_weights(measured, AdjustOptions())
     problem = assemble(measured, state, weights, chosen, CENTER, as_published=False)
-    back = read_back(state, {name: getattr(problem, name) for name in UNKNOWNS}, chosen, CENTER)
+    back = state_from_unknowns(state, problem.unknowns, chosen, CENTER)
     for name in ("nodes", "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d"):
         assert_same_motion(getattr(back, name), getattr(state, name))
     for name in ("tray", "navigation", "field"):
@@ -126,8 +123,8 @@ def test_a_state_comes_back_as_it_went_in(seed, seen_by, cad):
 def test_truth_leaves_residuals_of_one_sigma(factor):
     dive = simulate()
     state = replace(true_state(dive), T_s_d=records_poses(TRAY_FROM_DVL))
-    chosen = selection.select(dive.measured, state, 40.0)
-    weights = replace(weighting.first(dive.measured, AdjustOptions()), tray=TRAY_NOISE_RAD)
+    chosen = selection.select_measurements(dive.measured, state, 40.0)
+    weights = replace(weighting.initial_weights(dive.measured, AdjustOptions()), tray=TRAY_NOISE_RAD)
     found = native.evaluate(assemble(dive.measured, state, weights, chosen, CENTER, as_published=False))
     rows = found.residual[found.factor == native.FACTORS.index(factor)]
     assert np.sqrt(np.mean(rows**2)) == pytest.approx(1.0, abs=0.25)
@@ -136,9 +133,9 @@ def test_truth_leaves_residuals_of_one_sigma(factor):
 def test_the_hull_is_moved_to_the_surveys_centre_and_stays_where_it_is_in_g():
     dive = simulate()
     problem, _, _ = problem_at(dive, true_state(dive))
-    hull = Poses(problem.T_g_M[None, 3:], problem.T_g_M[None, :3])
+    hull = Poses(problem.unknowns.T_g_M[None, 3:], problem.unknowns.T_g_M[None, :3])
     expected = moved(GLOBAL_FROM_HULL, drawn_hull().vertices)
-    np.testing.assert_allclose(hull.apply(problem.vertices), expected, atol=1e-9)
+    np.testing.assert_allclose(hull.apply(problem.cad_mesh.vertices), expected, atol=1e-9)
 
 
 def test_every_observation_chosen_stands_in_one_table_once():
@@ -146,21 +143,21 @@ def test_every_observation_chosen_stands_in_one_table_once():
     problem, chosen, _ = problem_at(dive, true_state(dive))
     tracks = dive.measured.tracks
     known = np.isin(tracks.landmark, chosen.landmarks)
-    assert len(problem.stereo_node) == (known & chosen.top & chosen.bottom).sum()
-    assert len(problem.mono_node) == (known & (chosen.top ^ chosen.bottom)).sum()
-    assert set(np.unique(problem.mono_camera)) == {0, 1}
+    assert len(problem.stereo.node) == (known & chosen.top & chosen.bottom).sum()
+    assert len(problem.mono.node) == (known & (chosen.top ^ chosen.bottom)).sum()
+    assert set(np.unique(problem.mono.camera)) == {0, 1}
     seen = np.flatnonzero(known & chosen.top & chosen.bottom)
-    np.testing.assert_array_equal(chosen.landmarks[problem.stereo_landmark], tracks.landmark[seen])
-    np.testing.assert_array_equal(problem.stereo_pixel, np.hstack([tracks.top[seen], tracks.bottom[seen]]))
-    assert np.isfinite(problem.mono_pixel).all()
+    np.testing.assert_array_equal(chosen.landmarks[problem.stereo.landmark], tracks.landmark[seen])
+    np.testing.assert_array_equal(problem.stereo.pixel, np.hstack([tracks.top[seen], tracks.bottom[seen]]))
+    assert np.isfinite(problem.mono.pixel).all()
 
 
 def test_a_mono_rig_has_no_stereo_rows_and_holds_the_second_camera():
     dive = simulate(stereo=False)
     state = replace(true_state(dive), T_ct_cb=None)
     problem, _, _ = problem_at(dive, state)
-    assert len(problem.stereo_node) == 0
-    assert not problem.mono_camera.any()
+    assert len(problem.stereo.node) == 0
+    assert not problem.mono.camera.any()
     assert "T_ct_cb" in problem.constant
 
 
@@ -168,7 +165,7 @@ def test_a_mono_rig_has_no_stereo_rows_and_holds_the_second_camera():
     ("scene", "options", "held"),
     [
         ({}, {}, {"T_ct_cb"}),
-        ({}, {"hold_place": True}, {"T_ct_cb", "T_g_M"}),
+        ({}, {"hold_hull_pose": True}, {"T_ct_cb", "T_g_M"}),
         ({}, {"as_published": True}, {"T_ct_cb", "T_s_d", "navigation"}),
         ({"cad": False}, {}, {"T_ct_cb", "T_g_M", "deviation"}),
         ({"camera": False}, {}, {"T_ct_cb", "T_s_ct"}),
@@ -196,15 +193,15 @@ def test_the_beams_meet_the_field_where_they_meet_the_cad_model():
     problem, chosen, _ = problem_at(dive, state)
     returns = dive.measured.returns
     assert chosen.returns.all()
-    assert len(problem.range_measured) == len(returns.node)
+    assert len(problem.ranges.measured) == len(returns.node)
     ping = dive.global_from_vehicle[returns.node] @ matrix(returns.translation, Rotation.from_quat(returns.quaternion))
     angle = (dive.tray[returns.node] + returns.tray_offset)[:, None]
     tray = matrix(np.tile(TRAY_ORIGIN_M, (len(angle), 1)), Rotation.from_euler("y", angle))
     hull_from_dvl = np.linalg.inv(GLOBAL_FROM_HULL) @ ping @ tray @ TRAY_FROM_DVL
     hits = ellipsoid_hits(hull_from_dvl[:, :3, 3], np.einsum("nij,nj->ni", hull_from_dvl[:, :3, :3], returns.beam))
-    row, column = np.divmod(problem.range_field_index, state.grid.shape[1])
+    row, column = np.divmod(problem.ranges.field.index, state.grid.shape[1])
     node = state.grid.origin + np.stack([row, column], -1) * state.grid.step
-    found = np.einsum("nk,nkc->nc", problem.range_field_weight, node)
+    found = np.einsum("nk,nkc->nc", problem.ranges.field.weight, node)
     met = np.isfinite(hits[:, 0])
     assert met.mean() > 0.9
     np.testing.assert_allclose(found[met], dive.measured.cad_model.chart.to_chart(hits[met])[:, :2], atol=0.01)
@@ -215,38 +212,42 @@ def test_a_beam_that_misses_the_cad_model_takes_the_field_at_its_measured_end():
     turned = dive.measured.returns.beam * [1, 1, -1]  # away from the hull
     measured = replace(dive.measured, returns=replace(dive.measured.returns, beam=turned))
     state = true_state(dive)
-    chosen, weights = selection.select(measured, state, 40.0), weighting.first(measured, AdjustOptions())
+    chosen, weights = selection.select_measurements(measured, state, 40.0), weighting.initial_weights(measured, AdjustOptions())
     problem = assemble(measured, state, weights, chosen, CENTER, as_published=False)
-    np.testing.assert_allclose(problem.range_field_weight.sum(1), 1.0)
-    assert (problem.range_field_index < state.grid.size).all()
+    np.testing.assert_allclose(problem.ranges.field.weight.sum(1), 1.0)
+    assert (problem.ranges.field.index < state.grid.size).all()
 
 
 def test_without_a_field_ranges_and_landmarks_have_no_nodes():
     dive = simulate()
     problem, _, _ = problem_at(dive, replace(true_state(dive), grid=None, field=np.zeros(0)))
-    assert problem.range_field_index.shape == problem.surface_field_index.shape == (0, 4)
-    assert len(problem.deviation) == 0
+    assert problem.ranges.field.index.shape == problem.surface.field.index.shape == (0, 4)
+    assert len(problem.unknowns.deviation) == 0
 
 
 def test_weights_go_into_the_tables_of_their_measurements():
     dive = simulate()
     state = true_state(dive)
-    chosen = selection.select(dive.measured, state, 40.0)
-    first = weighting.first(dive.measured, AdjustOptions())
+    chosen = selection.select_measurements(dive.measured, state, 40.0)
+    first = weighting.initial_weights(dive.measured, AdjustOptions())
     surface = np.linspace(0.1, 1.0, len(state.landmark))
     weights = replace(first, pixel=0.7, depth=0.5, tray=0.003, range_sigma=0.02, surface=surface)
     problem = assemble(dive.measured, state, weights, chosen, CENTER, as_published=False)
     assert problem.sigma_px == 0.7
-    np.testing.assert_allclose(problem.attitude_sigma, dive.measured.attitude.sigma * [0.5, 1, 1])
-    assert set(problem.tray_sigma) == {0.003}
-    assert set(problem.range_sigma) == {0.02}
-    np.testing.assert_array_equal(problem.surface_weight, surface[chosen.landmarks])
+    np.testing.assert_allclose(problem.attitude.sigma, dive.measured.attitude.sigma * [0.5, 1, 1])
+    assert set(problem.tray.sigma) == {0.003}
+    assert set(problem.ranges.sigma) == {0.02}
+    np.testing.assert_array_equal(problem.surface.weight, surface[chosen.landmarks])
 
 
 def test_odometry_enters_whitened_by_its_covariance():
     dive = simulate()
     problem, _, _ = problem_at(dive, true_state(dive))
-    white = problem.odometry_sqrt @ dive.measured.odometry.covariance @ problem.odometry_sqrt.transpose(0, 2, 1)
+    white = (
+        problem.odometry.sqrt_information
+        @ dive.measured.odometry.covariance
+        @ problem.odometry.sqrt_information.transpose(0, 2, 1)
+    )
     np.testing.assert_allclose(white, np.tile(np.eye(6), (len(white), 1, 1)), atol=1e-9)
 
 
@@ -261,7 +262,7 @@ def test_the_first_pose_fixes_what_no_sensor_measures(levelled):
     measured = replace(dive.measured, attitude=attitude)
     problem, _, _ = problem_at(replace(dive, measured=measured), true_state(dive))
     to_global = Rotation.from_quat(measured.trajectory.quaternion[0]).as_matrix()
-    rows = problem.prior_pose_sqrt[0] @ np.kron(np.eye(2), to_global.T)  # by steps in g
+    rows = problem.priors.pose.sqrt_information[0] @ np.kron(np.eye(2), to_global.T)  # by steps in g
     sigma = 1 / np.linalg.norm(rows, axis=0)
     assert (sigma < 1e-3).tolist() == ([True, True, False, False, False, True] if levelled else [True] * 6)
 
@@ -270,10 +271,10 @@ def test_landmarks_of_one_cell_share_one_observations_weight():
     dive = simulate()
     state = true_state(dive)
     landmarks = np.arange(0, len(state.landmark), 2)
-    weight = cell_share(dive.measured, state, landmarks, (0.5, 0.5))
+    weight = share_weight_by_cell(dive.measured, state, landmarks, (0.5, 0.5))
     assert set(weight[1::2]) == {1.0}
     cells = dive.measured.cad_model.chart.to_chart(state.T_g_M.inverse().apply(state.landmark[landmarks]))[:, :2]
     occupied = len(np.unique(np.floor(cells / 0.5), axis=0))
     assert weight[landmarks].sum() == pytest.approx(occupied)
     with pytest.raises(ValueError, match="CAD model"):
-        cell_share(simulate(cad=False).measured, state, landmarks, (0.5, 0.5))
+        share_weight_by_cell(simulate(cad=False).measured, state, landmarks, (0.5, 0.5))

@@ -98,14 +98,14 @@ def test_flagged_returns_do_not_enter():
     returns = replace(measured.returns, range_m=wrong, flagged=flagged)
     found = quietly(replace(measured, returns=returns))
     np.testing.assert_array_equal(found.chosen.returns, ~flagged)
-    assert len(found.problem.range_measured) == (~flagged).sum()
+    assert len(found.problem.ranges.measured) == (~flagged).sum()
     assert np.abs(found.state.nodes.translation - solved().adjusted.state.nodes.translation).max() < 0.01
 
 
 def test_without_returns_the_stereo_landmarks_lay_the_dive_onto_the_cad_model():
     found = solved(ranges=False)
     assert found.adjusted.registration.fitness > 0.8
-    assert len(found.adjusted.problem.range_measured) == 0
+    assert len(found.adjusted.problem.ranges.measured) == 0
 
 
 def test_a_dive_without_pressure_keeps_its_depth_by_dead_reckoning():
@@ -126,8 +126,8 @@ def test_a_deviation_from_a_hull_needs_a_cad_model():
 def test_the_deviation_from_the_hull_is_the_cad_models_less_the_field():
     found = solved()
     state, solution = found.adjusted.state, found.outcome.solution
-    on = solution.label == 1
-    apart = deviation_from_hull(found.dive.measured, state, solution.landmark[on])
-    bare = deviation_from_hull(found.dive.measured, replace(state, grid=None), solution.landmark[on])
+    on = solution.landmarks.label == 1
+    apart = deviation_from_hull(found.dive.measured, state, solution.landmarks.position[on])
+    bare = deviation_from_hull(found.dive.measured, replace(state, grid=None), solution.landmarks.position[on])
     np.testing.assert_allclose(bare, solution.deviation[on], atol=1e-6)
     assert np.std(apart) < np.std(bare)

@@ -5,8 +5,8 @@ import pytest
 from adjustment.scenes import ERROR, TRUTH, cad_model, side, survey
 
 from hullrecon.adjustment.hull_pose.cad_error import matern32
-from hullrecon.adjustment.hull_pose.observability import weak_directions
-from hullrecon.adjustment.hull_pose.registration import about, perturbed, register, thin
+from hullrecon.adjustment.hull_pose.observability import find_weak_directions
+from hullrecon.adjustment.hull_pose.registration import frame_at, perturb_pose, register, thin_points
 
 
 def test_a_curved_side_is_found_from_a_wrong_guess():
@@ -14,9 +14,9 @@ def test_a_curved_side_is_found_from_a_wrong_guess():
     mesh = side(1.0)
     points = TRUTH.apply(survey(mesh, rng))
     found = register(points, cad_model(mesh, TRUTH, ERROR), 0.01)
-    middle = about(found.center)
-    apart = (found.hull_from @ middle).inverse() @ TRUTH @ middle
-    step = np.r_[found.hull_from.rotation.apply(apart.translation)[0], apart.rotation.as_rotvec()[0]]
+    middle = frame_at(found.center)
+    apart = (found.global_from_hull @ middle).inverse() @ TRUTH @ middle
+    step = np.r_[found.global_from_hull.rotation.apply(apart.translation)[0], apart.rotation.as_rotvec()[0]]
     assert step @ np.linalg.solve(found.covariance, step) < 16.8  # 99 % of chi-square with six degrees of freedom
     assert np.sqrt(np.mean(found.residual**2)) < 0.015
     assert found.fitness > 0.95
@@ -27,8 +27,8 @@ def test_a_cylinder_slides_along_itself_and_says_so():
     mesh = side(0.0)
     found = register(TRUTH.apply(survey(mesh, rng)), cad_model(mesh, TRUTH, ERROR), 0.01)
     turn = np.kron(np.eye(2), np.eye(3))
-    turn[:3, :3] = found.hull_from.rotation.as_matrix()[0].T
-    weak = weak_directions(turn @ found.covariance @ turn.T)
+    turn[:3, :3] = found.global_from_hull.rotation.as_matrix()[0].T
+    weak = find_weak_directions(turn @ found.covariance @ turn.T)
     assert weak[0]["kind"] == "position"
     assert np.abs(weak[0]["direction"][0]) > 0.99
     assert weak[0]["sigma"] == pytest.approx(1.0, abs=0.1)  # what the guess said, no more
@@ -37,8 +37,8 @@ def test_a_cylinder_slides_along_itself_and_says_so():
 
 def test_thinning_takes_the_mean_of_each_voxel_and_obeys_the_limit():
     points = np.array([[0.1, 0.1, 0.1], [0.3, 0.1, 0.1], [2.5, 0.2, 0.2]])
-    np.testing.assert_allclose(thin(points, 1.0, 10), [[0.2, 0.1, 0.1], [2.5, 0.2, 0.2]])
-    assert len(thin(np.random.default_rng(2).uniform(0, 3, (5000, 3)), 0.05, 300)) <= 300
+    np.testing.assert_allclose(thin_points(points, 1.0, 10), [[0.2, 0.1, 0.1], [2.5, 0.2, 0.2]])
+    assert len(thin_points(np.random.default_rng(2).uniform(0, 3, (5000, 3)), 0.05, 300)) <= 300
 
 
 def test_matern_starts_at_its_variance_and_falls():
@@ -51,6 +51,6 @@ def test_matern_starts_at_its_variance_and_falls():
 
 def test_a_step_turns_about_the_centre():
     center = np.array([20.0, 4.0, 2.0])
-    moved = perturbed(TRUTH, center, np.r_[0, 0, 0, 0.0, 0.0, 0.1])
+    moved = perturb_pose(TRUTH, center, np.r_[0, 0, 0, 0.0, 0.0, 0.1])
     np.testing.assert_allclose(moved.apply(center[None]), TRUTH.apply(center[None]), atol=1e-12)
     assert (TRUTH.inverse() @ moved).rotation.magnitude()[0] == pytest.approx(0.1)

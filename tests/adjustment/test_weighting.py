@@ -10,7 +10,7 @@ import pytest
 
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.state import Weights
-from hullrecon.adjustment.problem.weighting import depth_sigma, settled
+from hullrecon.adjustment.problem.weighting import depth_sigma, estimate_weights
 from hullrecon.geometry import poses
 from hullrecon.records.trajectory import Attitude
 
@@ -33,11 +33,11 @@ def dive(scene, depth, noise_m, given_m=GIVEN_M):
 @pytest.fixture
 def depth_weight(scene, monkeypatch):
     """The sigma of depths that a round settles, in the sigma given."""
-    monkeypatch.setattr("hullrecon.adjustment.problem.selection.pixel_sigma", lambda *_: 0.5)
+    monkeypatch.setattr("hullrecon.adjustment.problem.selection.estimate_pixel_sigma", lambda *_: 0.5)
 
     def found(*of, **more):
         measured, state = dive(scene, *of, **more)
-        return settled(measured, state, None, WEIGHTS, OPTIONS).depth
+        return estimate_weights(measured, state, None, WEIGHTS, OPTIONS).depth
 
     return found
 
@@ -63,7 +63,7 @@ def test_depths_that_no_pressure_gave_keep_their_sigma(depth_weight) -> None:
 def test_as_published_and_without_a_camera_all_weights_stay(scene, options, camera) -> None:
     measured, state = dive(scene, np.full(400, 3.0), 0.004)
     measured.tracks = measured.tracks if camera else None
-    assert settled(measured, state, None, WEIGHTS, options) is WEIGHTS
+    assert estimate_weights(measured, state, None, WEIGHTS, options) is WEIGHTS
 
 
 def test_the_sigma_of_a_depth_is_told_in_metres(scene) -> None:

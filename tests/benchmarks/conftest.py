@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-import copy
+import dataclasses
 
 import numpy as np
 import pytest
@@ -31,7 +31,12 @@ def seven(pose: Poses) -> np.ndarray:
 @pytest.fixture(scope="session")
 def at_truth(small: tuple[Problem, Truth]) -> Problem:
     """The problem started from its truth."""
-    problem, truth = copy.copy(small[0]), small[1]
-    problem.pose = np.c_[truth.nodes.translation, truth.nodes.quaternion, truth.tray]
-    problem.landmark, problem.T_g_M, problem.T_s_ct = truth.landmark, seven(truth.T_g_M), seven(truth.T_s_ct)
-    return problem
+    problem, truth = small
+    unknowns = dataclasses.replace(
+        problem.unknowns,
+        pose=np.c_[truth.nodes.translation, truth.nodes.quaternion, truth.tray],
+        landmark=truth.landmark,
+        T_g_M=seven(truth.T_g_M),
+        T_s_ct=seven(truth.T_s_ct),
+    )
+    return problem.started_from(unknowns)

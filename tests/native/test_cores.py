@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The specialised core against Ceres, the oracle: the same steps to the same optimum, whatever the problem holds."""
+"""The Schur core against Ceres: the same steps to the same optimum, whatever the problem holds."""
 
 from __future__ import annotations
 
@@ -9,31 +9,27 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from drafts import Draft, clear, solve
 
 from hullrecon.errors import StageError
-from hullrecon.native import Options, Problem, Result, solve
+from hullrecon.native import MotionPrior, Options, Result
 
-Survey = Callable[..., Problem]
-Change = Callable[[Problem], None]
+Survey = Callable[..., Draft]
+Change = Callable[[Draft], None]
 BLOCKS = ("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top", "intrinsics_bottom", "tray")
 
 
 def leave(*names: str) -> Change:
-    """Leaves only tables that begin with these."""
+    """Leaves these tables of measurements alone."""
 
-    def change(p: Problem) -> None:
-        for field in dataclasses.fields(p):
-            value = getattr(p, field.name)
-            table = field.name.split("_")[0]
-            loose = table in ("attitude", "tray", "odometry", "stereo", "mono", "range", "surface")
-            if loose and table not in names and field.name not in ("tray_origin", "odometry_mount"):
-                setattr(p, field.name, value[:0])
+    def change(p: Draft) -> None:
+        clear(p, *({"attitude", "tray", "odometry", "stereo", "mono", "ranges", "surface"} - set(names)))
 
     return change
 
 
 def hold(*names: str) -> Change:
-    def change(p: Problem) -> None:
+    def change(p: Draft) -> None:
         p.constant = (*p.constant, *names)
 
     return change
@@ -42,73 +38,75 @@ def hold(*names: str) -> Change:
 def free(*names: str) -> Change:
     """With priors, so that nothing is undetermined."""
 
-    def change(p: Problem) -> None:
+    def change(p: Draft) -> None:
         p.constant = tuple(name for name in p.constant if name not in names)
-        p.prior_T_ct_cb, p.prior_T_ct_cb_sqrt = p.T_ct_cb.copy(), np.eye(6) / 1e-3
-        p.prior_T_s_d, p.prior_T_s_d_sqrt = p.T_s_d.copy(), np.eye(6) / 1e-2
-        p.prior_navigation_sigma = np.full(6, 0.01)
-        p.prior_intrinsics_sigma = np.r_[5.0, 5, 5, 5, 0.01, 0.01, 0.001, 0.001, 0.01]
+        p.priors.T_ct_cb = MotionPrior(value=p.unknowns.T_ct_cb.copy(), sqrt_information=np.eye(6) / 1e-3)
+        p.priors.T_s_d = MotionPrior(value=p.unknowns.T_s_d.copy(), sqrt_information=np.eye(6) / 1e-2)
+        p.priors.navigation_sigma = np.full(6, 0.01)
+        p.priors.intrinsics_sigma = np.r_[5.0, 5, 5, 5, 0.01, 0.01, 0.001, 0.001, 0.01]
 
     return change
 
 
-def field(p: Problem) -> None:
+def field(p: Draft) -> None:
     """A field of five nodes, met by landmarks and beams; some rows name a node twice, some weights are nothing."""
     free("deviation")(p)
     rng = np.random.default_rng(3)
-    p.deviation = 0.01 * rng.normal(size=5)
-    for name in ("surface", "range"):
-        rows = len(p.surface_landmark) if name == "surface" else len(p.range_node)
-        setattr(p, f"{name}_field_index", rng.integers(0, 5, (rows, 4)).astype(np.int32))
-        setattr(p, f"{name}_field_weight", np.where(rng.random((rows, 4)) < 0.2, 0.0, 0.25))
-    p.field_prior_start, p.field_prior_index = np.arange(0, 11, 2, dtype=np.int32), rng.integers(0, 5, 10).astype(np.int32)
-    p.field_prior_value = rng.uniform(20, 50, 10)
+    p.unknowns.deviation = 0.01 * rng.normal(size=5)
+    for nodes, rows in ((p.surface.field, len(p.surface.landmark)), (p.ranges.field, len(p.ranges.node))):
+        nodes.index = rng.integers(0, 5, (rows, 4)).astype(np.int32)
+        nodes.weight = np.where(rng.random((rows, 4)) < 0.2, 0.0, 0.25)
+    p.priors.deviation.start, p.priors.deviation.index = (
+        np.arange(0, 11, 2, dtype=np.int32),
+        rng.integers(0, 5, 10).astype(np.int32),
+    )
+    p.priors.deviation.value = rng.uniform(20, 50, 10)
 
 
-def mono(p: Problem) -> None:
+def mono(p: Draft) -> None:
     """The pairs' images one by one, a third of them left out."""
-    keep = np.random.default_rng(1).random(2 * len(p.stereo_node)) < 0.67
-    node, landmark = np.tile(p.stereo_node, 2)[keep], np.tile(p.stereo_landmark, 2)[keep]
-    camera = np.repeat([0, 1], len(p.stereo_node)).astype(np.int32)[keep]
-    p.mono_pixel = np.vstack([p.stereo_pixel[:, :2], p.stereo_pixel[:, 2:]])[keep]
-    leave("attitude", "tray", "odometry", "mono", "range", "surface")(p)
-    p.mono_node, p.mono_landmark, p.mono_camera = node, landmark, camera
+    keep = np.random.default_rng(1).random(2 * len(p.stereo.node)) < 0.67
+    node, landmark = np.tile(p.stereo.node, 2)[keep], np.tile(p.stereo.landmark, 2)[keep]
+    camera = np.repeat([0, 1], len(p.stereo.node)).astype(np.int32)[keep]
+    p.mono.pixel = np.vstack([p.stereo.pixel[:, :2], p.stereo.pixel[:, 2:]])[keep]
+    leave("attitude", "tray", "odometry", "mono", "ranges", "surface")(p)
+    p.mono.node, p.mono.landmark, p.mono.camera = node, landmark, camera
 
 
-def mono_beside_stereo(p: Problem) -> None:
-    half = len(p.stereo_node) // 2
-    p.mono_node, p.mono_landmark = p.stereo_node[half:], p.stereo_landmark[half:]
-    p.mono_camera, p.mono_pixel = (np.arange(len(p.mono_node)) % 2).astype(np.int32), np.zeros((len(p.mono_node), 2))
-    p.mono_pixel[:] = np.where(p.mono_camera[:, None] == 0, p.stereo_pixel[half:, :2], p.stereo_pixel[half:, 2:])
-    p.stereo_node, p.stereo_landmark, p.stereo_pixel = p.stereo_node[:half], p.stereo_landmark[:half], p.stereo_pixel[:half]
+def mono_beside_stereo(p: Draft) -> None:
+    half = len(p.stereo.node) // 2
+    p.mono.node, p.mono.landmark = p.stereo.node[half:], p.stereo.landmark[half:]
+    p.mono.camera, p.mono.pixel = (np.arange(len(p.mono.node)) % 2).astype(np.int32), np.zeros((len(p.mono.node), 2))
+    p.mono.pixel[:] = np.where(p.mono.camera[:, None] == 0, p.stereo.pixel[half:, :2], p.stereo.pixel[half:, 2:])
+    p.stereo.node, p.stereo.landmark, p.stereo.pixel = p.stereo.node[:half], p.stereo.landmark[:half], p.stereo.pixel[:half]
     again = np.arange(10)  # and some twice
-    p.mono_node, p.mono_landmark = np.r_[p.mono_node, p.stereo_node[again]], np.r_[p.mono_landmark, p.stereo_landmark[again]]
-    p.mono_camera, p.mono_pixel = np.r_[p.mono_camera, np.zeros(10, np.int32)], np.r_[p.mono_pixel, p.stereo_pixel[again, :2]]
+    p.mono.node, p.mono.landmark = np.r_[p.mono.node, p.stereo.node[again]], np.r_[p.mono.landmark, p.stereo.landmark[again]]
+    p.mono.camera, p.mono.pixel = np.r_[p.mono.camera, np.zeros(10, np.int32)], np.r_[p.mono.pixel, p.stereo.pixel[again, :2]]
 
 
-def outliers(p: Problem) -> None:
-    p.stereo_pixel[::9] += 40.0
-    p.landmark[3] = p.pose[0, :3] - [0, 0, 3.0]  # behind its camera
-    p.range_beam[3] = [0, 0, -1.0]
+def outliers(p: Draft) -> None:
+    p.stereo.pixel[::9] += 40.0
+    p.unknowns.landmark[3] = p.unknowns.pose[0, :3] - [0, 0, 3.0]  # behind its camera
+    p.ranges.beam[3] = [0, 0, -1.0]
 
 
-def two_surfaces(p: Problem) -> None:
-    p.surface_landmark = np.r_[p.surface_landmark, p.surface_landmark[:20]]
-    p.surface_weight = np.r_[p.surface_weight, np.full(20, 0.03)]
-    p.surface_weight[5:9] = 0.0
+def two_surfaces(p: Draft) -> None:
+    p.surface.landmark = np.r_[p.surface.landmark, p.surface.landmark[:20]]
+    p.surface.weight = np.r_[p.surface.weight, np.full(20, 0.03)]
+    p.surface.weight[5:9] = 0.0
 
 
-def lonely(p: Problem) -> None:
+def isolated(p: Draft) -> None:
     """A landmark that nothing sees, one that only the hull holds, a pose without images, a loose pose's tray."""
-    p.landmark = np.vstack([p.landmark, p.landmark[:2] + 0.01])
-    p.surface_landmark, p.surface_weight = np.r_[p.surface_landmark, 60].astype(np.int32), np.r_[p.surface_weight, 0.1]
-    seen = p.stereo_node != 3
-    p.stereo_node, p.stereo_landmark, p.stereo_pixel = p.stereo_node[seen], p.stereo_landmark[seen], p.stereo_pixel[seen]
+    p.unknowns.landmark = np.vstack([p.unknowns.landmark, p.unknowns.landmark[:2] + 0.01])
+    p.surface.landmark, p.surface.weight = np.r_[p.surface.landmark, 60].astype(np.int32), np.r_[p.surface.weight, 0.1]
+    seen = p.stereo.node != 3
+    p.stereo.node, p.stereo.landmark, p.stereo.pixel = p.stereo.node[seen], p.stereo.landmark[seen], p.stereo.pixel[seen]
 
 
-def no_landmarks(p: Problem) -> None:
-    leave("attitude", "tray", "odometry", "range")(p)
-    p.landmark = p.landmark[:0]
+def no_landmarks(p: Draft) -> None:
+    leave("attitude", "tray", "odometry", "ranges")(p)
+    p.unknowns.landmark = p.unknowns.landmark[:0]
 
 
 CASES: dict[str, tuple[Change, ...]] = {
@@ -121,7 +119,7 @@ CASES: dict[str, tuple[Change, ...]] = {
     "everything free": (free(*BLOCKS), field),
     "everything free, mono": (free(*BLOCKS), field, mono_beside_stereo),
     "bottom camera free": (free("T_ct_cb"),),
-    "bottom lens free": (free("intrinsics_bottom"), mono_beside_stereo),
+    "bottom intrinsics free": (free("intrinsics_bottom"), mono_beside_stereo),
     "navigation free": (free("navigation", "T_s_d"),),
     "tray held": (hold("tray"),),
     "hull held": (hold("T_g_M"), field),
@@ -129,20 +127,20 @@ CASES: dict[str, tuple[Change, ...]] = {
     "both held": (hold("T_s_ct", "T_g_M"),),
     "images alone": (leave("stereo", "odometry"),),
     "two surfaces": (two_surfaces, field),
-    "lonely": (lonely,),
+    "isolated": (isolated,),
     "no landmarks": (no_landmarks,),
     "no landmarks, field": (field, no_landmarks),
 }
 
 
-def problem(case: str, make_survey: Survey, shaken: Survey, seed: int = 5) -> Problem:
+def problem(case: str, make_survey: Survey, shaken: Survey, seed: int = 5) -> Draft:
     p = shaken(make_survey(pixel_noise=0.5), 0.02, 0.005, seed)
     for change in CASES[case]:
         change(p)
     return p
 
 
-def both(p: Problem, options: Options) -> tuple[Result, Result]:
+def both(p: Draft, options: Options) -> tuple[Result, Result]:
     return solve(p, dataclasses.replace(options, core="schur")), solve(p, dataclasses.replace(options, core="ceres"))
 
 
@@ -186,15 +184,15 @@ def test_the_bytes_do_not_depend_on_the_threads(case: str, make_survey: Survey, 
     p = problem(case, make_survey, shaken)
     one, two, three = (solve(p, Options(threads=threads)) for threads in (1, 2, 3))
     for other in (two, three):
-        for name, value in one.unknowns.items():
-            assert value.tobytes() == other.unknowns[name].tobytes()
+        for name, value in vars(one.unknowns).items():
+            assert value.tobytes() == getattr(other.unknowns, name).tobytes()
         assert one.iterations.cost.tobytes() == other.iterations.cost.tobytes()
 
 
 def test_a_survey_of_many_poses_is_the_same_for_any_threads_and_for_ceres(make_survey: Survey, shaken: Survey) -> None:
     p = shaken(make_survey(poses=90, landmarks=2500, pixel_noise=0.5))
     one, two = (solve(p, Options(threads=threads)) for threads in (1, 2))
-    assert one.unknowns["landmark"].tobytes() == two.unknowns["landmark"].tobytes()
+    assert one.unknowns.landmark.tobytes() == two.unknowns.landmark.tobytes()
     ceres = solve(p, Options(core="ceres"))
     assert one.iterations.cost[-1] == pytest.approx(ceres.iterations.cost[-1], rel=1e-6)
     assert len(one.iterations.cost) == len(ceres.iterations.cost)
@@ -203,7 +201,7 @@ def test_a_survey_of_many_poses_is_the_same_for_any_threads_and_for_ceres(make_s
 @pytest.mark.parametrize("core", ["schur", "ceres"])
 def test_a_start_that_cannot_be_evaluated_is_refused_by_both(core: str, make_survey: Survey) -> None:
     p = make_survey()
-    p.pose[3, 3:7] = [0, np.sqrt(0.5), 0, np.sqrt(0.5)]  # bow straight up: no roll
+    p.unknowns.pose[3, 3:7] = [0, np.sqrt(0.5), 0, np.sqrt(0.5)]  # bow straight up: no roll
     with pytest.raises(StageError, match="solver failed"):
         solve(p, Options(core=core))
 
@@ -211,5 +209,5 @@ def test_a_start_that_cannot_be_evaluated_is_refused_by_both(core: str, make_sur
 def test_no_iterations_leave_the_start(make_survey: Survey, shaken: Survey) -> None:
     p = shaken(make_survey())
     got = solve(p, Options(max_iterations=0))
-    np.testing.assert_array_equal(got.unknowns["pose"], p.pose)
+    np.testing.assert_array_equal(got.unknowns.pose, p.unknowns.pose)
     assert (len(got.iterations.cost), got.converged) == (1, False)

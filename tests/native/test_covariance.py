@@ -2,18 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+from drafts import Draft, change, clear, covariance, evaluate, solve
 from scipy.sparse import csr_matrix
 from scipy.spatial.transform import Rotation
 
 from hullrecon.errors import StageError
-from hullrecon.native import FACTORS, Evaluation, Options, Problem, covariance, evaluate, solve
+from hullrecon.native import FACTORS, Evaluation, MotionPrior, Options
 
-Survey = Callable[..., Problem]
+Survey = Callable[..., Draft]
 
 
 def jacobian(e: Evaluation) -> np.ndarray:
@@ -21,7 +21,7 @@ def jacobian(e: Evaluation) -> np.ndarray:
     return np.asarray(matrix.toarray())
 
 
-def dense_covariance(p: Problem, options: Options) -> tuple[np.ndarray, dict[str, tuple[int, int]]]:
+def dense_covariance(p: Draft, options: Options) -> tuple[np.ndarray, dict[str, tuple[int, int]]]:
     """The twin: the whole information, inverted."""
     e = evaluate(p, options)
     rows = jacobian(e) * e.weight[:, None]
@@ -30,17 +30,17 @@ def dense_covariance(p: Problem, options: Options) -> tuple[np.ndarray, dict[str
     return np.linalg.inv(rows.T @ rows) * np.outer(scale, scale), e.columns
 
 
-def everything_free(p: Problem) -> Problem:
+def everything_free(p: Draft) -> Draft:
     p.constant = ()
-    p.prior_T_ct_cb, p.prior_T_ct_cb_sqrt = p.T_ct_cb.copy(), np.eye(6) / 1e-3
-    p.prior_T_s_d, p.prior_T_s_d_sqrt = p.T_s_d.copy(), np.eye(6) / 1e-2
-    p.prior_navigation_sigma = np.full(6, 0.01)
-    p.deviation = np.array([0.001, -0.002, 0.003])
-    rows = len(p.surface_landmark)
-    p.surface_field_index = np.tile(np.array([0, 1, 2, 2], np.int32), (rows, 1))
-    p.surface_field_weight = np.random.default_rng(3).uniform(size=(rows, 4))
-    p.field_prior_start, p.field_prior_index = np.arange(4, dtype=np.int32), np.arange(3, dtype=np.int32)
-    p.field_prior_value = np.full(3, 1 / 0.02)
+    p.priors.T_ct_cb = MotionPrior(value=p.unknowns.T_ct_cb.copy(), sqrt_information=np.eye(6) / 1e-3)
+    p.priors.T_s_d = MotionPrior(value=p.unknowns.T_s_d.copy(), sqrt_information=np.eye(6) / 1e-2)
+    p.priors.navigation_sigma = np.full(6, 0.01)
+    p.unknowns.deviation = np.array([0.001, -0.002, 0.003])
+    rows = len(p.surface.landmark)
+    p.surface.field.index = np.tile(np.array([0, 1, 2, 2], np.int32), (rows, 1))
+    p.surface.field.weight = np.random.default_rng(3).uniform(size=(rows, 4))
+    p.priors.deviation.start, p.priors.deviation.index = np.arange(4, dtype=np.int32), np.arange(3, dtype=np.int32)
+    p.priors.deviation.value = np.full(3, 1 / 0.02)
     return p
 
 
@@ -52,7 +52,7 @@ def assert_equal(got: np.ndarray, expected: np.ndarray) -> None:
 @pytest.mark.parametrize("threads", [1, 2])
 def test_every_block_equals_that_of_the_dense_inverse(method: str, threads: int, make_survey: Survey) -> None:
     p = everything_free(make_survey(pixel_noise=1.0))
-    p.landmark[:5, 2] -= 0.1  # labelled 0
+    p.unknowns.landmark[:5, 2] -= 0.1  # labelled 0
     options = Options(method=method, threads=threads)
     dense, columns = dense_covariance(p, options)
     got = covariance(p, options)
@@ -102,19 +102,19 @@ def spread(seven: np.ndarray, noise: np.ndarray) -> np.ndarray:
     return np.concatenate([seven[..., :3] + at.apply(noise[..., :3]), turned], axis=-1)
 
 
-def measured_again(p: Problem, rng: np.random.Generator) -> Problem:
+def measured_again(p: Draft, rng: np.random.Generator) -> Draft:
     """Every measurement and every prior with a draw of its own noise."""
-    p.prior_T_g_M_sqrt = np.eye(6) / 0.01
+    p.priors.T_g_M.sqrt_information = np.eye(6) / 0.01
     for name, sigma in (("T_g_M", 0.01), ("T_s_ct", 0.02)):
-        setattr(p, f"prior_{name}", spread(getattr(p, name), sigma * rng.normal(size=6)))
-    p.prior_pose = spread(p.prior_pose, 1e-3 * rng.normal(size=(1, 6)))
-    p.attitude_measured += p.attitude_sigma * rng.normal(size=p.attitude_measured.shape)
-    p.tray_measured += p.tray_sigma * rng.normal(size=len(p.tray_measured))
-    p.range_measured += p.range_sigma * rng.normal(size=len(p.range_measured))
-    p.stereo_pixel += rng.normal(size=p.stereo_pixel.shape)
-    p.odometry_measured[:, :3] += 0.01 * rng.normal(size=(7, 3))
-    turned = Rotation.from_quat(p.odometry_measured[:, 3:]) * Rotation.from_rotvec(0.001 * rng.normal(size=(7, 3)))
-    p.odometry_measured[:, 3:] = turned.as_quat()
+        change(p.priors, f"{name}.value", spread(getattr(p.unknowns, name), sigma * rng.normal(size=6)))
+    p.priors.pose.value = spread(p.priors.pose.value, 1e-3 * rng.normal(size=(1, 6)))
+    p.attitude.measured += p.attitude.sigma * rng.normal(size=p.attitude.measured.shape)
+    p.tray.measured += p.tray.sigma * rng.normal(size=len(p.tray.measured))
+    p.ranges.measured += p.ranges.sigma * rng.normal(size=len(p.ranges.measured))
+    p.stereo.pixel += rng.normal(size=p.stereo.pixel.shape)
+    p.odometry.measured[:, :3] += 0.01 * rng.normal(size=(7, 3))
+    turned = Rotation.from_quat(p.odometry.measured[:, 3:]) * Rotation.from_rotvec(0.001 * rng.normal(size=(7, 3)))
+    p.odometry.measured[:, 3:] = turned.as_quat()
     return p
 
 
@@ -126,26 +126,29 @@ def test_the_errors_of_noisy_dives_are_as_large_as_the_covariance_says(make_surv
     truth, landmark, hull = make_survey(), [], []
     for seed in range(20):
         p = measured_again(make_survey(), np.random.default_rng(seed))
-        for name, value in solve(p, PLAIN).unknowns.items():
-            setattr(p, name, value)
-        sigma, error = covariance(p, PLAIN), p.landmark - truth.landmark
+        p.unknowns = solve(p, PLAIN).unknowns
+        sigma, error = covariance(p, PLAIN), p.unknowns.landmark - truth.unknowns.landmark
         landmark.append(np.einsum("ki,kij,kj->k", error, np.linalg.inv(sigma.landmark), error).mean())
-        moved = p.T_g_M[:3] - truth.T_g_M[:3]
+        moved = p.unknowns.T_g_M[:3] - truth.unknowns.T_g_M[:3]
         hull.append(moved @ np.linalg.inv(sigma.T_g_M[:3, :3]) @ moved)
     assert 2.6 < np.mean(landmark) < 3.4  # of three degrees of freedom each; twenty dives scatter the mean by 0.2
     assert 1.6 < np.mean(hull) < 4.6
 
 
-def images_at_known_poses(p: Problem, mono: bool) -> Problem:
+def images_at_known_poses(p: Draft, mono: bool) -> Draft:
     """Leaves the cameras' noise as the one cause of the landmarks' errors."""
     p.constant = (*p.constant, "T_s_ct", "tray")
-    n = len(p.pose)
-    p.prior_pose_node, p.prior_pose, p.prior_pose_sqrt = np.arange(n), p.pose[:, :7].copy(), np.tile(np.eye(6) * 1e6, (n, 1, 1))
+    n = len(p.unknowns.pose)
+    p.priors.pose.node, p.priors.pose.value, p.priors.pose.sqrt_information = (
+        np.arange(n),
+        p.unknowns.pose[:, :7].copy(),
+        np.tile(np.eye(6) * 1e6, (n, 1, 1)),
+    )
     if mono:
-        rows = len(p.stereo_node)
-        p.mono_node, p.mono_landmark = np.tile(p.stereo_node, 2), np.tile(p.stereo_landmark, 2)
-        p.mono_camera, p.mono_pixel = np.repeat([0, 1], rows), np.vstack([p.stereo_pixel[:, :2], p.stereo_pixel[:, 2:]])
-        cleared(p, "stereo")
+        rows = len(p.stereo.node)
+        p.mono.node, p.mono.landmark = np.tile(p.stereo.node, 2), np.tile(p.stereo.landmark, 2)
+        p.mono.camera, p.mono.pixel = np.repeat([0, 1], rows), np.vstack([p.stereo.pixel[:, :2], p.stereo.pixel[:, 2:]])
+        clear(p, "stereo")
     return p
 
 
@@ -159,48 +162,45 @@ def test_hubers_loss_widens_the_sigmas_of_normal_noise_by_less_than_three_percen
 @pytest.mark.parametrize("mono", [False, True], ids=["stereo", "mono"])
 def test_under_hubers_loss_landmarks_err_as_much_as_their_covariance_says(mono: bool, make_survey: Survey) -> None:
     p = images_at_known_poses(make_survey(poses=20, landmarks=2000, pixel_noise=1.0), mono)
-    truth = p.landmark
-    p.landmark = solve(p, ROBUST).unknowns["landmark"]
-    error, sigma = p.landmark - truth, covariance(p, ROBUST).landmark
+    truth = p.unknowns.landmark
+    p.unknowns.landmark = solve(p, ROBUST).unknowns.landmark
+    error, sigma = p.unknowns.landmark - truth, covariance(p, ROBUST).landmark
     squared = np.einsum("ki,kij,kj->k", error, np.linalg.inv(sigma), error)
     assert np.mean(squared) == pytest.approx(3, abs=0.25)  # two thousand landmarks scatter the mean by 0.055
 
 
-def cleared(p: Problem, table: str) -> Problem:
-    for field in dataclasses.fields(p):
-        value = getattr(p, field.name)
-        if field.name.startswith(f"{table}_") and isinstance(value, np.ndarray):
-            setattr(p, field.name, value[:0])
-    return p
-
-
 def test_a_hull_that_nothing_ties_is_named(make_survey: Survey) -> None:
-    p = cleared(make_survey(), "range")
-    p.prior_T_g_M = p.prior_T_g_M_sqrt = None
+    p = make_survey()
+    clear(p, "ranges")
+    p.priors.T_g_M = None
     with pytest.raises(StageError, match="T_g_M x"):
         covariance(p, Options(method="naive"))
 
 
 def test_a_dive_that_floats_in_the_plane_is_named(make_survey: Survey) -> None:
     p = make_survey()
-    p.prior_T_g_M = p.prior_T_g_M_sqrt = None
-    p.prior_pose_node, p.prior_pose, p.prior_pose_sqrt = p.prior_pose_node[:0], p.prior_pose[:0], p.prior_pose_sqrt[:0]
+    p.priors.T_g_M = None
+    p.priors.pose.node, p.priors.pose.value, p.priors.pose.sqrt_information = (
+        p.priors.pose.node[:0],
+        p.priors.pose.value[:0],
+        p.priors.pose.sqrt_information[:0],
+    )
     with pytest.raises(StageError, match=r"undetermined.*(pose|T_g_M)"):
         covariance(p)
 
 
 def test_a_landmark_without_views_is_named(make_survey: Survey) -> None:
     p = make_survey()
-    p.landmark = np.vstack([p.landmark, [[0.0, 0, 0]]])
+    p.unknowns.landmark = np.vstack([p.unknowns.landmark, [[0.0, 0, 0]]])
     with pytest.raises(StageError, match="landmark 60"):
         covariance(p)
 
 
 def test_a_landmark_in_one_mono_image_is_named_with_the_direction_of_its_ray(make_survey: Survey) -> None:
     p = make_survey()
-    p.landmark = np.vstack([p.landmark, p.landmark[:1]])
-    p.mono_node, p.mono_landmark = np.zeros(1, np.int32), np.full(1, 60, np.int32)
-    p.mono_camera, p.mono_pixel = np.zeros(1, np.int32), np.array([[320.0, 240.0]])
+    p.unknowns.landmark = np.vstack([p.unknowns.landmark, p.unknowns.landmark[:1]])
+    p.mono.node, p.mono.landmark = np.zeros(1, np.int32), np.full(1, 60, np.int32)
+    p.mono.camera, p.mono.pixel = np.zeros(1, np.int32), np.array([[320.0, 240.0]])
     with pytest.raises(StageError, match="landmark 60") as caught:
         covariance(p)
     assert "along" in caught.value.what
@@ -218,7 +218,7 @@ def test_the_jacobians_rows_and_columns_are_where_the_layout_says(make_survey: S
     assert "navigation" not in e.columns
     row = np.flatnonzero((e.factor == FACTORS.index("stereo")) & (e.table_row == 10))[0]
     touched = np.zeros(e.width, bool)
-    for name in (f"pose {p.stereo_node[10]}", f"landmark {p.stereo_landmark[10]}", "T_s_ct"):
+    for name in (f"pose {p.stereo.node[10]}", f"landmark {p.stereo.landmark[10]}", "T_s_ct"):
         start, width = e.columns[name]
         touched[start : start + width] = True
     assert (full[row][touched] != 0).sum() >= 14

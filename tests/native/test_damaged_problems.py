@@ -13,9 +13,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from drafts import Draft, change, covariance, evaluate, leaves, solve
 
 from hullrecon.errors import InputError, StageError, UsageError
-from hullrecon.native import Options, Problem, covariance, evaluate, solve
+from hullrecon.native import Options
 
 BATCH = 50
 BATCHES = -(-int(os.environ.get("HULLRECON_DAMAGED_PROBLEMS", "300")) // BATCH)
@@ -23,7 +24,7 @@ TYPED = (InputError, StageError, UsageError)
 NUMBERS = (0.0, -1.0, 1e-300, 1e300, -1e12, 1e6, np.nan, np.inf, -np.inf)
 INDICES = (-1, 0, 1, 7, 8, 59, 60, 2**31 - 1, -(2**31))
 
-Survey = Callable[..., Problem]
+Survey = Callable[..., Draft]
 Damage = Callable[[np.ndarray, np.random.Generator], np.ndarray]
 
 
@@ -74,13 +75,13 @@ DAMAGES: tuple[Damage, ...] = (
 )  # fmt: skip
 
 
-def damaged(p: Problem, rng: np.random.Generator) -> Problem:
+def damaged(p: Draft, rng: np.random.Generator) -> Draft:
     """Between one and four of its tables."""
-    names = [f.name for f in dataclasses.fields(p) if isinstance(getattr(p, f.name), np.ndarray) and getattr(p, f.name).size]
+    names = [path for path, value in leaves(p).items() if isinstance(value, np.ndarray) and value.size]
     for name in rng.choice(names, rng.integers(1, 5)):
-        table = getattr(p, name)
+        table = leaves(p)[name]
         if table.size:
-            setattr(p, name, DAMAGES[rng.integers(len(DAMAGES))](table, rng))
+            change(p, name, DAMAGES[rng.integers(len(DAMAGES))](table, rng))
     return p
 
 
@@ -96,19 +97,19 @@ def chosen(rng: np.random.Generator) -> Options:
     )
 
 
-def solved(p: Problem, options: Options) -> list[np.ndarray]:
-    return list(solve(p, options).unknowns.values())
+def solved(p: Draft, options: Options) -> list[np.ndarray]:
+    return list(vars(solve(p, options).unknowns).values())
 
 
-def evaluated(p: Problem, options: Options) -> list[np.ndarray]:
+def evaluated(p: Draft, options: Options) -> list[np.ndarray]:
     return list(evaluate(p, options).cost_by_factor.values())
 
 
-def marginals(p: Problem, options: Options) -> list[np.ndarray]:
+def marginals(p: Draft, options: Options) -> list[np.ndarray]:
     return list(dataclasses.asdict(covariance(p, options)).values())
 
 
-def answer(call: Callable[[Problem, Options], list[np.ndarray]], p: Problem, options: Options) -> str:
+def answer(call: Callable[[Draft, Options], list[np.ndarray]], p: Draft, options: Options) -> str:
     """The words with which it is refused, or "numbers", or "no numbers"."""
     try:
         values = call(p, options)

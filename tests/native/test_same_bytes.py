@@ -15,11 +15,11 @@ from hullrecon.native import Options, solve
 @pytest.mark.slow
 def test_half_a_million_observations_give_the_same_bytes_for_one_and_two_threads() -> None:
     problem = make(Size(poses=12500, imaged=11600, landmarks=125000, stereo=True, legs=20))
-    assert problem.stereo_pixel.size // 2 >= 500_000
+    assert problem.stereo.pixel.size // 2 >= 500_000
     one, two = (solve(problem, Options(threads=threads, max_iterations=2)) for threads in (1, 2))
     assert one.iterations.accepted.sum() > 1
-    for name, values in one.unknowns.items():
-        assert values.tobytes() == two.unknowns[name].tobytes(), name
+    for name, values in vars(one.unknowns).items():
+        assert values.tobytes() == getattr(two.unknowns, name).tobytes(), name
     for name in ("cost", "step_norm", "gradient_norm", "radius", "on_surface", "label_changes"):
         np.testing.assert_array_equal(getattr(one.iterations, name), getattr(two.iterations, name), err_msg=name)
     for name in ("label", "distance", "ray_hit"):

@@ -20,11 +20,11 @@ from hullrecon.typing import Array, Mask
 
 POINT_NOISE_M = 0.005  # of the mean of a voxel of landmarks and returns
 OFFSET_SHARE = 0.7  # sigma of the common offset in the CAD model's deviation_sigma
-STRAY_SIGMAS = 4.0
+OUTLIER_SIGMAS = 4.0
 
 
 @dataclass(frozen=True)
-class Misfit:
+class CadError:
     """sigma: of the smooth error, m; length: along and over the girth, m; noise: of a point, m; offset: sigma of an error
     common to the whole CAD model, m."""
 
@@ -34,20 +34,20 @@ class Misfit:
     offset: float
 
 
-def expected(cad_model: CadModel) -> Misfit:
+def expected_cad_error(cad_model: CadModel) -> CadError:
     """What the package says of its CAD model."""
     sigma = cad_model.deviation_sigma
-    return Misfit(sigma, cad_model.deviation_length, POINT_NOISE_M, OFFSET_SHARE * sigma)
+    return CadError(sigma, cad_model.deviation_length, POINT_NOISE_M, OFFSET_SHARE * sigma)
 
 
-def covariance(misfit: Misfit, cad_model: CadModel, at: Array) -> Array:
+def distance_covariance(cad_error_model: CadError, cad_model: CadModel, at: Array) -> Array:
     """Covariance (n, n) of the signed distances of points (n, 3) in M to the CAD model: smooth error, offset, facets, noise.
 
     The facets' pattern repeats all over a survey, which no stationary covariance says: the points on one facet share out the
     information of one (docs/methods.md 9), with three of its sigmas, lest a slide by one facet look like a better place.
     """
     along_girth = np.nan_to_num(cad_model.chart.to_chart(at)[:, :2])
-    return _covariance(misfit, along_girth, _facet_variance(cad_model, at, along_girth))
+    return _covariance(cad_error_model, along_girth, _facet_variance(cad_model, at, along_girth))
 
 
 def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> Array:
@@ -64,13 +64,13 @@ def _facet_variance(cad_model: CadModel, at: Array, along_girth: Array) -> float
     return float((3 * facets.sigma) ** 2 * len(at) / cells)
 
 
-def _covariance(misfit: Misfit, along_girth: Array, facet_variance: float) -> Array:
-    out = matern32(along_girth, misfit.sigma, misfit.length) + misfit.offset**2
-    out[np.diag_indices(len(out))] += facet_variance + misfit.noise**2
+def _covariance(cad_error_model: CadError, along_girth: Array, facet_variance: float) -> Array:
+    out = matern32(along_girth, cad_error_model.sigma, cad_error_model.length) + cad_error_model.offset**2
+    out[np.diag_indices(len(out))] += facet_variance + cad_error_model.noise**2
     return out
 
 
-def stray(factor: Any, distance: Array) -> Mask:
+def find_outliers(factor: Any, distance: Array) -> Mask:
     """Points (n,) that the others do not predict: leave-one-out residuals beyond four of their sigmas, the worst first and the
     rest without it, lest a point on a structure take its neighbours along.
 
@@ -81,7 +81,7 @@ def stray(factor: Any, distance: Array) -> Mask:
     while not gone.all():
         sigmas = np.where(gone, 0.0, np.abs(right)) / np.sqrt(np.where(gone, 1.0, np.diag(inverse)))
         worst = int(np.argmax(sigmas))
-        if sigmas[worst] <= STRAY_SIGMAS:
+        if sigmas[worst] <= OUTLIER_SIGMAS:
             break
         column = inverse[:, worst] / inverse[worst, worst]
         right = right - column * right[worst]

@@ -11,7 +11,7 @@ from hullrecon.typing import Array
 _AXES = (("along the hull", 0), ("across the hull", 1), ("vertically", 2))
 
 
-def weak_directions(
+def find_weak_directions(
     covariance_in_hull: Array, least_sigma_m: float = 0.05, least_sigma_deg: float = 0.5
 ) -> list[dict[str, object]]:
     """Eigenvectors of T_g_M's covariance (6, 6: translation and rotation in M's axes) beyond the given sigmas, worst first.

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.linalg import cho_solve
 
 from hullrecon.adjustment.hull_pose.registration import (
-    perturbed,
+    perturb_pose,
     prior_rows,
     prior_step,
     signed_distances,
@@ -29,7 +29,7 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True)
 class Profile:
-    """step (k,) m along `direction` (3,) unit in M; cost (k,), lowest zero; mean and sigma (m) of the posterior; hull_from:
+    """step (k,) m along `direction` (3,) unit in M; cost (k,), lowest zero; mean and sigma (m) of the posterior; global_from_hull:
     T_g_M at the mean; tangent (6,): how T_g_M (translation in g, rotation in M, about the centre) moves per metre of step."""
 
     direction: Array
@@ -37,7 +37,7 @@ class Profile:
     cost: Array
     mean: float
     sigma: float
-    hull_from: Poses
+    global_from_hull: Poses
     tangent: Array
 
 
@@ -68,9 +68,9 @@ def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
     return Profile(v.direction, steps, cost - cost.min(), mean, sigma, here, tangent)
 
 
-def inflated(covariance: Array, found: Profile, hull_from: Poses) -> Array:
+def inflate_covariance(covariance: Array, found: Profile, global_from_hull: Poses) -> Array:
     """Covariance (6, 6) of T_g_M whose variance along the profiled direction is the profile's, moving along its valley."""
-    to_hull = hull_from.rotation.as_matrix()[0].T
+    to_hull = global_from_hull.rotation.as_matrix()[0].T
     along = np.r_[to_hull.T @ found.direction, np.zeros(3)]
     lacking = found.sigma**2 - float(along @ covariance @ along)
     if lacking <= 0:
@@ -78,12 +78,12 @@ def inflated(covariance: Array, found: Profile, hull_from: Poses) -> Array:
     return np.asarray(covariance + lacking * np.outer(found.tangent, found.tangent))
 
 
-def descended(v: Valley, start: Poses) -> tuple[Poses, float]:
+def minimise_cost(v: Valley, start: Poses) -> tuple[Poses, float]:
     """T_g_M at the optimum of all six freedoms, and half the sum of squares there."""
     return _settle(v, start, held=False)
 
 
-def posterior(v: Valley, place: Poses) -> Array:
+def posterior_covariance(v: Valley, place: Poses) -> Array:
     """Covariance (6, 6) of T_g_M about the centre, of the points and the package's prior alone."""
     return np.asarray(np.linalg.inv(_linearised(v, place)[2]))
 
@@ -100,9 +100,9 @@ def _walk(v: Valley, start: Poses, steps: Array) -> list[tuple[Poses, float]]:
     return [found[k] for k in range(len(steps))]
 
 
-def _shifted(v: Valley, hull_from: Poses, step: float) -> Poses:
-    in_global = hull_from.rotation.as_matrix()[0] @ v.direction
-    return perturbed(hull_from, v.center, np.r_[step * in_global, np.zeros(3)])
+def _shifted(v: Valley, global_from_hull: Poses, step: float) -> Poses:
+    in_global = global_from_hull.rotation.as_matrix()[0] @ v.direction
+    return perturb_pose(global_from_hull, v.center, np.r_[step * in_global, np.zeros(3)])
 
 
 def _settle(v: Valley, pose: Poses, held: bool = True, most: int = 40) -> tuple[Poses, float]:
@@ -114,7 +114,7 @@ def _settle(v: Valley, pose: Poses, held: bool = True, most: int = 40) -> tuple[
         free = _across(pose.rotation.as_matrix()[0] @ v.direction) if held else np.eye(6)
         reduced = free.T @ information @ free
         step = -free @ np.linalg.solve(reduced + damping * np.diag(np.diag(reduced)), free.T @ right)
-        trial = perturbed(pose, v.center, np.asarray(step))
+        trial = perturb_pose(pose, v.center, np.asarray(step))
         there = _linearised(v, trial)
         if there[0] > cost:
             damping *= 10
@@ -148,6 +148,6 @@ def _across(direction: Array) -> Array:
 
 
 def _between(a: Poses, b: Poses, center: Array) -> Array:
-    """The step (6,) of `perturbed` that takes T_g_M a to b."""
+    """The step (6,) of `perturb_pose` that takes T_g_M a to b."""
     shift = b.apply(center[None])[0] - a.apply(center[None])[0]
     return np.asarray(np.r_[shift, (a.rotation.inv() * b.rotation).as_rotvec()[0]])

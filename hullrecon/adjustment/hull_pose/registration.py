@@ -28,10 +28,10 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True)
 class Registration:
-    """hull_from: T_g_M (batch of one). covariance (6, 6) of (translation in g, rotation in M) about `center` (3,) in M.
+    """global_from_hull: T_g_M (batch of one). covariance (6, 6) of (translation in g, rotation in M) about `center` (3,) in M.
     residual (n,): signed distances of the points used, metres. fitness: share of points within three sigma."""
 
-    hull_from: Poses
+    global_from_hull: Poses
     covariance: Array
     center: Array
     residual: Array
@@ -40,7 +40,7 @@ class Registration:
 
 def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int = 0) -> Registration:
     """T_g_M from returns (n, 3) in g, started from the package's guess and from a grid around it within its sigma."""
-    kept = thin(points, 0.10, 2500)
+    kept = thin_points(points, 0.10, 2500)
     center = cad_model.guess.inverse().apply(kept).mean(0)
     index = MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
     target = _target_cloud(cad_model.mesh, cad_model.guess.inverse().apply(kept), seed)
@@ -50,7 +50,7 @@ def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int =
     return fit_correlated(kept, candidates[int(np.argmin(costs))], cad_model, center, index, sigma_range)
 
 
-def thin(points: Array, voxel: float, most: int) -> Array:
+def thin_points(points: Array, voxel: float, most: int) -> Array:
     """One mean point a voxel (metres), the voxel grown until at most `most` are left; input order decides ties."""
     while True:
         cell = np.floor(points / voxel).astype(np.int64)
@@ -61,16 +61,16 @@ def thin(points: Array, voxel: float, most: int) -> Array:
         voxel *= 1.25
 
 
-def about(center: Array) -> Poses:
+def frame_at(center: Array) -> Poses:
     """T_M_M': the hull frame moved to a point (3,) of M."""
     return Poses(np.array([[0.0, 0, 0, 1]]), center[None])
 
 
-def perturbed(hull_from: Poses, center: Array, step: Array) -> Poses:
+def perturb_pose(global_from_hull: Poses, center: Array, step: Array) -> Poses:
     """T_g_M after a step (6,): translation added in g, rotation on the right, both about `center` in M."""
-    moved = hull_from @ about(center)
+    moved = global_from_hull @ frame_at(center)
     turned = Poses(moved.quaternion, moved.translation + step[:3]) @ poses.exp(np.r_[np.zeros(3), step[3:]])
-    return turned @ about(center).inverse()
+    return turned @ frame_at(center).inverse()
 
 
 def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
@@ -81,7 +81,7 @@ def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
         for yaw in (0.0, -1.0, 1.0):
             shift = rotate @ (np.array([along, 0, 0]) * cad_model.guess_sigma[:3])
             turn = np.array([0, 0, yaw]) * cad_model.guess_sigma[3:]
-            starts.append(perturbed(cad_model.guess, center, np.r_[shift, turn]))
+            starts.append(perturb_pose(cad_model.guess, center, np.r_[shift, turn]))
     return starts
 
 
@@ -126,16 +126,16 @@ def _gicp(points: Array, target: Array, start: Poses) -> Poses:
     return poses.from_matrix(np.round(result.transformation, 6)).inverse()
 
 
-def prior_step(hull_from: Poses, cad_model: CadModel, center: Array) -> Array:
+def prior_step(global_from_hull: Poses, cad_model: CadModel, center: Array) -> Array:
     """(6,) error against the guess in M's axes about the centre: what `guess_sigma` whitens."""
-    return np.asarray(((cad_model.guess @ about(center)).inverse() @ hull_from @ about(center)).log()[0])
+    return np.asarray(((cad_model.guess @ frame_at(center)).inverse() @ global_from_hull @ frame_at(center)).log()[0])
 
 
-def _trimmed_cost(points: Array, hull_from: Poses, cad_model: CadModel, center: Array, index: MeshIndex) -> float:
+def _trimmed_cost(points: Array, global_from_hull: Poses, cad_model: CadModel, center: Array, index: MeshIndex) -> float:
     """Mean square of the best 80 % of the distances over the CAD model's sigma, plus the prior's share."""
-    distance = np.sort(np.abs(index.closest(hull_from.inverse().apply(points)).distance))
+    distance = np.sort(np.abs(index.closest(global_from_hull.inverse().apply(points)).distance))
     trimmed = distance[: max(1, int(0.8 * len(distance)))]
-    prior = prior_step(hull_from, cad_model, center) / cad_model.guess_sigma
+    prior = prior_step(global_from_hull, cad_model, center) / cad_model.guess_sigma
     return float(np.mean(trimmed**2) / cad_model.deviation_sigma**2 + prior @ prior / len(cad_model.guess_sigma))
 
 
@@ -144,14 +144,14 @@ def fit_correlated(
 ) -> Registration:
     """Levenberg-Marquardt on signed distances whose errors are range noise and the CAD model's correlated deviation. Outliers are
     weighed down by their distance at the start, so that the cost is one function and its descent ends."""
-    field = cad_error.covariance(replace(cad_error.expected(cad_model), noise=0.0), cad_model, start.inverse().apply(points))
+    field = cad_error.distance_covariance(replace(cad_error.expected_cad_error(cad_model), noise=0.0), cad_model, start.inverse().apply(points))
     noise = _robust_noise(signed_distances(points, start, center, index)[0], sigma_range, cad_model.deviation_sigma)
     problem = _Correlated(points, cad_model, center, index, cho_factor(field + np.diag(noise**2)))
     pose, damping = start, 1e-4
     cost, right, information, distance = problem.linearised(pose)
     for _ in range(iterations):
         step = np.asarray(-np.linalg.solve(information + damping * np.diag(np.diag(information)), right))
-        trial = perturbed(pose, center, step)
+        trial = perturb_pose(pose, center, step)
         there = problem.linearised(trial)
         if there[0] > cost:
             damping *= 10
@@ -187,18 +187,18 @@ class _Correlated:
 
 
 def prior_rows(cad_model: CadModel) -> Array:
-    """Whitened derivative of `prior_step` by the step of `perturbed` (translation in g, rotation in M)."""
+    """Whitened derivative of `prior_step` by the step of `perturb_pose` (translation in g, rotation in M)."""
     to_hull = cad_model.guess.rotation.as_matrix()[0].T
     rows = np.zeros((6, 6))
     rows[:3, :3], rows[3:, 3:] = to_hull, np.eye(3)
     return np.asarray(rows / cad_model.guess_sigma[:, None])
 
 
-def signed_distances(points: Array, hull_from: Poses, center: Array, index: MeshIndex) -> tuple[Array, Array]:
-    """Signed distances (n,) and their derivatives (n, 6) by the step of `perturbed`."""
-    local = hull_from.inverse().apply(points)
+def signed_distances(points: Array, global_from_hull: Poses, center: Array, index: MeshIndex) -> tuple[Array, Array]:
+    """Signed distances (n,) and their derivatives (n, 6) by the step of `perturb_pose`."""
+    local = global_from_hull.inverse().apply(points)
     nearest = index.closest(local)
-    rotation = hull_from.rotation.as_matrix()[0]
+    rotation = global_from_hull.rotation.as_matrix()[0]
     by_shift = -nearest.gradient @ rotation.T
     by_turn = np.cross(nearest.gradient, local - center)
     return nearest.distance, np.hstack([by_shift, by_turn])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tray's play: a bias of the angle that flips with the direction of motion [Ozog2016 4.2.6], found from the adjusted
+"""The tray's backlash: a bias of the angle that flips with the direction of motion [Ozog2016 4.2.6], found from the adjusted
 angles.
 
 The servo hangs on one side of its backlash or on the other. After a solve with a loose tray the sides show as two levels of
@@ -15,9 +15,9 @@ from hullrecon.geometry.robust import robust_sigma
 from hullrecon.typing import Array, Ints
 
 
-def sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0) -> Array:
-    """+1 or -1 for each node (n,): the side that explains measured - adjusted = play * side. `excess` (n,) is measured minus
-    adjusted, rad. Where no play shows (levels closer than their spread) the prior direction is kept."""
+def estimate_sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0) -> Array:
+    """+1 or -1 for each node (n,): the side that explains measured - adjusted = backlash * side. `excess` (n,) is measured minus
+    adjusted, rad. Where no backlash shows (levels closer than their spread) the prior direction is kept."""
     low, high = _two_levels(excess)
     sigma = max(robust_sigma(np.minimum(np.abs(excess - low), np.abs(excess - high)), about=0.0), 1e-5)
     if high - low < 3 * sigma or len(excess) < 10:

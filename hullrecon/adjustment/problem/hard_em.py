@@ -29,27 +29,25 @@ def solve(problem: native.Problem, options: native.Options, most_turns: int = MO
     held, turns, changes = replace(options, labels_in_solve=False), list[native.Result](), list[int]()
     for _ in range(most_turns):
         turns.append(native.solve(problem, held))
-        problem = replace(problem)
-        for name, values in turns[-1].unknowns.items():
-            setattr(problem, name, values)
-        label = labels(problem, turns[-1].distance, options)
+        problem = problem.started_from(turns[-1].unknowns)
+        label = likelier_labels(problem, turns[-1].distance, options)
         changes.append(int((label != turns[-1].label).sum()))
         if not changes[-1]:
             break
     return _joined(turns, changes, label)
 
 
-def labels(problem: native.Problem, distance: NDArray[np.float64], options: native.Options) -> NDArray[np.int32]:
+def likelier_labels(problem: native.Problem, distance: NDArray[np.float64], options: native.Options) -> NDArray[np.int32]:
     """The likelier label (m,) of each surface row; distance (m,): signed, to the CAD model without the field
     [Ozog2016 eq. 4.4]."""
     offset = distance
-    if len(problem.surface_field_index):
-        field = problem.deviation[problem.surface_field_index]
-        offset = distance - np.einsum("nk,nk->n", problem.surface_field_weight, field)
-    return np.asarray(np.abs(offset) <= boundary(options.sigma_on, options.sigma_off), np.int32)
+    nodes = problem.surface.field
+    if len(nodes.index):
+        offset = distance - np.einsum("nk,nk->n", nodes.weight, problem.unknowns.deviation[nodes.index])
+    return np.asarray(np.abs(offset) <= label_boundary(options.sigma_on, options.sigma_off), np.int32)
 
 
-def boundary(sigma_on: float, sigma_off: float) -> float:
+def label_boundary(sigma_on: float, sigma_off: float) -> float:
     """How far off the hull (m) the two labels are equally likely [Ozog2016 4.2.3]; sigma_off must be larger than sigma_on."""
     return float(np.sqrt(2 * np.log(sigma_off / sigma_on) / (sigma_on**-2 - sigma_off**-2)))
 

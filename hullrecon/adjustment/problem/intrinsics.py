@@ -29,31 +29,29 @@ def prior_sigma(camera: CameraModel, options: AdjustOptions) -> Array:
     return np.asarray(np.r_[focal, center, center, radial, radial, 0.1 * radial, 0.1 * radial, radial])
 
 
-def freed(problem: native.Problem, calibrated: Rig, options: AdjustOptions) -> native.Problem:
+def free_intrinsics(problem: native.Problem, calibrated: Rig, options: AdjustOptions) -> native.Problem:
     """The problem with the intrinsics of the cameras that saw something as unknowns, started at their calibration."""
     if not options.refine_intrinsics or calibrated.top is None:
         return problem
     seen = {"top": _saw(problem, 0), "bottom": calibrated.bottom is not None and _saw(problem, 1)}
-    free = {f"intrinsics_{name}" for name, saw in seen.items() if saw}
-    problem = replace(problem, constant=tuple(name for name in problem.constant if name not in free))
-    problem.prior_intrinsics_sigma = prior_sigma(calibrated.top, options)
-    problem.intrinsics_top = calibrated.top.parameters()
+    unknowns = replace(problem.unknowns, intrinsics_top=calibrated.top.parameters())
     if calibrated.bottom is not None:
-        problem.intrinsics_bottom = calibrated.bottom.parameters()
-    return problem
+        unknowns = replace(unknowns, intrinsics_bottom=calibrated.bottom.parameters())
+    priors = replace(problem.priors, intrinsics_sigma=prior_sigma(calibrated.top, options))
+    return replace(problem, unknowns=unknowns, priors=priors).free(*(f"intrinsics_{name}" for name, saw in seen.items() if saw))
 
 
-def applied(m: Measurements, problem: native.Problem, result: native.Result) -> Measurements:
+def apply_intrinsics(m: Measurements, problem: native.Problem, result: native.Result) -> Measurements:
     """The measurements seen through the cameras that the solve found; the same where they were held."""
     rig = m.rig
     if "intrinsics_top" not in problem.constant and rig.top is not None:
-        rig = replace(rig, top=_camera(rig.top, result.unknowns["intrinsics_top"]))
+        rig = replace(rig, top=_camera(rig.top, result.unknowns.intrinsics_top))
     if "intrinsics_bottom" not in problem.constant and rig.bottom is not None:
-        rig = replace(rig, bottom=_camera(rig.bottom, result.unknowns["intrinsics_bottom"]))
+        rig = replace(rig, bottom=_camera(rig.bottom, result.unknowns.intrinsics_bottom))
     return m if rig is m.rig else replace(m, rig=rig)
 
 
-def in_figures(calibrated: Rig, found: Rig, marginals: native.Covariance, options: AdjustOptions) -> dict[str, Any]:
+def summarise_intrinsics(calibrated: Rig, found: Rig, marginals: native.Covariance, options: AdjustOptions) -> dict[str, Any]:
     """By camera and name: calibrated, found, its sigma, and by how many sigmas of the prior it moved."""
     out: dict[str, Any] = {}
     for name, covariance in (("top", marginals.intrinsics_top), ("bottom", marginals.intrinsics_bottom)):
@@ -68,24 +66,24 @@ def in_figures(calibrated: Rig, found: Rig, marginals: native.Covariance, option
     return out
 
 
-def complaints(figures: dict[str, Any]) -> list[str]:
+def intrinsics_warnings(figures: dict[str, Any]) -> list[str]:
     """A sentence for each camera of which something moved further than its prior lets one expect."""
-    said = []
+    warnings = []
     for name, values in figures.items():
         far = {key: v for key, v in values.items() if abs(v["moved_in_prior_sigma"]) > _FAR_SIGMAS}
         if far:
             words = ", ".join(f"{key} from {v['calibrated']:.5g} to {v['found']:.5g}" for key, v in far.items())
-            said.append(f"The calibration of camera.{name} does not fit the dive ({words}): check it, or calibrate anew.")
-    return said
+            warnings.append(f"The calibration of camera.{name} does not fit the dive ({words}): check it, or calibrate anew.")
+    return warnings
 
 
-def fields(camera: CameraModel) -> dict[str, float]:
+def camera_fields(camera: CameraModel) -> dict[str, float]:
     """As cameras.json has it."""
     return {name: getattr(camera, name) for name in camera.__dataclass_fields__}
 
 
 def _saw(problem: native.Problem, camera: int) -> bool:
-    return bool(len(problem.stereo_node) or (problem.mono_camera == camera).any())
+    return bool(len(problem.stereo.node) or (problem.mono.camera == camera).any())
 
 
 def _camera(camera: CameraModel, parameters: Array) -> CameraModel:

@@ -60,7 +60,7 @@ def seconds(rounds: Sequence[Round]) -> Array:
     return np.concatenate([r.began_s + r.record.seconds for r in rounds])
 
 
-def in_figures(rounds: Sequence[Round]) -> list[dict[str, Any]]:
+def summarise_rounds(rounds: Sequence[Round]) -> list[dict[str, Any]]:
     """One entry a round for adjust.json: what it was given and what it reached."""
     return [
         {

@@ -33,7 +33,7 @@ class Rig:
 
     dvl_position_sigma (3,): of the DVL's position on the tray where it is held (zero where it is an unknown). Images, ranges
     and odometry resolve where camera and DVL are to each other; a shift of both on the tray is seen by nothing, so one is held.
-    navigation_sigma (6,): prior sigmas of DVL scale, heading drift rad/s, roll and pitch bias, depth bias, tray play.
+    navigation_sigma (6,): prior sigmas of DVL scale, heading drift rad/s, roll and pitch bias, depth bias, tray backlash.
     """
 
     tray_origin: Array

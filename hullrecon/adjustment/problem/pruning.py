@@ -12,29 +12,39 @@ from dataclasses import replace
 
 import numpy as np
 
-from hullrecon.native import Problem, Result
+from hullrecon.native import FieldNodes, MonoTable, Problem, Result, StereoTable, SurfaceTable
 from hullrecon.typing import Mask
 
 
-def without(problem: Problem, keep: Mask) -> Problem:
+def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
     """The problem of the landmarks `keep` (L,) alone; their factors are numbered anew, all other factors stay."""
-    number = np.cumsum(keep) - 1
-    cut = replace(problem, landmark=problem.landmark[keep])
-    for table, others in (
-        ("stereo", ("node", "pixel")),
-        ("mono", ("node", "camera", "pixel")),
-        ("surface", ("weight", "field_index", "field_weight")),
-    ):
-        owner = getattr(problem, f"{table}_landmark")
-        rows = keep[owner]
-        setattr(cut, f"{table}_landmark", number[owner[rows]].astype(np.int32))
-        for other in others:
-            values = getattr(problem, f"{table}_{other}")
-            setattr(cut, f"{table}_{other}", values[rows] if len(values) == len(rows) else values)
-    return cut
+    number = (np.cumsum(keep) - 1).astype(np.int32)
+    stereo, mono, surface = problem.stereo, problem.mono, problem.surface
+    kept = {"stereo": keep[stereo.landmark], "mono": keep[mono.landmark], "surface": keep[surface.landmark]}
+    in_field = kept["surface"] if len(surface.field.index) else slice(0)
+    return replace(
+        problem,
+        unknowns=replace(problem.unknowns, landmark=problem.unknowns.landmark[keep]),
+        stereo=StereoTable(
+            node=stereo.node[kept["stereo"]],
+            landmark=number[stereo.landmark[kept["stereo"]]],
+            pixel=stereo.pixel[kept["stereo"]],
+        ),
+        mono=MonoTable(
+            node=mono.node[kept["mono"]],
+            landmark=number[mono.landmark[kept["mono"]]],
+            camera=mono.camera[kept["mono"]],
+            pixel=mono.pixel[kept["mono"]],
+        ),
+        surface=SurfaceTable(
+            landmark=number[surface.landmark[kept["surface"]]],
+            weight=surface.weight[kept["surface"]],
+            field=FieldNodes(index=surface.field.index[in_field], weight=surface.field.weight[in_field]),
+        ),
+    )
 
 
-def result_without(result: Result, surface_rows: Mask) -> Result:
+def drop_label_rows(result: Result, surface_rows: Mask) -> Result:
     """The result with these rows (m,) of the surface table alone; its landmarks are those of the problem that goes with it."""
     if len(result.label) != len(surface_rows):
         return result

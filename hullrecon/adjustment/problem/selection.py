@@ -17,7 +17,7 @@ def landmark_count(m: Measurements) -> int:
     return 0 if m.tracks is None else len(m.tracks.color)
 
 
-def relocate(m: Measurements, state: State) -> Array:
+def triangulate_landmarks(m: Measurements, state: State) -> Array:
     """Landmarks (L, 3) triangulated anew from the present poses; NaN where it cannot be done."""
     if m.tracks is None or state.T_s_ct is None:
         return np.zeros((0, 3))
@@ -26,7 +26,7 @@ def relocate(m: Measurements, state: State) -> Array:
     return position
 
 
-def select(m: Measurements, state: State, most_px: float) -> Selection:
+def select_measurements(m: Measurements, state: State, most_px: float) -> Selection:
     """Observations whose reprojection error is at most `most_px`, landmarks that keep at least two rays and lie near the
     hull, returns that were not flagged."""
     returns = ~m.returns.flagged if m.returns is not None else np.zeros(0, bool)
@@ -41,7 +41,7 @@ def select(m: Measurements, state: State, most_px: float) -> Selection:
     return Selection(top, bottom, returns, np.flatnonzero(used))
 
 
-def anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
+def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
     """The landmarks seen best, at most `most`, spread evenly over the nodes that first saw them: enough to settle poses and
     sigmas in the rounds before the last, at a fraction of its cost."""
     if m.tracks is None or len(chosen.landmarks) <= most:
@@ -56,8 +56,8 @@ def anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
     return Selection(chosen.top, chosen.bottom, chosen.returns, np.sort(chosen.landmarks[kept]))
 
 
-def without_lonely(m: Measurements, state: State, chosen: Selection, off: Mask, reach_m: float = 0.15) -> Selection:
-    """Leaves out landmarks off the hull (`off`, one a chosen landmark) that at most three rays saw and that have no two fellows
+def drop_isolated_landmarks(m: Measurements, state: State, chosen: Selection, off: Mask, reach_m: float = 0.15) -> Selection:
+    """Leaves out landmarks off the hull (`off`, one a chosen landmark) that at most three rays saw and that have no two neighbours
     off the hull within reach: a mismatch along the epipolar line looks like structure, but stands alone."""
     from scipy.spatial import cKDTree
 
@@ -67,10 +67,10 @@ def without_lonely(m: Measurements, state: State, chosen: Selection, off: Mask, 
         chosen.landmarks
     ]
     position = state.landmark[chosen.landmarks]
-    fellows = cKDTree(position[off]).query_ball_point(position[off], reach_m, return_length=True) - 1
-    lonely = np.zeros(len(off), bool)
-    lonely[off] = (rays[off] <= 3) & (fellows < 2)
-    return Selection(chosen.top, chosen.bottom, chosen.returns, chosen.landmarks[~lonely])
+    neighbours = cKDTree(position[off]).query_ball_point(position[off], reach_m, return_length=True) - 1
+    isolated = np.zeros(len(off), bool)
+    isolated[off] = (rays[off] <= 3) & (neighbours < 2)
+    return Selection(chosen.top, chosen.bottom, chosen.returns, chosen.landmarks[~isolated])
 
 
 def _near_hull(m: Measurements, state: State, reach_m: float = 2.0) -> Mask:
@@ -87,7 +87,7 @@ def _near_hull(m: Measurements, state: State, reach_m: float = 2.0) -> Mask:
     return np.asarray(np.abs(index.closest(state.T_g_M.inverse().apply(finite)).distance) < reach_m)
 
 
-def pixel_sigma(m: Measurements, state: State, chosen: Selection, least: float) -> float:
+def estimate_pixel_sigma(m: Measurements, state: State, chosen: Selection, least: float) -> float:
     """One sigma of a pixel coordinate from the residuals of well-seen landmarks (at least six rays), freed of the three
     coordinates that each landmark takes from them."""
     if m.tracks is None or state.T_s_ct is None:

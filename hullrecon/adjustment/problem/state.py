@@ -33,7 +33,7 @@ class State:
 @dataclass(frozen=True)
 class Weights:
     """One sigma of each kind of measurement as used in a round. surface (L,): weight of each landmark's mixture.
-    depth: in the sigma that navigation gave it. range_sigma: metres. tray_direction (n,): +1 or -1, the side of its play on
+    depth: in the sigma that navigation gave it. range_sigma: metres. tray_direction (n,): +1 or -1, the side of its backlash on
     which the tray hangs."""
 
     pixel: float
@@ -44,11 +44,11 @@ class Weights:
     tray_direction: Array
 
 
-def seven(pose: Poses | None) -> Array:
+def pose_vector(pose: Poses | None) -> Array:
     """x y z qx qy qz qw of a batch of one; NaN where there is none."""
     return np.full(7, np.nan) if pose is None else np.r_[pose.translation[0], pose.quaternion[0]]
 
 
-def from_seven(values: Array) -> Poses:
+def pose_from_vector(values: Array) -> Poses:
     """The inverse of `seven`."""
     return Poses(values[None, 3:] / np.linalg.norm(values[3:]), values[None, :3].copy())

@@ -10,7 +10,7 @@ import numpy as np
 
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import backlash, selection
-from hullrecon.adjustment.problem.assembly import Selection, cell_share
+from hullrecon.adjustment.problem.assembly import Selection, share_weight_by_cell
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.geometry.robust import robust_sigma
@@ -20,7 +20,7 @@ DENSITY_SIGMA = 0.002  # relative, of sea water where it was not measured
 UNKNOWN_DEPTH_M = 1.0  # sigma beyond which no pressure was logged
 
 
-def first(m: Measurements, options: AdjustOptions) -> Weights:
+def initial_weights(m: Measurements, options: AdjustOptions) -> Weights:
     return Weights(
         pixel=m.rig.sigma_px,
         depth=1.0,
@@ -31,21 +31,21 @@ def first(m: Measurements, options: AdjustOptions) -> Weights:
     )
 
 
-def of_surface(m: Measurements, state: State, chosen: Selection, options: AdjustOptions) -> Array:
+def surface_weights(m: Measurements, state: State, chosen: Selection, options: AdjustOptions) -> Array:
     """Full weight as published. With the field, landmarks of one cell a tenth of its length wide share one observation's
     weight: what the field does not follow within a cell (plate edges, weld seams) is common to them."""
     if m.cad_model is None or options.as_published or not len(chosen.landmarks):
         return np.ones(len(state.landmark))
     along, girth = m.cad_model.deviation_length
-    return cell_share(m, state, chosen.landmarks, (0.1 * along, 0.1 * girth))
+    return share_weight_by_cell(m, state, chosen.landmarks, (0.1 * along, 0.1 * girth))
 
 
-def settled(m: Measurements, state: State, chosen: Selection, weights: Weights, options: AdjustOptions) -> Weights:
-    """Sigmas from the residuals, sides of the tray's play from the adjusted angles."""
+def estimate_weights(m: Measurements, state: State, chosen: Selection, weights: Weights, options: AdjustOptions) -> Weights:
+    """Sigmas from the residuals, sides of the tray's backlash from the adjusted angles."""
     if options.as_published or m.tracks is None:
         return weights
-    pixel = selection.pixel_sigma(m, state, chosen, options.least_pixel_sigma)
-    side = backlash.sides(m.trajectory.tray - state.tray, weights.tray_direction)
+    pixel = selection.estimate_pixel_sigma(m, state, chosen, options.least_pixel_sigma)
+    side = backlash.estimate_sides(m.trajectory.tray - state.tray, weights.tray_direction)
     excess = m.trajectory.tray - state.tray - state.navigation[5] * side
     tray = float(np.clip(robust_sigma(excess), np.radians(0.02), m.rig.tray_sigma))
     return replace(weights, pixel=pixel, depth=_depth_weight(m, state), tray_direction=side, tray=tray)

@@ -23,7 +23,7 @@ def cross_matrices(vectors: Array) -> Array:
 
 
 def poses_in_hull(pose: Array, pose_hull: Array, hull: Array, nodes: Poses, T_g_M: Poses, center: Array) -> Array:
-    """Covariance (n, 6, 6) of T_M_v (translation in M, rotation right-perturbed in v).
+    """Covariance (n, 6, 6) of T_M_v (translation in M, rotation right-perturb_pose in v).
 
     pose (n, 6, 6) of T_g_v, pose_hull (n, 6, 6) with T_g_M, hull (6, 6) of T_g_M about `center` (3,) in M.
     """

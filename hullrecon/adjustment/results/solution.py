@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import Adjusted
 from hullrecon.adjustment.hull_pose import estimate
-from hullrecon.adjustment.hull_pose.observability import weak_directions
+from hullrecon.adjustment.hull_pose.observability import find_weak_directions
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import intrinsics, iteration_history, weighting
 from hullrecon.adjustment.problem.measurements import Measurements
@@ -39,15 +39,15 @@ class Outcome:
     warnings: list[str]
 
 
-def outcome_of(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> Outcome:
+def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> Outcome:
     """m: as measured, its rig as calibrated."""
     settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
     marginals = _marginals(m, adjusted, options, settings)
     solution = _solution(m, adjusted, marginals)
-    weak = [] if adjusted.state.T_g_M is None else weak_directions(hull_axes(marginals.T_g_M, adjusted.state.T_g_M))
+    weak = [] if adjusted.state.T_g_M is None else find_weak_directions(hull_axes(marginals.T_g_M, adjusted.state.T_g_M))
     before, after = (residual_statistics.by_factor(native.evaluate(p, settings)) for p in (adjusted.start, adjusted.problem))
-    seen_with = intrinsics.in_figures(m.rig, adjusted.rig, marginals, options)
-    warnings = [str(w["sentence"]) for w in weak] + _complaints(adjusted, solution) + intrinsics.complaints(seen_with)
+    seen_with = intrinsics.summarise_intrinsics(m.rig, adjusted.rig, marginals, options)
+    warnings = [str(w["sentence"]) for w in weak] + _warnings(adjusted, solution) + intrinsics.intrinsics_warnings(seen_with)
     record, times = iteration_history.columns(adjusted.rounds), iteration_history.seconds(adjusted.rounds)
     summary = _summary(m, adjusted, options, weak, before, after) | ({"intrinsics": seen_with} if seen_with else {})
     return Outcome(solution, record, times, summary, warnings)
@@ -60,31 +60,28 @@ def _marginals(m: Measurements, adjusted: Adjusted, options: AdjustOptions, sett
     free = native.covariance(_place_free(adjusted.problem), settings)
     if m.cad_model is None or adjusted.state.T_g_M is None or options.as_published:
         return free
-    held = {*adjusted.problem.constant, "T_g_M", "deviation"}
-    known = native.covariance(replace(adjusted.problem, constant=tuple(sorted(held))), settings)
+    known = native.covariance(adjusted.problem.hold("T_g_M", "deviation"), settings)
     ground = adjusted.ground or _ground(m, adjusted)
     return replace(
         known,
         deviation=free.deviation,
-        T_g_M=estimate.covariance(ground, adjusted.state.T_g_M),
+        T_g_M=estimate.hull_pose_covariance(ground, adjusted.state.T_g_M),
         pose_T_g_M=np.zeros_like(free.pose_T_g_M),
         landmark_T_g_M=np.zeros_like(free.landmark_T_g_M),
     )
 
 
-def _ground(m: Measurements, adjusted: Adjusted) -> estimate.Ground:
+def _ground(m: Measurements, adjusted: Adjusted) -> estimate.HullPoseEvidence:
     """What a single solve was laid on, looked at afterwards."""
     assert m.cad_model is not None
     assert adjusted.state.T_g_M is not None
-    points = estimate.points_on_hull(m, adjusted.state, adjusted.chosen, adjusted.result.label)
-    return estimate.surveyed(points, adjusted.state.T_g_M, m.cad_model, adjusted.center)[0]
+    points = estimate.collect_hull_points(m, adjusted.state, adjusted.chosen, adjusted.result.label)
+    return estimate.fit_hull_pose(points, adjusted.state.T_g_M, m.cad_model, adjusted.center)[0]
 
 
 def _place_free(problem: native.Problem) -> native.Problem:
     """The last round holds T_g_M where its profile put it; what is unknown about it is still unknown."""
-    if not len(problem.vertices):
-        return problem
-    return replace(problem, constant=tuple(name for name in problem.constant if name != "T_g_M"))
+    return problem.free("T_g_M") if len(problem.cad_mesh.vertices) else problem
 
 
 def _solution(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> Solution:
@@ -181,7 +178,7 @@ def _summary(
         "converged": result.converged,
         "message": result.message,
         "iterations": len(result.iterations.cost) - 1,
-        "rounds": iteration_history.in_figures(adjusted.rounds),
+        "rounds": iteration_history.summarise_rounds(adjusted.rounds),
         "landmarks": len(adjusted.chosen.landmarks),
         "on_hull": int((result.label == 1).sum()),
         "rays_missed": int((~result.ray_hit).sum()),
@@ -203,14 +200,14 @@ def _summary(
         summary["registration"] = {
             "fitness": adjusted.registration.fitness,
             "rms_m": float(np.sqrt(np.mean(adjusted.registration.residual**2))),
-            "T_g_M": seven(adjusted.registration.hull_from).tolist(),
+            "T_g_M": pose_vector(adjusted.registration.global_from_hull).tolist(),
         }
     return summary
 
 
 def _mounts(state: State) -> dict[str, list[float]]:
     present = {"T_s_ct": state.T_s_ct, "T_ct_cb": state.T_ct_cb, "T_s_d": state.T_s_d, "T_g_M": state.T_g_M}
-    return {name: seven(pose).tolist() for name, pose in present.items() if pose is not None}
+    return {name: pose_vector(pose).tolist() for name, pose in present.items() if pose is not None}
 
 
 def _left_out(m: Measurements, adjusted: Adjusted) -> int:
@@ -220,7 +217,7 @@ def _left_out(m: Measurements, adjusted: Adjusted) -> int:
     return int(seen - adjusted.chosen.top.sum() - adjusted.chosen.bottom.sum())
 
 
-def _complaints(adjusted: Adjusted, solution: Solution) -> list[str]:
+def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
     """What an inspector should know before trusting the result."""
     found = []
     if not adjusted.result.converged:

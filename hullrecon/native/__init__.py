@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The typed face of the C++ module: bundle adjustment and mesh queries. Nothing else imports hullrecon._native.
+
+The module is built by the (editable) installation and found through it, from whatever folder or PYTHONPATH Python is started;
+a checkout that was never installed has no hullrecon._native. Importing this package does not load it yet.
+"""
+
+from hullrecon.native.mesh_index import Closest, Hits, MeshIndex
+from hullrecon.native.problem import (
+    IDENTITY,
+    AttitudeTable,
+    CadMesh,
+    FieldNodes,
+    LeverArms,
+    MonoTable,
+    MotionPrior,
+    OdometryTable,
+    PosePriors,
+    Priors,
+    Problem,
+    RangeTable,
+    SparseRows,
+    StereoTable,
+    SurfaceTable,
+    TrayTable,
+    Unknowns,
+)
+from hullrecon.native.solver import (
+    FACTORS,
+    Covariance,
+    Evaluation,
+    IterationRecord,
+    Options,
+    Result,
+    covariance,
+    evaluate,
+    solve,
+)
+
+__all__ = [
+    "FACTORS",
+    "IDENTITY",
+    "AttitudeTable",
+    "CadMesh",
+    "Closest",
+    "Covariance",
+    "Evaluation",
+    "FieldNodes",
+    "Hits",
+    "IterationRecord",
+    "LeverArms",
+    "MeshIndex",
+    "MonoTable",
+    "MotionPrior",
+    "OdometryTable",
+    "Options",
+    "PosePriors",
+    "Priors",
+    "Problem",
+    "RangeTable",
+    "Result",
+    "SparseRows",
+    "StereoTable",
+    "SurfaceTable",
+    "TrayTable",
+    "Unknowns",
+    "covariance",
+    "evaluate",
+    "solve",
+]

@@ -1,0 +1,267 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A bundle adjustment problem as tables: what is unknown, what was measured, what is held [Ozog2016 4.2].
+
+Quaternions are x y z w; motions are 7 numbers, x y z qx qy qz qw. The tangent of a motion is (translation, rotation) with the
+rotation perturbed on the right and the translation added in the parent frame; that of a pose block (translation 3, rotation 3,
+tray 1). The hull frame of a problem may be shifted from M to the middle of the survey; the mesh is given in that frame.
+sqrt_information (6, 6) is the square root of an information matrix, by which a residual is multiplied.
+
+m, the number of rows, differs from table to table; a table left out has none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from hullrecon.typing import Array, Ints32
+
+IDENTITY: Array = np.array([0.0, 0, 0, 0, 0, 0, 1])
+IDENTITY.setflags(write=False)
+
+
+def _floats(*shape: int) -> Array:
+    """Return the default of a field: a table without rows, or zeros."""
+    default: Array = field(default_factory=lambda: np.zeros(shape))
+    return default
+
+
+def _integers(*shape: int) -> Ints32:
+    """Return the default of a field: a table without rows."""
+    default: Ints32 = field(default_factory=lambda: np.zeros(shape, np.int32))
+    return default
+
+
+def _motion() -> Array:
+    """Return the default of a field: the identity."""
+    default: Array = field(default_factory=IDENTITY.copy)
+    return default
+
+
+def _pinhole() -> Array:
+    """Return the default of a field: intrinsics of unit focal length."""
+    default: Array = field(default_factory=lambda: np.array([1.0, 1, 0, 0, 0, 0, 0, 0, 0]))
+    return default
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unknowns:
+    """Start values, or a solution.
+
+    pose (n, 8): T_g_v and the tray's angle, x y z qx qy qz qw tray. landmark (L, 3) in g. T_g_M, T_s_ct, T_ct_cb, T_s_d (7,).
+    navigation (6,): DVL scale error, heading drift rad/s, roll and pitch bias rad, depth bias m, tray backlash rad. deviation
+    (F,) m: normal offsets of the hull from the CAD model, outward positive, at the nodes of the deviation field (empty: no
+    field). intrinsics_top, intrinsics_bottom (9,): fx fy cx cy k1 k2 p1 p2 k3.
+    """
+
+    pose: Array
+    landmark: Array = _floats(0, 3)
+    T_g_M: Array = _motion()
+    T_s_ct: Array = _motion()
+    T_ct_cb: Array = _motion()
+    T_s_d: Array = _motion()
+    navigation: Array = _floats(6)
+    deviation: Array = _floats(0)
+    intrinsics_top: Array = _pinhole()
+    intrinsics_bottom: Array = _pinhole()
+
+
+@dataclass(frozen=True, kw_only=True)
+class CadMesh:
+    """vertices (n, 3) m and faces (m, 3) of the CAD model in the problem's hull frame."""
+
+    vertices: Array = _floats(0, 3)
+    faces: Ints32 = _integers(0, 3)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeverArms:
+    """Where the tray's axis and the pressure sensor sit in the vehicle frame, (3,) m each."""
+
+    tray: Array = _floats(3)
+    pressure: Array = _floats(3)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionPrior:
+    """A prior on a motion x: sqrt_information (6, 6) times (translation, rotation vector) of value^-1 x [Ozog2016 eq. 4.8].
+
+    The translation reads in the axes of the value (7,).
+    """
+
+    value: Array
+    sqrt_information: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class PosePriors:
+    """Priors as MotionPrior on poses. node (m,), value (m, 7), sqrt_information (m, 6, 6)."""
+
+    node: Ints32 = _integers(0)
+    value: Array = _floats(0, 7)
+    sqrt_information: Array = _floats(0, 6, 6)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SparseRows:
+    """Rows of a sparse matrix, compressed: start (rows + 1,), index (k,) of the column, value (k,)."""
+
+    start: Ints32 = _integers(0)
+    index: Ints32 = _integers(0)
+    value: Array = _floats(0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Priors:
+    """Priors by unknown; None: there is none. That of a held block is left out.
+
+    navigation_sigma (6,) about zero; intrinsics_sigma (9,) about the start; deviation: rows that whiten the deviation field.
+    """
+
+    pose: PosePriors = PosePriors()
+    T_g_M: MotionPrior | None = None
+    T_s_ct: MotionPrior | None = None
+    T_ct_cb: MotionPrior | None = None
+    T_s_d: MotionPrior | None = None
+    navigation_sigma: Array = field(default_factory=lambda: np.ones(6))
+    intrinsics_sigma: Array = field(default_factory=lambda: np.ones(9))
+    deviation: SparseRows = SparseRows()
+
+
+@dataclass(frozen=True, kw_only=True)
+class AttitudeTable:
+    """Depth, roll, pitch [Ozog2016 eq. 4.9]: z of the pressure sensor + depth bias, roll + its bias, pitch + its bias, less
+    measured. node (m,); measured (m, 3): depth m, roll, pitch rad; sigma (m, 3)."""
+
+    node: Ints32 = _integers(0)
+    measured: Array = _floats(0, 3)
+    sigma: Array = _floats(0, 3)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrayTable:
+    """The tray's angle [Ozog2016 eq. 4.10]: (angle + backlash * direction - measured) / sigma. All (m,), rad."""
+
+    node: Ints32 = _integers(0)
+    measured: Array = _floats(0)
+    direction: Array = _floats(0)
+    sigma: Array = _floats(0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OdometryTable:
+    """Relative motion of two poses [Ozog2016 eq. 4.11]: sqrt_information @ (e - by_navigation @ (scale, drift) - by_mount @
+    Log(R_mount^-1 R_s_d) - by_tray * (mean tray angle - tray)), e = (t_ij - t_z in the axes of vehicle i, Log(R_z^-1 R_ij)),
+    T_ij = T_i^-1 T_j; each by_* is a derivative of the measured motion z in these same coordinates.
+
+    first, second (m,): nodes; measured (m, 7); sqrt_information (m, 6, 6); by_navigation (m, 6, 2): by DVL scale error and
+    heading drift; by_mount (m, 6, 3): by the rotation of T_s_d away from mount (7,), which dead reckoning used; by_tray (m, 6):
+    by the mean tray angle of the two nodes away from tray (m,) rad, which it used.
+    """
+
+    first: Ints32 = _integers(0)
+    second: Ints32 = _integers(0)
+    measured: Array = _floats(0, 7)
+    sqrt_information: Array = _floats(0, 6, 6)
+    by_navigation: Array = _floats(0, 6, 2)
+    by_mount: Array = _floats(0, 6, 3)
+    by_tray: Array = _floats(0, 6)
+    tray: Array = _floats(0)
+    mount: Array = _motion()
+
+
+@dataclass(frozen=True, kw_only=True)
+class StereoTable:
+    """Landmarks in both images [Ozog2016 eq. 4.12]. node, landmark (m,); pixel (m, 4) raw: top u v, bottom u v.
+
+    One Huber loss on the norm of the 4 rows (Options.huber_stereo); a point behind its camera costs 10^4 px a row, without
+    derivative.
+    """
+
+    node: Ints32 = _integers(0)
+    landmark: Ints32 = _integers(0)
+    pixel: Array = _floats(0, 4)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MonoTable:
+    """Landmarks in one image [Ozog2016 eq. 4.13]. node, landmark (m,); camera (m,): 0 top, 1 bottom; pixel (m, 2) raw. The loss
+    is as in StereoTable, on 2 rows (Options.huber_mono)."""
+
+    node: Ints32 = _integers(0)
+    landmark: Ints32 = _integers(0)
+    camera: Ints32 = _integers(0)
+    pixel: Array = _floats(0, 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FieldNodes:
+    """Where rows stand in the deviation field: index (m, 4) of nodes and their weight (m, 4); empty without a field."""
+
+    index: Ints32 = _integers(0, 4)
+    weight: Array = _floats(0, 4)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RangeTable:
+    """Ray-cast ranges [Ozog2016 eq. 4.14]: (predicted - measured) / sigma; predicted is the distance to the CAD model moved
+    outward by the field: cast - field / cos(incidence).
+
+    node (m,); offset (m, 7): vehicle at the ping in vehicle at the node; tray_offset (m,) rad; beam (m, 3) unit, in dvl;
+    measured, sigma (m,) m.
+    """
+
+    node: Ints32 = _integers(0)
+    offset: Array = _floats(0, 7)
+    tray_offset: Array = _floats(0)
+    beam: Array = _floats(0, 3)
+    measured: Array = _floats(0)
+    sigma: Array = _floats(0)
+    field: FieldNodes = FieldNodes()
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceTable:
+    """Signed distance of landmarks to the CAD model minus the field [Ozog2016 eqs 4.4, 4.5, 4.7]. landmark (m,); weight (m,)
+    multiplies the cost of the mixture."""
+
+    landmark: Ints32 = _integers(0)
+    weight: Array = _floats(0)
+    field: FieldNodes = FieldNodes()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """Unknowns at their start values, priors and measurements.
+
+    constant: the blocks held, any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top",
+    "intrinsics_bottom", "tray" (every pose's tray angle). sigma_px: of a pixel coordinate.
+    """
+
+    unknowns: Unknowns
+    constant: tuple[str, ...] = ()
+    cad_mesh: CadMesh = CadMesh()
+    lever_arms: LeverArms = LeverArms()
+    priors: Priors = Priors()
+    attitude: AttitudeTable = AttitudeTable()
+    tray: TrayTable = TrayTable()
+    odometry: OdometryTable = OdometryTable()
+    stereo: StereoTable = StereoTable()
+    mono: MonoTable = MonoTable()
+    sigma_px: float = 1.0
+    ranges: RangeTable = RangeTable()
+    surface: SurfaceTable = SurfaceTable()
+
+    def hold(self, *blocks: str) -> Problem:
+        """Return the problem with these blocks held too."""
+        return replace(self, constant=tuple(sorted({*self.constant, *blocks})))
+
+    def free(self, *blocks: str) -> Problem:
+        """Return the problem with these blocks unknown."""
+        return replace(self, constant=tuple(name for name in self.constant if name not in blocks))
+
+    def started_from(self, unknowns: Unknowns) -> Problem:
+        """Return the same factors at other values of the unknowns."""
+        return replace(self, unknowns=unknowns)

@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from adjustment.scenes import ERROR, TRUTH, cad_model, side, survey
+from scipy.linalg import cho_factor
+
+from hullrecon.adjustment.hull_pose import cad_error
+from hullrecon.adjustment.hull_pose.profile_likelihood import Valley, descended, inflated, posterior, profile
+from hullrecon.adjustment.hull_pose.registration import perturb_pose, thin_points
+from hullrecon.native import MeshIndex
+
+ALONG = np.array([1.0, 0.0, 0.0])
+
+
+def profiled(fullness, span=(2.0, 11.0), sigma=0.02):
+    mesh = side(fullness)
+    points = thin_points(TRUTH.apply(survey(mesh, np.random.default_rng(4), span)), 0.3, 600)
+    drawn = cad_model(mesh, TRUTH, 0 * ERROR)
+    drawn = drawn.__class__(**{**drawn.__dict__, "deviation_sigma": sigma})
+    center = TRUTH.inverse().apply(points).mean(0)
+    index = MeshIndex(mesh.vertices, mesh.faces)
+    known = cad_error.CadError(sigma, drawn.deviation_length, noise=0.01, offset=0.0)
+    factor = cho_factor(cad_error.distance_covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
+    return profile(Valley(points, ALONG, drawn, center, index, factor), TRUTH, reach=3.0), center
+
+
+def test_a_cylinder_leaves_the_prior_s_sigma_along_itself():
+    found, _ = profiled(0.0)
+    assert found.sigma == pytest.approx(1.0, abs=0.1)
+    assert found.mean == pytest.approx(0.0, abs=0.2)
+
+
+def test_curvature_narrows_the_profile_and_truth_lies_within():
+    found, _ = profiled(1.0, sigma=0.005)
+    assert found.sigma < 0.5
+    assert abs(found.mean) < 3 * found.sigma
+
+
+def test_the_cost_is_lowest_near_the_mean():
+    found, _ = profiled(1.0, sigma=0.005)
+    assert abs(found.step[np.argmin(found.cost)] - found.mean) < 2 * found.sigma
+    assert found.cost.min() == 0.0
+
+
+def test_inflation_gives_the_profile_s_sigma_and_never_less():
+    found, _ = profiled(1.0)
+    along = np.r_[found.global_from_hull.rotation.as_matrix()[0] @ ALONG, np.zeros(3)]
+    wider = inflated(1e-6 * np.eye(6), found, found.global_from_hull)
+    assert np.sqrt(along @ wider @ along) == pytest.approx(found.sigma, rel=0.05)
+    np.testing.assert_array_equal(inflated(1e2 * np.eye(6), found, found.global_from_hull), 1e2 * np.eye(6))
+
+
+def test_the_tangent_follows_the_valley():
+    found, center = profiled(1.0)
+    moved = perturb_pose(found.global_from_hull, center, 0.1 * found.tangent)
+    shift = found.global_from_hull.inverse().apply(moved.apply(center[None]))[0] - center
+    assert shift[0] == pytest.approx(0.1, rel=0.1)
+
+
+def test_where_the_valley_is_a_parabola_the_profiles_sigma_is_the_hessians():
+    """A tight prior along the hull makes it one."""
+    mesh = side(0.0)
+    points = thin_points(TRUTH.apply(survey(mesh, np.random.default_rng(4))), 0.3, 600)
+    drawn = replace(cad_model(mesh, TRUTH, 0 * ERROR), guess_sigma=np.r_[0.05, 0.3, 0.3, np.radians([1, 1, 5])])
+    center = TRUTH.inverse().apply(points).mean(0)
+    known = cad_error.CadError(0.02, drawn.deviation_length, noise=0.01, offset=0.0)
+    factor = cho_factor(cad_error.distance_covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
+    valley = Valley(points, ALONG, drawn, center, MeshIndex(mesh.vertices, mesh.faces), factor)
+    best, _ = descended(valley, TRUTH)
+    along = np.r_[best.rotation.as_matrix()[0] @ ALONG, np.zeros(3)]
+    hessian = np.sqrt(along @ posterior(valley, best) @ along)
+    assert profile(valley, best, reach=0.2).sigma == pytest.approx(hessian, rel=0.1)
+    assert hessian == pytest.approx(0.05, rel=0.1)
