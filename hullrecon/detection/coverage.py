@@ -41,7 +41,8 @@ class HullPatches:
 
 @dataclass(frozen=True, kw_only=True)
 class SonarSurvey:
-    """The pings of an imaging sonar, its poses T_x_o at each in the frame of the results, and half its aperture out of the fan."""
+    """The pings of an imaging sonar, its poses T_x_o at each in the frame of the results, and half its aperture out of the
+    fan."""
 
     pings: SonarPings
     poses: Poses

@@ -59,7 +59,8 @@ _CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
 
 
 def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
-    """Return the same triangles, counter-clockwise seen from outside. Charts of hulls are left-handed about the outward normal."""
+    """Return the same triangles, counter-clockwise seen from outside. Charts of hulls are left-handed about the outward
+    normal."""
     a, b, c = patch.point.reshape(-1, 3)[faces].transpose(1, 0, 2)
     outward = np.einsum("ni,ni->n", np.cross(b - a, c - a), patch.normal.reshape(-1, 3)[faces[:, 0]])
     return faces if outward.sum() >= 0 else faces[:, ::-1]
