@@ -32,7 +32,7 @@ MIN_HOLE_M2 = 0.03
 
 @dataclass(frozen=True, kw_only=True)
 class HullPatches:
-    """The base surface in hull_patches of some 0.1 m, on which seen area is summed."""
+    """The base surface in patches of some 0.1 m, on which seen area is summed."""
 
     mesh: Mesh
     normal: Array

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The images of a dive as image_views: where each was taken, which texels it may see, and the light in it."""
+"""The images of a dive as views of the hull: where each was taken, which texels it may see, and the light in it."""
 
 from __future__ import annotations
 
