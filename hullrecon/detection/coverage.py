@@ -32,7 +32,7 @@ MIN_HOLE_M2 = 0.03
 
 @dataclass(frozen=True, kw_only=True)
 class HullPatches:
-    """The base surface in hull_patches of some 0.1 m, on which seen area is summed."""
+    """The base surface in patches of some 0.1 m, on which seen area is summed."""
 
     mesh: Mesh
     normal: Array
@@ -41,7 +41,8 @@ class HullPatches:
 
 @dataclass(frozen=True, kw_only=True)
 class SonarSurvey:
-    """The pings of an imaging sonar, its poses T_x_o at each in the frame of the results, and half its aperture out of the fan."""
+    """The pings of an imaging sonar, its poses T_x_o at each in the frame of the results, and half its aperture out of the
+    fan."""
 
     pings: SonarPings
     poses: Poses

@@ -63,7 +63,8 @@ def views_of_top_camera(rig: SensorRig, track: VehicleTrack, image_t_ns: Ints, l
 
 
 def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
-    """Return how far the corner of an image can lie: the usual distance of landmarks over the corner's cosine, and some more."""
+    """Return how far the corner of an image can lie: the usual distance of landmarks over the corner's cosine, and some
+    more."""
     known = landmarks[np.isfinite(landmarks).all(axis=1)]
     usual = np.percentile(nearest(centers, known[:: max(1, len(known) // 5000)], 1)[0], 95)
     corner = camera.rays(np.array([[0.0, 0], [camera.width, camera.height]]))[:, 2].min()

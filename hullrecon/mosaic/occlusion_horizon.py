@@ -49,7 +49,8 @@ def build_occlusion_horizon(mesh: Mesh, chart: Chart, bounds: Array, span_m: flo
 def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:
     """(h, w): the tangent of the incidence up to which nothing can hide the texel, for texels point and normal (h, w, 3).
 
-    A line of image_view with the tangent t rises 1 m over t metres along the tangent plane. What stands h above that plane at the
+    A line of sight with the tangent t rises 1 m over t metres along the tangent plane. What stands h above that plane at
+    the
     distance d can meet it only if t >= d / h. The least d / h over the horizon is a lower bound: distances are taken too short
     and heights too large by as much as blocks, cells and faces extend.
     """

@@ -28,7 +28,8 @@ class PingUncertainty:
 
 
 def position_sigma(pings: PingUncertainty, points: Array, normals: Array) -> tuple[Array, Array]:
-    """Return one sigma (n, k) m of points (n, k, 3) along the worst direction of the tangent plane of normals (n, k, 3): of all, and
+    """Return one sigma (n, k) m of points (n, k, 3) along the worst direction of the tangent plane of normals (n, k, 3): of
+    all, and
     of the mount alone; NaN where a point is.
 
     A point R p + t moves by dt + R (w x p), with p seen from the vehicle or, for the mount, from the sonar.
@@ -43,7 +44,8 @@ def position_sigma(pings: PingUncertainty, points: Array, normals: Array) -> tup
 
 
 def median_position_sigma(pings: PingUncertainty, footprints: Footprints, chart: Chart) -> dict[str, float | None]:
-    """Return one sigma of a texel's place on the hull, m, in the median over pings and their footprints: `position_sigma_m`, and
+    """Return one sigma of a texel's place on the hull, m, in the median over pings and their footprints: `position_sigma_m`,
+    and
     what the mount has of it, `position_sigma_of_mount_m`; None where no ping met the surface."""
     normals = chart.from_chart(footprints.at.reshape(-1, 2))[1].reshape(footprints.point.shape)
     names = ("position_sigma_m", "position_sigma_of_mount_m")

@@ -29,7 +29,8 @@ MIN_SAMPLES = 200  # of the hull, for a ping or a place in the fan to have a lev
 
 @dataclass(frozen=True, kw_only=True)
 class SonarView:
-    """A ping. pose: one T_M_o (T_g_o without a CAD model); image (beams, ranges) uint8; level (beams, ranges): what a mean piece
+    """A ping. pose: one T_M_o (T_g_o without a CAD model); image (beams, ranges) uint8; level (beams, ranges): what a mean
+    piece
     of hull returns there in that ping, None to leave the image as it is."""
 
     pose: Poses

@@ -49,7 +49,8 @@ class CadHull:
                 reference=reference, note=f"The CAD model's shape does not enter the regression of the returns.{poses}"
             )
         note = (
-            "The surface is a regression of the returns' offsets from the CAD model and leans on it between and beyond returns: "
+            "The surface is a regression of the returns' offsets from the CAD model and leans on it between and "
+            "beyond returns: "
             f"a comparison with the CAD model is partly circular.{poses} "
             'surface.reference = "plane" or "none" regresses without it.'
         )

@@ -10,9 +10,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.mosaic.imagery.camera_views import compute_footprints
+from hullrecon.mosaic.imagery.sonar_fan import build_fan
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.options import SonarOptions
-from hullrecon.mosaic.sonar import LEVEL, sonar_mosaic
+from hullrecon.mosaic.sonar import LEVEL, SonarView, learn_levels, sonar_mosaic
 from hullrecon.records.sensors import SonarPings
 
 BEARING = np.radians(np.linspace(-14, 14, 49))
@@ -106,6 +108,62 @@ def test_a_long_shadow_is_found_to_its_end(flat_surface: Callable[..., MosaicSur
     girth = girths(made)
     girth = girth[(girth > -0.39) & (girth < 0.4) & (np.abs(girth - end) > 0.04)]  # rays start 4 mm, 1.5 cm of shadow, off it
     np.testing.assert_array_equal([seen_at(made, 0.0, g) for g in girth], girth > end)
+
+
+def views_of(pings: SonarPings, poses: Poses, images: np.ndarray) -> list[SonarView]:
+    fan = build_fan(pings.directions, pings.range_m, np.radians(14))
+    return [SonarView(pose=poses[k], fan=fan, image=image) for k, image in enumerate(images)]
+
+
+def learn(surface: MosaicSurface, views: list[SonarView]) -> list[np.ndarray] | None:
+    return learn_levels(surface, views, compute_footprints(surface, views), min_cosine=0.1)
+
+
+def test_the_level_is_what_the_bare_hull_returns(flat_surface: Callable[..., MosaicSurface]) -> None:
+    pings, poses = pings_over([-0.1, 0.0, 0.1], lambda points: np.full(len(points), 120.0))
+    levels = learn(flat_surface(), views_of(pings, poses, pings.image))
+    assert levels is not None
+    on_plate = pings.image[1] > 0
+    assert np.abs(levels[1][on_plate] - 120).mean() < 8  # water before the first return is not counted
+
+
+def test_each_ping_has_its_own_gain_within_a_factor_of_two(flat_surface: Callable[..., MosaicSurface]) -> None:
+    _, poses = pings_over([-0.1, 0.0, 0.1, 0.2], lambda points: np.full(len(points), 100.0))
+    directions = np.stack([np.zeros(49), np.sin(BEARING), np.cos(BEARING)], axis=1)
+    fan = build_fan(directions, RANGES, np.radians(60))
+    images = [np.full((49, 141), gray, np.uint8) for gray in (100, 130, 100, 10)]
+    levels = learn(flat_surface(), [SonarView(pose=poses[k], fan=fan, image=image) for k, image in enumerate(images)])
+    assert levels is not None
+    mean = (100 + 130 + 100 + 10) / 4
+    ratio = [float(np.median(level / levels[0])) for level in levels]
+    np.testing.assert_allclose(ratio[1:3], [1.3, 1.0], rtol=0.05)
+    assert abs(ratio[3] - 0.5 * mean / 100) < 0.05  # a ping eight times darker than the mean is evened out by two only
+
+
+def test_a_shadow_does_not_darken_the_level(flat_surface: Callable[..., MosaicSurface]) -> None:
+    """A block of 10 cm in front of the plate; its shadow reaches from y = -0.2 to -0.05, in 78 to 90 cm of range."""
+    block = ([-0.3, -0.25, 0.0], [0.3, -0.2, 0.1])
+
+    def shadowed(points: np.ndarray) -> np.ndarray:
+        behind = (points[:, 1] > -0.2) & (points[:, 1] < -0.2 + 0.6 * 0.1 / 0.4)
+        return np.where(behind, 0.0, 100.0)
+
+    pings, poses = pings_over([-0.1, 0.0, 0.1], shadowed)
+    views = views_of(pings, poses, pings.image)
+    aware, blind = learn(flat_surface(block), views), learn(flat_surface(), views)
+    assert aware is not None
+    assert blind is not None
+    in_shadow = np.s_[20:29, 42:46]
+    assert (pings.image[1][in_shadow] == 0).all()
+    assert blind[1][in_shadow].max() < 50  # without the block in the surface the shadow is taken for a dark hull
+    assert aware[1][in_shadow].min() > 75
+
+
+def test_too_little_hull_has_no_level(flat_surface: Callable[..., MosaicSurface]) -> None:
+    pings, poses = pings_over([0.98], lambda points: np.full(len(points), 100.0))
+    views = views_of(pings, poses, pings.image)
+    footprints = compute_footprints(flat_surface(), views)
+    assert learn_levels(flat_surface(), views, footprints, min_cosine=0.999) is None
 
 
 def girths(store) -> np.ndarray:

@@ -77,8 +77,10 @@ def passed(tmp_path: Path) -> dict[str, Path]:
     """Artifacts of ingest, navigate and surface: the vehicle goes along x at 2 m depth, the wall 1 m to starboard."""
     x = np.linspace(0, 2, NODES)
     trajectory = Trajectory(
-        t_ns=TIMES, quaternion=np.tile([0.0, 0, 0, 1], (NODES, 1)), translation=np.column_stack([x, np.zeros(NODES), np.full(NODES, 2.0)]),
-        covariance=np.tile(np.eye(6) * 1e-4, (NODES, 1, 1)), tray=np.zeros(NODES), image=np.column_stack([np.arange(NODES), np.full(NODES, -1)]),
+        t_ns=TIMES, quaternion=np.tile([0.0, 0, 0, 1], (NODES, 1)), translation=np.column_stack([x, np.zeros(NODES),
+        np.full(NODES, 2.0)]),
+        covariance=np.tile(np.eye(6) * 1e-4, (NODES, 1, 1)), tray=np.zeros(NODES), image=np.column_stack([np.arange(NODES),
+        np.full(NODES, -1)]),
     )  # fmt: skip
     save(tmp_path / "navigate", "trajectory.npz", to_arrays(trajectory))
     surface = wall()

@@ -118,7 +118,8 @@ class EarlierSteps:
             np.savez(navigate / "returns.npz", **to_arrays(self.returns))
         n = len(self.T_g_v)
         track = Trajectory(
-            t_ns=np.arange(n), quaternion=self.T_g_v.quaternion, translation=self.T_g_v.translation, covariance=np.tile(1e-4 * np.eye(6), (n, 1, 1)), tray=np.zeros(n),
+            t_ns=np.arange(n), quaternion=self.T_g_v.quaternion, translation=self.T_g_v.translation,
+            covariance=np.tile(1e-4 * np.eye(6), (n, 1, 1)), tray=np.zeros(n),
             image=np.full((n, 2), -1),
         )  # fmt: skip
         np.savez(navigate / "trajectory.npz", **to_arrays(track))

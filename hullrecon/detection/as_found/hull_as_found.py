@@ -30,7 +30,8 @@ class HullAsFound:
     """Vertex by vertex (n): where it is now (mesh) and on the base; normal (n, 3) of the base; hull (n,) m, the smooth offset
     of the hull from the base, and its sigma; height (n,) m above that hull, 0 where not measured; sigma (n,) m of the height;
     measured (n,) bool; agreement (n,) share of landmarks that agree; shapes (n,) views whose shapes show it
-    [Ozog2016 Algorithm 5]; seen: by which views; facet (n,) m, how far the true curve may stand off the CAD model's facet there,
+    [Ozog2016 Algorithm 5]; seen: by which views; facet (n,) m, how far the true curve may stand off the CAD model's facet
+    there,
     at structures."""
 
     mesh: Mesh

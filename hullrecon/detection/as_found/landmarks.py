@@ -17,7 +17,8 @@ MIN_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceLandmarks:
-    """Landmarks that measure_surface the base surface, in its frame. row (n,): in the Solution; position, foot on the base and outward
+    """Landmarks that measure the base surface, in its frame. row (n,): in the Solution; position, foot on the base
+    and outward
     normal there (n, 3); offset (n,) m, signed distance to the base; sigma (n,) m along the normal, of each on its own;
     common (n,) m, what it shares with its neighbours (the dive's place on the hull); views (n,)."""
 
@@ -55,7 +56,8 @@ def measure_surface(
     common = shared_variance(position[row[good]], variance[good])
     sigma = np.sqrt(np.maximum(variance[good] - common, 0.0) + MIN_SIGMA_M**2)
     kept = SurfaceLandmarks(
-        row=row[good], position=position[row[good]], foot=near.foot[good], normal=near.normal[good], offset=near.distance[good], sigma=sigma, common=np.sqrt(common),
+        row=row[good], position=position[row[good]], foot=near.foot[good], normal=near.normal[good],
+        offset=near.distance[good], sigma=sigma, common=np.sqrt(common),
         views=views[row[good]],
     )  # fmt: skip
     return kept.take(sigma <= largest_sigma_m)

@@ -14,7 +14,7 @@ from hullrecon.geometry.neighbours import nearest
 from hullrecon.records.surface import Surface
 from hullrecon.typing import Array
 
-SEAM_SIGMA_M = 0.01  # of a height carry_over over the width of one triangle of the DVL's surface
+SEAM_SIGMA_M = 0.01  # of a height carried over the width of one triangle of the DVL's surface
 
 
 def as_found_surface(found: HullAsFound, measured: SurfaceLandmarks) -> Surface:
@@ -30,7 +30,7 @@ def as_found_surface(found: HullAsFound, measured: SurfaceLandmarks) -> Surface:
 
 
 def surface_on_cad_model(cad_model: Mesh, surface: Surface, edge_m: float) -> Surface:
-    """The CAD model moved to the DVL's surface: deviations of its vertices carry_over over, where any lies within two edges."""
+    """The CAD model moved to the DVL's surface: deviations of its vertices carried over, where any lies within two edges."""
     mesh = refine_near(cad_model, surface.vertices, edge_m, edge_m)
     distance, row = nearest(surface.vertices, mesh.vertices, min(4, len(surface.vertices)), 2 * edge_m)
     known = np.isfinite(distance[:, 0])

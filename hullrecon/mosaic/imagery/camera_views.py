@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The images of a dive as image_views: where each was taken, which texels it may see, and the light in it."""
+"""The images of a dive as views of the hull: where each was taken, which texels it may see, and the light in it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ BLOCK = 1024  # of those texels, at a time
 
 @dataclass(frozen=True, kw_only=True)
 class CameraImages:
-    """One camera of the rig and its images: rows (n,) of its index, poses T_M_c (n) (T_g_c without a CAD model), and how a row is
+    """One camera of the rig and its images: rows (n,) of its index, poses T_M_c (n) (T_g_c without a CAD model), and how a
+    row is
     read, (h, w, 3) uint8 RGB or None."""
 
     camera: CameraModel
@@ -50,7 +51,8 @@ class Footprints:
 
 
 def images_of_camera(rig: SensorRig, track: VehicleTrack, camera: Camera, usable: Mask, read: Read) -> CameraImages:
-    """Return a camera's usable images that have a pose, in the frame of the track; usable (m,): by row of the camera's index."""
+    """Return a camera's usable images that have a pose, in the frame of the track; usable (m,): by row of the camera's
+    index."""
     nodes = np.flatnonzero(track.image[:, camera.column] >= 0)
     nodes = nodes[usable[track.image[nodes, camera.column]]]
     return CameraImages(

@@ -52,7 +52,8 @@ class LightSamples:
 
 
 def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[Array]:
-    """By camera the median over its images (thumbnails (h, w, c) of FIELD's shape or larger), smoothed, about a mean of zero."""
+    """By camera the median over its images (thumbnails (h, w, c) of FIELD's shape or larger), smoothed, about a mean of
+    zero."""
     fields = []
     for k in range(int(camera.max()) + 1):
         stack = np.stack([t for t, c in zip(thumbnails, camera, strict=True) if c == k])

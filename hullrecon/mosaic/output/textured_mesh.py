@@ -28,11 +28,11 @@ class TexturedMesh:
 
 
 def build_textured_mesh(
-    surface: MosaicSurface, grid: TexelGrid, alpha: NDArray[np.uint8], reduction: int, most_faces: int
+    surface: MosaicSurface, grid: TexelGrid, alpha: NDArray[np.uint8], reduction: int, max_faces: int
 ) -> TexturedMesh:
     """The seen part of the surface as a regular mesh on the chart; alpha: of the mosaic reduced by that many texels."""
     seen = int((alpha > 0).sum()) * reduction**2 * grid.step_m**2
-    step = max(grid.step_m * reduction, np.sqrt(2 * max(seen, 1e-6) / most_faces))
+    step = max(grid.step_m * reduction, np.sqrt(2 * max(seen, 1e-6) / max_faces))
     height, width = (max(1, round(n * grid.step_m / step)) for n in (grid.height, grid.width))
     coarse = TexelGrid(grid.west, grid.north, step, height, width)
     patch = sample_surface(surface, coarse, Window(0, height, 0, width))
@@ -59,7 +59,8 @@ _CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
 
 
 def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
-    """The same triangles, counter-clockwise seen from outside. Charts of hulls are left-handed about the outward normal."""
+    """Return the same triangles, counter-clockwise seen from outside. Charts of hulls are left-handed about the outward
+    normal."""
     a, b, c = patch.point.reshape(-1, 3)[faces].transpose(1, 0, 2)
     outward = np.einsum("ni,ni->n", np.cross(b - a, c - a), patch.normal.reshape(-1, 3)[faces[:, 0]])
     return faces if outward.sum() >= 0 else faces[:, ::-1]

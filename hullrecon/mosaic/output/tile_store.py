@@ -72,12 +72,12 @@ class TileStore:
 
 
 def make_tiles(
-    grid: TexelGrid, channels: int, size: int, most_pixels: int, make: Callable[[Window], Tile], progress: Any
+    grid: TexelGrid, channels: int, size: int, max_pixels: int, make: Callable[[Window], Tile], progress: Any
 ) -> TileStore:
-    """Makes every tile in turn; only one is in memory uncompressed. The small copy is reduced to most_pixels a side, or as
+    """Makes every tile in turn; only one is in memory uncompressed. The small copy is reduced to max_pixels a side, or as
     often as `size` can be halved."""
     reduction = 1
-    while max(grid.width, grid.height) / reduction > most_pixels and size % (2 * reduction) == 0:
+    while max(grid.width, grid.height) / reduction > max_pixels and size % (2 * reduction) == 0:
         reduction *= 2
     small = np.zeros((-(-grid.height // reduction), -(-grid.width // reduction), channels + 1), np.uint8)
     store = TileStore(

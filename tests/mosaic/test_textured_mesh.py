@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The preview and the textured mesh."""
+"""The textured mesh."""
 
 from __future__ import annotations
 
@@ -10,12 +10,10 @@ from io import BytesIO
 
 import numpy as np
 import trimesh
-from PIL import Image
 
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
-from hullrecon.mosaic.output.preview import Caption, preview_png, stretch_contrast
-from hullrecon.mosaic.output.textured_mesh import UPRIGHT, build_textured_mesh, encode_glb
+from hullrecon.mosaic.output.textured_mesh import UPRIGHT, TexturedMesh, build_textured_mesh, encode_glb
 
 GRID = TexelGrid(west=-0.8, north=0.6, step_m=0.01, height=120, width=160)
 
@@ -27,47 +25,8 @@ def checks() -> np.ndarray:
     return picture
 
 
-def test_the_preview_is_a_picture_with_the_same_bytes_each_time() -> None:
-    caption = Caption(title="Optical mosaic", legend="a legend", frame="M", frame_spacing_m=0.6, flips=(True, False))
-    first, second = (preview_png(checks(), -0.8, 0.6, 0.01, caption) for _ in range(2))
-    assert first == second
-    with Image.open(BytesIO(first)) as picture:
-        assert picture.width > picture.height > 500
-        assert "Software" not in picture.info
-
-
-def test_a_flipped_preview_shows_the_unseen_side_on_the_right() -> None:
-    plain, flipped = (
-        np.asarray(
-            Image.open(
-                BytesIO(
-                    preview_png(
-                        checks(), -0.8, 0.6, 0.01, Caption(title="t", legend="l", frame="M", frame_spacing_m=None, flips=f)
-                    )
-                )
-            ).convert("RGB")
-        )
-        for f in ((False, False), (True, False))
-    )
-    unseen = [np.mean(np.nonzero((p == (0xE9, 0xED, 0xF1)).all(axis=2))[1]) / p.shape[1] for p in (plain, flipped)]
-    assert unseen[0] < 0.4
-    assert unseen[1] > 0.6
-
-
-def test_stretching_spreads_the_seen_brightness_and_leaves_alpha() -> None:
-    picture = checks()
-    out = stretch_contrast(picture)
-    np.testing.assert_array_equal(out[..., 3], picture[..., 3])
-    assert np.ptp(out[:, 20:, 0].astype(int)) > 200
-
-
-def test_stretching_an_empty_mosaic_changes_nothing() -> None:
-    empty = np.zeros((4, 5, 4), np.uint8)
-    np.testing.assert_array_equal(stretch_contrast(empty), empty)
-
-
 def test_the_sheet_covers_what_was_seen_and_faces_outward(flat_surface: Callable[..., MosaicSurface]) -> None:
-    mesh = build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, most_faces=5000)
+    mesh = build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, max_faces=5000)
     assert 2000 < len(mesh.faces) < 6000
     assert mesh.vertices[:, 0].min() > -0.62  # the first 20 columns were not seen
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
@@ -89,7 +48,7 @@ class LeftHanded:
 
 
 def test_on_a_left_handed_chart_the_sheet_faces_outward_too(flat_surface: Callable[..., MosaicSurface]) -> None:
-    mesh = build_textured_mesh(replace(flat_surface(), chart=LeftHanded()), GRID, checks()[..., 3], 1, most_faces=5000)
+    mesh = build_textured_mesh(replace(flat_surface(), chart=LeftHanded()), GRID, checks()[..., 3], 1, max_faces=5000)
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     assert (np.cross(b - a, c - a)[:, 2] > 0).all()
     np.testing.assert_allclose(mesh.uv[:, 1], (0.6 - mesh.vertices[:, 1]) / 1.2, atol=0.01)
@@ -98,7 +57,7 @@ def test_on_a_left_handed_chart_the_sheet_faces_outward_too(flat_surface: Callab
 def test_the_glb_opens_upright_with_its_texture_and_the_same_bytes_each_time(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
-    mesh = build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, most_faces=2000)
+    mesh = build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, max_faces=2000)
     data = encode_glb(mesh, checks(), upright=True)
     assert data == encode_glb(mesh, checks(), upright=True)
     scene = trimesh.load(BytesIO(data), file_type="glb")
@@ -108,3 +67,37 @@ def test_the_glb_opens_upright_with_its_texture_and_the_same_bytes_each_time(
     turn, _ = scene.graph[scene.graph.nodes_geometry[0]]
     np.testing.assert_allclose(turn, UPRIGHT)
     np.testing.assert_allclose(UPRIGHT[:3, :3] @ [0, 0, 1], [0, 1, 0])  # up in M is up in glTF
+
+
+def test_the_mesh_keeps_to_its_number_of_faces(flat_surface: Callable[..., MosaicSurface]) -> None:
+    alpha = np.full((120, 160), 255, np.uint8)
+    few, many = (build_textured_mesh(flat_surface(), GRID, alpha, 1, max_faces=n) for n in (300, 3000))
+    assert 200 < len(few.faces) <= 320
+    assert 2000 < len(many.faces) <= 3200
+
+
+def test_a_mosaic_that_saw_nothing_has_a_mesh_without_faces(flat_surface: Callable[..., MosaicSurface]) -> None:
+    mesh = build_textured_mesh(flat_surface(), GRID, np.zeros((120, 160), np.uint8), 1, max_faces=300)
+    assert mesh.faces.shape == (0, 3)
+    assert mesh.uv.shape == (0, 2)
+
+
+def test_a_mesh_in_g_is_turned_so_that_down_is_down() -> None:
+    mesh = TexturedMesh(
+        vertices=np.array([[0.0, 0, 1], [1, 0, 1], [0, 1, 1]]),
+        faces=np.array([[0, 1, 2]]),
+        uv=np.array([[0.0, 0], [1, 0], [0, 1]]),
+    )
+    scene = trimesh.load(BytesIO(encode_glb(mesh, checks(), upright=False)), file_type="glb")
+    turn, _ = scene.graph[scene.graph.nodes_geometry[0]]
+    np.testing.assert_allclose(turn[:3, :3] @ [0, 0, 1], [0, -1, 0], atol=1e-12)  # z of g is down, y of glTF is up
+    assert np.linalg.det(turn[:3, :3]) > 0
+
+
+def test_a_gray_mosaic_is_a_texture_too(flat_surface: Callable[..., MosaicSurface]) -> None:
+    mesh = build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, max_faces=300)
+    scene = trimesh.load(BytesIO(encode_glb(mesh, checks()[..., 2:], upright=True)), file_type="glb")
+    (loaded,) = scene.geometry.values()
+    texture = np.asarray(loaded.visual.material.baseColorTexture.convert("RGB")).astype(int)
+    assert np.abs(texture[..., 0] - texture[..., 2]).max() <= 2
+    assert np.ptp(texture) > 30

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hullrecon.geometry.frames import Frame
+from hullrecon.mosaic.blend import Tile
+from hullrecon.mosaic.grid import TexelGrid, Window
+from hullrecon.mosaic.mosaic_surface import MosaicSurface
+from hullrecon.mosaic.output.deliverables import Presentation, make_deliverables, mosaic_document
+from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
+
+GRID = TexelGrid(west=-0.4, north=0.3, step_m=0.01, height=60, width=80)
+SHOWN = Presentation(
+    title="Optical mosaic", frame=Frame.HULL, frame_spacing_m=0.5, max_faces=500, facts={"surface": "as found", "images": 3}
+)
+
+
+def tiles(views: int) -> TileStore:
+    """A mosaic of gray 120 that so many views saw everywhere in its right half."""
+
+    def make(window: Window) -> Tile:
+        columns = np.mgrid[window.top : window.bottom, window.left : window.right][1]
+        count = np.where(columns >= 40, views, 0).astype(np.uint8)
+        gray = np.full((*window.shape, 1), 120, np.float32)
+        return Tile(value=gray, variance=np.full(window.shape, 4.0, np.float32), views=count)
+
+    return make_tiles(GRID, 1, 16, 80, make, lambda windows: windows)
+
+
+def test_the_document_says_where_and_how_large_the_mosaic_is() -> None:
+    document = mosaic_document(tiles(2), Frame.HULL, SHOWN.facts)
+    assert document["frame"] == "M"
+    assert document["area_m2"] == pytest.approx(0.6 * 0.4)
+    assert document["along_m"] == pytest.approx([-0.4, 0.4])
+    assert document["girth_m"] == pytest.approx([-0.3, 0.3])
+    assert document["texels_by_views"] == {"0": 2400, "1": 0, "2": 2400, "3": 0, "4": 0}
+    assert document["images"] == 3
+
+
+def test_the_caption_names_the_surface_and_the_known_uncertainty() -> None:
+    plain = str(mosaic_document(tiles(2), Frame.HULL, SHOWN.facts)["caption"])
+    assert plain == "0.2 m² at 10.0 mm a pixel, at most four best views a pixel, laid on the surface as found."
+    known = str(mosaic_document(tiles(2), Frame.HULL, {**SHOWN.facts, "position_sigma_m": 0.0312})["caption"])
+    assert known == plain + " A pixel's place on the hull is known to 31 mm (one sigma)."
+    unknown = mosaic_document(tiles(2), Frame.HULL, {**SHOWN.facts, "position_sigma_m": None})["caption"]
+    assert unknown == plain
+
+
+def test_a_mosaic_that_saw_nothing_has_no_variance_and_no_mesh(flat_surface: Callable[..., MosaicSurface]) -> None:
+    made = make_deliverables(flat_surface(), tiles(0), SHOWN)
+    assert made.document["variance_gray_levels_squared"] == {}
+    assert made.document["area_m2"] == 0.0
+    assert made.textured_mesh is None
+
+
+def test_a_mosaic_comes_with_a_preview_and_a_mesh(flat_surface: Callable[..., MosaicSurface]) -> None:
+    made = make_deliverables(flat_surface(), tiles(2), SHOWN)
+    assert made.preview.startswith(b"\x89PNG")
+    assert made.textured_mesh is not None
+    assert made.textured_mesh.startswith(b"glTF")
+
+
+def test_frame_numbers_are_shown_in_the_ships_frame_only(flat_surface: Callable[..., MosaicSurface]) -> None:
+    numbered, bare = (make_deliverables(flat_surface(), tiles(2), replace(SHOWN, frame_spacing_m=s)) for s in (0.5, None))
+    assert numbered.preview != bare.preview
+    numbered, bare = (
+        make_deliverables(flat_surface(), tiles(2), replace(SHOWN, frame=Frame.GLOBAL, frame_spacing_m=s)) for s in (0.5, None)
+    )
+    assert numbered.preview == bare.preview

@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.surface.hull_reference import CadHull, UnknownHull
+
+SLAB = Mesh(  # the square z = 1, its outside up
+    np.array([[0.0, 0, 1], [4, 0, 1], [4, 4, 1], [0, 4, 1]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32)
+)
+
+
+def test_deviation_is_signed_outward_with_a_cad_model_and_unknown_without() -> None:
+    points = np.array([[1.0, 1, 1.2], [2.0, 3, 0.9]])
+    np.testing.assert_allclose(CadHull(mesh=SLAB).deviation(points), [0.2, -0.1], atol=1e-9)
+    assert np.isnan(UnknownHull().deviation(points)).all()
+
+
+def test_labels_count_only_where_there_is_a_cad_model() -> None:
+    label = np.array([1, 0, 1])
+    assert CadHull(mesh=SLAB).on_hull(label).tolist() == [True, False, True]
+    assert UnknownHull().on_hull(label).tolist() == [True, True, True]
+
+
+def test_without_a_cad_model_the_chart_is_a_plane_that_faces_the_sensors() -> None:
+    rng = np.random.default_rng(0)
+    wall = np.column_stack([rng.uniform(0, 4, 50), np.full(50, 2.0), rng.uniform(0, 2, 50)])
+    chart = UnknownHull().chart(wall, np.array([[1.0, 0.5, 1], [3.0, 0.5, 1]]))
+    offset = chart.to_chart(np.array([[2.0, 1.5, 1.0], [2.0, 2.0, 1.0]]))[:, 2]
+    np.testing.assert_allclose(offset, [0.5, 0.0], atol=1e-9)
+
+
+@pytest.mark.parametrize(("reference", "circular"), [("cad", True), ("plane", False), ("none", False)])
+def test_the_note_says_whether_a_comparison_is_circular(reference: str, circular: bool) -> None:
+    comparison = CadHull(mesh=SLAB).comparison(reference, poses_are_adjusted=False)
+    assert comparison.reference == reference
+    assert ("circular" in str(comparison.note)) == circular
+    assert "poses" not in str(comparison.note)
+    assert "poses" in str(CadHull(mesh=SLAB).comparison(reference, poses_are_adjusted=True).note)
+
+
+@pytest.mark.parametrize(("asked", "in_force"), [("cad", "plane"), ("plane", "plane"), ("none", "none")])
+def test_without_a_cad_model_offsets_are_from_a_plane(asked: str, in_force: str) -> None:
+    comparison = UnknownHull().comparison(asked, poses_are_adjusted=True)
+    assert comparison.reference == in_force
+    assert comparison.note is None
