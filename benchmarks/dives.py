@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Accuracy and honesty on simulated dives: python -m benchmarks.dives FOLDER --hulls HULLS [--cameras mono] [--json FILE]
 
-Ten dives of other hulls, curvatures, deviations, slop, guesses and seeds are simulated into FOLDER (kept for the next time),
-run, and judged against their truth. HULLS holds the meshes named in DIVES; without it only the analytic hulls are dived. `mono`
+Ten dives of other hulls, curvatures, deviations, backlash, guesses and seeds are simulated into FOLDER (kept for next time),
+run, and scored against their truth. HULLS holds the meshes named in DIVES; without it only the analytic hulls are dived. `mono`
 is the same dive with its lower camera removed. Prints each figure by dive with median and worst, and the vehicle's NEES. With
 --drawn the ten are others: their first guesses and the hull's deviation are drawn from the sigmas that their packages state, as
 a test of those sigmas needs.
@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.evaluation.scoring.score import judge
+from hullrecon.evaluation.scoring.score import score_run
 from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.poses import Poses
 
@@ -48,8 +48,10 @@ SHIPS = ("80 13 8 5.5 1.8", "30 6.5 4 3 1.0", "50 9 5.5 3.8 1.3")  # length, bea
 
 
 def drawn_dives(count: int = 10) -> dict[str, str]:
-    """Options of dives whose truth is drawn from what their packages state; guesses within the metre and five degrees that
-    registration is made for."""
+    """Return options of dives whose truth is drawn from what their packages state.
+
+    Guesses lie within the metre and five degrees that registration is made for.
+    """
     random, dives = np.random.default_rng(2026), {}
     for k in range(1, count + 1):
         along, across = np.clip(random.normal(0, [1.0, 0.5]), -1, 1)
@@ -88,7 +90,7 @@ FIGURES: tuple[tuple[str, float | None], ...] = (
 
 
 def simulate(name: str, options: str, seed: int, folder: Path, hulls: Path | None) -> Path | None:
-    """The package, made once; None when it needs a mesh that is not at hand."""
+    """Return the package, made once; None when it needs a mesh that is not at hand."""
     package = folder / name
     if (package / "truth").exists():
         return package
@@ -116,7 +118,7 @@ def _mesh(name: str, folder: Path, hulls: Path | None) -> Path | None:
 
 
 def without_lower_camera(package: Path) -> Path:
-    """The same dive as a package whose dive.toml does not name the lower camera."""
+    """Return the same dive as a package whose dive.toml does not name the lower camera."""
     mono = package.with_name("mono-" + package.name)
     if mono.exists():
         return mono
@@ -134,8 +136,10 @@ def _hullrecon(*words: str) -> None:
 
 
 def nees(adjust: Path, package: Path) -> float:
-    """(x - x_true)' C^-1 (x - x_true) of the vehicle's pose in the hull (six freedoms) at the dive's middle pose. One value a
-    dive: errors of neighbouring poses are one and the same, that of the hull's place."""
+    """Return (x - x_true)' C^-1 (x - x_true) of the vehicle's pose in the hull (six freedoms) at the dive's middle pose.
+
+    One value a dive: errors of neighbouring poses are one and the same, that of the hull's pose.
+    """
     solution = np.load(adjust / "solution.npz")
     middle = len(solution["t_ns"]) // 2
     pose, hull = (
@@ -149,11 +153,11 @@ def nees(adjust: Path, package: Path) -> float:
 
 
 def dive(package: Path, folder: Path, mono: bool, jobs: int) -> dict[str, Any]:
-    """Figures of one simulated dive, run."""
+    """Return the figures of one simulated dive, run."""
     package = without_lower_camera(package) if mono else package
     _hullrecon("run", "-q", str(package), "--runs", str(folder / "runs"), "--jobs", str(jobs))
     run = folder / "runs" / package.name
-    return judge(run, package) | {"nees": nees(run / "adjust", package)}
+    return score_run(run, package) | {"nees": nees(run / "adjust", package)}
 
 
 def figure(row: dict[str, Any], name: str) -> float:
@@ -162,7 +166,7 @@ def figure(row: dict[str, Any], name: str) -> float:
 
 
 def table(rows: dict[str, dict[str, Any]]) -> list[str]:
-    """A line a figure, a column a dive; a star marks what breaks its limit."""
+    """Return a line a figure, a column a dive; a star marks what breaks its limit."""
     lines = [f"{'':30s}" + "".join(f"{name:>9s} " for name in rows) + "   median     worst"]
     for name, limit in FIGURES:
         values = [figure(row, name) for row in rows.values()]
@@ -173,12 +177,12 @@ def table(rows: dict[str, dict[str, Any]]) -> list[str]:
 
 
 def breaks(value: float, limit: float | None) -> bool:
-    """A figure that is missing (NaN) breaks its limit."""
+    """Tell whether a figure breaks its limit; one that is missing (NaN) does."""
     return limit is not None and not (value <= limit if limit >= 0 else value >= -limit)
 
 
 def consistency(values: list[float]) -> dict[str, float]:
-    """The sum of the dives' NEES and its 95 % band."""
+    """Return the sum of the dives' NEES and its 95 % band."""
     from scipy.stats import chi2
 
     low, high = (float(chi2.ppf(p, 6 * len(values))) for p in (0.025, 0.975))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What `hullrecon --help` lists: each command's place and one line about it, so that listing them imports none of them."""
+"""List the commands of `hullrecon --help` with their modules and summaries, so that the help imports none of them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Entry:
-    """module: below this package; name: of the click command in it."""
+    """A command: its module below this package, its name there, and one line about it."""
 
     module: str
     name: str
@@ -17,8 +17,8 @@ class Entry:
 
 
 ON_A_DIVE = {
-    "init": Entry("dive", "init", "write a dive.toml by looking into a log"),
-    "check": Entry("check", "check", "say what a dive package or a run's folder holds and what is wrong with it"),
+    "init": Entry("package", "init", "write a dive.toml by looking into a log"),
+    "check": Entry("package", "check", "say what a dive package or a run's folder holds and what is wrong with it"),
     "run": Entry("run", "run", "run the chain: every step that is not up to date"),
     "status": Entry("run", "status", "say which steps are up to date"),
     "explain": Entry("run", "explain", "say why a step would run again"),
@@ -26,9 +26,9 @@ ON_A_DIVE = {
 }
 STEPS = {
     "ingest": Entry("steps", "ingest", "read the logs, the calibration and the CAD model"),
-    "navigate": Entry("steps", "navigate", "reckon the vehicle's path"),
+    "navigate": Entry("steps", "navigate", "compute the dead-reckoned trajectory"),
     "features": Entry("steps", "features", "find features in every image"),
-    "matches": Entry("steps", "matches", "match images and join the matches to landmarks"),
+    "matches": Entry("steps", "matches", "match images and build feature tracks"),
     "adjust": Entry("steps", "adjust", "adjust images, DVL ranges and the CAD model together"),
     "surface": Entry("steps", "surface", "make a surface of the DVL's returns"),
     "detect": Entry("steps", "detect", "find structures and remesh the hull as found"),
@@ -41,7 +41,7 @@ AROUND = {
     "evaluate": Entry("score", "evaluate", "figures of a run against the truth of a simulated dive"),
     "compare": Entry("score", "compare", "naive, geva and maxmix on a simulated dive, in one table"),
     "figures": Entry("score", "figures", "the sources' figures on a simulated dive, as pictures and tables"),
-    "completion": Entry("completion", "completion", "the shell's completion script"),
+    "completion": Entry("main", "completion", "the shell's completion script"),
 }
 SECTIONS = {"A dive": ON_A_DIVE, "Steps of the chain": STEPS, "Around it": AROUND}
 COMMANDS = {**ON_A_DIVE, **STEPS, **AROUND}

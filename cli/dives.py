@@ -1,38 +1,31 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From what stands on the command line to a chain of stages and the folder of its run."""
+"""Turn the arguments of a command into a dive with its chain and workspace, and name --set in the errors that it caused."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import click
+import msgspec
+from msgspec import inspect as types
 
-from hullrecon.artifacts.graph.chain import Chain
+from hullrecon.api.dive_run import DiveRun
 from hullrecon.artifacts.storage.workspace import Workspace
-from hullrecon.errors import InputError
+from hullrecon.errors import UsageError
 
-from .set_errors import name_overrides
 from .state import state_of
 
-Command = TypeVar("Command", bound=Callable[..., Any])
+Command = TypeVar("Command", bound=Callable[..., object])
 FOLDER = click.Path(path_type=Path, file_okay=True)
 CONFIGURATION = "dive.toml"
 
 
-@dataclass(frozen=True)
-class DiveRun:
-    """A dive package, read, with the place of its artifacts."""
-
-    name: str
-    chain: Chain
-    workspace: Workspace
-
-
 def runs_option(command: Command) -> Command:
+    """Add --runs to a command."""
     return click.option(
         "--runs", type=FOLDER, default=Path("runs"), envvar="HULLRECON_RUNS", show_default=True, show_envvar=True,
         help="folder of all runs; this dive's is RUNS/<its name>",
@@ -40,40 +33,58 @@ def runs_option(command: Command) -> Command:
 
 
 def set_option(command: Command) -> Command:
-    text = "an option in place of that of dive.toml; may be repeated"
+    """Add --set to a command."""
+    text = "use this value instead of that of dive.toml; may be repeated"
     return click.option("--set", "overrides", multiple=True, metavar="SECTION.KEY=VALUE", help=text)(command)
 
 
 def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> DiveRun:
-    """target: a dive package, or the folder of a run, whose package is the one that it last read.
+    """Return the dive of a target: a package, or the folder of a run, whose package is the one that it last read.
 
     Raises InputError when it is neither, UsageError for a wrong configuration.
     """
-    from hullrecon.dive.config.load import load_config
+    from hullrecon.api.dive_run import open_dive as open_dive_run
     from hullrecon.steps.chain import stages
 
-    workspace = Workspace(target) if Workspace(target).exists() else None
-    package = target if workspace is None else package_of(workspace)
-    all_stages = stages()
-    step_sections = {stage.name: stage.parameters for stage in all_stages}
-    with name_overrides(step_sections, overrides):
-        config = load_config(package, step_sections, overrides)
-    name = config.sections["dive"].name
-    workspace = workspace or Workspace(runs / name)
-    state_of().workspace = workspace.root
-    return DiveRun(name, Chain(all_stages, config.sections, package), workspace)
-
-
-def package_of(workspace: Workspace) -> Path:
-    package = workspace.package
-    if package is None:
-        raise InputError(
-            "this run does not say which dive package it read", where=str(workspace.root), remedy="give the package's folder"
-        )
-    return package
+    with name_overrides({stage.name: stage.parameters for stage in stages()}, overrides):
+        dive = open_dive_run(target, runs, overrides)
+    state_of().workspace = dive.workspace.root
+    return dive
 
 
 def find_workspace(target: Path, runs: Path) -> Workspace:
-    """The folder of a run, given itself or by its package; needs no valid configuration in the first case."""
+    """Return the workspace of a run, given by its own folder or by its package; the former needs no valid configuration."""
     workspace = Workspace(target)
     return workspace if workspace.exists() else open_dive(target, runs).workspace
+
+
+@contextmanager
+def name_overrides(step_sections: Mapping[str, type[msgspec.Struct]], overrides: Sequence[str]) -> Iterator[None]:
+    """Rewrite the UsageErrors of `load_config`: list the choices, and name --set where the value was given by it."""
+    try:
+        yield
+    except UsageError as error:
+        key, equals, rest = error.what.partition(" = ")
+        if not equals:
+            key = error.what.removeprefix("unknown key ").removesuffix(" is missing")
+        given_by_set = key in {text.partition("=")[0].strip() for text in overrides}
+        choices = _choices(step_sections, key) if "invalid enum value" in rest.lower() else ()
+        if not given_by_set and not choices:
+            raise
+        value = rest.rpartition(": ")[0]
+        what = f"{key}: {value} is not one of {', '.join(choices)}" if choices else error.what
+        where = "from --set" if given_by_set else error.where
+        raise UsageError(what, where=where, remedy=error.remedy) from None
+
+
+def _choices(step_sections: Mapping[str, type[msgspec.Struct]], key: str) -> tuple[str, ...]:
+    """Return the values that the option `section.key` of a step may take, none when it is not a choice."""
+    section, _, name = key.rpartition(".")
+    if section not in step_sections:
+        return ()
+    info = types.type_info(step_sections[section])
+    assert isinstance(info, types.StructType)
+    kind = next((field.type for field in info.fields if field.name == name), None)
+    while isinstance(kind, types.Metadata):
+        kind = kind.type
+    return tuple(str(value) for value in kind.values) if isinstance(kind, types.LiteralType) else ()

@@ -14,12 +14,12 @@ import click
 
 from hullrecon.errors import HullreconError, StorageError
 
-from .state import State, log_to_file
+from .state import CallState, log_to_file
 
 UNEXPECTED, USAGE, INTERRUPTED = 1, 2, 130
 
 
-def exit_code_of(error: BaseException, state: State) -> int:
+def exit_code_of(error: BaseException, state: CallState) -> int:
     """Says in one line on standard error what happened and returns the exit code (docs/deliverables.md)."""
     if isinstance(error, HullreconError):
         return _say(state, error.line(), type(error).__name__, error.exit_code, where=error.where, remedy=error.remedy)
@@ -37,7 +37,7 @@ def exit_code_of(error: BaseException, state: State) -> int:
     return _say(state, line, "InternalError", UNEXPECTED)
 
 
-def _say(state: State, line: str, kind: str, code: int, **more: str) -> int:
+def _say(state: CallState, line: str, kind: str, code: int, **more: str) -> int:
     one_line = " ".join(line.split())
     click.echo(f"error: {one_line}", err=True)
     log_to_file(f"error: {one_line}")
@@ -46,7 +46,7 @@ def _say(state: State, line: str, kind: str, code: int, **more: str) -> int:
     return code
 
 
-def _write_traceback(error: BaseException, state: State) -> Path:
+def _write_traceback(error: BaseException, state: CallState) -> Path:
     """Below the dive's folder, or where temporary files go when there is none or no room."""
     from hullrecon.artifacts.storage.disk import write_file
 

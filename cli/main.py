@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The program: the group of commands, what is said about errors, and the exit code."""
+"""The program: its group of commands, the exit code, and shell completion."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from importlib import import_module
 from types import FrameType
 
 import click
+from click.shell_completion import get_completion_class
 
 from hullrecon import __version__
 
 from .commands import COMMANDS, SECTIONS
 from .error_reporting import exit_code_of
-from .state import State, add_common_options, common_options, configure_logging
+from .state import CallState, add_common_options, common_options, configure_logging
 
 PROGRAM = "hullrecon"
 
@@ -73,12 +74,23 @@ def cli(context: click.Context) -> None:
 cli.params += common_options()
 
 
+@click.command()
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
+@click.pass_context
+def completion(context: click.Context, shell: str) -> None:
+    """Print the completion script, e.g. eval "$(hullrecon completion bash)" in ~/.bashrc."""
+    root = context.find_root()
+    kind = get_completion_class(shell)
+    assert kind is not None
+    click.echo(kind(root.command, {}, "hullrecon", "_HULLRECON_COMPLETE").source())
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and returns the exit code."""
+    """Run one command and return the exit code."""
     # One thread for BLAS: sums must not depend on the number of cores, and worker processes take the same.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     signal.signal(signal.SIGTERM, _interrupt)
-    state = State()
+    state = CallState()
     configure_logging(state)
     try:
         result = cli.main(arguments, prog_name=PROGRAM, standalone_mode=False, obj=state)

@@ -1,35 +1,48 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""run, status, explain."""
+"""run, status, explain: run the chain on a dive and describe where it stands."""
 
 from __future__ import annotations
 
+import json
 import logging
 import shutil
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import click
 
-from hullrecon.artifacts.execution.chain_runner import Outcome, run_chain
+from hullrecon.api.dive_run import DiveRun
+from hullrecon.artifacts.execution.chain_runner import StepOutcome, run_chain
 from hullrecon.artifacts.execution.executor import choose_executor
 from hullrecon.artifacts.execution.progress import choose_progress
 from hullrecon.artifacts.execution.runner import RunContext
 from hullrecon.artifacts.graph.chain import unknown_step
-from hullrecon.artifacts.graph.plan import StepStatus, survey
+from hullrecon.artifacts.graph.plan import StepStatus, assess_chain
 from hullrecon.artifacts.storage.workspace import PUBLISHED
 from hullrecon.errors import StorageError
 
-from .delivery import delivery_lines
-from .dives import FOLDER, Command, DiveRun, open_dive, runs_option, set_option
+from .dives import FOLDER, Command, open_dive, runs_option, set_option
 from .state import state_of
 
 log = logging.getLogger("hullrecon.cli")
 
 
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """How a chain is run, whatever it computes. jobs: worker processes; scheduler: address of a Dask scheduler instead; wait_s:
+    s to wait for another run on this dive."""
+
+    from_scratch: bool
+    read_data: bool
+    jobs: int
+    scheduler: str | None
+    wait_s: float
+
+
 def run_options(command: Command) -> Command:
-    """What `run` and the single steps share."""
+    """Add the options that `run` and the single steps share."""
     for option in (
         click.option("--from-scratch", is_flag=True, help="rerun every step, up to date or not"),
         click.option(
@@ -51,26 +64,40 @@ def run_options(command: Command) -> Command:
 @click.argument("package", type=FOLDER)
 @run_options
 @click.option("--to", "last", metavar="STEP", help="stop after this step, running only what it needs")
-def run(package: Path, runs: Path, last: str | None, overrides: tuple[str, ...], **how: Any) -> None:
+def run(
+    package: Path, runs: Path, last: str | None, overrides: tuple[str, ...], from_scratch: bool, read_data: bool, jobs: int,
+    scheduler: str | None, wait_s: float,
+) -> None:  # fmt: skip
     """Run the chain on a dive PACKAGE; steps that are up to date are left as they are."""
-    execute(open_dive(package, runs, overrides), last, **how)
+    dive = open_dive(package, runs, overrides)
+    _warn_of_defaults(dive, overrides)
+    options = RunOptions(from_scratch=from_scratch, read_data=read_data, jobs=jobs, scheduler=scheduler, wait_s=wait_s)
+    execute(dive, last, options)
 
 
-def execute(
-    dive: DiveRun, last: str | None, *, from_scratch: bool, read_data: bool, jobs: int, scheduler: str | None, wait_s: float
-) -> None:
-    """Runs the chain up to `last` and says on standard output what came of it."""
+def _warn_of_defaults(dive: DiveRun, overrides: Sequence[str]) -> None:
+    """Log a warning for each lever arm, mount and calibration that dive.toml leaves open."""
+    from hullrecon.dive.check.to_fill_in import configured_sensors, to_fill_in
+    from hullrecon.dive.config.load import load_config
+
+    config = load_config(dive.chain.package, {stage.name: stage.parameters for stage in dive.chain.stages}, overrides)
+    for line in to_fill_in(config, configured_sensors(config)):
+        log.warning("%s", line)
+
+
+def execute(dive: DiveRun, last: str | None, options: RunOptions) -> None:
+    """Run the chain up to `last` and print what each step did, the warnings and the findings."""
     state = state_of()
     chain = dive.chain if last is None else dive.chain.up_to(last)
-    hashes = dive.workspace.hashes(trusting=not read_data)
-    with choose_executor(jobs, scheduler) as executor:
+    hashes = dive.workspace.hashes(trusting=not options.read_data)
+    with choose_executor(options.jobs, options.scheduler) as executor:
         run_context = RunContext(hashes, executor, choose_progress(quiet=state.quiet))
         outcomes = run_chain(
             chain,
             dive.workspace,
             run_context,
-            from_scratch=from_scratch,
-            wait_s=wait_s,
+            from_scratch=options.from_scratch,
+            wait_s=options.wait_s,
             preflight=lambda plan: _preflight(dive, plan),
         )
     shown = dive.workspace.root / PUBLISHED
@@ -85,7 +112,10 @@ def execute(
 
 
 def _preflight(dive: DiveRun, plan: list[StepStatus]) -> None:
-    """Says what is to be done; a step is built beside its old artifact, so about that much space must be free."""
+    """Log what is to be done. Raises StorageError where the disk is too full.
+
+    A step is built beside its old artifact, so about that much space must be free.
+    """
     to_do = [step.stage.name for step in plan if step.to_do]
     log.info("%s: %s", dive.name, f"to do: {', '.join(to_do)}" if to_do else "everything is up to date")
     needed = sum(r.size for s in plan if s.to_do and s.manifest is not None for r in s.manifest.outputs.values())
@@ -95,7 +125,7 @@ def _preflight(dive: DiveRun, plan: list[StepStatus]) -> None:
         raise StorageError(f"only {free / 1e6:.0f} MB are free", where=str(dive.workspace.root), remedy=remedy)
 
 
-def _outcome(outcome: Outcome) -> dict[str, object]:
+def _outcome(outcome: StepOutcome) -> dict[str, object]:
     manifest = outcome.manifest
     spent = {k: manifest.run.get(k) for k in ("seconds", "peak_rss_bytes")} if manifest is not None and outcome.made else {}
     state = "made" if outcome.made else outcome.before.state
@@ -103,7 +133,7 @@ def _outcome(outcome: Outcome) -> dict[str, object]:
     return {"name": outcome.before.stage.name, "state": state, "reasons": outcome.before.reasons, "warnings": warnings, **spent}
 
 
-def _warning_lines(outcomes: Sequence[Outcome]) -> list[str]:
+def _warning_lines(outcomes: Sequence[StepOutcome]) -> list[str]:
     """Recall every warning in one place: those of the log have scrolled away."""
     warnings = [(o.before.stage.name, w) for o in outcomes if o.manifest is not None for w in o.manifest.warnings]
     return (
@@ -113,7 +143,7 @@ def _warning_lines(outcomes: Sequence[Outcome]) -> list[str]:
     )
 
 
-def _line(outcome: Outcome) -> str:
+def _line(outcome: StepOutcome) -> str:
     step = outcome.before
     if outcome.made and outcome.manifest is not None:
         return f"{step.stage.name:16}ran in {outcome.manifest.run['seconds']:.1f} s: {step.why_run()}"
@@ -127,7 +157,7 @@ def _line(outcome: Outcome) -> str:
 def status(target: Path, runs: Path, overrides: tuple[str, ...]) -> None:
     """Say of each step whether it is up to date. TARGET is a dive package or a run's folder."""
     dive = open_dive(target, runs, overrides)
-    plan = survey(dive.chain, dive.workspace, dive.workspace.hashes())
+    plan = assess_chain(dive.chain, dive.workspace, dive.workspace.hashes())
     state_of().emit(_document(dive, plan), map(_status_line, plan))
 
 
@@ -140,7 +170,7 @@ def explain(target: Path, steps: tuple[str, ...], runs: Path, overrides: tuple[s
     """Say why steps would run again: which option, input or file changed, and from what to what."""
     dive = open_dive(target, runs, overrides)
     refuse_unknown(steps, [stage.name for stage in dive.chain.stages])
-    plan = [s for s in survey(dive.chain, dive.workspace, dive.workspace.hashes()) if not steps or s.stage.name in steps]
+    plan = [s for s in assess_chain(dive.chain, dive.workspace, dive.workspace.hashes()) if not steps or s.stage.name in steps]
     lines = (f"{s.stage.name}: {reason}" for s in plan for reason in s.reasons or (f"{s.state}",))
     state_of().emit(_document(dive, plan), lines)
 
@@ -159,3 +189,21 @@ def refuse_unknown(steps: Sequence[str], names: Sequence[str]) -> None:
     for step in steps:
         if step not in names:
             raise unknown_step(step, names)
+
+
+def delivery_lines(deliver: Path) -> list[str]:
+    """Return the findings of the report and the paths of report and deliverables; none when nothing is delivered."""
+    if not deliver.is_dir():
+        return []
+    report = deliver / "report" / "index.html"
+    paths = [f"report: {report}"] if report.is_file() else []
+    return [*_findings(deliver / "summary.json"), *paths, f"deliverables: {deliver}"]
+
+
+def _findings(summary: Path) -> list[str]:
+    """Return the sentences at the head of the report; none when the summary is missing or of another form."""
+    try:
+        lines = json.loads(summary.read_text(encoding="utf-8"))["summary"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
+    return [str(line) for line in lines] if isinstance(lines, list) else []

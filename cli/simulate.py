@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -37,7 +36,7 @@ def _click_option(option: Option) -> Callable[[Callable[..., None]], Callable[..
 @click.command()
 @click.argument("folder", type=FOLDER)
 @_with_options
-def simulate(folder: Path, **values: Any) -> None:
+def simulate(folder: Path, **values: object) -> None:
     """Make a dive package with truth in FOLDER.
 
     A vehicle follows legs along the side of a ship. What its DVL, IMU, pressure cell, cameras and sonar measure goes to

@@ -9,13 +9,13 @@ import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
 import click
 
 
 @dataclass
-class State:
+class CallState:
     """workspace: RUNS/<dive> once it is known, where the traceback of an unexpected fault goes."""
 
     verbose: bool = False
@@ -35,9 +35,9 @@ class State:
                 click.echo(line)
 
 
-def state_of(context: click.Context | None = None) -> State:
+def state_of(context: click.Context | None = None) -> CallState:
     """The state of this call; a plain one outside the program's own group."""
-    return (context or click.get_current_context()).find_root().ensure_object(State)
+    return (context or click.get_current_context()).find_root().ensure_object(CallState)
 
 
 class _Stderr(logging.StreamHandler[TextIO]):
@@ -52,7 +52,7 @@ class _Stderr(logging.StreamHandler[TextIO]):
         """sys.stderr is always the one."""
 
 
-class _Words(logging.Formatter):
+class _MessageFormatter(logging.Formatter):
     """The message alone, a warning marked as one."""
 
     def format(self, record: logging.LogRecord) -> str:
@@ -60,14 +60,14 @@ class _Words(logging.Formatter):
         return f"{record.levelname.lower()}: {text}" if record.levelno >= logging.WARNING else text
 
 
-def configure_logging(state: State) -> None:
+def configure_logging(state: CallState) -> None:
     """Standard error as --quiet and --verbose ask, the log file with everything and the time."""
     logger = logging.getLogger("hullrecon")
     for handler in logger.handlers[:]:
         logger.removeHandler(handler)
         handler.close()
     screen = _Stderr()
-    screen.setFormatter(_Words("%(message)s"))
+    screen.setFormatter(_MessageFormatter("%(message)s"))
     screen.setLevel(logging.ERROR if state.quiet else logging.DEBUG if state.verbose else logging.INFO)
     logger.addHandler(screen)
     logger.setLevel(logging.DEBUG)
@@ -102,19 +102,21 @@ def add_common_options(command: click.Command) -> None:
 def common_options() -> list[click.Option]:
     file = click.Path(path_type=Path, dir_okay=False)
     return [
-        _option("verbose", ["-v", "--verbose"], "say more", is_flag=True),
-        _option("quiet", ["-q", "--quiet"], "say nothing unless something fails", is_flag=True),
-        _option("json", ["--json"], "standard output is one JSON document", is_flag=True),
-        _option("log_file", ["--log-file"], "write the log with times to a file as well", type=file),
+        _option("verbose", ["-v", "--verbose"], "say more"),
+        _option("quiet", ["-q", "--quiet"], "say nothing unless something fails"),
+        _option("json", ["--json"], "standard output is one JSON document"),
+        _option("log_file", ["--log-file"], "write the log with times to a file as well", file),
     ]
 
 
-def _option(name: str, flags: list[str], text: str, **more: Any) -> click.Option:
-    return click.Option([*flags, name], help=text, expose_value=False, callback=_setter(name), **more)
+def _option(name: str, flags: list[str], text: str, file: click.Path | None = None) -> click.Option:
+    """Return a flag, or the option of a file, that sets the field `name` of the call's state."""
+    callback = _setter(name)
+    return click.Option([*flags, name], help=text, expose_value=False, callback=callback, is_flag=file is None, type=file)
 
 
-def _setter(name: str) -> Callable[[click.Context, click.Parameter, Any], Any]:
-    def store(context: click.Context, parameter: click.Parameter, value: Any) -> Any:
+def _setter(name: str) -> Callable[[click.Context, click.Parameter, object], object]:
+    def store(context: click.Context, parameter: click.Parameter, value: object) -> object:
         if value:
             state = state_of(context)
             setattr(state, name, value)

@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""One command per step, its options made from the step's own declaration."""
+"""Make one command per step, its options from the step's own declaration."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import click
 import msgspec
@@ -15,30 +14,32 @@ from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.steps.chain import stage as find_stage
 
 from .dives import FOLDER, open_dive
-from .run import execute, run_options
+from .run import RunOptions, execute, run_options
 
 _BOUNDS = {"ge": "at least", "gt": "above", "le": "at most", "lt": "below", "multiple_of": "a multiple of"}
 
 
 def command(name: str) -> click.Command:
-    """The click command of that step."""
+    """Return the click command of a step."""
     stage = find_stage(name)
 
     @click.command(name, help=_help(stage))
     @click.argument("package", type=FOLDER)
     @run_options
-    def step(package: Path, runs: Path, overrides: tuple[str, ...], from_scratch: bool, **rest: Any) -> None:
-        given = [f"{name}.{f.name}={_toml(rest.pop(f.name))}" for f in fields(stage) if rest.get(f.name) is not None]
-        for field in fields(stage):
-            rest.pop(field.name, None)
-        execute(open_dive(package, runs, [*overrides, *given]), name, from_scratch=from_scratch, **rest)
+    def step(
+        package: Path, runs: Path, overrides: tuple[str, ...], from_scratch: bool, read_data: bool, jobs: int,
+        scheduler: str | None, wait_s: float, **own: object,
+    ) -> None:  # fmt: skip
+        given = [f"{name}.{option}={_toml(value)}" for option, value in own.items() if value is not None]
+        options = RunOptions(from_scratch=from_scratch, read_data=read_data, jobs=jobs, scheduler=scheduler, wait_s=wait_s)
+        execute(open_dive(package, runs, [*overrides, *given]), name, options)
 
     step.params = [*step.params, *(_option(f) for f in fields(stage))]
     return step
 
 
 def fields(stage: Stage) -> tuple[types.Field, ...]:
-    """The step's parameters; those whose names are taken by options of every step are left to --set."""
+    """Return the step's options as declared."""
     info = types.type_info(stage.parameters)
     assert isinstance(info, types.StructType)
     return info.fields
@@ -77,7 +78,7 @@ def _bounds(kind: types.Type) -> str:
     return ", ".join(f"{word} {limit:g}" for word, limit in limits if limit is not None)
 
 
-def _toml(value: Any) -> str:
+def _toml(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, tuple | list):

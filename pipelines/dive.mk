@@ -6,6 +6,8 @@
 # Every step is a rule on its manifest.json, so that a rule of yours may depend on one. Steps that a dive cannot have (no camera,
 # no sonar) have no rule. A dive has one writer at a time: steps that -j starts together queue. `hullrecon run` does the same
 # in one process; this file is for those who join the chain with other tools.
+#
+# PACKAGE may be any path, and its files may have any names: make sees neither. RUNS must have no spaces.
 
 RUNS ?= runs
 HULLRECON ?= hullrecon
@@ -14,28 +16,46 @@ WAIT_S ?= 86400
 ifndef PACKAGE
 $(error give PACKAGE=folder of the dive package)
 endif
+ifneq ($(words $(RUNS)),1)
+$(error RUNS=$(RUNS) has spaces, which make cannot have in the names of its targets)
+endif
 
-# The dive's name in dive.toml is that of its folder in RUNS.
-NAME := $(shell sed -n "/^\[dive\]/,/^\[[^d]/s/^name *= *[\"']\([^\"']*\).*/\1/p" $(PACKAGE)/dive.toml)
+# As it was given, never expanded; and in quotes for the shell.
+override PACKAGE := $(value PACKAGE)
+PACKAGE_QUOTED := '$(subst ','\'',$(PACKAGE))'
+
+# "dive=NAME" and the steps that this dive has, as hullrecon reads dive.toml; a name has letters, digits, '.', '_' and '-' only.
+FOUND := $(shell $(HULLRECON) --json status $(PACKAGE_QUOTED) --runs $(RUNS) | awk -F'"' \
+	'/^ "dive":/ {print "dive=" $$4} /^   "name":/ {name = $$4} /^   "state":/ && $$4 != "skipped" {print name}')
+NAME := $(patsubst dive=%,%,$(filter dive=%,$(FOUND)))
 RUN := $(RUNS)/$(NAME)
-STEPS := $(shell $(HULLRECON) status $(PACKAGE) --runs $(RUNS) | awk '$$2 !~ /^skipped/ {print $$1}')
+STEPS := $(filter-out dive=%,$(FOUND))
 ifeq ($(and $(NAME),$(STEPS)),)
 $(error $(PACKAGE) is no dive package that can be run)
 endif
 
 manifests = $(patsubst %,$(RUN)/%/manifest.json,$(filter $(STEPS),$(1)))
 
-.PHONY: all
+.PHONY: all changed
 all: $(call manifests,$(STEPS))
 
 # `hullrecon STEP` leaves a step alone whose inputs changed in their times only: touch tells make so.
-$(call manifests,$(STEPS)): $(RUN)/%/manifest.json: $(PACKAGE)/dive.toml
-	@$(HULLRECON) --quiet $* $(PACKAGE) --runs $(RUNS) --wait $(WAIT_S)
+$(call manifests,$(STEPS)): $(RUN)/%/manifest.json:
+	@$(HULLRECON) --quiet $* $(PACKAGE_QUOTED) --runs $(RUNS) --wait $(WAIT_S)
 	@touch -c $@
 
+# A step whose manifest is older than dive.toml has to be looked at, ingest also if any other file of the package is newer.
+OLDER := $(foreach step,$(STEPS),$(shell [ $(PACKAGE_QUOTED)/dive.toml -nt $(RUN)/$(step)/manifest.json ] && echo $(step)))
+NEWER := $(shell find $(PACKAGE_QUOTED) -type f ! -path '*/truth/*' -newer $(RUN)/ingest/manifest.json 2>/dev/null | head -n 1)
+ifneq ($(OLDER),)
+$(call manifests,$(OLDER)): changed
+endif
+ifneq ($(NEWER),)
+$(call manifests,ingest): changed
+endif
+changed:
+
 # Which step takes which; tests/pipelines holds this to the steps' own declarations.
-LOG_FILES := $(shell find $(PACKAGE) -type f ! -name dive.toml ! -path '*/truth/*')
-$(call manifests,ingest): $(LOG_FILES)
 $(call manifests,navigate features): $(call manifests,ingest)
 $(call manifests,matches): $(call manifests,ingest navigate features)
 $(call manifests,adjust): $(call manifests,ingest navigate matches)

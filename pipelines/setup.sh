@@ -57,7 +57,8 @@ install() {
     local venv
     venv=$(cd "$1" && pwd)
     PATH="$venv/bin:$PATH" "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps \
-        --no-build-isolation --editable .
+        --no-build-isolation --editable . ||
+        die "hullrecon could not be built (see above); it needs these system packages: ${SYSTEM[*]}"
     "$venv/bin/python" -c 'import hullrecon._native' || die "the native module does not load"
 }
 

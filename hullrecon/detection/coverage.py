@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How much of the hull was seen, how well, and where the survey has holes."""
+"""How much of the hull was seen, how well, and where the survey has find_holes."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.detection.as_found.mesh import vertex_normals
-from hullrecon.detection.views import GRAZING, Sightings
+from hullrecon.detection.as_found.mesh import refine_near
+from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.detection.views import GRAZING, CameraViews, Visibility, find_visibility
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas
+from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas, vertex_normals
 from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.sensors import SonarPings
@@ -22,24 +23,54 @@ from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, Any]
 CELL_M = 0.1
-BRIDGE_CELLS = 6  # gaps of up to twice as many cells inside the surveyed area count as holes
-LEAST_HOLE_M2 = 0.03
+PATCH_M = 0.12  # edges of the patches on which coverage is summed
+PATCHES_REACH_M = 2.0  # from what the survey saw; beyond, the CAD model's own faces are the patches
+DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
+BRIDGE_CELLS = 6  # gaps of up to twice as many cells inside the surveyed area count as find_holes
+MIN_HOLE_M2 = 0.03
 
 
-@dataclass(frozen=True)
-class Hull:
-    """The base surface in pieces of some 0.1 m, on which seen area is summed."""
+@dataclass(frozen=True, kw_only=True)
+class HullPatches:
+    """The base surface in hull_patches of some 0.1 m, on which seen area is summed."""
 
     mesh: Mesh
     normal: Array
     area: Array
 
 
-def pieces(mesh: Mesh) -> Hull:
-    return Hull(mesh, vertex_normals(mesh), vertex_areas(mesh))
+@dataclass(frozen=True, kw_only=True)
+class SonarSurvey:
+    """The pings of an imaging sonar, its poses T_x_o at each in the frame of the results, and half its aperture out of the fan."""
+
+    pings: SonarPings
+    poses: Poses
+    half_elevation_rad: float
 
 
-def camera_facts(hull: Hull, seen: Sightings, focal_px: float, images: int) -> Facts:
+def summarise_coverage(base: BaseSurface, views: CameraViews | None, sonar: SonarSurvey | None) -> Facts:
+    """Return coverage.json: areas of the base surface that each sensor saw, and holes in what the camera (else the DVL) saw."""
+    surveyed = base.surveyed.vertices
+    patches, scene = hull_patches(refine_near(base.mesh, surveyed[::7], PATCH_M, PATCHES_REACH_M)), Scene(base.mesh)
+    by_dvl = covered_by_surface(patches, surveyed[base.surveyed.support > 0], DVL_REACH_M)
+    report: Facts = {"frame": str(base.frame), "dvl": area_facts(patches, by_dvl), "camera": None, "sonar": None}
+    seen = by_dvl
+    if views is not None:
+        by_camera = find_visibility(views, patches.mesh.vertices, patches.normal, scene)
+        report["camera"] = camera_facts(patches, by_camera, views.camera.fx, len(views))
+        seen = by_camera.views > 0
+    if sonar is not None:
+        by_sonar = visible_to_sonar(patches, sonar, scene)
+        report["sonar"] = {"pings": len(sonar.poses), **area_facts(patches, by_sonar)}
+    report["holes"] = find_holes(patches, seen, base.chart, base.address_of)
+    return report
+
+
+def hull_patches(mesh: Mesh) -> HullPatches:
+    return HullPatches(mesh=mesh, normal=vertex_normals(mesh), area=vertex_areas(mesh))
+
+
+def camera_facts(hull: HullPatches, seen: Visibility, focal_px: float, images: int) -> Facts:
     """Area, metres per pixel on the surface and incidence, each at its best view."""
     which = seen.views > 0
     gsd = seen.distance[which] / focal_px
@@ -51,19 +82,19 @@ def camera_facts(hull: Hull, seen: Sightings, focal_px: float, images: int) -> F
     }  # fmt: skip
 
 
-def near_surface(hull: Hull, vertices: Array, reach_m: float) -> Mask:
+def covered_by_surface(hull: HullPatches, vertices: Array, reach_m: float) -> Mask:
     """Pieces that the DVL's surface with those vertices covers."""
     if not len(vertices):
         return np.zeros(len(hull.area), bool)
     return np.asarray(np.isfinite(nearest(vertices, hull.mesh.vertices, 1, reach_m)[0][:, 0]))
 
 
-def sonar_seen(hull: Hull, pings: SonarPings, T_x_o: Poses, half_elevation_rad: float, scene: Scene) -> Mask:
+def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mask:
     """Pieces inside any ping's fan: range, bearing and elevation fit, facing the sonar, nothing in front.
 
-    T_x_o: the sonar at each ping. z looks along the middle of the fan, x out of its plane (docs/conventions.md).
+    z of the sonar looks along the middle of the fan, x out of its plane (docs/conventions.md).
     """
-    around = Around(hull.mesh.vertices)
+    around, pings, T_x_o = Around(hull.mesh.vertices), sonar.pings, sonar.poses
     bearing = np.arctan2(pings.directions[:, 1], pings.directions[:, 2])
     seen = np.zeros(len(hull.area), bool)
     for ping in range(len(T_x_o)):
@@ -73,7 +104,7 @@ def sonar_seen(hull: Hull, pings: SonarPings, T_x_o: Poses, half_elevation_rad: 
         local = T_x_o[ping].inverse().apply(hull.mesh.vertices[rows])
         distance = np.maximum(np.linalg.norm(local, axis=1), 1e-9)
         at = np.arctan2(local[:, 1], local[:, 2])
-        fits = (distance >= pings.range_m[0]) & (np.abs(np.arcsin(local[:, 0] / distance)) <= half_elevation_rad)
+        fits = (distance >= pings.range_m[0]) & (np.abs(np.arcsin(local[:, 0] / distance)) <= sonar.half_elevation_rad)
         rows = rows[fits & (at >= bearing.min()) & (at <= bearing.max())]
         ray = hull.mesh.vertices[rows] - center
         length = np.maximum(np.linalg.norm(ray, axis=1), 1e-9)
@@ -83,11 +114,11 @@ def sonar_seen(hull: Hull, pings: SonarPings, T_x_o: Poses, half_elevation_rad: 
     return seen
 
 
-def area_facts(hull: Hull, seen: Mask) -> Facts:
+def area_facts(hull: HullPatches, seen: Mask) -> Facts:
     return {"area_m2": _area(hull, seen)}
 
 
-def holes(hull: Hull, seen: Mask, chart: Chart, address: Callable[[Array], str]) -> list[Facts]:
+def find_holes(hull: HullPatches, seen: Mask, chart: Chart, address: Callable[[Array], str]) -> list[Facts]:
     """Unseen patches inside the surveyed area, the largest first: address, center, area."""
     from scipy import ndimage
 
@@ -109,12 +140,12 @@ def holes(hull: Hull, seen: Mask, chart: Chart, address: Callable[[Array], str])
     missed[tuple(cell[inside & ~seen].T)] = True
     label, count = ndimage.label(missed & ~image)
     number = np.where(inside & ~seen, label[tuple(np.where(inside[:, None], cell, 0).T)], 0)
-    found = [_hole(hull, np.flatnonzero(number == k), address) for k in range(1, count + 1)]
-    large = [hole for hole in found if hole["area_m2"] >= LEAST_HOLE_M2]
+    found = [_hole_facts(hull, np.flatnonzero(number == k), address) for k in range(1, count + 1)]
+    large = [hole for hole in found if hole["area_m2"] >= MIN_HOLE_M2]
     return sorted(large, key=lambda hole: (-hole["area_m2"], hole["address"]))
 
 
-def _hole(hull: Hull, rows: Ints, address: Callable[[Array], str]) -> Facts:
+def _hole_facts(hull: HullPatches, rows: Ints, address: Callable[[Array], str]) -> Facts:
     middle = hull.mesh.vertices[rows].mean(axis=0)
     center = hull.mesh.vertices[rows[np.argmin(np.linalg.norm(hull.mesh.vertices[rows] - middle, axis=1))]]
     return {
@@ -124,7 +155,7 @@ def _hole(hull: Hull, rows: Ints, address: Callable[[Array], str]) -> Facts:
     }
 
 
-def _area(hull: Hull, which: Mask) -> float:
+def _area(hull: HullPatches, which: Mask) -> float:
     return round(float(hull.area[which].sum()), 4)
 
 

@@ -13,27 +13,30 @@ Count = Annotated[int, Meta(ge=1)]
 
 
 class DetectOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How structures are told from the hull."""
+    """Hold what tells structures from the hull."""
 
-    threshold: Annotated[Positive, Meta(description="m, a feature this far off the hull is part of a structure")] = 0.025
-    least_height: Annotated[Positive, Meta(description="m, lower structures are not reported")] = 0.03
-    least_area: Annotated[Positive, Meta(description="m2, footprint at half height of the smallest object")] = 0.0025
-    least_landmarks: Annotated[Count, Meta(description="landmarks that must lie on an object")] = 8
-    least_views: Annotated[Count, Meta(description="images whose features must show its shape")] = 3
-    least_agreement: Annotated[Positive, Meta(le=1, description="share, of the landmarks on an object that must agree")] = 0.6
-    significance: Annotated[
-        Positive, Meta(lt=1, description="probability, largest p-value of an object, over all places tested")
+    min_offset_m: Annotated[Positive, Meta(description="m, a feature this far off the hull is part of a structure")] = 0.025
+    min_height_m: Annotated[Positive, Meta(description="m, height of the lowest structure that is reported")] = 0.03
+    min_area_m2: Annotated[Positive, Meta(description="m2, footprint at half height of the smallest object")] = 0.0025
+    min_landmarks: Annotated[Count, Meta(description="landmarks that must lie on an object")] = 8
+    min_views: Annotated[Count, Meta(description="images whose features must show its shape")] = 3
+    min_agreement: Annotated[Positive, Meta(le=1, description="share, of the landmarks on an object that must agree")] = 0.6
+    max_p_value: Annotated[
+        Positive, Meta(lt=1, description="probability, largest false-alarm probability of an object over all places tested")
     ] = 1e-3
-    cluster_reach: Annotated[Positive, Meta(description="m, DBSCAN's radius")] = 0.06
-    cluster_points: Annotated[Count, Meta(description="smallest number of points of a cluster (DBSCAN)")] = 3
-    alpha: Annotated[Positive, Meta(description="m, largest circumradius of a triangle of an alpha shape")] = 0.06
+    cluster_reach_m: Annotated[Positive, Meta(description="m, DBSCAN's radius")] = 0.06
+    min_cluster_points: Annotated[Count, Meta(description="smallest number of points of a cluster (DBSCAN)")] = 3
+    alpha_radius_m: Annotated[Positive, Meta(description="m, largest circumradius of a triangle of an alpha shape")] = 0.06
     fusion: Annotated[
         Literal["heights", "rays"], Meta(description="as-found heights by local regression, or by running means along rays")
     ] = "heights"
-    edge: Annotated[Positive, Meta(description="m, longest edge of the as-found mesh where the hull was seen")] = 0.03
-    fine_edge: Annotated[Positive, Meta(description="m, longest edge at objects")] = 0.012
-    reach: Annotated[Positive, Meta(description="m, landmarks farther from a vertex say nothing of it")] = 0.08
-    neighbours: Annotated[Count, Meta(description="landmarks that decide the height of a vertex")] = 20
-    farthest: Annotated[Positive, Meta(description="m, landmarks farther off the hull belong to something else")] = 0.6
-    background: Annotated[Positive, Meta(description="m, hull wider than this is hull, without a deviation field")] = 1.5
-    most_vertices: Annotated[Count, Meta(description="the as-found mesh is made coarser rather than larger")] = 1_500_000
+    max_edge_m: Annotated[Positive, Meta(description="m, longest edge of the as-found mesh where the hull was seen")] = 0.03
+    max_fine_edge_m: Annotated[Positive, Meta(description="m, longest edge at objects")] = 0.012
+    reach_m: Annotated[Positive, Meta(description="m, landmarks within this distance of a vertex decide its height")] = 0.08
+    neighbours: Annotated[Count, Meta(description="nearest landmarks from which the height of a vertex is estimated")] = 20
+    max_offset_m: Annotated[Positive, Meta(description="m, landmarks farther off the hull are left out")] = 0.6
+    background_width_m: Annotated[
+        Positive,
+        Meta(description="m, without a deviation field: offsets over areas wider than this are the hull's, not a structure's"),
+    ] = 1.5
+    max_vertices: Annotated[Count, Meta(description="of the as-found mesh; it is made coarser rather than larger")] = 1_500_000

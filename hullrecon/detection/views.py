@@ -10,17 +10,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.geometry.neighbours import Around
+from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints
 
 GRAZING = 0.2  # cosine of the steepest incidence at which a surface still shows texture
 CLEARANCE_M = 0.005  # a surface this little in front does not hide
 
 
-@dataclass(frozen=True)
-class Views:
+@dataclass(frozen=True, kw_only=True)
+class CameraViews:
     """Images of the top camera. T_x_c (n) in the frame of the surface; node (n,); name (n,) of the image; farthest m, how far
     away surfaces were seen."""
 
@@ -34,8 +37,8 @@ class Views:
         return len(self.node)
 
 
-@dataclass(frozen=True)
-class Sightings:
+@dataclass(frozen=True, kw_only=True)
+class Visibility:
     """What the views saw of n surface points: views (n,) images; distance (n,) m and cosine (n,) of the incidence of the best
     (nearest) one, NaN where unseen."""
 
@@ -44,7 +47,30 @@ class Sightings:
     cosine: Array
 
 
-def in_frame(views: Views, view: int, points: Array, near: Ints) -> Ints:
+def views_of_top_camera(rig: SensorRig, track: VehicleTrack, image_t_ns: Ints, landmarks: Array) -> CameraViews | None:
+    """Return where the top camera took its images, in the frame of the track; None without an image or a landmark.
+
+    image_t_ns: of the images in the camera's index. landmarks (n, 3) in that frame say how far away surfaces were seen.
+    """
+    camera = Camera.TOP
+    node = np.flatnonzero(track.image[:, camera.column] >= 0)
+    if camera not in rig.cameras or not len(node) or not len(landmarks):
+        return None
+    model, poses = rig.camera_models[camera], rig.camera_poses(track.path[node], camera)
+    names = tuple(f"{camera.key}/{t}.jpg" for t in image_t_ns[track.image[node, camera.column]].tolist())
+    farthest_m = _farthest(poses.translation, landmarks, model)
+    return CameraViews(T_x_c=poses, node=node, name=names, camera=model, farthest_m=farthest_m)
+
+
+def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
+    """Return how far the corner of an image can lie: the usual distance of landmarks over the corner's cosine, and some more."""
+    known = landmarks[np.isfinite(landmarks).all(axis=1)]
+    usual = np.percentile(nearest(centers, known[:: max(1, len(known) // 5000)], 1)[0], 95)
+    corner = camera.rays(np.array([[0.0, 0], [camera.width, camera.height]]))[:, 2].min()
+    return float(1.25 * usual / max(corner, 0.3))
+
+
+def rows_in_image(views: CameraViews, view: int, points: Array, near: Ints) -> Ints:
     """Those of the rows `near` of points that project into that view's image."""
     T_c_x = views.T_x_c[view].inverse()
     pixel = views.camera.project(T_c_x.apply(points[near]))
@@ -52,38 +78,38 @@ def in_frame(views: Views, view: int, points: Array, near: Ints) -> Ints:
     return np.asarray(near[((pixel > -0.5) & (pixel < size)).all(axis=1)])
 
 
-def each_view(views: Views, points: Array) -> Iterator[tuple[int, Ints]]:
+def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints]]:
     """View by view the rows of points (n, 3) in its image and within reach, hidden ones included."""
     around = Around(points)
     for view in range(len(views)):
         center = views.T_x_c.translation[view]
         near = around(center, views.farthest_m)
         if len(near):
-            yield view, in_frame(views, view, points, near)
+            yield view, rows_in_image(views, view, points, near)
 
 
-def sightings(views: Views, points: Array, normals: Array, scene: Scene) -> Sightings:
+def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Scene) -> Visibility:
     """Which views saw the points (n, 3) with normals (n, 3): in the image, facing it, nothing of the scene in between."""
     count = np.zeros(len(points), np.int64)
     best, cosine = np.full(len(points), np.inf), np.full(len(points), np.nan)
-    for view, rows in each_view(views, points):
-        rows, distance, facing = seen_from(views.T_x_c.translation[view], rows, points, normals, scene)
+    for view, rows in iterate_views(views, points):
+        rows, distance, facing = visible_rows(views.T_x_c.translation[view], rows, points, normals, scene)
         count[rows] += 1
         closer = distance < best[rows]
         best[rows[closer]], cosine[rows[closer]] = distance[closer], facing[closer]
-    return Sightings(count, np.where(np.isfinite(best), best, np.nan), cosine)
+    return Visibility(views=count, distance=np.where(np.isfinite(best), best, np.nan), cosine=cosine)
 
 
-def sightings_by_cell(views: Views, points: Array, normals: Array, scene: Scene, cell_m: Array) -> Sightings:
-    """As `sightings`, one point answering for all that share its cell, of size cell_m (n,) at each point."""
+def find_visibility_by_cell(views: CameraViews, points: Array, normals: Array, scene: Scene, cell_m: Array) -> Visibility:
+    """As `find_visibility`, one point answering for all that share its cell, of size cell_m (n,) at each point."""
     key = np.column_stack([np.floor(points / cell_m[:, None]), cell_m])
     _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    few = sightings(views, points[first], normals[first], scene)
+    few = find_visibility(views, points[first], normals[first], scene)
     cell = cell.reshape(-1)
-    return Sightings(few.views[cell], few.distance[cell], few.cosine[cell])
+    return Visibility(views=few.views[cell], distance=few.distance[cell], cosine=few.cosine[cell])
 
 
-def seen_from(center: Array, rows: Ints, points: Array, normals: Array, scene: Scene) -> tuple[Ints, Array, Array]:
+def visible_rows(center: Array, rows: Ints, points: Array, normals: Array, scene: Scene) -> tuple[Ints, Array, Array]:
     """Those rows that face the center (3,) and are not hidden, their distances and cosines of incidence."""
     ray = points[rows] - center
     distance = np.linalg.norm(ray, axis=1)

@@ -1,39 +1,39 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The whole package to records: what the ingest step keeps, and what `check` tells."""
+"""Read a whole dive package into records: what the ingest step keeps and `check` describes."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import Any, BinaryIO
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import BinaryIO, TypeVar
 
 from hullrecon.dive.check import messages
 from hullrecon.dive.config.calibration import read_camera
 from hullrecon.dive.hull.load import read_hull
 from hullrecon.dive.images.sink import ImageSink
 from hullrecon.dive.logs import streams
-from hullrecon.dive.logs.read_streams import Gathered, Watch, gather
+from hullrecon.dive.logs.read_streams import LogContents, Watch, read_streams
 from hullrecon.dive.logs.readers.open import open_log
-from hullrecon.dive.logs.samples import ImageSample
+from hullrecon.dive.logs.samples import DvlSample, ImageSample, ImuSample, JointSample, PressureSample, Sample, SonarSample
 from hullrecon.dive.logs.timeline import NS, put_in_order
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.records.sensors import ImageIndex
+from hullrecon.records.sensors import ImageIndex, JointSamples, SensorRecords
+from hullrecon.typing import Array
 
 JOINT_KEYS = {"tray": "tray.joint", "sonar_tray": "sonar.joint"}
 OpenFile = Callable[[str], BinaryIO]  # a file for the images of that camera
+Kind = TypeVar("Kind", bound=Sample)
 
 
-@dataclass(frozen=True)
-class Request:
-    """What ingest needs of dive.toml. topics: topic by sensor; joints: servo by record ("tray", "sonar_tray"); calibration
+@dataclass(frozen=True, kw_only=True)
+class IngestRequest:
+    """Hold what ingest needs of dive.toml. topics: topic by sensor; joints: servo by record ("tray", "sonar_tray"); calibration
     and offset_ns by camera ("camera_top", "camera_bottom"); beams (b, 3) or None."""
 
     logs: tuple[str, ...]
@@ -41,7 +41,7 @@ class Request:
     joints: Mapping[str, str]
     imu_frame: str
     pressure: streams.PressureModel
-    beams: NDArray[np.float64] | None
+    beams: Array | None
     sigma_velocity: float
     calibration: Mapping[str, str]
     offset_ns: Mapping[str, int]
@@ -50,33 +50,37 @@ class Request:
 
 
 @dataclass
-class Ingested:
-    """records by name ("dvl", "imu", "pressure", "tray", "sonar_tray", "sonar"), images and cameras by camera, hull or None."""
+class IngestResult:
+    """Hold what was read, by sensor and by camera; filled while the logs stream by. hull: None without a CAD model."""
 
-    records: dict[str, Any] = field(default_factory=dict)
+    records: SensorRecords = field(default_factory=SensorRecords)
     images: dict[str, ImageIndex] = field(default_factory=dict)
     cameras: dict[str, CameraModel] = field(default_factory=dict)
     hull: Mesh | None = None
     counts: dict[str, int] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
-    hull_words: list[str] = field(default_factory=list)
+    hull_messages: list[str] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
 
-    def findings(self) -> dict[str, Any]:
-        """findings.json: sentences."""
-        spans = messages.spans(self.records, self.images)
-        return {"spans": spans, "lost": self.lost, "hull": self.hull_words, "remarks": self.remarks}
+    def findings(self) -> dict[str, list[str]]:
+        """Return the sentences of findings.json."""
+        spans = messages.describe_streams(self.records, self.images)
+        return {"spans": spans, "lost": self.lost, "hull": self.hull_messages, "remarks": self.remarks}
 
 
-def ingest(package: Path, request: Request, open_file: OpenFile, watch: Watch = iter) -> Ingested:
-    """Reads everything once. Raises InputError for what cannot be used, with the file, topic or size that is wrong."""
-    out = Ingested()
+def ingest(package: Path, request: IngestRequest, open_file: OpenFile, watch: Watch = iter) -> IngestResult:
+    """Return what the package holds, read once.
+
+    open_file is called for each camera whose image bytes are to be kept; watch sees every message pass (progress). Raises
+    InputError for what cannot be used, with the file, topic or size that is wrong.
+    """
+    out = IngestResult()
     logs = [open_log(package / name, package) for name in request.logs]
     out.cameras = {name: read_camera(package / path) for name, path in request.calibration.items()}
     if request.mesh is not None:
-        out.hull = read_hull(package / request.mesh, request.units, out.hull_words)
+        out.hull = read_hull(package / request.mesh, request.units, out.hull_messages)
     sinks = {
-        name: ImageSink(name, (c.width, c.height), request.offset_ns[name], package, lambda name=name: open_file(name))  # type: ignore[misc]
+        name: ImageSink(name, (c.width, c.height), request.offset_ns[name], package, partial(open_file, name))
         for name, c in out.cameras.items()
     }
 
@@ -85,23 +89,23 @@ def ingest(package: Path, request: Request, open_file: OpenFile, watch: Watch = 
             sinks[sample.camera].take(sample, logged_ns)
 
     topics = {} if all(log.gives_samples for log in logs) else request.topics
-    found = gather(logs, {topic: sensor for sensor, topic in topics.items()}, take_image, watch)
+    found = read_streams(logs, {topic: sensor for sensor, topic in topics.items()}, take_image, watch)
     _check_topics(topics, found)
     out.remarks += found.remarks
-    out.lost = messages.losses(found.losses)
+    out.lost = messages.describe_losses(found.losses)
     out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
-    _records(out, request, found)
+    out.records = _build_records(out, request, found)
     for name, sink in sinks.items():
         index = sink.finish(out.remarks)
         if index is not None:
             out.images[name] = index
-    if not out.records and not out.images:
+    if not out.records.by_name() and not out.images:
         raise InputError("no sensor could be read from the logs", where=", ".join(request.logs), remedy="see `hullrecon check`")
     return out
 
 
-def _check_topics(topics: Mapping[str, str], found: Gathered) -> None:
-    """A topic that is named but absent is an error, unless the log is damaged: then its messages may be what was lost."""
+def _check_topics(topics: Mapping[str, str], found: LogContents) -> None:
+    """Raise InputError for a topic that is named but absent, unless the log is damaged: its messages may be what was lost."""
     held = {channel.topic for channel in found.counts}
     for sensor, topic in sorted(topics.items()):
         if topic in held:
@@ -114,29 +118,35 @@ def _check_topics(topics: Mapping[str, str], found: Gathered) -> None:
         found.remarks.append(f"{sensor}: nothing of {topic} is left in the damaged log")
 
 
-def _records(out: Ingested, request: Request, found: Gathered) -> None:
-    make: dict[str, Callable[[list[Any]], Any]] = {
-        "dvl": lambda s: streams.dvl_pings(s, request.beams, request.sigma_velocity, out.remarks),
-        "imu": lambda s: streams.imu_samples(s, request.imu_frame, out.remarks),
-        "pressure": lambda s: streams.pressure_samples(s, request.pressure, out.remarks),
-        "sonar": lambda s: streams.sonar_pings(s, out.remarks),
-    }
-    for name, build in make.items():
-        samples = _ordered(name, found.samples[name], found.logged_ns[name], out.remarks)
-        if samples:
-            out.records[name] = build(samples)
-    joints = list(zip(found.samples["joints"], found.logged_ns["joints"], strict=True))
-    _check_joints(request, found, {str(s.name) for s, _ in joints}, out.remarks)  # type: ignore[union-attr]
-    for record, joint in request.joints.items():
-        mine = [(s, t) for s, t in joints if s.name == joint]  # type: ignore[union-attr]
-        samples = _ordered(f"joint {joint}", [s for s, _ in mine], [t for _, t in mine], out.remarks)
-        if samples:
-            out.records[record] = streams.joint_samples(samples, joint, out.remarks)
+def _build_records(out: IngestResult, request: IngestRequest, found: LogContents) -> SensorRecords:
+    """Return the records of all sensors but the cameras."""
+    dvl = _sort_samples("dvl", found, DvlSample, out.remarks)
+    imu = _sort_samples("imu", found, ImuSample, out.remarks)
+    pressure = _sort_samples("pressure", found, PressureSample, out.remarks)
+    sonar = _sort_samples("sonar", found, SonarSample, out.remarks)
+    _check_joints(request, found, {s.name for s in found.samples["joints"] if isinstance(s, JointSample)}, out.remarks)
+    return SensorRecords(
+        dvl=streams.dvl_pings(dvl, request.beams, request.sigma_velocity, out.remarks) if dvl else None,
+        imu=streams.imu_samples(imu, request.imu_frame, out.remarks) if imu else None,
+        pressure=streams.pressure_samples(pressure, request.pressure, out.remarks) if pressure else None,
+        sonar=streams.sonar_pings(sonar, out.remarks) if sonar else None,
+        tray=_build_joint("tray", request, found, out.remarks),
+        sonar_tray=_build_joint("sonar_tray", request, found, out.remarks),
+    )
 
 
-def _check_joints(request: Request, found: Gathered, held: set[str], remarks: list[str]) -> None:
-    """InputError for a servo that is named but that no joint message holds, unless the log is damaged. Without any joint
-    message the tray is known to be taken as fixed; of the sonar's servo that is remarked."""
+def _build_joint(record: str, request: IngestRequest, found: LogContents, remarks: list[str]) -> JointSamples | None:
+    """Return the angles of the servo of that record, "tray" or "sonar_tray"; None where none was logged."""
+    joint = request.joints.get(record)
+    samples = _sort_samples("joints", found, JointSample, remarks, joint) if joint is not None else []
+    return streams.joint_samples(samples, joint, remarks) if samples and joint is not None else None
+
+
+def _check_joints(request: IngestRequest, found: LogContents, held: set[str], remarks: list[str]) -> None:
+    """Raise InputError for a servo that is named but that no joint message holds, unless the log is damaged.
+
+    Without any joint message the tray is known to be taken as fixed; for the sonar's servo a remark says so.
+    """
     for record, joint in request.joints.items():
         where = JOINT_KEYS[record]
         if joint in held:
@@ -152,11 +162,20 @@ def _check_joints(request: Request, found: Gathered, held: set[str], remarks: li
         )  # fmt: skip
 
 
-def _ordered(name: str, samples: list[Any], logged_ns: list[int], remarks: list[str]) -> list[Any]:
-    line = put_in_order(name, [s.t_ns for s in samples], logged_ns)
+def _sort_samples(
+    sensor: str, found: LogContents, kind: type[Kind], remarks: list[str], joint: str | None = None
+) -> list[Kind]:
+    """Return the samples of a sensor, of one joint where it is named, in order of time without duplicates."""
+    rows = [
+        (s, logged)
+        for s, logged in zip(found.samples[sensor], found.logged_ns[sensor], strict=True)
+        if isinstance(s, kind) and (joint is None or (isinstance(s, JointSample) and s.name == joint))
+    ]
+    line = put_in_order(sensor if joint is None else f"joint {joint}", [s.t_ns for s, _ in rows], [t for _, t in rows])
     remarks += line.remarks
-    return [samples[i] for i in line.keep]
+    return [rows[i][0] for i in line.keep]
 
 
 def offset_ns(seconds: float) -> int:
+    """Return a time offset in whole nanoseconds."""
     return round(seconds * NS)

@@ -99,11 +99,6 @@ def pose_from_vector(values: Array) -> Poses:
     return Poses(values[None, 3:] / np.linalg.norm(values[3:]), values[None, :3].copy())
 
 
-def roll_pitch_yaw(rotation: Rotation) -> Array:
-    """(n, 3) radians."""
-    return np.atleast_2d(rotation.as_euler("xyz"))
-
-
 def tray_poses(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
     """Return T_v_s = Trans(origin) Ry(theta) for angles (n,)."""
     angle = np.atleast_1d(np.asarray(angle_rad, float))

@@ -14,7 +14,7 @@ BLUR_PX = (10.0, 2.5)  # sigma of the low-pass below the middle and the finest b
 REDUCED = 4  # the coarsest band is made at a quarter of the size: six times faster, and the sum stays exact
 
 
-def split(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
+def split_bands(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
     """Coarse, middle and fine band (h, w, channels); their sum is the picture."""
     import cv2
 
@@ -26,7 +26,7 @@ def split(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
     return low, middle - low, picture - middle
 
 
-def weight(ratio: NDArray[np.floating], steepness: float) -> Floats32:
+def band_weight(ratio: NDArray[np.floating], steepness: float) -> Floats32:
     """B_k(r) = exp(-k r/R) / (1 + exp(-2 k r/R)), for r/R from 0 to 1; 0 where that is NaN."""
     fall = np.exp(-steepness * np.nan_to_num(ratio, nan=0.0))
     return np.where(np.isfinite(ratio), fall / (1 + fall * fall), 0).astype(np.float32)

@@ -10,24 +10,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.mosaic.bands import STEEPNESS, split, weight
+from hullrecon.mosaic.bands import STEEPNESS, band_weight, split_bands
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.ground import Ground, Patch, patch_of, seen
-from hullrecon.mosaic.imagery.image_view import Sight
+from hullrecon.mosaic.imagery.image_view import ImageView
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
 from hullrecon.typing import Array, Floats32, Ints32, Mask
 
 VIEWS = 4  # at most so many a texel [Ozog2016 3.2.4]
 
 
-@dataclass(frozen=True)
-class Choice:
+@dataclass(frozen=True, kw_only=True)
+class BestViews:
     """The best views of each texel, best first: view (4, h, w), -1 where fewer see it; cost (4, h, w), inf there."""
 
     view: Ints32
     cost: Floats32
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Tile:
     """value (h, w, channels) 0 to 255, variance (h, w) of the weighted intensities, views (h, w): how many were blended."""
 
@@ -36,58 +36,67 @@ class Tile:
     views: NDArray[np.uint8]
 
 
-@dataclass(frozen=True)
-class Limits:
-    """Views steeper than least_cosine to the surface are not used; slant weighs the incidence against the distance to the
+@dataclass(frozen=True, kw_only=True)
+class ViewLimits:
+    """Views steeper than min_cosine to the surface are not used; slant weighs the incidence against the distance to the
     image's best place when views are chosen."""
 
-    least_cosine: float = 0.25
+    min_cosine: float = 0.25
     slant: float = 0.5
 
 
 def blend_tile(
-    ground: Ground,
+    surface: MosaicSurface,
     grid: TexelGrid,
     window: Window,
-    sights: Sequence[Sight],
+    image_views: Sequence[ImageView],
     windows: Sequence[Window],
-    limits: Limits,
+    limits: ViewLimits,
     channels: int,
 ) -> Tile:
     """The story of a tile: its surface, the four best views of each texel, their weighted bands."""
-    patch = patch_of(ground, grid, window)
+    patch = sample_surface(surface, grid, window)
     near = [k for k, w in enumerate(windows) if not w.meet(window).empty]
-    choice = choose(ground, patch, window, {k: sights[k] for k in near}, {k: windows[k] for k in near}, limits)
-    return blend(patch, choice, window, sights, windows, channels)
+    choice = choose_views(surface, patch, window, {k: image_views[k] for k in near}, {k: windows[k] for k in near}, limits)
+    return blend(patch, choice, window, image_views, windows, channels)
 
 
-def choose(
-    ground: Ground, patch: Patch, window: Window, sights: dict[int, Sight], windows: dict[int, Window], limits: Limits
-) -> Choice:
+def choose_views(
+    surface: MosaicSurface,
+    patch: SurfacePatch,
+    window: Window,
+    image_views: dict[int, ImageView],
+    windows: dict[int, Window],
+    limits: ViewLimits,
+) -> BestViews:
     """Best views first by distance from the image's best place, plus the slant of the view."""
-    best = Choice(np.full((VIEWS, *window.shape), -1, np.int32), np.full((VIEWS, *window.shape), np.inf, np.float32))
-    for k, sight in sights.items():
+    best = BestViews(
+        view=np.full((VIEWS, *window.shape), -1, np.int32), cost=np.full((VIEWS, *window.shape), np.inf, np.float32)
+    )
+    for k, image_view in image_views.items():
         part = windows[k].meet(window).within(window)
-        cost = view_cost(ground, patch, part, sight, limits)
-        _enter(best, part, k, cost)
+        cost = view_cost(surface, patch, part, image_view, limits)
+        _insert(best, part, k, cost)
     return best
 
 
-def view_cost(ground: Ground, patch: Patch, part: tuple[slice, slice], sight: Sight, limits: Limits) -> Floats32:
+def view_cost(
+    surface: MosaicSurface, patch: SurfacePatch, part: tuple[slice, slice], image_view: ImageView, limits: ViewLimits
+) -> Floats32:
     """(h, w) of the part: lower is better, inf where the view does not see the texel."""
     inside = patch.part(part)
     point = inside.point.reshape(-1, 3)
     cost = np.full(len(point), np.inf, np.float32)
     rows = np.flatnonzero(np.isfinite(point[:, 0]))
-    _, ratio = sight.project(point[rows])
+    _, ratio = image_view.project(point[rows])
     held = np.isfinite(ratio)
     rows, ratio = rows[held], ratio[held]
-    free, cosine = seen(ground, inside, rows, sight.center, limits.least_cosine)
+    free, cosine = seen(surface, inside, rows, image_view.center, limits.min_cosine)
     cost[rows[free]] = ratio[free] + limits.slant * (1 - cosine[free])
     return cost.reshape(inside.point.shape[:2])
 
 
-def _enter(best: Choice, part: tuple[slice, slice], view: int, cost: Floats32) -> None:
+def _insert(best: BestViews, part: tuple[slice, slice], view: int, cost: Floats32) -> None:
     """Insertion into the sorted list of each texel."""
     names = np.full(cost.shape, view, np.int32)
     for place in range(VIEWS):
@@ -100,7 +109,12 @@ def _enter(best: Choice, part: tuple[slice, slice], view: int, cost: Floats32) -
 
 
 def blend(
-    patch: Patch, choice: Choice, window: Window, sights: Sequence[Sight], windows: Sequence[Window], channels: int
+    patch: SurfacePatch,
+    choice: BestViews,
+    window: Window,
+    image_views: Sequence[ImageView],
+    windows: Sequence[Window],
+    channels: int,
 ) -> Tile:
     """Weighted bands, normalised a band; the variance is that of the intensities under the mean of the bands' weights."""
     shape = window.shape
@@ -109,28 +123,28 @@ def blend(
     moments = np.zeros((3, *shape), np.float32)  # of weight, weight x intensity, weight x intensity squared
     count = np.zeros(shape, np.uint8)
     for k in np.unique(choice.view[choice.view >= 0]).tolist():
-        picture = sights[k].picture()
+        picture = image_views[k].picture()
         if picture is None:
             continue
         part = windows[k].meet(window).within(window)
         chosen = (choice.view[(slice(None), *part)] == k).any(axis=0)
-        pixel, ratio = _project(patch, part, chosen, sights[k])
-        share = [weight(ratio, s) for s in STEEPNESS]
-        for band, sums, norms, w in zip(split(picture), total, weights, share, strict=True):
+        pixel, ratio = _project(patch, part, chosen, image_views[k])
+        share = [band_weight(ratio, s) for s in STEEPNESS]
+        for band, sums, norms, w in zip(split_bands(picture), total, weights, share, strict=True):
             sums[part] += w[..., None] * _sample(band, pixel)
             norms[part] += w
         mean = sum(share) / np.float32(len(share))
         intensity = _sample(picture, pixel).mean(axis=2)
         moments[(slice(None), *part)] += np.stack([mean, mean * intensity, mean * intensity**2])
         count[part] += np.isfinite(ratio)
-    return Tile(_normalised(total, weights), _variance(moments), count)
+    return Tile(value=_normalise(total, weights), variance=_variance(moments), views=count)
 
 
-def _project(patch: Patch, part: tuple[slice, slice], chosen: Mask, sight: Sight) -> tuple[Floats32, Array]:
+def _project(patch: SurfacePatch, part: tuple[slice, slice], chosen: Mask, image_view: ImageView) -> tuple[Floats32, Array]:
     """Pixels (h, w, 2) and r/R (h, w) at the chosen texels of the part; NaN at the others."""
     pixel = np.full((*chosen.shape, 2), -1.0, np.float32)
     ratio = np.full(chosen.shape, np.nan)
-    pixel[chosen], ratio[chosen] = sight.project(patch.point[part][chosen])
+    pixel[chosen], ratio[chosen] = image_view.project(patch.point[part][chosen])
     return pixel, ratio
 
 
@@ -142,7 +156,7 @@ def _sample(picture: Floats32, pixel: Floats32) -> Floats32:
     return np.asarray(taken, np.float32).reshape(*pixel.shape[:2], -1)
 
 
-def _normalised(total: list[Floats32], weights: list[Floats32]) -> Floats32:
+def _normalise(total: list[Floats32], weights: list[Floats32]) -> Floats32:
     parts = [t / np.where(w > 0, w, 1)[..., None] for t, w in zip(total, weights, strict=True)]
     return np.asarray(np.clip(sum(parts[1:], parts[0]), 0, 255), np.float32)
 

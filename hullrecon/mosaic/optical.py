@@ -10,64 +10,70 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.mosaic.blend import Limits, blend_tile
+from hullrecon.mosaic.blend import ViewLimits, blend_tile
 from hullrecon.mosaic.grid import grid_around
-from hullrecon.mosaic.ground import Ground
 from hullrecon.mosaic.imagery.camera_views import (
-    Footprint,
-    Station,
-    footprint_of,
-    light_of,
-    lit_sights,
-    plain_sights,
-    windows_of,
+    CameraImages,
+    Footprints,
+    camera_views,
+    compute_footprints,
+    estimate_light,
+    footprint_windows,
+    plain_views,
 )
+from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.options import OpticalOptions
-from hullrecon.mosaic.output.store import TileStore, lay
+from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
 
 Progress = Callable[[Sequence[Any], str], Iterable[Any]]
 
 
-@dataclass(frozen=True)
-class Mosaicked:
-    """The tiles; gsd_m: a pixel on the hull, in the median; lit: whether the light was evened out."""
+@dataclass(frozen=True, kw_only=True)
+class OpticalMosaic:
+    """The tiles; gsd_m: a pixel on the hull, in the median; light_corrected: whether the light was evened out."""
 
     store: TileStore
     gsd_m: float
-    lit: bool
+    light_corrected: bool
 
 
-def optical_mosaic(ground: Ground, stations: Sequence[Station], options: OpticalOptions, progress: Progress) -> Mosaicked:
+def optical_mosaic(
+    surface: MosaicSurface, cameras: Sequence[CameraImages], options: OpticalOptions, progress: Progress
+) -> OpticalMosaic:
     """Footprints, light, then tile by tile. ValueError when no image meets the surface or the raster would be too large."""
-    sights = plain_sights(stations)
-    footprint = footprint_of(ground, sights)
-    gsd = ground_sample_distance(stations, footprint)
-    grid = grid_around(footprint.at.reshape(-1, 2), texel_of(gsd, options))
-    ground = ground.with_skyline(grid, footprint.span_m)
-    light = light_of(ground, stations, sights, footprint, lambda rows: progress(rows, "light")) if options.even_light else None
-    lit = lit_sights(stations, light)
-    windows = windows_of(grid, footprint)
-    limits = Limits(least_cosine=float(np.cos(np.radians(options.most_incidence_deg))))
-    store = lay(
+    image_views = plain_views(cameras)
+    footprints = compute_footprints(surface, image_views)
+    gsd = ground_sample_distance(cameras, footprints)
+    grid = grid_around(footprints.at.reshape(-1, 2), texel_size(gsd, options))
+    surface = surface.with_occlusion_horizon(grid, footprints.span_m)
+    light = (
+        estimate_light(surface, cameras, image_views, footprints, lambda rows: progress(rows, "light"))
+        if options.even_light
+        else None
+    )
+    light_corrected = camera_views(cameras, light)
+    windows = footprint_windows(grid, footprints)
+    limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.max_incidence_deg))))
+    store = make_tiles(
         grid, 3, options.tile_px, options.texture_px,
-        lambda window: blend_tile(ground, grid, window, lit, windows, limits, 3),
+        lambda window: blend_tile(surface, grid, window, light_corrected, windows, limits, 3),
         lambda tiles: progress(tiles, "tiles"),
     )  # fmt: skip
-    return Mosaicked(store, gsd, light is not None)
+    return OpticalMosaic(store=store, gsd_m=gsd, light_corrected=light is not None)
 
 
-def ground_sample_distance(stations: Sequence[Station], footprint: Footprint) -> float:
+def ground_sample_distance(cameras: Sequence[CameraImages], footprints: Footprints) -> float:
     """Median distance over focal length, metres. ValueError when no image meets the surface."""
-    focal = np.concatenate([np.full(len(s.rows), 0.5 * (s.camera.fx + s.camera.fy)) for s in stations])
-    gsd = footprint.distance / focal
+    focal = np.concatenate([np.full(len(s.rows), 0.5 * (s.camera.fx + s.camera.fy)) for s in cameras])
+    gsd = footprints.distance / focal
     if not np.isfinite(gsd).any():
         raise ValueError("no image meets the surface")
     return float(np.nanmedian(gsd))
 
 
-def texel_of(gsd_m: float, options: OpticalOptions) -> float:
+def texel_size(gsd_m: float, options: OpticalOptions) -> float:
     """The side of a texel: as asked, else some pixels wide within bounds, in whole tenths of a millimetre."""
     if options.resolution_m is not None:
         return options.resolution_m
-    wanted = float(np.clip(options.samples_per_texel * gsd_m, options.least_resolution_m, options.most_resolution_m))
+    wanted = float(np.clip(options.samples_per_texel * gsd_m, options.min_resolution_m, options.max_resolution_m))
     return round(wanted, 4)

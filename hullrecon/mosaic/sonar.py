@@ -12,28 +12,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses
-from hullrecon.mosaic.blend import Limits, blend_tile
+from hullrecon.mosaic.blend import ViewLimits, blend_tile
 from hullrecon.mosaic.grid import grid_around
-from hullrecon.mosaic.ground import Ground, Patch, patch_of, seen
-from hullrecon.mosaic.imagery.camera_views import Footprint, footprint_of, windows_of
-from hullrecon.mosaic.imagery.sonar_fan import Fan, fan_of
+from hullrecon.mosaic.imagery.camera_views import Footprints, compute_footprints, footprint_windows
+from hullrecon.mosaic.imagery.sonar_fan import SonarFan, build_fan
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface, seen
 from hullrecon.mosaic.options import SonarOptions
-from hullrecon.mosaic.output.store import TileStore, lay
+from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
 from hullrecon.records.sensors import SonarPings
 from hullrecon.typing import Array, Floats32, Ints
 
 Progress = Callable[[Sequence[Any], str], Iterable[Any]]
 LEVEL = 90.0  # gray level that the mean return is brought to
-LEAST_SAMPLES = 200  # of the hull, for a ping or a place in the fan to have a level of its own
+MIN_SAMPLES = 200  # of the hull, for a ping or a place in the fan to have a level of its own
 
 
-@dataclass(frozen=True)
-class SonarSight:
+@dataclass(frozen=True, kw_only=True)
+class SonarView:
     """A ping. pose: one T_M_o (T_g_o without a CAD model); image (beams, ranges) uint8; level (beams, ranges): what a mean piece
     of hull returns there in that ping, None to leave the image as it is."""
 
     pose: Poses
-    fan: Fan
+    fan: SonarFan
     image: NDArray[np.uint8]
     level: Array | None = None
 
@@ -46,10 +46,10 @@ class SonarSight:
         inside = (points - self.center) @ self.pose.rotation.as_matrix()[0]
         return self.fan.locate(inside)
 
-    def outline(self, ground: Ground) -> Array:
+    def outline(self, surface: MosaicSurface) -> Array:
         """Rays all over the aperture; where the surface is met beyond the last range, the point at that range."""
         rays = self.fan.rays(bearings=9, elevations=13) @ self.pose.rotation.as_matrix()[0].T
-        gone = ground.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
+        gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
         gone = np.where(np.isfinite(gone), np.minimum(gone, self.fan.range_m[-1]), np.nan)
         return np.asarray(self.center + gone[:, None] * rays)
 
@@ -59,78 +59,83 @@ class SonarSight:
         return np.ascontiguousarray(np.minimum(even, 255)[..., None])
 
 
-@dataclass(frozen=True)
-class SonarMosaicked:
+@dataclass(frozen=True, kw_only=True)
+class SonarMosaic:
     """The tiles; whether the level of the returns was learnt from the dive; where the pings met the surface."""
 
     store: TileStore
-    lit: bool
-    footprint: Footprint
+    light_corrected: bool
+    footprints: Footprints
 
 
 def sonar_mosaic(
-    ground: Ground, pings: SonarPings, poses: Poses, elevation_rad: float, options: SonarOptions, progress: Progress
-) -> SonarMosaicked:
+    surface: MosaicSurface, pings: SonarPings, poses: Poses, elevation_rad: float, options: SonarOptions, progress: Progress
+) -> SonarMosaic:
     """poses: T_M_o at the pings; elevation_rad: the full aperture out of the fan. ValueError when no ping meets the surface."""
-    fan = fan_of(pings.directions, pings.range_m, options.aperture_share * elevation_rad)
-    sights = [SonarSight(poses[i], fan, image) for i, image in enumerate(pings.image)]
-    footprint = footprint_of(ground, sights)
+    fan = build_fan(pings.directions, pings.range_m, options.aperture_share * elevation_rad)
+    image_views = [SonarView(pose=poses[i], fan=fan, image=image) for i, image in enumerate(pings.image)]
+    footprints = compute_footprints(surface, image_views)
     step = options.resolution_m or round(float(np.median(np.diff(pings.range_m))), 4)
-    grid = grid_around(footprint.at.reshape(-1, 2), step)
-    ground = ground.with_skyline(grid, footprint.span_m)
-    limits = Limits(least_cosine=float(np.cos(np.radians(options.most_incidence_deg))), slant=0.0)
-    levels = learn_levels(ground, sights, footprint, limits.least_cosine) if options.even_light else None
+    grid = grid_around(footprints.at.reshape(-1, 2), step)
+    surface = surface.with_occlusion_horizon(grid, footprints.span_m)
+    limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.max_incidence_deg))), slant=0.0)
+    levels = learn_levels(surface, image_views, footprints, limits.min_cosine) if options.even_light else None
     if levels is not None:
-        sights = [replace(s, level=level) for s, level in zip(sights, levels, strict=True)]
-    windows = windows_of(grid, footprint)
-    store = lay(
+        image_views = [replace(s, level=level) for s, level in zip(image_views, levels, strict=True)]
+    windows = footprint_windows(grid, footprints)
+    store = make_tiles(
         grid, 1, options.tile_px, options.texture_px,
-        lambda window: blend_tile(ground, grid, window, sights, windows, limits, 1),
+        lambda window: blend_tile(surface, grid, window, image_views, windows, limits, 1),
         lambda tiles: progress(tiles, "tiles"),
     )  # fmt: skip
-    return SonarMosaicked(store, levels is not None, footprint)
+    return SonarMosaic(store=store, light_corrected=levels is not None, footprints=footprints)
 
 
-def learn_levels(ground: Ground, sights: Sequence[SonarSight], footprint: Footprint, least_cosine: float) -> list[Array] | None:
+def learn_levels(
+    surface: MosaicSurface, image_views: Sequence[SonarView], footprints: Footprints, min_cosine: float
+) -> list[Array] | None:
     """What the hull returns on average at each range and beam, times each ping's gain: beam pattern, spreading, grazing angle.
 
     Only pixels on which the surface lies and is seen are counted, so that neither water before the first return nor shadows
     darken the mean. None when too little of the hull was seen.
     """
-    grid = grid_around(footprint.at.reshape(-1, 2), 0.05)
-    shape = sights[0].image.shape
+    grid = grid_around(footprints.at.reshape(-1, 2), 0.05)
+    shape = image_views[0].image.shape
     total, count = np.zeros(shape), np.zeros(shape)
-    cells: list[Ints] = [np.zeros(0, np.int64) for _ in sights]
-    windows = windows_of(grid, footprint)
+    cells: list[Ints] = [np.zeros(0, np.int64) for _ in image_views]
+    windows = footprint_windows(grid, footprints)
     for tile in grid.tiles(1024):
-        patch = patch_of(ground, grid, tile)
-        for k, sight in enumerate(sights):
+        patch = sample_surface(surface, grid, tile)
+        for k, image_view in enumerate(image_views):
             part = windows[k].meet(tile).within(tile)
-            cells[k] = np.concatenate([cells[k], _hull_cells(ground, sight, patch.part(part), least_cosine)])
-    for sight, cell in zip(sights, cells, strict=True):
+            cells[k] = np.concatenate([cells[k], _hull_cells(surface, image_view, patch.part(part), min_cosine)])
+    for image_view, cell in zip(image_views, cells, strict=True):
         flat = np.bincount(cell, minlength=shape[0] * shape[1]).reshape(shape)
-        total += flat * sight.image
+        total += flat * image_view.image
         count += flat
-    if count.sum() < LEAST_SAMPLES:
+    if count.sum() < MIN_SAMPLES:
         return None
     mean = _smooth(total, count)
-    return [mean * _gain(sight.image.ravel()[cell], mean.ravel()[cell]) for sight, cell in zip(sights, cells, strict=True)]
+    return [
+        mean * _gain(image_view.image.ravel()[cell], mean.ravel()[cell])
+        for image_view, cell in zip(image_views, cells, strict=True)
+    ]
 
 
-def _hull_cells(ground: Ground, sight: SonarSight, patch: Patch, least_cosine: float) -> Ints:
+def _hull_cells(surface: MosaicSurface, image_view: SonarView, patch: SurfacePatch, min_cosine: float) -> Ints:
     """Flat indices into the image of the pixels that hold these pieces of hull."""
     point = patch.point.reshape(-1, 3)
     rows = np.flatnonzero(np.isfinite(point[:, 0]))
-    pixel, ratio = sight.project(point[rows])
+    pixel, ratio = image_view.project(point[rows])
     held = np.isfinite(ratio)
-    free, _ = seen(ground, patch, rows[held], sight.center, least_cosine)
+    free, _ = seen(surface, patch, rows[held], image_view.center, min_cosine)
     near = np.rint(pixel[held][free]).astype(np.int64)
-    return np.asarray(near[:, 1] * sight.image.shape[1] + near[:, 0])
+    return np.asarray(near[:, 1] * image_view.image.shape[1] + near[:, 0])
 
 
 def _gain(values: NDArray[np.uint8], means: Array) -> float:
     """A ping's brightness over the dive's, held to a factor of two."""
-    if len(values) < LEAST_SAMPLES:
+    if len(values) < MIN_SAMPLES:
         return 1.0
     return float(np.clip(values.astype(float).sum() / max(means.sum(), 1e-9), 0.5, 2.0))
 

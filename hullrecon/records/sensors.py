@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What each sensor measured: times in int64 nanoseconds since 1970, SI units, NaN for lost values."""
+"""Hold what each sensor measured: times in int64 nanoseconds since 1970, SI units, NaN for lost values."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,3 +71,23 @@ class SonarPings:
     image: NDArray[np.uint8]
     directions: Array
     range_m: Array
+
+
+SensorRecord = DvlPings | ImuSamples | PressureSamples | JointSamples | SonarPings
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorRecords:
+    """What the sensors of one dive measured, images apart; None for a sensor of which nothing was read."""
+
+    dvl: DvlPings | None = None
+    imu: ImuSamples | None = None
+    pressure: PressureSamples | None = None
+    tray: JointSamples | None = None
+    sonar_tray: JointSamples | None = None
+    sonar: SonarPings | None = None
+
+    def by_name(self) -> dict[str, SensorRecord]:
+        """Return the records that are there by their field's name, in the order of the fields."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}

@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.poses import Poses, identity
 from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
+
+# |deviation| at which a landmark's label changes, m: where the two parts of the mixture of native/factors/mixture.h are equal.
+LABEL_BOUNDARY_M = 0.05595
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +67,28 @@ class DeviationField:
     step: Array
     value: Array
     sigma: Array
+
+    def covers(self, along_girth: Array) -> Mask:
+        """Return which of chart points (n, 2) lie within the grid; a point off the chart (NaN) does not."""
+        cell = (along_girth - self.origin) / self.step
+        return np.asarray(np.all((cell >= 0) & (cell <= np.array(self.value.shape) - 1), axis=1))
+
+    def value_at(self, along_girth: Array) -> Array:
+        """Return the offset (n,) m at chart points (n, 2), bilinear; held beyond the grid's ends, NaN where a point is NaN."""
+        return self._interpolate(self.value, along_girth)
+
+    def sigma_at(self, along_girth: Array) -> Array:
+        """Return one sigma (n,) m of the offset at chart points (n, 2), interpolated as the offset is."""
+        return self._interpolate(self.sigma, along_girth)
+
+    def _interpolate(self, grid: Array, along_girth: Array) -> Array:
+        last = np.array(grid.shape) - 1
+        cell = np.clip((along_girth - self.origin) / self.step, 0, last)
+        low = np.minimum(np.nan_to_num(cell).astype(np.int64), np.maximum(last - 1, 0))
+        high, (a, g) = np.minimum(low + 1, last), (cell - low).T
+        near = grid[low[:, 0], low[:, 1]] * (1 - g) + grid[low[:, 0], high[:, 1]] * g
+        far = grid[high[:, 0], low[:, 1]] * (1 - g) + grid[high[:, 0], high[:, 1]] * g
+        return np.asarray(near * (1 - a) + far * a)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,192 +4,76 @@
 
 from __future__ import annotations
 
-import json
 import math
-from dataclasses import dataclass
 
-import numpy as np
-
-from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.detection import coverage
-from hullrecon.detection.as_found.background import Background, FieldBackground, median_background
-from hullrecon.detection.as_found.estimate import Found, find_hull
-from hullrecon.detection.as_found.landmarks import Measured, measure
-from hullrecon.detection.as_found.mesh import refine_near
-from hullrecon.detection.as_found.record import found_surface, surface_on_cad_model
-from hullrecon.detection.objects.detection import find_objects
+from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.detection.coverage import SonarSurvey, summarise_coverage
+from hullrecon.detection.find_structures import find_structures
 from hullrecon.detection.options import DetectOptions
-from hullrecon.detection.views import Views, sightings
-from hullrecon.geometry import poses
-from hullrecon.geometry.cameras import CameraModel
-from hullrecon.geometry.charts.chart import Chart, address, chart_from_arrays
-from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.neighbours import nearest
-from hullrecon.geometry.poses import Poses
-from hullrecon.records.sensors import ImageIndex, JointSamples, SonarPings
-from hullrecon.records.serialisation import from_arrays, to_arrays
+from hullrecon.detection.views import CameraViews, views_of_top_camera
+from hullrecon.errors import StageError
+from hullrecon.geometry.frames import Camera
+from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.solution import Solution
-from hullrecon.records.surface import Surface
-from hullrecon.steps.cameras import cameras_file
-from hullrecon.typing import Array
+from hullrecon.rig import rig_from_settings
+from hullrecon.steps.artifacts import InputArtifacts
+from hullrecon.steps.sonar import SONAR_KEYS, sonar_poses
 
-Facts = dict[str, object]
-PIECE_M = 0.12  # edges of the pieces on which coverage is summed
-PIECES_REACH_M = 2.0  # from what the survey saw; beyond, the CAD model's own faces are the pieces
-DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
+CAMERA_KEYS = ("tray.origin",)  # of the rig: the mounts are the adjusted ones
 
 
-@dataclass(frozen=True)
-class Dive:
-    """What the earlier steps left, in the frame x of the surface (M, or g without a CAD model)."""
-
-    solution: Solution
-    T_x_g: Poses
-    T_x_v: Poses
-    base: Mesh
-    drawn: bool
-    surface: Surface
-    chart: Chart
-    frame_spacing_m: float | None
-
-    def address_of(self, point: Array) -> str:
-        """Of a point (3,) in x; g has its origin at the water surface, z down."""
-        depth = self.T_x_g.inverse().apply(point[None])[:, 2]
-        return address(self.chart, point[None], self.frame_spacing_m, depth)[0]
-
-
-def run(context: Context) -> None:
-    dive = _dive(context)
-    views = _views(context, dive)
-    facts: Facts = {"reference": "the CAD model" if dive.drawn else "the surface step's own surface"}
-    measured = _measured(dive, context.parameters) if views is not None else None
-    objects: list[Facts] = []
-    if views is not None and measured is not None and len(measured) >= context.parameters.least_landmarks:
-        background = _background(dive, measured, context.parameters)
-        found = find_hull(dive.base, measured, background, views, context.parameters)
-        context.out.arrays("as_found.npz", to_arrays(found_surface(found, measured)))
-        objects, more = _objects(found, measured, background, views, dive, context.parameters)
-        facts.update(more)
+def run(context: Context[DetectOptions]) -> None:
+    inputs, settings = InputArtifacts(context.inputs), context.settings
+    solution, surface = _solution(inputs), inputs.surface
+    base = BaseSurface(
+        cad_model=inputs.ingest.hull if solution.hull_pose is not None else None,
+        surveyed=surface.surface,
+        chart=surface.chart,
+        result_from_global=solution.result_from_global(),
+        frame_spacing_m=settings.read_optional("hull.frame_spacing", float),
+    )
+    views = _views(context, inputs, solution)
+    structures = find_structures(base, solution.landmarks, solution.deviation_field, views, context.parameters)
+    if structures.as_found is not None:
+        context.out.arrays("as_found.npz", to_arrays(structures.as_found))
     else:
-        facts["objects"] = "no landmarks: structures are looked for with a camera"
-        _without_camera(context, dive, facts)
-    context.out.json("objects.json", {"objects": objects})
-    context.out.json("coverage.json", _coverage(context, dive, views))
-    context.out.json("detect.json", facts)
-
-
-def _dive(context: Context) -> Dive:
-    solution = from_arrays(Solution, load_arrays(context.inputs["adjust"] / "solution.npz"))
-    surface = from_arrays(Surface, load_arrays(context.inputs["surface"] / "surface.npz"))
-    chart = chart_from_arrays(load_arrays(context.inputs["surface"] / "chart.npz"))
-    path, hull = context.inputs["ingest"] / "hull.npz", context.settings["hull"]
-    drawn = path.exists() and hull is not None
-    T_x_g = solution.result_from_global()
-    base = surface.mesh()
-    if drawn:
-        arrays = load_arrays(path)
-        base = Mesh(arrays["vertices"], arrays["faces"])
-    T_x_v = solution.track().poses
-    return Dive(solution, T_x_g, T_x_v, base, drawn, surface, chart, hull.frame_spacing if hull is not None else None)
-
-
-def _views(context: Context, dive: Dive) -> Views | None:
-    """The top camera's images; None without a camera or a landmark."""
-    path, solution = cameras_file(context.inputs), dive.solution
-    node = np.flatnonzero(solution.image[:, 0] >= 0)
-    if not path.exists() or not len(node) or not len(solution.landmarks) or solution.mounts.tray_from_camera is None:
-        return None
-    camera = CameraModel(**json.loads(path.read_text())["top"])
-    tray = poses.tray_poses(np.array(context.settings["tray"].origin), solution.tray[node])
-    T_x_c = dive.T_x_v[node] @ tray @ solution.mounts.tray_from_camera
-    index = from_arrays(ImageIndex, load_arrays(context.inputs["ingest"] / "images_camera_top.npz"))
-    names = tuple(f"camera_top/{t}.jpg" for t in index.t_ns[solution.image[node, 0]].tolist())
-    return Views(
-        T_x_c, node, names, camera, _farthest(T_x_c.translation, dive.T_x_g.apply(solution.landmarks.position), camera)
-    )
-
-
-def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
-    """How far the corner of an image can lie: the usual distance of landmarks over the corner's cosine, and some more."""
-    known = landmarks[np.isfinite(landmarks).all(axis=1)]
-    usual = np.percentile(nearest(centers, known[:: max(1, len(known) // 5000)], 1)[0], 95)
-    corner = camera.rays(np.array([[0.0, 0], [camera.width, camera.height]]))[:, 2].min()
-    return float(1.25 * usual / max(corner, 0.3))
-
-
-def _measured(dive: Dive, options: DetectOptions) -> Measured:
-    position = dive.T_x_g.apply(dive.solution.landmarks.position)
-    covariance = dive.solution.landmarks.covariance
-    return measure(
-        Scene(dive.base), position, covariance, dive.solution.landmarks.views, options.farthest, 0.5 * options.threshold
-    )
-
-
-def _background(dive: Dive, measured: Measured, options: DetectOptions) -> Background:
-    """The solution's deviation field where there is one, else running medians of the landmarks."""
-    s = dive.solution
-    field = s.deviation_field
-    if dive.drawn and field is not None and np.isfinite(field.value).all():
-        return FieldBackground(dive.chart, field.origin, field.step, field.value, field.sigma)
-    return median_background(measured.foot, measured.offset, options.background)
-
-
-def _objects(
-    found: Found, measured: Measured, background: Background, views: Views, dive: Dive, options: DetectOptions
-) -> tuple[list[Facts], Facts]:
-    height = measured.offset - background.at(measured.foot)[0]
-    objects, rejected = find_objects(found, measured, height, views, dive.chart, options, dive.drawn)
-    rows: list[Facts] = [
-        {"id": k + 1, **item.as_json(), "address": dive.address_of(np.array(item.center))} for k, item in enumerate(objects)
-    ]
-    return rows, {"landmarks_used": len(measured), "not_reported": [item.as_json() for item in rejected]}
-
-
-def _without_camera(context: Context, dive: Dive, facts: Facts) -> None:
-    """The CAD model moved to the DVL's surface; nothing without a CAD model, where surface.ply says it all."""
-    if not dive.drawn:
-        facts["as_found"] = "no landmarks and no CAD model: the surface from the DVL is what was found"
         context.warn("as_found is absent: there is neither a camera nor a CAD model")
-        return
-    context.out.arrays("as_found.npz", to_arrays(surface_on_cad_model(dive.base, dive.surface, PIECE_M)))
-    facts["as_found"] = "from the DVL's surface"
+    context.out.json("objects.json", {"objects": structures.objects})
+    context.out.json("coverage.json", summarise_coverage(base, views, _sonar_survey(context, inputs, solution)))
+    context.out.json("detect.json", structures.facts)
 
 
-def _coverage(context: Context, dive: Dive, views: Views | None) -> Facts:
-    """Areas seen by each sensor on the base surface, and holes in what the camera (else the DVL) saw."""
-    hull = coverage.pieces(_pieces(dive))
-    scene = Scene(dive.base)
-    by_dvl = coverage.near_surface(hull, dive.surface.vertices[dive.surface.support > 0], DVL_REACH_M)
-    report: Facts = {"frame": "M" if dive.drawn else "g", "dvl": coverage.area_facts(hull, by_dvl), "camera": None}
-    seen = by_dvl
-    if views is not None:
-        by_camera = sightings(views, hull.mesh.vertices, hull.normal, scene)
-        report["camera"] = coverage.camera_facts(hull, by_camera, views.camera.fx, len(views))
-        seen = by_camera.views > 0
-    report["sonar"] = _sonar(context, dive, hull, scene)
-    report["holes"] = coverage.holes(hull, seen, dive.chart, dive.address_of)
-    return report
+def _solution(inputs: InputArtifacts) -> Solution:
+    if inputs.adjust is None:
+        raise RuntimeError("the step detect is declared to have the artifact of adjust")
+    return inputs.adjust.solution
 
 
-def _pieces(dive: Dive) -> Mesh:
-    return refine_near(dive.base, dive.surface.vertices[::7], PIECE_M, PIECES_REACH_M)
-
-
-def _sonar(context: Context, dive: Dive, hull: coverage.Hull, scene: Scene) -> Facts | None:
-    """None when no sonar was carried."""
-    ingest, settings = context.inputs["ingest"], context.settings["sonar"]
-    if settings is None or not (ingest / "sonar.npz").exists():
+def _views(context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution) -> CameraViews | None:
+    """Return the top camera's images; None without a camera or a landmark."""
+    index = inputs.ingest.image_index(Camera.TOP)
+    if index is None or Camera.TOP not in inputs.camera_models:
         return None
-    pings = from_arrays(SonarPings, load_arrays(ingest / "sonar.npz"))
-    angle = np.zeros(len(pings.t_ns))
-    if (ingest / "sonar_tray.npz").exists():
-        servo = from_arrays(JointSamples, load_arrays(ingest / "sonar_tray.npz"))
-        angle = np.interp(pings.t_ns, servo.t_ns, servo.angle)
-    T_x_v = poses.interpolate(dive.solution.t_ns, dive.T_x_v, pings.t_ns)
-    T_x_o = T_x_v @ poses.tray_poses(np.array(settings.origin), angle) @ poses.from_mount(settings.mount)
-    seen = coverage.sonar_seen(hull, pings, T_x_o, math.radians(settings.elevation_deg) / 2, scene)
-    return {"pings": len(pings.t_ns), **coverage.area_facts(hull, seen)}
+    rig = rig_from_settings({key: context.settings[key] for key in CAMERA_KEYS}, inputs.camera_models)
+    positions = solution.result_from_global().apply(solution.landmarks.position)
+    return views_of_top_camera(rig.with_mounts(solution.mounts), solution.track(), index.t_ns, positions)
+
+
+def _sonar_survey(context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution) -> SonarSurvey | None:
+    """Return the pings and where they were taken; None where no sonar was carried or its servo was not logged."""
+    settings, pings = context.settings, inputs.ingest.sonar
+    elevation_deg = settings.read_optional("sonar.elevation_deg", float)
+    if elevation_deg is None or pings is None:
+        return None
+    rig = rig_from_settings({key: settings[key] for key in SONAR_KEYS})
+    joint = settings.read_optional("sonar.joint", str)
+    try:
+        poses = sonar_poses(rig, solution.track(), pings.t_ns, joint, inputs.ingest.sonar_joint)
+    except StageError as error:
+        context.warn(f"coverage by sonar is unknown: {error}")
+        return None
+    return SonarSurvey(pings=pings, poses=poses, half_elevation_rad=math.radians(elevation_deg) / 2)
 
 
 STAGE = Stage(
@@ -197,7 +81,7 @@ STAGE = Stage(
     summary="find structures and remesh the hull as found",
     inputs=("ingest", "adjust", "surface"),
     parameters=DetectOptions,
-    version=2,
+    version=3,
     run=run,
-    uses=("tray", "hull", "sonar"),
+    uses=(*CAMERA_KEYS, "hull.frame_spacing", *SONAR_KEYS, "sonar.joint", "sonar.elevation_deg"),
 )

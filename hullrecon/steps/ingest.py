@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""ingest: the package's logs, calibration and CAD model, read once, checked, and kept as tables."""
+"""ingest: read the package's logs, calibrations and CAD model once, check them, and keep them as tables."""
 
 from __future__ import annotations
 
@@ -8,64 +8,68 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.dive.ingest import Ingested, Request, ingest, offset_ns
+from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.dive.config.schema import Logs, Topics
+from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest, offset_ns
 from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.plain import PlainLog
 from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE
 from hullrecon.dive.logs.streams import PressureModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.records.serialisation import to_arrays
+from hullrecon.typing import Array
 
-CAMERAS = {"camera_top": "camera.top", "camera_bottom": "camera.bottom"}
 USES = (
     "logs", "topics", "tray.joint", "sonar.joint", "imu.frame", "pressure.density", "pressure.gravity", "pressure.atmosphere",
     "dvl.beams", "dvl.beam_angle_deg", "dvl.beam_azimuth_deg", "dvl.sigma_velocity",
-    "camera.top.calibration", "camera.top.time_offset", "camera.bottom.calibration",
-    "camera.bottom.time_offset", "hull.mesh", "hull.units",
+    *(f"{camera.section}.{key}" for camera in Camera for key in ("calibration", "time_offset")), "hull.mesh", "hull.units",
 )  # fmt: skip
 
 
 class IngestOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """None: what is read is said by the other sections."""
+    """No options: the other sections decide what is read."""
 
 
-def request_of(settings: Mapping[str, Any]) -> Request:
-    """What ingest needs, from the dotted keys of `USES`."""
-    topics = {name: getattr(settings["topics"], name) for name in settings["topics"].__struct_fields__}
-    calibration = {name: settings[f"{section}.calibration"] for name, section in CAMERAS.items()}
-    joints = {"tray": settings["tray.joint"], "sonar_tray": settings["sonar.joint"]}
-    return Request(
-        logs=settings["logs"].files,
-        topics=_present(topics),
-        joints=_present(joints),
-        imu_frame=settings["imu.frame"],
-        pressure=PressureModel(*(settings[f"pressure.{key}"] for key in ("density", "gravity", "atmosphere"))),
+def request_of(settings: StageSettings) -> IngestRequest:
+    """Return what ingest needs, from the dotted keys of `USES`."""
+    topics = settings.read("topics", Topics)
+    named: dict[str, str | None] = {name: getattr(topics, name) for name in topics.__struct_fields__}
+    keys = ("density", "gravity", "atmosphere")
+    return IngestRequest(
+        logs=settings.read("logs", Logs).files,
+        topics=_drop_empty(named),
+        joints=_drop_empty(
+            {"tray": settings.read("tray.joint", str), "sonar_tray": settings.read_optional("sonar.joint", str)}
+        ),
+        imu_frame=settings.read("imu.frame", str),
+        pressure=PressureModel(**{key: settings.read(f"pressure.{key}", float) for key in keys}),
         beams=_beams(settings),
-        sigma_velocity=settings["dvl.sigma_velocity"],
-        calibration=_present(calibration),
-        offset_ns={name: offset_ns(settings[f"{section}.time_offset"] or 0.0) for name, section in CAMERAS.items()},
-        mesh=settings["hull.mesh"],
-        units=settings["hull.units"] or "m",
+        sigma_velocity=settings.read("dvl.sigma_velocity", float),
+        calibration=_drop_empty({c.key: settings.read_optional(f"{c.section}.calibration", str) for c in Camera}),
+        offset_ns={c.key: offset_ns(settings.read_optional(f"{c.section}.time_offset", float) or 0.0) for c in Camera},
+        mesh=settings.read_optional("hull.mesh", str),
+        units=settings.read_optional("hull.units", str) or "m",
     )
 
 
-def _beams(settings: Mapping[str, Any]) -> NDArray[np.float64] | None:
+def _beams(settings: StageSettings) -> Array | None:
     """Return (b, 3) unit vectors of the DVL's beams as dive.toml has them, either way; None where it has none."""
-    if settings["dvl.beam_angle_deg"] is not None:
-        return tilted_beams(settings["dvl.beam_angle_deg"], settings["dvl.beam_azimuth_deg"])
-    beams = settings["dvl.beams"]
+    angle_deg = settings.read_optional("dvl.beam_angle_deg", float)
+    if angle_deg is not None:
+        return tilted_beams(angle_deg, settings.read("dvl.beam_azimuth_deg", tuple))
+    beams = settings.read_optional("dvl.beams", tuple)
     return None if beams is None else np.array(beams, float)
 
 
-def external(settings: Mapping[str, Any], package: Path) -> list[Path]:
-    """Logs, with the files that their tables name; calibrations; CAD model."""
+def external(settings: StageSettings, package: Path) -> list[Path]:
+    """Return the files that ingest reads, relative to the package: logs, files that tables name, calibrations, CAD model."""
     request = request_of(settings)
     names = [*request.calibration.values(), *([request.mesh] if request.mesh else [])]
     logs = [file for name in request.logs for file in _log_files(package, name)]
@@ -87,7 +91,8 @@ def _log_files(package: Path, name: str) -> list[Path]:
     return [Path(name) / path.name for path in sorted(folder.iterdir()) if path.name == METADATA or path.suffix in STORAGE]
 
 
-def run(context: Context) -> None:
+def run(context: Context[IngestOptions]) -> None:
+    """Read the package into the artifact."""
     with ExitStack() as files:
 
         def open_file(camera: str) -> BinaryIO:
@@ -98,14 +103,13 @@ def run(context: Context) -> None:
             context.source, request_of(context.settings), open_file, lambda messages: context.progress(messages, "messages")
         )
     _write(context, found)
-    for sentence in [*found.lost, *found.remarks]:
-        context.warn(sentence)
+    for message in [*found.lost, *found.remarks]:
+        context.warn(message)
 
 
-def _write(context: Context, found: Ingested) -> None:
-    for name, record in found.records.items():
-        if record is not None:
-            context.out.arrays(f"{name}.npz", to_arrays(record))
+def _write(context: Context[IngestOptions], found: IngestResult) -> None:
+    for name, record in found.records.by_name().items():
+        context.out.arrays(f"{name}.npz", to_arrays(record))
     for name, index in found.images.items():
         context.out.arrays(f"images_{name}.npz", to_arrays(index))
     cameras = {name.removeprefix("camera_"): asdict(camera) for name, camera in found.cameras.items() if name in found.images}
@@ -115,8 +119,9 @@ def _write(context: Context, found: Ingested) -> None:
     context.out.json("findings.json", found.findings())
 
 
-def _present(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in values.items() if value not in (None, "")}
+def _drop_empty(values: Mapping[str, str | None]) -> dict[str, str]:
+    """Return the values that are neither None nor empty."""
+    return {name: value for name, value in values.items() if value}
 
 
 STAGE = Stage(

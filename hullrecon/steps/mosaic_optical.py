@@ -4,70 +4,57 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import StageError
-from hullrecon.geometry.cameras import CameraModel
-from hullrecon.geometry.poses import Poses, tray_poses
-from hullrecon.mosaic.imagery.camera_views import Station
+from hullrecon.mosaic.imagery.camera_views import CameraImages, images_of_camera
 from hullrecon.mosaic.optical import optical_mosaic
 from hullrecon.mosaic.options import OpticalOptions
-from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.steps.cameras import cameras_file, mount_of
+from hullrecon.rig import rig_from_settings
+from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.steps.features import external
-from hullrecon.steps.mosaics import Scenery, scenery, write_mosaic
+from hullrecon.steps.mosaics import MosaicInputs, read_mosaic_inputs, write_mosaic
 
+CAMERA_KEYS = ("tray.origin", "camera.top.mount", "camera.bottom.pose_in_top")  # of the rig, what places the cameras
 REMEDY = "check the alignment of the dive with its surface, or set mosaic-optical.resolution_m"
 
 
-def applies(settings: Mapping[str, Any]) -> str | None:
+def applies(settings: Mapping[str, object]) -> str | None:
+    """Return None where a camera was carried, else why there is no such mosaic."""
     return None if settings["camera.top"] is not None else "no camera was carried"
 
 
-def run(context: Context) -> None:
-    options: OpticalOptions = context.parameters
-    place = scenery(context, options.reach_m)
-    stations = stations_of(context, place)
+def run(context: Context[OpticalOptions]) -> None:
+    options, artifacts = context.parameters, InputArtifacts(context.inputs)
+    inputs = read_mosaic_inputs(artifacts, options.reach_m)
+    cameras = _usable_images(context, artifacts, inputs)
     try:
-        made = optical_mosaic(place.ground, stations, options, context.progress)
+        mosaic = optical_mosaic(inputs.surface, cameras, options, context.progress)
     except ValueError as error:
         raise StageError(f"no optical mosaic: {error}", where="mosaic-optical", remedy=REMEDY) from error
-    facts = {
-        "images": sum(len(s.rows) for s in stations),
-        "ground_sample_distance_m": made.gsd_m,
-        "remarks": ["lamp, vignetting and brightness of each image evened out"] if made.lit else ["light left as it was"],
+    facts: dict[str, object] = {
+        "images": sum(len(images.rows) for images in cameras),
+        "ground_sample_distance_m": mosaic.gsd_m,
+        "remarks": ["lamp, vignetting and brightness of each image evened out"]
+        if mosaic.light_corrected
+        else ["light left as it was"],
     }
-    write_mosaic(context, place, made.store, "Optical mosaic", facts, (options.texture_px, options.faces))
+    write_mosaic(context, inputs, mosaic.store, "Optical mosaic", facts)
 
 
-def stations_of(context: Context, place: Scenery) -> list[Station]:
-    """The cameras with their usable images and where each was taken."""
-    cameras = json.loads(cameras_file(context.inputs).read_text(encoding="utf-8"))
-    top, bottom = context.settings["camera.top"], context.settings["camera.bottom"]
-    solution = place.solution
-    tray_from_camera = mount_of(solution.mounts.tray_from_camera if solution else None, top.mount)
-    stations = [_station(context, place.track, 0, CameraModel(**cameras["top"]), tray_from_camera)]
-    if bottom is not None and "bottom" in cameras:
-        lower = tray_from_camera @ mount_of(solution.mounts.top_from_bottom if solution else None, bottom.pose_in_top)
-        stations.append(_station(context, place.track, 1, CameraModel(**cameras["bottom"]), lower))
-    if not any(len(s.rows) for s in stations):
+def _usable_images(context: Context[OpticalOptions], artifacts: InputArtifacts, inputs: MosaicInputs) -> list[CameraImages]:
+    """Return the cameras with their usable images and where each was taken. Raises StageError where there is none."""
+    rig = rig_from_settings({key: context.settings[key] for key in CAMERA_KEYS}, artifacts.camera_models)
+    rig = rig if inputs.mounts is None else rig.with_mounts(inputs.mounts)
+    cameras = []
+    for camera in rig.cameras:
+        store = artifacts.ingest.images(camera, context.source)
+        cameras.append(images_of_camera(rig, inputs.track, camera, store.index.usable, store.read))
+    cameras = [images for images in cameras if len(images.rows)]
+    if not cameras:
         raise StageError("no usable image has a pose", where="mosaic-optical", remedy="see the remarks of ingest and navigate")
-    return [s for s in stations if len(s.rows)]
-
-
-def _station(context: Context, track: VehicleTrack, side: int, camera: CameraModel, tray_from_camera: Poses) -> Station:
-    store = ImageStore(context.inputs["ingest"], context.source, ("camera_top", "camera_bottom")[side])
-    nodes = np.flatnonzero(track.image[:, side] >= 0)
-    nodes = nodes[store.index.usable[track.image[nodes, side]]]
-    origin = context.settings["tray"].origin if context.settings["tray"] is not None else (0.0, 0.0, 0.0)
-    poses = track.poses[nodes] @ tray_poses(origin, track.tray[nodes]) @ tray_from_camera
-    return Station(camera, track.image[nodes, side], poses, store.read)
+    return cameras
 
 
 STAGE = Stage(
@@ -78,7 +65,7 @@ STAGE = Stage(
     parameters=OpticalOptions,
     version=3,
     run=run,
-    uses=("camera.top", "camera.bottom", "tray", "logs", "hull.frame_spacing"),
+    uses=("camera.top", *CAMERA_KEYS, "logs", "hull.frame_spacing"),
     external=external,
     applies=applies,
 )

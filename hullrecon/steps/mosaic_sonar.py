@@ -5,82 +5,64 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.dive.config.schema import Sonar
+from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.errors import StageError
-from hullrecon.geometry.poses import Poses, from_mount, interpolate, tray_poses
-from hullrecon.mosaic.imagery.camera_views import Footprint
+from hullrecon.geometry.poses import from_mount
 from hullrecon.mosaic.options import SonarOptions
-from hullrecon.mosaic.position_sigma import Stance, place_sigma
+from hullrecon.mosaic.position_sigma import PingUncertainty, median_position_sigma
 from hullrecon.mosaic.sonar import sonar_mosaic
-from hullrecon.records.sensors import JointSamples, SonarPings
-from hullrecon.records.serialisation import from_arrays
-from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.steps.mosaics import Scenery, scenery, write_mosaic
+from hullrecon.records.sensors import SonarPings
+from hullrecon.rig import rig_from_settings
+from hullrecon.steps.artifacts import InputArtifacts
+from hullrecon.steps.mosaics import read_mosaic_inputs, write_mosaic
+from hullrecon.steps.sonar import SONAR_KEYS, sonar_poses
 
 
-def applies(settings: Mapping[str, Any]) -> str | None:
-    return None if settings["sonar"] is not None and settings["topics"].sonar is not None else "no imaging sonar was carried"
+def applies(settings: Mapping[str, object]) -> str | None:
+    """Return None where an imaging sonar was carried and logged, else why there is no such mosaic."""
+    carried = settings["sonar.mount"] is not None and settings["topics.sonar"] is not None
+    return None if carried else "no imaging sonar was carried"
 
 
-def run(context: Context) -> None:
-    options: SonarOptions = context.parameters
-    ingest = context.inputs["ingest"]
-    if not (ingest / "sonar.npz").exists():
-        raise StageError("the log holds no sonar ping", where="mosaic-sonar", remedy="check topics.sonar")
-    pings = from_arrays(SonarPings, load_arrays(ingest / "sonar.npz"))
-    place = scenery(context, options.reach_m)
-    joint = ingest / "sonar_tray.npz"
-    angles = from_arrays(JointSamples, load_arrays(joint)) if joint.exists() else None
-    sonar: Sonar = context.settings["sonar"]
-    poses = sonar_poses(place.track, pings.t_ns, angles, sonar)
+def run(context: Context[SonarOptions]) -> None:
+    options, settings, artifacts = context.parameters, context.settings, InputArtifacts(context.inputs)
+    pings = _pings(artifacts)
+    inputs = read_mosaic_inputs(artifacts, options.reach_m)
+    rig = rig_from_settings({key: settings[key] for key in SONAR_KEYS})
+    joint = settings.read_optional("sonar.joint", str)
+    poses = sonar_poses(rig, inputs.track, pings.t_ns, joint, artifacts.ingest.sonar_joint)
+    elevation_rad = np.radians(settings.read("sonar.elevation_deg", float))
     try:
-        made = sonar_mosaic(place.ground, pings, poses, np.radians(sonar.elevation_deg), options, context.progress)
+        mosaic = sonar_mosaic(inputs.surface, pings, poses, elevation_rad, options, context.progress)
     except ValueError as error:
         raise StageError(f"no sonar mosaic: {error}", where="mosaic-sonar", remedy="check the mount of the sonar") from error
-    spread = place_spread(place, pings.t_ns, poses, sonar, made.footprint)
-    remarks = ["returns brought to one level by range, beam and ping"] if made.lit else ["returns left as they were"]
-    facts = {
-        **spread,
+    nodes_ns, mount_sigma = inputs.track.t_ns, np.array(settings.read("sonar.mount_sigma", tuple))
+    uncertainty = PingUncertainty(
+        sonar=poses,
+        vehicle=inputs.track.vehicle_at(pings.t_ns),
+        pose_covariance=inputs.track.covariance[np.minimum(np.searchsorted(nodes_ns, pings.t_ns), len(nodes_ns) - 1)],
+        servo_from_sonar=from_mount(settings.read("sonar.mount", tuple)),
+        mount_sigma=np.r_[mount_sigma[:3], np.radians(mount_sigma[3:])],
+    )
+    facts: dict[str, object] = {
+        **median_position_sigma(uncertainty, mosaic.footprints, inputs.surface.chart),
         "pings": len(pings.t_ns),
-        "poses": "adjusted" if place.solution is not None else "dead reckoned",
-        "remarks": remarks,
+        "poses": "dead reckoned" if inputs.mounts is None else "adjusted",
+        "remarks": ["returns brought to one level by range, beam and ping"]
+        if mosaic.light_corrected
+        else ["returns left as they were"],
     }
-    write_mosaic(context, place, made.store, "Sonar mosaic", facts, (options.texture_px, options.faces))
+    write_mosaic(context, inputs, mosaic.store, "Sonar mosaic", facts)
 
 
-def sonar_poses(track: VehicleTrack, t_ns: NDArray[np.int64], angles: JointSamples | None, sonar: Sonar) -> Poses:
-    """T_M_o (T_g_o) at the pings: the vehicle between its nodes, the servo between its samples, the mount."""
-    vehicle = interpolate(track.t_ns, track.poses, t_ns)
-    if sonar.joint is None:
-        angle = np.zeros(len(t_ns))
-    elif angles is None or not len(angles.t_ns):
-        raise StageError(f"the joint {sonar.joint} is not in the log", where="mosaic-sonar", remedy="check sonar.joint")
-    else:
-        angle = np.interp(t_ns - t_ns[0], angles.t_ns - t_ns[0], angles.angle)
-    return vehicle @ tray_poses(sonar.origin, angle) @ from_mount(sonar.mount)
-
-
-def place_spread(
-    place: Scenery, t_ns: NDArray[np.int64], poses: Poses, sonar: Sonar, footprint: Footprint
-) -> dict[str, float | None]:
-    """One sigma of a texel's place on the hull, in the median over pings and their footprints, and what the mount has of it."""
-    track, chart = place.track, place.ground.chart
-    near = np.minimum(np.searchsorted(track.t_ns, t_ns), len(track.t_ns) - 1)
-    stance = Stance(
-        sonar=poses, vehicle=interpolate(track.t_ns, track.poses, t_ns), pose_covariance=track.covariance[near],
-        servo_from_sonar=from_mount(sonar.mount),
-        mount_sigma=np.r_[sonar.mount_sigma[:3], np.radians(sonar.mount_sigma[3:])],
-    )  # fmt: skip
-    normals = chart.from_chart(footprint.at.reshape(-1, 2))[1].reshape(footprint.point.shape)
-    names = ("position_sigma_m", "position_sigma_of_mount_m")
-    both = place_sigma(stance, footprint.point, normals)
-    return {n: float(np.nanmedian(s)) if np.isfinite(s).any() else None for n, s in zip(names, both, strict=True)}
+def _pings(artifacts: InputArtifacts) -> SonarPings:
+    pings = artifacts.ingest.sonar
+    if pings is None:
+        raise StageError("the log holds no sonar ping", where="mosaic-sonar", remedy="check topics.sonar")
+    return pings
 
 
 STAGE = Stage(
@@ -91,6 +73,6 @@ STAGE = Stage(
     parameters=SonarOptions,
     version=3,
     run=run,
-    uses=("sonar", "topics", "hull.frame_spacing"),
+    uses=(*SONAR_KEYS, "sonar.joint", "sonar.mount_sigma", "sonar.elevation_deg", "topics.sonar", "hull.frame_spacing"),
     applies=applies,
 )

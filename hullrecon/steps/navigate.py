@@ -4,138 +4,133 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 
-from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
-from hullrecon.dive.images.store import CAMERAS, ImageStore
+from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.dive.config.schema import Logs as LogFiles
+from hullrecon.dive.images.store import IMAGE_SUFFIXES, ImageStore
 from hullrecon.dive.logs.readers.plain import PlainLog
 from hullrecon.errors import StageError
-from hullrecon.geometry.cameras import CameraModel
-from hullrecon.geometry.poses import from_mount
+from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.dead_reckoning.dead_reckon import Logs, Navigated, dead_reckon, usable_frames
 from hullrecon.navigation.options import NavigateOptions
-from hullrecon.navigation.stereo_odometry.stereo_frame import StereoFrame, StereoRig, stereo_frame
-from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Views, stereo_navigate
-from hullrecon.navigation.vehicle import Vehicle
-from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
-from hullrecon.records.serialisation import from_arrays, to_arrays
-
-Record = TypeVar("Record")
-HOUR_S = 3600.0
-USES = (
-    "tray.origin", "tray.sigma_deg", "imu.sigma_roll_pitch_deg", "imu.heading_drift_deg_per_hour", "imu.bias_sigma_deg",
-    "pressure.origin", "pressure.sigma_m", "pressure.bias_sigma_m", "dvl.mount", "dvl.mount_sigma", "dvl.scale_sigma",
-    "dvl.sigma_range", "camera.top.mount", "camera.top.sigma_px", "camera.bottom.pose_in_top", "camera.bottom.pose_sigma",
-    "logs",
-)  # fmt: skip
-SUFFIXES = frozenset((".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff"))
+from hullrecon.navigation.sigmas import SIGMA_KEYS, sigmas_from_settings
+from hullrecon.navigation.stereo_odometry.pair_motion import StereoMotion
+from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stereo_navigate
+from hullrecon.records.serialisation import to_arrays
+from hullrecon.rig import RIG_KEYS, rig_from_settings
+from hullrecon.steps.artifacts import InputArtifacts
+from hullrecon.typing import Ints
+from hullrecon.vision.odometry import OdometryFrame, StereoOdometer, stereo_odometer
 
 
-@dataclass(frozen=True)
-class PairReader:
-    """Makes a stereo frame of two rows in the cameras' indices."""
+class Stream(Protocol):
+    """A stream of samples with stamps (n,)."""
+
+    @property
+    def t_ns(self) -> Ints: ...
+
+
+Samples = TypeVar("Samples", bound=Stream)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImagePairMotion:
+    """The images of a dive and vision's odometer, as navigation asks for the motion between two pairs."""
 
     top: ImageStore
     bottom: ImageStore
-    rig: StereoRig
-    features: int
+    odometer: StereoOdometer
 
-    def __call__(self, top: int, bottom: int) -> StereoFrame:
-        return stereo_frame(self.top.read(top), self.bottom.read(bottom), self.rig, self.features)
+    def frame(self, top: int, bottom: int) -> OdometryFrame:
+        """Return the features of the images in those rows."""
+        return self.odometer.frame(top, self.top.read(top), self.bottom.read(bottom))
+
+    def between(self, first: OdometryFrame, second: OdometryFrame) -> StereoMotion | None:
+        """Return the motion from the first pair to the second; None where too few features agree on one."""
+        found = self.odometer.motion(first, second)
+        if found is None:
+            return None
+        pose = from_matrix(found.motion.second_from_first)
+        return StereoMotion(pose=pose, covariance=found.motion.covariance, inliers=found.inliers)
 
 
-def external(settings: Mapping[str, Any], package: Path) -> list[Path]:
-    """Images that lie in the package as files; read again for visual odometry."""
-    tables = [PlainLog(package / name, package) for name in settings["logs"].files if (package / name).is_dir()]
-    return sorted(file for table in tables for file in table.named_files() if file.suffix.lower() in SUFFIXES)
+def external(settings: StageSettings, package: Path) -> list[Path]:
+    """Return the images that lie in the package as files; they are read again for visual odometry."""
+    files = settings.read("logs", LogFiles).files
+    tables = [PlainLog(package / name, package) for name in files if (package / name).is_dir()]
+    return sorted(file for table in tables for file in table.named_files() if file.suffix.lower() in IMAGE_SUFFIXES)
 
 
-def run(context: Context) -> None:
-    if (context.inputs["ingest"] / "dvl.npz").exists():
+def run(context: Context[NavigateOptions]) -> None:
+    """Leave trajectory, error model, odometry, attitude, returns and navigation.json."""
+    ingest = InputArtifacts(context.inputs).ingest
+    if ingest.dvl is not None:
         _write(context, _by_dvl(context), "dvl")
-    elif all((context.inputs["ingest"] / f"images_{camera}.npz").exists() for camera in CAMERAS):
+    elif all(ingest.image_index(camera) is not None for camera in Camera):
         _write(context, _by_stereo(context), "stereo")
     else:
         raise StageError(
-            "nothing tells how the vehicle moved",
+            "nothing measures how the vehicle moved",
             where="no DVL and no stereo cameras were logged",
             remedy="name the DVL's topic in [topics], or both cameras with their calibration",
         )
 
 
-def _by_dvl(context: Context) -> Navigated:
-    ingest = context.inputs["ingest"]
-    dvl, imu = _record(ingest, "dvl", DvlPings), _record(ingest, "imu", ImuSamples)
+def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
+    ingest, settings = InputArtifacts(context.inputs).ingest, context.settings
+    dvl, imu = _unless_empty(ingest.dvl), _unless_empty(ingest.imu)
     if dvl is None:
         raise StageError("the DVL's log is empty", where="navigate", remedy="check the topic and the span of the log")
     if imu is None:
         what = "the DVL's velocities have no heading: no IMU was logged"
         raise StageError(what, where="navigate", remedy="name the IMU's topic in [topics]")
     logs = Logs(
-        dvl,
-        imu,
-        _record(ingest, "pressure", PressureSamples),
-        _record(ingest, "tray", JointSamples),
-        _record(ingest, "images_camera_top", ImageIndex),
-        _record(ingest, "images_camera_bottom", ImageIndex),
+        dvl=dvl,
+        imu=imu,
+        pressure=_unless_empty(ingest.pressure),
+        tray=_unless_empty(ingest.tray),
+        top=_unless_empty(ingest.image_index(Camera.TOP)),
+        bottom=_unless_empty(ingest.image_index(Camera.BOTTOM)),
     )
-    return dead_reckon(logs, vehicle_of(context.settings), context.parameters, context.settings["dvl.sigma_range"])
+    return dead_reckon(logs, rig_from_settings(settings), sigmas_from_settings(settings), context.parameters)
 
 
-def _by_stereo(context: Context) -> Navigated:
-    ingest, settings = context.inputs["ingest"], context.settings
-    cameras = json.loads((ingest / "cameras.json").read_text())
-    sigma_rad = float(np.radians(np.max(settings["camera.bottom.pose_sigma"][3:])))
-    top, bottom = (CameraModel(**cameras[name]) for name in ("top", "bottom"))
-    rig = StereoRig(
-        top, bottom, from_mount(settings["camera.bottom.pose_in_top"]), settings["camera.top.sigma_px"], 2 * sigma_rad * top.fx
-    )
-    upper, lower = (ImageStore(ingest, context.source, camera) for camera in CAMERAS)
-    reader = PairReader(upper, lower, rig, context.parameters.stereo_features)
-    views = Views(usable_frames(upper.index), usable_frames(lower.index), reader, from_mount(settings["camera.top.mount"]))
-    aids = Aids(
-        _record(ingest, "imu", ImuSamples), _record(ingest, "pressure", PressureSamples), _record(ingest, "tray", JointSamples)
-    )
+def _by_stereo(context: Context[NavigateOptions]) -> Navigated:
+    ingest, settings, options = InputArtifacts(context.inputs).ingest, context.settings, context.parameters
+    rig = rig_from_settings(settings, ingest.camera_models)
+    rig_sigma_rad = float(np.radians(np.max(settings.read("camera.bottom.pose_sigma", tuple)[3:])))
+    odometer = stereo_odometer(rig, options.stereo_features, options.stereo_inliers, rig_sigma_rad)
+    top, bottom = (ingest.images(camera, context.source) for camera in Camera)
+    aids = Aids(imu=_unless_empty(ingest.imu), pressure=_unless_empty(ingest.pressure), tray=_unless_empty(ingest.tray))
+
+    def progress(pairs: Sequence[int]) -> Iterable[int]:
+        return context.progress(pairs, "stereo pairs")
+
     return stereo_navigate(
-        views, aids, rig, vehicle_of(settings), context.parameters, lambda pairs: context.progress(pairs, "stereo pairs")
+        Frames(top=usable_frames(top.index), bottom=usable_frames(bottom.index)),
+        aids,
+        ImagePairMotion(top=top, bottom=bottom, odometer=odometer),
+        rig,
+        sigmas_from_settings(settings),
+        options,
+        progress,
     )
 
 
-def vehicle_of(settings: Mapping[str, Any]) -> Vehicle:
-    """Mounts and sigmas in metres and radians, from the dotted keys of `USES`."""
-    mount_sigma = np.array(settings["dvl.mount_sigma"], float)
-    mount_sigma[3:] = np.radians(mount_sigma[3:])
-    return Vehicle(
-        tray_origin=np.array(settings["tray.origin"], float),
-        pressure_origin=np.array(settings["pressure.origin"], float),
-        T_s_d=from_mount(settings["dvl.mount"]),
-        sigma_mount=mount_sigma,
-        sigma_scale=settings["dvl.scale_sigma"],
-        sigma_drift=float(np.radians(settings["imu.heading_drift_deg_per_hour"]) / HOUR_S),
-        sigma_tilt_bias=float(np.radians(settings["imu.bias_sigma_deg"])),
-        sigma_depth_bias=settings["pressure.bias_sigma_m"],
-        sigma_tray=float(np.radians(settings["tray.sigma_deg"])),
-        sigma_tilt=float(np.radians(settings["imu.sigma_roll_pitch_deg"])),
-        sigma_depth=settings["pressure.sigma_m"],
-    )
+def _unless_empty(samples: Samples | None) -> Samples | None:
+    """Return a stream with at least one sample, or None."""
+    return None if samples is None or not len(samples.t_ns) else samples
 
 
-def _record(ingest: Path, name: str, kind: type[Record]) -> Record | None:
-    """A record that ingest left with at least one row, or None."""
-    path = ingest / f"{name}.npz"
-    if not path.exists():
-        return None
-    arrays = load_arrays(path)
-    return from_arrays(kind, arrays) if len(arrays["t_ns"]) else None
-
-
-def _write(context: Context, found: Navigated, source: str) -> None:
+def _write(context: Context[NavigateOptions], found: Navigated, source: str) -> None:
     for name in ("trajectory", "error_model", "odometry", "attitude"):
         context.out.arrays(f"{name}.npz", to_arrays(getattr(found, name)))
     if len(found.returns.t_ns):
@@ -149,11 +144,11 @@ def _write(context: Context, found: Navigated, source: str) -> None:
 
 STAGE = Stage(
     name="navigate",
-    summary="reckon the vehicle's path",
+    summary="compute the dead-reckoned trajectory",
     inputs=("ingest",),
     parameters=NavigateOptions,
-    version=2,
+    version=3,
     run=run,
-    uses=USES,
+    uses=(*RIG_KEYS, *SIGMA_KEYS, "camera.bottom.pose_sigma", "logs"),
     external=external,
 )

@@ -15,21 +15,21 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.neighbours import count_within, nearest
 from hullrecon.records.surface import Surface
-from hullrecon.surface.gaussian import fit_robust, most_likely
+from hullrecon.surface.gaussian import fit_robust, maximise_likelihood
 from hullrecon.surface.kernels import Kernel
 from hullrecon.surface.lattice import supported_lattice
-from hullrecon.surface.linear import interpolate, scatter
+from hullrecon.surface.linear import interpolate, scatter_sigma
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.surface.thinning import Observations, cell_means
 from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, object]
-LEAST_LEAN = 0.2  # cosine between the chart's normal and the datum's below which a height places nothing
-LEARNING = 400  # observations that the marginal likelihood looks at: a step of the search takes some 10 ms
+MIN_FACING = 0.2  # cosine between the chart's normal and the datum's below which a height places nothing
+LIKELIHOOD_POINTS = 400  # observations that the marginal likelihood looks at: a step of the search takes some 10 ms
 
 
-@dataclass(frozen=True)
-class Cloud:
+@dataclass(frozen=True, kw_only=True)
+class SurfacePoints:
     """Inliers in the chart's frame. point (n, 3); noise (n,) m, white; pose_sigma (n,) m, what neighbours share;
     gives_support (n,) bool: the surface covers what lies around it (a DVL return; a landmark where there is no DVL)."""
 
@@ -40,7 +40,7 @@ class Cloud:
 
 
 def build_surface(
-    cloud: Cloud, chart: Chart, options: SurfaceOptions, datum: PlaneChart | None = None
+    observed: SurfacePoints, chart: Chart, options: SurfaceOptions, datum: PlaneChart | None = None
 ) -> tuple[Surface, Facts]:
     """The surface (deviation NaN) and what was found on the way, for surface.json.
 
@@ -48,35 +48,37 @@ def build_surface(
     With a datum, heights over that plane are: the chart only numbers places, its shape does not enter the mean. Where the chart
     stands too steep on the datum there is no surface.
     """
-    charted = chart.to_chart(cloud.point)
+    charted = chart.to_chart(observed.point)
     known = np.asarray(np.isfinite(charted).all(axis=1))
-    if not (known & cloud.gives_support).any():
+    if not (known & observed.gives_support).any():
         raise StageError("no return lies on the chart", where="surface", remedy="check hull.pose, dvl.mount and tray.origin")
-    charted, cloud = charted[known], _take(cloud, known)
+    charted, observed = charted[known], _take(observed, known)
     if datum is not None:
-        charted[:, 2] = datum.to_chart(cloud.point)[:, 2]
-    grid = supported_lattice(charted[cloud.gives_support, :2], options.grid, options.reach)
+        charted[:, 2] = datum.to_chart(observed.point)[:, 2]
+    grid = supported_lattice(charted[observed.gives_support, :2], options.grid_step_m, options.reach_m)
     if not len(grid.faces):
-        raise StageError("the returns are too sparse for a surface", where="surface", remedy="raise surface.reach")
-    estimate = _by_process if options.method == "gp" else _by_triangles
-    offset, sigma, facts = estimate(charted, cloud, grid.vertices[:, :2], options)
+        raise StageError("the returns are too sparse for a surface", where="surface", remedy="raise surface.reach_m")
+    estimate = _by_gaussian_process if options.method == "gp" else _by_triangles
+    offset, sigma, facts = estimate(charted, observed, grid.vertices[:, :2], options)
     if datum is not None:
-        offset, sigma = _along_normals(offset, sigma, grid.vertices[:, :2], chart, datum)
-    mesh, values = refine(grid, options.edge, np.stack([offset, sigma], axis=1))
-    shared = _nearest(charted[:, :2], cloud.pose_sigma, mesh.vertices[:, :2])
-    support = count_within(charted[cloud.gives_support, :2], mesh.vertices[:, :2], options.reach)
-    surface = _placed(mesh, values[:, 0], np.hypot(values[:, 1], shared), np.maximum(support, 1), chart)
+        offset, sigma = _heights_to_offsets(offset, sigma, grid.vertices[:, :2], chart, datum)
+    mesh, values = refine(grid, options.max_edge_m, np.stack([offset, sigma], axis=1))
+    shared = _nearest(charted[:, :2], observed.pose_sigma, mesh.vertices[:, :2])
+    support = count_within(charted[observed.gives_support, :2], mesh.vertices[:, :2], options.reach_m)
+    surface = _lift_to_space(mesh, values[:, 0], np.hypot(values[:, 1], shared), np.maximum(support, 1), chart)
     return surface, {**facts, "vertices": len(surface.vertices), "faces": len(surface.faces)}
 
 
-def _by_process(charted: Array, cloud: Cloud, wanted: Array, options: SurfaceOptions) -> tuple[Array, Array, Facts]:
-    seen = cell_means(charted[:, :2], charted[:, 2], np.hypot(cloud.noise, options.roughness), options.voxel)
-    kernel, scale = Kernel(options.kernel, (options.length_along, options.length_girth), options.sigma), 1.0
+def _by_gaussian_process(
+    charted: Array, observed: SurfacePoints, wanted: Array, options: SurfaceOptions
+) -> tuple[Array, Array, Facts]:
+    seen = cell_means(charted[:, :2], charted[:, 2], np.hypot(observed.noise, options.roughness_sigma_m), options.cell_m)
+    kernel, scale = Kernel(options.kernel, (options.length_along_m, options.length_girth_m), options.offset_sigma_m), 1.0
     middle = float(np.median(seen.offset))
     if options.fit:
         few = _sample(seen)
-        limit = (4 * options.voxel, 60.0)
-        kernel, scale = most_likely(kernel, few.at, few.offset - middle, few.noise, limit)
+        limit = (4 * options.cell_m, 60.0)
+        kernel, scale = maximise_likelihood(kernel, few.at, few.offset - middle, few.noise, limit)
     result = fit_robust(kernel, seen.at, seen.offset - middle, seen.noise * scale)
     facts: Facts = {
         "method": "gp", "kernel": kernel.form, "lengths_m": [round(x, 4) for x in kernel.length], "sigma_m": kernel.sigma,
@@ -85,30 +87,32 @@ def _by_process(charted: Array, cloud: Cloud, wanted: Array, options: SurfaceOpt
     return middle + result.mean(wanted), result.sigma(wanted), facts
 
 
-def _by_triangles(charted: Array, cloud: Cloud, wanted: Array, options: SurfaceOptions) -> tuple[Array, Array, Facts]:
-    seen = cell_means(charted[:, :2], charted[:, 2], cloud.noise, 0.25 * options.voxel)
-    sigma = scatter(seen.at, seen.offset)
+def _by_triangles(
+    charted: Array, observed: SurfacePoints, wanted: Array, options: SurfaceOptions
+) -> tuple[Array, Array, Facts]:
+    seen = cell_means(charted[:, :2], charted[:, 2], observed.noise, 0.25 * options.cell_m)
+    sigma = scatter_sigma(seen.at, seen.offset)
     facts: Facts = {"method": "linear", "observations": len(seen.at), "scatter_m": sigma}
     return interpolate(seen.at, seen.offset, wanted), np.full(len(wanted), sigma), facts
 
 
-def _along_normals(height: Array, sigma: Array, at: Array, chart: Chart, datum: PlaneChart) -> tuple[Array, Array]:
+def _heights_to_offsets(height: Array, sigma: Array, at: Array, chart: Chart, datum: PlaneChart) -> tuple[Array, Array]:
     """How far along the chart's normals the places of height (n,) over the datum lie, and their sigma; NaN where too steep."""
     base, normal = chart.from_chart(at)
     lean = normal @ datum.axes[2]
-    lean = np.where(lean > LEAST_LEAN, lean, np.nan)
+    lean = np.where(lean > MIN_FACING, lean, np.nan)
     return (height - datum.to_chart(base)[:, 2]) / lean, sigma / lean
 
 
 def _sample(seen: Observations) -> Observations:
     """Half of them a compact part around the middle, where short lengths show, half spread evenly, where long ones do."""
     far = np.linalg.norm((seen.at - np.median(seen.at, axis=0)) / np.maximum(np.std(seen.at, axis=0), 1e-9), axis=1)
-    spread = np.linspace(0, len(far) - 1, LEARNING // 2).astype(np.int64)
-    part = np.union1d(np.argsort(far, kind="stable")[: LEARNING // 2], spread)
-    return Observations(seen.at[part], seen.offset[part], seen.noise[part], seen.count[part])
+    spread = np.linspace(0, len(far) - 1, LIKELIHOOD_POINTS // 2).astype(np.int64)
+    part = np.union1d(np.argsort(far, kind="stable")[: LIKELIHOOD_POINTS // 2], spread)
+    return Observations(at=seen.at[part], offset=seen.offset[part], noise=seen.noise[part], count=seen.count[part])
 
 
-def _placed(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart: Chart) -> Surface:
+def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart: Chart) -> Surface:
     """The chart's mesh moved into space; faces that the chart cannot place are dropped, orientation follows the normals."""
     base, normal = chart.from_chart(mesh.vertices[:, :2])
     vertices = base + normal * offset[:, None]
@@ -123,8 +127,13 @@ def _placed(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart: Chart
     return Surface(vertices=vertices, faces=faces.astype(np.int32), deviation=nothing, sigma=sigma[used], support=support[used])
 
 
-def _take(cloud: Cloud, which: Mask) -> Cloud:
-    return Cloud(cloud.point[which], cloud.noise[which], cloud.pose_sigma[which], cloud.gives_support[which])
+def _take(observed: SurfacePoints, which: Mask) -> SurfacePoints:
+    return SurfacePoints(
+        point=observed.point[which],
+        noise=observed.noise[which],
+        pose_sigma=observed.pose_sigma[which],
+        gives_support=observed.gives_support[which],
+    )
 
 
 def _nearest(at: Array, values: Array, wanted: Array) -> Array:

@@ -27,7 +27,7 @@ class NotPositiveDefiniteError(StageError):
     """The matrix is no covariance."""
 
 
-def factor(matrix: sparse.csr_array) -> Factor:
+def factorise(matrix: sparse.csr_array) -> Factor:
     """Raises NotPositiveDefiniteError when a pivot is not positive."""
     n = matrix.shape[0]
     if n <= SMALL or matrix.nnz > 0.3 * n * n:

@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from hullrecon.surface.factor import Factor, NotPositiveDefiniteError, factor
+from hullrecon.surface.factor import Factor, NotPositiveDefiniteError, factorise
 from hullrecon.surface.kernels import Kernel
 from hullrecon.typing import Array
 
 CHUNK = 2000  # columns of a variance solved at once: bounds memory at n x 2000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Regression:
     """A fitted field of offsets. at (n, 2) chart points; noise (n,) m, one sigma of each observation, 1/sqrt(beta) in O."""
 
@@ -33,11 +33,11 @@ class Regression:
     def sigma(self, wanted: Array, noise: float = 0.0) -> Array:
         """Deviations [Ozog2016 eq. 3.3] at (m, 2): one sigma of the surface; with the noise of a return, one sigma of the next
         return."""
-        parts = [self._explained(wanted[i : i + CHUNK]) for i in range(0, len(wanted), CHUNK)]
+        parts = [self._explained_variance(wanted[i : i + CHUNK]) for i in range(0, len(wanted), CHUNK)]
         variance = np.concatenate([np.zeros(0), *parts])
         return np.asarray(np.sqrt(np.maximum(0.0, self.kernel.sigma**2 - variance) + noise**2))
 
-    def _explained(self, wanted: Array) -> Array:
+    def _explained_variance(self, wanted: Array) -> Array:
         cross = self.kernel.matrix(self.at, wanted).toarray()
         return np.asarray(np.einsum("nm,nm->m", cross, self.factor.solve(cross)))
 
@@ -50,8 +50,8 @@ def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
     covariance = kernel.matrix(at, at)
     if kernel.form == "radial":
         _require_covariance(kernel, covariance)
-    solver = factor(covariance + sparse.diags_array(noise**2).tocsr())
-    return Regression(kernel, at, noise, solver.solve(values), solver)
+    solver = factorise(covariance + sparse.diags_array(noise**2).tocsr())
+    return Regression(kernel=kernel, at=at, noise=noise, weights=solver.solve(values), factor=solver)
 
 
 def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array, threshold: float = 2.0, rounds: int = 4) -> Regression:
@@ -64,7 +64,9 @@ def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array, threshold
     return result
 
 
-def most_likely(start: Kernel, at: Array, values: Array, noise: Array, limit: tuple[float, float]) -> tuple[Kernel, float]:
+def maximise_likelihood(
+    start: Kernel, at: Array, values: Array, noise: Array, limit: tuple[float, float]
+) -> tuple[Kernel, float]:
     """Lengths and sigma of the field, and a factor on the noise, by marginal likelihood; lengths stay within `limit` m."""
     from scipy.optimize import minimize
 

@@ -21,7 +21,7 @@ def interpolate(at: Array, values: Array, wanted: Array) -> Array:
     return np.where(np.isfinite(inside), inside, NearestNDInterpolator(at, values)(wanted))
 
 
-def scatter(at: Array, values: Array, neighbours: int = 6) -> float:
+def scatter_sigma(at: Array, values: Array, neighbours: int = 6) -> float:
     """One robust sigma of a value about the surface: its median distance from the mean of its neighbours, scaled."""
     count = min(neighbours, len(at) - 1)
     if count < 1:

@@ -12,7 +12,7 @@ Positive = Annotated[float, Meta(gt=0)]
 
 
 class SurfaceOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How the surface is made of the DVL's returns."""
+    """Hold how the surface is made of the DVL's returns."""
 
     method: Annotated[Literal["gp", "linear"], Meta(description="Gaussian process, or linear interpolation")] = "gp"
     reference: Annotated[
@@ -23,7 +23,7 @@ class SurfaceOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
         ),
     ] = "cad"
     outlier_neighbours: Annotated[int, Meta(ge=2, le=500, description="neighbours with which a return is compared")] = 30
-    outlier_deviations: Annotated[
+    outlier_sigmas: Annotated[
         Positive, Meta(description="sigmas, mean distance to the neighbours beyond which a return is an outlier")
     ] = 1.0
     landmarks: Annotated[bool, Meta(description="landmarks on the hull are observations too")] = False
@@ -34,11 +34,11 @@ class SurfaceOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     fit: Annotated[bool, Meta(description="estimate lengths and sigma by marginal likelihood, starting from those given")] = (
         True
     )
-    length_along: Annotated[Positive, Meta(description="m, distance along the hull at which the kernel ends")] = 15.0
-    length_girth: Annotated[Positive, Meta(description="m, distance around the girth at which the kernel ends")] = 3.0
-    sigma: Annotated[Positive, Meta(description="m, one sigma of the offsets from the base surface")] = 0.03
-    roughness: Annotated[Positive, Meta(description="m, one sigma of what a single return sees beside the smooth hull")] = 0.01
-    voxel: Annotated[Positive, Meta(description="m, cell whose returns are averaged before the regression")] = 0.15
-    grid: Annotated[Positive, Meta(description="m, spacing of the chart's grid")] = 0.2
-    edge: Annotated[Positive, Meta(description="m, longest edge after subdivision")] = 0.1
-    reach: Annotated[Positive, Meta(description="m, the surface covers what lies so near to a return")] = 0.4
+    length_along_m: Annotated[Positive, Meta(description="m, distance along the hull at which the kernel ends")] = 15.0
+    length_girth_m: Annotated[Positive, Meta(description="m, distance around the girth at which the kernel ends")] = 3.0
+    offset_sigma_m: Annotated[Positive, Meta(description="m, one sigma of the offsets from the base surface")] = 0.03
+    roughness_sigma_m: Annotated[Positive, Meta(description="m, one sigma of a single return about the smooth hull")] = 0.01
+    cell_m: Annotated[Positive, Meta(description="m, cell whose returns are averaged before the regression")] = 0.15
+    grid_step_m: Annotated[Positive, Meta(description="m, spacing of the chart's grid")] = 0.2
+    max_edge_m: Annotated[Positive, Meta(description="m, longest edge after subdivision")] = 0.1
+    reach_m: Annotated[Positive, Meta(description="m, the surface extends this far from a return")] = 0.4

@@ -11,7 +11,7 @@ import numpy as np
 from hullrecon.typing import Array, Ints
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Observations:
     """at (n, 2) chart metres; offset (n,) m from the base surface; noise (n,) m; count (n,) returns behind each."""
 
@@ -29,4 +29,4 @@ def cell_means(at: Array, offset: Array, noise: Array, cell_m: float) -> Observa
     weight = noise**-2.0
     total = np.bincount(cell, weight)
     mean = [np.bincount(cell, weight * values) / total for values in (at[:, 0], at[:, 1], offset)]
-    return Observations(np.stack(mean[:2], axis=1), mean[2], np.sqrt(1 / total), np.bincount(cell))
+    return Observations(at=np.stack(mean[:2], axis=1), offset=mean[2], noise=np.sqrt(1 / total), count=np.bincount(cell))

@@ -14,12 +14,11 @@ from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.vehicle.motion import Motion, ticks
 from hullrecon.synthetic.vehicle.rig import Rig, true_rig
 from hullrecon.synthetic.vehicle.simulate_path import leg_corners, simulate_path
-from hullrecon.synthetic.world.as_built import AsBuilt, build
-from hullrecon.synthetic.world.hull_patch import HullPatch, cut_hull_patch
+from hullrecon.synthetic.world.built_hull import BuiltHull
+from hullrecon.synthetic.world.hull_patch import HullSkin
 from hullrecon.synthetic.world.hull_shapes import hull_shape
 from hullrecon.synthetic.world.item_placement import place_items
 from hullrecon.synthetic.world.items import Item
-from hullrecon.synthetic.world.ray_casting import Rays
 
 Array = NDArray[np.float64]
 Window = tuple[float, float]
@@ -33,10 +32,8 @@ class Dive:
 
     spec: DiveSpec
     cad_model: Mesh
-    patch: HullPatch
     items: tuple[Item, ...]
-    built: AsBuilt
-    hull: Rays
+    hull: BuiltHull
     rig: Rig
     motion: Motion
     seen_along: Window
@@ -53,17 +50,15 @@ def simulate_dive(spec: DiveSpec) -> Dive:
     surface_z = ship.draught_m - survey.top_m
     depth = (survey.legs - 1) * survey.leg_spacing_m
     top_z = min(float(cad_model.vertices[:, 2].max()), surface_z + 2.0) - 1e-3
-    patch = cut_hull_patch(cad_model, (middle - half - BEYOND_M, middle + half + BEYOND_M), surface_z, top_z, depth + BELOW_M)
+    span = (middle - half - BEYOND_M, middle + half + BEYOND_M)
+    skin = HullSkin(cad_model, span, zero_z_m=surface_z, top_z_m=top_z, down_m=depth + BELOW_M)
     items = place_items(spec, (middle - half + 0.1, middle + half - 0.1), (-depth - 0.1, 0.1))
-    built = build(spec, patch, items)
-    motion = simulate_path(spec, patch, leg_corners(survey, middle, 0.0))
+    motion = simulate_path(spec, skin, leg_corners(survey, middle, 0.0))
     return Dive(
         spec=spec,
         cad_model=cad_model,
-        patch=patch,
         items=items,
-        built=built,
-        hull=Rays(built.mesh),
+        hull=BuiltHull(spec, skin, items),
         rig=true_rig(spec),
         motion=motion,
         seen_along=(middle - half - 0.9, middle + half + 0.9),

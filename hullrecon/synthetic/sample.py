@@ -22,6 +22,7 @@ SAMPLE = DiveSpec(
 
 
 def main() -> None:
+    """Write the sample dive into the folder given, or into sample_data."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[2] / "sample_data" / "demo"
     write_package(folder, SAMPLE)
     print(folder)

@@ -53,7 +53,8 @@ class MatchOptions(Section, frozen=True):
     min_inliers: Annotated[Count, Meta(description="matches after verification that a pair must have")] = 12
     ransac_trials: Annotated[int, Meta(ge=10, le=100_000, description="RANSAC trials of a pair")] = 400
     navigation_chi2: Annotated[
-        Positive, Meta(description="chi2, of six numbers; a motion farther from navigation's is rejected")
+        Positive,
+        Meta(description="chi2, of six numbers; a motion farther from navigation's is rejected, at 5/6 of it without a length"),
     ] = 50.0
 
     # depth of the scene when nothing has measured it, m

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// CHOLMOD opens OpenMP teams inside one another and OpenBLAS a team of its own; on cores that are not free they spin (one
+// CHOLMOD opens OpenMP teams inside one another and OpenBLAS threads of its own; on cores that are not free they spin (one
 // factorisation took 9 to 24 s instead of 0.5). For the life of this object both stay on the calling thread.
 #pragma once
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// What the native code throws; module.cpp maps each to its twin in hullrecon.errors. Nothing is printed, nothing aborts.
+// Exceptions of the native code; python/convert.h maps each to its twin in hullrecon.errors. Nothing is printed, nothing
+// aborts.
 #pragma once
 
 #include <stdexcept>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Work over ordered slabs. Each element writes its own output and reads no other's, so bytes do not depend on the threads.
+// Runs work over ordered slabs. Each element writes its own output and reads no other's, so bytes do not depend on the threads.
 #pragma once
 
 #include <algorithm>
@@ -22,9 +22,9 @@ void for_slabs(int64_t count, int threads, const Work& work, int64_t grain = 256
   const int64_t slabs = std::clamp<int64_t>(count / grain, 1, thread_count(threads));
   if (slabs == 1) return work(int64_t{0}, count);
   std::vector<std::exception_ptr> failure(slabs);
-  std::vector<std::thread> team;
+  std::vector<std::thread> workers;
   for (int64_t s = 0; s < slabs; ++s) {
-    team.emplace_back([&, s] {
+    workers.emplace_back([&, s] {
       try {
         work(s * count / slabs, (s + 1) * count / slabs);
       } catch (...) {
@@ -32,7 +32,7 @@ void for_slabs(int64_t count, int threads, const Work& work, int64_t grain = 256
       }
     });
   }
-  for (auto& member : team) member.join();
+  for (auto& member : workers) member.join();
   for (auto& error : failure) {
     if (error) std::rethrow_exception(error);
   }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Threads for work that makes more work: tasks that wait for tasks of their own. Plain threads that live as long as the team,
+// Runs tasks that make and wait for tasks of their own. Plain threads that live as long as the pool,
 // not OpenMP's, which a process forked from ours could not use again.
 #pragma once
 
@@ -14,15 +14,15 @@
 
 namespace hullrecon {
 
-class Team {
+class TaskPool {
  public:
   // With the calling thread, so many.
-  explicit Team(int threads) {
+  explicit TaskPool(int threads) {
     for (int k = 1; k < threads; ++k) {
       members_.emplace_back([this] { work(nullptr, [this] { return ended_; }); });
     }
   }
-  ~Team() {
+  ~TaskPool() {
     {
       const std::lock_guard lock(mutex_);
       ended_ = true;
@@ -30,12 +30,12 @@ class Team {
     changed_.notify_all();
     for (auto& member : members_) member.join();
   }
-  Team(const Team&) = delete;
-  Team& operator=(const Team&) = delete;
+  TaskPool(const TaskPool&) = delete;
+  TaskPool& operator=(const TaskPool&) = delete;
 
   // Tasks that are waited for together. They must not throw.
   class Group {
-    friend class Team;
+    friend class TaskPool;
     int open_ = 0;
   };
   void add(Group& group, std::function<void()> task) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// plumb_bob: nine numbers fx fy cx cy k1 k2 p1 p2 k3, pixel centres as OpenCV has them.
+// Projects points by the pinhole with plumb_bob distortion [Brown1971]: nine numbers fx fy cx cy k1 k2 p1 p2 k3, pixel centres
+// as OpenCV has them.
 #pragma once
 
 #include <Eigen/Core>

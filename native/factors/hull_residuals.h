@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Ranges and landmarks against the drawing, and the field of its deviations (O 4.4, 4.5, 4.14; METHODS 5).
+// Residuals of ranges and landmarks against the CAD model, and of the deviation field's prior.
 #pragma once
 
 #include "factors/residual.h"
 
 namespace hullrecon {
 
-// What the mesh says near a query, held until the next refresh: distance(p) = normal . p + offset, in M.
+// Tangent plane of the mesh near a query, held until the next refresh: distance(p) = normal . p + offset, in M.
 struct Facet {
   Vec3 normal = Vec3::Zero();
   double offset = 0;
@@ -29,10 +29,12 @@ struct Beam {
   }
 };
 
-// Range of a DVL beam (O 4.14), 1 row (m): predicted - measured along the beam to the plane of the triangle that it hits, moved
-// outward by the field f: cast + f / (n . d), n the outward normal, d the beam (n . d = -cos(incidence) from outside). By pose,
-// T_g_M, T_s_d and field nodes. `offset`: vehicle at the ping in the vehicle of the node. A miss: no residual, no derivative.
-// *refused (association.h): too many beams were lost at this point; False, so that no step gains by looking away.
+// Range of a DVL beam [Ozog2016 4.14].
+// Rows: 1, m. Blocks: pose, T_g_M, T_s_d, field nodes. Frames: `offset` is the vehicle at the ping in the vehicle of the node.
+// Sign: predicted - measured; predicted is the range along the beam to the plane of the triangle that it hits, moved outward by
+// the field f: cast + f / (n . d), n the outward normal, d the beam (n . d = -cos(incidence) from outside). Sigma: one a beam.
+// A miss has no residual and no derivative. Returns false where *refused (association.h): too many beams were lost at this
+// point.
 struct Range {
   static constexpr int kRows = 1;
   Motion offset;
@@ -52,26 +54,28 @@ struct Range {
     const double cast = -(facet->normal.dot(start.end_hull) + facet->offset) / slope;
     r[0] = on ? cast + f / slope - measured : 0.0;
     if (!J) return !*refused;
-    // dr = -n . d(end) / slope - f n . d(along) / slope^2; a turn moves both at once, hence the arm.
+    // dr = -n . d(end) / slope - f n . d(along) / slope^2; a turn moves both at once, hence the moment.
     const Beam b = at(x, cast);
-    const auto arm = [&](const Vec3& end, const Vec3& along) { return Vec3(-end / slope - f / (slope * slope) * along); };
+    const auto moment = [&](const Vec3& end, const Vec3& along) { return Vec3(-end / slope - f / (slope * slope) * along); };
     const Vec3 n_global = Motion(x[1]).q * facet->normal, n_vehicle = Motion(x[0]).q.conjugate() * n_global;
     const Vec3 n_tray = b.tray.transpose() * (offset.q.conjugate() * n_vehicle), n_dvl = Motion(x[2]).q.conjugate() * n_tray;
     derive<1, 8>(J, 0, [&](auto& j) {
-      j << -n_global.transpose() / slope, arm(b.end_vehicle, b.along_vehicle).cross(n_vehicle).transpose(),
-          n_tray.dot(turn_y(arm(b.end_tray, b.along_tray))), 0;
+      j << -n_global.transpose() / slope, moment(b.end_vehicle, b.along_vehicle).cross(n_vehicle).transpose(),
+          n_tray.dot(turn_y(moment(b.end_tray, b.along_tray))), 0;
     });
     derive<1, 7>(J, 1, [&](auto& j) {
-      j << n_global.transpose() / slope, facet->normal.cross(arm(b.end_hull, b.along_hull)).transpose(), 0;
+      j << n_global.transpose() / slope, facet->normal.cross(moment(b.end_hull, b.along_hull)).transpose(), 0;
     });
-    derive<1, 7>(J, 2, [&](auto& j) { j << -n_tray.transpose() / slope, arm(b.end_dvl, beam).cross(n_dvl).transpose(), 0; });
+    derive<1, 7>(J, 2, [&](auto& j) { j << -n_tray.transpose() / slope, moment(b.end_dvl, beam).cross(n_dvl).transpose(), 0; });
     field.derive_nodes(J, 3, on ? 1 / slope : 0.0);
     return !*refused;
   }
 };
 
-// Surface (O 4.4, 4.5), 1 row (m): signed distance of T_g_M^-1 l to the drawing, less the field; by landmark, T_g_M and field
-// nodes. The derivative is that of the true distance: `facet` is its tangent plane at the last refresh.
+// Distance of a landmark to the hull [Ozog2016 4.4, 4.5].
+// Rows: 1, m. Blocks: landmark, T_g_M, field nodes. Frame: M. Sign: signed distance of T_g_M^-1 l to the CAD model, positive
+// outside, less the field. Sigma: sigma_on, under the mixture's loss. The derivative is that of the true distance: `facet` is
+// its tangent plane at the last refresh.
 struct Surface {
   static constexpr int kRows = 1;
   FieldAt field;
@@ -92,7 +96,8 @@ struct Surface {
   }
 };
 
-// Prior of the deviation field, 1 row (no unit): a row of its whitening operator times the nodes.
+// Prior of the deviation field [RasmussenWilliams2006].
+// Rows: 1, no unit: a row of the field's whitening operator times its nodes. Blocks: nodes. Sigma: within the operator.
 struct FieldPrior {
   static constexpr int kRows = 1;
   FieldAt row;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Stereo and mono images (O 4.12, 4.13).
+// Residuals of stereo pairs and single images.
 #pragma once
 
 #include "factors/camera.h"
@@ -8,8 +8,7 @@
 
 namespace hullrecon {
 
-// A landmark in the top camera's frame, T_g_v Trans(tray_origin) Ry(theta) T_s_ct, with its derivatives: of both camera
-// factors.
+// A landmark in the top camera's frame, T_g_v Trans(tray_origin) Ry(theta) T_s_ct, with its derivatives.
 struct InTopCamera {
   Vec3 point;
   Mat3 by_landmark;
@@ -31,9 +30,10 @@ struct InTopCamera {
   }
 };
 
-// Stereo (O 4.12), 4 rows (px): predicted - measured, top u v, bottom u v, raw pixels; by landmark, pose, T_s_ct, T_ct_cb,
-// intrinsics of top and bottom. One sigma for all rows; one Huber loss on the norm of the four (a pair is good or bad as one;
-// its threshold is that of four rows, Options.huber_stereo).
+// A stereo pair [Ozog2016 4.12].
+// Rows: 4, px: top u v, bottom u v, raw pixels through the full camera model. Blocks: landmark, pose, T_s_ct, T_ct_cb,
+// intrinsics of top and bottom. Sign: predicted - measured. Sigma: one for all rows; one Huber loss on the norm of the four,
+// for a pair is good or bad as one (Options.huber_stereo). A point behind a camera: kBehindPixels, no derivative (camera.h).
 struct Stereo {
   static constexpr int kRows = 4;
   Vec3 tray_origin;
@@ -71,8 +71,9 @@ struct Stereo {
   }
 };
 
-// One camera (O 4.13), 2 rows (px): predicted - measured; by landmark, pose, T_s_ct, intrinsics of that camera and, for the
-// bottom one, T_ct_cb.
+// One image of a landmark [Ozog2016 4.13].
+// Rows: 2, px: u v. Blocks: landmark, pose, T_s_ct, intrinsics of that camera and, for the bottom one, T_ct_cb. Sign: predicted
+// - measured. Sigma: one; Huber loss on the norm of both rows (Options.huber_mono).
 struct Mono {
   static constexpr int kRows = 2;
   Vec3 tray_origin;

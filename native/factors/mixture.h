@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Labels (O 4.2.3, 4.2.4). A landmark is on the hull (label 1, sigma_on) or off it (label 0, sigma_off), equal odds; the
-// likelier label wins. Twice the negative log likelihood, less that of label 1 at zero, of s = (h / sigma_on)^2:
+// Labels of landmarks and the losses of factors [Ozog2016 4.2.3, OlsonAgarwal2013]. A landmark is on the hull (label 1,
+// sigma_on) or off it (label 0, sigma_off), equal odds; the likelier label wins. Twice the negative log likelihood, less that
+// of label 1 at zero, of s = (h / sigma_on)^2:
 //   label 1: s          label 0: s (sigma_on / sigma_off)^2 + 2 ln(sigma_off / sigma_on)
 // and the max-mixture is the smaller: an exact loss on s, continuous, its derivative that of the winning label.
 #pragma once
@@ -22,7 +23,7 @@ class Mixture {
 
   double ratio() const { return ratio_; }
   double constant() const { return constant_; }
-  // |h| at which the labels change, m: 0.05595 for O's sigmas.
+  // |h| at which the labels change, m: 0.05595 for sigmas of 0.02 and 1 m.
   double boundary() const { return boundary_; }
   bool on(double h) const { return std::abs(h) <= boundary_; }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Priors, depth and attitude, tray, odometry (O 4.8 to 4.11).
+// Residuals of priors, depth and attitude, tray and odometry [Ozog2016 4.8-4.11].
 #pragma once
 
 #include <array>
@@ -9,8 +9,9 @@
 
 namespace hullrecon {
 
-// Prior on a motion or on the motion of a pose (O 4.8), 6 rows: (m, rad) of prior^-1 x. Translation R_z' (t_x - t_z), in the
-// prior's own axes; rotation Log(R_z' R_x). Size: 8 for a pose block, 7 for a motion. Whitened by a full square root.
+// Prior of a motion, or of the motion in a pose block [Ozog2016 4.8].
+// Rows: 6, (m, rad). Blocks: the motion (Size 7) or the pose (Size 8). Frame: the axes of the prior.
+// Sign: prior^-1 x, translation R_z' (t_x - t_z), rotation Log(R_z' R_x). Sigma: full square root of the information.
 template <int Size>
 struct MotionPrior {
   static constexpr int kRows = 6;
@@ -32,8 +33,10 @@ struct MotionPrior {
   }
 };
 
-// Depth, roll, pitch (O 4.9), 3 rows (m, rad, rad): predicted + bias - measured, by pose and navigation. Depth is z in g of the
-// pressure sensor; R = Rz(yaw) Ry(pitch) Rx(roll). Angles differ by at most pi. No answer with the bow straight up or down.
+// Depth, roll and pitch [Ozog2016 4.9].
+// Rows: 3, (m, rad, rad). Blocks: pose, navigation. Frame: depth is z in g of the pressure sensor, R = Rz(yaw) Ry(pitch)
+// Rx(roll). Sign: predicted + bias - measured, angles within pi. Sigma: one a row. Returns false with the bow straight up or
+// down, where roll is not defined.
 struct Attitude {
   static constexpr int kRows = 3;
   Vec3 pressure_origin;  // in v
@@ -60,8 +63,9 @@ struct Attitude {
   }
 };
 
-// Tray angle (O 4.10), 1 row (rad): theta + play * direction - measured, by pose and navigation. The servo's play is a bias
-// that flips with the direction of motion (+1, -1; 0 at rest).
+// Tray angle with the servo's backlash [Ozog2016 4.10].
+// Rows: 1, rad. Blocks: pose, navigation. Sign: theta + backlash * direction - measured; the backlash is a bias that flips with
+// the direction of motion (+1, -1; 0 at rest). Sigma: one.
 struct Tray {
   static constexpr int kRows = 1;
   double measured, direction;
@@ -75,12 +79,13 @@ struct Tray {
   }
 };
 
-// Odometry (O 4.11), 6 rows (m, rad), by pose i, pose j, navigation, T_s_d:
+// Odometry between two poses, its systematic part taken off [Ozog2016 4.11].
+// Rows: 6, (m, rad). Blocks: pose i, pose j, navigation, T_s_d. Sigma: full square root of the information.
 //   e = [ t_ij - t_z ; Log(R_z' R_ij) ]  with T_ij = T_i^-1 T_j: translation in the axes of vehicle i, rotation in those of the
 //       measured j, so that the covariance of z reads (translation in i, rotation perturbed on the right);
 //   r = e - by_navigation (scale, drift) - by_mount Log(R_mount' R_s_d) - by_tray ((theta_i + theta_j) / 2 - tray).
 // Sign: each by_* is the derivative of the *measured* motion, in the same coordinates, by its cause. A cause c moves what
-// dead reckoning should have measured to z [+] by_c c, so it is taken off e. Whitened by a full square root.
+// dead reckoning should have measured to z [+] by_c c, so it is taken off e.
 struct Odometry {
   static constexpr int kRows = 6;
   Motion measured;
@@ -118,7 +123,8 @@ struct Odometry {
   }
 };
 
-// Prior on numbers that add (navigation about zero, intrinsics about the start), Size rows: x - expected.
+// Prior of plain numbers: navigation about zero, intrinsics about the start.
+// Rows: Size, in the units of the numbers. Blocks: the numbers. Sign: x - expected. Sigma: one a row.
 template <int Size>
 struct VectorPrior {
   static constexpr int kRows = Size;

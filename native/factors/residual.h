@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// What the residuals share. How they are called:
+// Defines how residuals are called, and what they share.
 //
 // Call: residual(x, r, J). x[k]: parameter block k. r: kRows numbers. J, and each J[k], may be null; J[k] is row major, kRows
 // by the block's size, by the block's tangent in its first columns (manifolds.h says why), zero in the last. False: the point
 // cannot be evaluated and the solver refuses the step.
 //
 // Blocks: pose (8) = T_g_v and tray angle theta; motion (7); landmark (3) in g; navigation (6) = DVL scale error, heading
-// drift, roll bias, pitch bias, depth bias, tray play; intrinsics (9); node (1) of the deviation field.
+// drift, roll bias, pitch bias, depth bias, tray backlash; intrinsics (9); node (1) of the deviation field.
 #pragma once
 
 #include <span>
@@ -30,7 +30,7 @@ void derive(double* const* J, int k, const Fill& fill) {
   fill(j);
 }
 
-// Nodes of the deviation field about a place, each once: sum of weight * node, m outward. The weights are their owner's.
+// Interpolates the deviation field: sum of weight * node, m outward, each node once. The weights are held by their owner.
 struct FieldAt {
   std::span<const double> weight;
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Every residual of the adjustment, raw: whitening and robust loss are applied in whitening.h and mixture.h, once for all.
+// Includes every residual of the adjustment, raw: whitening and robust loss are applied in whitening.h and mixture.h, once for
+// all.
 #pragma once
 
 #include "factors/hull_residuals.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// A residual of residuals.h, whitened, as the solver wants it. The one place where sigmas act.
+// Whitens residuals and wraps them for Ceres. Sigmas act here and nowhere else.
 #pragma once
 
 #include <ceres/cost_function.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Triangles in boxes in boxes, four to a node: what is asked of the four is worked out side by side.
+// Tree of bounding boxes over triangles, four children to a node, whose bounds are computed side by side [Wald2014].
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// MeshIndex: where a face is the closest for certain, so that no tree need be searched.
+// Certifies the closest face of MeshIndex where it can be proved, so that the tree need not be searched.
 //
 // A point p stands at height h over q, inside face f. No other face is nearer if the ball that touches f at q on p's side, of a
 // radius r > h, holds no point x of another face. With z the height of x over f's plane and x' its foot there,
@@ -14,7 +14,7 @@
 //
 // In floating point, too: |p - x|^2 >= h^2 + |x - q|^2 (1 - h / r), so kSure of r, and t and reach of at least kLeast of the
 // mesh's size, keep every other face's squared distance above f's by far more than both are rounded. Faces so thin that
-// rounding may put their closest point outside of them stand near no trusted face.
+// rounding may put their closest point outside of them stand near no certified face.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ constexpr double kSure = 0.99;
 constexpr double kLeast = 4e-6;
 constexpr double kNoise = 1e-12;   // of the mesh's size: far more than heights are rounded, far less than kLeast
 constexpr double kFarthest = 0.5;  // reach at most, by the face's longest edge; faces within twice that are looked at
-constexpr int kMostFaces = 500;    // looked at; where more stand as near, none is trusted
+constexpr int kMostFaces = 500;    // looked at; where more stand as near, none is certified
 constexpr int kSteps = 16;         // of a walk
 
 double longest_edge(const Triangle& t) {
@@ -48,67 +48,67 @@ bool sound(const Triangle& t, double far) {
 
 }  // namespace
 
-void MeshIndex::find_sheets() {
+void MeshIndex::find_frames() {
   for (const Vec3& v : vertices_) size_ = std::max(size_, v.cwiseAbs().maxCoeff());
-  trust_ = std::make_unique<Trust[]>(faces_.size());
-  sheets_.resize(faces_.size());
+  certificate_ = std::make_unique<Certificate[]>(faces_.size());
+  frames_.resize(faces_.size());
   std::map<std::pair<int32_t, int32_t>, std::pair<int32_t, int>> open;  // edges that wait for their second face
   for (int32_t f = 0; f < static_cast<int32_t>(faces_.size()); ++f) {
     const Triangle t = triangle(f);
     const std::array<Vec3, 3> corner{t.a, t.b, t.c};
-    Sheet& sheet = sheets_[f];
-    sheet.across.fill(-1);
-    sheet.unit = face_normal_[f].norm() > 1e-9 ? face_normal_[f].stableNormalized() : face_normal_[f];
+    FaceFrame& frame = frames_[f];
+    frame.across.fill(-1);
+    frame.unit = face_normal_[f].norm() > 1e-9 ? face_normal_[f].stableNormalized() : face_normal_[f];
     const bool flat = (t.b - t.a).cross(t.c - t.a).norm() > 1e-2 * (t.b - t.a).norm() * (t.c - t.a).norm();
-    sheet.normal = flat ? face_normal_[f] : Vec3::Zero();
-    sheet.level = sheet.normal.dot(t.a);
+    frame.normal = flat ? face_normal_[f] : Vec3::Zero();
+    frame.level = frame.normal.dot(t.a);
     for (int k = 0; k < 3; ++k) {
-      sheet.out[k] = (corner[(k + 1) % 3] - corner[k]).cross(sheet.normal).stableNormalized();
-      sheet.at[k] = sheet.out[k].dot(corner[k]);
+      frame.out[k] = (corner[(k + 1) % 3] - corner[k]).cross(frame.normal).stableNormalized();
+      frame.at[k] = frame.out[k].dot(corner[k]);
       const auto ends = std::minmax(faces_[f][k], faces_[f][(k + 1) % 3]);
       const auto [other, alone] = open.try_emplace(ends, f, k);
       if (alone) continue;
-      sheet.across[k] = other->second.first;
-      sheets_[other->second.first].across[other->second.second] = f;
+      frame.across[k] = other->second.first;
+      frames_[other->second.first].across[other->second.second] = f;
     }
   }
 }
 
 // From face to face, each time over the edge that the point's foot is farthest beyond.
-MeshIndex::Stop MeshIndex::walk(const Vec3& point, int32_t face) const {
+MeshIndex::WalkEnd MeshIndex::walk(const Vec3& point, int32_t face) const {
   for (int step = 0, last = -1; step < kSteps; ++step) {
-    const Sheet& sheet = sheets_[face];
+    const FaceFrame& frame = frames_[face];
     int most = 0;
     std::array<double, 3> beyond;
     for (int k = 0; k < 3; ++k) {
-      beyond[k] = sheet.out[k].dot(point) - sheet.at[k];
+      beyond[k] = frame.out[k].dot(point) - frame.at[k];
       if (beyond[k] > beyond[most]) most = k;
     }
     if (beyond[most] < 0) return {face, -beyond[most]};
-    const int32_t next = sheet.across[most];
+    const int32_t next = frame.across[most];
     if (next < 0 || next == last) break;
     last = face, face = next;
   }
   return {face, 0};
 }
 
-double MeshIndex::trusted(const Stop& stop) const {
+double MeshIndex::certified(const WalkEnd& stop) const {
   if (stop.clearance < kLeast * size_) return 0;
-  const Trust& trust = trust_[stop.face];
-  if (trust.per_clearance.load(std::memory_order_acquire) < 0) work_out(stop.face);
-  return std::min(stop.clearance * trust.per_clearance.load(std::memory_order_relaxed),
-                  static_cast<double>(trust.reach.load(std::memory_order_relaxed)));
+  const Certificate& certificate = certificate_[stop.face];
+  if (certificate.per_clearance.load(std::memory_order_acquire) < 0) compute_certificate(stop.face);
+  return std::min(stop.clearance * certificate.per_clearance.load(std::memory_order_relaxed),
+                  static_cast<double>(certificate.reach.load(std::memory_order_relaxed)));
 }
 
-// What the faces about one leave of the trust in it.
-struct MeshIndex::Around {
+// The faces about one, and what they leave of its certificate.
+struct MeshIndex::Neighbourhood {
   const MeshIndex& mesh;
   const int32_t face;
   const Triangle own = mesh.triangle(face);
   const Vec3 low = own.a.cwiseMin(own.b).cwiseMin(own.c), high = own.a.cwiseMax(own.b).cwiseMax(own.c);
   const double farthest = kFarthest * longest_edge(own), noise = kNoise * mesh.size_;
   double reach = farthest, slope = 0;  // slope: k
-  bool trusted = sound(own, farthest) && mesh.sheets_[face].normal.squaredNorm() > 0.5;
+  bool certified = sound(own, farthest) && mesh.frames_[face].normal.squaredNorm() > 0.5;
   int looked = 0;
 
   double to_box(const Vec3& from, const Vec3& to) const { return (from - high).cwiseMax(low - to).cwiseMax(0.0).norm(); }
@@ -117,21 +117,21 @@ struct MeshIndex::Around {
   double ball_of(int32_t other, const Triangle& t, const Vec3& height) const;
 };
 
-void MeshIndex::Around::look(int32_t other, const Triangle& t) {
+void MeshIndex::Neighbourhood::look(int32_t other, const Triangle& t) {
   if (other == face) return;
-  trusted &= ++looked <= kMostFaces;
+  certified &= ++looked <= kMostFaces;
   const std::array<Vec3, 3> corner{t.a, t.b, t.c};
   const auto &mine = mesh.faces_[face], &theirs = mesh.faces_[other];
   Vec3 height;
   std::array<int, 3> shared;  // number of the corner in ours, 3: none
   for (int k = 0; k < 3; ++k) {
-    height[k] = mesh.sheets_[face].normal.dot(corner[k] - own.a);
+    height[k] = mesh.frames_[face].normal.dot(corner[k] - own.a);
     shared[k] = static_cast<int>(std::find(mine.begin(), mine.end(), theirs[k]) - mine.begin());
   }
   const bool touches = shared != std::array{3, 3, 3};
   const double far = touches ? 0 : to_box(t.a.cwiseMin(t.b).cwiseMin(t.c), t.a.cwiseMax(t.b).cwiseMax(t.c));
   if (far / 2 >= reach) return;
-  trusted &= sound(t, 2 * farthest);
+  certified &= sound(t, 2 * farthest);
   if (touches) {
     slope = std::max(slope, slope_of(corner, height, shared));
   } else if (far * far < 2 * reach * (height.cwiseAbs().maxCoeff() + noise)) {
@@ -141,9 +141,9 @@ void MeshIndex::Around::look(int32_t other, const Triangle& t) {
 
 // Of a face that touches ours. Beyond the shared corner or edge ours stays on one side of each line tried; the other face, on
 // its far side, is at least as far from ours as from that line. Infinite: it may stand over ours.
-double MeshIndex::Around::slope_of(const std::array<Vec3, 3>& corner, const Vec3& height,
-                                   const std::array<int, 3>& shared) const {
-  const auto& out = mesh.sheets_[face].out;
+double MeshIndex::Neighbourhood::slope_of(const std::array<Vec3, 3>& corner, const Vec3& height,
+                                          const std::array<int, 3>& shared) const {
+  const auto& out = mesh.frames_[face].out;
   const int anchor = static_cast<int>(std::find_if(shared.begin(), shared.end(), [](int c) { return c < 3; }) - shared.begin());
   const auto steepest = [&](const Vec3& away) {
     double k = 0;
@@ -170,36 +170,36 @@ double MeshIndex::Around::slope_of(const std::array<Vec3, 3>& corner, const Vec3
 
 // Of a face that does not: the smallest ball. Two triangles are apart by what a plane between them leaves, through an edge of
 // one or the other.
-double MeshIndex::Around::ball_of(int32_t other, const Triangle& t, const Vec3& height) const {
-  const auto apart = [](const Sheet& sheet, const Triangle& x) {
+double MeshIndex::Neighbourhood::ball_of(int32_t other, const Triangle& t, const Vec3& height) const {
+  const auto apart = [](const FaceFrame& frame, const Triangle& x) {
     double most = 0;
     for (int e = 0; e < 3; ++e) {
-      const Vec3& out = sheet.out[e];
-      most = std::max(most, std::min({out.dot(x.a), out.dot(x.b), out.dot(x.c)}) - sheet.at[e]);
+      const Vec3& out = frame.out[e];
+      most = std::max(most, std::min({out.dot(x.a), out.dot(x.b), out.dot(x.c)}) - frame.at[e]);
     }
     return most;
   };
-  const double beside = apart(mesh.sheets_[face], t), from_theirs = apart(mesh.sheets_[other], own);
+  const double beside = apart(mesh.frames_[face], t), from_theirs = apart(mesh.frames_[other], own);
   const double above = std::max({height.minCoeff(), -height.maxCoeff(), 0.0});
   const double squared = std::max(beside * beside + above * above, from_theirs * from_theirs);
   return std::max(squared / (2 * (height.cwiseAbs().maxCoeff() + noise)), std::sqrt(squared) / 2);
 }
 
-void MeshIndex::work_out(int32_t face) const {
-  Around around{*this, face};
+void MeshIndex::compute_certificate(int32_t face) const {
+  Neighbourhood around{*this, face};
   const auto apart = [&](const Boxes& b) {
     Four sum = Four::Zero();
     for (int k = 0; k < 3; ++k) sum += (b.low[k] - around.high[k]).max(around.low[k] - b.high[k]).max(0.0).square();
     return Four(sum.sqrt() / 2);
   };
   tree_->descend(
-      apart, [&] { return around.trusted ? around.reach : -1; },
+      apart, [&] { return around.certified ? around.reach : -1; },
       [&](int32_t other, const Triangle& triangle) { around.look(other, triangle); });
-  const bool trusted = around.trusted && around.reach >= kLeast * size_ && std::isfinite(around.slope);
+  const bool certified = around.certified && around.reach >= kLeast * size_ && std::isfinite(around.slope);
   const double k = std::max(around.slope, 1e-9);
-  trust_[face].reach.store(trusted ? static_cast<float>(kSure * around.reach) : 0.0F, std::memory_order_relaxed);
-  trust_[face].per_clearance.store(trusted ? static_cast<float>(kSure * (1 + std::sqrt(1 + k * k)) / k) : 0.0F,
-                                   std::memory_order_release);
+  certificate_[face].reach.store(certified ? static_cast<float>(kSure * around.reach) : 0.0F, std::memory_order_relaxed);
+  certificate_[face].per_clearance.store(certified ? static_cast<float>(kSure * (1 + std::sqrt(1 + k * k)) / k) : 0.0F,
+                                         std::memory_order_release);
 }
 
 }  // namespace hullrecon

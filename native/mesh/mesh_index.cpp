@@ -60,7 +60,7 @@ MeshIndex::MeshIndex(std::vector<Vec3> vertices, std::vector<std::array<int32_t,
   std::vector<Triangle> triangles;
   for (size_t f = 0; f < faces_.size(); ++f) triangles.push_back(triangle(static_cast<int32_t>(f)));
   tree_ = std::make_unique<BoxTree>(triangles);
-  find_sheets();
+  find_frames();
 }
 
 void MeshIndex::weld() {
@@ -105,7 +105,7 @@ Triangle MeshIndex::triangle(int32_t face) const {
 
 Vec3 MeshIndex::pseudonormal(int32_t face, Feature feature) const {
   const int k = static_cast<int>(feature);
-  if (k == 0) return sheets_[face].unit;
+  if (k == 0) return frames_[face].unit;
   const Vec3 sum = k < 4 ? edge_normal_[face][k - 1] : vertex_normal_[faces_[face][k - 4]];
   return sum.norm() > 1e-9 ? sum.stableNormalized() : face_normal_[face];  // a fold of two opposite faces sums to nothing
 }
@@ -125,8 +125,8 @@ void MeshIndex::visit(int32_t face, const Triangle& triangle, const Vec3& point,
 Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
   Best best;
   if (hint >= 0) {
-    const Stop stop = walk(point, hint);
-    const double limit = trusted(stop);
+    const WalkEnd stop = walk(point, hint);
+    const double limit = certified(stop);
     if (limit > 0) {
       const Vec3 foot = foot_inside(point, triangle(stop.face));
       best = {(point - foot).squaredNorm(), stop.face, {foot, Feature::Face}};
@@ -141,10 +141,10 @@ Closest MeshIndex::closest(const Vec3& point, int32_t hint) const {
 
 // Whether the face is farther for certain: by its height and by its edges, with more to spare than both are rounded.
 bool MeshIndex::farther(int32_t face, const Vec3& point, double squared) const {
-  const Sheet& sheet = sheets_[face];
-  const double height = sheet.normal.dot(point) - sheet.level;
+  const FaceFrame& frame = frames_[face];
+  const double height = frame.normal.dot(point) - frame.level;
   double beside = 0;
-  for (int k = 0; k < 3; ++k) beside = std::max(beside, sheet.out[k].dot(point) - sheet.at[k]);
+  for (int k = 0; k < 3; ++k) beside = std::max(beside, frame.out[k].dot(point) - frame.at[k]);
   return height * height + beside * beside > squared * (1 + 1e-9) + 1e-16 * size_ * size_;
 }
 

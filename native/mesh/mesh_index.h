@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Closest point and ray cast against a triangle mesh: a bounding volume tree in float64.
+// Finds closest points and casts rays against a triangle mesh, by a tree of boxes in float64.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 namespace hullrecon {
 
 struct Closest {
-  double distance;  // positive outside (side of the angle-weighted pseudonormal)
+  double distance;  // m, positive outside: the side of the angle-weighted pseudonormal [BaerentzenAanaes2005]
   Vec3 point;
   Vec3 gradient;  // unit: of the signed distance
   int32_t face;
@@ -39,9 +39,9 @@ class MeshIndex {
 
  private:
   struct Best;
-  struct Around;
-  // A face seen by one who walks over the mesh. Zero where a sliver leaves a direction to rounding.
-  struct Sheet {
+  struct Neighbourhood;
+  // Lines of a face's edges in its plane, for walks over the mesh. Zero where a sliver leaves a direction to rounding.
+  struct FaceFrame {
     std::array<Vec3, 3> out;        // unit, in the face's plane, square to edge k, away from the face
     std::array<double, 3> at;       // of edge k along it
     std::array<int32_t, 3> across;  // a face beyond edge k, -1: none
@@ -49,21 +49,21 @@ class MeshIndex {
     double level;  // of the face along it
     Vec3 unit;     // the pseudonormal inside
   };
-  // Lengths in m and ratios, less than what holds (closest_face_certificate.cpp); per_clearance < 0: not worked out yet.
-  struct Trust {
+  // Safe side of what holds, m and ratio (closest_face_certificate.cpp); per_clearance < 0: not computed yet.
+  struct Certificate {
     std::atomic<float> per_clearance{-1}, reach{0};
   };
-  struct Stop {
+  struct WalkEnd {
     int32_t face;
     double clearance;  // of the point's foot on the face to its nearest edge; 0: the foot may be outside
   };
 
   void weld();
   void find_normals();
-  void find_sheets();
-  Stop walk(const Vec3& point, int32_t face) const;
-  double trusted(const Stop& stop) const;
-  void work_out(int32_t face) const;
+  void find_frames();
+  WalkEnd walk(const Vec3& point, int32_t face) const;
+  double certified(const WalkEnd& stop) const;  // height up to which the face is the closest; 0: none
+  void compute_certificate(int32_t face) const;
   bool farther(int32_t face, const Vec3& point, double squared) const;
   void search(const Vec3& point, Best& best) const;
   Closest answer(const Vec3& point, const Best& best) const;
@@ -77,9 +77,9 @@ class MeshIndex {
   std::vector<std::array<Vec3, 3>> edge_normal_;  // sum over the faces that share the edge (not unit)
   std::vector<Vec3> vertex_normal_;               // sum weighted by the corner's angle (not unit)
   std::unique_ptr<BoxTree> tree_;
-  std::vector<Sheet> sheets_;
-  std::unique_ptr<Trust[]> trust_;  // worked out when first asked for: the same number by whichever thread
-  double size_ = 0;                 // m: the largest coordinate
+  std::vector<FaceFrame> frames_;
+  std::unique_ptr<Certificate[]> certificate_;  // computed when first asked for: the same number by any thread
+  double size_ = 0;                             // m: the largest coordinate
 };
 
 }  // namespace hullrecon

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// One triangle: closest point with the feature it lies on, and the ray's crossing.
+// Finds the closest point of one triangle, with the feature it lies on, and the crossing of a ray.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,13 +22,14 @@ struct OnTriangle {
   Feature feature;
 };
 
-// By the Voronoi regions of the features (Ericson, Real-Time Collision Detection, 5.1.5). A sliver of no area has no Face.
+// By the Voronoi regions of the features [Ericson2005 5.1.5]. A sliver of no area has no Face.
 OnTriangle closest_on_triangle(const Vec3& p, const Triangle& t);
 
 // The same point, to the last bit, for a point known to be over the inside.
 Vec3 foot_inside(const Vec3& p, const Triangle& t);
 
-// Range along the direction, in its lengths; either side counts. Empty: no crossing ahead, or a triangle of no area.
+// Range along the direction, in its lengths [MollerTrumbore1997]; either side counts. Empty: no crossing ahead, or a triangle
+// of no area.
 std::optional<double> cross(const Vec3& origin, const Vec3& direction, const Triangle& t);
 
 }  // namespace hullrecon

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// What the drawing says to each landmark and beam at the present point: refreshed for every new point, held in between.
+// Finds the closest triangle of each landmark and the triangle that each beam hits: refreshed at every new point, held in
+// between.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +26,9 @@ class Association {
   void refresh_surface(const Point& point);
 
   // ray(i): origin and unit direction in M of range row i. Misses switch a beam off. A beam that changes between hit and miss
-  // more than kFlickers times is held off, lest the cost jump for ever. With `trial`, losing more beams than a fifth of
-  // those that hit at the last accepted point refuses the point: a lost beam costs nothing, so looking away would pay.
+  // more than kFlickers times is held off, for its cost would jump for ever. With `trial`, losing more beams than a fifth of
+  // those that hit at the last accepted point refuses the point: a lost beam costs nothing, so turning the DVL away from the
+  // hull would lower the cost.
   template <class Ray>
   void refresh_range(const Ray& ray, bool trial);
   void accept();  // the present point is the new one to compare with

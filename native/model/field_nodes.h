@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Rows of nodes of the deviation field with their weights, compressed.
+// Stores rows of nodes of the deviation field with their weights, compressed.
 #pragma once
 
 #include <algorithm>

@@ -8,7 +8,7 @@
 
 namespace hullrecon {
 
-void Linear::at(const Model& model, int64_t number) {
+void LinearFactor::at(const Model& model, int64_t number) {
   const Factor factor = model.factor(number);
   blocks = factor.blocks;
   const size_t count = factor.blocks.size();

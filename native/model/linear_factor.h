@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// One factor at the present unknowns, linear, in tangent coordinates.
+// Linearises one factor at the present unknowns, in tangent coordinates.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 namespace hullrecon {
 
-struct Linear {
+struct LinearFactor {
   Eigen::VectorXd residual;         // whitened, without the robust weight
   double weight = 1;                // square root of rho': multiplies residual and derivatives in the information
   double cost = 0;                  // robustified

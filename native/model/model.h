@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Tables to unknowns and factors: what solve, evaluate and covariance share. Nothing of Ceres' Problem here.
+// Turns tables into unknowns and factors: what solve, evaluate and covariance share. Nothing of Ceres' Problem here.
 #pragma once
 
 #include <ceres/cost_function.h>
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "factors/mixture.h"
+#include "factors/whitening.h"
 #include "model/association.h"
 #include "model/field_nodes.h"
 #include "model/tables.h"
@@ -22,6 +23,9 @@ namespace hullrecon {
 enum class Kind : int8_t { Prior, Attitude, Tray, Odometry, Stereo, Mono, Range, Surface, Deviation };
 constexpr std::array<const char*, 9> kKindNames{"prior", "attitude", "tray",    "odometry", "stereo",
                                                 "mono",  "range",    "surface", "deviation"};
+
+// Blocks that every factor may meet, in this order after poses and landmarks.
+enum Global { kHull, kCamera, kBottom, kDvl, kNavigation, kTopIntrinsics, kBottomIntrinsics };
 
 // One block of unknowns. tangent: its columns; 0 when held.
 struct Block {
@@ -55,7 +59,7 @@ class Model {
   int64_t row_of(int64_t factor) const;  // in its table
   void blocks_of(int64_t factor, std::vector<int32_t>& blocks) const;
   Factor factor(int64_t factor) const;
-  // Calls use(residual, whitening, robust) with the factor's own types (visit.h).
+  // Calls use(residual, whitening, robust) with the factor's own types: no virtual call, no memory of its own.
   template <class Use>
   void visit(int64_t factor, const Use& use) const;
 
@@ -108,9 +112,76 @@ class Model {
   NodeTable range_nodes_, surface_nodes_, prior_nodes_;
   std::vector<int> global_priors_;                  // of the blocks that have one and are free
   std::vector<int32_t> surface_rows_, field_rows_;  // that make factors
-  std::array<double, 18> lens_start_;
+  std::array<double, 18> intrinsics_start_;
   std::array<int64_t, kKindNames.size() + 1> first_{};  // factor of each kind
   std::vector<int32_t> held_labels_;                    // empty: labels are free
 };
+
+// Rows of the tables as matrices, and their whitening.
+template <int Rows, int Columns>
+Eigen::Matrix<double, Rows, Columns> matrix(const double* data) {
+  return Eigen::Map<const Eigen::Matrix<double, Rows, Columns, Columns == 1 ? Eigen::ColMajor : Eigen::RowMajor>>(data);
+}
+
+template <int N>
+Diagonal<N> diagonal(const double* sigma) {
+  return {matrix<N, 1>(sigma).cwiseInverse()};
+}
+
+template <class Use>
+void Model::visit_prior(int64_t row, const Use& use) const {
+  const Tables& t = tables_;
+  if (row < t.prior_pose_node.rows()) {
+    return use(MotionPrior<8>{Motion(t.prior_pose.row(row))}, Full<6>{matrix<6, 6>(t.prior_pose_sqrt.row(row))}, Robust{});
+  }
+  const int k = global_priors_[row - t.prior_pose_node.rows()];
+  if (k == kNavigation) return use(VectorPrior<6>{{}}, diagonal<6>(t.prior_navigation_sigma.data), Robust{});
+  if (k >= kTopIntrinsics) {
+    VectorPrior<9> prior;
+    std::copy_n(&intrinsics_start_[9 * (k - kTopIntrinsics)], 9, prior.expected.begin());
+    return use(prior, diagonal<9>(t.prior_intrinsics_sigma.data), Robust{});
+  }
+  const std::array<std::pair<const Table<double>*, const Table<double>*>, 4> motions{{{&t.prior_T_g_M, &t.prior_T_g_M_sqrt},
+                                                                                      {&t.prior_T_s_ct, &t.prior_T_s_ct_sqrt},
+                                                                                      {&t.prior_T_ct_cb, &t.prior_T_ct_cb_sqrt},
+                                                                                      {&t.prior_T_s_d, &t.prior_T_s_d_sqrt}}};
+  use(MotionPrior<7>{Motion(motions[k].first->data)}, Full<6>{matrix<6, 6>(motions[k].second->data)}, Robust{});
+}
+
+template <class Use>
+void Model::visit(int64_t factor, const Use& use) const {
+  const Tables& t = tables_;
+  const Kind kind = kind_of(factor);
+  const int64_t i = factor - first_[static_cast<size_t>(kind)];
+  const Vec3 tray(t.tray_origin.data);
+  const Robust none{};
+  switch (kind) {
+    case Kind::Prior:
+      return visit_prior(i, use);
+    case Kind::Attitude:
+      return use(Attitude{Vec3(t.pressure_origin.data), Vec3(t.attitude_measured.row(i))}, diagonal<3>(t.attitude_sigma.row(i)),
+                 none);
+    case Kind::Tray:
+      return use(Tray{t.tray_measured.data[i], t.tray_direction.data[i]}, Scalar{1 / t.tray_sigma.data[i]}, none);
+    case Kind::Odometry:
+      return use(odometry(i), Full<6>{matrix<6, 6>(t.odometry_sqrt.row(i))}, none);
+    case Kind::Stereo:
+      return use(Stereo{tray, matrix<4, 1>(t.stereo_pixel.row(i))}, Scalar{1 / t.sigma_px},
+                 Robust{options_.huber_stereo, nullptr});
+    case Kind::Mono:
+      return use(Mono{tray, matrix<2, 1>(t.mono_pixel.row(i)), t.mono_camera.data[i] == 1}, Scalar{1 / t.sigma_px},
+                 Robust{options_.huber_mono, nullptr});
+    case Kind::Range:
+      return use(range(i), Scalar{1 / t.range_sigma.data[i]}, Robust{options_.huber_range, nullptr});
+    case Kind::Surface: {
+      const int64_t row = surface_rows_[i];
+      const MixtureLoss loss = surface_loss(row);
+      return use(Surface{surface_nodes_.at(row), association_.surface(row)}, Scalar{1 / options_.sigma_on},
+                 Robust{none.huber, &loss});
+    }
+    case Kind::Deviation:
+      return use(FieldPrior{prior_nodes_.at(field_rows_[i])}, Scalar{1.0}, none);
+  }
+}
 
 }  // namespace hullrecon

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// The arrays of hullrecon.native.Problem as they cross the border: read only, C order, owned by the caller for the call.
+// Views of the arrays of hullrecon.native.Problem: read only, C order, owned by the caller for the call.
 #pragma once
 
 #include <cstdint>

@@ -155,7 +155,7 @@ void hull(const Tables& t) {
   shape(t.faces, {t.faces.rows(), 3});
   index(t.faces, t.vertices.rows());
   if (t.faces.rows() == 0 && r + s > 0) {
-    throw InputError("ranges and surface factors need a drawing", t.faces.name, "give a mesh or leave their tables empty");
+    throw InputError("ranges and surface factors need a CAD model", t.faces.name, "give a mesh or leave their tables empty");
   }
   shape(t.range_node, {r});
   index(t.range_node, t.pose.rows());

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Python to tables and options, and our errors to Python's: the border of module.cpp.
+// Converts Problem and Options to tables, and our errors to those of hullrecon.errors.
 #pragma once
 
 #include <pybind11/numpy.h>

@@ -7,15 +7,14 @@
 
 #include "common/parallel.h"
 #include "factors/camera.h"
-#include "model/visit.h"
 
 namespace hullrecon {
 namespace {
 
 constexpr int64_t kChunk = 1024;  // landmarks whose costs are summed before the chunks are, in order: the same for any threads
 
-// What one sight says: rows (two, or four of a pair; 2 * images), whitened, not robustified.
-struct Sight {
+// One observation: rows (two, or four of a pair; 2 * images), whitened, not robustified.
+struct Observation {
   Eigen::Vector4d r;
   Eigen::Matrix<double, 4, 3> by;  // apparent displacement of the landmark, in g
   Vec3 top, bottom;
@@ -25,10 +24,10 @@ struct Sight {
 
 // One image's two rows.
 template <bool kDerive>
-bool image(const double* lens, const Vec3& point, const Mat3& camera_from_global, const double* measured, double inverse_sigma,
-           int row, Sight& out) {
+bool image(const double* intrinsics, const Vec3& point, const Mat3& camera_from_global, const double* measured,
+           double inverse_sigma, int row, Observation& out) {
   Projection p;
-  if (!project(lens, point, kDerive, p)) return false;
+  if (!project(intrinsics, point, kDerive, p)) return false;
   out.r.segment<2>(row) = inverse_sigma * (p.pixel - Eigen::Map<const Eigen::Vector2d>(measured));
   if (kDerive) out.by.middleRows<2>(row).noalias() = inverse_sigma * (p.by_point * camera_from_global);
   return true;
@@ -36,7 +35,7 @@ bool image(const double* lens, const Vec3& point, const Mat3& camera_from_global
 
 }  // namespace
 
-Optics::Optics(const Model& model) {
+FreeIntrinsics::FreeIntrinsics(const Model& model) {
   const char* const names[] = {"T_ct_cb", "intrinsics_top", "intrinsics_bottom"};
   for (int k = 0; k < 3; ++k) {
     const int tangent = model.blocks()[model.block(names[k])].tangent;
@@ -45,18 +44,18 @@ Optics::Optics(const Model& model) {
   }
 }
 
-// The eyes at the end of every arm, at the present unknowns.
-struct Sights::Eyes {
+// The two cameras on the tray, at the present unknowns.
+struct ImageTerms::Cameras {
   const Tables& tables;
-  std::array<const double*, 2> lens;
+  std::array<const double*, 2> intrinsics;
   Motion bottom;
   Mat3 bottom_from_top;
   double inverse_sigma;
   Robust pair, single;
 
-  explicit Eyes(const Model& model)
+  explicit Cameras(const Model& model)
       : tables(model.tables()),
-        lens{model.blocks()[model.block("intrinsics_top")].data, model.blocks()[model.block("intrinsics_bottom")].data},
+        intrinsics{model.blocks()[model.block("intrinsics_top")].data, model.blocks()[model.block("intrinsics_bottom")].data},
         bottom(model.blocks()[model.block("T_ct_cb")].data),
         bottom_from_top(bottom.rotation().transpose()),
         inverse_sigma(1 / tables.sigma_px),
@@ -64,72 +63,96 @@ struct Sights::Eyes {
         single{model.options().huber_mono, nullptr} {}
 
   template <bool kDerive>
-  void look(const Arm& arm, const Vec3& landmark, int32_t sight, Sight& out) const {
+  void look(const CameraChain& chain, const Vec3& landmark, int32_t observation, Observation& out) const {
     const auto stereo = static_cast<int32_t>(tables.stereo_node.rows());
-    const int32_t mono = sight - stereo;
+    const int32_t mono = observation - stereo;
     const bool both = mono < 0, above = both || tables.mono_camera.data[mono] == 0, below = both || !above;
-    const double* measured = both ? tables.stereo_pixel.row(sight) : tables.mono_pixel.row(mono);
-    out.top.noalias() = arm.camera_from_global * (landmark - arm.centre);
+    const double* measured = both ? tables.stereo_pixel.row(observation) : tables.mono_pixel.row(mono);
+    out.top.noalias() = chain.camera_from_global * (landmark - chain.centre);
     out.rows = both ? 4 : 2;
     out.in_front = true;
-    if (above) out.in_front = image<kDerive>(lens[0], out.top, arm.camera_from_global, measured, inverse_sigma, 0, out);
+    if (above) out.in_front = image<kDerive>(intrinsics[0], out.top, chain.camera_from_global, measured, inverse_sigma, 0, out);
     if (below) {
       out.bottom.noalias() = bottom_from_top * (out.top - bottom.t);
-      const Mat3 chain = kDerive ? Mat3(bottom_from_top * arm.camera_from_global) : Mat3();
-      out.in_front &=
-          image<kDerive>(lens[1], out.bottom, chain, both ? measured + 2 : measured, inverse_sigma, out.rows - 2, out);
+      const Mat3 bottom_from_global = kDerive ? Mat3(bottom_from_top * chain.camera_from_global) : Mat3();
+      out.in_front &= image<kDerive>(intrinsics[1], out.bottom, bottom_from_global, both ? measured + 2 : measured,
+                                     inverse_sigma, out.rows - 2, out);
     }
     if (out.in_front) return;
     out.r.setConstant(kBehindPixels * inverse_sigma);
     out.by.setZero();
   }
-  // Huber's cost of a sight and its slope, by the norm of all its rows.
-  void robust(const Sight& s, double& rho, double& slope) const {
+  // Huber's cost of an observation and its slope, by the norm of all its rows.
+  void robust(const Observation& s, double& rho, double& slope) const {
     if (s.rows == 4) return pair(s.r.squaredNorm(), rho, slope);
     single(s.r.head<2>().squaredNorm(), rho, slope);
   }
 };
 
-Sights::Sights(const Model& model) : model_(model), optics_(model), arm_(model.poses()) {
-  sort();
+ImageTerms::ImageTerms(const Model& model) : model_(model), intrinsics_(model), chain_(model.poses()) {
+  observation_.resize(model.tables().stereo_node.rows() + model.tables().mono_node.rows());
+  sort_landmarks();
+  sort_views();
 }
 
-// Counting sorts: sights by landmark, landmarks by their first pose, the sights of a landmark by pose.
-void Sights::sort() {
+int32_t ImageTerms::pose_of(int32_t observation) const {
   const Tables& t = model_.tables();
-  const int64_t landmarks = model_.landmarks(), stereo = t.stereo_node.rows(), sights = stereo + t.mono_node.rows();
-  const auto node = [&](int64_t s) { return s < stereo ? t.stereo_node.data[s] : t.mono_node.data[s - stereo]; };
-  const auto seen = [&](int64_t s) { return s < stereo ? t.stereo_landmark.data[s] : t.mono_landmark.data[s - stereo]; };
+  const auto stereo = static_cast<int32_t>(t.stereo_node.rows());
+  return observation < stereo ? t.stereo_node.data[observation] : t.mono_node.data[observation - stereo];
+}
+
+int32_t ImageTerms::landmark_of(int32_t observation) const {
+  const Tables& t = model_.tables();
+  const auto stereo = static_cast<int32_t>(t.stereo_node.rows());
+  return observation < stereo ? t.stereo_landmark.data[observation] : t.mono_landmark.data[observation - stereo];
+}
+
+// Landmarks by the first pose that sees them.
+void ImageTerms::sort_landmarks() {
+  const int64_t landmarks = model_.landmarks();
   std::vector<int32_t> first(landmarks, static_cast<int32_t>(model_.poses()));
-  for (int64_t s = 0; s < sights; ++s) first[seen(s)] = std::min(first[seen(s)], node(s));
+  for (int32_t s = 0; s < static_cast<int32_t>(observation_.size()); ++s) {
+    first[landmark_of(s)] = std::min(first[landmark_of(s)], pose_of(s));
+  }
   order_.resize(landmarks), rank_.resize(landmarks);
   std::iota(order_.begin(), order_.end(), 0);
   std::stable_sort(order_.begin(), order_.end(), [&](int32_t a, int32_t b) { return first[a] < first[b]; });
   for (int64_t r = 0; r < landmarks; ++r) rank_[order_[r]] = static_cast<int32_t>(r);
+}
+
+// Counting sorts: observations by landmark, those of a landmark by pose, and views by pose.
+void ImageTerms::sort_views() {
+  const int64_t landmarks = model_.landmarks();
+  const auto count = static_cast<int32_t>(observation_.size());
   std::vector<int32_t> start(landmarks + 1);
-  for (int64_t s = 0; s < sights; ++s) ++start[rank_[seen(s)] + 1];
+  for (int32_t s = 0; s < count; ++s) ++start[rank_[landmark_of(s)] + 1];
   std::partial_sum(start.begin(), start.end(), start.begin());
-  sight_.resize(sights);
   std::vector<int32_t> next(start.begin(), start.end());
-  for (int64_t s = 0; s < sights; ++s) sight_[next[rank_[seen(s)]]++] = static_cast<int32_t>(s);
-  view_.reserve(sights);
+  for (int32_t s = 0; s < count; ++s) observation_[next[rank_[landmark_of(s)]]++] = s;
+  view_.reserve(count);
   view_start_.assign(1, 0);
   for (int32_t r = 0; r < landmarks; ++r) {
-    std::stable_sort(sight_.begin() + start[r], sight_.begin() + start[r + 1],
-                     [&](int32_t a, int32_t b) { return node(a) < node(b); });
+    std::stable_sort(observation_.begin() + start[r], observation_.begin() + start[r + 1],
+                     [&](int32_t a, int32_t b) { return pose_of(a) < pose_of(b); });
     for (int32_t k = start[r]; k < start[r + 1]; ++k) {
-      if (k == start[r] || node(sight_[k]) != view_.back().pose) view_.push_back({{}, Vec3::Zero(), node(sight_[k]), r, k});
+      const int32_t pose = pose_of(observation_[k]);
+      if (k == start[r] || pose != view_.back().pose) view_.push_back({{}, Vec3::Zero(), pose, r, k});
     }
     view_start_.push_back(static_cast<int32_t>(view_.size()));
   }
-  view_.push_back({{}, Vec3::Zero(), -1, -1, static_cast<int32_t>(sights)});  // the end of the last one's sights
+  view_.push_back({{}, Vec3::Zero(), -1, -1, count});
+  of_pose_start_.assign(model_.poses() + 1, 0), of_pose_.resize(views());
+  for (int64_t v = 0; v < views(); ++v) ++of_pose_start_[view_[v].pose + 1];
+  std::partial_sum(of_pose_start_.begin(), of_pose_start_.end(), of_pose_start_.begin());
+  next.assign(of_pose_start_.begin(), of_pose_start_.end());
+  for (int64_t v = 0; v < views(); ++v) of_pose_[next[view_[v].pose]++] = static_cast<int32_t>(v);
 }
 
-void Sights::place_arms() {
+void ImageTerms::place_cameras() {
   const Motion mount(model_.blocks()[model_.block("T_s_ct")].data);
   const Vec3 tray(model_.tables().tray_origin.data);
   for_slabs(model_.poses(), model_.options().threads, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) arm_[i] = Arm(model_.blocks()[i].data, mount, tray);
+    for (int64_t i = begin; i < end; ++i) chain_[i] = CameraChain(model_.blocks()[i].data, mount, tray);
   });
 }
 
@@ -147,18 +170,18 @@ static std::array<double, 2> summed(int64_t landmarks, int threads, const Work& 
   return total;
 }
 
-std::array<double, 2> Sights::cost() {
-  place_arms();
-  const Eyes eyes(model_);
+std::array<double, 2> ImageTerms::cost() {
+  place_cameras();
+  const Cameras cameras(model_);
   return summed(model_.landmarks(), model_.options().threads, [&](int64_t first, int64_t last, std::array<double, 2>& sum) {
-    Sight s;
+    Observation s;
     double rho, slope;
     for (int64_t r = first; r < last; ++r) {
       const Vec3 landmark = model_.landmark(order_[r]);
       for (int32_t v = view_start_[r]; v < view_start_[r + 1]; ++v) {
-        for (int32_t k = view_[v].first_sight; k < view_[v + 1].first_sight; ++k) {
-          eyes.look<false>(arm_[view_[v].pose], landmark, sight_[k], s);
-          eyes.robust(s, rho, slope);
+        for (int32_t k = view_[v].first_observation; k < view_[v + 1].first_observation; ++k) {
+          cameras.look<false>(chain_[view_[v].pose], landmark, observation_[k], s);
+          cameras.robust(s, rho, slope);
           sum[s.rows == 2] += 0.5 * rho;
         }
       }
@@ -166,19 +189,19 @@ std::array<double, 2> Sights::cost() {
   });
 }
 
-void Sights::linearise() {
-  place_arms();
-  const Eyes eyes(model_);
+void ImageTerms::linearise() {
+  place_cameras();
+  const Cameras cameras(model_);
   const auto work = [&](int64_t begin, int64_t end) {
-    Sight s;
+    Observation s;
     double rho, slope;
     for (int64_t v = begin; v < end; ++v) {
       View& view = view_[v];
       const Vec3 landmark = model_.landmark(order_[view.landmark]);
       view.information.fill(0), view.gradient.setZero();
-      for (int32_t k = view.first_sight; k < view_[v + 1].first_sight; ++k) {
-        eyes.look<true>(arm_[view.pose], landmark, sight_[k], s);
-        eyes.robust(s, rho, slope);
+      for (int32_t k = view.first_observation; k < view_[v + 1].first_observation; ++k) {
+        cameras.look<true>(chain_[view.pose], landmark, observation_[k], s);
+        cameras.robust(s, rho, slope);
         for (int row = 0; row < s.rows; ++row) {
           const double x = s.by(row, 0), y = s.by(row, 1), z = s.by(row, 2), wx = slope * x, wy = slope * y, wz = slope * z;
           view.information[0] += wx * x, view.information[1] += wx * y, view.information[2] += wx * z;
@@ -191,29 +214,32 @@ void Sights::linearise() {
   for_slabs(views(), model_.options().threads, work);
 }
 
-void Sights::by_optics(int64_t v, Eigen::Matrix3Xd& cross, Eigen::MatrixXd* own, Eigen::VectorXd* gradient) const {
-  const Eyes eyes(model_);
+void ImageTerms::add_intrinsics(int64_t v, Eigen::Matrix3Xd& cross, Eigen::MatrixXd* own, Eigen::VectorXd* gradient) const {
+  const Cameras cameras(model_);
   const View& view = view_[v];
   const Vec3 landmark = model_.landmark(order_[view.landmark]);
-  Sight s;
+  Observation s;
   double rho, slope;
-  Eigen::Matrix<double, 4, Eigen::Dynamic> J(4, optics_.width());
-  for (int32_t k = view.first_sight; k < view_[v + 1].first_sight; ++k) {
-    eyes.look<true>(arm_[view.pose], landmark, sight_[k], s);
+  Eigen::Matrix<double, 4, Eigen::Dynamic> J(4, intrinsics_.width());
+  for (int32_t k = view.first_observation; k < view_[v + 1].first_observation; ++k) {
+    cameras.look<true>(chain_[view.pose], landmark, observation_[k], s);
     if (!s.in_front) continue;
-    eyes.robust(s, rho, slope);
+    cameras.robust(s, rho, slope);
     J.setZero();
-    const bool below = s.rows == 4 || model_.tables().mono_camera.data[sight_[k] - model_.tables().stereo_node.rows()] == 1;
+    const bool below =
+        s.rows == 4 || model_.tables().mono_camera.data[observation_[k] - model_.tables().stereo_node.rows()] == 1;
     const bool above = s.rows == 4 || !below;
     const int row = s.rows - 2;
-    if (above && optics_.lens(false) >= 0) J.block<2, 9>(0, optics_.lens(false)) = by_intrinsics(eyes.lens[0], s.top);
-    if (below && optics_.lens(true) >= 0) J.block<2, 9>(row, optics_.lens(true)) = by_intrinsics(eyes.lens[1], s.bottom);
-    if (below && optics_.bottom() >= 0) {
+    if (above && intrinsics_.of_top() >= 0)
+      J.block<2, 9>(0, intrinsics_.of_top()) = by_intrinsics(cameras.intrinsics[0], s.top);
+    if (below && intrinsics_.of_bottom() >= 0)
+      J.block<2, 9>(row, intrinsics_.of_bottom()) = by_intrinsics(cameras.intrinsics[1], s.bottom);
+    if (below && intrinsics_.mount() >= 0) {
       Projection p;
-      project(eyes.lens[1], s.bottom, true, p);
-      J.block<2, 6>(row, optics_.bottom()) << -p.by_point * eyes.bottom_from_top, p.by_point * hat(s.bottom);
+      project(cameras.intrinsics[1], s.bottom, true, p);
+      J.block<2, 6>(row, intrinsics_.mount()) << -p.by_point * cameras.bottom_from_top, p.by_point * hat(s.bottom);
     }
-    J *= eyes.inverse_sigma;
+    J *= cameras.inverse_sigma;
     const auto rows = J.topRows(s.rows);
     cross.noalias() += slope * s.by.topRows(s.rows).transpose() * rows;
     if (own) own->noalias() += slope * rows.transpose() * rows;

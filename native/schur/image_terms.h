@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Stereo and mono factors by landmark, for the specialised core: ordered once, evaluated without virtual calls.
+// Stereo and mono factors by landmark, for the Schur core: ordered once, evaluated without virtual calls.
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "model/model.h"
@@ -11,65 +12,83 @@
 
 namespace hullrecon {
 
-// All that the images at one pose say of one landmark: information and gradient (both robustified) by its apparent displacement
-// in g. Six numbers of the symmetric matrix: xx xy xz yy yz zz.
+// Symmetric 3 by 3 matrix of xx xy xz yy yz zz.
+inline Mat3 symmetric(const std::array<double, 6>& h) {
+  Mat3 m;
+  m << h[0], h[1], h[2], h[1], h[3], h[4], h[2], h[4], h[5];
+  return m;
+}
+
+// What all images at one pose say of one landmark: information H and gradient (both robustified) by its apparent displacement
+// in g (docs/schur.md, 4).
 struct View {
   std::array<double, 6> information;
   Vec3 gradient;
-  int32_t pose, landmark;  // by rank
-  int32_t first_sight;
+  int32_t pose, landmark;  // landmark: by rank
+  int32_t first_observation;
 
-  Mat3 matrix() const {
-    const auto& h = information;
-    Mat3 m;
-    m << h[0], h[1], h[2], h[1], h[3], h[4], h[2], h[4], h[5];
-    return m;
-  }
+  Mat3 matrix() const { return symmetric(information); }
 };
 
-// Optics: T_ct_cb and the two lenses, those that are free, side by side. Few dives free them, so they take the slow lane.
-class Optics {
+// Columns of T_ct_cb and the cameras' intrinsics, those that are free, side by side. Few dives free them, so they are not fast.
+class FreeIntrinsics {
  public:
-  explicit Optics(const Model& model);
+  explicit FreeIntrinsics(const Model& model);
   int width() const { return width_; }
-  int bottom() const { return at_[0]; }  // first column; -1: held
-  int lens(bool below) const { return at_[1 + below]; }
+  // First column; -1: held.
+  int mount() const { return at_[0]; }  // of T_ct_cb
+  int of_top() const { return at_[1]; }
+  int of_bottom() const { return at_[2]; }
 
  private:
   std::array<int, 3> at_;
   int width_ = 0;
 };
 
-class Sights {
+class ImageTerms {
  public:
-  explicit Sights(const Model& model);
+  explicit ImageTerms(const Model& model);
 
   // Landmarks by rank: those first seen from one pose stand together, so that neighbours in memory are neighbours on the hull.
   int32_t landmark(int64_t rank) const { return order_[rank]; }
   int64_t rank(int64_t landmark) const { return rank_[landmark]; }
-  int32_t first_view(int64_t rank) const { return view_start_[rank]; }
-  int64_t views() const { return static_cast<int64_t>(view_.size()) - 1; }
-  const View& view(int64_t i) const { return view_[i]; }
-  const std::vector<Arm>& arms() const { return arm_; }
-  const Optics& optics() const { return optics_; }
+  Vec3 at(int64_t rank) const { return model_.landmark(order_[rank]); }  // m, in g
 
-  void place_arms();  // at the model's unknowns
-  // Refreshes the arms, then views and, per kind, cost (stereo, mono) at the model's unknowns.
+  // Views are numbered by landmark, then by pose.
+  const View& view(int64_t i) const { return view_[i]; }
+  int32_t first_view(int64_t rank) const { return view_start_[rank]; }
+  std::span<const View> views_of_landmark(int64_t rank) const {
+    return {view_.data() + view_start_[rank], static_cast<size_t>(view_start_[rank + 1] - view_start_[rank])};
+  }
+  std::span<const int32_t> views_of_pose(int64_t pose) const {
+    return {of_pose_.data() + of_pose_start_[pose], static_cast<size_t>(of_pose_start_[pose + 1] - of_pose_start_[pose])};
+  }
+  const std::vector<CameraChain>& chains() const { return chain_; }  // of each pose
+  const FreeIntrinsics& intrinsics() const { return intrinsics_; }
+
+  void place_cameras();  // at the model's unknowns
+  // Refreshes cameras and views at the model's unknowns.
   void linearise();
   // Robustified cost of stereo and mono at the model's unknowns. Not finite: the point cannot be evaluated.
   std::array<double, 2> cost();
-  // Of the sights of a view, by apparent displacement and optics: (3, width), and by optics alone, added.
-  void by_optics(int64_t view, Eigen::Matrix3Xd& cross, Eigen::MatrixXd* own, Eigen::VectorXd* gradient) const;
+  // Adds what a view's observations say by displacement and intrinsics, (3, width), and by intrinsics alone.
+  void add_intrinsics(int64_t view, Eigen::Matrix3Xd& cross, Eigen::MatrixXd* own, Eigen::VectorXd* gradient) const;
 
  private:
-  struct Eyes;
-  void sort();
+  struct Cameras;
+  void sort_landmarks();
+  void sort_views();
+  int64_t views() const { return static_cast<int64_t>(view_.size()) - 1; }
+  // An observation is a row of stereo, or rows of stereo + a row of mono.
+  int32_t pose_of(int32_t observation) const;
+  int32_t landmark_of(int32_t observation) const;
 
   const Model& model_;
-  Optics optics_;
-  std::vector<int32_t> order_, rank_, view_start_, sight_;  // sight: row of stereo, or rows of stereo + row of mono
-  std::vector<View> view_;                                  // and one more, where the last one's sights end
-  std::vector<Arm> arm_;
+  FreeIntrinsics intrinsics_;
+  std::vector<int32_t> order_, rank_, view_start_, observation_;
+  std::vector<View> view_;  // and one more, where the observations of the last one end
+  std::vector<int32_t> of_pose_start_, of_pose_;
+  std::vector<CameraChain> chain_;
 };
 
 }  // namespace hullrecon

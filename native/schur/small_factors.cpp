@@ -6,46 +6,24 @@
 #include <numeric>
 
 #include "common/parallel.h"
-#include "model/visit.h"
 
 namespace hullrecon {
 
-Kept::Kept(const Model& model)
-    : poses_(static_cast<int>(model.poses())),
-      nodes_(static_cast<int>(model.blocks().size()) - model.first_node()),
-      pose_width_(model.blocks()[0].tangent),
-      first_node_(model.first_node()),
-      landmarks_end_(static_cast<int>(model.poses() + model.landmarks())) {
-  if (nodes_ > 0 && model.blocks()[first_node_].tangent == 0) nodes_ = 0;
-  for (int k = 0; k < 7; ++k) {
-    const int tangent = model.blocks()[landmarks_end_ + k].tangent;
-    at_[k] = tangent > 0 ? border_ : -1;
-    border_ += tangent;
-  }
-}
-
-int Kept::kept(int model_block) const {
-  if (model_block < poses_) return model_block;
-  if (model_block < landmarks_end_) return -1;
-  if (model_block < first_node_) return at_[global_of(model_block)] >= 0 ? blocks() : -1;
-  return nodes_ > 0 ? poses_ + model_block - first_node_ : -1;
-}
-
-SmallFactors::SmallFactors(const Model& model, const Kept& kept) : model_(model) {
+SmallFactors::SmallFactors(const Model& model, const ReducedLayout& layout) : model_(model) {
   std::vector<int32_t> blocks;
   part_start_.assign(1, 0), value_start_.assign(1, 0);
-  std::vector<int32_t> met(kept.blocks() + 1, 0);
+  std::vector<int32_t> met(layout.blocks() + 1, 0);
   for (Kind kind : {Kind::Prior, Kind::Attitude, Kind::Tray, Kind::Odometry, Kind::Range, Kind::Deviation}) {
     const auto [first, end] = model.factors_of(kind);
     for (int64_t i = first; i < end; ++i) {
       model.blocks_of(i, blocks);
       int column = 0;
       for (int32_t b : blocks) {
-        const int at = kept.kept(b);
+        const int at = layout.block_of(b);
         if (at < 0) continue;
-        const bool global = at == kept.blocks();
+        const bool global = at == layout.blocks();
         const int width = model.blocks()[b].tangent;
-        part_.push_back({at, width, column, global ? kept.at(kept.global_of(b)) : -1});
+        part_.push_back({at, width, column, global ? layout.column(layout.global_of(b)) : -1});
         column += width;
         if (!global) ++met[at + 1];
       }

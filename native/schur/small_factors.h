@@ -1,53 +1,36 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Every factor that meets no landmark, linear at the last accepted point: some rows by the free unknowns that it joins.
+// Factors that meet no landmark (priors, attitude, tray, odometry, ranges, the field's prior), linear at the last accepted
+// point.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
-#include "model/model.h"
+#include "schur/reduced_layout.h"
 
 namespace hullrecon {
 
-// The free unknowns that are left when landmarks are eliminated: poses, then nodes of the field, each a column block of its
-// own; then the border, one block of all free globals, met by nearly every factor.
-class Kept {
- public:
-  explicit Kept(const Model& model);
-  int blocks() const { return poses_ + nodes_; }  // the border is the next
-  int poses() const { return poses_; }
-  int width(int block) const { return block < poses_ ? pose_width_ : block < blocks() ? 1 : border_; }
-  int border() const { return border_; }
-  int at(int global) const { return at_[global]; }  // first column in the border; -1: held
-  int size() const { return poses_ * pose_width_ + nodes_ + border_; }
-  int kept(int model_block) const;  // block here; blocks() for a global; -1: held or a landmark
-  int model_block(int block) const { return block < poses_ ? block : first_node_ + block - poses_; }
-  int global_of(int model_block) const { return model_block - first_node_ + 7; }
-
- private:
-  int poses_, nodes_, pose_width_, border_ = 0, first_node_, landmarks_end_;
-  std::array<int, 7> at_;
-};
-
 class SmallFactors {
  public:
-  SmallFactors(const Model& model, const Kept& kept);
+  SmallFactors(const Model& model, const ReducedLayout& layout);
 
   void linearise();  // at the model's unknowns
   // Robustified costs by kind at the model's unknowns, added. False: a factor cannot be evaluated there.
   bool cost(std::array<double, kKindNames.size()>& by_kind) const;
 
+  // The columns that a factor has of one block.
   struct Part {
-    int block, width, column;  // kept block; column: in the rows; of a global also `border`, its first column in the border
-    int border;
+    int block, width;  // block of the layout, and its columns
+    int column;        // its first in the rows
+    int border;        // of a global: its first column in the border; else -1
   };
   using Rows = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>>;
   int64_t count() const { return static_cast<int64_t>(factor_.size()); }
   std::span<const Part> parts(int64_t f) const {
     return {&part_[part_start_[f]], static_cast<size_t>(part_start_[f + 1] - part_start_[f])};
   }
-  // Robustified; the last column is the residual.
+  // Whitened and robustified; the last column is the residual.
   Rows rows(int64_t f) const {
     const auto n = value_start_[f + 1] - value_start_[f];
     return Rows(&value_[value_start_[f]], rows_[f], n / rows_[f]);

@@ -19,10 +19,10 @@ namespace {
 const char* coordinate(const Block& block, int k) {
   static constexpr std::array<const char*, 7> motion{"x", "y", "z", "rotation x", "rotation y", "rotation z", "tray angle"};
   static constexpr std::array<const char*, 6> navigation{"DVL scale",  "heading drift", "roll bias",
-                                                         "pitch bias", "depth bias",    "tray play"};
-  static constexpr std::array<const char*, 9> lens{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
+                                                         "pitch bias", "depth bias",    "tray backlash"};
+  static constexpr std::array<const char*, 9> intrinsics{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
   if (block.name == "navigation") return navigation[k];
-  return block.size == 9 ? lens[k] : block.size == 1 ? "offset" : motion[k];
+  return block.size == 9 ? intrinsics[k] : block.size == 1 ? "offset" : motion[k];
 }
 
 std::string name_of(const Model& model, const Information& information, int scalar) {
@@ -68,7 +68,7 @@ Lower scaled_lower(const Model& model, Information& information, std::vector<dou
   return a;
 }
 
-// Puts the entries of the inverse in the place of the information.
+// Replaces the information by the entries of its inverse.
 void invert(const Model& model, Information& information) {
   std::vector<double> scale;
   const Lower a = scaled_lower(model, information, scale);
@@ -113,7 +113,7 @@ void poses_and_globals(const Model& model, const Information& information, Covar
 }
 
 // With H the coupling and K the inverse of its own information: K + K H Z H' K, and -K H Z against T_g_M.
-void landmark(const Model& model, const Information& information, int64_t l, LandmarkInformation& own, Linear& linear,
+void landmark(const Model& model, const Information& information, int64_t l, LandmarkInformation& own, LinearFactor& linear,
               Covariance& out) {
   const BlockMatrix& z = information.reduced();
   own.gather(model, information.factors_of(l), information.positions(), linear, nullptr);
@@ -147,7 +147,7 @@ Covariance covariance(Model& model) {
   out.landmark_hull.assign(model.landmarks() * 18, 0.0);
   for_slabs(model.landmarks(), model.options().threads, [&](int64_t begin, int64_t end) {
     LandmarkInformation own;
-    Linear linear;
+    LinearFactor linear;
     for (int64_t l = begin; l < end; ++l) landmark(model, information, l, own, linear, out);
   });
   return out;

@@ -36,7 +36,7 @@ void lay_out(const Model& model, Evaluation& out, std::vector<int64_t>& first_ro
   out.column.resize(out.start.back()), out.value.resize(out.start.back());
 }
 
-void write(const Model& model, const Linear& linear, int64_t first, Evaluation& out) {
+void write(const Model& model, const LinearFactor& linear, int64_t first, Evaluation& out) {
   const auto order = by_column(model, linear.blocks);
   for (int r = 0; r < linear.residual.size(); ++r) {
     out.residual[first + r] = linear.residual[r];
@@ -59,7 +59,7 @@ Evaluation evaluate(Model& model) {
   std::vector<int64_t> first_row;
   lay_out(model, out, first_row);
   for_slabs(model.factors(), model.options().threads, [&](int64_t begin, int64_t end) {
-    Linear linear;
+    LinearFactor linear;
     for (int64_t i = begin; i < end; ++i) {
       linear.at(model, i);
       write(model, linear, first_row[i], out);

@@ -76,7 +76,7 @@ std::vector<int> fill_reducing_order(const Pairs& pairs, const std::vector<int>&
 }  // namespace
 
 void LandmarkInformation::gather(const Model& model, const std::vector<int64_t>& factors, const std::vector<int>& position,
-                                 Linear& linear, BlockMatrix* rest) {
+                                 LinearFactor& linear, BlockMatrix* rest) {
   own.setZero();
   places.clear(), cross.clear();
   for (int64_t i : factors) {
@@ -178,7 +178,7 @@ BlockMatrix Information::pattern(const Model& model) {
 }
 
 void Information::eliminate(const Model& model) {
-  Linear linear;
+  LinearFactor linear;
   for (int64_t i : free_of_landmarks_) {
     linear.at(model, i);
     const double information = linear.weight * linear.weight;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// The information of the robustified problem at its unknowns, landmarks eliminated (Schur), as blocks.
+// Sums the information of the robustified problem at its unknowns, landmarks eliminated, as blocks.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ struct LandmarkInformation {
   std::vector<Eigen::MatrixXd> cross;  // (3, width) each
 
   // From its factors. With `rest`, what they say of the other blocks alone is added there.
-  void gather(const Model& model, const std::vector<int64_t>& factors, const std::vector<int>& position, Linear& linear,
+  void gather(const Model& model, const std::vector<int64_t>& factors, const std::vector<int>& position, LinearFactor& linear,
               BlockMatrix* rest);
 };
 

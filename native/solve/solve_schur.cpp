@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Levenberg and Marquardt over the Schur core, step for step as Ceres' trust region minimiser does it: scaling by the columns
-// at the start, damping by the clipped diagonal, radius by the step's quality, the same tests of convergence in the same order.
-// So both cores take the same number of iterations, and one can be held against the other.
+// Minimises by Levenberg-Marquardt over the Schur core, step for step as Ceres' trust region minimiser does [Ceres2023]:
+// scaling by the columns at the start, damping by the clipped diagonal, radius by the step's quality, the same tests of
+// convergence in the same order. So both cores take the same number of iterations, and one can be held against the other.
 #include <chrono>
 #include <cmath>
 
@@ -91,25 +91,25 @@ class TrustRegion {
   // Each column's norm at the start, squared: 1 + norm measures an unknown in its own unit.
   void scale() {
     const auto of = [](const Eigen::VectorXd& d) { return Eigen::VectorXd((1 + d.array().sqrt()).square()); };
-    scale_ = {of(schur_.diagonal().landmark), of(schur_.diagonal().kept)};
+    scale_ = {of(schur_.diagonal().landmark), of(schur_.diagonal().reduced)};
   }
-  Split damping() const {
+  StepVector damping() const {
     const auto of = [&](const Eigen::VectorXd& d, const Eigen::VectorXd& scale) {
       return Eigen::VectorXd((d.array() / scale.array()).max(kLeastDiagonal).min(kMostDiagonal) * scale.array() / radius_);
     };
-    return {of(schur_.diagonal().landmark, scale_.landmark), of(schur_.diagonal().kept, scale_.kept)};
+    return {of(schur_.diagonal().landmark, scale_.landmark), of(schur_.diagonal().reduced, scale_.reduced)};
   }
 
   void iterate() {
     const auto since = Clock::now();
     IterationRow row = solution_.iterations.back();
     row.cost = cost_, row.cost_change = row.step_norm = 0, row.accepted = false, row.label_changes = 0;
-    const Split diagonal = damping();
+    const StepVector diagonal = damping();
     const bool solved = schur_.step(diagonal, step_);
     part("linear_solver", since);
     const double model_change =
         solved ? -0.5 * schur_.gradient().dot(step_) +
-                     0.5 * (diagonal.landmark.dot(step_.landmark.cwiseAbs2()) + diagonal.kept.dot(step_.kept.cwiseAbs2()))
+                     0.5 * (diagonal.landmark.dot(step_.landmark.cwiseAbs2()) + diagonal.reduced.dot(step_.reduced.cwiseAbs2()))
                : 0.0;
     if (!(model_change > 0)) {
       if (++invalid_ >= kMostInvalid) fail("no step lowers the cost in " + std::to_string(kMostInvalid) + " trials");
@@ -189,13 +189,13 @@ class TrustRegion {
       converge("Gradient tolerance reached. Gradient max norm: " + number(row.gradient_norm) +
                " <= " + number(options_.gradient_tolerance));
     } else if (radius_ <= kLeastRadius) {
-      converge("Minimum trust region radius reached. Trust region radius: " + number(radius_));
+      converge("Minimum certificate region radius reached. Certificate region radius: " + number(radius_));
     }
   }
 
   // How far the unknowns would move at most along the gradient.
   double gradient_norm() {
-    step_ = {-schur_.gradient().landmark, -schur_.gradient().kept};
+    step_ = {-schur_.gradient().landmark, -schur_.gradient().reduced};
     schur_.plus(x_, step_, candidate_);
     double most = 0;
     for (size_t k = 0; k < x_.size(); ++k) most = std::max(most, std::abs(x_[k] - candidate_[k]));
@@ -220,7 +220,7 @@ class TrustRegion {
   Solution solution_;
   std::vector<std::pair<const char*, double>> seconds_;
   std::vector<double> x_, candidate_;
-  Split scale_, step_;
+  StepVector scale_, step_;
   double cost_ = 0, radius_ = options_.initial_radius, shrink_ = 2;
   int invalid_ = 0;
   bool done_ = false;

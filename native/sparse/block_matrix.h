@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// A symmetric matrix of small dense blocks: its lower half on a fixed pattern, columns of blocks compressed.
+// Stores a symmetric matrix of small dense blocks: its lower half on a fixed pattern, columns of blocks compressed.
 #pragma once
 
 #include <Eigen/Core>

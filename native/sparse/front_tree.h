@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Which numbers a Cholesky factor of a symmetric matrix of blocks holds: the elimination tree, its columns gathered to fronts
+// Lays out the Cholesky factor of a symmetric matrix of blocks: the elimination tree, its columns gathered to fronts
 // (supernodes), and where the rows of one front stand in its parent's. No numbers here.
 #pragma once
 

@@ -20,7 +20,7 @@ void dgemm_(const char* transa, const char* transb, const int* m, const int* n, 
 namespace hullrecon {
 namespace {
 
-constexpr int kTile = 128;      // columns that one call of the library takes, one task of the team
+constexpr int kTile = 128;      // columns that one call of the library takes, one task of the pool
 constexpr double kGrains = 16;  // so many pieces of work for each thread, at least
 
 // to := keep * to - rows rows', the first `width` columns of its lower half. rows: (height, depth).
@@ -39,18 +39,18 @@ void divide(double* rows, int count, const double* lower, int size, int stride) 
   dtrsm_("R", "L", "T", "N", &count, &size, &one, lower, &stride, rows, &stride);
 }
 
-// work(first, count) over [0, total) by tiles, each a task of the team.
+// work(first, count) over [0, total) by tiles, each a task of the pool.
 template <class Work>
-void by_tiles(Team& team, int total, const Work& work) {
+void by_tiles(TaskPool& pool, int total, const Work& work) {
   if (total <= kTile) {
     if (total > 0) work(0, total);
     return;
   }
-  Team::Group tiles;
+  TaskPool::Group tiles;
   for (int first = 0; first < total; first += kTile) {
-    team.add(tiles, [&work, first, count = std::min(kTile, total - first)] { work(first, count); });
+    pool.add(tiles, [&work, first, count = std::min(kTile, total - first)] { work(first, count); });
   }
-  team.finish(tiles);
+  pool.finish(tiles);
 }
 
 using Matrix = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
@@ -62,7 +62,7 @@ Fronts::Fronts(FrontTree tree, int threads)
       threads_(thread_count(threads)),
       value_(tree_.values()),
       rest_(tree_.fronts().size()),
-      team_(threads_) {
+      pool_(threads_) {
   grain_ = tree_.fronts().back().work / (kGrains * threads_);
   carried_start_.assign(1, 0);
   for (const Front& f : tree_.fronts()) carried_start_.push_back(carried_start_.back() + f.below());
@@ -82,9 +82,9 @@ void Fronts::climb(int front, const Visit& visit) {
   if (f.work < grain_) {
     for (int below = front - f.descendants; below < front; ++below) visit(below);
   } else {
-    Team::Group subtrees;
-    for (int child : tree_.children(front)) team_.add(subtrees, [&, child] { climb(child, visit); });
-    team_.finish(subtrees);
+    TaskPool::Group subtrees;
+    for (int child : tree_.children(front)) pool_.add(subtrees, [&, child] { climb(child, visit); });
+    pool_.finish(subtrees);
   }
   visit(front);
 }
@@ -98,9 +98,9 @@ void Fronts::descend(int front, const Visit& visit) {
     for (int below = front - 1; below >= front - f.descendants; --below) visit(below);
     return;
   }
-  Team::Group subtrees;
-  for (int child : tree_.children(front)) team_.add(subtrees, [&, child] { descend(child, visit); });
-  team_.finish(subtrees);
+  TaskPool::Group subtrees;
+  for (int child : tree_.children(front)) pool_.add(subtrees, [&, child] { descend(child, visit); });
+  pool_.finish(subtrees);
 }
 
 // visit(front) of all; after a failure no more.
@@ -176,12 +176,12 @@ void Fronts::eliminate(int front) {
     int info = 0;
     dpotrf_("L", &depth, corner, &f.height, &info);
     if (info != 0) return void(definite_ = false);
-    by_tiles(team_, f.height - next, [&](int row, int count) { divide(corner + depth + row, count, corner, depth, f.height); });
-    by_tiles(team_, f.size - next, [&](int column, int count) {
+    by_tiles(pool_, f.height - next, [&](int row, int count) { divide(corner + depth + row, count, corner, depth, f.height); });
+    by_tiles(pool_, f.size - next, [&](int column, int count) {
       const int c = next + column;
       subtract_product(1, at(front, c, c), f.height, at(front, c, first), f.height, f.height - c, count, depth);
     });
-    by_tiles(team_, f.below(), [&](int column, int count) {
+    by_tiles(pool_, f.below(), [&](int column, int count) {
       double* const to = rest_[front].get() + int64_t{column} * f.below() + column;
       const double* const rows = at(front, f.size + column, first);
       subtract_product(first > 0 ? 1 : 0, to, f.below(), rows, f.height, f.below() - column, count, depth);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// A symmetric positive definite matrix of blocks, factored in place by the multifrontal method: each front adds what its
-// children leave to its panel, eliminates its own columns and leaves the rest to its parent. Subtrees go to threads; every sum
-// has a fixed order, so the bytes do not depend on their number.
+// Factors a symmetric positive definite matrix of blocks in place, by the multifrontal method [DuffReid1983, Liu1992]: each
+// front adds what its children leave to its panel, eliminates its own columns and leaves the rest to its parent. Subtrees go to
+// threads; every sum has a fixed order, so the bytes do not depend on their number.
 #pragma once
 
 #include <Eigen/Core>
@@ -53,7 +53,7 @@ class Fronts {
   std::vector<int64_t> carried_start_;
   std::vector<double> carried_;  // the same of the right side
   std::atomic<bool> definite_ = true;
-  Team team_;  // last: it uses all of the above
+  TaskPool pool_;  // last: it uses all of the above
 };
 
 }  // namespace hullrecon

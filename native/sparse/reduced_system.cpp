@@ -51,8 +51,8 @@ std::vector<int> fill_reducing_order(const std::vector<int64_t>& start, const st
 
 }  // namespace
 
-Reduced::Reduced(std::vector<int> width, int border, const std::vector<int64_t>& start, const std::vector<int32_t>& neighbours,
-                 int threads)
+ReducedSystem::ReducedSystem(std::vector<int> width, int border, const std::vector<int64_t>& start,
+                             const std::vector<int32_t>& neighbours, int threads)
     : border_(border), position_(fill_reducing_order(start, neighbours)) {
   const auto blocks = static_cast<int>(width.size());
   std::vector<int> at(blocks), width_at;
@@ -73,7 +73,7 @@ Reduced::Reduced(std::vector<int> width, int border, const std::vector<int64_t>&
   fronts_ = std::make_unique<Fronts>(FrontTree(width_at, below_start, below), threads);
 }
 
-void Reduced::add_diagonal(const Eigen::VectorXd& d) {
+void ReducedSystem::add_diagonal(const Eigen::VectorXd& d) {
   const FrontTree& tree = fronts_->tree();
   int k = 0;
   for (int f = 0; f < static_cast<int>(tree.fronts().size()); ++f) {

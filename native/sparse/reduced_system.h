@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// The reduced system: the lower half of a symmetric matrix of small blocks and a dense border, in a fill-reducing order, kept
-// where its factor will stand (fronts.h).
+// Holds the reduced system: the lower half of a symmetric matrix of small blocks and a dense border, in a fill-reducing order,
+// kept where its factor will stand (fronts.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -13,12 +13,12 @@
 
 namespace hullrecon {
 
-class Reduced {
+class ReducedSystem {
  public:
   // width: of each block. neighbours[start[b], start[b + 1]): the blocks that b meets, both ways, itself left out; the border
   // meets all. Of AMD and METIS the order with fewer nonzeros is taken.
-  Reduced(std::vector<int> width, int border, const std::vector<int64_t>& start, const std::vector<int32_t>& neighbours,
-          int threads);
+  ReducedSystem(std::vector<int> width, int border, const std::vector<int64_t>& start, const std::vector<int32_t>& neighbours,
+                int threads);
 
   const FrontTree& tree() const { return fronts_->tree(); }
   int size() const { return offset(static_cast<int>(position_.size()) - 1) + border_; }

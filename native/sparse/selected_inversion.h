@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Entries of A^-1 on the pattern of A's Cholesky factor, without the rest of the inverse (Takahashi, Fagan and Chin 1973), by
+// Computes the entries of A^-1 on the pattern of A's Cholesky factor, without the rest of the inverse [Takahashi1973], by
 // supernodes. With L's columns J and the rows R below them, Y = L_RJ L_JJ^-1:
 //   Z_RJ = -Z_RR Y,   Z_JJ = L_JJ^-T L_JJ^-1 - Y' Z_RJ,
 // from the last columns to the first; Z_RR is known by then, for R is a clique of the filled graph.

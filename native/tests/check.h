@@ -98,15 +98,15 @@ Matrix numeric(const Residual& residual, const Blocks& x, int columns) {
 
 template <class Twin>
 Matrix automatic(const Twin& residual_twin, const Blocks& x, int rows, int columns, Eigen::VectorXd& r) {
-  std::vector<std::vector<twin::Jet>> lifted;
+  std::vector<std::vector<twin::Jet>> adjoint;
   std::vector<const twin::Jet*> at;
   int column = 0;
   for (const auto& block : x) {
     std::vector<twin::Jet> delta;
     for (int c = 0; c < twin::tangent(block.size()); ++c) delta.emplace_back(0.0, column++);
-    lifted.push_back(twin::moved<twin::Jet>(block, delta.data()));
+    adjoint.push_back(twin::moved<twin::Jet>(block, delta.data()));
   }
-  for (const auto& block : lifted) at.push_back(block.data());
+  for (const auto& block : adjoint) at.push_back(block.data());
   std::vector<twin::Jet> out(rows);
   residual_twin(at.data(), out.data());
   Matrix jacobian(rows, columns);

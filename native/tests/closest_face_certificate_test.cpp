@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Closest points by tree, walk and trust, and rays, against all faces in turn, to the last bit.
+// Closest points by tree, walk and certificate, and rays, against all faces in turn, to the last bit.
 #include <cmath>
 #include <random>
 

@@ -28,19 +28,19 @@ struct Graph {
     if (a == b || std::count(meets[a].begin(), meets[a].end(), b)) return;
     meets[a].push_back(b), meets[b].push_back(a);
   }
-  Reduced reduced(int threads) const {
+  ReducedSystem reduced(int threads) const {
     std::vector<int64_t> start{0};
     std::vector<int32_t> all;
     for (const auto& others : meets) {
       all.insert(all.end(), others.begin(), others.end());
       start.push_back(static_cast<int64_t>(all.size()));
     }
-    return Reduced(width, border, start, all, threads);
+    return ReducedSystem(width, border, start, all, threads);
   }
 };
 
 // Fills the system with numbers on the graph, `ridge` on its diagonal; the same matrix, dense, in the order of the system.
-Eigen::MatrixXd fill(const Graph& graph, Reduced& reduced, double ridge) {
+Eigen::MatrixXd fill(const Graph& graph, ReducedSystem& reduced, double ridge) {
   std::mt19937 rng(7);
   std::normal_distribution<double> normal;
   const auto random = [&](int rows, int columns) {
@@ -70,7 +70,7 @@ Eigen::MatrixXd fill(const Graph& graph, Reduced& reduced, double ridge) {
 }
 
 void expect_solved(const Graph& graph, int threads) {
-  Reduced reduced = graph.reduced(threads);
+  ReducedSystem reduced = graph.reduced(threads);
   const Eigen::MatrixXd dense = fill(graph, reduced, 4.0 * reduced.size());
   Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(reduced.size(), -1, 1);
   const Eigen::VectorXd b = x;
@@ -96,7 +96,7 @@ TEST_CASE("fronts of several tiles") {
 
 TEST_CASE("a system of nothing but its border, and of nothing at all") {
   expect_solved(Graph(0, 5, 0, 1), 2);
-  Reduced nothing = Graph(0, 0, 0, 1).reduced(2);
+  ReducedSystem nothing = Graph(0, 0, 0, 1).reduced(2);
   CHECK(nothing.factor());
   CHECK(nothing.size() == 0);
 }
@@ -105,7 +105,7 @@ TEST_CASE("the same bytes for any number of threads") {
   const Graph graph(400, 12, 900, 5);
   Eigen::VectorXd first;
   for (int threads : {1, 2, 3}) {
-    Reduced reduced = graph.reduced(threads);
+    ReducedSystem reduced = graph.reduced(threads);
     fill(graph, reduced, 4.0 * reduced.size());
     REQUIRE(reduced.factor());
     Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(reduced.size(), -1, 1);
@@ -117,7 +117,7 @@ TEST_CASE("the same bytes for any number of threads") {
 
 TEST_CASE("an indefinite system is refused, and the next one is solved") {
   const Graph graph(300, 12, 300, 2);
-  Reduced reduced = graph.reduced(2);
+  ReducedSystem reduced = graph.reduced(2);
   fill(graph, reduced, 1.0);
   CHECK_FALSE(reduced.factor());
   const Eigen::MatrixXd dense = fill(graph, reduced, 4.0 * reduced.size());
@@ -129,7 +129,7 @@ TEST_CASE("an indefinite system is refused, and the next one is solved") {
 
 TEST_CASE("rows and columns of each front lie on the elimination tree") {
   const Graph graph(300, 12, 300, 2);
-  const Reduced reduced = graph.reduced(1);
+  const ReducedSystem reduced = graph.reduced(1);
   const FrontTree& tree = reduced.tree();
   int columns = 0;
   for (int f = 0; f < static_cast<int>(tree.fronts().size()); ++f) {

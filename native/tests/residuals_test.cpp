@@ -86,7 +86,7 @@ TEST_CASE("a bow that points straight down has no roll, and the point is refused
   CHECK_FALSE(Attitude{Vec3::Zero(), Vec3::Zero()}(x, r, nullptr));
 }
 
-TEST_CASE("the tray's angle and play") {
+TEST_CASE("the tray's angle and backlash") {
   std::mt19937 rng(3);
   const Blocks truth{pose_block(rng), {0, 0, 0, 0, 0, 0.01}};
   const Tray residual{0.2 - 0.01, -1.0};

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from msgspec import Struct
 
-from hullrecon.artifacts.execution.chain_runner import Outcome, run_chain
+from hullrecon.artifacts.execution.chain_runner import StepOutcome, run_chain
 from hullrecon.artifacts.execution.executor import Serial
 from hullrecon.artifacts.execution.runner import RunContext
 from hullrecon.artifacts.graph.chain import Chain
@@ -75,12 +75,12 @@ def chain(package: Path, **sections: object) -> Chain:
     return Chain(STAGES, {"scale": Scale(), **sections}, package)
 
 
-def run(package: Path, workspace: Workspace, *, from_scratch: bool = False, **sections: object) -> list[Outcome]:
+def run(package: Path, workspace: Workspace, *, from_scratch: bool = False, **sections: object) -> list[StepOutcome]:
     run_context = RunContext(workspace.hashes(), Serial())
     return run_chain(chain(package, **sections), workspace, run_context, from_scratch=from_scratch)
 
 
-def made(outcomes: list[Outcome]) -> list[str]:
+def made(outcomes: list[StepOutcome]) -> list[str]:
     return [outcome.before.stage.name for outcome in outcomes if outcome.made]
 
 

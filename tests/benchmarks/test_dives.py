@@ -18,15 +18,17 @@ def _solution(folder: Path, offset: tuple[float, float, float], sigma: float) ->
     """Three poses that err by `offset` (m) in a hull frame that is turned by 90 degrees against g."""
     folder.mkdir()
     half = np.sqrt(0.5)
-    hull = np.array([10.0, 0, 0, 0, 0, half, half])  # x_g = 10 - y_M, y_g = x_M
     at = np.array([1.0, 2.0, 3.0]) + offset
     np.savez(
         folder / "solution.npz",
-        t_ns=np.array([0, 10**9, 2 * 10**9]),
-        translation=np.tile([10 - at[1], at[0], at[2]], (3, 1)),
-        quaternion=np.tile([0, 0, half, half], (3, 1)),
-        T_g_M=hull,
-        pose_covariance=np.tile(sigma**2 * np.eye(6), (3, 1, 1)),
+        **{
+            "t_ns": np.array([0, 10**9, 2 * 10**9]),
+            "global_from_vehicle.translation": np.tile([10 - at[1], at[0], at[2]], (3, 1)),
+            "global_from_vehicle.quaternion": np.tile([0, 0, half, half], (3, 1)),
+            "hull_pose.global_from_hull.translation": np.array([[10.0, 0.0, 0.0]]),  # x_g = 10 - y_M, y_g = x_M
+            "hull_pose.global_from_hull.quaternion": np.array([[0, 0, half, half]]),
+            "pose_covariance": np.tile(sigma**2 * np.eye(6), (3, 1, 1)),
+        },
     )
     return folder
 

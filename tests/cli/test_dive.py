@@ -38,6 +38,7 @@ def package(tmp_path: Path) -> Path:
     (folder / "top.yaml").write_text(YAML)
     (folder / "hull.off").write_text(TETRAHEDRON.format(20))
     (logs / "pressure.csv").write_text("t,pascal\n0,113391\n1,135512\n")
+    (logs / "imu.csv").write_text("t,qx,qy,qz,qw\n0,0,0,0,1\n1,0,0,0,1\n")
     (logs / "dvl.csv").write_text("t,vx,vy,vz,range_1,range_2,range_3,range_4\n0,1,0,0,1,1,1,\n1,1,0,0,2,2,2,2\n")
     for name in "abc":
         cv2.imwrite(str(logs / f"{name}.jpg"), np.random.default_rng(1).integers(0, 255, (24, 32, 3), np.uint8))
@@ -67,8 +68,47 @@ def test_check_says_in_words_what_a_package_holds(capsys, package):
     assert lines[0] == "small: MV Small"
     assert "depth runs from 1.2 to 3.4 m" in lines
     assert "the first camera image is 0.4 s after the first DVL ping" in lines
-    assert any(line.startswith("no imu") for line in lines)
+    assert any(line.startswith("no sonar") for line in lines)
     assert any(line.startswith("defaults used: ") and "dvl.mount_sigma = [0.01, " in line for line in lines)
+
+
+def test_check_ends_with_3_where_no_run_is_possible(capsys, package):
+    (package / "logs" / "imu.csv").unlink()
+    code, out, err = call(capsys, "check", package)
+    assert code == 3
+    assert any(line.startswith("no imu: ") and "no run is possible" in line for line in out.splitlines())
+    assert err.splitlines()[-1].startswith("error: no run is possible: sensors are missing")
+    code, out, err = call(capsys, "check", package, "--json")
+    assert (code, json.loads(out)["run_is_possible"]) == (3, False)
+    assert "error" not in err
+
+
+def test_check_lists_all_files_that_are_missing_and_reads_the_rest(capsys, package):
+    (package / "top.yaml").unlink()
+    (package / "hull.off").unlink()
+    code, out, err = call(capsys, "check", package)
+    assert code == 3
+    lines = out.splitlines()
+    assert "missing: top.yaml (camera.top.calibration)" in lines
+    assert "missing: hull.off (hull.mesh)" in lines
+    assert "depth runs from 1.2 to 3.4 m" in lines
+    assert "missing: top.yaml (camera.top.calibration), hull.off (hull.mesh)" in err.splitlines()[-1]
+
+
+def test_an_option_of_set_that_check_does_not_take_is_not_blamed_on_the_file(capsys, package):
+    code, line = complaint(capsys, "check", package, "--set", "tray.sigma_deg=wide")
+    assert code == 2
+    assert line.startswith("error: tray.sigma_deg = 'wide': expected float")
+    assert line.endswith("(from --set)")
+
+
+def test_run_warns_of_what_is_left_to_defaults(capsys, package):
+    code, _, err = call(capsys, "run", package, "--runs", package.parent / "runs", "--to", "ingest")
+    assert code == 0
+    warnings = [line for line in err.splitlines() if line.startswith("warning: to fill in: ")]
+    keys = {line.split(": ")[2] for line in warnings}
+    assert {"tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount", "hull.pose"} <= keys
+    assert "sonar.mount" not in keys
 
 
 def test_check_asks_where_the_beams_point(capsys, package):
@@ -95,8 +135,8 @@ def test_check_takes_options_in_place_of_the_files(capsys, package):
 def test_check_of_a_bare_log_says_what_it_holds_and_what_is_missing(capsys, package):
     code, out, _ = call(capsys, "check", package / "logs")
     assert code == 0
-    assert "pressure: 2 messages" in out
-    assert "no imu" in out
+    assert "pressure: 2 messages in 1.0 s, 1.0 Hz" in out
+    assert "no sonar" in out
     assert "`hullrecon init`" in out
 
 

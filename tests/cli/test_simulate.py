@@ -84,7 +84,7 @@ def test_an_interrupted_simulation_leaves_nothing_and_can_be_repeated(
 def test_images_are_counted_on_standard_error_while_they_are_written(
     capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from hullrecon.artifacts import progress
+    from hullrecon.artifacts.execution import progress
 
     monkeypatch.setattr(progress, "choose_progress", lambda *, quiet=False: progress.LogLines(seconds=0.0))
     options = (*BARE, "--structures", "0", "--views", "1", "--image-width", "160", "--image-height", "128", "--no-sonar")

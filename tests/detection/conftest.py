@@ -10,10 +10,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.detection.as_found.background import Background, MedianBackground
-from hullrecon.detection.as_found.estimate import Found, find_hull
-from hullrecon.detection.as_found.landmarks import Measured
+from hullrecon.detection.as_found.hull_as_found import HullAsFound, estimate_hull_as_found
+from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
 from hullrecon.detection.options import DetectOptions
-from hullrecon.detection.views import Views
+from hullrecon.detection.views import CameraViews
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh
@@ -33,10 +33,16 @@ def wall_mesh(width: float = 4.0, height: float = 2.0, step: float = 0.5) -> Mes
     return Mesh(grid, faces.astype(np.int32))
 
 
-def views_along(x: np.ndarray, z: float = 1.0, standoff: float = 1.3) -> Views:
+def views_along(x: np.ndarray, z: float = 1.0, standoff: float = 1.3) -> CameraViews:
     centers = np.stack([x, np.full(len(x), 2 + standoff), np.full(len(x), z)], axis=1)
     poses = Poses(np.tile(TOWARD_WALL.as_quat(), (len(x), 1)), centers)
-    return Views(poses, np.arange(len(x)), tuple(f"camera_top/{k}.jpg" for k in range(len(x))), CAMERA, 2.2)
+    return CameraViews(
+        T_x_c=poses,
+        node=np.arange(len(x)),
+        name=tuple(f"camera_top/{k}.jpg" for k in range(len(x))),
+        camera=CAMERA,
+        farthest_m=2.2,
+    )
 
 
 @dataclass(frozen=True)
@@ -45,9 +51,9 @@ class Scenery:
     and a stain at (3, 1): where landmarks are dense but lie on the wall. The wall itself is off by -0.012 m."""
 
     base: Mesh
-    measured: Measured
+    measured: SurfaceLandmarks
     background: Background
-    views: Views
+    views: CameraViews
     chart: PlaneChart
     height: np.ndarray
 
@@ -61,12 +67,21 @@ def true_height(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     return 0.10 * disc - 0.05 * recess
 
 
-def landmarks_on_wall(x: np.ndarray, z: np.ndarray, noise: np.ndarray) -> Measured:
+def landmarks_on_wall(x: np.ndarray, z: np.ndarray, noise: np.ndarray) -> SurfaceLandmarks:
     n, offset = len(x), OFF + true_height(x, z) + noise
     foot = np.stack([x, np.full(n, 2.0), z], axis=1)
     normal = np.tile([0.0, 1, 0], (n, 1))
     position = foot + normal * offset[:, None]
-    return Measured(np.arange(n), position, foot, normal, offset, np.full(n, 0.003), np.full(n, 0.004), np.full(n, 6))
+    return SurfaceLandmarks(
+        row=np.arange(n),
+        position=position,
+        foot=foot,
+        normal=normal,
+        offset=offset,
+        sigma=np.full(n, 0.003),
+        common=np.full(n, 0.004),
+        views=np.full(n, 6),
+    )
 
 
 @pytest.fixture(scope="session")
@@ -78,19 +93,21 @@ def scenery() -> Scenery:
     wild = rng.random(len(x)) < 0.02
     noise[wild] += rng.uniform(-0.3, 0.3, wild.sum())
     measured = landmarks_on_wall(x, z, noise)
-    background = MedianBackground(np.array([[2.0, 2.0, 1.0]]), np.array([OFF]), np.array([0.002]), 1.0)
+    background = MedianBackground(
+        node=np.array([[2.0, 2.0, 1.0]]), value=np.array([OFF]), spread=np.array([0.002]), reach_m=1.0
+    )
     chart = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
     views = views_along(np.arange(0.5, 3.6, 0.25))
     return Scenery(wall_mesh(), measured, background, views, chart, measured.offset - OFF)
 
 
 @pytest.fixture(scope="session")
-def found(scenery: Scenery) -> Found:
-    return find_hull(scenery.base, scenery.measured, scenery.background, scenery.views, DetectOptions())
+def found(scenery: Scenery) -> HullAsFound:
+    return estimate_hull_as_found(scenery.base, scenery.measured, scenery.background, scenery.views, DetectOptions())
 
 
 @pytest.fixture
-def views_at() -> Callable[[list[float]], Views]:
+def views_at() -> Callable[[list[float]], CameraViews]:
     return lambda x: views_along(np.array(x))
 
 

@@ -7,12 +7,15 @@ import pytest
 
 from hullrecon.detection.as_found.background import FieldBackground, median_background
 from hullrecon.geometry.charts.plane_chart import PlaneChart
+from hullrecon.records.solution import DeviationField
 
 CHART = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
 
 
 def _field(value: np.ndarray) -> FieldBackground:
-    return FieldBackground(CHART, np.array([1.0, 0.0]), np.array([0.5, 0.25]), value, 0.1 * np.abs(value) + 0.01)
+    origin, step = np.array([1.0, 0.0]), np.array([0.5, 0.25])
+    field = DeviationField(origin=origin, step=step, value=value, sigma=0.1 * np.abs(value) + 0.01)
+    return FieldBackground(chart=CHART, field=field)
 
 
 def test_the_field_is_bilinear_between_its_nodes() -> None:

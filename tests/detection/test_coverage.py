@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon.detection import coverage
-from hullrecon.detection.views import sightings
+from hullrecon.detection.views import find_visibility
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.poses import Poses, from_rpy
@@ -14,8 +14,8 @@ from hullrecon.records.sensors import SonarPings
 
 
 @pytest.fixture
-def hull(wall) -> coverage.Hull:
-    return coverage.pieces(refine(wall, 0.06)[0])
+def hull(wall) -> coverage.HullPatches:
+    return coverage.hull_patches(refine(wall, 0.06)[0])
 
 
 def test_pieces_hold_the_whole_area(hull) -> None:
@@ -25,7 +25,7 @@ def test_pieces_hold_the_whole_area(hull) -> None:
 
 def test_the_cameras_area_is_its_footprint(hull, wall, views_at) -> None:
     views = views_at([1.5, 2.5])
-    facts = coverage.camera_facts(hull, sightings(views, hull.mesh.vertices, hull.normal, Scene(wall)), 640.0, 2)
+    facts = coverage.camera_facts(hull, find_visibility(views, hull.mesh.vertices, hull.normal, Scene(wall)), 640.0, 2)
     # each image shows 1.3 m by 1.04 m; they overlap by 0.3 m
     assert facts["area_m2"] == pytest.approx((1.3 + 1.0) * 1.04, rel=0.05)
     assert facts["area_twice_m2"] == pytest.approx(0.3 * 1.04, rel=0.2)
@@ -33,21 +33,25 @@ def test_the_cameras_area_is_its_footprint(hull, wall, views_at) -> None:
 
 
 def test_the_ground_sample_distance_is_distance_over_focal_length(hull, wall, views_at) -> None:
-    facts = coverage.camera_facts(hull, sightings(views_at([2.0]), hull.mesh.vertices, hull.normal, Scene(wall)), 640.0, 1)
+    facts = coverage.camera_facts(
+        hull, find_visibility(views_at([2.0]), hull.mesh.vertices, hull.normal, Scene(wall)), 640.0, 1
+    )
     assert facts["gsd_m"]["p05"] == pytest.approx(1.3 / 640, rel=0.02)
     assert facts["incidence_deg"]["p95"] < np.degrees(np.arctan(np.hypot(0.65, 0.52) / 1.3))
 
 
 def test_a_camera_that_saw_nothing_has_no_percentiles(hull, wall, views_at) -> None:
-    facts = coverage.camera_facts(hull, sightings(views_at([40.0]), hull.mesh.vertices, hull.normal, Scene(wall)), 640.0, 1)
+    facts = coverage.camera_facts(
+        hull, find_visibility(views_at([40.0]), hull.mesh.vertices, hull.normal, Scene(wall)), 640.0, 1
+    )
     assert facts["area_m2"] == 0
     assert facts["gsd_m"] is None
 
 
 def test_the_dvls_area_lies_near_its_surface(hull) -> None:
-    covered = coverage.near_surface(hull, np.array([[1.0, 2.0, 1.0]]), 0.3)
+    covered = coverage.covered_by_surface(hull, np.array([[1.0, 2.0, 1.0]]), 0.3)
     assert coverage.area_facts(hull, covered)["area_m2"] == pytest.approx(np.pi * 0.09, rel=0.1)
-    assert not coverage.near_surface(hull, np.zeros((0, 3)), 0.3).any()
+    assert not coverage.covered_by_surface(hull, np.zeros((0, 3)), 0.3).any()
 
 
 def _pings(half_bearing: float) -> SonarPings:
@@ -66,8 +70,12 @@ def _sonar_at(x: float, y: float) -> Poses:
     return Poses(Rotation.from_matrix(turn).as_quat()[None], np.array([[x, y, 1.0]]))
 
 
+def _survey(poses: Poses) -> coverage.SonarSurvey:
+    return coverage.SonarSurvey(pings=_pings(np.radians(30)), poses=poses, half_elevation_rad=np.radians(7))
+
+
 def test_the_sonar_sees_a_strip_as_wide_as_its_fan_and_as_high_as_its_elevation(hull, wall) -> None:
-    seen = coverage.sonar_seen(hull, _pings(np.radians(30)), _sonar_at(2.0, 4.0), np.radians(7), Scene(wall))
+    seen = coverage.visible_to_sonar(hull, _survey(_sonar_at(2.0, 4.0)), Scene(wall))
     x, _, z = hull.mesh.vertices[seen].T
     assert np.abs(x - 2).max() == pytest.approx(2 * np.tan(np.radians(30)), abs=0.1)
     assert np.abs(z - 1).max() <= np.hypot(2, 2 * np.tan(np.radians(30))) * np.tan(np.radians(7)) + 1e-9
@@ -75,10 +83,9 @@ def test_the_sonar_sees_a_strip_as_wide_as_its_fan_and_as_high_as_its_elevation(
 
 
 def test_beyond_its_range_and_from_behind_the_sonar_sees_nothing(hull, wall) -> None:
-    pings, elevation = _pings(np.radians(30)), np.radians(7)
-    assert not coverage.sonar_seen(hull, pings, _sonar_at(2.0, 5.0), elevation, Scene(wall)).any()
+    assert not coverage.visible_to_sonar(hull, _survey(_sonar_at(2.0, 5.0)), Scene(wall)).any()
     behind = Poses(from_rpy([0, 0, 0], [0, 0, 0]).quaternion, np.array([[2.0, 2.0, -1.0]]))
-    assert not coverage.sonar_seen(hull, pings, behind, elevation, Scene(wall)).any()
+    assert not coverage.visible_to_sonar(hull, _survey(behind), Scene(wall)).any()
 
 
 def _address(point: np.ndarray) -> str:
@@ -89,7 +96,7 @@ def test_a_hole_inside_the_survey_is_reported_with_its_address_and_area(hull, sc
     x, _, z = hull.mesh.vertices.T
     seen = (np.abs(x - 2) < 1.2) & (np.abs(z - 1) < 0.8)
     seen &= np.maximum(np.abs(x - 2.5), np.abs(z - 1.0)) > 0.25
-    (hole,) = coverage.holes(hull, seen, scenery.chart, _address)
+    (hole,) = coverage.find_holes(hull, seen, scenery.chart, _address)
     assert hole["address"] == "x 2.5"
     assert hole["area_m2"] == pytest.approx(0.25, rel=0.35)
     assert np.allclose(hole["center"], [2.5, 2, 1], atol=0.1)
@@ -100,10 +107,10 @@ def test_the_largest_hole_comes_first_and_specks_are_left_out(hull, scenery) -> 
     seen = (np.abs(x - 2) < 1.5) & (np.abs(z - 1) < 0.8)
     for at, half in ((1.2, 0.2), (2.4, 0.3), (3.2, 0.04)):
         seen &= np.maximum(np.abs(x - at), np.abs(z - 1.0)) > half
-    assert [hole["address"] for hole in coverage.holes(hull, seen, scenery.chart, _address)] == ["x 2.4", "x 1.2"]
+    assert [hole["address"] for hole in coverage.find_holes(hull, seen, scenery.chart, _address)] == ["x 2.4", "x 1.2"]
 
 
 def test_what_lies_outside_the_survey_is_no_hole(hull, scenery) -> None:
     seen = np.abs(hull.mesh.vertices[:, 0] - 2) < 1
-    assert coverage.holes(hull, seen, scenery.chart, _address) == []
-    assert coverage.holes(hull, np.zeros(len(seen), bool), scenery.chart, _address) == []
+    assert coverage.find_holes(hull, seen, scenery.chart, _address) == []
+    assert coverage.find_holes(hull, np.zeros(len(seen), bool), scenery.chart, _address) == []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.detection.as_found.landmarks import LEAST_SIGMA_M, measure, shared_variance
+from hullrecon.detection.as_found.landmarks import MIN_SIGMA_M, measure_surface, shared_variance
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 
@@ -17,7 +17,7 @@ def _covariance(along_normal: float, n: int) -> np.ndarray:
 
 def _measure(points: list[list[float]], sigma: float = 0.003, views: int = 3):
     position = np.array(points)
-    return measure(WALL, position, _covariance(sigma, len(points)), np.full(len(points), views), 0.5, 0.012)
+    return measure_surface(WALL, position, _covariance(sigma, len(points)), np.full(len(points), views), 0.5, 0.012)
 
 
 def test_offset_foot_and_normal_are_those_of_the_surface() -> None:
@@ -44,18 +44,18 @@ def test_what_all_neighbours_share_does_not_count_against_a_landmark() -> None:
     covariance = _covariance(0.05, 200)  # the dive's place on the hull: 5 cm, far more than a landmark may have
     covariance[:, 1, 1] += 0.004**2
     covariance[::4, 1, 1] -= 0.004**2 - 0.001**2
-    seen = measure(WALL, position, covariance, np.full(200, 3), 0.5, 0.012)
+    seen = measure_surface(WALL, position, covariance, np.full(200, 3), 0.5, 0.012)
     assert len(seen) == 200
     assert np.allclose(seen.common, 0.05, rtol=0.01)
     assert seen.sigma[1::4].max() < 0.005
-    assert seen.sigma[::4].min() >= LEAST_SIGMA_M
+    assert seen.sigma[::4].min() >= MIN_SIGMA_M
 
 
 def test_an_uncertain_landmark_among_certain_ones_is_left_out() -> None:
     position = np.column_stack([np.linspace(0.5, 3.5, 50), np.zeros(50), np.full(50, 2.0)])
     covariance = _covariance(0.002, 50)
     covariance[20, 1, 1] = 0.03**2
-    assert 20 not in measure(WALL, position, covariance, np.full(50, 3), 0.5, 0.012).row
+    assert 20 not in measure_surface(WALL, position, covariance, np.full(50, 3), 0.5, 0.012).row
 
 
 def test_no_landmark_shares_nothing() -> None:

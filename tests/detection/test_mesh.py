@@ -5,14 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.as_found.mesh import affordable_edge, refine_near, vertex_normals
+from hullrecon.detection.as_found.mesh import affordable_edge, refine_near
 from hullrecon.geometry.meshes.mesh import Mesh
 
 FLOOR = Mesh(np.array([[0.0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
-ROOF = Mesh(
-    np.array([[0.0, 0, 0], [1, 0, 1], [2, 0, 0], [0, 1, 0], [1, 1, 1], [2, 1, 0]]),
-    np.array([[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]], np.int32),
-)
 
 
 def test_edges_are_short_near_the_points_and_long_elsewhere() -> None:
@@ -34,10 +30,3 @@ def test_a_large_survey_gets_a_coarser_mesh() -> None:
     points = rng.uniform(0, 10, (20000, 3)) * [1, 1, 0]  # 100 m2
     assert affordable_edge(points, 0.03, 1_000_000) == 0.03
     assert affordable_edge(points, 0.03, 10_000) == pytest.approx(np.sqrt(100 / 4300), rel=0.05)
-
-
-def test_normals_at_a_ridge_point_up_between_its_sides() -> None:
-    normal = vertex_normals(ROOF)
-    assert np.allclose(normal[4], [0, 0, 1], atol=0.2)
-    assert np.allclose(normal[0], [-np.sqrt(0.5), 0, np.sqrt(0.5)])
-    assert np.allclose(np.linalg.norm(normal, axis=1), 1)

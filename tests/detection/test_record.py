@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.as_found.record import found_surface, surface_on_cad_model
+from hullrecon.detection.as_found.record import as_found_surface, surface_on_cad_model
 from hullrecon.records.surface import Surface
 
 
 def test_support_is_zero_where_nothing_was_measured(scenery, found) -> None:
-    surface = found_surface(found, scenery.measured)
+    surface = as_found_surface(found, scenery.measured)
     assert (surface.support[~found.measured] == 0).all()
     assert np.median(surface.support[found.measured]) >= 3
     assert np.allclose(surface.deviation, surface.vertices[:, 1] - 2)
 
 
 def test_sigma_holds_what_all_landmarks_share(scenery, found) -> None:
-    surface = found_surface(found, scenery.measured)
+    surface = as_found_surface(found, scenery.measured)
     assert surface.sigma[found.measured].min() >= 0.004
     assert np.allclose(surface.sigma[found.measured] ** 2, found.sigma[found.measured] ** 2 + 0.004**2)
 

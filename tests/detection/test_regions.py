@@ -54,7 +54,7 @@ def test_parts_with_a_gap_narrower_than_the_reach_are_one(found) -> None:
     x = found.base.vertices[:, 0]
     split = replace(found, height=np.where(np.abs(x - 1.2) < 0.02, 0.0, found.height))
     assert sum(r.side > 0 for r in find_regions(split, OPTIONS)) == 1
-    assert sum(r.side > 0 for r in find_regions(split, DetectOptions(cluster_reach=0.02))) == 2
+    assert sum(r.side > 0 for r in find_regions(split, DetectOptions(cluster_reach_m=0.02))) == 2
 
 
 def _two_peaks(found, saddle_m: float):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.detection.views import each_view, in_frame, seen_from, sightings, sightings_by_cell
+from hullrecon.detection.views import find_visibility, find_visibility_by_cell, iterate_views, rows_in_image, visible_rows
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 
@@ -13,24 +13,24 @@ def test_a_point_is_in_frame_where_the_image_is(views_at) -> None:
     views = views_at([2.0])
     half = 1.3 * 320 / 640  # half the width of the footprint
     points = np.array([[2.0, 2, 1], [2 + half - 0.01, 2, 1], [2 + half + 0.01, 2, 1], [2.0, 5, 1]])
-    assert in_frame(views, 0, points, np.arange(4)).tolist() == [0, 1]
+    assert rows_in_image(views, 0, points, np.arange(4)).tolist() == [0, 1]
 
 
 def test_views_that_see_nothing_are_passed_over(views_at) -> None:
     views = views_at([0.5, 2.0, 30.0])
-    assert [view for view, _ in each_view(views, np.array([[2.0, 2, 1]]))] == [0, 1]
+    assert [view for view, _ in iterate_views(views, np.array([[2.0, 2, 1]]))] == [0, 1]
 
 
 def test_every_view_that_sees_a_point_counts_and_the_nearest_is_kept(views_at, wall) -> None:
     views = views_at([1.8, 2.0, 2.3, 3.5])
-    seen = sightings(views, np.array([[2.0, 2, 1]]), np.array([[0.0, 1, 0]]), Scene(wall))
+    seen = find_visibility(views, np.array([[2.0, 2, 1]]), np.array([[0.0, 1, 0]]), Scene(wall))
     assert seen.views.tolist() == [3]
     assert np.allclose(seen.distance, 1.3)
     assert np.allclose(seen.cosine, 1.0)
 
 
 def test_a_surface_that_looks_away_is_not_seen(views_at, wall) -> None:
-    seen = sightings(views_at([2.0]), np.array([[2.0, 2, 1]]), np.array([[0.0, -1, 0]]), Scene(wall))
+    seen = find_visibility(views_at([2.0]), np.array([[2.0, 2, 1]]), np.array([[0.0, -1, 0]]), Scene(wall))
     assert seen.views.tolist() == [0]
     assert np.isnan(seen.distance[0])
 
@@ -42,7 +42,7 @@ def test_what_stands_in_front_hides(views_at, wall) -> None:
         np.vstack([wall.faces, np.array([[0, 1, 2], [0, 2, 3]], np.int32) + len(wall.vertices)]),
     )
     points, normals = np.array([[2.0, 2, 1], [2.4, 2, 1]]), np.tile([0.0, 1, 0], (2, 1))
-    rows, distance, _ = seen_from(np.array([2.0, 3.3, 1.0]), np.arange(2), points, normals, Scene(both))
+    rows, distance, _ = visible_rows(np.array([2.0, 3.3, 1.0]), np.arange(2), points, normals, Scene(both))
     assert rows.tolist() == [1]
     assert np.allclose(distance, np.hypot(1.3, 0.4))
 
@@ -51,7 +51,7 @@ def test_one_point_answers_for_its_cell(views_at, wall) -> None:
     rng = np.random.default_rng(0)
     points = np.column_stack([rng.uniform(1, 3, 3000), np.full(3000, 2.0), rng.uniform(0.6, 1.4, 3000)])
     normals, views, scene = np.tile([0.0, 1, 0], (3000, 1)), views_at([1.5, 2.0, 2.5]), Scene(wall)
-    exact = sightings(views, points, normals, scene)
-    quick = sightings_by_cell(views, points, normals, scene, np.full(3000, 0.02))
+    exact = find_visibility(views, points, normals, scene)
+    quick = find_visibility_by_cell(views, points, normals, scene, np.full(3000, 0.02))
     assert np.mean(exact.views == quick.views) > 0.93  # cells on the images' rims differ
     assert np.abs(exact.views - quick.views).max() <= 2

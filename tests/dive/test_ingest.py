@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hullrecon.dive.ingest import Request, ingest, offset_ns
+from hullrecon.dive.ingest import IngestRequest, ingest, offset_ns
 from hullrecon.dive.logs.streams import PressureModel
 from hullrecon.errors import InputError
 
-REQUEST = Request(
+REQUEST = IngestRequest(
     logs=("logs/dive.mcap",),
     topics={"dvl": "/dvl", "imu": "/imu", "pressure": "/pressure", "joints": "/joints", "camera_top": "/cam"},
     joints={"tray": "tray", "sonar_tray": "other"},
@@ -34,12 +34,12 @@ def run(package: Path, **changes):
 
 def test_every_sensor_becomes_a_record(package):
     found, files = run(package)
-    assert {name: len(r.t_ns) for name, r in found.records.items()} == {
+    assert {name: len(r.t_ns) for name, r in found.records.by_name().items()} == {
         "dvl": 8, "imu": 40, "pressure": 20, "tray": 20, "sonar_tray": 20,
     }  # fmt: skip
-    assert found.records["pressure"].depth[-1] == pytest.approx(38.0)
-    assert found.records["tray"].angle[1] == pytest.approx(0.2)
-    assert found.records["sonar_tray"].angle[0] == 9.0
+    assert found.records.pressure.depth[-1] == pytest.approx(38.0)
+    assert found.records.tray.angle[1] == pytest.approx(0.2)
+    assert found.records.sonar_tray.angle[0] == 9.0
     assert len(found.images["camera_top"].t_ns) == 8
     assert files["camera_top"].getbuffer().nbytes == found.images["camera_top"].size.sum()
     assert found.cameras["camera_top"].fx == 50.0
@@ -48,7 +48,7 @@ def test_every_sensor_becomes_a_record(package):
 
 def test_the_findings_say_in_words_what_was_read(package):
     spans = run(package)[0].findings()["spans"]
-    assert "dvl: 8 pings in 3.5 s from 2026-05-04T09:30:00.000Z, 2.0 a second" in spans
+    assert "dvl: 8 pings in 3.5 s from 2026-05-04T09:30:00.000Z, 2.0 Hz" in spans
     assert "depth runs from 0.0 to 38.0 m" in spans
     assert "DVL ranges run from 1.00 to 4.00 m" in spans
 
@@ -65,7 +65,7 @@ def test_a_topic_that_is_absent_from_a_damaged_log_is_only_remarked(package):
     found, _ = run(package, topics={**REQUEST.topics, "imu": "/ahrs"})
     assert any("nothing of /ahrs is left" in remark for remark in found.remarks)
     assert found.lost
-    assert "imu" not in found.records
+    assert found.records.imu is None
 
 
 def test_a_truncated_log_names_the_lost_span_of_each_topic(package):
@@ -74,7 +74,7 @@ def test_a_truncated_log_names_the_lost_span_of_each_topic(package):
     found, _ = run(package)
     assert len(found.lost) == 5
     assert all(line.startswith("dive.mcap: /") and "to the end is lost" in line for line in found.lost)
-    assert 0 < len(found.records["imu"].t_ns) < 40
+    assert 0 < len(found.records.imu.t_ns) < 40
 
 
 def test_nothing_readable_is_an_input_error(package):
@@ -101,26 +101,26 @@ def test_plain_files_give_the_same_records_as_the_log(package):
     folder = package / "plain"
     folder.mkdir()
     whole, _ = run(package)
-    imu, dvl, depth = (whole.records[name] for name in ("imu", "dvl", "pressure"))
+    imu, dvl, depth = (getattr(whole.records, name) for name in ("imu", "dvl", "pressure"))
     table(folder / "imu.csv", "t,qx,qy,qz,qw", imu.t_ns, imu.quaternion)
     table(folder / "dvl.csv", "t,vx,vy,vz,range_1,range_2,range_3,range_4", dvl.t_ns, dvl.velocity, dvl.ranges)
     table(folder / "pressure.csv", "t,pascal", depth.t_ns, 101325 + 1025 * 9.81 * depth.depth)
     found, _ = run(package, logs=("plain",), topics={}, calibration={}, beams=dvl.beams)
     for name in ("imu", "dvl", "pressure"):
-        np.testing.assert_array_equal(found.records[name].t_ns, whole.records[name].t_ns)
-    np.testing.assert_array_equal(found.records["dvl"].velocity, dvl.velocity)
-    np.testing.assert_allclose(found.records["pressure"].depth, depth.depth, atol=1e-9)
-    np.testing.assert_array_equal(found.records["dvl"].beams, dvl.beams)
+        np.testing.assert_array_equal(getattr(found.records, name).t_ns, getattr(whole.records, name).t_ns)
+    np.testing.assert_array_equal(found.records.dvl.velocity, dvl.velocity)
+    np.testing.assert_allclose(found.records.pressure.depth, depth.depth, atol=1e-9)
+    np.testing.assert_array_equal(found.records.dvl.beams, dvl.beams)
 
 
-def test_ros1_and_ros2_give_the_same_records(kit, package):
+def test_ros1_and_ros2_give_the_same_build_records(kit, package):
     kit.bag1(package / "x.bag", kit.dive(ros=1))
     kit.ros2(package / "folder", kit.dive())
     first, _ = run(package)
     for log in ("x.bag", "folder"):
         other, _ = run(package, logs=(log,))
-        np.testing.assert_array_equal(other.records["dvl"].ranges, first.records["dvl"].ranges)
-        np.testing.assert_array_equal(other.records["imu"].t_ns, first.records["imu"].t_ns)
+        np.testing.assert_array_equal(other.records.dvl.ranges, first.records.dvl.ranges)
+        np.testing.assert_array_equal(other.records.imu.t_ns, first.records.imu.t_ns)
         np.testing.assert_array_equal(other.images["camera_top"].size, first.images["camera_top"].size)
 
 
@@ -129,8 +129,8 @@ def test_two_logs_are_read_one_after_the_other(kit, package):
     kit.mcap(package / "a.mcap", entries[:50])
     kit.mcap(package / "b.mcap", entries[50:])
     found, _ = run(package, logs=("b.mcap", "a.mcap"))
-    assert (np.diff(found.records["imu"].t_ns) > 0).all()
-    assert len(found.records["imu"].t_ns) == 40
+    assert (np.diff(found.records.imu.t_ns) > 0).all()
+    assert len(found.records.imu.t_ns) == 40
 
 
 def test_a_clock_that_jumps_is_named(kit, package):
@@ -169,14 +169,14 @@ def test_a_pd0_file_beside_the_log_gives_the_dvl(package):
     pd0(package / "logs" / "dvl.pd0")
     topics = {name: topic for name, topic in REQUEST.topics.items() if name != "dvl"}
     found, _ = run(package, logs=("logs/dive.mcap", "logs/dvl.pd0"), topics=topics)
-    assert found.records["dvl"].ranges == pytest.approx(np.full((1, 4), 10.0), abs=0.001)
-    assert len(found.records["imu"].t_ns) == 40
+    assert found.records.dvl.ranges == pytest.approx(np.full((1, 4), 10.0), abs=0.001)
+    assert len(found.records.imu.t_ns) == 40
 
 
 def test_a_dvl_topic_wins_over_a_pd0_file_and_that_is_said(package):
     pd0(package / "logs" / "dvl.pd0")
     found, _ = run(package, logs=("logs/dive.mcap", "logs/dvl.pd0"))
-    assert len(found.records["dvl"].t_ns) == 8
+    assert len(found.records.dvl.t_ns) == 8
     assert "Teledyne PD0: its 1 readings were left aside, as topics.dvl is set" in found.remarks
 
 
@@ -184,7 +184,7 @@ def test_topics_do_not_apply_to_plain_files(package):
     (package / "plain").mkdir()
     (package / "plain" / "pressure.csv").write_text("t,pascal\n1,101325\n")
     found, _ = run(package, logs=("plain",), calibration={})
-    assert found.records["pressure"].depth.tolist() == [0.0]
+    assert found.records.pressure.depth.tolist() == [0.0]
 
 
 def test_a_misspelt_joint_is_refused_with_the_nearest_name(package):

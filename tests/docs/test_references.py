@@ -11,6 +11,8 @@ import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 CODE = ("hullrecon", "cli", "native", "benchmarks", "tests")
 CITED = re.compile(r"\[([^\[\]\n]*\b[A-Z][A-Za-z]+(?:19|20)\d\d[a-z]?\b[^\[\]\n]*)\]")
@@ -39,14 +41,21 @@ def test_a_key_stands_in_the_references_once() -> None:
     assert len(keys) == len(set(keys))
 
 
-def test_no_comment_cites_a_document_that_is_not_here() -> None:
-    found = [
-        f"{path.relative_to(ROOT)}: {line.strip()}"
-        for path in _python("hullrecon", "cli", "benchmarks", "tests")
-        for words in _comments(path)
-        for line in words.splitlines()
-        if PRIVATE.search(line)
-    ]
+@pytest.mark.parametrize("old", ["(O 4.12)", "O Fig. 4.10", "METHODS 5", "(K III-B)", "as INPUTS says", "O's weighting"])
+def test_an_old_citation_is_recognised(old: str) -> None:
+    assert PRIVATE.search(old)
+
+
+@pytest.mark.parametrize("fine", ["[Ozog2016 4.12]", "O(n) work", "K_l, the inverse", "(n, 3)", "OUTPUT"])
+def test_other_words_are_not_taken_for_one(fine: str) -> None:
+    assert not PRIVATE.search(fine)
+
+
+def test_no_comment_or_message_cites_a_document_that_is_not_here() -> None:
+    words = [(p, w) for p in _files(".py", "hullrecon", "cli", "benchmarks", "tests") for w in _comments(p)]
+    words += [(p, w) for p in _files(".py", "hullrecon", "cli") for w in _strings(p)]
+    words += [(p, w) for s in (".h", ".cpp") for p in _files(s, "native") for w in re.findall(r"//.*", p.read_text())]
+    found = {f"{p.relative_to(ROOT)}: {line.strip()}" for p, w in words for line in w.splitlines() if PRIVATE.search(line)}
     assert not found
 
 
@@ -57,9 +66,15 @@ def _sources() -> Iterator[tuple[str, str]]:
             yield str(path.relative_to(ROOT)), path.read_text()
 
 
-def _python(*folders: str) -> list[Path]:
-    paths = sorted(p for folder in folders for p in (ROOT / folder).rglob("*.py"))
+def _files(suffix: str, *folders: str) -> list[Path]:
+    paths = sorted(p for folder in folders for p in (ROOT / folder).rglob(f"*{suffix}"))
     return [p for p in paths if p != Path(__file__).resolve()]
+
+
+def _strings(path: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
 
 
 def _comments(path: Path) -> Iterator[str]:

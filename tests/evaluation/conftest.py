@@ -15,8 +15,10 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from hullrecon.records.solution import Solution
+from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.trajectory import Returns
+from hullrecon.rig import SensorRig, rig_from_settings
 
 PROUD_M = 0.012
 BLOCK: dict[str, Any] = {
@@ -32,6 +34,7 @@ FACING = Rotation.from_matrix(np.array([[0, -1, 0], [-1, 0, 0], [0, 0, -1]], flo
 CAMERA_IN_TRAY = {"translation": [0.05, 0.0, -0.05], "quaternion": [0.5, 0.5, 0.5, 0.5]}
 TRAY_ORIGIN = [0.45, 0.0, 0.1]
 THETA = 0.02
+SHIFT = np.array([1.0, 2.0, 3.0])  # of g against M
 
 
 def wall(y: float, block: bool) -> trimesh.Trimesh:
@@ -129,19 +132,28 @@ def block_points() -> np.ndarray:
 
 def make_solution(landmarks: np.ndarray, label: np.ndarray, path: np.ndarray = PATH) -> Solution:
     """A solution whose g is M shifted by (1, 2, 3), as in the truth; landmarks and path in M."""
-    shift, n, m = np.array([1.0, 2.0, 3.0]), len(FRAMES), len(landmarks)
-    seven = lambda t, q: np.array([*t, *q], float)  # noqa: E731
+    n, m = len(FRAMES), len(landmarks)
+    camera = Poses(np.array([CAMERA_IN_TRAY["quaternion"]]), np.array([CAMERA_IN_TRAY["translation"]]))
     return Solution(
-        t_ns=STAMPS_NS, image=np.stack([FRAMES, np.full(n, -1)], 1), quaternion=np.tile(FACING.as_quat(), (n, 1)),
-        translation=path + shift, tray=np.full(n, THETA), tray_sigma=np.full(n, 0.001),
+        t_ns=STAMPS_NS,
+        image=np.stack([FRAMES, np.full(n, -1)], 1),
+        global_from_vehicle=Poses(np.tile(FACING.as_quat(), (n, 1)), path + SHIFT),
+        tray=np.full(n, THETA),
+        tray_sigma=np.full(n, 0.001),
         pose_covariance=np.tile(np.eye(6) * 1e-4, (n, 1, 1)),
-        landmark=landmarks + shift, landmark_covariance=np.tile(np.eye(3) * 1e-6, (m, 1, 1)), label=label.astype(np.int64),
-        deviation=landmarks[:, 1], views=np.full(m, 5), color=np.zeros((m, 3), np.uint8), T_g_M=seven(shift, [0, 0, 0, 1]),
-        T_s_ct=seven(CAMERA_IN_TRAY["translation"], CAMERA_IN_TRAY["quaternion"]), T_ct_cb=np.full(7, np.nan),
-        T_s_d=seven([0, 0, 0.08], [0, 0.5**0.5, 0, 0.5**0.5]), hull_covariance=np.eye(6), survey_center=np.zeros(3),
-        navigation=np.zeros(6), field_origin=np.zeros(2), field_step=np.ones(2), field_value=np.zeros((0, 0)),
-        field_sigma=np.zeros((0, 0)),
-    )  # fmt: skip
+        landmarks=Landmarks(
+            position=landmarks + SHIFT,
+            covariance=np.tile(np.eye(3) * 1e-6, (m, 1, 1)),
+            label=label.astype(np.int64),
+            deviation=landmarks[:, 1],
+            views=np.full(m, 5),
+            color=np.zeros((m, 3), np.uint8),
+        ),
+        mounts=Mounts(tray_from_dvl=from_mount([0, 0, 0.08, 0, 90, 0]), tray_from_camera=camera, top_from_bottom=None),
+        navigation_errors=np.zeros(6),
+        hull_pose=HullPose(global_from_hull=from_mount([*SHIFT, 0, 0, 0]), covariance=np.eye(6), survey_center=np.zeros(3)),
+        deviation_field=None,
+    )
 
 
 @pytest.fixture
@@ -163,3 +175,9 @@ def returns() -> Returns:
         tray_offset=np.zeros(n), beam=np.tile([0.0, 0, 1], (n, 1)), range_m=ahead / np.cos(THETA),
         flagged=np.arange(n) == n - 1,
     )  # fmt: skip
+
+
+@pytest.fixture
+def rig() -> SensorRig:
+    """The rig as the truth has it, as a step reads it from dive.toml."""
+    return rig_from_settings({"tray.origin": tuple(TRAY_ORIGIN), "dvl.mount": (0, 0, 0.08, 0, 90, 0)})

@@ -8,7 +8,7 @@ import numpy as np
 import pycolmap
 import pytest
 
-from hullrecon.evaluation.scoring.cameras import centre_figures, judge_cameras
+from hullrecon.evaluation.scoring.cameras import centre_figures, score_cameras
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
 
 
@@ -57,7 +57,7 @@ def test_a_colmap_model_is_read_by_the_names_of_its_images(truth: Truth, centres
         pose = pycolmap.Rigid3d(pycolmap.Rotation3d(np.eye(3)), -centre)
         model.add_image_with_trivial_frame(pycolmap.Image(name=name, camera_id=1, image_id=k + 1), pose)
     model.write(str(tmp_path))
-    figures = judge_cameras(tmp_path, truth)
+    figures = score_cameras(tmp_path, truth)
     assert figures["images"] == 40  # the lower camera's is not counted
     assert figures["rmse_m"] == pytest.approx(0.02, abs=1e-9)
     assert figures["rigid_rmse_m"] == pytest.approx(0, abs=1e-9)

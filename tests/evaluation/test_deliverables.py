@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hullrecon.errors import InputError
-from hullrecon.evaluation.scoring.deliverables import deliver_folder, read_cloud, read_table, read_track
+from hullrecon.evaluation.scoring.deliverables import deliver_folder, read_cloud, read_table, read_trajectory
 
 
 def test_empty_cells_are_nan(tmp_path: Path) -> None:
@@ -26,7 +26,7 @@ def test_a_table_that_cannot_be_read_is_named(text: str, tmp_path: Path) -> None
 
 def test_a_track_reads_as_it_was_written(deliver) -> None:  # type: ignore[no-untyped-def]
     deliver.track(sigma=(0.1, 0.2, 0.3))
-    track = read_track(deliver.folder / "trajectory.csv")
+    track = read_trajectory(deliver.folder / "trajectory.csv")
     assert len(track.poses) == 41
     np.testing.assert_allclose(track.sigma[0], [0.1, 0.2, 0.3])
     assert track.t_s[1] - track.t_s[0] == pytest.approx(0.5)
@@ -34,7 +34,7 @@ def test_a_track_reads_as_it_was_written(deliver) -> None:  # type: ignore[no-un
 
 def test_a_track_without_sigmas_has_none(tmp_path: Path) -> None:
     (tmp_path / "t.csv").write_text("t,x,y,z,qx,qy,qz,qw\n1,0,0,0,0,0,0,1\n")
-    assert read_track(tmp_path / "t.csv").sigma is None
+    assert read_trajectory(tmp_path / "t.csv").sigma is None
 
 
 def test_a_cloud_keeps_its_fields(deliver, wall_points: np.ndarray) -> None:  # type: ignore[no-untyped-def]

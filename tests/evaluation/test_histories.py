@@ -6,30 +6,30 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.evaluation.figures.figure_style import Figure
-from hullrecon.evaluation.figures.histories import Progress, cost_history, label_frequency
+from hullrecon.evaluation.figures.figure_style import PublishedFigure
+from hullrecon.evaluation.figures.histories import SolveHistory, cost_history, label_frequency
 
 
-def solve(printed: bool) -> Progress:
+def solve(as_published: bool) -> SolveHistory:
     """As printed one round of six; ours two rounds of three, the second on more landmarks."""
-    rounds = np.ones(6, np.int64) if printed else np.array([1, 1, 1, 2, 2, 2])
-    return Progress(
-        method="maxmix as printed" if printed else "maxmix as weighted by us",
-        printed=printed,
+    rounds = np.ones(6, np.int64) if as_published else np.array([1, 1, 1, 2, 2, 2])
+    return SolveHistory(
+        method="maxmix as published" if as_published else "maxmix as weighted by us",
+        as_published=as_published,
         round=rounds,
         cost=np.array([100.0, 10.0, 5.0, 50.0, 20.0, 19.999]),
-        landmarks=np.full(6, 2000) if printed else 1000 * rounds,
+        landmarks=np.full(6, 2000) if as_published else 1000 * rounds,
         on_surface=np.array([500, 600, 800, 1900, 1902, 1902]),
         label_changes=np.array([0, 120, 200, 0, 3, 1]),
         seconds=np.arange(6.0),
     )
 
 
-def rows(figure: Figure) -> list[list[str]]:
+def rows(figure: PublishedFigure) -> list[list[str]]:
     return [line.split(",") for line in figure.csv.splitlines()]
 
 
-def picture(figure: Figure) -> np.ndarray:
+def picture(figure: PublishedFigure) -> np.ndarray:
     return cv2.imdecode(np.frombuffer(figure.png, np.uint8), cv2.IMREAD_COLOR)
 
 
@@ -40,8 +40,8 @@ def test_labels_are_counted_by_round_and_iteration() -> None:
 
 
 def test_labels_have_settled_when_fewer_than_a_thousandth_change() -> None:
-    assert "50.0 % to 95.1 %, settled after 1 iterations of the last round" in label_frequency([solve(False)]).words
-    assert label_frequency([solve(True)]).words.endswith("settled after 4 iterations.")
+    assert "50.0 % to 95.1 %, converged after 1 iteration of the last round" in label_frequency([solve(False)]).caption
+    assert label_frequency([solve(True)]).caption.endswith("converged after 4 iterations.")
 
 
 def test_costs_stand_with_their_round_and_their_time() -> None:
@@ -52,8 +52,8 @@ def test_costs_stand_with_their_round_and_their_time() -> None:
 
 
 def test_starts_of_rounds_are_no_iterations() -> None:
-    words = cost_history([solve(True), solve(False)]).words
-    assert "maxmix as printed 5 iterations, 5.0 s" in words
+    words = cost_history([solve(True), solve(False)]).caption
+    assert "maxmix as published 5 iterations, 5.0 s" in words
     assert "maxmix as weighted by us 4 iterations" in words
 
 

@@ -31,8 +31,8 @@ def test_the_camera_stands_where_the_mounts_say(package: Path) -> None:
 
 def test_structures_are_without_paint_and_due_are_the_high_ones_seen_often(package: Path) -> None:
     truth = read_truth(package)
-    assert [o["id"] for o in truth.structures()] == [1, 3]
-    assert [o["id"] for o in truth.due()] == [1]
+    assert [o.id for o in truth.structures()] == [1, 3]
+    assert [o.id for o in truth.due()] == [1]
 
 
 def test_near_is_a_distance_to_the_vertices(package: Path) -> None:
@@ -50,7 +50,7 @@ def test_a_dive_without_a_cad_model_has_none(package: Path, tmp_path: Path) -> N
     (tmp_path / "dive.toml").write_text("")
     truth = read_truth(tmp_path)
     assert truth.cad_model is None
-    assert isinstance(truth.T_g_M, Poses)
+    assert isinstance(truth.global_from_hull, Poses)
 
 
 def test_a_package_without_truth_is_refused(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
-from hullrecon.mosaic.ground import Ground, ground_of
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, build_mosaic_surface
 
 Array = NDArray[np.float64]
 DOWN = np.array([1.0, 0.0, 0.0, 0.0])  # quaternion of a camera that looks along -z, its x along x, its y against y
@@ -43,16 +43,16 @@ def box(low: list[float], high: list[float]) -> tuple[Array, NDArray[np.int32]]:
 
 
 @pytest.fixture
-def flat_ground() -> Callable[..., Ground]:
+def flat_surface() -> Callable[..., MosaicSurface]:
     """A plate z = 0 from -1 to 1 m, with a block on it when asked: (low, high) corners."""
 
-    def make(block: tuple[list[float], list[float]] | None = None) -> Ground:
+    def make(block: tuple[list[float], list[float]] | None = None) -> MosaicSurface:
         vertices = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], float)
         faces = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
         if block is not None:
             more, cells = box(*block)
             vertices, faces = np.vstack([vertices, more]), np.vstack([faces, cells + 4])
-        return ground_of(Mesh(vertices, faces.astype(np.int32)), FlatChart(), 0.5)
+        return build_mosaic_surface(Mesh(vertices, faces.astype(np.int32)), FlatChart(), 0.5)
 
     return make
 

@@ -9,30 +9,30 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
-from hullrecon.mosaic.blend import VIEWS, Limits, blend_tile, choose
+from hullrecon.mosaic.blend import VIEWS, ViewLimits, blend_tile, choose_views
 from hullrecon.mosaic.grid import TexelGrid
-from hullrecon.mosaic.ground import Ground, patch_of
-from hullrecon.mosaic.imagery.image_view import CameraSight
+from hullrecon.mosaic.imagery.image_view import CameraView
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
 
 GRID = TexelGrid(west=-0.4, north=0.3, step_m=0.004, height=150, width=200)
-LIMITS = Limits()
+LIMITS = ViewLimits()
 DOWN = [1.0, 0.0, 0.0, 0.0]
 
 
-def painted(camera: CameraModel, pose: Poses, gain: float = 1.0) -> CameraSight:
+def painted(camera: CameraModel, pose: Poses, gain: float = 1.0) -> CameraView:
     """A camera over the plate, on which red grows with x, green with y, blue is even."""
     v, u = np.mgrid[0 : camera.height, 0 : camera.width]
     x = (u - camera.cx) / camera.fx + pose.translation[0, 0]
     y = -(v - camera.cy) / camera.fy + pose.translation[0, 1]
     picture = np.stack([125 + 200 * x, 125 + 200 * y, np.full(x.shape, 60.0)], axis=2).astype(np.float32) * gain
-    return CameraSight(pose, camera, lambda: picture)
+    return CameraView(pose=pose, camera=camera, load=lambda: picture)
 
 
 def test_overlapping_views_reproduce_what_is_painted(
-    flat_ground: Callable[..., Ground], camera: CameraModel, above: Callable[..., Poses]
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
-    sights = [painted(camera, above(x, 0.0)) for x in (-0.15, 0.0, 0.15)]
-    tile = blend_tile(flat_ground(), GRID, GRID.whole, sights, [GRID.whole] * 3, LIMITS, 3)
+    image_views = [painted(camera, above(x, 0.0)) for x in (-0.15, 0.0, 0.15)]
+    tile = blend_tile(flat_surface(), GRID, GRID.whole, image_views, [GRID.whole] * 3, LIMITS, 3)
     at = GRID.centers(np.arange(150.0), np.arange(200.0))
     inner = (np.abs(at[..., 0]) < 0.30) & (np.abs(at[..., 1]) < 0.13)
     np.testing.assert_allclose(tile.value[inner][:, 0], 125 + 200 * at[inner][:, 0], atol=1.5)
@@ -43,11 +43,13 @@ def test_overlapping_views_reproduce_what_is_painted(
 
 
 def test_views_that_disagree_leave_the_variance_of_their_weighted_intensities(
-    flat_ground: Callable[..., Ground], camera: CameraModel, above: Callable[..., Poses]
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     picture = [np.full((320, 400, 3), level, np.float32) for level in (100.0, 140.0)]
-    sights = [CameraSight(above(x, 0.0), camera, lambda p=p: p) for x, p in zip((-0.1, 0.1), picture, strict=True)]
-    tile = blend_tile(flat_ground(), GRID, GRID.whole, sights, [GRID.whole] * 2, LIMITS, 3)
+    image_views = [
+        CameraView(pose=above(x, 0.0), camera=camera, load=lambda p=p: p) for x, p in zip((-0.1, 0.1), picture, strict=True)
+    ]
+    tile = blend_tile(flat_surface(), GRID, GRID.whole, image_views, [GRID.whole] * 2, LIMITS, 3)
     # half way between both the weights are equal: the mean is 120, the variance 20 squared
     column = 100
     np.testing.assert_allclose(tile.value[75, column], 120, atol=3)
@@ -56,45 +58,50 @@ def test_views_that_disagree_leave_the_variance_of_their_weighted_intensities(
 
 
 def test_at_most_four_views_are_kept_and_the_best_first(
-    flat_ground: Callable[..., Ground], camera: CameraModel, above: Callable[..., Poses]
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
     shifts = (0.10, 0.0, 0.16, 0.04, 0.13, 0.07)
-    sights = {k: CameraSight(above(x, 0.0), camera, lambda: None) for k, x in enumerate(shifts)}
-    patch = patch_of(flat_ground(), GRID, GRID.whole)
-    choice = choose(flat_ground(), patch, GRID.whole, sights, dict.fromkeys(sights, GRID.whole), LIMITS)
+    image_views = {k: CameraView(pose=above(x, 0.0), camera=camera, load=lambda: None) for k, x in enumerate(shifts)}
+    patch = sample_surface(flat_surface(), GRID, GRID.whole)
+    choice = choose_views(flat_surface(), patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS)
     assert choice.view.shape[0] == VIEWS
     np.testing.assert_array_equal(choice.view[:, 75, 100], [1, 3, 5, 0])
     assert (np.diff(choice.cost[:, 75, 100]) > 0).all()
 
 
 def test_a_view_behind_a_block_is_not_chosen(
-    flat_ground: Callable[..., Ground], camera: CameraModel, above: Callable[..., Poses]
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
-    ground = flat_ground(([-0.02, -0.3, 0.0], [0.02, 0.3, 0.2]))
-    sights = {0: CameraSight(above(-0.15, 0.0), camera, lambda: None), 1: CameraSight(above(0.12, 0.0), camera, lambda: None)}
-    patch = patch_of(ground, GRID, GRID.whole)
-    choice = choose(ground, patch, GRID.whole, sights, dict.fromkeys(sights, GRID.whole), LIMITS)
+    surface = flat_surface(([-0.02, -0.3, 0.0], [0.02, 0.3, 0.2]))
+    image_views = {
+        0: CameraView(pose=above(-0.15, 0.0), camera=camera, load=lambda: None),
+        1: CameraView(pose=above(0.12, 0.0), camera=camera, load=lambda: None),
+    }
+    patch = sample_surface(surface, GRID, GRID.whole)
+    choice = choose_views(surface, patch, GRID.whole, image_views, dict.fromkeys(image_views, GRID.whole), LIMITS)
     beside = round((0.03 - GRID.west) / GRID.step_m)  # 1 cm behind the block, seen from the first camera
     np.testing.assert_array_equal(choice.view[:2, 75, beside], [1, -1])
 
 
 def test_an_image_that_cannot_be_read_is_left_out(
-    flat_ground: Callable[..., Ground], camera: CameraModel, above: Callable[..., Poses]
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel, above: Callable[..., Poses]
 ) -> None:
-    sights = [CameraSight(above(0.0, 0.0), camera, lambda: None), painted(camera, above(0.02, 0.0))]
-    tile = blend_tile(flat_ground(), GRID, GRID.whole, sights, [GRID.whole] * 2, LIMITS, 3)
+    image_views = [CameraView(pose=above(0.0, 0.0), camera=camera, load=lambda: None), painted(camera, above(0.02, 0.0))]
+    tile = blend_tile(flat_surface(), GRID, GRID.whole, image_views, [GRID.whole] * 2, LIMITS, 3)
     assert tile.views.max() == 1
     np.testing.assert_allclose(tile.value[75, 100, 2], 60, atol=0.5)
 
 
-def test_where_a_view_grazes_the_surface_it_is_not_chosen(flat_ground: Callable[..., Ground], camera: CameraModel) -> None:
+def test_where_a_view_grazes_the_surface_it_is_not_chosen(
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel
+) -> None:
     turned = Rotation.from_euler("y", -85, degrees=True) * Rotation.from_quat(DOWN)
-    flat = CameraSight(Poses(turned.as_quat()[None], np.array([[-0.5, 0.0, 0.05]])), camera, lambda: None)
-    patch = patch_of(flat_ground(), GRID, GRID.whole)
+    flat = CameraView(pose=Poses(turned.as_quat()[None], np.array([[-0.5, 0.0, 0.05]])), camera=camera, load=lambda: None)
+    patch = sample_surface(flat_surface(), GRID, GRID.whole)
     seen = np.isfinite(flat.project(patch.point.reshape(-1, 3))[1])
-    choice = choose(flat_ground(), patch, GRID.whole, {0: flat}, {0: GRID.whole}, LIMITS)
+    choice = choose_views(flat_surface(), patch, GRID.whole, {0: flat}, {0: GRID.whole}, LIMITS)
     far = patch.point.reshape(-1, 3)[seen][:, 0].max()
     chosen = patch.point[choice.view[0] == 0][:, 0]
-    limit = -0.5 + 0.05 * np.tan(np.arccos(LIMITS.least_cosine))
+    limit = -0.5 + 0.05 * np.tan(np.arccos(LIMITS.min_cosine))
     assert far > limit + 0.1
     assert limit - 0.02 < chosen.max() < limit

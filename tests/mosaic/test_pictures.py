@@ -13,9 +13,9 @@ import trimesh
 from PIL import Image
 
 from hullrecon.mosaic.grid import TexelGrid
-from hullrecon.mosaic.ground import Ground
-from hullrecon.mosaic.output.preview import Caption, preview_png, stretched
-from hullrecon.mosaic.output.textured import UPRIGHT, glb_bytes, sheet_of
+from hullrecon.mosaic.mosaic_surface import MosaicSurface
+from hullrecon.mosaic.output.preview import Caption, preview_png, stretch_contrast
+from hullrecon.mosaic.output.textured_mesh import UPRIGHT, build_textured_mesh, encode_glb
 
 GRID = TexelGrid(west=-0.8, north=0.6, step_m=0.01, height=120, width=160)
 
@@ -28,7 +28,7 @@ def checks() -> np.ndarray:
 
 
 def test_the_preview_is_a_picture_with_the_same_bytes_each_time() -> None:
-    caption = Caption("Optical mosaic", "a legend", "M", 0.6, (True, False))
+    caption = Caption(title="Optical mosaic", legend="a legend", frame="M", frame_spacing_m=0.6, flips=(True, False))
     first, second = (preview_png(checks(), -0.8, 0.6, 0.01, caption) for _ in range(2))
     assert first == second
     with Image.open(BytesIO(first)) as picture:
@@ -38,7 +38,15 @@ def test_the_preview_is_a_picture_with_the_same_bytes_each_time() -> None:
 
 def test_a_flipped_preview_shows_the_unseen_side_on_the_right() -> None:
     plain, flipped = (
-        np.asarray(Image.open(BytesIO(preview_png(checks(), -0.8, 0.6, 0.01, Caption("t", "l", "M", None, f)))).convert("RGB"))
+        np.asarray(
+            Image.open(
+                BytesIO(
+                    preview_png(
+                        checks(), -0.8, 0.6, 0.01, Caption(title="t", legend="l", frame="M", frame_spacing_m=None, flips=f)
+                    )
+                )
+            ).convert("RGB")
+        )
         for f in ((False, False), (True, False))
     )
     unseen = [np.mean(np.nonzero((p == (0xE9, 0xED, 0xF1)).all(axis=2))[1]) / p.shape[1] for p in (plain, flipped)]
@@ -48,24 +56,24 @@ def test_a_flipped_preview_shows_the_unseen_side_on_the_right() -> None:
 
 def test_stretching_spreads_the_seen_brightness_and_leaves_alpha() -> None:
     picture = checks()
-    out = stretched(picture)
+    out = stretch_contrast(picture)
     np.testing.assert_array_equal(out[..., 3], picture[..., 3])
     assert np.ptp(out[:, 20:, 0].astype(int)) > 200
 
 
 def test_stretching_an_empty_mosaic_changes_nothing() -> None:
     empty = np.zeros((4, 5, 4), np.uint8)
-    np.testing.assert_array_equal(stretched(empty), empty)
+    np.testing.assert_array_equal(stretch_contrast(empty), empty)
 
 
-def test_the_sheet_covers_what_was_seen_and_faces_outward(flat_ground: Callable[..., Ground]) -> None:
-    sheet = sheet_of(flat_ground(), GRID, checks()[..., 3], 1, most_faces=5000)
-    assert 2000 < len(sheet.faces) < 6000
-    assert sheet.vertices[:, 0].min() > -0.62  # the first 20 columns were not seen
-    a, b, c = (sheet.vertices[sheet.faces[:, k]] for k in range(3))
+def test_the_sheet_covers_what_was_seen_and_faces_outward(flat_surface: Callable[..., MosaicSurface]) -> None:
+    mesh = build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, most_faces=5000)
+    assert 2000 < len(mesh.faces) < 6000
+    assert mesh.vertices[:, 0].min() > -0.62  # the first 20 columns were not seen
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     assert (np.cross(b - a, c - a)[:, 2] > 0).all()
-    np.testing.assert_allclose(sheet.uv[:, 0], (sheet.vertices[:, 0] + 0.8) / 1.6, atol=0.01)
-    np.testing.assert_allclose(sheet.uv[:, 1], (sheet.vertices[:, 1] + 0.6) / 1.2, atol=0.01)
+    np.testing.assert_allclose(mesh.uv[:, 0], (mesh.vertices[:, 0] + 0.8) / 1.6, atol=0.01)
+    np.testing.assert_allclose(mesh.uv[:, 1], (mesh.vertices[:, 1] + 0.6) / 1.2, atol=0.01)
 
 
 class LeftHanded:
@@ -80,20 +88,22 @@ class LeftHanded:
         )
 
 
-def test_on_a_left_handed_chart_the_sheet_faces_outward_too(flat_ground: Callable[..., Ground]) -> None:
-    sheet = sheet_of(replace(flat_ground(), chart=LeftHanded()), GRID, checks()[..., 3], 1, most_faces=5000)
-    a, b, c = (sheet.vertices[sheet.faces[:, k]] for k in range(3))
+def test_on_a_left_handed_chart_the_sheet_faces_outward_too(flat_surface: Callable[..., MosaicSurface]) -> None:
+    mesh = build_textured_mesh(replace(flat_surface(), chart=LeftHanded()), GRID, checks()[..., 3], 1, most_faces=5000)
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     assert (np.cross(b - a, c - a)[:, 2] > 0).all()
-    np.testing.assert_allclose(sheet.uv[:, 1], (0.6 - sheet.vertices[:, 1]) / 1.2, atol=0.01)
+    np.testing.assert_allclose(mesh.uv[:, 1], (0.6 - mesh.vertices[:, 1]) / 1.2, atol=0.01)
 
 
-def test_the_glb_opens_upright_with_its_texture_and_the_same_bytes_each_time(flat_ground: Callable[..., Ground]) -> None:
-    sheet = sheet_of(flat_ground(), GRID, checks()[..., 3], 1, most_faces=2000)
-    data = glb_bytes(sheet, checks(), upright=True)
-    assert data == glb_bytes(sheet, checks(), upright=True)
+def test_the_glb_opens_upright_with_its_texture_and_the_same_bytes_each_time(
+    flat_surface: Callable[..., MosaicSurface],
+) -> None:
+    mesh = build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, most_faces=2000)
+    data = encode_glb(mesh, checks(), upright=True)
+    assert data == encode_glb(mesh, checks(), upright=True)
     scene = trimesh.load(BytesIO(data), file_type="glb")
     (mesh,) = scene.geometry.values()
-    assert len(mesh.faces) == len(sheet.faces)
+    assert len(mesh.faces) == len(mesh.faces)
     assert mesh.visual.material.baseColorTexture.size == (160, 120)
     turn, _ = scene.graph[scene.graph.nodes_geometry[0]]
     np.testing.assert_allclose(turn, UPRIGHT)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.mosaic.imagery.radiometry import FIELD, Light, Samples, first_fields, solve_light
+from hullrecon.mosaic.imagery.radiometry import FIELD, LightModel, LightSamples, first_fields, solve_light
 
 
 def lamp() -> np.ndarray:
@@ -15,7 +15,7 @@ def lamp() -> np.ndarray:
     return (field - field.mean())[..., None]
 
 
-def dive(gain: np.ndarray, seed: int = 0) -> Samples:
+def dive(gain: np.ndarray, seed: int = 0) -> LightSamples:
     """Each view sees 400 of 2000 scene points at random cells, under the lamp and its own gain."""
     rng = np.random.default_rng(seed)
     scene = rng.normal(4.0, 0.3, 2000)
@@ -23,7 +23,7 @@ def dive(gain: np.ndarray, seed: int = 0) -> Samples:
     texel = rng.integers(0, 2000, len(view))
     cell = rng.integers(0, FIELD[0] * FIELD[1], len(view))
     value = scene[texel] + lamp().reshape(-1)[cell] + gain[view] + rng.normal(0, 0.02, len(view))
-    return Samples(view, texel, cell, value[:, None], np.zeros(len(gain), np.int64))
+    return LightSamples(view=view, texel=texel, cell=cell, log_value=value[:, None], camera=np.zeros(len(gain), np.int64))
 
 
 def test_the_lamp_is_told_from_the_scene() -> None:
@@ -43,21 +43,21 @@ def test_a_corrected_image_of_an_even_plate_is_even() -> None:
 
     shown = cv2.resize(np.exp(lamp()[..., 0]), (128, 96), interpolation=cv2.INTER_CUBIC)
     picture = np.rint(100 * shown * np.exp(0.2))[..., None].astype(np.uint8)
-    even = Light((lamp(),), np.array([0.2])).corrected(picture, camera=0, view=0)
+    even = LightModel(log_field=(lamp(),), log_gain=np.array([0.2])).correct(picture, camera=0, view=0)
     np.testing.assert_allclose(even[8:-8, 8:-8], 100, atol=2.0)
 
 
 def test_a_dark_corner_is_not_blown_up_without_end() -> None:
     picture = np.full((48, 64, 1), 10, np.uint8)
-    light = Light((np.full((*FIELD, 1), -9.0),), np.zeros(1))
-    assert light.corrected(picture, 0, 0).max() == pytest.approx(80.0)
+    light = LightModel(log_field=(np.full((*FIELD, 1), -9.0),), log_gain=np.zeros(1))
+    assert light.correct(picture, 0, 0).max() == pytest.approx(80.0)
 
 
 def test_the_first_field_is_the_cameras_own_median() -> None:
     bright = np.full((48, 64, 3), 200, np.uint8)
     dark_left = bright.copy()
     dark_left[:, :32] = 50
-    thumbs = [bright, bright, bright, dark_left, dark_left, dark_left]
-    fields = first_fields(thumbs, np.array([0, 0, 0, 1, 1, 1]))
+    thumbnails = [bright, bright, bright, dark_left, dark_left, dark_left]
+    fields = first_fields(thumbnails, np.array([0, 0, 0, 1, 1, 1]))
     np.testing.assert_allclose(fields[0], 0, atol=1e-9)
     assert fields[1][12, 4, 0] - fields[1][12, 28, 0] == pytest.approx(np.log(0.25), abs=0.02)

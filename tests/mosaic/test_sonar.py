@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses
-from hullrecon.mosaic.ground import Ground
+from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.sonar import LEVEL, sonar_mosaic
 from hullrecon.records.sensors import SonarPings
@@ -49,12 +49,12 @@ def plate_image(pose: Poses, draw: Callable[[np.ndarray], np.ndarray]) -> np.nda
     return np.clip(image, 0, 255).astype(np.uint8)
 
 
-def test_a_bright_stripe_is_mapped_to_its_place(flat_ground: Callable[..., Ground]) -> None:
+def test_a_bright_stripe_is_mapped_to_its_place(flat_surface: Callable[..., MosaicSurface]) -> None:
     def stripe(points: np.ndarray) -> np.ndarray:
         return np.where(np.abs(points[:, 0] - 0.1) < 0.03, 200.0, 60.0)
 
     pings, poses = pings_over([-0.1, 0.0, 0.1, 0.2], stripe)
-    made = sonar_mosaic(flat_ground(), pings, poses, np.radians(14), OPTIONS, still)
+    made = sonar_mosaic(flat_surface(), pings, poses, np.radians(14), OPTIONS, still)
     grid, gray, alpha = made.store.grid, made.store.small[..., 0].astype(float), made.store.small[..., 1]
     along = grid.west + (np.arange(grid.width) + 0.5) * grid.step_m
     profile = np.array([gray[:, k][alpha[:, k] > 0].mean() if (alpha[:, k] > 0).any() else np.nan for k in range(grid.width)])
@@ -63,36 +63,36 @@ def test_a_bright_stripe_is_mapped_to_its_place(flat_ground: Callable[..., Groun
     assert 0.02 < np.ptp(bright) < 0.10
 
 
-def test_an_even_plate_becomes_even_whatever_the_beam_pattern(flat_ground: Callable[..., Ground]) -> None:
+def test_an_even_plate_becomes_even_whatever_the_beam_pattern(flat_surface: Callable[..., MosaicSurface]) -> None:
     pings, poses = pings_over([-0.2, -0.1, 0.0, 0.1, 0.2], lambda points: np.full(len(points), 120.0))
     pattern = np.exp(-((BEARING / 0.3) ** 2))[:, None] * np.linspace(1.4, 0.6, 141)
     shaded = SonarPings(
         t_ns=pings.t_ns, image=(pings.image * pattern).astype(np.uint8), directions=pings.directions, range_m=pings.range_m
     )
-    made = sonar_mosaic(flat_ground(), shaded, poses, np.radians(14), OPTIONS, still)
+    made = sonar_mosaic(flat_surface(), shaded, poses, np.radians(14), OPTIONS, still)
     inner = made.store.small[3:-3, 3:-3]
     seen = inner[..., 0][inner[..., 1] > 0].astype(float)
-    assert made.lit
+    assert made.light_corrected
     assert abs(np.median(seen) - LEVEL) < 0.1 * LEVEL
     assert seen.std() < 0.15 * LEVEL
 
 
-def test_what_a_block_shadows_is_not_mapped_to_the_end_of_its_shadow(flat_ground: Callable[..., Ground]) -> None:
+def test_what_a_block_shadows_is_not_mapped_to_the_end_of_its_shadow(flat_surface: Callable[..., MosaicSurface]) -> None:
     pings, poses = pings_over([0.0], lambda points: np.full(len(points), 90.0))
-    free = sonar_mosaic(flat_ground(), pings, poses, np.radians(14), OPTIONS, still).store
+    free = sonar_mosaic(flat_surface(), pings, poses, np.radians(14), OPTIONS, still).store
     girth = girths(free)
     girth = girth[(girth > 0.06) & [seen_at(free, 0.0, g) for g in girth]]
     assert girth.max() > 0.2
     # the shadow as seen from y = -0.8 at 0.5 m height, behind the block's far upper edge at y = 0.05
     for height, end in ((0.05, 0.05 + 0.85 * 0.05 / 0.45), (0.2, 0.05 + 0.85 * 0.2 / 0.3)):
         block = ([-0.1, -0.05, 0.0], [0.1, 0.05, height])
-        made = sonar_mosaic(flat_ground(block), pings, poses, np.radians(14), OPTIONS, still).store
+        made = sonar_mosaic(flat_surface(block), pings, poses, np.radians(14), OPTIONS, still).store
         mapped = [seen_at(made, 0.0, g) for g in girth]
         clear = np.abs(girth - end) > 0.02
         np.testing.assert_array_equal(np.array(mapped)[clear], (girth > end)[clear])
 
 
-def test_a_long_shadow_is_found_to_its_end(flat_ground: Callable[..., Ground]) -> None:
+def test_a_long_shadow_is_found_to_its_end(flat_surface: Callable[..., MosaicSurface]) -> None:
     """From 25 cm height a block of 12 cm, half a metre off, throws a shadow of 46 cm."""
     turn = Rotation.from_matrix(np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]]))
     turn = Rotation.from_euler("x", -18, degrees=True) * turn
@@ -100,7 +100,7 @@ def test_a_long_shadow_is_found_to_its_end(flat_ground: Callable[..., Ground]) -
     directions = np.stack([np.zeros(49), np.sin(BEARING), np.cos(BEARING)], axis=1)
     pings = SonarPings(t_ns=np.arange(1), image=np.full((1, 49, 141), 90, np.uint8), directions=directions, range_m=RANGES)
     made = sonar_mosaic(
-        flat_ground(([-0.3, -0.45, 0.0], [0.3, -0.4, 0.12])), pings, poses, np.radians(40), OPTIONS, still
+        flat_surface(([-0.3, -0.45, 0.0], [0.3, -0.4, 0.12])), pings, poses, np.radians(40), OPTIONS, still
     ).store
     end = -0.4 + 0.5 * 0.12 / 0.13
     girth = girths(made)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The specialised core against Ceres, the oracle: the same steps to the same optimum, whatever the problem holds."""
+"""The Schur core against Ceres: the same steps to the same optimum, whatever the problem holds."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def two_surfaces(p: Draft) -> None:
     p.surface.weight[5:9] = 0.0
 
 
-def lonely(p: Draft) -> None:
+def isolated(p: Draft) -> None:
     """A landmark that nothing sees, one that only the hull holds, a pose without images, a loose pose's tray."""
     p.unknowns.landmark = np.vstack([p.unknowns.landmark, p.unknowns.landmark[:2] + 0.01])
     p.surface.landmark, p.surface.weight = np.r_[p.surface.landmark, 60].astype(np.int32), np.r_[p.surface.weight, 0.1]
@@ -119,7 +119,7 @@ CASES: dict[str, tuple[Change, ...]] = {
     "everything free": (free(*BLOCKS), field),
     "everything free, mono": (free(*BLOCKS), field, mono_beside_stereo),
     "bottom camera free": (free("T_ct_cb"),),
-    "bottom lens free": (free("intrinsics_bottom"), mono_beside_stereo),
+    "bottom intrinsics free": (free("intrinsics_bottom"), mono_beside_stereo),
     "navigation free": (free("navigation", "T_s_d"),),
     "tray held": (hold("tray"),),
     "hull held": (hold("T_g_M"), field),
@@ -127,7 +127,7 @@ CASES: dict[str, tuple[Change, ...]] = {
     "both held": (hold("T_s_ct", "T_g_M"),),
     "images alone": (leave("stereo", "odometry"),),
     "two surfaces": (two_surfaces, field),
-    "lonely": (lonely,),
+    "isolated": (isolated,),
     "no landmarks": (no_landmarks,),
     "no landmarks, field": (field, no_landmarks),
 }

@@ -47,7 +47,7 @@ def test_depth_is_that_of_the_sensor_and_biases_add(empty: Empty) -> None:
     np.testing.assert_allclose(residuals(p, "attitude"), [5.3, np.pi / 2 + 0.01 - 1.5, 2.0], atol=1e-12)
 
 
-def test_the_trays_play_adds_along_the_direction_of_motion(empty: Empty) -> None:
+def test_the_trays_backlash_adds_along_the_direction_of_motion(empty: Empty) -> None:
     p = empty(2)
     p.unknowns.pose[:, 7], p.unknowns.navigation = 0.2, np.array([0, 0, 0, 0, 0, 0.01])
     p.tray.node, p.tray.measured = np.arange(2, dtype=np.int32), np.full(2, 0.15)

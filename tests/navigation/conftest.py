@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from navigation.instruments import RIG
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.dead_reckon import Logs
-from hullrecon.navigation.vehicle import Vehicle
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
+from hullrecon.rig import SensorRig
 
 START_NS = 1_777_887_000_000_000_000
 JANUS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
@@ -26,7 +27,7 @@ def nanoseconds(t_s: np.ndarray) -> np.ndarray:
 class Swim:
     """A swum path whose every quantity is known in closed form: seconds to poses, tray and sensor readings."""
 
-    vehicle: Vehicle
+    rig: SensorRig
     duration_s: float = 40.0
 
     def attitude(self, t: np.ndarray) -> Rotation:
@@ -43,7 +44,7 @@ class Swim:
         return Poses(self.attitude(t).as_quat(), self.place(t))
 
     def instrument(self, t: np.ndarray) -> Poses:
-        return self.poses(t) @ poses.tray_poses(self.vehicle.tray_origin, self.tray(t)) @ self.vehicle.T_s_d
+        return self.poses(t) @ poses.tray_poses(self.rig.tray_origin, self.tray(t)) @ self.rig.tray_from_dvl
 
     def velocity(self, t: np.ndarray) -> np.ndarray:
         """Of the instrument in dvl: central differences of its path, good to 1e-8 m/s."""
@@ -65,26 +66,25 @@ class Swim:
         drift = Rotation.from_rotvec(noise * np.radians(0.1) * rng.standard_normal((len(ti), 3)))
         velocity = self.velocity(t) + noise * 0.003 * rng.standard_normal((len(t), 3))
         rates = self.rates(ti) + noise * 0.002 * rng.standard_normal((len(ti), 3))
-        depth = self.poses(tp).apply(self.vehicle.pressure_origin)[:, 2] + noise * 0.02 * rng.standard_normal(len(tp))
+        depth = self.poses(tp).apply(self.rig.pressure_origin)[:, 2] + noise * 0.02 * rng.standard_normal(len(tp))
         frames = np.arange(0.25, end - 0.3, 0.5)
         return Logs(
-            DvlPings(
+            dvl=DvlPings(
                 t_ns=nanoseconds(t),
                 velocity=velocity,
                 velocity_sigma=np.full(len(t), 0.003),
                 ranges=np.full((len(t), 4), 1.5),
                 beams=JANUS,
             ),
-            ImuSamples(
+            imu=ImuSamples(
                 t_ns=nanoseconds(ti),
                 quaternion=(self.attitude(ti) * drift).as_quat(),
                 angular_velocity=rates,
                 acceleration=np.full((len(ti), 3), np.nan),
             ),
-            PressureSamples(t_ns=nanoseconds(tp), depth=depth),
-            JointSamples(t_ns=nanoseconds(ti), angle=self.tray(ti)),
-            frames_at(frames),
-            None,
+            pressure=PressureSamples(t_ns=nanoseconds(tp), depth=depth),
+            tray=JointSamples(t_ns=nanoseconds(ti), angle=self.tray(ti)),
+            top=frames_at(frames),
         )
 
 
@@ -95,25 +95,13 @@ def frames_at(t_s: np.ndarray) -> ImageIndex:
 
 
 @pytest.fixture(scope="session")
-def vehicle() -> Vehicle:
-    return Vehicle(
-        tray_origin=np.array([0.45, 0.0, 0.1]),
-        pressure_origin=np.array([-0.3, 0.1, 0.05]),
-        T_s_d=poses.from_mount([0.02, -0.01, 0.08, 0.5, 89.0, 1.0]),
-        sigma_mount=np.array([0.01, 0.01, 0.01, 0.0087, 0.0087, 0.0087]),
-        sigma_scale=0.005,
-        sigma_drift=5e-6,
-        sigma_tilt_bias=0.0035,
-        sigma_depth_bias=0.1,
-        sigma_tray=0.014,
-        sigma_tilt=0.00175,
-        sigma_depth=0.02,
-    )
+def rig() -> SensorRig:
+    return RIG
 
 
 @pytest.fixture(scope="session")
-def swim(vehicle: Vehicle) -> Swim:
-    return Swim(vehicle)
+def swim(rig: SensorRig) -> Swim:
+    return Swim(rig)
 
 
 @pytest.fixture(scope="session")

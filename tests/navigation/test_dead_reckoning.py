@@ -6,19 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from navigation.instruments import SIGMAS
 from scipy.spatial.transform import Rotation
 
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.dead_reckon import Logs, Navigated, dead_reckon
 from hullrecon.navigation.options import NavigateOptions
-from hullrecon.navigation.vehicle import Vehicle
+from hullrecon.navigation.sigmas import NavigationSigmas
+from hullrecon.rig import SensorRig
 
 OPTIONS = NavigateOptions()
 
 
-def reckoned(logs: Logs, vehicle: Vehicle) -> Navigated:
-    return dead_reckon(logs, vehicle, OPTIONS, 0.01)
+def reckoned(logs: Logs, rig: SensorRig, sigmas: NavigationSigmas = SIGMAS) -> Navigated:
+    return dead_reckon(logs, rig, sigmas, OPTIONS)
 
 
 def truth_at(swim, found: Navigated) -> Poses:
@@ -35,60 +37,60 @@ def edges_error(swim, found: Navigated) -> np.ndarray:
     return np.hstack([step.translation - o.translation, turn.as_rotvec()])
 
 
-def test_perfect_instruments_give_the_path_back_lever_and_tray_included(swim, perfect, vehicle):
-    found = reckoned(perfect, vehicle)
+def test_perfect_instruments_give_the_path_back_lever_and_tray_included(swim, perfect, rig):
+    found = reckoned(perfect, rig)
     error = found.trajectory.translation - truth_at(swim, found).translation
     assert np.abs(error).max() < 2e-3  # 20 Hz, trapezoid
     assert np.abs(edges_error(swim, found)).max() < 1e-4
 
 
-def test_the_path_starts_at_nothing_in_the_plane_and_depth_is_from_the_surface(swim, perfect, vehicle):
-    found = reckoned(perfect, vehicle)
+def test_the_path_starts_at_nothing_in_the_plane_and_depth_is_from_the_surface(swim, perfect, rig):
+    found = reckoned(perfect, rig)
     first = truth_at(swim, found).translation[0]
     assert np.allclose(found.trajectory.translation[0], first, atol=2e-3)
     assert found.trajectory.translation[0, 2] == pytest.approx(2.0, abs=0.05)
 
 
-def test_a_lever_that_is_forgotten_shows(swim, perfect, vehicle):
-    shifted = replace(vehicle, tray_origin=vehicle.tray_origin + np.array([0.2, 0, 0]))
+def test_a_lever_that_is_forgotten_shows(swim, perfect, rig):
+    shifted = replace(rig, tray_origin=rig.tray_origin + np.array([0.2, 0, 0]))
     error = edges_error(swim, reckoned(perfect, shifted))
     assert np.abs(error[:, :3]).max() > 2e-3
 
 
-def test_odometry_does_not_know_the_pressure(perfect, vehicle):
+def test_odometry_does_not_know_the_pressure(perfect, rig):
     depth = perfect.pressure.depth + 3.0 + np.linspace(0, 1, len(perfect.pressure.depth))
     lifted = replace(perfect, pressure=replace(perfect.pressure, depth=depth))
-    plain, other = reckoned(perfect, vehicle), reckoned(lifted, vehicle)
+    plain, other = reckoned(perfect, rig), reckoned(lifted, rig)
     assert np.array_equal(plain.odometry.translation, other.odometry.translation)
     assert other.trajectory.translation[0, 2] - plain.trajectory.translation[0, 2] == pytest.approx(3.0, abs=0.05)
 
 
-def test_odometry_errors_are_as_large_as_their_covariance_says(swim, noisy, vehicle):
-    found = reckoned(noisy, vehicle)
+def test_odometry_errors_are_as_large_as_their_covariance_says(swim, noisy, rig):
+    found = reckoned(noisy, rig)
     white = np.linalg.inv(np.linalg.cholesky(found.odometry.covariance))
     error = np.einsum("nij,nj->ni", white, edges_error(swim, found))
     assert 0.7 < np.sqrt(np.mean(error[:, :3] ** 2)) < 1.3
     assert 0.4 < np.sqrt(np.mean(error[:, 3:] ** 2)) < 1.3
 
 
-def test_rates_make_the_attitude_far_better_than_one_reading(swim, noisy, vehicle):
-    with_rates = edges_error(swim, reckoned(noisy, vehicle))[:, 3:]
+def test_rates_make_the_attitude_far_better_than_one_reading(swim, noisy, rig):
+    with_rates = edges_error(swim, reckoned(noisy, rig))[:, 3:]
     silent = replace(noisy, imu=replace(noisy.imu, angular_velocity=np.full_like(noisy.imu.angular_velocity, np.nan)))
-    without = reckoned(silent, vehicle)
+    without = reckoned(silent, rig)
     assert np.std(with_rates) < 0.3 * np.std(edges_error(swim, without)[:, 3:])
     assert any("no rates" in words for words in without.remarks)
 
 
-def test_depth_drifts_neither_with_the_dvl_nor_scatters_with_the_pressure(swim, noisy, vehicle):
+def test_depth_drifts_neither_with_the_dvl_nor_scatters_with_the_pressure(swim, noisy, rig):
     fast = replace(noisy, dvl=replace(noisy.dvl, velocity=noisy.dvl.velocity + np.array([0.01, 0, 0])))
-    found = reckoned(fast, vehicle)
+    found = reckoned(fast, rig)
     error = found.trajectory.translation[:, 2] - truth_at(swim, found).translation[:, 2]
     assert np.abs(error).max() < 0.012  # 0.40 m by the DVL alone, 0.02 m a reading
 
 
-def test_the_trajectory_stays_within_its_sigma_when_scale_and_mount_are_off(swim, noisy, vehicle):
-    mount = vehicle.T_s_d.rotation * Rotation.from_rotvec([0.004, -0.003, 0.005])
-    off = replace(vehicle, T_s_d=Poses(mount.as_quat(), vehicle.T_s_d.translation))
+def test_the_trajectory_stays_within_its_sigma_when_scale_and_mount_are_off(swim, noisy, rig):
+    mount = rig.tray_from_dvl.rotation * Rotation.from_rotvec([0.004, -0.003, 0.005])
+    off = replace(rig, tray_from_dvl=Poses(mount.as_quat(), rig.tray_from_dvl.translation))
     found = reckoned(replace(noisy, dvl=replace(noisy.dvl, velocity=1.004 * noisy.dvl.velocity)), off)
     error = found.trajectory.translation - truth_at(swim, found).translation
     sigma = np.sqrt(np.diagonal(found.trajectory.covariance, axis1=1, axis2=2))[:, :3]
@@ -99,64 +101,64 @@ def test_the_trajectory_stays_within_its_sigma_when_scale_and_mount_are_off(swim
 
 
 def central(changed, step: float) -> np.ndarray:
-    """Numeric derivative (m, 6) of the odometry by a cause: `changed(c)` gives logs and vehicle with it accounted for."""
-    plus, minus = (dead_reckon(*changed(c), OPTIONS, 0.01).odometry for c in (step, -step))
+    """Numeric derivative (m, 6) of the odometry by a cause: `changed(c)` gives logs and rig with it accounted for."""
+    plus, minus = (dead_reckon(*changed(c), SIGMAS, OPTIONS).odometry for c in (step, -step))
     turn = (Rotation.from_quat(minus.quaternion).inv() * Rotation.from_quat(plus.quaternion)).as_rotvec()
     return np.hstack([plus.translation - minus.translation, turn]) / (2 * step)
 
 
-def test_the_derivative_by_scale_is_that_of_reckoning_anew(perfect, vehicle):
+def test_the_derivative_by_scale_is_that_of_reckoning_anew(perfect, rig):
     def changed(e: float):
-        return replace(perfect, dvl=replace(perfect.dvl, velocity=(1 + e) * perfect.dvl.velocity)), vehicle
+        return replace(perfect, dvl=replace(perfect.dvl, velocity=(1 + e) * perfect.dvl.velocity)), rig
 
-    assert np.allclose(reckoned(perfect, vehicle).odometry.by_navigation[:, :, 0], central(changed, 1e-3), atol=1e-8)
+    assert np.allclose(reckoned(perfect, rig).odometry.by_navigation[:, :, 0], central(changed, 1e-3), atol=1e-8)
 
 
-def test_the_derivative_by_heading_drift_is_that_of_reckoning_anew(perfect, vehicle):
+def test_the_derivative_by_heading_drift_is_that_of_reckoning_anew(perfect, rig):
     silent = replace(perfect, imu=replace(perfect.imu, angular_velocity=np.full_like(perfect.imu.angular_velocity, np.nan)))
     t = (silent.imu.t_ns - silent.dvl.t_ns[0]) * 1e-9
 
     def changed(c: float):
         turned = Rotation.from_rotvec(np.outer(c * t, [0, 0, 1])) * Rotation.from_quat(silent.imu.quaternion)
-        return replace(silent, imu=replace(silent.imu, quaternion=turned.as_quat())), vehicle
+        return replace(silent, imu=replace(silent.imu, quaternion=turned.as_quat())), rig
 
     numeric = central(changed, 1e-4)
-    assert np.allclose(reckoned(silent, vehicle).odometry.by_navigation[:, :, 1], numeric, atol=2e-4)
-    assert np.allclose(reckoned(silent, vehicle).odometry.by_navigation[:, 3:, 1], numeric[:, 3:], atol=1e-6)
+    assert np.allclose(reckoned(silent, rig).odometry.by_navigation[:, :, 1], numeric, atol=2e-4)
+    assert np.allclose(reckoned(silent, rig).odometry.by_navigation[:, 3:, 1], numeric[:, 3:], atol=1e-6)
 
 
-def test_the_derivative_by_mount_is_that_of_reckoning_anew(perfect, vehicle):
-    analytic = reckoned(perfect, vehicle).odometry.by_mount
+def test_the_derivative_by_mount_is_that_of_reckoning_anew(perfect, rig):
+    analytic = reckoned(perfect, rig).odometry.by_mount
     for k in range(3):
 
         def changed(c: float, k: int = k):
-            turn = vehicle.T_s_d.rotation * Rotation.from_rotvec(c * np.eye(3)[k])
-            return perfect, replace(vehicle, T_s_d=Poses(turn.as_quat(), vehicle.T_s_d.translation))
+            turn = rig.tray_from_dvl.rotation * Rotation.from_rotvec(c * np.eye(3)[k])
+            return perfect, replace(rig, tray_from_dvl=Poses(turn.as_quat(), rig.tray_from_dvl.translation))
 
         assert np.allclose(analytic[:, :, k], central(changed, 1e-4), atol=1e-7)
 
 
-def test_the_derivative_by_tray_is_that_of_reckoning_anew(perfect, vehicle):
+def test_the_derivative_by_tray_is_that_of_reckoning_anew(perfect, rig):
     def changed(d: float):
-        return replace(perfect, tray=replace(perfect.tray, angle=perfect.tray.angle + d)), vehicle
+        return replace(perfect, tray=replace(perfect.tray, angle=perfect.tray.angle + d)), rig
 
-    assert np.allclose(reckoned(perfect, vehicle).odometry.by_tray, central(changed, 1e-4), atol=1e-7)
+    assert np.allclose(reckoned(perfect, rig).odometry.by_tray, central(changed, 1e-4), atol=1e-7)
 
 
-def test_the_covariance_of_the_path_is_that_of_its_causes(perfect, vehicle):
+def test_the_covariance_of_the_path_is_that_of_its_causes(perfect, rig):
     """All sigmas but the scale's are nothing: what is left is the outer product of the path's change by scale."""
     alone = replace(
-        vehicle, sigma_mount=np.zeros(6), sigma_drift=0.0, sigma_tilt_bias=0.0, sigma_tray=0.0, sigma_tilt=0.0, sigma_scale=0.1
+        SIGMAS, mount=np.zeros(6), heading_drift_rad_s=0.0, tilt_bias_rad=0.0, tray_rad=0.0, tilt_rad=0.0, scale=0.1
     )
     still = replace(perfect, dvl=replace(perfect.dvl, velocity_sigma=np.full(len(perfect.dvl.t_ns), 1e-6)))
-    base = reckoned(still, alone).trajectory
-    faster = reckoned(replace(still, dvl=replace(still.dvl, velocity=1.1 * still.dvl.velocity)), alone).trajectory
+    base = reckoned(still, rig, alone).trajectory
+    faster = reckoned(replace(still, dvl=replace(still.dvl, velocity=1.1 * still.dvl.velocity)), rig, alone).trajectory
     moved = (faster.translation - base.translation)[:, :2]
     assert np.allclose(base.covariance[-1, :2, :2], np.outer(moved[-1], moved[-1]), atol=1e-5)
 
 
-def test_an_outage_is_bridged_reported_and_widens_the_covariance(swim, perfect, vehicle, silenced):
-    whole, holed = reckoned(perfect, vehicle), reckoned(silenced(perfect, 10.0, 14.0), vehicle)
+def test_an_outage_is_bridged_reported_and_widens_the_covariance(swim, perfect, rig, silenced):
+    whole, holed = reckoned(perfect, rig), reckoned(silenced(perfect, 10.0, 14.0), rig)
     error = holed.trajectory.translation - truth_at(swim, holed).translation
     assert np.abs(error[:, :2]).max() < 0.25
     wide, usual = holed.odometry.covariance[:, 0, 0], whole.odometry.covariance[:, 0, 0]
@@ -167,67 +169,67 @@ def test_an_outage_is_bridged_reported_and_widens_the_covariance(swim, perfect, 
     assert holed.facts["outages_s"] == [[9.95, 14.05]]
 
 
-def test_a_wild_velocity_is_left_out_and_said(swim, perfect, vehicle):
+def test_a_wild_velocity_is_left_out_and_said(swim, perfect, rig):
     velocity = perfect.dvl.velocity.copy()
     velocity[200] += [3.0, 0, 0]
-    found = reckoned(replace(perfect, dvl=replace(perfect.dvl, velocity=velocity)), vehicle)
+    found = reckoned(replace(perfect, dvl=replace(perfect.dvl, velocity=velocity)), rig)
     assert np.abs(found.trajectory.translation - truth_at(swim, found).translation).max() < 3e-3
     assert any("1 velocity far" in words for words in found.remarks)
 
 
-def test_stamps_out_of_order_and_repeated_are_put_right_and_said(perfect, vehicle):
+def test_stamps_out_of_order_and_repeated_are_put_right_and_said(perfect, rig):
     order = np.arange(len(perfect.dvl.t_ns))
     order[[50, 51]] = [51, 50]
     order = np.concatenate([order, [300]])
     dvl = replace(perfect.dvl, **{f: getattr(perfect.dvl, f)[order] for f in ("t_ns", "velocity", "velocity_sigma", "ranges")})
-    found, plain = reckoned(replace(perfect, dvl=dvl), vehicle), reckoned(perfect, vehicle)
+    found, plain = reckoned(replace(perfect, dvl=dvl), rig), reckoned(perfect, rig)
     assert np.array_equal(found.trajectory.translation, plain.trajectory.translation)
     assert any(words.startswith("dvl:") and "backwards" in words for words in found.remarks)
     assert any("1 repeated" in words for words in found.remarks)
 
 
-def test_a_hole_in_the_attitude_is_reported_and_widens_the_turn(perfect, vehicle):
+def test_a_hole_in_the_attitude_is_reported_and_widens_the_turn(perfect, rig):
     t = (perfect.imu.t_ns - perfect.dvl.t_ns[0]) * 1e-9
     kept = (t < 20) | (t > 22)
     fields = ("t_ns", "quaternion", "angular_velocity", "acceleration")
     imu = replace(perfect.imu, **{f: getattr(perfect.imu, f)[kept] for f in fields})
-    found = reckoned(replace(perfect, imu=imu), vehicle)
+    found = reckoned(replace(perfect, imu=imu), rig)
     assert any("1 gap in the attitude" in words for words in found.remarks)
     assert found.odometry.covariance[40, 5, 5] > 100 * found.odometry.covariance[10, 5, 5]
 
 
-def test_a_step_in_depth_is_reported(perfect, vehicle):
+def test_a_step_in_depth_is_reported(perfect, rig):
     depth = perfect.pressure.depth.copy()
     depth[200:] += 1.0
-    found = reckoned(replace(perfect, pressure=replace(perfect.pressure, depth=depth)), vehicle)
+    found = reckoned(replace(perfect, pressure=replace(perfect.pressure, depth=depth)), rig)
     assert any("pressure: 1 step" in words for words in found.remarks)
 
 
-def test_without_pressure_the_depth_is_unknown_and_said(perfect, vehicle):
-    found = reckoned(replace(perfect, pressure=None), vehicle)
+def test_without_pressure_the_depth_is_unknown_and_said(perfect, rig):
+    found = reckoned(replace(perfect, pressure=None), rig)
     assert found.trajectory.covariance[0, 2, 2] >= 100.0
     assert (found.attitude.sigma[:, 0] >= 100.0).all()
     assert any("no pressure" in words for words in found.remarks)
 
 
-def test_without_tray_angles_it_stands_at_zero_and_says_so(perfect, vehicle):
-    found = reckoned(replace(perfect, tray=None), vehicle)
+def test_without_tray_angles_it_stands_at_zero_and_says_so(perfect, rig):
+    found = reckoned(replace(perfect, tray=None), rig)
     assert (found.trajectory.tray == 0).all()
     assert any("tray" in words for words in found.remarks)
 
 
-def test_a_dvl_that_never_saw_the_bottom_is_an_error_in_words(perfect, vehicle, silenced):
+def test_a_dvl_that_never_saw_the_bottom_is_an_error_in_words(perfect, rig, silenced):
     with pytest.raises(StageError, match="no velocity to reckon with"):
-        reckoned(silenced(perfect, -1, 100), vehicle)
+        reckoned(silenced(perfect, -1, 100), rig)
 
 
-def test_an_imu_without_orientation_is_an_error_in_words(perfect, vehicle):
+def test_an_imu_without_orientation_is_an_error_in_words(perfect, rig):
     blind = replace(perfect, imu=replace(perfect.imu, quaternion=np.full_like(perfect.imu.quaternion, np.nan)))
     with pytest.raises(StageError, match="orientation"):
-        reckoned(blind, vehicle)
+        reckoned(blind, rig)
 
 
-def test_the_same_logs_give_the_same_numbers(noisy, vehicle):
-    a, b = reckoned(noisy, vehicle), reckoned(noisy, vehicle)
+def test_the_same_logs_give_the_same_numbers(noisy, rig):
+    a, b = reckoned(noisy, rig), reckoned(noisy, rig)
     assert np.array_equal(a.trajectory.covariance, b.trajectory.covariance)
     assert np.array_equal(a.odometry.quaternion, b.odometry.quaternion)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.odometry import velocity_variance
 from hullrecon.navigation.dead_reckoning.reckoning import reckon
 from hullrecon.navigation.sensors.attitude import (
@@ -21,7 +22,6 @@ from hullrecon.navigation.sensors.attitude import (
 from hullrecon.navigation.sensors.depth import hold_to_pressure
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import Velocities, usable_velocities
-from hullrecon.navigation.vehicle import cross_matrix
 from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples
 
 SECOND = 1_000_000_000
@@ -154,22 +154,22 @@ def test_a_vehicle_that_darts_about_has_a_wider_bridge() -> None:
 # a path of one's own making: straight ahead and level
 
 
-def straight(vehicle, speed: float = 0.2, down: float = 0.0, duration_s: float = 60.0):
+def straight(rig, speed: float = 0.2, down: float = 0.0, duration_s: float = 60.0):
     """The vehicle swims along x of g; the DVL looks forward, so its z is the vehicle's x and its x is up."""
     n = int(duration_s * 5)
-    mount = vehicle.T_s_d.rotation.as_matrix()[0]
+    mount = rig.tray_from_dvl.rotation.as_matrix()[0]
     velocity = np.tile(mount.T @ [speed, 0.0, down], (n, 1))
     level = AttitudeHistory(stamps([-1, duration_s + 1]), np.tile([0, 0, 0, 1.0], (2, 1)), 1e-3, 0.0, NO_HOLES, False)
-    return reckon(usable_velocities(pings(velocity), ALWAYS, 0.6), level, servo(None, 0), vehicle)
+    return reckon(usable_velocities(pings(velocity), ALWAYS, 0.6), level, servo(None, 0), rig)
 
 
-def test_a_straight_run_is_as_long_as_its_speed_and_time_say(vehicle) -> None:
-    at = straight(vehicle, 0.25).at(stamps([0, 10, 30]))
+def test_a_straight_run_is_as_long_as_its_speed_and_time_say(rig) -> None:
+    at = straight(rig, 0.25).at(stamps([0, 10, 30]))
     assert np.allclose(np.diff(at.poses().translation, axis=0), [[2.5, 0, 0], [5.0, 0, 0]], atol=1e-12)
 
 
-def test_velocity_noise_grows_with_time_and_with_the_pings_period(vehicle) -> None:
-    path = straight(vehicle)
+def test_velocity_noise_grows_with_time_and_with_the_pings_period(rig) -> None:
+    path = straight(rig)
     short, long = velocity_variance(path, stamps([10, 10]), stamps([11, 20]))
     assert short == pytest.approx(0.003**2 * 0.2 * 1.0)
     assert long == pytest.approx(10 * short)
@@ -187,42 +187,42 @@ def readings(depth: np.ndarray, hz: float = 10.0) -> PressureSamples:
     return PressureSamples(t_ns=stamps(np.arange(len(depth)) / hz), depth=depth)
 
 
-def held(vehicle, depth: np.ndarray, at_s, **path):
-    reckoned = straight(vehicle, **path)
+def held(rig, depth: np.ndarray, at_s, **path):
+    reckoned = straight(rig, **path)
     nodes = stamps(at_s)
     found = hold_to_pressure(readings(depth), reckoned, nodes, 0.2)
     z = reckoned.at(nodes).poses().translation[:, 2] + found.shift
-    return found, z + vehicle.pressure_origin[2]
+    return found, z + rig.pressure_origin[2]
 
 
-def test_the_sensor_stands_where_the_pressure_says(vehicle) -> None:
-    found, depth = held(vehicle, np.full(600, 3.0), [10, 30, 50])
+def test_the_sensor_stands_where_the_pressure_says(rig) -> None:
+    found, depth = held(rig, np.full(600, 3.0), [10, 30, 50])
     assert np.allclose(depth, 3.0, atol=1e-9)
     assert np.allclose(found.measured, 3.0, atol=1e-9)
     assert found.sigma == 1e-3
     assert len(found.steps) == 0
 
 
-def test_a_scatter_of_the_pressure_is_smoothed_and_its_sigma_said(vehicle) -> None:
+def test_a_scatter_of_the_pressure_is_smoothed_and_its_sigma_said(rig) -> None:
     noise = 0.02 * np.random.default_rng(1).standard_normal(600)
-    found, depth = held(vehicle, 3.0 + noise, np.arange(10, 50, 0.5))
+    found, depth = held(rig, 3.0 + noise, np.arange(10, 50, 0.5))
     assert np.abs(depth - 3.0).max() < 0.012
     assert found.white == pytest.approx(0.02, rel=0.15)
     assert found.sigma == pytest.approx(0.02 * np.sqrt(0.1 / (2 * np.sqrt(np.pi) * 5)), rel=0.15)
 
 
-def test_a_dvl_that_sinks_is_held_to_the_pressure_without_lag(vehicle) -> None:
-    _, depth = held(vehicle, np.full(600, 3.0), [20, 40], down=0.02)
+def test_a_dvl_that_sinks_is_held_to_the_pressure_without_lag(rig) -> None:
+    _, depth = held(rig, np.full(600, 3.0), [20, 40], down=0.02)
     assert np.allclose(depth, 3.0, atol=1e-6)
 
 
-def test_a_step_that_the_dvl_did_not_see_is_named(vehicle) -> None:
+def test_a_step_that_the_dvl_did_not_see_is_named(rig) -> None:
     depth = np.full(600, 3.0)
     depth[300:] += 0.8
-    assert held(vehicle, depth, [10])[0].steps.tolist() == [30 * SECOND]
+    assert held(rig, depth, [10])[0].steps.tolist() == [30 * SECOND]
 
 
-def test_lost_readings_are_left_out(vehicle) -> None:
+def test_lost_readings_are_left_out(rig) -> None:
     depth = np.full(600, 3.0)
     depth[100:150] = np.nan
-    assert np.allclose(held(vehicle, depth, [12.0])[1], 3.0)
+    assert np.allclose(held(rig, depth, [12.0])[1], 3.0)

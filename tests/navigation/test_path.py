@@ -20,8 +20,8 @@ from hullrecon.navigation.dead_reckoning.returns import returns
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import Velocities
-from hullrecon.navigation.vehicle import Vehicle
 from hullrecon.records.sensors import DvlPings, JointSamples
+from hullrecon.rig import SensorRig
 
 SECOND = 1_000_000_000
 NO_HOLES = np.zeros((0, 2), np.int64)
@@ -33,13 +33,13 @@ def stamps(t_s) -> np.ndarray:
 
 
 @pytest.fixture
-def plain(vehicle: Vehicle) -> Vehicle:
+def plain(rig: SensorRig) -> SensorRig:
     """The DVL's axes are the vehicle's; it sits 0.5 m ahead of it, on a tray that turns about the vehicle's origin."""
     ahead = poses.from_mount([0.5, 0.0, 0.0, 0.0, 0.0, 0.0])
-    return replace(vehicle, tray_origin=np.zeros(3), T_s_d=ahead)
+    return replace(rig, tray_origin=np.zeros(3), tray_from_dvl=ahead)
 
 
-def run(vehicle: Vehicle, velocity, turn_rad_s: float = 0.0, tray=None, outages: np.ndarray = NO_HOLES) -> Reckoning:
+def run(rig: SensorRig, velocity, turn_rad_s: float = 0.0, tray=None, outages: np.ndarray = NO_HOLES) -> Reckoning:
     """Ten seconds at 20 Hz; velocity (3,) of the instrument in dvl, heading turn_rad_s t, tray (n,) rad at each ping."""
     t = np.arange(0, 10.001, 0.05)
     n = len(t)
@@ -49,7 +49,7 @@ def run(vehicle: Vehicle, velocity, turn_rad_s: float = 0.0, tray=None, outages:
         stamps(t), np.tile(np.asarray(velocity, float), (n, 1)), np.full(n, SIGMA_M_S), outages, 0.01, np.zeros(0, np.int64)
     )
     joint = None if tray is None else JointSamples(t_ns=stamps(t), angle=np.full(n, tray))
-    return reckon(v, attitude, servo(joint, 0), vehicle)
+    return reckon(v, attitude, servo(joint, 0), rig)
 
 
 def test_a_vehicle_that_turns_on_the_spot_stays_there(plain) -> None:
@@ -60,7 +60,7 @@ def test_a_vehicle_that_turns_on_the_spot_stays_there(plain) -> None:
 
 
 def test_a_circle_closes(plain) -> None:
-    on_axis = replace(plain, T_s_d=poses.identity())
+    on_axis = replace(plain, tray_from_dvl=poses.identity())
     rate = 2 * np.pi / 10
     at = run(on_axis, [0.3, 0.0, 0.0], turn_rad_s=rate).at(stamps([0, 5, 10]))
     assert np.allclose(at.instrument[2], 0, atol=1e-9)

@@ -6,26 +6,28 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from navigation.instruments import SIGMAS
 
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.dead_reckon import dead_reckon
 from hullrecon.navigation.options import NavigateOptions
 
 
 @pytest.fixture(scope="session")
-def found(perfect, vehicle):
-    return dead_reckon(perfect, vehicle, NavigateOptions(), 0.01)
+def found(perfect, rig):
+    return dead_reckon(perfect, rig, SIGMAS, NavigateOptions())
 
 
-def test_a_return_carries_the_vehicle_from_its_node_to_its_ping(swim, found, vehicle):
+def test_a_return_carries_the_vehicle_from_its_node_to_its_ping(swim, found, rig):
     """Hung on the true nodes, the beam's start is where the true instrument was at the ping."""
     r, t = found.returns, found.trajectory
     seconds = (r.t_ns - t.t_ns[0]) * 1e-9 + (t.t_ns[0] - 1_777_887_000_000_000_000) * 1e-9
     node_s = (t.t_ns - 1_777_887_000_000_000_000) * 1e-9
     at_ping = swim.poses(node_s)[r.node] @ Poses(r.quaternion, r.translation)
     angle = swim.tray(node_s)[r.node] + r.tray_offset
-    instrument = at_ping @ poses.tray_poses(vehicle.tray_origin, angle) @ vehicle.T_s_d
+    instrument = at_ping @ poses.tray_poses(rig.tray_origin, angle) @ rig.tray_from_dvl
     assert np.abs(instrument.translation - swim.instrument(seconds).translation).max() < 1e-3
 
 
@@ -36,25 +38,25 @@ def test_returns_hang_on_the_nearest_node(found):
     assert len(r.t_ns) == 4 * 800
 
 
-def test_attitude_has_the_depth_of_the_sensor_and_not_of_the_vehicle(swim, found, vehicle):
+def test_attitude_has_the_depth_of_the_sensor_and_not_of_the_vehicle(swim, found, rig):
     t = (found.trajectory.t_ns - 1_777_887_000_000_000_000) * 1e-9
-    sensor = swim.poses(t).apply(vehicle.pressure_origin)[:, 2]
+    sensor = swim.poses(t).apply(rig.pressure_origin)[:, 2]
     assert np.abs(found.attitude.depth - sensor).max() < 3e-3
-    rpy = poses.roll_pitch_yaw(swim.attitude(t))
+    rpy = roll_pitch_yaw(swim.attitude(t))
     assert np.allclose(np.stack([found.attitude.roll, found.attitude.pitch], 1), rpy[:, :2], atol=1e-3)
-    assert found.attitude.sigma[0].tolist() == [vehicle.sigma_depth, vehicle.sigma_tilt, vehicle.sigma_tilt]
+    assert found.attitude.sigma[0].tolist() == [SIGMAS.depth_m, SIGMAS.tilt_rad, SIGMAS.tilt_rad]
 
 
-def test_an_image_that_does_not_decode_has_no_node(perfect, vehicle):
+def test_an_image_that_does_not_decode_has_no_node(perfect, rig):
     usable = perfect.top.usable.copy()
     usable[3] = False
-    gone = dead_reckon(replace(perfect, top=replace(perfect.top, usable=usable)), vehicle, NavigateOptions(), 0.01)
+    gone = dead_reckon(replace(perfect, top=replace(perfect.top, usable=usable)), rig, SIGMAS, NavigateOptions())
     assert 3 not in gone.trajectory.image[:, 0]
     assert {2, 4} <= set(gone.trajectory.image[:, 0].tolist())
 
 
-def test_a_dive_without_cameras_has_nodes_at_its_pings(perfect, vehicle):
-    blind = dead_reckon(replace(perfect, top=None), vehicle, NavigateOptions(), 0.01)
+def test_a_dive_without_cameras_has_nodes_at_its_pings(perfect, rig):
+    blind = dead_reckon(replace(perfect, top=None), rig, SIGMAS, NavigateOptions())
     assert (blind.trajectory.image == -1).all()
     assert np.isin(blind.trajectory.t_ns, perfect.dvl.t_ns).all()
     assert len(blind.odometry.first) == len(blind.trajectory.t_ns) - 1

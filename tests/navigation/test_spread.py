@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from navigation.instruments import SIGMAS
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry import poses
@@ -20,14 +21,15 @@ from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import usable_velocities
-from hullrecon.navigation.vehicle import Vehicle
+from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.trajectory import TrajectoryErrorModel
-from hullrecon.vision.pairs.camera_track import Survey
+from hullrecon.rig import SensorRig
+from hullrecon.vision.pairs.camera_track import CameraTrack
 
 NO_HOLES = np.zeros((0, 2), np.int64)
 
 
-def path_of(logs: Logs, vehicle: Vehicle, error: np.ndarray) -> Reckoning:
+def path_of(logs: Logs, rig: SensorRig, error: np.ndarray) -> Reckoning:
     """Dead reckoning of instruments that err by `error` (ERRORS,), the depth's bias aside."""
     span = int(logs.imu.t_ns[0]), int(logs.imu.t_ns[-1])
     velocities = usable_velocities(logs.dvl, span, 0.6)
@@ -37,8 +39,8 @@ def path_of(logs: Logs, vehicle: Vehicle, error: np.ndarray) -> Reckoning:
     turned = Rotation.from_euler("z", heading[:, None]) * Rotation.from_quat(logs.imu.quaternion)
     turned = turned * Rotation.from_rotvec([*error[error_propagation.ROLL_PITCH], 0.0])
     history = AttitudeHistory(logs.imu.t_ns, turned.as_quat(), 1e-4, 0.0, NO_HOLES, False)
-    mount = vehicle.T_s_d.rotation * Rotation.from_rotvec(error[error_propagation.MOUNT_TURN])
-    off = replace(vehicle, T_s_d=Poses(mount.as_quat(), vehicle.T_s_d.translation))
+    mount = rig.tray_from_dvl.rotation * Rotation.from_rotvec(error[error_propagation.MOUNT_TURN])
+    off = replace(rig, tray_from_dvl=Poses(mount.as_quat(), rig.tray_from_dvl.translation))
     hung = servo(logs.tray, 0)
     hung = replace(hung, angle=hung.angle + error[error_propagation.TRAY_PLAY] * hung.direction)
     return reckon(velocities, history, hung, off)
@@ -48,11 +50,11 @@ def nodes_of(logs: Logs) -> np.ndarray:
     return logs.dvl.t_ns[40::60]
 
 
-def numeric(logs: Logs, vehicle: Vehicle, column: int, step: float = 1e-4) -> np.ndarray:
+def numeric(logs: Logs, rig: SensorRig, column: int, step: float = 1e-4) -> np.ndarray:
     """(n, 6): central difference of the poses by one error."""
     error = np.zeros(error_propagation.ERRORS)
     error[column] = step
-    plus, minus = (path_of(logs, vehicle, sign * error).at(nodes_of(logs)).poses() for sign in (1, -1))
+    plus, minus = (path_of(logs, rig, sign * error).at(nodes_of(logs)).poses() for sign in (1, -1))
     turn = (minus.rotation.inv() * plus.rotation).as_rotvec()
     return np.hstack([plus.translation - minus.translation, turn]) / (2 * step)
 
@@ -62,19 +64,19 @@ def numeric(logs: Logs, vehicle: Vehicle, column: int, step: float = 1e-4) -> np
     # The drift's turn of a velocity grows between two pings, the play flips between two readings.
     [(0, 1e-6), (1, 5e-3), (2, 1e-5), (3, 1e-5), (4, 1e-5), (5, 2e-2), (6, 1e-5), (7, 1e-5), (8, 1e-5)],
 )
-def test_the_path_changes_with_each_error_as_reckoning_anew_says(perfect, vehicle, column: int, tolerance: float) -> None:
-    analytic = pose_by_error(path_of(perfect, vehicle, np.zeros(error_propagation.ERRORS)).at(nodes_of(perfect)))[:, :, column]
+def test_the_path_changes_with_each_error_as_reckoning_anew_says(perfect, rig, column: int, tolerance: float) -> None:
+    analytic = pose_by_error(path_of(perfect, rig, np.zeros(error_propagation.ERRORS)).at(nodes_of(perfect)))[:, :, column]
     assert np.abs(analytic).max() > 0.5
-    assert np.abs(analytic - numeric(perfect, vehicle, column)).max() < tolerance
+    assert np.abs(analytic - numeric(perfect, rig, column)).max() < tolerance
 
 
-def certain(vehicle: Vehicle, **sigma: float) -> Vehicle:
+def certain(**sigma: float) -> NavigationSigmas:
     """Every error that persists is nothing, but for those named."""
-    none = {"sigma_scale": 0.0, "sigma_drift": 0.0, "sigma_tilt_bias": 0.0, "sigma_tray": 0.0, "sigma_tilt": 0.0}
-    return replace(vehicle, sigma_mount=np.zeros(6), **(none | sigma))
+    none = {"scale": 0.0, "heading_drift_rad_s": 0.0, "tilt_bias_rad": 0.0, "tray_rad": 0.0, "tilt_rad": 0.0}
+    return replace(SIGMAS, mount=np.zeros(6), **(none | sigma))
 
 
-def test_the_covariance_by_heading_drift_is_that_of_a_path_that_turns_and_changes_its_speed(perfect, vehicle) -> None:
+def test_the_covariance_by_heading_drift_is_that_of_a_path_that_turns_and_changes_its_speed(perfect, rig) -> None:
     drift = 1e-3
     silent = replace(
         perfect,
@@ -84,36 +86,36 @@ def test_the_covariance_by_heading_drift_is_that_of_a_path_that_turns_and_change
     t = (silent.imu.t_ns - silent.dvl.t_ns[0]) * 1e-9
     turned = Rotation.from_euler("z", (drift * t)[:, None]) * Rotation.from_quat(silent.imu.quaternion)
     drifted = replace(silent, imu=replace(silent.imu, quaternion=turned.as_quat()))
-    off = certain(vehicle, sigma_drift=drift)
-    base, other = (dead_reckon(logs, off, NavigateOptions(), 0.01).trajectory for logs in (silent, drifted))
+    off = certain(heading_drift_rad_s=drift)
+    base, other = (dead_reckon(logs, rig, off, NavigateOptions()).trajectory for logs in (silent, drifted))
     moved = (other.translation - base.translation)[:, :2]
     assert np.linalg.norm(moved[-1]) > 0.1
     for k in (20, 40, 60, -1):
         assert np.allclose(base.covariance[k, :2, :2], np.outer(moved[k], moved[k]), atol=0.02 * moved[k] @ moved[k])
 
 
-def relative_by_error(logs: Logs, vehicle: Vehicle, first: np.ndarray, second: np.ndarray, step: float = 1e-4) -> np.ndarray:
+def relative_by_error(logs: Logs, rig: SensorRig, first: np.ndarray, second: np.ndarray, step: float = 1e-4) -> np.ndarray:
     """(m, 6, ERRORS): central differences of the relative poses of paths that were reckoned anew."""
     out = np.zeros((len(first), 6, error_propagation.ERRORS))
     for k in range(error_propagation.DEPTH_BIAS):
         error = step * np.eye(error_propagation.ERRORS)[k]
-        plus, minus = (path_of(logs, vehicle, sign * error).at(nodes_of(logs)).poses() for sign in (1, -1))
+        plus, minus = (path_of(logs, rig, sign * error).at(nodes_of(logs)).poses() for sign in (1, -1))
         after, before = plus[second].inverse() @ plus[first], minus[second].inverse() @ minus[first]
         turn = (before.rotation.inv() * after.rotation).as_rotvec()
         out[:, :, k] = np.hstack([after.translation - before.translation, turn]) / (2 * step)
     return out
 
 
-def test_the_relative_covariance_of_two_nodes_is_that_of_paths_reckoned_anew(perfect, vehicle) -> None:
+def test_the_relative_covariance_of_two_nodes_is_that_of_paths_reckoned_anew(perfect, rig) -> None:
     """Scale, drift, mount, play, attitude bias and heading at once; of nodes far apart, near, and in the other order."""
     sigma = np.array([0.005, 2e-4, 0.005, 0.005, 0.005, 0.01, 0.003, 0.003, 0.01, 0.0])
-    truth = path_of(perfect, vehicle, np.zeros(error_propagation.ERRORS)).at(nodes_of(perfect))
+    truth = path_of(perfect, rig, np.zeros(error_propagation.ERRORS)).at(nodes_of(perfect))
     by_error = twist_by_pose_error(truth.poses()) @ pose_by_error(truth)
     none = np.zeros((len(truth.t_ns), 6, 6))
     model = TrajectoryErrorModel(by_error=by_error, error_covariance=np.diag(sigma**2), walk=none, white=none)
     first, second = np.array([0, 3, 9]), np.array([12, 5, 1])
-    predicted = Survey(global_from_camera=truth.poses(), errors=model).relative_covariance(first, second)
-    J = relative_by_error(perfect, vehicle, first, second)
+    predicted = CameraTrack(global_from_camera=truth.poses(), errors=model).relative_covariance(first, second)
+    J = relative_by_error(perfect, rig, first, second)
     wanted = (J * sigma**2) @ J.swapaxes(1, 2)
     for p in range(len(first)):
         scale = np.repeat([np.sqrt(np.trace(wanted[p][k, k])) for k in (slice(0, 3), slice(3, 6))], 3)
@@ -142,21 +144,21 @@ def test_a_model_gives_each_nodes_own_covariance_back() -> None:
     assert np.allclose(trajectory_covariance(model, at)[0], np.diag([0.09, 4e-6, 0, 4e-6, 4e-6, 4e-6]), atol=1e-12)
 
 
-def test_with_pressure_no_error_of_the_dvl_moves_the_depth(perfect, vehicle) -> None:
-    found = dead_reckon(perfect, vehicle, NavigateOptions(), 0.01)
+def test_with_pressure_no_error_of_the_dvl_moves_the_depth(perfect, rig) -> None:
+    found = dead_reckon(perfect, rig, SIGMAS, NavigateOptions())
     z = found.trajectory.covariance[:, 2, 2]
     assert np.allclose(z, z[0])
-    assert z[0] == pytest.approx(vehicle.sigma_depth_bias**2, rel=0.01)
+    assert z[0] == pytest.approx(SIGMAS.depth_bias_m**2, rel=0.01)
 
 
-def test_without_pressure_the_depth_of_the_start_is_one_unknown_for_the_dive(perfect, vehicle) -> None:
-    found = dead_reckon(replace(perfect, pressure=None), vehicle, NavigateOptions(), 0.01)
+def test_without_pressure_the_depth_of_the_start_is_one_unknown_for_the_dive(perfect, rig) -> None:
+    found = dead_reckon(replace(perfect, pressure=None), rig, SIGMAS, NavigateOptions())
     assert found.trajectory.covariance[30, 2, 2] > 100.0
-    survey = Survey(global_from_camera=found.trajectory.poses(), errors=found.error_model)
-    assert survey.relative_sigma(np.array([30]), np.array([32]))[0] < 0.05
+    track = CameraTrack(global_from_camera=found.trajectory.poses(), errors=found.error_model)
+    assert track.relative_sigma(np.array([30]), np.array([32]))[0] < 0.05
 
 
-def test_velocity_noise_accumulates_and_is_no_smaller_later(noisy, vehicle) -> None:
-    walk = dead_reckon(noisy, vehicle, NavigateOptions(), 0.01).error_model.walk
+def test_velocity_noise_accumulates_and_is_no_smaller_later(noisy, rig) -> None:
+    walk = dead_reckon(noisy, rig, SIGMAS, NavigateOptions()).error_model.walk
     assert (np.diff(walk[:, 0, 0]) > 0).all()
     assert walk[-1, 0, 0] == pytest.approx(0.003**2 * 0.05 * 39.5, rel=0.05)  # sigma^2 period duration

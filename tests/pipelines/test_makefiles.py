@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""pipelines/dive.mk and fleet: they run what is new or out of date, in order, and says nothing when all is well."""
+"""pipelines/dive.mk and fleet: they run what is new or out of date, in order, and say nothing when all is well."""
 
 from __future__ import annotations
 
@@ -104,6 +104,32 @@ def test_a_folder_without_dive_toml_is_refused(make_dive, tmp_path: Path) -> Non
     answer = make_dive(tmp_path)
     assert answer.returncode == 2
     assert "is no dive package" in answer.stderr
+
+
+def test_a_dives_folder_and_files_may_have_any_names(make_dive, make_package, trace: Path, tmp_path: Path) -> None:
+    package = make_package(tmp_path / "port side $(shell touch here) 'a' #1", "kestrel")
+    (package / "notes: 50 % $(shell touch here).txt").write_text("x")
+    first = make_dive(package)
+    assert (first.returncode, first.stdout, first.stderr) == (0, "", "")
+    assert (tmp_path / "runs/kestrel/deliver/report.txt").exists()
+    assert not list(Path.cwd().glob("here"))
+    assert make_dive(package, "-q").returncode == 0
+
+
+def test_a_new_file_of_the_package_makes_ingest_look_again(make_dive, make_package, trace: Path, tmp_path: Path) -> None:
+    package = make_package(tmp_path / "package", "kestrel")
+    make_dive(package)
+    ran = trace.read_text().split()
+    (package / "log.mcap").write_bytes(b"another log")
+    assert make_dive(package).returncode == 0
+    assert trace.read_text().split()[len(ran) :][0] == "ingest"
+    assert make_dive(package, "-q").returncode == 0
+
+
+def test_a_folder_of_runs_with_spaces_is_refused_by_its_name(make_dive, make_package, tmp_path: Path) -> None:
+    answer = make_dive(make_package(tmp_path / "package", "kestrel"), f"RUNS={tmp_path}/all runs")
+    assert answer.returncode == 2
+    assert "all runs has spaces" in answer.stderr
 
 
 def test_a_fleet_is_made_and_then_left_alone_without_a_word(run_fleet, make_package, trace: Path, tmp_path: Path) -> None:

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,18 +14,21 @@ from numpy.typing import NDArray
 
 from hullrecon.dive.config.schema import Dive, Hull
 from hullrecon.geometry.cameras import CameraModel
-from hullrecon.geometry.poses import from_rpy
+from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.poses import from_rpy, identity
+from hullrecon.records.deliverables import Coverage, CoverageHole, ReportedObject, SensorCoverage
 from hullrecon.records.sensors import DvlPings, ImageIndex
-from hullrecon.records.solution import Solution
+from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Trajectory
-from hullrecon.report.content.survey import Eye, StepRun, Survey
 from hullrecon.report.export.trajectory import track_of
+from hullrecon.report.step_documents import AdjustSummary, NavigationFacts
+from hullrecon.report.survey import AdjustedDive, DiveFacts, Findings, Provenance, StepRun, Surfaces, Survey
+from hullrecon.rig import SensorRig
 
 NODES = 5
 START = 1_777_887_000_468_241_234
-IDENTITY = np.array([0.0, 0, 0, 0, 0, 0, 1])
-TURNED = np.array([10.0, 20.0, 3.0, 1.0, 0.0, 0.0, 0.0])  # T_g_M: moved, and turned by 180 degrees about x
+TURNED = from_rpy([10.0, 20.0, 3.0], [np.pi, 0.0, 0.0])  # T_g_M: moved, and turned by 180 degrees about x
 CAMERA = CameraModel(width=400, height=320, fx=500.0, fy=500.0, cx=199.5, cy=159.5)
 
 
@@ -61,32 +63,29 @@ def trajectory() -> Trajectory:
 
 @pytest.fixture
 def solution(trajectory: Trajectory) -> Solution:
-    landmark = np.array([[10.0, 21.0, 3.0], [11.0, 21.5, 2.9], [12.0, 20.5, 3.0]])
     return Solution(
         t_ns=trajectory.t_ns,
         image=trajectory.image,
-        quaternion=trajectory.quaternion,
-        translation=trajectory.translation,
+        global_from_vehicle=trajectory.poses(),
         tray=trajectory.tray,
         tray_sigma=np.full(NODES, 0.001),
         pose_covariance=np.tile(np.diag([0.5, 0.02, 0.01, 0.001, 0.001, 0.002]) ** 2, (NODES, 1, 1)),
-        landmark=landmark,
-        landmark_covariance=np.tile(np.diag([0.001, 0.002, 0.002]) ** 2, (3, 1, 1)),
-        label=np.array([1, 0, 1]),
-        deviation=np.array([0.0, 0.1, -0.004]),
-        views=np.array([4, 6, 2]),
-        color=np.array([[10, 20, 30], [40, 50, 60], [70, 80, 90]], np.uint8),
-        T_g_M=TURNED,
-        T_s_ct=IDENTITY,
-        T_ct_cb=np.full(7, np.nan),
-        T_s_d=IDENTITY,
-        hull_covariance=np.diag([0.25, 1e-4, 1e-4, 1e-6, 1e-6, 1e-6]),
-        survey_center=np.array([1.0, -1.0, 0.0]),
-        navigation=np.zeros(6),
-        field_origin=np.zeros(2),
-        field_step=np.ones(2),
-        field_value=np.zeros((2, 2)),
-        field_sigma=np.zeros((2, 2)),
+        landmarks=Landmarks(
+            position=np.array([[10.0, 21.0, 3.0], [11.0, 21.5, 2.9], [12.0, 20.5, 3.0]]),
+            covariance=np.tile(np.diag([0.001, 0.002, 0.002]) ** 2, (3, 1, 1)),
+            label=np.array([1, 0, 1]),
+            deviation=np.array([0.0, 0.1, -0.004]),
+            views=np.array([4, 6, 2]),
+            color=np.array([[10, 20, 30], [40, 50, 60], [70, 80, 90]], np.uint8),
+        ),
+        mounts=Mounts(tray_from_dvl=identity(), tray_from_camera=identity(), top_from_bottom=None),
+        navigation_errors=np.zeros(6),
+        hull_pose=HullPose(
+            global_from_hull=TURNED,
+            covariance=np.diag([0.25, 1e-4, 1e-4, 1e-6, 1e-6, 1e-6]),
+            survey_center=np.array([1.0, -1.0, 0.0]),
+        ),
+        deviation_field=None,
     )
 
 
@@ -108,31 +107,50 @@ def plate() -> Surface:
 
 
 @pytest.fixture
-def found() -> dict[str, Any]:
+def found() -> ReportedObject:
     ring = np.linspace(0, 2 * np.pi, 8, endpoint=False)
-    return {
-        "id": 1, "center": [1.0, -1.2, -0.1], "normal": [0.0, 0.0, -1.0], "height": 0.1, "height_sigma": 0.004,
-        "deviation": 0.104, "extent": [0.2, 0.16], "area": 0.025, "volume": 0.0019, "views": 6, "p_value": 1e-9,
-        "address": "frame 3 + 0.2 m, port",
-        "images": [f"camera_top/{START + 2 * 10**9}.jpg"],
-        "outline": np.column_stack([1 + 0.1 * np.cos(ring), -1.2 + 0.08 * np.sin(ring), 0 * ring]).tolist(),
-    }  # fmt: skip
+    outline = np.column_stack([1 + 0.1 * np.cos(ring), -1.2 + 0.08 * np.sin(ring), 0 * ring])
+    return ReportedObject(
+        id=1, center=(1.0, -1.2, -0.1), normal=(0.0, 0.0, -1.0), height=0.1, height_sigma=0.004, deviation=0.104,
+        extent=(0.2, 0.16), area=0.025, volume=0.0019, views=6, p_value=1e-9, address="frame 3 + 0.2 m, port",
+        images=(f"camera_top/{START + 2 * 10**9}.jpg",), outline=tuple((x, y, z) for x, y, z in outline.tolist()),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """The same picture at every row."""
+
+    index: ImageIndex
+
+    def read(self, row: int) -> NDArray[np.uint8]:
+        v, u = np.mgrid[0:320, 0:400]
+        return np.stack([u % 256, v % 256, (u + v) % 256], axis=2).astype(np.uint8)
 
 
 @pytest.fixture
-def eye() -> Eye:
-    """Looks along z of the vehicle, which is outward of the plate seen from above."""
-    stamps = START + np.arange(NODES) * 10**9
-    index = ImageIndex(
-        t_ns=stamps,
-        file=np.full(NODES, ""),
-        offset=np.zeros(NODES, np.int64),
-        size=np.ones(NODES, np.int64),
-        usable=np.ones(NODES, bool),
+def pictures() -> Pictures:
+    return Pictures(
+        ImageIndex(
+            t_ns=START + np.arange(NODES) * 10**9,
+            file=np.full(NODES, ""),
+            offset=np.zeros(NODES, np.int64),
+            size=np.ones(NODES, np.int64),
+            usable=np.ones(NODES, bool),
+        )
     )
-    v, u = np.mgrid[0:320, 0:400]
-    picture = np.stack([u % 256, v % 256, (u + v) % 256], axis=2).astype(np.uint8)
-    return Eye("camera_top", CAMERA, index, from_rpy([0.0, 0, 0], [0.0, 0, 0]), lambda row: picture)
+
+
+@pytest.fixture
+def rig() -> SensorRig:
+    """The camera looks along z of the vehicle, which is outward of the plate seen from above; the tray does not turn it."""
+    return SensorRig(
+        tray_origin=np.zeros(3),
+        pressure_origin=np.zeros(3),
+        tray_from_dvl=identity(),
+        tray_from_camera=identity(),
+        camera_models={Camera.TOP: CAMERA},
+    )
 
 
 @pytest.fixture
@@ -150,34 +168,52 @@ def dvl() -> DvlPings:
     )
 
 
+WEAK = {"direction": [1.0, 0, 0], "sigma": 0.5, "sentence": "The position along the hull is uncertain by 0.50 m."}
+
+
 @pytest.fixture
 def survey(
-    trajectory: Trajectory, solution: Solution, plate: Surface, found: dict[str, Any], eye: Eye, dvl: DvlPings
-) -> Survey:
+    trajectory: Trajectory, solution: Solution, plate: Surface, found: ReportedObject, pictures: Pictures, rig: SensorRig,
+    dvl: DvlPings,
+) -> Survey:  # fmt: skip
     """With everything but mosaics."""
+    coverage = Coverage(
+        camera=SensorCoverage(area_m2=4.0, gsd_m={"p05": 0.0018, "p50": 0.002, "p95": 0.0025}),
+        holes=(CoverageHole(address="frame 4", area_m2=0.2),),
+    )
     return Survey(
-        dive=Dive(name="plate-1", vessel="MV Plate", date=datetime(2026, 5, 4, 9, 30, tzinfo=UTC)),
+        facts=DiveFacts(
+            dive=Dive(name="plate-1", vessel="MV Plate", date=datetime(2026, 5, 4, 9, 30, tzinfo=UTC)),
+            hull=Hull(mesh="hull.stl", frame_spacing=0.6),
+            dvl=dvl,
+            rig=rig,
+            images={Camera.TOP: pictures},
+            navigation=NavigationFacts(outages_s=((31.0, 34.2),)),
+        ),
         track=track_of(trajectory, solution),
         trajectory=trajectory,
-        navigation={"source": "dvl", "outages_s": [[31.0, 34.2]]},
-        findings={"lost": [], "remarks": []},
-        tray_origin_m=(0.0, 0.0, 0.0),
-        hull=Hull(mesh="hull.stl", frame_spacing=0.6),
-        solution=solution,
-        adjust={"method": "maxmix", "weak_directions": [
-            {"direction": [1.0, 0, 0], "sigma": 0.5, "sentence": "The position along the hull is uncertain by 0.50 m."}]},
-        iterations={"cost": np.array([100.0, 10.0, 9.0]), "on_surface": np.array([1, 2, 2]),
-                    "label_changes": np.array([0, 1, 0])},
-        chart=FlatChart(),
-        surface=plate,
-        as_found=plate,
-        objects=(found,),
-        coverage={"camera": {"area_m2": 4.0, "gsd_m": {"p05": 0.0018, "p95": 0.0025}}, "sonar": None,
-                  "holes": [{"address": "frame 4", "area_m2": 0.2}]},
-        dvl=dvl,
-        eyes=(eye,),
-        steps=(StepRun("adjust", 2, {"adjust": {"rounds": 3, "method": "maxmix"}}, {"navigate": "ab12"}, ("two rays missed",),
-                       {"seconds": 7.5}),),
+        adjusted=AdjustedDive(
+            solution=solution,
+            summary=AdjustSummary(method="maxmix", observations=98, observations_left_out=2),
+            weak_directions=(WEAK,),
+            iterations={
+                "cost": np.array([100.0, 10.0, 9.0]), "on_surface": np.array([1, 2, 2]), "label_changes": np.array([0, 1, 0])
+            },
+        ),
+        surfaces=Surfaces(chart=FlatChart(), dvl=plate, as_found=plate, comparison="The comparison is partly circular."),
+        findings=Findings(objects=(found,), coverage=coverage),
+        provenance=Provenance(
+            steps=(
+                StepRun(
+                    name="adjust",
+                    version=2,
+                    settings={"adjust": {"rounds": 3, "method": "maxmix"}},
+                    inputs={"navigate": "ab12"},
+                    warnings=("two rays missed",),
+                    run={"seconds": 7.5},
+                ),
+            )
+        ),
     )  # fmt: skip
 
 
@@ -185,10 +221,13 @@ def survey(
 def bare(trajectory: Trajectory) -> Survey:
     """Dead reckoning alone: no camera, no CAD model, no sonar."""
     reasons = {"objects.json": "no camera was carried", "alignment.json": "no CAD model was given"}
+    rig = SensorRig(tray_origin=np.zeros(3), pressure_origin=np.zeros(3), tray_from_dvl=identity())
     return Survey(
-        dive=Dive(name="bare"), track=track_of(trajectory, None), trajectory=trajectory, navigation={}, findings={},
-        tray_origin_m=(0.0, 0.0, 0.0), absent=reasons,
-    )  # fmt: skip
+        facts=DiveFacts(dive=Dive(name="bare"), rig=rig),
+        track=track_of(trajectory, None),
+        trajectory=trajectory,
+        provenance=Provenance(missing=reasons),
+    )
 
 
 @pytest.fixture

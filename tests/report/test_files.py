@@ -14,12 +14,13 @@ import numpy as np
 import pytest
 
 from hullrecon.dive.config.schema import Hull
+from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.report.content.objects import objects_csv
 from hullrecon.report.export.csv_export import csv_text, numbers, seconds
-from hullrecon.report.export.geometry_export import alignment_json, landmarks_ply, surface_ply
+from hullrecon.report.export.geometry_export import alignment_document, landmarks_ply, surface_ply
 from hullrecon.report.export.ply import ply_bytes
 from hullrecon.report.export.trajectory import track_of, trajectory_csv, trajectory_tum
 
@@ -64,9 +65,9 @@ def test_without_a_solution_the_trajectory_is_dead_reckoned_in_g(trajectory: Tra
 
 
 def test_without_a_cad_model_the_trajectory_is_adjusted_in_g(trajectory: Trajectory, solution: Solution) -> None:
-    track = track_of(trajectory, replace(solution, T_g_M=np.full(7, np.nan)))
+    track = track_of(trajectory, replace(solution, hull_pose=None))
     assert track.frame == "g"
-    np.testing.assert_allclose(track.poses.translation, solution.translation)
+    np.testing.assert_allclose(track.poses.translation, solution.global_from_vehicle.translation)
 
 
 def test_the_tum_file_holds_the_same_poses(trajectory: Trajectory, solution: Solution) -> None:
@@ -118,20 +119,15 @@ def test_a_property_of_another_type_is_refused() -> None:
 
 def test_the_alignment_names_its_prior_and_its_weak_directions(solution: Solution) -> None:
     hull = Hull(mesh="hull.stl", pose=(1.0, 2.0, 3.0, 180.0, 0.0, 0.0))
-    said = alignment_json(solution, hull, [{"sigma": 0.5, "sentence": "along"}])
-    assert said["T_g_M"]["translation"] == [10.0, 20.0, 3.0]
-    np.testing.assert_allclose(np.abs(said["prior"]["quaternion"]), [1, 0, 0, 0], atol=1e-9)
-    assert said["covariance"] == solution.hull_covariance.tolist()
-    assert said["covariance_order"].startswith("translation x y z in g")  # as Solution has it: added in the parent frame
-    assert said["weak_directions"][0]["sentence"] == "along"
+    document = alignment_document(solution.hull_pose, hull, [{"sigma": 0.5, "sentence": "along"}])
+    assert document["T_g_M"]["translation"] == [10.0, 20.0, 3.0]
+    np.testing.assert_allclose(np.abs(document["prior"]["quaternion"]), [1, 0, 0, 0], atol=1e-9)
+    assert document["covariance"] == solution.hull_pose.covariance.tolist()
+    assert document["covariance_order"].startswith("translation x y z in g")  # as Solution has it: added in the parent frame
+    assert document["weak_directions"][0]["sentence"] == "along"
 
 
-def test_an_alignment_without_a_cad_model_is_refused(solution: Solution) -> None:
-    with pytest.raises(ValueError, match="no CAD model"):
-        alignment_json(replace(solution, T_g_M=np.full(7, np.nan)), Hull(mesh="h"), [])
-
-
-def test_objects_have_one_line_each(found: dict[str, Any]) -> None:
+def test_objects_have_one_line_each(found: ReportedObject) -> None:
     (row,) = rows_of(objects_csv([found]))
     assert row["address"] == "frame 3 + 0.2 m, port"
     assert (row["center_x"], row["height"], row["height_sigma"], row["views"], row["images"]) == ("1", "0.1", "0.004", "6", "1")

@@ -13,16 +13,16 @@ from PIL import Image
 
 from hullrecon.records.surface import Surface
 from hullrecon.report.content.page_context import chart_view, path_sigma
-from hullrecon.report.content.survey import Survey
-from hullrecon.report.figures.chart_map import Extent, charted, extent_of, ground_png, seen_faces, weighted_percentiles
+from hullrecon.report.figures.chart_map import Extent, extent_of, ground_png, project_surface, seen_faces, weighted_percentiles
 from hullrecon.report.figures.plan_view import LEFT, TOP, WIDTH, Mark, Plan, nice_below, nice_step, plan_svg
+from hullrecon.report.survey import Survey
 
-EXTENT = Extent((30.0, 40.0), (2.0, 7.0))
+EXTENT = Extent(along=(30.0, 40.0), girth=(2.0, 7.0))
 PLAN = Plan(
-    EXTENT,
-    np.array([[31.0, 6.0], [39.0, 6.0], [np.nan, 0], [39.0, 3.0]]),
-    (0.5, 0.02),
-    [Mark("4", 35.0, 4.5, (0.5, 0.02), "a lump")],
+    extent=EXTENT,
+    path=np.array([[31.0, 6.0], [39.0, 6.0], [np.nan, 0], [39.0, 3.0]]),
+    path_sigma=(0.5, 0.02),
+    marks=[Mark(label="4", along=35.0, girth=4.5, sigma=(0.5, 0.02), text="a lump")],
 )
 
 
@@ -54,19 +54,19 @@ def test_a_gap_in_the_path_is_not_bridged() -> None:
 
 def test_the_uncertainty_is_drawn_and_said() -> None:
     svg = plan_svg(PLAN, "t")
-    assert "one sigma of the vehicle: 0.50 m along, 0.020 m in girth" in svg
+    assert "one sigma of the vehicle: 0.500 m along, 0.020 m in girth" in svg
     ellipse = next(e for e in ElementTree.fromstring(svg).iter() if e.tag.endswith("ellipse"))
     assert float(ellipse.get("rx", "0")) == pytest.approx(0.5 * WIDTH / 10, abs=0.1)
 
 
 def test_words_in_the_plan_are_escaped() -> None:
-    mark = Mark("4", 35.0, 4.5, (0.1, 0.1), 'a "lump" <of> something')
+    mark = Mark(label="4", along=35.0, girth=4.5, sigma=(0.1, 0.1), text='a "lump" <of> something')
     texts = {e.text for e in ElementTree.fromstring(plan_svg(replace(PLAN, marks=[mark]), "a < b & c")).iter()}
     assert {"a < b & c", 'a "lump" <of> something'} <= texts
 
 
 def test_frame_numbers_stand_beside_metres() -> None:
-    assert "36 m · fr 60" in plan_svg(replace(PLAN, frame_spacing_m=0.6), "t")
+    assert "36 m · fr 60.0" in plan_svg(replace(PLAN, frame_spacing_m=0.6), "t")
 
 
 def test_steps_are_one_two_or_five_times_a_power_of_ten() -> None:
@@ -91,7 +91,7 @@ def test_only_seen_faces_are_painted(survey: Survey, plate: Surface) -> None:
     assert view is not None
     assert view.found is not None
     assert len(seen_faces(view.found)) == 8
-    picture = np.asarray(Image.open(BytesIO(ground_png(view.found, Extent((-1.0, 3.0), (-2.0, 0.0)), 400))))
+    picture = np.asarray(Image.open(BytesIO(ground_png(view.found, Extent(along=(-1.0, 3.0), girth=(-2.0, 0.0)), 400))))
     assert (picture[20:-20, 10:180, 3] == 255).all()  # x from -1 to 1 was seen
     assert (picture[:, 220:, 3] == 0).all()
 
@@ -101,7 +101,7 @@ def test_faces_across_the_seam_of_the_chart_are_left_out(plate: Surface) -> None
         def to_chart(self, points: np.ndarray) -> np.ndarray:
             return np.column_stack([points[:, 0], np.where(points[:, 1] < -0.5, points[:, 1] + 40, points[:, 1]), points[:, 2]])
 
-    assert len(charted(plate, Seam()).faces) == 8  # type: ignore[arg-type]
+    assert len(project_surface(plate, Seam()).faces) == 8  # type: ignore[arg-type]
 
 
 def test_a_chart_seen_from_inside_is_drawn_flipped(survey: Survey) -> None:
@@ -111,4 +111,4 @@ def test_a_chart_seen_from_inside_is_drawn_flipped(survey: Survey) -> None:
 
 
 def test_the_vehicles_sigma_is_given_along_and_in_girth(survey: Survey) -> None:
-    np.testing.assert_allclose(path_sigma(survey), (0.5, 0.02), rtol=1e-6)
+    np.testing.assert_allclose(path_sigma(survey.track, survey.surfaces.chart), (0.5, 0.02), rtol=1e-6)

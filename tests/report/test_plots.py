@@ -12,13 +12,14 @@ from PIL import Image
 from hullrecon.records.sensors import DvlPings
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import Surface
-from hullrecon.report.content.survey import Survey
-from hullrecon.report.figures.gallery import all_plots
+from hullrecon.report.figures.all_plots import draw_all_plots
 from hullrecon.report.figures.plots import convergence, depth_and_standoff, deviation_histogram, labels, residuals, standoff
+from hullrecon.report.step_documents import FactorResiduals
+from hullrecon.report.survey import Survey
 
 
 def test_all_plots_of_a_whole_survey_have_pictures_words_and_numbers(survey: Survey) -> None:
-    found = {p.name: p for p in all_plots(survey)}
+    found = {p.name: p for p in draw_all_plots(survey)}
     assert list(found) == ["depth_standoff", "position_sigma", "convergence", "labels", "deviation_histogram"]
     for plot in found.values():
         with Image.open(BytesIO(plot.png)) as picture:
@@ -29,7 +30,7 @@ def test_all_plots_of_a_whole_survey_have_pictures_words_and_numbers(survey: Sur
 
 
 def test_a_bare_dive_has_the_plots_of_its_navigation(bare: Survey) -> None:
-    assert [p.name for p in all_plots(bare)] == ["depth_standoff", "position_sigma"]
+    assert [p.name for p in draw_all_plots(bare)] == ["depth_standoff", "position_sigma"]
 
 
 def test_the_standoff_is_the_median_of_the_beams_that_came_back(dvl: DvlPings) -> None:
@@ -48,7 +49,7 @@ def test_convergence_lists_the_cost_of_each_factor() -> None:
     plot = convergence({"cost": np.array([9.0, 4.0]), "cost_stereo": np.array([8.0, 3.0])})
     assert plot.table["cost"] == ["9", "4"]
     assert plot.table["stereo"] == ["8", "3"]
-    assert plot.alt == "The cost falls from 9 to 4 in 1 iterations."
+    assert plot.alt == "The cost falls from 9 to 4 in 1 iteration."
 
 
 def test_a_step_that_was_not_taken_shows_the_cost_that_stayed() -> None:
@@ -61,7 +62,7 @@ def test_costs_of_two_rounds_are_told_apart() -> None:
         {"cost": np.array([9.0, 4.0, 90.0]), "round": np.array([1, 1, 2]), "pixel_sigma_px": np.array([1, 1, 0.2])}
     )
     assert plot.table["round"] == [1, 1, 2]
-    assert "from 9 to 4 in 1 iterations, then from 90 to 90 in 0" in plot.alt
+    assert "from 9 to 4 in 1 iteration, then from 90 to 90 in 0 iterations" in plot.alt
     assert "do not compare" in plot.alt
 
 
@@ -79,7 +80,7 @@ def test_labels_are_a_share_of_the_landmarks_of_their_round() -> None:
 
 def test_residuals_compare_the_factors_that_both_have() -> None:
     plot = residuals(
-        {"before": {"stereo": {"rms": 4.0}, "range": {"rms": 2.0}}, "after": {"stereo": {"rms": 1.1, "count": 90}}}
+        {"stereo": FactorResiduals(rms=4.0), "range": FactorResiduals(rms=2.0)}, {"stereo": FactorResiduals(rms=1.1, count=90)}
     )
     assert plot.table == {"factor": ["stereo"], "rms_before": ["4"], "rms_after": ["1.1"], "count": [90]}
 
@@ -95,5 +96,5 @@ def test_the_histogram_weighs_a_surface_by_its_area(plate: Surface, solution: So
 
 
 def test_without_a_cad_model_there_is_no_histogram(plate: Surface, solution: Solution) -> None:
-    lost = replace(solution, deviation=np.full(3, np.nan))
+    lost = replace(solution, landmarks=replace(solution.landmarks, deviation=np.full(3, np.nan)))
     assert deviation_histogram(lost, replace(plate, deviation=np.full(15, np.nan))) is None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import zipfile
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,15 +19,14 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
-from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.geometry.poses import Poses, from_mount, identity
 from hullrecon.records.sensors import ImageIndex, JointSamples, SonarPings
 from hullrecon.records.serialisation import from_arrays, to_arrays
-from hullrecon.records.solution import Solution
+from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import Surface
 from hullrecon.steps.detect import STAGE
 
 OFF, HEIGHT = -0.010, 0.09  # the wall is 1 cm behind its CAD model and carries a disc 9 cm high
-STILL = np.array([0, 0, 0, 0, 0, 0, 1.0])
 T_g_M = from_mount([5, 7, 3, 180, 0, 0])
 CHART = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
 
@@ -51,14 +50,25 @@ def _solution(landmarks: np.ndarray) -> Solution:
     T_g_v = T_g_M[np.zeros(n, int)] @ hull_from_vehicle
     grid = np.full((9, 5), OFF)
     return Solution(
-        t_ns=1000 + np.arange(n), image=np.column_stack([np.arange(n), np.full(n, -1)]), quaternion=T_g_v.quaternion,
-        translation=T_g_v.translation, tray=np.zeros(n), tray_sigma=np.zeros(n), pose_covariance=np.zeros((n, 6, 6)),
-        landmark=T_g_M.apply(landmarks), landmark_covariance=np.tile(np.diag([0.1, 0.01, 0.01]) ** 2, (m, 1, 1)),
-        label=np.ones(m, np.int64), deviation=landmarks[:, 1] - 2, views=np.full(m, 6), color=np.zeros((m, 3), np.uint8),
-        T_g_M=np.r_[T_g_M.translation[0], T_g_M.quaternion[0]], T_s_ct=STILL, T_ct_cb=STILL, T_s_d=STILL,
-        hull_covariance=np.eye(6), survey_center=np.zeros(3), navigation=np.zeros(6), field_origin=np.array([0.0, 0.0]),
-        field_step=np.array([0.5, 0.5]), field_value=grid, field_sigma=np.abs(grid),
-    )  # fmt: skip
+        t_ns=1000 + np.arange(n),
+        image=np.column_stack([np.arange(n), np.full(n, -1)]),
+        global_from_vehicle=T_g_v,
+        tray=np.zeros(n),
+        tray_sigma=np.zeros(n),
+        pose_covariance=np.zeros((n, 6, 6)),
+        landmarks=Landmarks(
+            position=T_g_M.apply(landmarks),
+            covariance=np.tile(np.diag([0.1, 0.01, 0.01]) ** 2, (m, 1, 1)),
+            label=np.ones(m, np.int64),
+            deviation=landmarks[:, 1] - 2,
+            views=np.full(m, 6),
+            color=np.zeros((m, 3), np.uint8),
+        ),
+        mounts=Mounts(tray_from_dvl=identity(), tray_from_camera=identity(), top_from_bottom=None),
+        navigation_errors=np.zeros(6),
+        hull_pose=HullPose(global_from_hull=T_g_M, covariance=np.eye(6), survey_center=np.zeros(3)),
+        deviation_field=DeviationField(origin=np.zeros(2), step=np.full(2, 0.5), value=grid, sigma=np.abs(grid)),
+    )
 
 
 def _dvl_surface() -> Surface:
@@ -71,7 +81,7 @@ def _dvl_surface() -> Surface:
     return Surface(vertices=vertices, faces=faces, deviation=np.full(n, OFF), sigma=np.full(n, 0.005), support=np.full(n, 3))
 
 
-class Bench:
+class EarlierSteps:
     """Artifacts of the earlier steps, to be spoilt by a test before `run`."""
 
     def __init__(self, root: Path) -> None:
@@ -84,16 +94,14 @@ class Bench:
         self.hull = False
         unknown = np.full(len(self.surface.sigma), np.nan)
         self.surface = replace(self.surface, vertices=T_g_M.apply(self.surface.vertices), deviation=unknown)
-        none = np.zeros((0, 0))
-        self.solution = replace(self.solution, T_g_M=np.full(7, np.nan), field_value=none, field_sigma=none)
+        self.solution = replace(self.solution, hull_pose=None, deviation_field=None)
 
     def without_camera(self) -> None:
         self.camera = False
         s = self.solution
-        self.solution = replace(
-            s, image=np.full_like(s.image, -1), landmark=s.landmark[:0], landmark_covariance=s.landmark_covariance[:0],
-            label=s.label[:0], deviation=s.deviation[:0], views=s.views[:0], color=s.color[:0], T_s_ct=np.full(7, np.nan),
-        )  # fmt: skip
+        none = Landmarks(**{f.name: getattr(s.landmarks, f.name)[:0] for f in fields(Landmarks)})
+        mounts = replace(s.mounts, tray_from_camera=None)
+        self.solution = replace(s, image=np.full_like(s.image, -1), landmarks=none, mounts=mounts)
 
     def run(self, **options: object) -> Path:
         ingest, adjust, surface = (self._folder(name) for name in ("ingest", "adjust", "surface"))
@@ -151,16 +159,16 @@ def _write(path: Path, arrays: dict[str, np.ndarray]) -> None:
 
 
 @pytest.fixture
-def bench(tmp_path: Path) -> Bench:
-    return Bench(tmp_path)
+def earlier(tmp_path: Path) -> EarlierSteps:
+    return EarlierSteps(tmp_path)
 
 
 def _json(out: Path, name: str) -> dict:
     return json.loads((out / name).read_text())
 
 
-def test_the_one_structure_is_reported_with_its_place_and_images(bench: Bench) -> None:
-    (item,) = _json(bench.run(), "objects.json")["objects"]
+def test_the_one_structure_is_reported_with_its_place_and_images(earlier: EarlierSteps) -> None:
+    (item,) = _json(earlier.run(), "objects.json")["objects"]
     assert item["id"] == 1
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
     assert item["deviation"] == pytest.approx(HEIGHT + OFF, abs=0.004)
@@ -169,8 +177,8 @@ def test_the_one_structure_is_reported_with_its_place_and_images(bench: Bench) -
     assert "below waterline" in item["address"]
 
 
-def test_the_hull_as_found_lies_where_it_was_seen(bench: Bench) -> None:
-    found = from_arrays(Surface, load_arrays(bench.run() / "as_found.npz"))
+def test_the_hull_as_found_lies_where_it_was_seen(earlier: EarlierSteps) -> None:
+    found = from_arrays(Surface, load_arrays(earlier.run() / "as_found.npz"))
     x, y, z = found.vertices.T
     rim = np.abs(np.hypot(x - 2, z - 1) - 0.12) < 0.02
     truth = 2 + OFF + HEIGHT * (np.hypot(x - 2, z - 1) < 0.12)
@@ -181,9 +189,9 @@ def test_the_hull_as_found_lies_where_it_was_seen(bench: Bench) -> None:
     assert found.sigma[seen].min() > 0.009  # every landmark shares a centimetre of doubt about the dive's place
 
 
-def test_coverage_tells_each_sensors_area(bench: Bench) -> None:
-    bench.sonar = True
-    facts = _json(bench.run(), "coverage.json")
+def test_coverage_tells_each_sensors_area(earlier: EarlierSteps) -> None:
+    earlier.sonar = True
+    facts = _json(earlier.run(), "coverage.json")
     assert facts["frame"] == "M"
     assert facts["camera"]["area_m2"] == pytest.approx((3.0 + 1.3 - 0.3) * 1.04, rel=0.1)
     assert facts["camera"]["gsd_m"]["p50"] == pytest.approx(1.3 / 640, rel=0.1)
@@ -193,13 +201,13 @@ def test_coverage_tells_each_sensors_area(bench: Bench) -> None:
     assert facts["holes"] == []
 
 
-def test_without_a_sonar_coverage_says_null(bench: Bench) -> None:
-    assert _json(bench.run(), "coverage.json")["sonar"] is None
+def test_without_a_sonar_coverage_says_null(earlier: EarlierSteps) -> None:
+    assert _json(earlier.run(), "coverage.json")["sonar"] is None
 
 
-def test_without_a_cad_model_structures_are_told_from_the_own_surface(bench: Bench) -> None:
-    bench.without_cad_model()
-    out = bench.run()
+def test_without_a_cad_model_structures_are_told_from_the_own_surface(earlier: EarlierSteps) -> None:
+    earlier.without_cad_model()
+    out = earlier.run()
     (item,) = _json(out, "objects.json")["objects"]
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
     assert item["deviation"] is None
@@ -208,16 +216,15 @@ def test_without_a_cad_model_structures_are_told_from_the_own_surface(bench: Ben
     assert "own surface" in _json(out, "detect.json")["reference"]
 
 
-def test_without_a_field_running_medians_stand_in(bench: Bench) -> None:
-    none = np.zeros((0, 0))
-    bench.solution = replace(bench.solution, field_value=none, field_sigma=none)
-    (item,) = _json(bench.run(), "objects.json")["objects"]
+def test_without_a_field_running_medians_stand_in(earlier: EarlierSteps) -> None:
+    earlier.solution = replace(earlier.solution, deviation_field=None)
+    (item,) = _json(earlier.run(), "objects.json")["objects"]
     assert item["height"] == pytest.approx(HEIGHT, abs=0.004)
 
 
-def test_without_a_camera_the_cad_model_is_moved_to_the_dvls_surface(bench: Bench) -> None:
-    bench.without_camera()
-    out = bench.run()
+def test_without_a_camera_the_cad_model_is_moved_to_the_dvls_surface(earlier: EarlierSteps) -> None:
+    earlier.without_camera()
+    out = earlier.run()
     found = from_arrays(Surface, load_arrays(out / "as_found.npz"))
     covered = found.support > 0
     assert np.allclose(found.vertices[covered, 1], 2 + OFF)
@@ -226,23 +233,23 @@ def test_without_a_camera_the_cad_model_is_moved_to_the_dvls_surface(bench: Benc
     assert _json(out, "coverage.json")["camera"] is None
 
 
-def test_with_neither_camera_nor_cad_model_as_found_is_absent_with_its_reason(bench: Bench) -> None:
-    bench.without_cad_model()
-    bench.without_camera()
-    out = bench.run()
+def test_with_neither_camera_nor_cad_model_as_found_is_absent_with_its_reason(earlier: EarlierSteps) -> None:
+    earlier.without_cad_model()
+    earlier.without_camera()
+    out = earlier.run()
     assert not (out / "as_found.npz").exists()
     assert "no CAD model" in _json(out, "detect.json")["as_found"]
 
 
-def test_what_was_not_reported_is_named_with_its_reason(bench: Bench) -> None:
-    out = bench.run(least_height=0.2)
+def test_what_was_not_reported_is_named_with_its_reason(earlier: EarlierSteps) -> None:
+    out = earlier.run(min_height_m=0.2)
     assert _json(out, "objects.json")["objects"] == []
     reasons = [row["reason"] for row in _json(out, "detect.json")["not_reported"]]
     assert any("0.09" in reason for reason in reasons)
 
 
-def test_two_runs_give_the_same_bytes(bench: Bench, tmp_path: Path) -> None:
+def test_two_runs_give_the_same_bytes(earlier: EarlierSteps, tmp_path: Path) -> None:
     (tmp_path / "again").mkdir()
-    first, second = bench.run(), Bench(tmp_path / "again").run()
+    first, second = earlier.run(), EarlierSteps(tmp_path / "again").run()
     for name in ("as_found.npz", "objects.json", "coverage.json", "detect.json"):
         assert (first / name).read_bytes() == (second / name).read_bytes()

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.schema import Cameras, CameraTop, Dive, Logs
 from hullrecon.errors import StageError
+from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.steps.features import STAGE
@@ -61,7 +63,7 @@ def run(ingested, out, jobs=1, sections=SECTIONS):
 
 
 def test_each_image_keeps_its_row_and_an_unusable_one_is_empty(made, tmp_path):
-    store = FeatureStore(run(made, tmp_path / "out"), "camera_top")
+    store = FeatureStore(run(made, tmp_path / "out"), Camera.TOP)
     assert len(store) == 3
     want = extract(picture(2), SECTIONS["features"])
     np.testing.assert_array_equal(store.read(2).keypoints, want.keypoints)
@@ -87,7 +89,7 @@ def test_an_image_that_breaks_after_ingest_is_warned_of(made, tmp_path):
     bytes_[:200] = bytes(200)
     (made / "images_camera_top.bin").write_bytes(bytes_)
     out = run(made, tmp_path / "out")
-    assert len(FeatureStore(out, "camera_top").read(0)) == 0
+    assert len(FeatureStore(out, Camera.TOP).read(0)) == 0
     assert "could not be read" in (out / "manifest.json").read_text()
 
 
@@ -107,5 +109,5 @@ def test_image_files_of_the_package_are_named_so_that_a_change_is_seen(tmp_path)
     (tmp_path / "logs" / "left").mkdir(parents=True)
     for name in ("logs/left/b.JPG", "logs/left/a.png", "logs/camera_top.csv"):
         (tmp_path / name).write_text("")
-    found = STAGE.external({"logs": Logs(files=("logs", "logs/dive.mcap"))}, tmp_path)
+    found = STAGE.external(StageSettings("features", {"logs": Logs(files=("logs", "logs/dive.mcap"))}), tmp_path)
     assert [p.name for p in found] == ["a.png", "b.JPG"]

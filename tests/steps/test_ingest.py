@@ -10,6 +10,7 @@ import pytest
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.artifacts.graph.job import make_job
 from hullrecon.artifacts.graph.stage import load_arrays
+from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.images.store import ImageStore
@@ -155,7 +156,7 @@ def test_an_image_outside_the_logs_folder_counts_as_read(package):
 
 def test_every_dotted_name_that_ingest_uses_exists(package):
     loaded = load_config(package)
-    request = request_of({name: loaded.value(name) for name in USES})
+    request = request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
     assert request.joints == {"tray": "tray", "sonar_tray": "fan"}
     assert request.calibration == {"camera_top": "top.yaml"}
     assert request.offset_ns["camera_top"] == 500_000_000
@@ -184,7 +185,7 @@ def test_what_a_run_leaves_beside_the_logs_does_not_make_it_stale(package):
 
 def test_a_fixed_tray_has_no_joint(package):
     loaded = load_config(package, {}, ["tray.joint=''"])
-    assert request_of({name: loaded.value(name) for name in USES}).joints == {"sonar_tray": "fan"}
+    assert request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES})).joints == {"sonar_tray": "fan"}
 
 
 def test_the_files_of_a_ros2_folder_are_its_own(package):
@@ -193,6 +194,6 @@ def test_the_files_of_a_ros2_folder_are_its_own(package):
     for name in ("metadata.yaml", "a.mcap", "notes.txt", "runs/b.mcap"):
         (folder / name).write_bytes(b"x")
     loaded = load_config(package, {}, ["logs.files=['bag']"])
-    found = external({name: loaded.value(name) for name in USES}, package)
+    found = external(StageSettings("ingest", {name: loaded.value(name) for name in USES}), package)
     assert [f.as_posix() for f in found[:2]] == ["bag/a.mcap", "bag/metadata.yaml"]
     assert len([f for f in found if f.parts[0] == "bag"]) == 2

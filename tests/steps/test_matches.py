@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hullrecon.artifacts.execution.runner import run_stage
-from hullrecon.dive.config.schema import CameraBottom, Cameras, CameraTop, Dvl, Tray
+from hullrecon.dive.config.schema import CameraBottom, Cameras, CameraTop, Dvl, Pressure, Tray
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import exp, from_mount
@@ -18,7 +18,7 @@ from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Trajectory, TrajectoryErrorModel
 from hullrecon.steps.matches import STAGE
 from hullrecon.vision.features.extraction import FeatureOptions, extract
-from hullrecon.vision.features.store import CAMERAS, GrowingArray
+from hullrecon.vision.features.store import GrowingArray
 from hullrecon.vision.options import MatchOptions
 
 CAMERA = CameraModel(320, 256, 330.0, 330.0, 160.0, 128.0)
@@ -45,7 +45,7 @@ def dive(tmp_path_factory):
 def write_features(folder, global_from_top, paint):
     folder.mkdir()
     options, index = FeatureOptions(reduction=1.0, max_features=600), {}
-    for camera, offset in zip(CAMERAS, (from_mount((0,) * 6), from_mount(BELOW)), strict=True):
+    for camera, offset in zip(("camera_top", "camera_bottom"), (from_mount((0,) * 6), from_mount(BELOW)), strict=True):
         found = [extract(see(pose.matrix()[0], paint), options) for pose in ((global_from_top @ offset)[k] for k in range(10))]
         index[f"{camera}_start"] = np.concatenate([[0], np.cumsum([len(f) for f in found])])
         index[f"{camera}_saliency"] = np.ones(10)
@@ -92,6 +92,8 @@ def run(dive, out, navigate="navigate", stereo=True, jobs=1, **options):
         "camera": Cameras(top=top, bottom=bottom if stereo else None),
         "tray": Tray(),
         "dvl": Dvl(),
+        "pressure": Pressure(),
+        "sonar": None,
         "matches": MatchOptions(**options),
     }
     inputs = {name: dive.folder / (navigate if name == "navigate" else name) for name in ("ingest", "navigate", "features")}
@@ -108,7 +110,7 @@ def wall_points(dive, tracks, camera=0):
 
 
 def test_every_observation_of_a_landmark_is_of_one_point_of_the_wall(dive, tmp_path):
-    tracks, _, told = run(dive, tmp_path / "out")
+    tracks, _, report = run(dive, tmp_path / "out")
     point = wall_points(dive, tracks)
     mean = np.stack([np.bincount(tracks.landmark, point[:, k]) for k in range(2)], 1) / np.bincount(tracks.landmark)[:, None]
     error_px = np.linalg.norm(point - mean[tracks.landmark], axis=1) * CAMERA.fx / WALL_M
@@ -116,13 +118,13 @@ def test_every_observation_of_a_landmark_is_of_one_point_of_the_wall(dive, tmp_p
     assert (error_px > 2).mean() < 0.01
     below = np.linalg.norm(wall_points(dive, tracks, 1) - point, axis=1) * CAMERA.fx / WALL_M
     assert np.nanmedian(below) < 0.3
-    assert told["counts"]["landmarks"] > 500
-    assert told["chains"] == [10]
+    assert report["counts"]["landmarks"] > 500
+    assert report["chains"] == [10]
 
 
 def test_landmarks_span_the_two_legs(dive, tmp_path):
-    tracks, pairs, told = run(dive, tmp_path / "out", sequential=1)
-    assert told["counts"]["matched_across_legs"] > 0
+    tracks, pairs, report = run(dive, tmp_path / "out", sequential=1)
+    assert report["counts"]["matched_across_legs"] > 0
     assert pairs["reason"][pairs["across"]].min() == 0
     first, last = np.full(len(tracks.color), 99), np.full(len(tracks.color), -1)
     np.minimum.at(first, tracks.landmark, tracks.node)
@@ -144,11 +146,11 @@ def test_the_same_bytes_come_out_of_one_process_and_of_two(dive, tmp_path):
 
 
 def test_a_mono_dive_gives_tracks_of_the_top_camera(dive, tmp_path):
-    tracks, _, told = run(dive, tmp_path / "out", stereo=False)
+    tracks, _, report = run(dive, tmp_path / "out", stereo=False)
     assert np.isnan(tracks.bottom).all()
     assert np.isfinite(tracks.top).all()
     assert (np.bincount(tracks.landmark) >= 2).all()
-    assert told["chains"] == [10]
+    assert report["chains"] == [10]
 
 
 def test_a_node_whose_top_image_is_missing_is_seen_by_the_bottom_camera(dive, tmp_path):
@@ -159,26 +161,26 @@ def test_a_node_whose_top_image_is_missing_is_seen_by_the_bottom_camera(dive, tm
         (tmp_path / name).symlink_to(dive.folder / name)
     lower = dive.global_from_top
     write_trajectory(tmp_path / "navigate", lower, image)
-    tracks, _, told = run(gaps, tmp_path / "out")
+    tracks, _, report = run(gaps, tmp_path / "out")
     assert np.isnan(tracks.top[tracks.node == 3]).all()
     assert np.isfinite(tracks.bottom[tracks.node == 3]).all()
     assert np.isnan(tracks.bottom[tracks.node == 6]).all()
     assert (tracks.node == 3).sum() > 50
-    assert told["chains"] == [10]
+    assert report["chains"] == [10]
 
 
-def test_why_a_pair_failed_is_kept_in_words(dive, tmp_path):
+def test_why_a_pair_failed_is_kept_as_a_text(dive, tmp_path):
     astray = SimpleNamespace(folder=tmp_path, global_from_top=dive.global_from_top)
     for name in ("ingest", "features"):
         (tmp_path / name).symlink_to(dive.folder / name)
     shift = np.zeros((10, 6))
     shift[5:, 0] = 0.5  # navigation jumps by half a metre between the legs
     write_trajectory(tmp_path / "navigate", exp(shift) @ dive.global_from_top)
-    _, pairs, told = run(astray, tmp_path / "out", sequential=1, across=0)
+    _, pairs, report = run(astray, tmp_path / "out", sequential=1, across=0)
     jump = (pairs["first"] == 4) & (pairs["second"] == 5)
-    assert told["reasons"][str(int(pairs["reason"][jump][0]))] == "inconsistent with navigation"
-    assert told["failed"] == {"inconsistent with navigation": 1}
-    assert told["chains"] == [5, 5]
+    assert report["reasons"][str(int(pairs["reason"][jump][0]))] == "inconsistent with navigation"
+    assert report["failed"] == {"inconsistent with navigation": 1}
+    assert report["chains"] == [5, 5]
 
 
 def test_a_dive_on_which_nothing_matches_ends_with_the_reason(dive, tmp_path):

@@ -18,13 +18,15 @@ from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config.schema import Cameras, CameraTop, Dive, DiveConfig, Logs, Sonar, Topics
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import chart_for_points
-from hullrecon.geometry.poses import Poses, from_rpy
+from hullrecon.geometry.frames import Frame
+from hullrecon.geometry.poses import from_rpy, identity
 from hullrecon.records.sensors import ImageIndex, JointSamples, SonarPings
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Trajectory, VehicleTrack
+from hullrecon.rig import rig_from_settings
 from hullrecon.steps import mosaic_optical, mosaic_sonar
-from hullrecon.steps.mosaic_sonar import sonar_poses
+from hullrecon.steps.sonar import sonar_poses
 
 NODES = 9
 CAMERA = {"width": 160, "height": 120, "fx": 160.0, "fy": 160.0, "cx": 79.5, "cy": 59.5}
@@ -157,26 +159,40 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
 
 
 def test_steps_apply_only_where_their_sensor_was_carried() -> None:
-    carried = {"camera.top": object(), "sonar": Sonar(), "topics": Topics(sonar="/s")}
+    carried = {"camera.top": object(), "sonar.mount": Sonar().mount, "topics.sonar": "/s"}
     assert mosaic_optical.applies(carried) is None
     assert mosaic_sonar.applies(carried) is None
     assert mosaic_optical.applies({"camera.top": None}) == "no camera was carried"
-    assert mosaic_sonar.applies({"sonar": None, "topics": Topics()}) == "no imaging sonar was carried"
+    assert mosaic_sonar.applies({"sonar.mount": None, "topics.sonar": None}) == "no imaging sonar was carried"
+
+
+def _still_track(nodes: int) -> VehicleTrack:
+    return VehicleTrack(
+        t_ns=TIMES[:nodes],
+        poses=identity(nodes),
+        tray=np.zeros(nodes),
+        covariance=np.zeros((nodes, 6, 6)),
+        image=np.full((nodes, 2), -1),
+        frame=Frame.GLOBAL,
+    )
 
 
 def test_the_sonars_servo_is_read_at_the_pings() -> None:
-    track = VehicleTrack(t_ns=TIMES, poses=Poses(np.tile([0.0, 0, 0, 1], (NODES, 1)), np.zeros((NODES, 3))), tray=np.zeros((NODES, 6, 6)),
-                  covariance=np.zeros(NODES), image=np.full((NODES, 2), -1), frame="g")  # fmt: skip
     angles = JointSamples(t_ns=TIMES, angle=np.linspace(0, 0.8, NODES))
-    sonar = Sonar(joint="sonar_tray", origin=(0.4, 0.0, 0.2), mount=(0.0, 0.0, 0.0, 0.0, 90.0, 0.0))
+    rig = rig_from_settings({"sonar.origin": (0.4, 0.0, 0.2), "sonar.mount": (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)})
     at = np.array([TIMES[4], (TIMES[4] + TIMES[5]) // 2])
-    poses = sonar_poses(track, at, angles, sonar)
+    poses = sonar_poses(rig, _still_track(NODES), at, "sonar_tray", angles)
     want = from_rpy(np.tile([0.4, 0, 0.2], (2, 1)), [[0, np.pi / 2 + 0.4, 0], [0, np.pi / 2 + 0.45, 0]])
     np.testing.assert_allclose((poses.inverse() @ want).log(), 0, atol=1e-9)
 
 
+def test_a_sonar_without_a_servo_stands_as_mounted() -> None:
+    rig = rig_from_settings({"sonar.origin": (0.4, 0.0, 0.2), "sonar.mount": (0.0, 0.0, 0.1, 0.0, 0.0, 0.0)})
+    poses = sonar_poses(rig, _still_track(NODES), TIMES[:2], None, None)
+    np.testing.assert_allclose(poses.translation, np.tile([0.4, 0.0, 0.3], (2, 1)))
+
+
 def test_a_servo_that_was_not_logged_is_named() -> None:
-    track = VehicleTrack(t_ns=TIMES[:1], poses=Poses(np.array([[0.0, 0, 0, 1]]), np.zeros((1, 3))), tray=np.zeros((1, 6, 6)), covariance=np.zeros(1),
-                  image=np.full((1, 2), -1), frame="g")  # fmt: skip
+    rig = rig_from_settings({"sonar.origin": (0.0, 0.0, 0.0), "sonar.mount": (0.0,) * 6})
     with pytest.raises(StageError, match="sonar_tray is not in the log"):
-        sonar_poses(track, TIMES[:1], None, Sonar(joint="sonar_tray"))
+        sonar_poses(rig, _still_track(1), TIMES[:1], "sonar_tray", None)

@@ -12,14 +12,17 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.artifacts.graph.settings import settings_for
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.dive.config import schema
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.navigation.sigmas import sigmas_from_settings
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, PressureSamples
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel
-from hullrecon.steps.navigate import STAGE, vehicle_of
+from hullrecon.rig import rig_from_settings
+from hullrecon.steps.navigate import STAGE
 
 SECOND = 10**9
 JANUS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
@@ -90,11 +93,11 @@ def test_the_step_leaves_its_records_and_says_where_the_path_comes_from(ingest: 
     assert len(from_arrays(Odometry, load_arrays(out / "odometry.npz")).first) == len(path.t_ns) - 1
     assert len(from_arrays(Returns, load_arrays(out / "returns.npz")).t_ns) == 400
     assert np.allclose(from_arrays(Attitude, load_arrays(out / "attitude.npz")).depth, 2.0)
-    said = json.loads((out / "navigation.json").read_text())
-    assert said["source"] == "dvl"
-    assert said["nodes"] == len(path.t_ns)
-    assert said["path_length_m"] == pytest.approx(3.96, abs=0.05)
-    assert any("tray" in words for words in said["remarks"])
+    report = json.loads((out / "navigation.json").read_text())
+    assert report["source"] == "dvl"
+    assert report["nodes"] == len(path.t_ns)
+    assert report["path_length_m"] == pytest.approx(3.96, abs=0.05)
+    assert any("tray" in sentence for sentence in report["remarks"])
 
 
 def test_the_step_leaves_what_makes_its_poses_wrong(ingest: Path, tmp_path: Path) -> None:
@@ -120,7 +123,7 @@ def test_a_dvl_without_an_imu_is_an_error_in_words(ingest: Path, tmp_path: Path)
 
 def test_neither_dvl_nor_stereo_is_an_error_in_words(ingest: Path, tmp_path: Path) -> None:
     (ingest / "dvl.npz").unlink()
-    with pytest.raises(StageError, match="nothing tells how the vehicle moved"):
+    with pytest.raises(StageError, match="nothing measures how the vehicle moved"):
         run(ingest, tmp_path / "navigate")
 
 
@@ -155,10 +158,10 @@ def test_without_a_dvl_the_stereo_cameras_give_the_path(ingest: Path, tmp_path: 
 
 
 def test_mounts_and_sigmas_reach_navigation_in_radians() -> None:
-    from hullrecon.artifacts.graph.settings import settings_for
-
-    vehicle = vehicle_of(settings_for(STAGE, sections()))
-    assert vehicle.tray_origin.tolist() == [0.4, 0.0, 0.1]
-    assert vehicle.sigma_mount[3] == pytest.approx(np.radians(0.9))
-    assert vehicle.sigma_drift == pytest.approx(np.radians(1.0) / 3600)
-    assert np.allclose(vehicle.T_s_d.apply([[0, 0, 1.0]]), [[1, 0, 0]])
+    settings = settings_for(STAGE, sections())
+    rig, sigmas = rig_from_settings(settings), sigmas_from_settings(settings)
+    assert rig.tray_origin.tolist() == [0.4, 0.0, 0.1]
+    assert sigmas.mount[3] == pytest.approx(np.radians(0.9))
+    assert sigmas.mount[0] == 0.01
+    assert sigmas.heading_drift_rad_s == pytest.approx(np.radians(1.0) / 3600)
+    assert np.allclose(rig.tray_from_dvl.apply([[0, 0, 1.0]]), [[1, 0, 0]])

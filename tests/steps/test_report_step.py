@@ -55,7 +55,7 @@ def run(inputs: dict[str, Path], out: Path) -> Path:
 def test_a_mosaic_without_a_textured_mesh_says_why(navigated: dict[str, Path], tmp_path: Path) -> None:
     folder = tmp_path / "mosaic-sonar"
     folder.mkdir()
-    (folder / "mosaic.json").write_text(json.dumps({"caption": "1 m² at 17.6 mm a pixel.", "resolution_m": 0.0176}))
+    (folder / "mosaic.json").write_text(json.dumps({"caption": "1 m² at 17.6 mm per pixel.", "resolution_m": 0.0176}))
     Image.fromarray(np.full((40, 60, 3), 90, np.uint8)).save(folder / "ortho.png")
     deliver = run(navigated | {"mosaic-sonar": folder}, tmp_path / "report")
     summary = json.loads((deliver / "summary.json").read_text())

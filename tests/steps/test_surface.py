@@ -17,14 +17,15 @@ from hullrecon.geometry.charts.chart import chart_for_hull, chart_from_arrays
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.records.serialisation import from_arrays, to_arrays
-from hullrecon.records.solution import Solution
+from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Returns, Trajectory
 from hullrecon.steps.surface import STAGE
 from hullrecon.surface.options import SurfaceOptions
 
 RADIUS, OFF = 3.0, 0.02  # a cylinder along x about (0, 3), drawn 2 cm too small
-TURN = [0.0, 0.0, 0.0, 180.0, 0.0, 0.0]  # T_g_M: z down against z up
+TURN = (0.0, 0.0, 0.0, 180.0, 0.0, 0.0)  # T_g_M: z down against z up
+DVL_MOUNT = (0, 0, 0, 90, 0, 0)
 
 
 def _hull() -> Mesh:
@@ -47,7 +48,7 @@ def _dive(rng: np.random.Generator) -> tuple[Poses, Returns]:
     hull_from_vehicle = Poses(np.tile([0.0, 0, 0, 1], (n, 1)), np.column_stack([x, np.full(n, 4.5), z]))
     node, beams = np.repeat(np.arange(n), 4), np.tile([[0.3, 0, 1], [-0.3, 0, 1], [0, 0.3, 1], [0, -0.3, 1.0]], (n, 1))
     beams /= np.linalg.norm(beams, axis=1, keepdims=True)
-    mount = from_mount([0, 0, 0, 90, 0, 0])
+    mount = from_mount(DVL_MOUNT)
     direction = mount.rotation.apply(beams)  # in v, which here is turned like M
     start = hull_from_vehicle.translation[node] - [0, 0, 3]
     grown = RADIUS + OFF
@@ -65,19 +66,29 @@ def _dive(rng: np.random.Generator) -> tuple[Poses, Returns]:
 
 def _solution(T_g_v: Poses, landmarks: np.ndarray) -> Solution:
     n, m = len(T_g_v), len(landmarks)
-    seven = lambda mount: np.r_[from_mount(mount).translation[0], from_mount(mount).quaternion[0]]  # noqa: E731
-    still = np.array([0, 0, 0, 0, 0, 0, 1.0])
     return Solution(
-        t_ns=np.arange(n), image=np.full((n, 2), -1), quaternion=T_g_v.quaternion, translation=T_g_v.translation,
-        tray=np.zeros(n), tray_sigma=np.zeros(n), pose_covariance=np.tile(1e-6 * np.eye(6), (n, 1, 1)), landmark=landmarks,
-        landmark_covariance=np.tile(4e-6 * np.eye(3), (m, 1, 1)), label=np.ones(m, np.int64), deviation=np.full(m, OFF),
-        views=np.full(m, 4), color=np.zeros((m, 3), np.uint8), T_g_M=seven(TURN), T_s_ct=still, T_ct_cb=still,
-        T_s_d=seven([0, 0, 0, 90, 0, 0]), hull_covariance=1e-6 * np.eye(6), survey_center=np.zeros(3), navigation=np.zeros(6),
-        field_origin=np.zeros(2), field_step=np.ones(2), field_value=np.zeros((0, 0)), field_sigma=np.zeros((0, 0)),
-    )  # fmt: skip
+        t_ns=np.arange(n),
+        image=np.full((n, 2), -1),
+        global_from_vehicle=T_g_v,
+        tray=np.zeros(n),
+        tray_sigma=np.zeros(n),
+        pose_covariance=np.tile(1e-6 * np.eye(6), (n, 1, 1)),
+        landmarks=Landmarks(
+            position=landmarks,
+            covariance=np.tile(4e-6 * np.eye(3), (m, 1, 1)),
+            label=np.ones(m, np.int64),
+            deviation=np.full(m, OFF),
+            views=np.full(m, 4),
+            color=np.zeros((m, 3), np.uint8),
+        ),
+        mounts=Mounts(tray_from_dvl=from_mount(DVL_MOUNT), tray_from_camera=None, top_from_bottom=None),
+        navigation_errors=np.zeros(6),
+        hull_pose=HullPose(global_from_hull=from_mount(TURN), covariance=1e-6 * np.eye(6), survey_center=np.zeros(3)),
+        deviation_field=None,
+    )
 
 
-class Bench:
+class EarlierSteps:
     """Artifacts of the earlier steps in folders, to be spoilt by a test before `run`."""
 
     def __init__(self, root: Path) -> None:
@@ -90,9 +101,13 @@ class Bench:
         self.solution = _solution(self.T_g_v, from_mount(TURN).apply(marks))
         self.sections = {
             "tray": schema.Tray(),
-            "dvl": schema.Dvl(mount=(0, 0, 0, 90, 0, 0)),
+            "dvl": schema.Dvl(mount=DVL_MOUNT),
             "hull": schema.Hull(mesh="hull.stl", pose=TURN),
         }
+
+    def without_cad_model(self) -> None:
+        self.sections["hull"] = None
+        self.solution = replace(self.solution, hull_pose=None)
 
     def run(self, adjusted: bool = True, dvl: bool = True, **options: object) -> Path:
         ingest, navigate, adjust = (self._folder(name) for name in ("ingest", "navigate", "adjust"))
@@ -118,8 +133,8 @@ class Bench:
 
 
 @pytest.fixture
-def bench(tmp_path: Path) -> Bench:
-    return Bench(tmp_path)
+def earlier(tmp_path: Path) -> EarlierSteps:
+    return EarlierSteps(tmp_path)
 
 
 def _read(out: Path) -> tuple[Surface, dict[str, object]]:
@@ -130,8 +145,8 @@ def _radius(surface: Surface) -> np.ndarray:
     return np.hypot(surface.vertices[:, 1], surface.vertices[:, 2] - 3)
 
 
-def test_the_surface_lies_where_the_returns_were_and_knows_its_deviation(bench: Bench) -> None:
-    surface, facts = _read(bench.run())
+def test_the_surface_lies_where_the_returns_were_and_knows_its_deviation(earlier: EarlierSteps) -> None:
+    surface, facts = _read(earlier.run())
     assert np.sqrt(np.mean((_radius(surface) - RADIUS - OFF) ** 2)) < 0.004
     assert np.median(surface.deviation) == pytest.approx(OFF, abs=0.004)
     assert facts["poses"] == "adjusted"
@@ -139,92 +154,94 @@ def test_the_surface_lies_where_the_returns_were_and_knows_its_deviation(bench: 
     assert facts["used"] + facts["outliers"] + facts["flagged"] == 240
 
 
-def test_the_chart_of_the_adjustment_is_passed_on(bench: Bench) -> None:
-    out = bench.run()
+def test_the_chart_of_the_adjustment_is_passed_on(earlier: EarlierSteps) -> None:
+    out = earlier.run()
     at = np.array([[5.0, 3.0, 3.0]])
-    assert np.allclose(chart_from_arrays(load_arrays(out / "chart.npz")).to_chart(at), chart_for_hull(bench.hull).to_chart(at))
+    assert np.allclose(
+        chart_from_arrays(load_arrays(out / "chart.npz")).to_chart(at), chart_for_hull(earlier.hull).to_chart(at)
+    )
 
 
-def test_without_an_adjustment_the_first_guess_places_the_dive(bench: Bench) -> None:
-    surface, facts = _read(bench.run(adjusted=False))
+def test_without_an_adjustment_the_first_guess_places_the_dive(earlier: EarlierSteps) -> None:
+    surface, facts = _read(earlier.run(adjusted=False))
     assert np.sqrt(np.mean((_radius(surface) - RADIUS - OFF) ** 2)) < 0.004
     assert surface.sigma.min() > 0.5  # hull.pose_sigma: 1 m
     assert "hull.pose" in str(facts["poses"])
 
 
-def test_without_a_cad_model_the_surface_is_in_g_and_has_no_deviation(bench: Bench) -> None:
-    bench.sections["hull"] = None
-    surface, _ = _read(bench.run())
+def test_without_a_cad_model_the_surface_is_in_g_and_has_no_deviation(earlier: EarlierSteps) -> None:
+    earlier.without_cad_model()
+    surface, _ = _read(earlier.run())
     y, z = surface.vertices[:, 1], -surface.vertices[:, 2]
     assert np.abs(np.hypot(y, z - 3) - RADIUS - OFF).max() < 0.05
     assert np.isnan(surface.deviation).all()
 
 
-def test_flagged_returns_are_left_out_and_counted(bench: Bench) -> None:
+def test_flagged_returns_are_left_out_and_counted(earlier: EarlierSteps) -> None:
     flagged = np.arange(240) % 10 == 0
-    bench.returns = replace(bench.returns, flagged=flagged, range_m=bench.returns.range_m + 0.8 * flagged)
-    surface, facts = _read(bench.run())
+    earlier.returns = replace(earlier.returns, flagged=flagged, range_m=earlier.returns.range_m + 0.8 * flagged)
+    surface, facts = _read(earlier.run())
     assert facts["flagged"] == 24
     assert np.abs(_radius(surface) - RADIUS - OFF).max() < 0.03
 
 
-def test_landmarks_sharpen_the_surface_when_asked(bench: Bench) -> None:
-    bench.returns = replace(bench.returns, range_m=bench.returns.range_m + np.random.default_rng(0).normal(0, 0.02, 240))
-    surface, facts = _read(bench.run(landmarks=True))
+def test_landmarks_sharpen_the_surface_when_asked(earlier: EarlierSteps) -> None:
+    earlier.returns = replace(earlier.returns, range_m=earlier.returns.range_m + np.random.default_rng(0).normal(0, 0.02, 240))
+    surface, facts = _read(earlier.run(landmarks=True))
     assert int(str(facts["observations"])) > 240
     middle = np.abs(surface.vertices[:, 2] - 3) < 0.7
     assert np.sqrt(np.mean((_radius(surface)[middle] - RADIUS - OFF) ** 2)) < 0.004
 
 
-def test_without_a_dvl_the_landmarks_make_the_surface(bench: Bench) -> None:
-    surface, facts = _read(bench.run(dvl=False))
+def test_without_a_dvl_the_landmarks_make_the_surface(earlier: EarlierSteps) -> None:
+    surface, facts = _read(earlier.run(dvl=False))
     assert facts["returns"] == 0
     assert np.sqrt(np.mean((_radius(surface) - RADIUS - OFF) ** 2)) < 0.003
 
 
-def test_with_neither_returns_nor_landmarks_the_error_says_so(bench: Bench) -> None:
+def test_with_neither_returns_nor_landmarks_the_error_says_so(earlier: EarlierSteps) -> None:
     with pytest.raises(StageError, match="neither DVL returns nor landmarks"):
-        bench.run(adjusted=False, dvl=False)
+        earlier.run(adjusted=False, dvl=False)
 
 
-def test_three_returns_are_too_few(bench: Bench) -> None:
-    bench.returns = replace(bench.returns, flagged=np.arange(240) > 2)
+def test_three_returns_are_too_few(earlier: EarlierSteps) -> None:
+    earlier.returns = replace(earlier.returns, flagged=np.arange(240) > 2)
     with pytest.raises(StageError, match="fewer than four returns"):
-        bench.run()
+        earlier.run()
 
 
-def test_linear_interpolation_runs_on_the_same_input(bench: Bench) -> None:
-    surface, facts = _read(bench.run(method="linear"))
+def test_linear_interpolation_runs_on_the_same_input(earlier: EarlierSteps) -> None:
+    surface, facts = _read(earlier.run(method="linear"))
     assert facts["method"] == "linear"
     assert np.sqrt(np.mean((_radius(surface) - RADIUS - OFF) ** 2)) < 0.008
 
 
-def test_two_runs_give_the_same_bytes(bench: Bench, tmp_path: Path) -> None:
+def test_two_runs_give_the_same_bytes(earlier: EarlierSteps, tmp_path: Path) -> None:
     (tmp_path / "again").mkdir()
-    first, second = bench.run(), Bench(tmp_path / "again").run()
+    first, second = earlier.run(), EarlierSteps(tmp_path / "again").run()
     assert (first / "surface.npz").read_bytes() == (second / "surface.npz").read_bytes()
 
 
-def test_with_a_cad_model_the_record_says_that_the_comparison_is_partly_circular(bench: Bench) -> None:
-    _, facts = _read(bench.run())
+def test_with_a_cad_model_the_record_says_that_the_comparison_is_partly_circular(earlier: EarlierSteps) -> None:
+    _, facts = _read(earlier.run())
     assert facts["reference"] == "cad"
     assert "partly circular" in str(facts["comparison"])
     assert "poses that place the returns were adjusted" in str(facts["comparison"])
 
 
-def test_without_a_cad_model_there_is_nothing_to_compare(bench: Bench) -> None:
-    bench.sections["hull"] = None
-    _, facts = _read(bench.run())
+def test_without_a_cad_model_there_is_nothing_to_compare(earlier: EarlierSteps) -> None:
+    earlier.without_cad_model()
+    _, facts = _read(earlier.run())
     assert facts["reference"] == "plane"
     assert facts["comparison"] is None
 
 
 @pytest.mark.parametrize("reference", ["cad", "plane", "none"])
-def test_a_bump_that_the_cad_model_lacks_is_found_with_every_reference(bench: Bench, reference: str) -> None:
-    beam_end = _ends(bench)
+def test_a_bump_that_the_cad_model_lacks_is_found_with_every_reference(earlier: EarlierSteps, reference: str) -> None:
+    beam_end = _ends(earlier)
     bump = 0.08 * np.exp(-0.5 * ((beam_end[:, 0] - 5) ** 2 + (beam_end[:, 2] - 3) ** 2) / 0.5**2)
-    bench.returns = replace(bench.returns, range_m=bench.returns.range_m - bump)
-    surface, facts = _read(bench.run(reference=reference, outlier_deviations=3.0))
+    earlier.returns = replace(earlier.returns, range_m=earlier.returns.range_m - bump)
+    surface, facts = _read(earlier.run(reference=reference, outlier_sigmas=3.0))
     x, z = surface.vertices[:, 0], surface.vertices[:, 2]
     top = np.hypot(x - 5, z - 3) < 0.15
     aside = (np.hypot(x - 5, z - 3) > 1.3) & (np.abs(x - 5) < 1.8) & (np.abs(z - 3) < 0.6)
@@ -234,17 +251,17 @@ def test_a_bump_that_the_cad_model_lacks_is_found_with_every_reference(bench: Be
     assert np.median(surface.deviation[aside]) == pytest.approx(OFF, abs=0.006)
 
 
-def _ends(bench: Bench) -> np.ndarray:
-    hull_from_vehicle = from_mount(TURN).inverse()[np.zeros(240, int)] @ bench.T_g_v[bench.returns.node]
-    beam = hull_from_vehicle @ from_mount([0, 0, 0, 90, 0, 0])
-    return beam.apply(bench.returns.beam * bench.returns.range_m[:, None])
+def _ends(earlier: EarlierSteps) -> np.ndarray:
+    hull_from_vehicle = from_mount(TURN).inverse()[np.zeros(240, int)] @ earlier.T_g_v[earlier.returns.node]
+    beam = hull_from_vehicle @ from_mount(DVL_MOUNT)
+    return beam.apply(earlier.returns.beam * earlier.returns.range_m[:, None])
 
 
-def test_a_hull_that_bends_around_is_no_plane(bench: Bench) -> None:
+def test_a_hull_that_bends_around_is_no_plane(earlier: EarlierSteps) -> None:
     # landmarks all around the bilge: no plane faces them all
     angle = np.radians(np.linspace(-100, 100, 400))
     x = np.tile(np.linspace(3, 7, 20), 20)
     marks = np.column_stack([x, RADIUS * np.sin(angle), 3 - RADIUS * np.cos(angle)])
-    bench.solution = _solution(bench.T_g_v, from_mount(TURN).apply(marks))
+    earlier.solution = _solution(earlier.T_g_v, from_mount(TURN).apply(marks))
     with pytest.raises(StageError, match="bends too far"):
-        bench.run(dvl=False, reference="plane")
+        earlier.run(dvl=False, reference="plane")

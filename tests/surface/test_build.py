@@ -9,7 +9,7 @@ import pytest
 
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.plane_chart import PlaneChart
-from hullrecon.surface.build import Cloud, build_surface
+from hullrecon.surface.build import SurfacePoints, build_surface
 from hullrecon.surface.options import SurfaceOptions
 
 
@@ -17,10 +17,10 @@ def _bump(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     return 0.03 * np.sin(x / 1.5) + 0.02 * np.cos(z)
 
 
-def _cloud(rng: np.random.Generator, n: int = 900, noise: float = 0.008) -> Cloud:
+def _cloud(rng: np.random.Generator, n: int = 900, noise: float = 0.008) -> SurfacePoints:
     x, z = rng.uniform(0, 5, n), rng.uniform(0, 3, n)
     points = np.stack([x, 2 + _bump(x, z) + rng.normal(0, noise, n), z], axis=1)
-    return Cloud(points, np.full(n, noise), np.full(n, 0.004), np.ones(n, bool))
+    return SurfacePoints(point=points, noise=np.full(n, noise), pose_sigma=np.full(n, 0.004), gives_support=np.ones(n, bool))
 
 
 @pytest.mark.parametrize("method", ["gp", "linear"])
@@ -44,7 +44,7 @@ def test_sigma_covers_the_error_and_holds_the_shared_part(wall: PlaneChart, rng:
 
 
 def test_no_edge_is_long_and_faces_look_outward(wall: PlaneChart, rng: np.random.Generator) -> None:
-    surface, _ = build_surface(_cloud(rng), wall, SurfaceOptions(edge=0.1))
+    surface, _ = build_surface(_cloud(rng), wall, SurfaceOptions(max_edge_m=0.1))
     corner = surface.vertices[surface.faces]
     assert np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max() < 0.105
     assert (np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])[:, 1] > 0).all()
@@ -53,8 +53,13 @@ def test_no_edge_is_long_and_faces_look_outward(wall: PlaneChart, rng: np.random
 def test_only_what_returns_support_is_covered(wall: PlaneChart, rng: np.random.Generator) -> None:
     cloud = _cloud(rng)
     gap = (cloud.point[:, 0] > 2) & (cloud.point[:, 0] < 4)
-    open_ = Cloud(cloud.point[~gap], cloud.noise[~gap], cloud.pose_sigma[~gap], cloud.gives_support[~gap])
-    surface, _ = build_surface(open_, wall, SurfaceOptions(reach=0.3))
+    open_ = SurfacePoints(
+        point=cloud.point[~gap],
+        noise=cloud.noise[~gap],
+        pose_sigma=cloud.pose_sigma[~gap],
+        gives_support=cloud.gives_support[~gap],
+    )
+    surface, _ = build_surface(open_, wall, SurfaceOptions(reach_m=0.3))
     assert not ((surface.vertices[:, 0] > 2.31) & (surface.vertices[:, 0] < 3.69)).any()
     assert (surface.support >= 1).all()
 
@@ -62,28 +67,30 @@ def test_only_what_returns_support_is_covered(wall: PlaneChart, rng: np.random.G
 def test_landmarks_inform_but_do_not_extend_the_surface(wall: PlaneChart, rng: np.random.Generator) -> None:
     cloud = _cloud(rng)
     mixed = replace(cloud, gives_support=cloud.point[:, 0] < 2)
-    surface, facts = build_surface(mixed, wall, SurfaceOptions(reach=0.3))
+    surface, facts = build_surface(mixed, wall, SurfaceOptions(reach_m=0.3))
     assert surface.vertices[:, 0].max() < 2.31
     assert int(str(facts["observations"])) > 200
 
 
 def test_given_lengths_are_kept(wall: PlaneChart, rng: np.random.Generator) -> None:
-    options = SurfaceOptions(fit=False, length_along=6.0, length_girth=2.0, sigma=0.05)
+    options = SurfaceOptions(fit=False, length_along_m=6.0, length_girth_m=2.0, offset_sigma_m=0.05)
     _, facts = build_surface(_cloud(rng), wall, options)
     assert facts["lengths_m"] == [6.0, 2.0]
     assert facts["sigma_m"] == 0.05
 
 
 def test_returns_off_the_chart_are_an_error_with_advice(wall: PlaneChart) -> None:
-    lost = Cloud(np.full((5, 3), np.nan), np.ones(5), np.ones(5), np.ones(5, bool))
+    lost = SurfacePoints(point=np.full((5, 3), np.nan), noise=np.ones(5), pose_sigma=np.ones(5), gives_support=np.ones(5, bool))
     with pytest.raises(StageError, match=r"dvl\.mount"):
         build_surface(lost, wall, SurfaceOptions())
 
 
 def test_returns_too_sparse_for_a_surface_are_an_error_with_advice(wall: PlaneChart) -> None:
-    sparse = Cloud(np.array([[0.1, 2, 0.1], [9.1, 2, 0.1]]), np.ones(2), np.ones(2), np.ones(2, bool))
+    sparse = SurfacePoints(
+        point=np.array([[0.1, 2, 0.1], [9.1, 2, 0.1]]), noise=np.ones(2), pose_sigma=np.ones(2), gives_support=np.ones(2, bool)
+    )
     with pytest.raises(StageError, match=r"surface\.reach"):
-        build_surface(sparse, wall, SurfaceOptions(reach=0.05))
+        build_surface(sparse, wall, SurfaceOptions(reach_m=0.05))
 
 
 def test_heights_over_a_plane_give_the_same_wall_as_offsets_from_it(wall: PlaneChart, rng: np.random.Generator) -> None:

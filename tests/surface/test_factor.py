@@ -7,7 +7,7 @@ import pytest
 from scipy import sparse
 
 from hullrecon.surface import factor as module
-from hullrecon.surface.factor import NotPositiveDefiniteError, factor
+from hullrecon.surface.factor import NotPositiveDefiniteError, factorise
 
 
 def _banded(n: int) -> sparse.csr_array:
@@ -19,7 +19,7 @@ def test_dense_and_sparse_factors_solve_and_know_the_determinant(small: int, mon
     monkeypatch.setattr(module, "SMALL", small)
     matrix = _banded(60)
     right = np.arange(120.0).reshape(60, 2)
-    solver = factor(matrix)
+    solver = factorise(matrix)
     assert np.allclose(matrix @ solver.solve(right), right)
     assert np.isclose(solver.log_determinant, np.linalg.slogdet(matrix.toarray())[1])
 
@@ -29,10 +29,10 @@ def test_an_indefinite_matrix_is_refused_by_name(small: int, monkeypatch: pytest
     monkeypatch.setattr(module, "SMALL", small)
     matrix = _banded(60) - 3.0 * sparse.eye_array(60)
     with pytest.raises(NotPositiveDefiniteError, match="not positive definite"):
-        factor(sparse.csr_array(matrix))
+        factorise(sparse.csr_array(matrix))
 
 
 def test_a_singular_matrix_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "SMALL", 0)
     with pytest.raises(NotPositiveDefiniteError):
-        factor(sparse.csr_array(sparse.diags_array([np.r_[np.ones(9), 0.0]], offsets=[0])))
+        factorise(sparse.csr_array(sparse.diags_array([np.r_[np.ones(9), 0.0]], offsets=[0])))

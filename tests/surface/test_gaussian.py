@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon.surface.factor import NotPositiveDefiniteError
-from hullrecon.surface.gaussian import fit, fit_robust, most_likely
+from hullrecon.surface.gaussian import fit, fit_robust, maximise_likelihood
 from hullrecon.surface.kernels import Kernel
 
 KERNEL = Kernel("product", (2.0, 1.0), 0.1)
@@ -76,7 +76,7 @@ def test_likelihood_finds_the_lengths_and_the_noise_that_made_the_data(rng: np.r
     truth = Kernel("product", (4.0, 1.5), 0.05)
     at = rng.uniform(0, [6, 4], (300, 2))
     values = _draw(truth, at, rng) + rng.normal(0, 0.01, 300)
-    found, scale = most_likely(Kernel("product", (8.0, 3.0), 0.02), at, values, np.full(300, 0.005), (0.3, 60.0))
+    found, scale = maximise_likelihood(Kernel("product", (8.0, 3.0), 0.02), at, values, np.full(300, 0.005), (0.3, 60.0))
     assert found.length[0] == pytest.approx(4.0, rel=0.5)  # 0.5: the spread over seeds of a patch two lengths wide
     assert found.length[1] == pytest.approx(1.5, rel=0.5)
     assert found.sigma == pytest.approx(0.05, rel=0.5)
@@ -85,6 +85,6 @@ def test_likelihood_finds_the_lengths_and_the_noise_that_made_the_data(rng: np.r
 
 def test_lengths_stay_within_their_limits(rng: np.random.Generator) -> None:
     at = rng.uniform(0, 2, (60, 2))
-    found, _ = most_likely(KERNEL, at, 0.3 * at[:, 0], np.full(60, 0.001), (0.5, 3.0))
+    found, _ = maximise_likelihood(KERNEL, at, 0.3 * at[:, 0], np.full(60, 0.001), (0.5, 3.0))
     assert 0.5 <= found.length[0] <= 3.0 + 1e-9
     assert 0.5 <= found.length[1] <= 3.0 + 1e-9

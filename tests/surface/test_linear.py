@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.surface.linear import interpolate, scatter
+from hullrecon.surface.linear import interpolate, scatter_sigma
 
 CORNERS = np.array([[0.0, 0], [1, 0], [0, 1], [1, 1], [0.4, 0.6]])
 
@@ -27,5 +27,5 @@ def test_returns_on_one_line_still_give_a_value() -> None:
 def test_the_scatter_is_that_of_the_noise(rng: np.random.Generator) -> None:
     at = rng.uniform(0, 5, (2000, 2))
     values = 0.02 * at[:, 0] + rng.normal(0, 0.01, 2000)
-    assert abs(scatter(at, values) / 0.01 - 1) < 0.1
-    assert scatter(at[:1], values[:1]) == 0.0
+    assert abs(scatter_sigma(at, values) / 0.01 - 1) < 0.1
+    assert scatter_sigma(at[:1], values[:1]) == 0.0

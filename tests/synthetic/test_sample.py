@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hullrecon.synthetic.dive import Dive, simulate_dive
-from hullrecon.synthetic.output.package import dive_toml
+from hullrecon.synthetic.output.dive_toml import dive_toml
 from hullrecon.synthetic.output.truth import write_truth
 from hullrecon.synthetic.sample import SAMPLE
 

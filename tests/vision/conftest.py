@@ -6,11 +6,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from vision.scene import camera_rig
 
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import exp, from_rpy
 from hullrecon.vision.features.extraction import Features, root_sift
-from hullrecon.vision.stereo.rectification import Rig
 
 CAMERA = CameraModel(640, 512, 650.0, 652.0, 321.0, 255.0, -0.06, 0.03, 0.001, -0.0005)
 LOWER = CameraModel(640, 512, 655.0, 654.0, 318.0, 258.0, -0.05, 0.02, -0.0004, 0.0003)
@@ -19,7 +20,7 @@ LOWER = CameraModel(640, 512, 655.0, 654.0, 318.0, 258.0, -0.05, 0.02, -0.0004, 
 @pytest.fixture
 def rig():
     """Vertical, slightly turned against each other, 0.1 m apart."""
-    return Rig(CAMERA, LOWER, from_rpy([0.002, 0.1, -0.001], [0.003, -0.002, 0.004]))
+    return camera_rig(CAMERA, LOWER, from_rpy([0.002, 0.1, -0.001], [0.003, -0.002, 0.004]))
 
 
 @pytest.fixture
@@ -48,8 +49,8 @@ def look(rig, wall):
     def see(pose, noise_px=0.2, seed=1):
         rng = np.random.default_rng(seed)
         first_from_top = exp([pose])
-        top, top_id = features(rig.top, first_from_top, wall, noise_px, rng)
-        bottom, bottom_id = features(rig.bottom, first_from_top @ rig.top_from_bottom, wall, noise_px, rng)
+        top, top_id = features(rig.model(Camera.TOP), first_from_top, wall, noise_px, rng)
+        bottom, bottom_id = features(rig.model(Camera.BOTTOM), first_from_top @ rig.top_from_bottom, wall, noise_px, rng)
         return SimpleNamespace(pose=first_from_top, top=top, bottom=bottom, top_id=top_id, bottom_id=bottom_id)
 
     return see

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hullrecon.vision.features.extraction import Features, nothing
+from hullrecon.vision.features.extraction import Features, no_features
 from hullrecon.vision.stereo.matching import StereoMatches, no_matches
-from hullrecon.vision.tracks.landmarks import Matches, NodeFeatures, build
+from hullrecon.vision.tracks.landmarks import NodeFeatures, NodeMatches, build_tracks
 
 
 def features(base, n, color):
@@ -17,26 +17,31 @@ def features(base, n, color):
 
 def stereo(*rows):
     a = np.array(rows, np.int64).reshape(-1, 2)
-    return StereoMatches(a[:, 0], a[:, 1], np.ones((len(a), 3)))
+    return StereoMatches(top=a[:, 0], bottom=a[:, 1], point=np.ones((len(a), 3)))
 
 
 def matches(*rows):
     """Rows of first node, first row, second node, second row."""
     a = np.array(rows, np.int64).reshape(-1, 4)
-    return Matches(a[:, 0], a[:, 1], a[:, 2], a[:, 3], np.zeros(len(a), np.float32))
+    return NodeMatches(
+        first_node=a[:, 0], first_row=a[:, 1], second_node=a[:, 2], second_row=a[:, 3], distance=np.zeros(len(a), np.float32)
+    )
 
 
 @pytest.fixture
 def dive():
     """Three nodes of three features; the last has a bottom image alone."""
-    nodes = [NodeFeatures(features(100, 3, 10), features(500, 3, 0)), NodeFeatures(features(200, 3, 30), features(600, 3, 0))]
-    nodes.append(NodeFeatures(nothing(), features(700, 3, 50)))
+    nodes = [
+        NodeFeatures(top=features(100, 3, 10), bottom=features(500, 3, 0)),
+        NodeFeatures(top=features(200, 3, 30), bottom=features(600, 3, 0)),
+    ]
+    nodes.append(NodeFeatures(top=no_features(), bottom=features(700, 3, 50)))
     pairs = [stereo((0, 2), (2, 1)), stereo((1, 0)), no_matches()]
     return SimpleNamespace(read=nodes.__getitem__, stereo=pairs, count=np.array([3, 3, 3]))
 
 
-def made(dive, found, single_node=True, doubt=None):
-    return build(dive.count, dive.stereo, found, dive.read, single_node, doubt)
+def made(dive, found, single_node=True, find_outliers=None):
+    return build_tracks(dive.count, dive.stereo, found, dive.read, single_node, find_outliers)
 
 
 def test_a_track_holds_both_pixels_where_both_cameras_saw_it(dive):
@@ -62,7 +67,9 @@ def test_stereo_points_of_a_single_node_are_landmarks_when_wanted(dive):
 
 
 def test_an_observation_in_doubt_is_dropped_and_what_is_left_is_judged_anew(dive):
-    tracks = made(dive, matches((0, 1, 1, 2)), doubt=lambda node, label, top, bottom: (node == 1) & np.isnan(bottom[:, 0]))
+    tracks = made(
+        dive, matches((0, 1, 1, 2)), find_outliers=lambda node, label, top, bottom: (node == 1) & np.isnan(bottom[:, 0])
+    )
     assert len(tracks.color) == 3  # three stereo points; the mono track of two lost one end and with it the other
     assert np.isfinite(tracks.bottom).all()
 
@@ -75,5 +82,5 @@ def test_rows_are_sorted_by_landmark_and_node_and_numbers_have_no_gaps(dive):
 
 
 def test_no_matches_make_no_tracks(dive):
-    empty = build(np.zeros(3, np.int64), [no_matches()] * 3, matches(), dive.read, True)
+    empty = build_tracks(np.zeros(3, np.int64), [no_matches()] * 3, matches(), dive.read, True)
     assert len(empty.landmark) == len(empty.color) == 0

@@ -79,6 +79,37 @@ def test_a_vehicle_that_stood_still_has_no_direction():
     assert np.sqrt(np.linalg.eigvalsh(mono_motion.refine(UNIT, *matches())[1]).max()) < 0.02
 
 
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("count", [60, 200, 1000])
+def test_noise_gives_no_direction_to_a_vehicle_that_stood_still(seed, count):
+    """Its matches move by their noise alone, which was once taken for information: a sigma of 0.03 rad."""
+    seen = matches(n=count, seed=seed, motion=np.eye(4))
+    for start in (UNIT, off(shift=(0.0, 1.0, 0.0)), np.block([[np.eye(3), np.array([[0.0], [0.0], [1.0]])], [0, 0, 0, 1]])):
+        _, covariance = mono_motion.refine(start, *seen)
+        assert np.sqrt(np.linalg.eigvalsh(covariance)[-2:]).min() > 0.3
+        assert np.sqrt(np.linalg.eigvalsh(covariance)[:3]).max() < 0.03  # the rotation is known all the same
+
+
+def test_the_noises_share_is_what_many_draws_show_and_does_not_depend_on_its_size():
+    """The information of matches that stand still, over many draws, is the share."""
+    still = np.eye(4)
+    still[:3, 3] = UNIT[:3, 3]
+    for sigma in (SIGMA, 4 * SIGMA):
+        found = []
+        for seed in range(60):
+            jacobian = mono_motion._linearised(still, *matches(seed=seed, sigma=sigma, motion=np.eye(4)))[1]
+            found.append(jacobian[:, 3:].T @ jacobian[:, 3:] / sigma**2)
+        share = mono_motion.noise_share(still, *matches(sigma=sigma, motion=np.eye(4))).sum(axis=0)
+        np.testing.assert_allclose(np.mean(found, axis=0), share, atol=0.05 * np.trace(share))
+
+
+def test_a_vehicle_that_moved_loses_no_information_by_it():
+    motion, covariance = mono_motion.refine(UNIT, *matches())
+    residual, jacobian = mono_motion._linearised(motion, *matches())
+    plain = np.linalg.inv(mono_motion._information(jacobian, mono_motion._variance(residual)))
+    np.testing.assert_allclose(np.sqrt(np.diag(covariance)), np.sqrt(np.diag(plain)), rtol=1e-3)
+
+
 @pytest.mark.parametrize("direction", [[1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0], [0.6, 0, 0.8]])
 def test_the_tangent_basis_is_across(direction):
     basis = np.column_stack([mono_motion.tangent_basis(np.array(direction)), direction])

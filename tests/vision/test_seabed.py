@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 from datasets import dataset
 from scipy.spatial.transform import Rotation
+from vision.scene import camera_rig, follow_nodes
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.vision.features.extraction import FeatureOptions, extract
-from hullrecon.vision.odometry import chain
-from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.stereo.rectification import Rig
 from hullrecon.vision.tracks.landmarks import NodeFeatures
 
 PAIRS = range(26, 42)
@@ -26,19 +24,21 @@ def rig():
     shift = np.array([-0.982, -0.136, -0.133])
     right_from_left = Poses(turn.as_quat()[None], 0.305 * shift[None] / np.linalg.norm(shift))
     left = CameraModel(1360, 1024, 1594.0, 1594.0, 680.0, 512.0, 0.125)
-    return Rig(left, CameraModel(1360, 1024, 1565.0, 1565.0, 680.0, 512.0, 0.112), right_from_left.inverse())
+    return camera_rig(left, CameraModel(1360, 1024, 1565.0, 1565.0, 680.0, 512.0, 0.112), right_from_left.inverse())
 
 
 def read(pair):
     folder = dataset("stereo-haltbrekken")
     images = [cv2.imread(str(folder / f"{side}CameraRun1_{pair:02d}.jpg"), cv2.IMREAD_COLOR_RGB) for side in ("Left", "Right")]
-    return NodeFeatures(*(extract(image, FeatureOptions()) for image in images))
+    top, bottom = (extract(image, FeatureOptions()) for image in images)
+    return NodeFeatures(top=top, bottom=bottom)
 
 
 @pytest.mark.slow
 def test_sixteen_real_pairs_make_one_chain_without_navigation(rig):
-    found = chain(rig, PAIRS, read, MatchOptions())
-    assert [match.reason.name for match in found] == ["MATCHED"] * 15
-    steps = np.array([np.linalg.norm(match.motion.second_from_first[:3, 3]) for match in found])
+    found = follow_nodes(rig, PAIRS, read)
+    assert len(found) == 15
+    assert None not in found
+    steps = np.array([np.linalg.norm(step.motion.second_from_first[:3, 3]) for step in found])
     assert ((steps[:-1] > 0.33) & (steps[:-1] < 0.58)).all()  # 0.37 to 0.55 m by an independent reconstruction
     assert steps[-1] == pytest.approx(0.11, abs=0.03)

@@ -6,6 +6,7 @@ import pickle
 import numpy as np
 import pytest
 
+from hullrecon.geometry.frames import Camera
 from hullrecon.vision.features.store import FeatureStore, GrowingArray
 
 
@@ -45,7 +46,7 @@ def test_a_closed_array_takes_no_rows(tmp_path):
 
 def test_features_are_read_by_image(tmp_path):
     write(tmp_path, [3, 0, 2], 5)
-    store = FeatureStore(tmp_path, "camera_top")
+    store = FeatureStore(tmp_path, Camera.TOP)
     assert len(store) == 3
     assert [len(store.read(k)) for k in (0, 1, 2, -1)] == [3, 0, 2, 0]
     assert (store.read(2).descriptors == 7).all()
@@ -53,13 +54,13 @@ def test_features_are_read_by_image(tmp_path):
 
 def test_saliency_is_read_by_image(tmp_path):
     write(tmp_path, [3, 2], 5)
-    store = FeatureStore(tmp_path, "camera_top")
+    store = FeatureStore(tmp_path, Camera.TOP)
     assert (store.saliency(1), store.saliency(-1)) == (0.5, 0.0)
 
 
 def test_a_store_pickles_to_its_path(tmp_path):
     write(tmp_path, [2], 5)
-    store = FeatureStore(tmp_path, "camera_top")
+    store = FeatureStore(tmp_path, Camera.TOP)
     store.read(0)
     assert len(pickle.dumps(store)) < 1000
     assert (pickle.loads(pickle.dumps(store)).read(0).color == 5).all()
@@ -67,13 +68,13 @@ def test_a_store_pickles_to_its_path(tmp_path):
 
 def test_a_rewritten_artifact_is_read_anew(tmp_path):
     write(tmp_path, [2], 5)
-    assert (FeatureStore(tmp_path, "camera_top").read(0).color == 5).all()
+    assert (FeatureStore(tmp_path, Camera.TOP).read(0).color == 5).all()
     write(tmp_path, [4], 9)
     os.utime(tmp_path / "index.npz", ns=(1, 1))
-    assert (FeatureStore(tmp_path, "camera_top").read(0).color == 9).all()
-    assert len(FeatureStore(tmp_path, "camera_top").read(0)) == 4
+    assert (FeatureStore(tmp_path, Camera.TOP).read(0).color == 9).all()
+    assert len(FeatureStore(tmp_path, Camera.TOP).read(0)) == 4
 
 
 def test_a_camera_whose_images_have_no_features_can_be_read(tmp_path):
     write(tmp_path, [0, 0], 5)
-    assert len(FeatureStore(tmp_path, "camera_top").read(1)) == 0
+    assert len(FeatureStore(tmp_path, Camera.TOP).read(1)) == 0

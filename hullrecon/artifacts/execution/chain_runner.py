@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from hullrecon.artifacts.execution.runner import RunContext, build
 from hullrecon.artifacts.graph.chain import Chain, inputs_of
 from hullrecon.artifacts.graph.job import Job, make_job
-from hullrecon.artifacts.graph.plan import StepStatus, assess, survey
+from hullrecon.artifacts.graph.plan import StepStatus, assess_chain, assess_step
 from hullrecon.artifacts.storage.manifest import Manifest
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import HullreconError
@@ -21,7 +21,7 @@ Preflight = Callable[[list[StepStatus]], None]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class StepOutcome:
     """What a run did with one step: where it stood, whether it ran, and its artifact's manifest, None when skipped."""
 
     before: StepStatus
@@ -32,7 +32,7 @@ class Outcome:
 def run_chain(
     chain: Chain, workspace: Workspace, run_context: RunContext, *, from_scratch: bool = False, wait_s: float = 0.0,
     preflight: Preflight | None = None,
-) -> list[Outcome]:  # fmt: skip
+) -> list[StepOutcome]:  # fmt: skip
     """Brings every step of the chain up to date and publishes what is to be delivered.
 
     preflight is told where every step stands before anything is done; an error that it raises ends the run.
@@ -42,20 +42,20 @@ def run_chain(
         workspace.tidy(stage.name for stage in chain.stages)
         workspace.remember_package(chain.package)
         if preflight is not None:
-            preflight(survey(chain, workspace, run_context.hashes))
+            preflight(assess_chain(chain, workspace, run_context.hashes))
         try:
             return _run_all(chain, workspace, run_context, from_scratch)
         finally:
             run_context.hashes.save()
 
 
-def _run_all(chain: Chain, workspace: Workspace, run_context: RunContext, from_scratch: bool) -> list[Outcome]:
+def _run_all(chain: Chain, workspace: Workspace, run_context: RunContext, from_scratch: bool) -> list[StepOutcome]:
     skipped = chain.skip_reasons()
-    done: list[Outcome] = []
+    done: list[StepOutcome] = []
     for stage in chain.stages:
         if stage.name in skipped:
             log.info("%s: skipped: %s", stage.name, skipped[stage.name])
-            done.append(Outcome(StepStatus(stage, "skipped", (skipped[stage.name],)), False, None))
+            done.append(StepOutcome(StepStatus(stage, "skipped", (skipped[stage.name],)), False, None))
             continue
         inputs = inputs_of(stage, chain, workspace, skipped)
         job = make_job(stage, chain.sections, inputs, chain.package, run_context.hashes)
@@ -64,12 +64,12 @@ def _run_all(chain: Chain, workspace: Workspace, run_context: RunContext, from_s
     return done
 
 
-def _bring_up_to_date(job: Job, workspace: Workspace, run_context: RunContext, from_scratch: bool) -> Outcome:
+def _bring_up_to_date(job: Job, workspace: Workspace, run_context: RunContext, from_scratch: bool) -> StepOutcome:
     name = job.stage.name
-    status = assess(job, workspace, run_context.hashes)
+    status = assess_step(job, workspace, run_context.hashes)
     if status.state == "up to date" and not from_scratch:
         log.debug("%s: up to date", name)
-        return Outcome(status, False, status.manifest)
+        return StepOutcome(status, False, status.manifest)
     log.info("%s: started: %s", name, status.why_run())
     if status.state == "damaged":
         log.warning("%s: damaged (%s), set apart in %s", name, "; ".join(status.reasons), workspace.quarantine(name))
@@ -80,4 +80,4 @@ def _bring_up_to_date(job: Job, workspace: Workspace, run_context: RunContext, f
         raise
     run_context.hashes.save()
     log.debug("%s: done in %.1f s, %.0f MB", name, manifest.run["seconds"], manifest.run["peak_rss_bytes"] / 1e6)
-    return Outcome(status, True, manifest)
+    return StepOutcome(status, True, manifest)

@@ -10,7 +10,6 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from hullrecon.artifacts.execution.context import StageContext
 from hullrecon.artifacts.execution.executor import Executor, choose_executor
@@ -20,7 +19,7 @@ from hullrecon.artifacts.graph.job import Job, make_job
 from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.artifacts.storage.disk import commit_folder, make_folder, remove, storage_errors
 from hullrecon.artifacts.storage.hashing import HashCache, files_below, hash_file
-from hullrecon.artifacts.storage.manifest import Manifest, write_manifest
+from hullrecon.artifacts.storage.manifest import JsonTable, Manifest, write_manifest
 from hullrecon.artifacts.storage.writer import ArtifactWriter
 from hullrecon.errors import InputError, StageError
 
@@ -35,9 +34,14 @@ class RunContext:
 
 
 def run_stage(
-    stage: Stage, settings: Mapping[str, Any], inputs: Mapping[str, Path], out: Path, source: Path | None = None, jobs: int = 1
+    stage: Stage,
+    settings: Mapping[str, object],
+    inputs: Mapping[str, Path],
+    out: Path,
+    source: Path | None = None,
+    jobs: int = 1,
 ) -> Path:
-    """Runs one stage outside a workspace, for tests and notebooks, and returns `out`, which then holds its artifact.
+    """Run one stage outside a workspace, for tests and notebooks, and return `out`, which then holds its artifact.
 
     settings: decoded sections by name (an absent one is None, the stage's own takes its defaults). inputs: folder of each input
     by stage name, with or without a manifest. source: the package's folder, for stages with `external` files.
@@ -50,7 +54,7 @@ def run_stage(
 
 
 def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manifest:
-    """Runs the stage's function into the folder `building` and puts that, manifest last, at `out` in one step.
+    """Run the stage's function into the folder `building` and puts that, manifest last, at `out` in one step.
 
     Whatever goes wrong, `out` is as it was. StorageError when the disk refuses; StageError when the memory ran out.
     """
@@ -74,14 +78,14 @@ def _fill(job: Job, building: Path, run_context: RunContext) -> Manifest:
     )
     spent = _call(job.stage, context, building)
     outputs = {name: hash_file(building / name) for name in files_below(building)}
-    run = {"versions": versions(), "host": host(), **spent}
+    run: JsonTable = {"versions": versions(), "host": host(), **spent}
     manifest = Manifest(recipe=job.recipe, key=job.recipe.key, outputs=outputs, warnings=context.warnings, run=run)
     write_manifest(building, manifest)
     return manifest
 
 
-def _call(stage: Stage, context: StageContext, building: Path) -> dict[str, Any]:
-    """Calls the stage's function; returns what it spent."""
+def _call(stage: Stage, context: StageContext, building: Path) -> JsonTable:
+    """Call the stage's function and return what it took: times, s, and memory, bytes."""
     reset_peak_rss()
     started, begun, cpu = time.time(), time.perf_counter(), time.process_time()
     try:

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
 
 from hullrecon.artifacts.graph.settings import settings_for
 from hullrecon.artifacts.graph.stage import Stage
@@ -21,7 +20,7 @@ class Chain:
     """Stages in an order in which each comes after its inputs, with the configuration and the package that they run on."""
 
     stages: tuple[Stage, ...]
-    sections: Mapping[str, Any]
+    sections: Mapping[str, object]
     package: Path
 
     def up_to(self, name: str) -> Chain:

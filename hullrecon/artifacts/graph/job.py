@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from hullrecon.artifacts.graph.recipe import make_recipe
 from hullrecon.artifacts.graph.settings import settings_for
@@ -29,7 +28,7 @@ class Job:
 
 
 def make_job(
-    stage: Stage, sections: Mapping[str, Any], inputs: Mapping[str, Path], source: Path | None, hashes: HashCache
+    stage: Stage, sections: Mapping[str, object], inputs: Mapping[str, Path], source: Path | None, hashes: HashCache
 ) -> Job:
     """InputError when a file of the package is missing; UsageError for an option that is not finite."""
     settings = settings_for(stage, sections)

@@ -13,7 +13,7 @@ from hullrecon.artifacts.graph.chain import Chain, inputs_of
 from hullrecon.artifacts.graph.job import Job, make_job
 from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.artifacts.graph.staleness import differences
-from hullrecon.artifacts.storage.documents import DamagedError
+from hullrecon.artifacts.storage.documents import DamagedArtifactError
 from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.manifest import Manifest
 from hullrecon.artifacts.storage.workspace import Workspace, damaged_files
@@ -39,7 +39,7 @@ class StepStatus:
         return self.state not in ("up to date", "skipped")
 
 
-def survey(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[StepStatus]:
+def assess_chain(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[StepStatus]:
     """Where every step stands, in the chain's order. Reads only."""
     skipped = chain.skip_reasons()
     found: list[StepStatus] = []
@@ -57,19 +57,19 @@ def _status_of(
     stage: Stage, chain: Chain, workspace: Workspace, inputs: Mapping[str, Path], waiting: Sequence[str], hashes: HashCache
 ) -> StepStatus:
     ready = {name: folder for name, folder in inputs.items() if name not in waiting}
-    status = assess(make_job(stage, chain.sections, ready, chain.package, hashes), workspace, hashes)
+    status = assess_step(make_job(stage, chain.sections, ready, chain.package, hashes), workspace, hashes)
     if not waiting or status.state in ("not run yet", "damaged"):
         return status
     own = [r for r in status.reasons if r not in {f"input {name} is gone" for name in waiting}]
     return replace(status, state="out of date", reasons=(*own, *(f"input {name} will rerun" for name in waiting)))
 
 
-def assess(job: Job, workspace: Workspace, hashes: HashCache) -> StepStatus:
+def assess_step(job: Job, workspace: Workspace, hashes: HashCache) -> StepStatus:
     """Where one step stands whose inputs are as they will be."""
     stage = job.stage
     try:
         manifest = workspace.manifest(stage.name)
-    except DamagedError as error:
+    except DamagedArtifactError as error:
         return StepStatus(stage, "damaged", (str(error),))
     if manifest is None:
         return StepStatus(stage, "not run yet", ())

@@ -34,12 +34,17 @@ def external_files(stage: Stage, settings: StageSettings, source: Path | None, h
     if stage.external is None or source is None:
         return {}
     found: dict[str, FileRecord] = {}
-    for named in stage.external(settings, source):
-        path = source / named
-        members = [path / name for name in files_below(path)] if path.is_dir() else [path]
-        for member in members:
-            name = member.relative_to(source).as_posix() if member.is_relative_to(source) else str(member)
-            found[name] = _external_record(member, name, hashes)
+    try:
+        for named in stage.external(settings, source):
+            path = source / named
+            members = [path / name for name in files_below(path)] if path.is_dir() else [path]
+            for member in members:
+                name = member.relative_to(source).as_posix() if member.is_relative_to(source) else str(member)
+                found[name] = _external_record(member, name, hashes)
+    except OSError as error:  # a name that no file can have
+        name = str(error.filename or "a file of the package")
+        shown = name if len(name) <= 100 else f"{name[:97]}..."
+        raise InputError(f"{shown} cannot be read: {error.strerror}", where=str(source), remedy="correct dive.toml") from error
     return found
 
 

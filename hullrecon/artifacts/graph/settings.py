@@ -1,38 +1,37 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The part of the configuration that one stage sees."""
+"""Select the part of the configuration that one stage sees."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.artifacts.graph.stage_settings import StageSettings
-from hullrecon.artifacts.storage.documents import plain
+from hullrecon.artifacts.storage.documents import Json, plain
 from hullrecon.errors import UsageError
 
 
-def settings_for(stage: Stage, sections: Mapping[str, Any]) -> StageSettings:
-    """The sections in the stage's `uses` (None where absent) and its own (its defaults where absent)."""
+def settings_for(stage: Stage, sections: Mapping[str, object]) -> StageSettings:
+    """Return the sections in the stage's `uses` (None where absent) and its own (its defaults where absent)."""
     own = _section(sections, stage.name)
     chosen = {name: _section(sections, name) for name in stage.uses}
     return StageSettings(stage.name, {**chosen, stage.name: stage.parameters() if own is None else own})
 
 
-def resolve_settings(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings as plain values for the manifest. UsageError for a number that is not finite."""
-    values: dict[str, Any] = plain(settings)
+def resolve_settings(settings: Mapping[str, object]) -> dict[str, Json]:
+    """Return the settings as plain values for the manifest. Raises UsageError for a number that is not finite."""
+    values = {name: plain(value) for name, value in settings.items()}
     for name, value in flatten(values).items():
         if isinstance(value, float) and not math.isfinite(value):
             raise UsageError(f"option {name} is {value}", where="dive.toml", remedy="give a finite number")
     return values
 
 
-def flatten(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Options by dotted name; lists stay whole."""
-    flat: dict[str, Any] = {}
+def flatten(value: Mapping[str, Json], prefix: str = "") -> dict[str, Json]:
+    """Return options by dotted name; lists stay whole."""
+    flat: dict[str, Json] = {}
     for name, member in value.items():
         dotted = f"{prefix}{name}"
         if isinstance(member, Mapping) and member:
@@ -42,8 +41,11 @@ def flatten(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
-def _section(sections: Mapping[str, Any], dotted: str) -> Any:
-    """`camera.top` is the field `top` of section `camera`, unless a section has that very name; None below an absent one."""
+def _section(sections: Mapping[str, object], dotted: str) -> object:
+    """Return the section of that dotted name, None below an absent one.
+
+    `camera.top` is the field `top` of section `camera`, unless a section has that very name.
+    """
     if dotted in sections:
         return sections[dotted]
     outer, _, inner = dotted.rpartition(".")

@@ -24,7 +24,7 @@ Result = TypeVar("Result")
 class Writer(Protocol):
     """Writes the files of one artifact; nothing else opens a file for writing in RUNS."""
 
-    def arrays(self, name: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    def arrays(self, name: str, arrays: Mapping[str, NDArray[np.generic]]) -> None:
         """An .npz with those members, same bytes for the same arrays."""
 
     def json(self, name: str, value: object) -> None:

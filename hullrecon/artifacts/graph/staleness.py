@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from hullrecon.artifacts.graph.settings import flatten
+from hullrecon.artifacts.storage.documents import Json
 from hullrecon.artifacts.storage.manifest import FileRecord, Recipe
 
 _ABSENT = object()
@@ -25,7 +25,7 @@ def differences(made: Recipe, now: Recipe) -> list[str]:
     ]
 
 
-def _options(made: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
+def _options(made: Mapping[str, Json], now: Mapping[str, Json]) -> Iterator[str]:
     """A section that came or went is one sentence, not one for each of its options."""
     for section in sorted({*made, *now}):
         before, after = made.get(section, _ABSENT), now.get(section, _ABSENT)
@@ -35,7 +35,7 @@ def _options(made: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
             yield f"{section} changed from {_as_text(before)} to {_as_text(after)}"
 
 
-def _changed_options(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[str]:
+def _changed_options(before: Mapping[str, Json], after: Mapping[str, Json]) -> Iterator[str]:
     for name in sorted({*before, *after}):
         one, two = before.get(name, _ABSENT), after.get(name, _ABSENT)
         if one is _ABSENT:
@@ -62,7 +62,7 @@ def _verb(before: bool, after: bool) -> str:
     return "changed" if before and after else "is new" if after else "is gone"
 
 
-def _as_text(value: Any) -> str:
+def _as_text(value: object) -> str:
     """A whole section as the word for it; else as in JSON."""
     if value is _ABSENT or value is None:
         return "none"

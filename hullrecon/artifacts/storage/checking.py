@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from hullrecon.artifacts.storage.documents import DamagedError
+from hullrecon.artifacts.storage.documents import DamagedArtifactError
 from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.manifest import Manifest
 from hullrecon.artifacts.storage.workspace import PUBLISHED, Workspace, damaged_files, unequal_files
@@ -30,7 +30,7 @@ def check_workspace(workspace: Workspace, names: Sequence[str], *, read_data: bo
     for name in names:
         try:
             manifest = workspace.manifest(name)
-        except DamagedError as error:
+        except DamagedArtifactError as error:
             result.damaged.append(f"{name}/manifest.json: {error}")
             continue
         if manifest is not None:

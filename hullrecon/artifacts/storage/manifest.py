@@ -5,16 +5,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import msgspec
 from msgspec import Struct
 
 from hullrecon.artifacts.storage.disk import write_file
-from hullrecon.artifacts.storage.documents import DamagedError, digest, seal, unseal
+from hullrecon.artifacts.storage.documents import DamagedArtifactError, digest, seal, unseal
 
 FILE_NAME = "manifest.json"
 SCHEMA = 1
+JsonTable: TypeAlias = dict[str, Any]  # msgspec decodes no recursive type
 
 
 class FileRecord(Struct, frozen=True):
@@ -31,7 +32,7 @@ class Recipe(Struct, frozen=True, kw_only=True):
 
     stage: str
     version: int
-    settings: dict[str, Any]
+    settings: JsonTable
     inputs: dict[str, str] = {}
     external: dict[str, FileRecord] = {}
 
@@ -47,7 +48,7 @@ class Manifest(Struct, frozen=True, kw_only=True):
     key: str
     outputs: dict[str, FileRecord]
     warnings: list[str] = []
-    run: dict[str, Any] = {}
+    run: JsonTable = {}
     schema: int = SCHEMA
 
     @property
@@ -63,14 +64,14 @@ def write_manifest(folder: Path, manifest: Manifest) -> None:
 
 
 def read_manifest(folder: Path) -> Manifest | None:
-    """None when there is no artifact; DamagedError when the manifest is missing in one, cut short or altered."""
+    """None when there is no artifact; DamagedArtifactError when the manifest is missing in one, cut short or altered."""
     if not folder.is_dir():
         return None
     try:
         data = (folder / FILE_NAME).read_bytes()
     except FileNotFoundError as error:
-        raise DamagedError("its manifest is missing") from error
+        raise DamagedArtifactError("its manifest is missing") from error
     try:
         return msgspec.convert(unseal(data), Manifest)
     except msgspec.ValidationError as error:
-        raise DamagedError(f"its manifest is of another kind: {error}") from error
+        raise DamagedArtifactError(f"its manifest is of another kind: {error}") from error

@@ -20,7 +20,7 @@ from hullrecon.artifacts.storage.disk import (
     sync_tree,
     write_file,
 )
-from hullrecon.artifacts.storage.documents import DamagedError, seal, unseal
+from hullrecon.artifacts.storage.documents import DamagedArtifactError, seal, unseal
 from hullrecon.artifacts.storage.hashing import HashCache, files_below
 from hullrecon.artifacts.storage.lock import hold_lock
 from hullrecon.artifacts.storage.manifest import FILE_NAME, Manifest, read_manifest
@@ -40,7 +40,7 @@ class Workspace:
         return existing_folder(self.root / name)
 
     def manifest(self, name: str) -> Manifest | None:
-        """None when there is no artifact; DamagedError when its manifest cannot be trusted."""
+        """None when there is no artifact; DamagedArtifactError when its manifest cannot be trusted."""
         return read_manifest(self.artifact(name))
 
     def build_folder(self, name: str) -> Path:
@@ -57,10 +57,10 @@ class Workspace:
 
     @property
     def package(self) -> Path | None:
-        """The package that the last run read; None when unknown."""
+        """Return the package that the last run read; None when unknown."""
         try:
-            return Path(unseal((self.root / PRIVATE / "workspace.json").read_bytes())["package"])
-        except (OSError, DamagedError, KeyError):
+            return Path(str(unseal((self.root / PRIVATE / "workspace.json").read_bytes())["package"]))
+        except (OSError, DamagedArtifactError, KeyError):
             return None
 
     def remember_package(self, package: Path) -> None:

@@ -8,7 +8,7 @@ import zipfile
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path, PurePosixPath
-from typing import Any, BinaryIO, cast
+from typing import BinaryIO, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ class ArtifactWriter:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def arrays(self, name: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    def arrays(self, name: str, arrays: Mapping[str, NDArray[np.generic]]) -> None:
         """An uncompressed .npz, members sorted by name, in C order, without dates. ValueError for arrays of objects."""
         with durable_file(self._place(name)) as file:
             _write_npz(file, arrays)
@@ -55,7 +55,7 @@ class ArtifactWriter:
         return self._folder.joinpath(*parts)
 
 
-def _write_npz(file: BinaryIO, arrays: Mapping[str, NDArray[Any]]) -> None:
+def _write_npz(file: BinaryIO, arrays: Mapping[str, NDArray[np.generic]]) -> None:
     with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
         for name, array in sorted(arrays.items()):
             member = zipfile.ZipInfo(f"{name}.npy", _ZIP_EPOCH)

@@ -12,6 +12,7 @@ import numpy as np
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.geometry.robust import robust_sigma
+from hullrecon.records.solution import DeviationField
 from hullrecon.typing import Array, Ints
 
 MEDIAN_OVER_MEAN = 1.2533  # sigma of a median of many normal values over that of their mean: sqrt(pi / 2)
@@ -24,34 +25,20 @@ class Background(Protocol):
     def at(self, points: Array) -> tuple[Array, Array]: ...
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FieldBackground:
-    """The adjustment's deviation field, bilinear on the chart; outside its grid nothing is known but its largest sigma."""
+    """The adjustment's deviation field on the chart; outside its grid the offset is 0 with the field's largest sigma."""
 
     chart: Chart
-    origin: Array
-    step: Array
-    value: Array
-    sigma: Array
+    field: DeviationField
 
     def at(self, points: Array) -> tuple[Array, Array]:
-        last = np.array(self.value.shape) - 1
-        cell = (self.chart.to_chart(points)[:, :2] - self.origin) / self.step
-        inside = np.asarray(((cell >= 0) & (cell <= last)).all(axis=1))
-        cell = np.where(inside[:, None], cell, 0.0)
-        low = np.minimum(cell.astype(np.int64), np.maximum(last - 1, 0))
-        share, high = cell - low, np.minimum(low + 1, last)
-
-        def bilinear(grid: Array) -> Array:
-            a, g = share.T
-            near = grid[low[:, 0], low[:, 1]] * (1 - g) + grid[low[:, 0], high[:, 1]] * g
-            far = grid[high[:, 0], low[:, 1]] * (1 - g) + grid[high[:, 0], high[:, 1]] * g
-            return np.asarray(near * (1 - a) + far * a)
-
-        return np.where(inside, bilinear(self.value), 0.0), np.where(inside, bilinear(self.sigma), self.sigma.max())
+        at = self.chart.to_chart(points)[:, :2]
+        inside, field = self.field.covers(at), self.field
+        return np.where(inside, field.value_at(at), 0.0), np.where(inside, field.sigma_at(at), field.sigma.max())
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MedianBackground:
     """Without a field: at each of the nodes the median offset of the landmarks around it, smooth between nodes."""
 
@@ -82,7 +69,7 @@ def median_background(feet: Array, offset: Array, width_m: float) -> Background:
     around = cKDTree(at).query_ball_point(node, width_m / 2, return_sorted=True)
     middle = np.array([np.median(value[rows]) if rows else 0.0 for rows in around])
     spread = np.array([_robust_error(value[rows]) for rows in around])
-    return MedianBackground(node, middle, spread, width_m / 4)
+    return MedianBackground(node=node, value=middle, spread=spread, reach_m=width_m / 4)
 
 
 def _cell_medians(cell: Ints, at: Array, value: Array) -> tuple[Array, Array]:

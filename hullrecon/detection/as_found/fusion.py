@@ -10,15 +10,15 @@ import numpy as np
 
 from hullrecon.detection.objects.shapes import detect_shapes
 from hullrecon.detection.options import DetectOptions
-from hullrecon.detection.views import Views, each_view
+from hullrecon.detection.views import CameraViews, iterate_views
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.typing import Array, Ints
 
 
-@dataclass(frozen=True)
-class Fused:
+@dataclass(frozen=True, kw_only=True)
+class FusedShapes:
     """vertex (n, 3): running means of the rays' intersections, the prior's where there were none; count (n,): views whose
     shapes met the ray to that vertex."""
 
@@ -26,22 +26,22 @@ class Fused:
     count: Ints
 
 
-def fuse_shapes(views: Views, features: Array, deviation: Array, vertices: Array, options: DetectOptions) -> Fused:
+def fuse_shapes(views: CameraViews, features: Array, deviation: Array, vertices: Array, options: DetectOptions) -> FusedShapes:
     """The vertices (n, 3) moved to the shapes that the views' features (m, 3) with deviations (m,) make.
 
     [Ozog2016 eq. 4.15] is a running mean in which the first observation replaces the prior: the mean of all intersections.
     """
     total, count = np.zeros_like(vertices), np.zeros(len(vertices), np.int64)
-    off = np.flatnonzero(np.abs(deviation) > options.threshold)
-    near = _near(vertices, features[off], 3 * options.alpha)
-    nearby = dict(each_view(views, vertices[near])) if len(near) and len(off) else {}
-    for view, rows in each_view(views, features[off]) if nearby else ():
+    off = np.flatnonzero(np.abs(deviation) > options.min_offset_m)
+    near = _near(vertices, features[off], 3 * options.alpha_radius_m)
+    nearby = dict(iterate_views(views, vertices[near])) if len(near) and len(off) else {}
+    for view, rows in iterate_views(views, features[off]) if nearby else ():
         if view not in nearby:
             continue
         T_c_x = views.T_x_c[view].inverse()
         shapes = detect_shapes(
-            T_c_x.apply(features[off[rows]]), deviation[off[rows]], options.threshold, options.cluster_reach,
-            options.cluster_points, options.alpha,
+            T_c_x.apply(features[off[rows]]), deviation[off[rows]], options.min_offset_m, options.cluster_reach_m,
+            options.min_cluster_points, options.alpha_radius_m,
         )  # fmt: skip
         seen = near[nearby[view]]
         met = _intersections(shapes, T_c_x.apply(vertices[seen]))
@@ -49,7 +49,7 @@ def fuse_shapes(views: Views, features: Array, deviation: Array, vertices: Array
         total[seen[hit]] += views.T_x_c[view].apply(met[hit])
         count[seen[hit]] += 1
     vertex = np.where(count[:, None] > 0, total / np.maximum(count, 1)[:, None], vertices)
-    return Fused(vertex, count)
+    return FusedShapes(vertex=vertex, count=count)
 
 
 def _near(vertices: Array, features: Array, reach_m: float) -> Ints:

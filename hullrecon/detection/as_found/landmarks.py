@@ -12,12 +12,12 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.typing import Array, Ints, Mask
 
-LEAST_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
+MIN_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
 
 
-@dataclass(frozen=True)
-class Measured:
-    """Landmarks that measure the base surface, in its frame. row (n,): in the Solution; position, foot on the base and outward
+@dataclass(frozen=True, kw_only=True)
+class SurfaceLandmarks:
+    """Landmarks that measure_surface the base surface, in its frame. row (n,): in the Solution; position, foot on the base and outward
     normal there (n, 3); offset (n,) m, signed distance to the base; sigma (n,) m along the normal, of each on its own;
     common (n,) m, what it shares with its neighbours (the dive's place on the hull); views (n,)."""
 
@@ -33,13 +33,13 @@ class Measured:
     def __len__(self) -> int:
         return len(self.row)
 
-    def take(self, which: Mask | Ints) -> Measured:
-        return Measured(**{f.name: getattr(self, f.name)[which] for f in fields(self)})
+    def take(self, which: Mask | Ints) -> SurfaceLandmarks:
+        return SurfaceLandmarks(**{f.name: getattr(self, f.name)[which] for f in fields(self)})
 
 
-def measure(
+def measure_surface(
     scene: Scene, position: Array, covariance: Array, views: Ints, farthest_m: float, largest_sigma_m: float
-) -> Measured:
+) -> SurfaceLandmarks:
     """What landmarks (n, 3) with covariances (n, 3, 3) say about the surface of `scene`.
 
     Left out: those not finite, seen by one image only, farther off than `farthest_m`, less certain along the normal than
@@ -53,10 +53,10 @@ def measure(
     near_it = (np.abs(near.distance) <= farthest_m) & (sideways <= 0.005 + 0.7 * np.abs(near.distance))
     good = np.flatnonzero(near_it & (variance > 0))
     common = shared_variance(position[row[good]], variance[good])
-    sigma = np.sqrt(np.maximum(variance[good] - common, 0.0) + LEAST_SIGMA_M**2)
-    kept = Measured(
-        row[good], position[row[good]], near.foot[good], near.normal[good], near.distance[good], sigma, np.sqrt(common),
-        views[row[good]],
+    sigma = np.sqrt(np.maximum(variance[good] - common, 0.0) + MIN_SIGMA_M**2)
+    kept = SurfaceLandmarks(
+        row=row[good], position=position[row[good]], foot=near.foot[good], normal=near.normal[good], offset=near.distance[good], sigma=sigma, common=np.sqrt(common),
+        views=views[row[good]],
     )  # fmt: skip
     return kept.take(sigma <= largest_sigma_m)
 
@@ -66,4 +66,4 @@ def shared_variance(position: Array, variance: Array, neighbours: int = 32) -> A
     if not len(position):
         return variance
     _, row = nearest(position, position, min(neighbours, len(position)))
-    return np.maximum(np.sort(variance[row], axis=1)[:, min(1, row.shape[1] - 1)] - LEAST_SIGMA_M**2, 0.0).clip(max=variance)
+    return np.maximum(np.sort(variance[row], axis=1)[:, min(1, row.shape[1] - 1)] - MIN_SIGMA_M**2, 0.0).clip(max=variance)

@@ -29,18 +29,3 @@ def affordable_edge(points: Array, edge_m: float, most_vertices: int) -> float:
     cell = 0.2
     area = len(np.unique(np.floor(points / cell).astype(np.int64), axis=0)) * cell**2
     return float(max(edge_m, np.sqrt(area / (0.43 * most_vertices))))
-
-
-def vertex_normals(mesh: Mesh) -> Array:
-    """Outward unit normals (n, 3), the faces' normals weighted by their angles; zero at vertices of no face."""
-    corner = mesh.vertices[mesh.faces]
-    face = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    face /= np.maximum(np.linalg.norm(face, axis=1, keepdims=True), 1e-15)
-    out = np.zeros_like(mesh.vertices)
-    for k in range(3):
-        a, b = corner[:, (k + 1) % 3] - corner[:, k], corner[:, (k + 2) % 3] - corner[:, k]
-        cosine = np.einsum("ni,ni->n", a, b) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-15)
-        angle = np.arccos(np.clip(cosine, -1, 1))
-        for axis in range(3):
-            out[:, axis] += np.bincount(mesh.faces[:, k], angle * face[:, axis], minlength=len(out))
-    return np.asarray(out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-15))

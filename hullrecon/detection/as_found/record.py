@@ -6,18 +6,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.detection.as_found.estimate import Found
-from hullrecon.detection.as_found.landmarks import Measured
-from hullrecon.detection.as_found.mesh import refine_near, vertex_normals
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.detection.as_found.hull_as_found import HullAsFound
+from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
+from hullrecon.detection.as_found.mesh import refine_near
+from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.records.surface import Surface
 from hullrecon.typing import Array
 
-SEAM_SIGMA_M = 0.01  # of a height carried over the width of one triangle of the DVL's surface
+SEAM_SIGMA_M = 0.01  # of a height carry_over over the width of one triangle of the DVL's surface
 
 
-def found_surface(found: Found, measured: Measured) -> Surface:
+def as_found_surface(found: HullAsFound, measured: SurfaceLandmarks) -> Surface:
     """support: views that saw the vertex where landmarks measured it, 0 elsewhere (unseen, or seen without texture). sigma:
     of the place in the hull's frame, so with what all landmarks around share."""
     _, row = nearest(measured.foot, found.base.vertices, 1)
@@ -30,7 +30,7 @@ def found_surface(found: Found, measured: Measured) -> Surface:
 
 
 def surface_on_cad_model(cad_model: Mesh, surface: Surface, edge_m: float) -> Surface:
-    """The CAD model moved to the DVL's surface: deviations of its vertices carried over, where any lies within two edges."""
+    """The CAD model moved to the DVL's surface: deviations of its vertices carry_over over, where any lies within two edges."""
     mesh = refine_near(cad_model, surface.vertices, edge_m, edge_m)
     distance, row = nearest(surface.vertices, mesh.vertices, min(4, len(surface.vertices)), 2 * edge_m)
     known = np.isfinite(distance[:, 0])
@@ -38,11 +38,11 @@ def surface_on_cad_model(cad_model: Mesh, surface: Surface, edge_m: float) -> Su
     weight[known] /= weight[known].sum(axis=1, keepdims=True)
     row = np.where(np.isfinite(distance), row, 0)
 
-    def carried(values: Array) -> Array:
+    def carry_over(values: Array) -> Array:
         return np.asarray((weight * values[row]).sum(axis=1))
 
-    deviation = carried(surface.deviation)
-    sigma = np.where(known, np.hypot(carried(surface.sigma), SEAM_SIGMA_M), np.nan)
+    deviation = carry_over(surface.deviation)
+    sigma = np.where(known, np.hypot(carry_over(surface.sigma), SEAM_SIGMA_M), np.nan)
     support = np.where(known, surface.support[row[:, 0]], 0)
     vertices = mesh.vertices + vertex_normals(mesh) * deviation[:, None]
     return Surface(vertices=vertices, faces=mesh.faces, deviation=deviation, sigma=sigma, support=support)

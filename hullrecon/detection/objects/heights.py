@@ -16,8 +16,8 @@ CHUNK = 20_000  # vertices at once: bounds memory
 SLOPE_SIGMA = 0.5  # prior of the height's slope, about zero: keeps thin neighbourhoods from extrapolating
 BEND_SIGMA = 5.0  # 1/m, prior of its second-order terms, about zero: a plane alone would cut off a lump's top
 ROUNDS = 4  # of weights by the last fit, and a fit by these weights
-LEAST_SCALE_M = 0.003  # landmarks nearer to each other than this are never outliers
-MOST_SCALE_M = 0.012  # nor is a step an inlier because a neighbourhood straddles it
+MIN_SCALE_M = 0.003  # landmarks nearer to each other than this are never outliers
+MAX_SCALE_M = 0.012  # nor is a step an inlier because a neighbourhood straddles it
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Heights:
     count: Ints
     agreement: Array
 
-    def followed_by(self, more: Heights) -> Heights:
+    def append(self, more: Heights) -> Heights:
         return Heights(*(np.concatenate([getattr(self, f.name), getattr(more, f.name)]) for f in fields(self)))
 
 
@@ -58,10 +58,10 @@ def _heights(
     row = np.where(near, row, 0)
     count = near.sum(axis=1)
     width = np.where(near, distance, 0.0).max(axis=1, initial=1e-3, keepdims=True) * 1.05
-    weight = np.where(near, (1 - np.minimum(1, distance / width) ** 2) ** 2 / (sigma[row] ** 2 + LEAST_SCALE_M**2), 0.0)
+    weight = np.where(near, (1 - np.minimum(1, distance / width) ** 2) ** 2 / (sigma[row] ** 2 + MIN_SCALE_M**2), 0.0)
     h = np.where(near, height[row], np.nan)
     start = _median(h[:, :7])
-    scale = np.clip(NORMAL_MAD * _median(np.abs(h - start[:, None])), LEAST_SCALE_M, MOST_SCALE_M)
+    scale = np.clip(NORMAL_MAD * _median(np.abs(h - start[:, None])), MIN_SCALE_M, MAX_SCALE_M)
     east, north = _tangents(normal)
     gap = feet[row] - at[:, None, :]
     terms = _terms(np.einsum("nki,ni->nk", gap, east), np.einsum("nki,ni->nk", gap, north))
@@ -70,7 +70,7 @@ def _heights(
     for _ in range(ROUNDS):
         off = (h - np.einsum("nkj,nj->nk", terms, fit)) / (4.0 * scale[:, None])
         robust = weight * np.maximum(0.0, 1 - off**2) ** 2
-        fit, variance = _fitted(terms, h, robust, fit)
+        fit, variance = _solve(terms, h, robust, fit)
     error = _error(terms, h, fit, robust, sigma[row], variance)
     agreement = (weight * (np.abs(off) < 1)).sum(axis=1) / (weight.sum(axis=1) + 1e-12)
     known = count >= 3
@@ -98,7 +98,7 @@ def _error(terms: Array, h: Array, fit: Array, weight: Array, sigma: Array, vari
     return np.asarray(np.sqrt(np.maximum(scatter, claimed) * leverage / effective))
 
 
-def _fitted(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:
+def _solve(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:
     """Coefficients (n, 6) of the terms by weighted least squares with priors, and the height's variance (n,); as before where
     nothing weighs."""
     normal_matrix = np.einsum("nki,nk,nkj->nij", terms, weight, terms, optimize=True)
@@ -110,7 +110,7 @@ def _fitted(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array
     fit = np.einsum("nij,nj->ni", inverse, right)
     empty = weight.sum(axis=1) <= 0
     fit[empty] = before[empty]
-    return fit, np.where(empty, MOST_SCALE_M**2, inverse[:, 0, 0])
+    return fit, np.where(empty, MAX_SCALE_M**2, inverse[:, 0, 0])
 
 
 def _median(values: Array) -> Array:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the hull as found stands off the hull: regions of the mesh, each a candidate for one object."""
+"""Where the hull as found stands off the hull: regions of the mesh, each a evidence for one object."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.detection.as_found.estimate import Found
+from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.objects.shapes import dbscan
 from hullrecon.detection.options import DetectOptions
 from hullrecon.geometry.meshes.mesh import vertex_areas
@@ -21,10 +21,10 @@ SPECK = 0.3  # of the least area: smaller regions are noise, not candidates
 FOOT_SHARE = 0.25  # of the height, where the footprint ends
 SADDLE_STEP = 1.2  # from one level at which a saddle is looked for to the next
 RING_GAP_M = 0.04  # the ring of hull begins so far from the footprint, beyond what edges blur
-LEAST_RING = 10  # vertices; fewer do not say where the hull around lies
+MIN_RING = 10  # vertices; fewer do not say where the hull around lies
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Region:
     """One structure. side +1 raised, -1 sunken; foot, core, ring: vertices of the footprint, of its part above half height, and
     of the hull around it; level m, the hull around it; height m above that, signed; bluntness m, how much lower it is where
@@ -39,12 +39,12 @@ class Region:
     bluntness: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Relief:
     """The hull as found, and what is asked of it again and again: area (n,) m2 of its vertices, off (n,) whether they stand off
     the hull by the threshold, around: where its vertices lie."""
 
-    found: Found
+    found: HullAsFound
     area: Array
     off: Mask
     around: Around
@@ -52,38 +52,38 @@ class _Relief:
 
     def clusters(self, rows: Ints) -> list[Ints]:
         """Those vertices in clusters; what is nearer than `cluster_reach` is one."""
-        label = dbscan(self.found.base.vertices[rows], self.options.cluster_reach, self.options.cluster_points)
+        label = dbscan(self.found.base.vertices[rows], self.options.cluster_reach_m, self.options.min_cluster_points)
         return [rows[label == k] for k in range(int(label.max(initial=-1)) + 1)]
 
 
-def find_regions(found: Found, options: DetectOptions) -> list[Region]:
+def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
     """Raised and sunken regions of measured vertices, the highest first; parts nearer than `cluster_reach` are one."""
-    off = found.measured & (np.abs(found.height) >= options.threshold)
-    relief = _Relief(found, vertex_areas(found.base), off, Around(found.base.vertices), options)
+    off = found.measured & (np.abs(found.height) >= options.min_offset_m)
+    relief = _Relief(found=found, area=vertex_areas(found.base), off=off, around=Around(found.base.vertices), options=options)
     regions = [_region(relief, seed, foreign, side) for side in (1.0, -1.0) for seed, foreign in _seeds(relief, side)]
     return sorted((r for r in regions if r is not None), key=lambda r: (-abs(r.height), int(r.foot[0])))
 
 
 def _seeds(relief: _Relief, side: float) -> Iterator[tuple[Ints, Ints]]:
-    """Vertices of each candidate on that side, and those of its neighbours that were parted from it."""
+    """Vertices of each evidence on that side, and those of its neighbours that were parted from it."""
     for cluster in relief.clusters(np.flatnonzero(relief.off & (side * relief.found.height > 0))):
-        parts = _parted(relief, cluster, side)
+        parts = _split_at_saddles(relief, cluster, side)
         for k, seed in enumerate(parts):
-            if relief.area[seed].sum() >= SPECK * relief.options.least_area:
+            if relief.area[seed].sum() >= SPECK * relief.options.min_area_m2:
                 yield seed, np.concatenate([np.zeros(0, np.int64), *parts[:k], *parts[k + 1 :]])
 
 
-def _parted(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
+def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
     """A cluster, or its parts: two peaks are two structures when the saddle between them is lower than half of either.
     Smoothing bridges the hull between neighbours, so that clusters at the threshold may hold both."""
     height, vertices = side * relief.found.height[rows], relief.found.base.vertices
-    level = SADDLE_STEP * relief.options.threshold
+    level = SADDLE_STEP * relief.options.min_offset_m
     while level < 0.5 * height.max():
         peaks = [p for p in relief.clusters(rows[height > level]) if _is_peak(relief, p, side, level)]
         if len(peaks) > 1:
             gap = np.stack([nearest(vertices[p], vertices[rows], 1)[0][:, 0] for p in peaks])
             owner = gap.argmin(axis=0)
-            return [part for k in range(len(peaks)) for part in _parted(relief, rows[owner == k], side)]
+            return [part for k in range(len(peaks)) for part in _split_at_saddles(relief, rows[owner == k], side)]
         level *= SADDLE_STEP
     return [rows]
 
@@ -91,8 +91,8 @@ def _parted(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
 def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
     """Wide enough to be told from noise, and twice as high as the level that cuts it off."""
     area = relief.area[rows]
-    wide = area.sum() >= SPECK * relief.options.least_area
-    return bool(wide and _reached(side * relief.found.height[rows], area, TOP_M2) >= 2 * level)
+    wide = area.sum() >= SPECK * relief.options.min_area_m2
+    return bool(wide and _height_of_top(side * relief.found.height[rows], area, TOP_M2) >= 2 * level)
 
 
 def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region | None:
@@ -102,18 +102,22 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
     near = relief.around.ball(base[seed], RING_GAP_M + width)
     distance = nearest(base[seed], base[near], 1)[0][:, 0]
     ring = near[(distance > RING_GAP_M) & (distance < RING_GAP_M + width) & found.measured[near] & ~relief.off[near]]
-    if len(ring) < LEAST_RING:
+    if len(ring) < MIN_RING:
         return None
     level = weighted_quantile(found.height[ring], area[ring], 0.5)
     above = side * (found.height - level)
-    height, shoulder = (_reached(above[seed], area[seed], top) for top in (TOP_M2, 3 * TOP_M2))
-    own = (distance <= relief.options.cluster_reach) & found.measured[near] & ~np.isin(near, foreign)
+    height, shoulder = (_height_of_top(above[seed], area[seed], top) for top in (TOP_M2, 3 * TOP_M2))
+    own = (distance <= relief.options.cluster_reach_m) & found.measured[near] & ~np.isin(near, foreign)
     foot = near[own & (above[near] >= FOOT_SHARE * height)]
     core = foot[above[foot] >= 0.5 * height]
-    return Region(side, foot, core, ring, level, side * height, height - shoulder) if len(core) else None
+    return (
+        Region(side=side, foot=foot, core=core, ring=ring, level=level, height=side * height, bluntness=height - shoulder)
+        if len(core)
+        else None
+    )
 
 
-def _reached(height: Array, area: Array, top_m2: float) -> float:
+def _height_of_top(height: Array, area: Array, top_m2: float) -> float:
     """The height that so much of the area reaches, half of it at most."""
     return weighted_quantile(height, area, 1 - min(0.5, top_m2 / area.sum()))
 

@@ -6,19 +6,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.detection.as_found.estimate import Found
+from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.objects.regions import Region
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.typing import Array
 
 
-def roughness(found: Found) -> float:
+def roughness(found: HullAsFound) -> float:
     """One robust sigma of the measured heights: what hull and noise do without structures, m."""
     height = found.height[found.measured]
     return robust_sigma(height) if len(height) else 0.0
 
 
-def height_sigma(found: Found, region: Region) -> float:
+def height_sigma(found: HullAsFound, region: Region) -> float:
     """One sigma of a region's height: of a vertex at its top and of the ring's level. Neighbouring vertices share landmarks, so
     the top counts as one vertex and the ring as one for each of its eight sides at most."""
     top = float(np.median(found.sigma[region.core]))

@@ -1,51 +1,54 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What does not fit together in a dive: seen before an hour of work, not after."""
+"""Find what contradicts itself in a dive before an hour of work, not after."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.check.messages import Stream
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.dive.logs.timeline import NS
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_mount
-from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SensorRecords
 from hullrecon.typing import Ints
 
-ABOVE_WATER_M = 0.5  # a return that far above the surface is none of the hull under water
+ABOVE_WATER_M = 0.5  # a return that far above the surface is not of the hull under water
 MUCH = 0.05  # share of returns above water
-ASTRAY_DEG = 50.0  # between where a camera and the DVL look
+APART_DEG = 50.0  # between where a camera and the DVL look
 SLOW = 0.02  # m/s; below, depth's rate says nothing about the DVL
 
 
-def suspicions(config: DiveConfig, records: Mapping[str, Any], images: Mapping[str, ImageIndex]) -> list[str]:
-    """Sentences; none when all fits."""
-    out = _clocks({**records, **images})
-    if "imu" in records:
-        out += _gravity(records["imu"], config.imu.frame)
-    if {"dvl", "imu", "pressure"} <= records.keys():
-        global_from_dvl = _global_from_dvl(config, records)
-        out += _returns_above_water(config, records, global_from_dvl)
-        out += _rate_of_depth(records["dvl"], records["pressure"], global_from_dvl)
-    return out + _views(config)
+def check_consistency(config: DiveConfig, records: SensorRecords, images: Mapping[str, ImageIndex]) -> list[str]:
+    """Return a sentence for each contradiction between sensors, mounts and clocks; none where all fits."""
+    out = _check_clocks({**records.by_name(), **images})
+    dvl, imu, pressure = records.dvl, records.imu, records.pressure
+    if imu is not None:
+        out += _check_gravity(imu, config.imu.frame)
+    if dvl is not None and imu is not None and pressure is not None:
+        global_from_dvl = _global_from_dvl(config, dvl, imu, records.tray)
+        out += _check_returns_below_water(dvl, pressure, global_from_dvl)
+        out += _check_depth_rate(dvl, pressure, global_from_dvl)
+    return out + _check_mounts(config)
 
 
-def first_difference(records: Mapping[str, Any], images: Mapping[str, ImageIndex]) -> list[str]:
-    """How the first image lies to the first DVL ping."""
-    if "dvl" not in records or "camera_top" not in images:
+def describe_start_offset(records: SensorRecords, images: Mapping[str, ImageIndex]) -> list[str]:
+    """Return how much later or earlier than the first DVL ping the first image is; nothing without both."""
+    top = images.get(Camera.TOP.key)
+    if records.dvl is None or top is None:
         return []
-    seconds = (int(images["camera_top"].t_ns[0]) - int(records["dvl"].t_ns[0])) / NS
+    seconds = (int(top.t_ns[0]) - int(records.dvl.t_ns[0])) / NS
     side = "after" if seconds >= 0 else "before"
     return [f"the first camera image is {abs(seconds):.1f} s {side} the first DVL ping"]
 
 
-def _clocks(streams: Mapping[str, Any]) -> list[str]:
-    """Streams that do not overlap in time with the longest one cannot be used together."""
-    spans = {name: (int(s.t_ns[0]), int(s.t_ns[-1])) for name, s in streams.items() if s is not None and len(s.t_ns)}
+def _check_clocks(streams: Mapping[str, Stream]) -> list[str]:
+    """Return a sentence for each stream that does not overlap in time with the longest one."""
+    spans = {name: (int(s.t_ns[0]), int(s.t_ns[-1])) for name, s in streams.items() if len(s.t_ns)}
     if not spans:
         return []
     main = max(spans, key=lambda name: spans[name][1] - spans[name][0])
@@ -58,8 +61,8 @@ def _clocks(streams: Mapping[str, Any]) -> list[str]:
     ]  # fmt: skip
 
 
-def _gravity(imu: ImuSamples, frame: str) -> list[str]:
-    """An accelerometer at rest feels an upward push: -g along z of `global`."""
+def _check_gravity(imu: ImuSamples, frame: str) -> list[str]:
+    """Compare the measured acceleration with what an accelerometer at rest feels: g upward, -g along z of `global`."""
     felt = Rotation.from_quat(imu.quaternion).apply(imu.acceleration)
     felt = felt[np.isfinite(felt).all(axis=1)]
     if not len(felt) or np.linalg.norm(np.median(felt, axis=0)) < 5.0:
@@ -73,8 +76,8 @@ def _gravity(imu: ImuSamples, frame: str) -> list[str]:
     )
 
 
-def _returns_above_water(config: DiveConfig, records: Mapping[str, Any], global_from_dvl: Rotation) -> list[str]:
-    dvl, pressure = records["dvl"], records["pressure"]
+def _check_returns_below_water(dvl: DvlPings, pressure: PressureSamples, global_from_dvl: Rotation) -> list[str]:
+    """Return a sentence where a share of MUCH or more of the DVL's returns would lie above the water."""
     depth = np.interp(dvl.t_ns, pressure.t_ns, pressure.depth)
     reach = np.nan_to_num(dvl.ranges)[:, :, None] * dvl.beams
     below = depth[:, None] + np.stack([global_from_dvl.apply(reach[:, b])[:, 2] for b in range(reach.shape[1])], axis=1) \
@@ -86,8 +89,8 @@ def _returns_above_water(config: DiveConfig, records: Mapping[str, Any], global_
     return [f"{100 * share:.0f} % of the DVL's returns would lie above the water: are dvl.mount and the tray's angle right?"]
 
 
-def _rate_of_depth(dvl: DvlPings, pressure: PressureSamples, global_from_dvl: Rotation) -> list[str]:
-    """Downward speed by the DVL against that by pressure, over two seconds."""
+def _check_depth_rate(dvl: DvlPings, pressure: PressureSamples, global_from_dvl: Rotation) -> list[str]:
+    """Compare the downward speed by the DVL with that by pressure over two seconds."""
     moved = np.isfinite(dvl.velocity).all(axis=1)
     if moved.sum() < 10 or len(pressure.t_ns) < 10:
         return []
@@ -104,14 +107,14 @@ def _rate_of_depth(dvl: DvlPings, pressure: PressureSamples, global_from_dvl: Ro
     return []
 
 
-def _views(config: DiveConfig) -> list[str]:
-    """Camera and DVL ride on one tray and look at one hull."""
+def _check_mounts(config: DiveConfig) -> list[str]:
+    """Return a sentence where camera and DVL, which share the tray, look different ways, or the baseline is implausible."""
     out = []
     top, bottom = config.camera.top, config.camera.bottom
     if top is not None:
         looks = [from_mount(m).rotation.apply([0.0, 0.0, 1.0])[0] for m in (config.dvl.mount, top.mount)]
         apart = float(np.degrees(np.arccos(np.clip(looks[0] @ looks[1], -1, 1))))
-        if apart > ASTRAY_DEG:
+        if apart > APART_DEG:
             out.append(f"camera.top looks {apart:.0f} degrees away from where the DVL looks: is one of the mounts wrong?")
     if bottom is not None:
         baseline = float(np.linalg.norm(bottom.pose_in_top[:3]))
@@ -120,11 +123,8 @@ def _views(config: DiveConfig) -> list[str]:
     return out
 
 
-def _global_from_dvl(config: DiveConfig, records: Mapping[str, Any]) -> Rotation:
-    """Of each ping, by the nearest attitude and tray angle."""
-    dvl: DvlPings = records["dvl"]
-    imu: ImuSamples = records["imu"]
-    tray: JointSamples | None = records.get("tray")
+def _global_from_dvl(config: DiveConfig, dvl: DvlPings, imu: ImuSamples, tray: JointSamples | None) -> Rotation:
+    """Return R_g_d of each ping by the nearest attitude and the tray's angle."""
     nearest = _nearest(imu.t_ns, dvl.t_ns)
     angle = np.interp(dvl.t_ns, tray.t_ns, tray.angle) if tray is not None and len(tray.t_ns) else np.zeros(len(dvl.t_ns))
     vehicle_from_tray = Rotation.from_euler("y", angle[:, None])
@@ -132,6 +132,7 @@ def _global_from_dvl(config: DiveConfig, records: Mapping[str, Any]) -> Rotation
 
 
 def _nearest(t_ns: Ints, wanted_ns: Ints) -> Ints:
+    """Return for each wanted time the row of the nearest stamp."""
     right = (
         np.clip(np.searchsorted(t_ns, wanted_ns), 1, max(1, len(t_ns) - 1)) if len(t_ns) > 1 else np.zeros(len(wanted_ns), int)
     )

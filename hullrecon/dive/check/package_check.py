@@ -1,115 +1,152 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A whole package looked over in words, without keeping anything."""
+"""Check a whole package and describe it, without keeping anything."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import BytesIO
-from typing import Any, BinaryIO
+from pathlib import Path
+from typing import BinaryIO
 
 import msgspec
+from msgspec import Struct
 
-from hullrecon.dive.check.consistency_checks import first_difference, suspicions
+from hullrecon.dive.check.consistency_checks import check_consistency, describe_start_offset
+from hullrecon.dive.check.messages import Stream
 from hullrecon.dive.check.to_fill_in import to_fill_in
 from hullrecon.dive.config.load import LoadedConfig
-from hullrecon.dive.ingest import Ingested, Request, ingest
+from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import Watch
-from hullrecon.dive.logs.summary import missing
+from hullrecon.dive.logs.summary import is_runnable, missing
 from hullrecon.dive.logs.timeline import rate_hz
+from hullrecon.errors import InputError
+from hullrecon.geometry.frames import Camera
+
+VEHICLE_SECTIONS = ("tray", "imu", "pressure", "dvl", *(camera.section for camera in Camera), "sonar", "hull")
 
 
-class _Nowhere(BytesIO):
+class _NullFile(BytesIO):
     """A file that keeps nothing."""
 
-    def write(self, data: Any, /) -> int:
+    def write(self, data: object, /) -> int:
+        assert isinstance(data, bytes)
         return len(data)
 
 
-def _nowhere(camera: str) -> BinaryIO:
-    return _Nowhere()
+def _open_null(camera: str) -> BinaryIO:
+    return _NullFile()
 
 
-@dataclass(frozen=True)
-class Check:
-    """What `check` says about a package."""
+@dataclass(frozen=True, kw_only=True)
+class PackageCheck:
+    """What `check` reports about a package. missing_files: those that dive.toml names and that are not there, with their keys;
+    missing: what the absence of sensors means; warnings: contradictions; defaults: values by key that nobody gave."""
 
     name: str
     vessel: str
-    found: Ingested
+    found: IngestResult
+    missing_files: list[str]
     missing: list[str]
     to_fill_in: list[str]
-    suspicious: list[str]
-    defaults: dict[str, Any]
+    warnings: list[str]
+    defaults: dict[str, object]
+    run_is_possible: bool
 
     def lines(self) -> list[str]:
-        told = self.found.findings()
+        """Return the report, a sentence a line."""
+        findings = self.found.findings()
         defaults = ", ".join(f"{key} = {_toml(value)}" for key, value in sorted(self.defaults.items()))
         return [
             f"{self.name}: {self.vessel}" if self.vessel else self.name,
-            *told["spans"], *first_difference(self.found.records, self.found.images), *told["hull"],
-            *(f"lost: {line}" for line in told["lost"]), *(f"note: {line}" for line in told["remarks"]), *self.missing,
-            *self.to_fill_in,
-            *(f"suspicious: {line}" for line in self.suspicious), f"defaults used: {defaults}",
+            *findings["spans"], *describe_start_offset(self.found.records, self.found.images), *findings["hull"],
+            *(f"missing: {file}" for file in self.missing_files),
+            *(f"lost: {line}" for line in findings["lost"]), *(f"note: {line}" for line in findings["remarks"]), *self.missing,
+            *self.to_fill_in, *(f"suspicious: {line}" for line in self.warnings), f"defaults used: {defaults}",
         ]  # fmt: skip
 
-    def document(self) -> dict[str, Any]:
-        streams = {
-            name: {
-                "count": len(s.t_ns),
-                "start_ns": int(s.t_ns[0]),
-                "end_ns": int(s.t_ns[-1]),
-                "rate_hz": round(rate_hz(s.t_ns), 3),
-            }
-            for name, s in {**self.found.records, **self.found.images}.items()
-            if s is not None and len(s.t_ns)
-        }
+    def document(self) -> dict[str, object]:
+        """Return the report as --json prints it."""
+        streams: Mapping[str, Stream] = {**self.found.records.by_name(), **self.found.images}
         return {
-            "name": self.name, "vessel": self.vessel, "streams": streams, **self.found.findings(), "missing": self.missing,
-            "to_fill_in": self.to_fill_in,
-            "suspicious": self.suspicious, "topics": self.found.counts,
-            "offset": first_difference(self.found.records, self.found.images), "defaults": self.defaults,
+            "name": self.name, "vessel": self.vessel,
+            "streams": {name: _describe_stream(stream) for name, stream in streams.items() if len(stream.t_ns)},
+            **self.found.findings(), "missing_files": self.missing_files, "missing": self.missing,
+            "to_fill_in": self.to_fill_in, "suspicious": self.warnings, "topics": self.found.counts,
+            "offset": describe_start_offset(self.found.records, self.found.images), "defaults": self.defaults,
+            "run_is_possible": self.run_is_possible,
         }  # fmt: skip
 
 
-def check_package(loaded: LoadedConfig, request: Request, watch: Watch = iter) -> Check:
-    """Reads the whole package. Raises InputError for what cannot be used."""
-    found = ingest(loaded.package, request, _nowhere, watch)
-    held = {name: record for name, record in {**found.records, **found.images}.items() if record is not None}
-    present = {"joints" if name == "tray" else name for name, record in held.items() if len(record.t_ns)}
+def check_package(loaded: LoadedConfig, request: IngestRequest, watch: Watch = iter) -> PackageCheck:
+    """Return what the package holds and lacks, all of it read. Raises InputError for what cannot be used."""
+    request, missing_files = _leave_out_missing(loaded.package, request)
+    found = ingest(loaded.package, request, _open_null, watch)
+    streams: Mapping[str, Stream] = {**found.records.by_name(), **found.images}
+    present = {"joints" if name == "tray" else name for name, stream in streams.items() if len(stream.t_ns)}
     named = {sensor for sensor, topic in request.topics.items() if topic in found.counts}
     logged = named | (TYPES.keys() & found.counts.keys())
-    return Check(
-        loaded.config.dive.name,
-        loaded.config.dive.vessel,
-        found,
-        missing(present, hull=found.hull is not None),
-        to_fill_in(loaded, logged),
-        suspicions(loaded.config, found.records, found.images),
-        defaults_of(loaded),
+    return PackageCheck(
+        name=loaded.config.dive.name,
+        vessel=loaded.config.dive.vessel,
+        found=found,
+        missing_files=missing_files,
+        missing=missing(present, hull=found.hull is not None),
+        to_fill_in=to_fill_in(loaded, logged),
+        warnings=check_consistency(loaded.config, found.records, found.images),
+        defaults=defaults_of(loaded),
+        run_is_possible=is_runnable(present) and not missing_files,
     )
 
 
-def defaults_of(loaded: LoadedConfig) -> dict[str, Any]:
-    """The keys of the vehicle's sections that dive.toml leaves to their defaults, where these are values."""
-    vehicle = ("tray", "imu", "pressure", "dvl", "camera.top", "camera.bottom", "sonar", "hull")
-    sections: Mapping[str, Any] = {name: loaded.sections[name] for name in vehicle}
+def _leave_out_missing(package: Path, request: IngestRequest) -> tuple[IngestRequest, list[str]]:
+    """Return the request without the files that are not there, and those with their keys. Raises InputError without any log."""
+    named = [("logs.files", name) for name in request.logs]
+    named += [(f"{Camera(name.removeprefix('camera_')).section}.calibration", f) for name, f in request.calibration.items()]
+    named += [("hull.mesh", request.mesh)] if request.mesh is not None else []
+    missing_files = [f"{file} ({key})" for key, file in named if not _exists(package / file)]
+    left = replace(
+        request,
+        logs=tuple(name for name in request.logs if _exists(package / name)),
+        calibration={name: file for name, file in request.calibration.items() if _exists(package / file)},
+        mesh=request.mesh if request.mesh is not None and _exists(package / request.mesh) else None,
+    )
+    if not left.logs and len(missing_files) > 1:
+        raise InputError(
+            f"missing: {', '.join(missing_files)}", where=str(package), remedy="put them there or correct dive.toml"
+        )
+    return (left, missing_files) if left.logs else (request, [])  # of a single log its reader says what is wrong
+
+
+def _exists(path: Path) -> bool:
+    """Return whether there is something; a name that no file can have is left to its reader."""
+    try:
+        return path.exists()
+    except OSError:
+        return True
+
+
+def _describe_stream(stream: Stream) -> dict[str, int | float]:
+    t = stream.t_ns
+    return {"count": len(t), "start_ns": int(t[0]), "end_ns": int(t[-1]), "rate_hz": round(rate_hz(t), 3)}
+
+
+def defaults_of(loaded: LoadedConfig) -> dict[str, object]:
+    """Return the keys of the vehicle's sections that dive.toml leaves to their defaults, with these values."""
+    sections = {name: loaded.sections[name] for name in VEHICLE_SECTIONS}
     return {
         f"{name}.{key}": value
         for name, section in sections.items()
-        if section is not None
+        if isinstance(section, Struct)
         for key, value in msgspec.to_builtins(section).items()
         if value is not None and f"{name}.{key}" not in loaded.given
     }
 
 
-def _toml(value: Any) -> str:
-    return (
-        f"[{', '.join(map(_toml, value))}]"
-        if isinstance(value, list | tuple)
-        else f'"{value}"'
-        if isinstance(value, str)
-        else f"{value:g}"
-    )
+def _toml(value: object) -> str:
+    """Return a number, a text or a list of them as dive.toml has it."""
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_toml, value))}]"
+    return f"{value:g}" if isinstance(value, int | float) else f'"{value}"'

@@ -1,17 +1,18 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What no log can tell and dive.toml does not say yet: lever arms, mounts, calibrations. `init` and `check` say it alike."""
+"""List what no log holds and dive.toml leaves open: lever arms, mounts, calibrations. `init`, `check` and `run` print it."""
 
 from __future__ import annotations
 
 from collections.abc import Set
 
 from hullrecon.dive.config.load import LoadedConfig
+from hullrecon.dive.logs.messages.samples import TYPES
+from hullrecon.geometry.frames import Camera
 
 IN_VEHICLE = "x, y, z in m in the vehicle's frame (x forward, y starboard, z down)"
 MOUNT = "x, y, z in m, roll, pitch, yaw in degrees"
-CAMERAS = {"camera_top": "camera.top", "camera_bottom": "camera.bottom"}
-ON_TRAY = frozenset(("dvl", "camera_top", "camera_bottom"))
+ON_TRAY = frozenset(("dvl", *(camera.key for camera in Camera)))
 SENSORS = {  # those that a key is needed for
     "tray.origin": ON_TRAY,
     "pressure.origin": {"pressure"},
@@ -37,12 +38,20 @@ def to_fill_in(loaded: LoadedConfig, sensors: Set[str]) -> list[str]:
     """Return a sentence for each key that the logged sensors need and dive.toml leaves to a default, with that default."""
     out = []
     for key, meaning in MEANING.items():
-        present = loaded.value(key) is not None and bool(sensors & SENSORS.get(key, sensors))
-        if present and key not in loaded.given:
-            value = ", ".join(f"{v:g}" for v in loaded.value(key))
+        default = loaded.value(key)
+        if isinstance(default, tuple) and sensors & SENSORS.get(key, sensors) and key not in loaded.given:
+            value = ", ".join(f"{v:g}" for v in default)
             out.append(f"to fill in: {key}: {meaning}; until then [{value}] is used")
     return out + [
-        f"to fill in: {section}.calibration: the camera_info YAML of {name}; until then its images are not used"
-        for name, section in CAMERAS.items()
-        if name in sensors and loaded.value(section) is None
+        f"to fill in: {c.section}.calibration: the camera_info YAML of {c.key}; until then its images are not used"
+        for c in Camera
+        if c.key in sensors and loaded.value(c.section) is None
     ]
+
+
+def configured_sensors(loaded: LoadedConfig) -> set[str]:
+    """Return the sensors that a run will read by dive.toml and the names of tables, without opening a log."""
+    topics = loaded.config.topics
+    named = {name for name in topics.__struct_fields__ if getattr(topics, name)}
+    folders = [loaded.package / name for name in loaded.config.logs.files]
+    return named | {name for name in TYPES for folder in folders if (folder / f"{name}.csv").is_file()}

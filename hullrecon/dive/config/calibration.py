@@ -1,12 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The camera_info YAML that ROS's camera_calibration writes."""
+"""Read the camera_info YAML that ROS's camera_calibration writes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,7 @@ PINHOLE = ("plumb_bob", "none", "rational_polynomial", "")
 
 
 def read_camera(path: Path) -> CameraModel:
-    """A pinhole with plumb_bob distortion. InputError for anything that is not one, naming the key."""
+    """Return a pinhole with plumb_bob distortion. Raises InputError that names the key for anything else."""
     data = read_yaml(path)
     width, height = (_whole(data, key, path) for key in ("image_width", "image_height"))
     matrix = _numbers(data, "camera_matrix", 9, path)
@@ -30,8 +29,8 @@ def read_camera(path: Path) -> CameraModel:
     return CameraModel(width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3)
 
 
-def read_yaml(path: Path) -> Mapping[str, Any]:
-    """A YAML file that holds a table. InputError when it does not."""
+def read_yaml(path: Path) -> Mapping[str, object]:
+    """Return the table of a YAML file. Raises InputError when it holds none."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import YAMLError
 
@@ -50,7 +49,7 @@ def read_yaml(path: Path) -> Mapping[str, Any]:
     return data
 
 
-def _distortion(data: Mapping[str, Any], path: Path) -> list[float]:
+def _distortion(data: Mapping[str, object], path: Path) -> list[float]:
     model = str(data.get("distortion_model", "plumb_bob"))
     if model not in PINHOLE:
         raise InputError(f"the distortion model {model} is not read", where=str(path), remedy="calibrate with plumb_bob")
@@ -62,20 +61,22 @@ def _distortion(data: Mapping[str, Any], path: Path) -> list[float]:
     return (values + [0.0] * 5)[:5]
 
 
-def _numbers(data: Mapping[str, Any], key: str, count: int | None, path: Path) -> list[float]:
-    """The `data` of a matrix, or the list itself."""
+def _numbers(data: Mapping[str, object], key: str, count: int | None, path: Path) -> list[float]:
+    """Return the `data` of a matrix, or the list itself. Raises InputError unless they are so many finite numbers."""
     found = data.get(key)
     found = found.get("data") if isinstance(found, Mapping) else found
     try:
-        values = [float(v) for v in found]  # type: ignore[union-attr]
+        values = [float(v) for v in found] if isinstance(found, list | tuple) else None
     except (TypeError, ValueError):
+        values = None
+    if values is None:
         raise InputError(f"{key} holds no numbers", where=str(path)) from None
     if (count is not None and len(values) != count) or not np.isfinite(values).all():
         raise InputError(f"{key} is not {count or 'some'} finite numbers", where=str(path))
     return values
 
 
-def _whole(data: Mapping[str, Any], key: str, path: Path) -> int:
+def _whole(data: Mapping[str, object], key: str, path: Path) -> int:
     value = data.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or not 0 < value < 100_000:
         raise InputError(f"{key} is {value!r}, not a number of pixels", where=str(path))

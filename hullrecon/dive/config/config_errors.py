@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Turns what msgspec says about a configuration into a sentence with the key's path, its value and the nearest known key."""
+"""Explain errors of msgspec in a configuration: the key's path, its value and the nearest known key."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import difflib
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, get_args
+from typing import get_args
 
 import msgspec
 from msgspec import Struct
@@ -16,10 +16,13 @@ from msgspec import Struct
 from hullrecon.errors import UsageError
 
 
-def in_words(message: str, raw: Any, kind: type, prefix: str, more: Sequence[str], file: str) -> UsageError:
-    """The UsageError for a msgspec message about `raw` decoded as `kind`; `more` are further known keys of the top level."""
-    text, _, place = message.partition(" - at `")
-    path = re.findall(r"[^.\[\]]+|\[\d+\]", place.rstrip("`").removeprefix("$").lstrip("."))
+def explain_error(message: str, raw: object, kind: type, prefix: str, more: Sequence[str], file: str) -> UsageError:
+    """Return the UsageError for a msgspec message about `raw` decoded as `kind`.
+
+    prefix: dotted name of the table; more: further known keys of the top level; file: where the keys stand.
+    """
+    text, _, at = message.partition(" - at `")
+    path = re.findall(r"[^.\[\]]+|\[\d+\]", at.rstrip("`").removeprefix("$").lstrip("."))
     dotted = _join([prefix, *path])
     unknown = re.search(r"unknown field `(.*)`", text)
     if unknown:
@@ -31,8 +34,8 @@ def in_words(message: str, raw: Any, kind: type, prefix: str, more: Sequence[str
     return UsageError(f"{dotted or 'the file'} = {_show(_look_up(raw, path))}: {wanted}", where=file)
 
 
-def refuse_not_finite(raw: Any, file: str, path: str = "") -> None:
-    """TOML allows nan and inf; no key of ours does."""
+def refuse_not_finite(raw: object, file: str, path: str = "") -> None:
+    """Raise UsageError for nan and inf, which TOML allows and no key of ours does."""
     if isinstance(raw, float) and not math.isfinite(raw):
         raise UsageError(f"{path} = {raw}: expected a finite number", where=file)
     members = raw.items() if isinstance(raw, dict) else enumerate(raw) if isinstance(raw, list) else ()
@@ -41,7 +44,7 @@ def refuse_not_finite(raw: Any, file: str, path: str = "") -> None:
 
 
 def known_keys(kind: type, prefix: str = "") -> Iterator[str]:
-    """Every dotted key of a struct, its sections included."""
+    """Yield every dotted key of a struct, its sections included."""
     for field in msgspec.structs.fields(kind):
         dotted = _join([prefix, field.encode_name])
         yield dotted
@@ -60,7 +63,7 @@ def _unknown(key: str, section: str, kind: type, prefix: str, more: Sequence[str
 
 
 def _same_last_name(key: str, known: Sequence[str]) -> list[str]:
-    """A key that is right but stands in the wrong section."""
+    """Return a known key of that last name: the key is right but stands in the wrong section."""
     return [name for name in known if name.rpartition(".")[2] == key][:1]
 
 
@@ -68,7 +71,7 @@ def _join(parts: Sequence[str]) -> str:
     return re.sub(r"\.(?=\[)", "", ".".join(part for part in parts if part and part != "$"))
 
 
-def _look_up(raw: Any, path: Sequence[str]) -> Any:
+def _look_up(raw: object, path: Sequence[str]) -> object:
     for part in path:
         if part.startswith("[") and isinstance(raw, list):
             raw = raw[int(part[1:-1])]
@@ -77,6 +80,6 @@ def _look_up(raw: Any, path: Sequence[str]) -> Any:
     return raw
 
 
-def _show(value: Any) -> str:
+def _show(value: object) -> str:
     text = "a table" if isinstance(value, Mapping) else repr(value)
     return text if len(text) < 60 else text[:57] + "..."

@@ -14,8 +14,8 @@ from hullrecon.dive.hull.load import FORMATS
 from hullrecon.dive.logs.messages.decode import type_name
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.samples import DvlSample
-from hullrecon.dive.logs.summary import Survey, guess_topics
-from hullrecon.dive.logs.timeline import moment
+from hullrecon.dive.logs.summary import LogSummary, guess_topics
+from hullrecon.dive.logs.timeline import format_time
 
 HEAD = """\
 # What was dived, with which sensors, and how they are mounted. Written by `hullrecon init`; read through it once:
@@ -96,7 +96,7 @@ BEAMS = """\
 """
 
 
-def first_config(survey: Survey, logs: Sequence[Path], folder: Path) -> str:
+def fill_template(survey: LogSummary, logs: Sequence[Path], folder: Path) -> str:
     """Return the text of a dive.toml for that folder, which load_config accepts; what no log tells stands in comments."""
     guessed = guess_topics(survey.topics)
     names = joint_names(survey)
@@ -105,7 +105,7 @@ def first_config(survey: Survey, logs: Sequence[Path], folder: Path) -> str:
     text = HEAD.format(
         folder=_printable(folder.name) or ".",
         name=_quoted(re.sub(r"[^A-Za-z0-9._-]+", "-", folder.resolve().name).lstrip(".-")[:100] or "dive"),
-        date=f"date = {moment(min(starts))[:19]}Z\n" if starts else "",
+        date=f"date = {format_time(min(starts))[:19]}Z\n" if starts else "",
         logs=", ".join(_quoted(Path(os.path.relpath(log, folder)).as_posix()) for log in logs),
         beams=BEAMS if beams_to_ask_for(survey) else "",
         topics=_topics(survey, guessed),
@@ -125,7 +125,7 @@ def first_config(survey: Survey, logs: Sequence[Path], folder: Path) -> str:
     return text + (HULL.format(mesh=_quoted(mesh)) if mesh else NO_HULL)
 
 
-def beams_to_ask_for(survey: Survey) -> int:
+def beams_to_ask_for(survey: LogSummary) -> int:
     """Return the number of the DVL's beams where the first message has ranges but nothing says where they point, else 0."""
     topic = guess_topics(survey.topics).get("dvl")
     note = next((t for t in survey.topics if t.channel.topic == topic), None)
@@ -135,7 +135,7 @@ def beams_to_ask_for(survey: Survey) -> int:
     return len(first.ranges) if isinstance(first, DvlSample) and first.beams is None else 0
 
 
-def joint_names(survey: Survey) -> list[str]:
+def joint_names(survey: LogSummary) -> list[str]:
     """The joints of the first joint message."""
     for note in survey.topics:
         if note.channel.type.endswith("/JointState") and note.first is not None:
@@ -143,7 +143,7 @@ def joint_names(survey: Survey) -> list[str]:
     return []
 
 
-def _topics(survey: Survey, guessed: dict[str, str]) -> str:
+def _topics(survey: LogSummary, guessed: dict[str, str]) -> str:
     if any(note.channel.encoding == "sample" for note in survey.topics):
         return "# the names of the files say which sensor is which\n"
     lines = []

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads dive.toml strictly: an unknown key, a wrong type or a value out of bounds is an error that names key and value."""
+"""Read dive.toml strictly: an unknown key, a wrong type or a value out of bounds is an error that names key and value."""
 
 from __future__ import annotations
 
@@ -11,16 +11,17 @@ from dataclasses import dataclass
 from functools import reduce
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import msgspec
 from msgspec import Struct
 
-from hullrecon.dive.config.config_errors import in_words, refuse_not_finite
+from hullrecon.dive.config.config_errors import explain_error, refuse_not_finite
 from hullrecon.dive.config.schema import DiveConfig, Dvl, Topics
 from hullrecon.errors import InputError, UsageError
 
 FILE = "dive.toml"
+Table = dict[str, object]  # of TOML, not yet decoded
 Kind = TypeVar("Kind")
 
 
@@ -31,11 +32,11 @@ class LoadedConfig:
 
     package: Path
     config: DiveConfig
-    sections: Mapping[str, Any]
+    sections: Mapping[str, object]
     given: frozenset[str]
 
-    def value(self, dotted: str) -> Any:
-        """The section or key of that dotted name, "camera.top" or "imu.frame"; None where a section on the way is absent."""
+    def value(self, dotted: str) -> object:
+        """Return the section or key of a dotted name, "camera.top" or "imu.frame"; None where a section on it is absent."""
         if dotted in self.sections:
             return self.sections[dotted]
         parent, _, key = dotted.rpartition(".")
@@ -48,7 +49,7 @@ class LoadedConfig:
 def load_config(
     package: Path, step_sections: Mapping[str, type[Struct]] = MappingProxyType({}), overrides: Sequence[str] = ()
 ) -> LoadedConfig:
-    """dive.toml of a package folder, with `a.b=value` overrides applied before decoding.
+    """Return dive.toml of a package folder, decoded, with `a.b=value` overrides applied before decoding.
 
     Raises InputError when there is no dive.toml, UsageError for anything wrong inside it or in an override.
     """
@@ -59,14 +60,14 @@ def load_config(
     steps = {name: raw.pop(name, {}) for name in step_sections}
     refuse_not_finite({**raw, **steps}, FILE)
     config = _decode(raw, DiveConfig, "", list(step_sections))
-    sections: dict[str, Any] = {name: getattr(config, name) for name in config.__struct_fields__ if name != "camera"}
+    sections: dict[str, object] = {name: getattr(config, name) for name in config.__struct_fields__ if name != "camera"}
     sections |= {"camera.top": config.camera.top, "camera.bottom": config.camera.bottom}
     sections |= {name: _decode(steps[name], kind, name, []) for name, kind in step_sections.items()}
     _check_whole(config)
     return LoadedConfig(package, config, MappingProxyType(sections), given)
 
 
-def _read(package: Path) -> dict[str, Any]:
+def _read(package: Path) -> Table:
     path = package / FILE
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
@@ -85,8 +86,8 @@ def _read(package: Path) -> dict[str, Any]:
         raise UsageError(f"{FILE} is not valid TOML: {str(error).partition(';')[0]}", where=str(path)) from None
 
 
-def _apply(raw: dict[str, Any], text: str) -> None:
-    """One `a.b=value` into the raw tables; the value is TOML, a bare word is a string."""
+def _apply(raw: Table, text: str) -> None:
+    """Put one `a.b=value` into the raw tables; the value is TOML, a bare word is a string."""
     key, equals, value = text.partition("=")
     parts = [part.strip() for part in key.split(".")]
     if not equals or not all(parts):
@@ -97,20 +98,21 @@ def _apply(raw: dict[str, Any], text: str) -> None:
         decoded = value.strip()
     tables = raw
     for part in parts[:-1]:
-        tables = tables.setdefault(part, {})
-        if not isinstance(tables, dict):
+        inner = tables.setdefault(part, {})
+        if not isinstance(inner, dict):
             raise UsageError(f"--set {text}: {part} is a value, not a section")
+        tables = inner
     tables[parts[-1]] = decoded
 
 
-def _decode(raw: Mapping[str, Any], kind: type[Kind], prefix: str, more: Sequence[str]) -> Kind:
+def _decode(raw: object, kind: type[Kind], prefix: str, more: Sequence[str]) -> Kind:
     try:
         return msgspec.convert(raw, kind)
     except msgspec.ValidationError as error:
-        raise in_words(str(error), raw, kind, prefix, more, FILE) from None
+        raise explain_error(str(error), raw, kind, prefix, more, FILE) from None
 
 
-def _leaves(raw: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+def _leaves(raw: Mapping[str, object], prefix: str = "") -> Iterator[str]:
     for key, value in raw.items():
         if isinstance(value, dict):
             yield from _leaves(value, f"{prefix}{key}.")

@@ -1,49 +1,52 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The CAD model: its mesh in metres, cleaned, with its normals outward, and in words what was found."""
+"""Read the CAD model: its mesh in metres, cleaned, with outward normals."""
 
 from __future__ import annotations
 
 import gzip
 import io
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hullrecon.dive.hull.cleaning import cleaned
-from hullrecon.dive.hull.mirrors import boundary
-from hullrecon.dive.hull.orientation import outward
+from hullrecon.dive.check.messages import count_noun
+from hullrecon.dive.hull.cleaning import clean_mesh
+from hullrecon.dive.hull.mirrors import find_boundary
+from hullrecon.dive.hull.orientation import orient_outward
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.units import METRES_PER_UNIT, UNIT_NAMES
+from hullrecon.typing import Array, Ints, Ints32
 
-METRES = {"m": 1.0, "mm": 0.001, "cm": 0.01, "ft": 0.3048, "in": 0.0254}
-NAMES = {"m": "metres", "mm": "millimetres", "cm": "centimetres", "ft": "feet", "in": "inches"}
 FORMATS = ("stl", "ply", "obj", "off", "glb")
 SHORTEST_M, LONGEST_M = 5.0, 500.0  # of a ship hull
 
 
-def read_hull(path: Path, units: str, words: list[str]) -> Mesh:
-    """The mesh of an STL, PLY, OBJ, OFF or GLB file, gzipped or not. InputError for one that is none or of a wrong size."""
+def read_hull(path: Path, units: str, messages: list[str]) -> Mesh:
+    """Return the mesh, in metres with outward normals, of an STL, PLY, OBJ, OFF or GLB file, gzipped or not.
+
+    What was found and repaired is added to messages. Raises InputError for a file that is no mesh or of a wrong size.
+    """
     vertices, faces = _load(path)
-    vertices = vertices * METRES[units]
-    _check_extent(vertices[faces].reshape(-1, 3), units, path, words)
-    mesh = cleaned(Mesh(vertices, faces), words)
+    vertices = vertices * METRES_PER_UNIT[units]
+    _check_extent(vertices[faces].reshape(-1, 3), units, path, messages)
+    mesh = clean_mesh(Mesh(vertices, faces), messages)
     if not len(mesh.faces):
         raise InputError("the CAD model has no face with an area", where=str(path))
-    mesh = outward(mesh, words)
+    mesh = orient_outward(mesh, messages)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     size = " x ".join(f"{s:.2f}" for s in high - low)
-    words.insert(0, f"{path.name}: {len(mesh.faces)} faces, {size} m, from {_point(low)} to {_point(high)}")
-    holes = len(boundary(mesh.faces))
-    words.append(
-        f"{holes} edges have a face on one side only: the CAD model is open there" if holes else "the CAD model is closed"
-    )
+    messages.insert(0, f"{path.name}: {len(mesh.faces)} faces, {size} m, from {_point(low)} to {_point(high)}")
+    open_edges = len(find_boundary(mesh.faces))
+    if open_edges:
+        messages.append(f"the mesh is not watertight: {count_noun(open_edges, 'boundary edge')}")
+    else:
+        messages.append("the mesh is watertight")
     return mesh
 
 
-def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+def _load(path: Path) -> tuple[Array, Ints32]:
     name = path.name.lower().removesuffix(".gz")
     kind = name.rpartition(".")[2]
     if kind not in FORMATS:
@@ -57,8 +60,7 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         raise InputError(f"the CAD model {path.name} is missing", where=str(path.parent), remedy="correct hull.mesh") from None
     except (OSError, EOFError, ValueError) as error:
         raise InputError(f"the CAD model {path.name} cannot be read: {error}", where=str(path.parent)) from None
-    mesh = _parse(data, kind, path)
-    vertices, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
+    vertices, faces = _parse(data, kind, path)
     if not len(faces):
         raise InputError(f"the CAD model {path.name} holds no faces", where=str(path.parent))
     if faces.min() < 0 or faces.max() >= len(vertices):
@@ -66,33 +68,36 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     return vertices, faces.astype(np.int32)
 
 
-def _parse(data: bytes, kind: str, path: Path) -> Any:
+def _parse(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
+    """Return vertices (n, 3) and faces (m, 3) of a file's bytes. Raises InputError where they are none."""
     import trimesh
 
     try:
-        return trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False).to_mesh()
+        mesh = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False).to_mesh()
+        return np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
     except Exception as error:  # trimesh's parsers raise whatever damaged bytes lead them to
         reason = f"{type(error).__name__} {error}".splitlines()[0][:120]
         raise InputError(f"the CAD model {path.name} is no {kind.upper()}: {reason}", where=str(path.parent)) from None
 
 
-def _check_extent(corners: NDArray[np.float64], units: str, path: Path, words: list[str]) -> None:
+def _check_extent(corners: Array, units: str, path: Path, messages: list[str]) -> None:
     if not np.isfinite(corners).all():
         raise InputError(f"the CAD model {path.name} has coordinates that are not finite", where=str(path.parent))
     length = float(np.ptp(corners, axis=0).max())
     if SHORTEST_M <= length <= LONGEST_M:
         return
-    told = f"the CAD model {path.name} is {length:.4g} m long when read in {NAMES[units]}"
-    fits = [other for other in METRES if SHORTEST_M <= length / METRES[units] * METRES[other] <= LONGEST_M]
+    length_text = f"the CAD model {path.name} is {length:.4g} m long when read in {UNIT_NAMES[units]}"
+    in_file = length / METRES_PER_UNIT[units]
+    fits = [unit for unit, metres in METRES_PER_UNIT.items() if SHORTEST_M <= in_file * metres <= LONGEST_M]
     if not fits:
-        words.append(f"{told}; a ship hull has {SHORTEST_M:.0f} to {LONGEST_M:.0f} m: is it a model?")
+        messages.append(f"{length_text}; a ship hull has {SHORTEST_M:.0f} to {LONGEST_M:.0f} m: is it a model?")
         return
     guess = fits[0]
     raise InputError(
-        f"{told}, which looks like {NAMES[guess]} (it would be {length / METRES[units] * METRES[guess]:.1f} m)",
+        f"{length_text}, which looks like {UNIT_NAMES[guess]} (it would be {in_file * METRES_PER_UNIT[guess]:.1f} m)",
         where="hull.units", remedy=f'set units = "{guess}" in [hull]',
     )  # fmt: skip
 
 
-def _point(p: NDArray[np.float64]) -> str:
+def _point(p: Array) -> str:
     return "(" + ", ".join(f"{c:.2f}" for c in p) + ")"

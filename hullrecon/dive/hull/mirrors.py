@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Half hulls and hulls cut at a plane, made whole by reflection: so that rays tell inside from outside."""
+"""Complete half hulls and hulls cut at a plane by reflection, so that rays tell inside from outside."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.typing import Ints32
+from hullrecon.geometry.meshes.mesh import Mesh, face_areas
+from hullrecon.geometry.meshes.topology import find_edges
+from hullrecon.typing import Ints, Ints32
 
 Plane = tuple[int, float]  # axis and coordinate of a side of the bounding box
 ON_PLANE = 1e-3  # of the largest extent
@@ -17,8 +18,11 @@ OPEN_SHARE = 0.05  # of the open boundary's length that must lie on a plane of s
 PLATED_SHARE = 0.01  # of the area; a plane that holds more is plating (a flat bottom, a deck), not a cut
 
 
-def reflected(mesh: Mesh, planes: Sequence[Plane]) -> Mesh:
-    """The mesh and its reflections; the first faces are those of the mesh. How reflected ones are wound does not matter."""
+def reflect_mesh(mesh: Mesh, planes: Sequence[Plane]) -> Mesh:
+    """Return the mesh with its reflections in the planes, one after the other; its own faces stay first.
+
+    Reflected faces keep their winding: only what rays hit matters.
+    """
     vertices, faces = mesh.vertices, mesh.faces
     for axis, level in planes:
         copy = vertices.copy()
@@ -28,14 +32,14 @@ def reflected(mesh: Mesh, planes: Sequence[Plane]) -> Mesh:
     return Mesh(vertices, faces.astype(np.int32))
 
 
-def possible_cuts(mesh: Mesh) -> list[Plane]:
-    """Sides of the bounding box at which the mesh may have been cut: part of its open boundary lies there, no plating does."""
-    edges = boundary(mesh.faces)
+def find_possible_cuts(mesh: Mesh) -> list[Plane]:
+    """Return the sides of the bounding box where the mesh may have been cut: open boundary lies there, and no plating."""
+    edges = find_boundary(mesh.faces)
     if not len(edges):
         return []
     ends, corners = mesh.vertices[edges], mesh.vertices[mesh.faces]
     length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    area = face_areas(mesh)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     tolerance = ON_PLANE * float((high - low).max())
     found = []
@@ -47,8 +51,7 @@ def possible_cuts(mesh: Mesh) -> list[Plane]:
     return found
 
 
-def boundary(faces: Ints32) -> Ints32:
-    """Edges (k, 2) with one face."""
-    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    unique, count = np.unique(edges, axis=0, return_counts=True)
-    return np.asarray(unique[count == 1], np.int32)
+def find_boundary(faces: Ints32) -> Ints:
+    """Return the edges (k, 2) that only one of the faces (m, 3) has, in ascending order of their vertices."""
+    edges = find_edges(faces)
+    return np.asarray(edges.vertices[edges.face_count == 1])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Normals outward: winding made one within each piece, then each piece turned to the side from which the open sea is seen.
+"""Turn normals outward: unify the winding within each connected piece, then turn each piece towards its open side.
 
 A closed piece has a signed volume. An open one (a half hull, a hull without deck, a patch of bottom plate) has not; but rays
 from its outer side escape in more directions than rays from its inner side, which the rest of the hull stops.
@@ -12,48 +12,44 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from hullrecon.dive.hull.mirrors import Plane, possible_cuts, reflected
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.dive.check.messages import count_noun
+from hullrecon.dive.hull.mirrors import Plane, find_possible_cuts, reflect_mesh
+from hullrecon.geometry.meshes.mesh import Mesh, face_areas, face_normals
+from hullrecon.geometry.meshes.topology import SharedEdges, find_edges, find_shared_edges
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
 SAMPLES = 200  # faces of a piece from which rays start
 RAYS = 32  # directions over the hemisphere of each side
 LIFT = 1e-5  # of the largest extent: how far from its face a ray starts
-CLEAR = 0.05  # difference of the escaping shares below which a piece's side is in doubt
+CLEAR = 0.05  # difference of the escaping shares below which a piece's outer side is unclear
 
 
-def outward(mesh: Mesh, words: list[str]) -> Mesh:
-    """The mesh with every face counter-clockwise seen from outside; what was turned, and what is in doubt, goes to words."""
-    neighbours, agree = _adjacency(mesh.faces)
-    piece, sign = _consistent(len(mesh.faces), neighbours, agree)
-    faces = _turned(mesh.faces, sign < 0)
-    side = _sides(mesh.vertices, faces, piece)
+def orient_outward(mesh: Mesh, messages: list[str]) -> Mesh:
+    """Return the mesh with every face counter-clockwise seen from outside.
+
+    How many faces were turned, and which pieces have no clear outer side, is added to messages.
+    """
+    shared = find_shared_edges(mesh.faces)
+    piece, sign = _unify_winding(len(mesh.faces), shared)
+    faces = _flip_faces(mesh.faces, sign < 0)
+    side = _find_outer_sides(Mesh(mesh.vertices, faces), piece)
     flip = (side < 0)[piece]
-    turned, doubtful = int(((sign < 0) ^ flip).sum()), int((np.abs(side) < CLEAR).sum())
-    broken = int((sign[neighbours[:, 0]] * sign[neighbours[:, 1]] != agree).sum())
+    turned, unclear = int(((sign < 0) ^ flip).sum()), int((np.abs(side) < CLEAR).sum())
+    twisted = int(((sign[shared.first] == sign[shared.second]) != shared.same_winding).sum())
     if turned:
-        words.append(f"{turned} of {len(faces)} faces had their normals inward and were turned")
-    if doubtful:
-        words.append(f"{doubtful} of {len(side)} separate pieces have no clear outer side")
-    if broken:
-        words.append(f"{broken} edges join faces that cannot be wound alike")
-    return Mesh(mesh.vertices, _turned(faces, flip))
+        messages.append(f"{turned} of {len(faces)} faces had their normals inward and were turned")
+    if unclear:
+        messages.append(f"{unclear} of {len(side)} separate pieces have no clear outer side")
+    if twisted:
+        messages.append(f"{count_noun(twisted, 'edge')} cannot have a consistent winding on both sides")
+    return Mesh(mesh.vertices, _flip_faces(faces, flip))
 
 
-def _adjacency(faces: Ints32) -> tuple[Ints, Ints]:
-    """Pairs of faces (k, 2) that share an edge which no third face has; +1 where they are wound alike, -1 where not."""
-    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    key, forward = np.sort(edges, axis=1), edges[:, 0] < edges[:, 1]
-    _, number, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
-    shared = np.flatnonzero(count[number.ravel()] == 2)
-    pairs = shared[np.argsort(number.ravel()[shared], kind="stable")].reshape(-1, 2)
-    agree = np.where(forward[pairs[:, 0]] != forward[pairs[:, 1]], 1, -1)
-    return pairs // 3, agree
-
-
-def _consistent(count: int, pairs: Ints, agree: Ints) -> tuple[Ints32, Ints]:
-    """Piece of each face, and the sign that winds every piece like its first face."""
-    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count)).tocsr()
+def _unify_winding(count: int, shared: SharedEdges) -> tuple[Ints32, Ints]:
+    """Return the connected piece of each face (count,), and the sign (count,) that winds every piece like its first face."""
+    pairs = np.stack([shared.first, shared.second], axis=1)
+    agree = np.where(shared.same_winding, 1, -1)
+    graph = coo_matrix((np.ones(len(pairs)), (shared.first, shared.second)), shape=(count, count)).tocsr()
     pieces, piece = connected_components(graph, directed=False)
     relation = dict(zip(map(tuple, pairs.tolist()), agree.tolist(), strict=True))
     sign = np.ones(count, np.int64)
@@ -66,36 +62,35 @@ def _consistent(count: int, pairs: Ints, agree: Ints) -> tuple[Ints32, Ints]:
     return piece, sign
 
 
-def _sides(vertices: Array, faces: Ints32, piece: Ints32) -> Array:
-    """Of each piece: positive where its normals point outward, negative where inward; between -1 and 1."""
-    corners = vertices[faces] - 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+def _find_outer_sides(mesh: Mesh, piece: Ints32) -> Array:
+    """Return for each piece a number in -1 to 1: positive where its normals point outward, negative where inward."""
+    corners = mesh.vertices[mesh.faces] - 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
     volume = np.bincount(piece, np.einsum("ni,ni->n", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])))
-    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    _, number, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
-    unpaired = (count[number.ravel()] != 2).reshape(-1, 3).any(axis=1)
+    edges = find_edges(mesh.faces)
+    unpaired = (edges.face_count[edges.of_face] != 2).any(axis=1)
     is_open = np.bincount(piece, unpaired) > 0
     side = np.sign(volume)
-    picked = _spread(vertices, faces, piece, np.flatnonzero(is_open))
-    if len(picked):
-        side = np.where(is_open, _seen(Mesh(vertices, faces), piece, picked), side)
-    return side
+    picked = _sample_faces(mesh, piece, np.flatnonzero(is_open))
+    return np.where(is_open, _measure_sides(mesh, piece, picked), side) if len(picked) else side
 
 
-def _seen(mesh: Mesh, piece: Ints32, picked: Ints) -> Array:
-    """Of each piece, how much more its picked faces see in front than behind. A hull that was cut at a plane is made whole
-    there, if that makes the difference clearer."""
+def _measure_sides(mesh: Mesh, piece: Ints32, picked: Ints) -> Array:
+    """Return for each piece the share of rays that escape in front of its picked faces minus that behind them.
+
+    A hull that was cut at a plane is completed there by reflection, if that makes the difference clearer.
+    """
     count = np.maximum(1, np.bincount(piece[picked], minlength=int(piece.max()) + 1))
-    weight = np.bincount(piece, _areas(mesh.vertices, mesh.faces)) * (np.bincount(piece[picked], minlength=len(count)) > 0)
+    weight = np.bincount(piece, face_areas(mesh)) * (np.bincount(piece[picked], minlength=len(count)) > 0)
 
     def measure(planes: list[Plane]) -> tuple[float, Array]:
-        whole = reflected(mesh, planes)
-        share = _escaping(whole, picked, 1.0) - _escaping(whole, picked, -1.0)
+        whole = reflect_mesh(mesh, planes)
+        share = _share_escaping(whole, picked, 1.0) - _share_escaping(whole, picked, -1.0)
         mean = np.bincount(piece[picked], share, len(count)) / count
         return float(weight @ np.abs(mean) / weight.sum()), mean
 
     planes: list[Plane] = []
     best, seen = measure(planes)
-    cuts = possible_cuts(mesh)
+    cuts = find_possible_cuts(mesh)
     while cuts:
         tried = [(*measure([*planes, cut]), cut) for cut in cuts]
         score, mean, cut = max(tried, key=lambda t: t[0])
@@ -106,9 +101,9 @@ def _seen(mesh: Mesh, piece: Ints32, picked: Ints) -> Array:
     return seen
 
 
-def _spread(vertices: Array, faces: Ints32, piece: Ints32, wanted: Ints) -> Ints:
-    """Up to SAMPLES faces of each wanted piece, spread over its area."""
-    area = _areas(vertices, faces)
+def _sample_faces(mesh: Mesh, piece: Ints32, wanted: Ints) -> Ints:
+    """Return up to SAMPLES faces of each wanted piece, evenly over its area."""
+    area = face_areas(mesh)
     order = np.argsort(piece, kind="stable")
     start = np.searchsorted(piece[order], np.arange(int(piece.max()) + 2))
     out = [np.zeros(0, np.int64)]
@@ -119,22 +114,19 @@ def _spread(vertices: Array, faces: Ints32, piece: Ints32, wanted: Ints) -> Ints
     return np.concatenate(out)
 
 
-def _escaping(whole: Mesh, picked: Ints, way: float) -> Array:
-    """Of each picked face, the share of the rays from one side of it that meet nothing of the whole hull."""
+def _share_escaping(whole: Mesh, picked: Ints, way: float) -> Array:
+    """Return for each picked face the share of rays from one side (way: 1 front, -1 back) that hit nothing of the hull."""
     from hullrecon.native import MeshIndex
 
-    vertices, faces = whole.vertices, whole.faces
-    a, b, c = (vertices[faces[picked, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    normal *= way / np.linalg.norm(normal, axis=1, keepdims=True)
-    lift = LIFT * float(np.ptp(vertices, axis=0).max())
-    origin = np.repeat((a + b + c) / 3 + lift * normal, RAYS, axis=0)
-    hits = MeshIndex(vertices, faces).cast(origin, _hemisphere(normal))
+    normal = way * face_normals(Mesh(whole.vertices, whole.faces[picked]))
+    lift = LIFT * float(np.ptp(whole.vertices, axis=0).max())
+    origin = np.repeat(whole.vertices[whole.faces[picked]].mean(axis=1) + lift * normal, RAYS, axis=0)
+    hits = MeshIndex(whole.vertices, whole.faces).cast(origin, _hemisphere(normal))
     return np.asarray((hits.face < 0).reshape(-1, RAYS).mean(axis=1))
 
 
 def _hemisphere(normal: Array) -> Array:
-    """(n * RAYS, 3) unit directions about each normal (n, 3), cosine-weighted, the same for each."""
+    """Return unit directions (n * RAYS, 3) about normals (n, 3), cosine-weighted, in the same pattern about each."""
     k = np.arange(RAYS) + 0.5
     radius, angle = np.sqrt(k / RAYS), np.pi * (1 + 5**0.5) * k
     local = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - k / RAYS)], axis=1)
@@ -145,13 +137,8 @@ def _hemisphere(normal: Array) -> Array:
     return np.asarray(np.einsum("kj,nji->nki", local, frame).reshape(-1, 3))
 
 
-def _areas(vertices: Array, faces: Ints32) -> Array:
-    """(m,) twice the area of each face."""
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1))
-
-
-def _turned(faces: Ints32, which: Mask) -> Ints32:
+def _flip_faces(faces: Ints32, which: Mask) -> Ints32:
+    """Return faces (m, 3) with those of the mask wound the other way."""
     out = faces.copy()
     out[which] = out[which][:, ::-1]
     return out

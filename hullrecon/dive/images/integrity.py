@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Is this image whole? Decoders forgive a lot: half a JPEG comes back as a half-gray picture."""
+"""Check that an image is whole. Decoders forgive a lot: half a JPEG comes back as a half-gray picture."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ RESTART = range(0xD0, 0xD8)
 
 
 def size_of(encoded: bytes) -> tuple[int, int] | None:
-    """(width, height) of an image that is whole; None for one that is not, or is none."""
+    """Return (width, height) of a whole image; None for a damaged one or for other bytes."""
     if encoded[:2] == b"\xff\xd8" and not jpeg_is_whole(encoded):
         return None
     return _decoded_size(encoded)
 
 
 def jpeg_is_whole(encoded: bytes) -> bool:
-    """From its start to its end marker, with nothing but restarts (in their order) and tables inside its scans."""
+    """Return whether the JPEG runs from start to end marker with nothing but ordered restarts and tables inside its scans."""
     at = 2
     while at + 4 <= len(encoded) and encoded[at] == 0xFF:
         code = encoded[at + 1]
@@ -43,7 +43,7 @@ def jpeg_is_whole(encoded: bytes) -> bool:
 
 
 def _behind_scan(encoded: bytes, at: int) -> int | None:
-    """Where the marker behind a scan's data stands; None when a restart is out of order or the data never ends."""
+    """Return the offset of the marker behind a scan's data; None when a restart is out of order or the data never ends."""
     restarts = 0
     for match in MARKER.finditer(encoded, at):
         code = match[1][0]

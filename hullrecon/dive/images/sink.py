@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Takes the images of one camera as they stream by: checks each, writes its bytes on, keeps its place."""
+"""Take the images of one camera as they stream by: check each, write its bytes on, keep its offset."""
 
 from __future__ import annotations
 
@@ -33,6 +33,7 @@ class ImageSink:
         self._sizes: Counter[tuple[int, int]] = Counter()
 
     def take(self, sample: ImageSample, logged_ns: int) -> None:
+        """Check one image and keep its bytes, unless they lie in a file of the package."""
         encoded = self._bytes(sample)
         size = size_of(encoded)
         if size is not None:
@@ -44,7 +45,10 @@ class ImageSink:
             self._check_size()
 
     def finish(self, remarks: list[str]) -> ImageIndex | None:
-        """The index in time order; None without images. InputError when none has the calibration's size."""
+        """Return the index in order of time; None without images.
+
+        Raises InputError when none can be read or has the calibration's size.
+        """
         if not self._rows:
             return None
         self._check_size()
@@ -86,5 +90,5 @@ class ImageSink:
     def _bad(self, usable: list[bool]) -> list[str]:
         count, other = len(usable), sum(self._sizes.values()) - self._sizes[self._size]
         broken = usable.count(False) - other
-        words = [f"{self._camera}: {broken} of {count} images are missing or damaged and are left out"] if broken else []
-        return words + ([f"{self._camera}: {other} of {count} images have another size and are left out"] if other else [])
+        lines = [f"{self._camera}: {broken} of {count} images are missing or damaged and are left out"] if broken else []
+        return lines + ([f"{self._camera}: {other} of {count} images have another size and are left out"] if other else [])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Images of a dive by index: their bytes lie in the ingest artifact or, for plain files, in the package."""
+"""Read images of a dive by index: their bytes lie in the ingest artifact or, for plain files, in the package."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.errors import InputError
+from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.serialisation import from_arrays
+from hullrecon.typing import Pixels
 
-CAMERAS = ("camera_top", "camera_bottom")
+CAMERAS = tuple(camera.key for camera in Camera)
+IMAGE_SUFFIXES = frozenset((".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff"))  # of files with one image
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,7 @@ class ImageStore:
 
     @property
     def index(self) -> ImageIndex:
+        """Return stamps, files and offsets of the images, in order of time."""
         path = self.ingest / f"images_{self.camera}.npz"
         return _index(path, path.stat().st_mtime_ns)
 
@@ -38,7 +41,7 @@ class ImageStore:
         return len(self.index.t_ns)
 
     def bytes(self, i: int) -> bytes:
-        """The encoded image, as it was logged. Raises InputError when its file is gone."""
+        """Return the encoded image i, as it was logged. Raises InputError when its file is gone."""
         index = self.index
         file = str(index.file[i])
         path = self.ingest / f"images_{self.camera}.bin"
@@ -53,13 +56,13 @@ class ImageStore:
         except OSError as error:
             raise InputError(f"an image cannot be read: {error.strerror}", where=str(path)) from error
 
-    def read(self, i: int) -> NDArray[np.uint8] | None:
-        """Image (h, w, 3) RGB; None for one that ingest found unusable or that does not decode."""
+    def read(self, i: int) -> Pixels | None:
+        """Return image i (h, w, 3) RGB; None for one that ingest found unusable or that does not decode."""
         return decode(self.bytes(i)) if self.index.usable[i] else None
 
 
-def decode(encoded: bytes) -> NDArray[np.uint8] | None:
-    """Image (h, w, 3) uint8 RGB of JPEG, PNG or any format of OpenCV's, as stored (no EXIF rotation); None if it is none."""
+def decode(encoded: bytes) -> Pixels | None:
+    """Return the image (h, w, 3) RGB of JPEG, PNG or any format of OpenCV's, without EXIF rotation; None if it is none."""
     import cv2
 
     if not encoded:
@@ -74,6 +77,6 @@ def decode(encoded: bytes) -> NDArray[np.uint8] | None:
 
 @lru_cache(maxsize=8)
 def _index(path: Path, mtime_ns: int) -> ImageIndex:
-    """The index, kept; `mtime_ns` lets a rewritten artifact be read anew."""
+    """Return the index from memory; an artifact that was rewritten has another `mtime_ns` and is read again."""
     with np.load(path, allow_pickle=False) as arrays:
         return from_arrays(ImageIndex, arrays)

@@ -22,7 +22,7 @@ SENSORS = tuple(TYPES)
 
 
 @dataclass
-class Gathered:
+class LogContents:
     """What the logs held. samples and logged_ns by sensor ("dvl", ...; images go to their sinks); counts by topic."""
 
     samples: dict[str, list[Sample]] = field(default_factory=lambda: {name: [] for name in SENSORS})
@@ -35,10 +35,10 @@ class Gathered:
     remarks: list[str] = field(default_factory=list)
 
 
-def gather(logs: Sequence[Log], topics: Mapping[str, str], take_image: TakeImage, watch: Watch = iter) -> Gathered:
+def read_streams(logs: Sequence[Log], topics: Mapping[str, str], take_image: TakeImage, watch: Watch = iter) -> LogContents:
     """topics: sensor by topic; a sensor named there comes from that topic, not from a PD0 file or a table beside the log.
     Streams; only small samples are kept. `watch` sees every message pass (progress)."""
-    out = Gathered()
+    out = LogContents()
     for log in logs:
         for message in watch(log.messages()):
             out.counts[message.channel] += 1
@@ -60,7 +60,7 @@ def gather(logs: Sequence[Log], topics: Mapping[str, str], take_image: TakeImage
     return out
 
 
-def _samples(message: Message, topics: Mapping[str, str], out: Gathered) -> Iterator[tuple[str, Sample]]:
+def _samples(message: Message, topics: Mapping[str, str], out: LogContents) -> Iterator[tuple[str, Sample]]:
     channel = message.channel
     if not isinstance(message.data, bytes):
         if channel.topic in topics.values():

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
 from hullrecon.dive.check import messages
@@ -12,7 +12,8 @@ from hullrecon.dive.logs.messages.decode import ENCODINGS, decode, type_name
 from hullrecon.dive.logs.messages.samples import IMAGE_TYPES, TYPES
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError
-from hullrecon.dive.logs.timeline import NS, moment
+from hullrecon.dive.logs.timeline import NS, format_time
+from hullrecon.geometry.frames import Camera
 
 NAMED = {"dvl": ("dvl",), "imu": ("imu", "ahrs"), "pressure": ("pressure", "depth"), "joints": ("joint",), "sonar": ("sonar",)}
 UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "cam1")
@@ -31,13 +32,13 @@ class TopicNote:
 
     def sentence(self) -> str:
         seconds = (self.end_ns - self.start_ns) / NS
-        many = f"{self.count} message" + ("s" if self.count != 1 else "")
-        pace = f" in {seconds:.1f} s, {(self.count - 1) / seconds:.1f} a second" if self.count > 1 and seconds > 0 else ""
+        many = messages.count_noun(self.count, "message")
+        pace = f" in {seconds:.1f} s, {(self.count - 1) / seconds:.1f} Hz" if self.count > 1 and seconds > 0 else ""
         return f"{self.channel.topic}: {many}{pace}, {self.channel.type}"
 
 
 @dataclass
-class Survey:
+class LogSummary:
     """What one log holds."""
 
     kind: str
@@ -48,15 +49,16 @@ class Survey:
     def lines(self) -> list[str]:
         """Sentences: the topics, the sensors among them, what is missing for a run."""
         span = [t for t in self.topics if t.count]
-        head = f"{self.kind}: {sum(t.count for t in span)} messages on {len(span)} topics"
+        count = messages.count_noun(sum(t.count for t in span), "message")
+        head = f"{self.kind}: {count} on {messages.count_noun(len(span), 'topic')}"
         if span:
             first, last = min(t.start_ns for t in span), max(t.end_ns for t in span)
-            head += f", {(last - first) / NS:.1f} s from {moment(first)}"
+            head += f", {(last - first) / NS:.1f} s from {format_time(first)}"
         guessed = guess_topics(self.topics)
         sensors = [f"{topic} can be {'joints' if name == 'joints' else 'the ' + name}" for name, topic in guessed.items()]
         unused = _unused(span, set(guessed.values()))
-        told = [head, *(t.sentence() for t in span), *sensors, *unused]
-        return [*told, *self.lost, *self.remarks, *missing(set(guessed))]
+        lines = [head, *(t.sentence() for t in span), *sensors, *unused]
+        return [*lines, *self.lost, *self.remarks, *missing(set(guessed))]
 
     def document(self) -> dict[str, object]:
         topics = [
@@ -82,7 +84,7 @@ def _unused(topics: Sequence[TopicNote], chosen: set[str]) -> list[str]:
     ]
 
 
-def survey(log: Log) -> Survey:
+def summarise_log(log: Log) -> LogSummary:
     """Reads the log once, decoding the first message of each topic alone."""
     notes: dict[Channel, TopicNote] = {}
     for message in log.messages():
@@ -90,19 +92,21 @@ def survey(log: Log) -> Survey:
         note.count += 1
         note.start_ns, note.end_ns = min(note.start_ns, message.t_ns), max(note.end_ns, message.t_ns)
     topics = sorted(notes.values(), key=lambda n: n.channel.topic)
-    return Survey(log.kind, topics, messages.losses([(log.path.name, loss) for loss in log.losses()]), list(log.remarks))
+    return LogSummary(
+        log.kind, topics, messages.describe_losses([(log.path.name, loss) for loss in log.losses()]), list(log.remarks)
+    )
 
 
-def survey_all(logs: Sequence[Log]) -> Survey:
+def summarise_logs(logs: Sequence[Log]) -> LogSummary:
     """Return what several logs of one dive hold together."""
-    parts = [survey(log) for log in logs]
+    parts = [summarise_log(log) for log in logs]
     notes: dict[Channel, TopicNote] = {}
     for note in (note for part in parts for note in part.topics):
         kept = notes.setdefault(note.channel, note)
         if kept is not note:
             kept.count += note.count
             kept.start_ns, kept.end_ns = min(kept.start_ns, note.start_ns), max(kept.end_ns, note.end_ns)
-    return Survey(
+    return LogSummary(
         " and ".join(dict.fromkeys(part.kind for part in parts)),
         sorted(notes.values(), key=lambda n: n.channel.topic),
         [line for part in parts for line in part.lost],
@@ -158,6 +162,11 @@ def missing(sensors: set[str], hull: bool | None = None) -> list[str]:
     if hull is False:
         out.append("no hull: without a CAD model the run maps onto its own surface, in the frame global")
     return out
+
+
+def is_runnable(sensors: Set[str]) -> bool:
+    """Return whether a run can find the vehicle's motion: from DVL and IMU, or without a DVL from stereo images."""
+    return "imu" in sensors if "dvl" in sensors else {camera.key for camera in Camera} <= sensors
 
 
 def _without_imu(dvl: bool, stereo: bool) -> str:

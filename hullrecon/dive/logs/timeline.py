@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Stamps of one sensor: their order, duplicates, jumps of the clock and gaps, each said in words."""
+"""Check the stamps of one sensor: their order, duplicates, jumps of the clock and gaps."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FEW = 2  # readings with one stamp are duplicates; more, and no other, are a clo
 
 @dataclass(frozen=True)
 class Timeline:
-    """keep: rows in time order, each stamp once. remarks: what was wrong with the stamps."""
+    """Hold the rows to keep, in time order and each stamp once, and remarks on what was wrong with the stamps."""
 
     keep: Ints
     remarks: list[str]
@@ -34,24 +34,24 @@ def put_in_order(name: str, stamp_ns: ArrayLike, logged_ns: ArrayLike) -> Timeli
     stamp, logged = np.asarray(stamp_ns, np.int64), np.asarray(logged_ns, np.int64)
     if len(stamp) > FEW and (stamp == stamp[0]).all():
         raise InputError(
-            f"{name}: all {len(stamp)} stamps are the same, {moment(int(stamp[0]))}",
+            f"{name}: all {len(stamp)} stamps are the same, {format_time(int(stamp[0]))}",
             remedy="record the sensor with a clock that runs",
         )
     order = np.argsort(stamp, kind="stable")
-    fresh = np.ones(len(order), bool)
-    fresh[1:] = np.diff(stamp[order]) > 0
-    remarks = clock_jumps(name, stamp, logged)
-    doubled = int(np.count_nonzero(~fresh))
+    kept = np.ones(len(order), bool)
+    kept[1:] = np.diff(stamp[order]) > 0
+    remarks = describe_clock_jumps(name, stamp, logged)
+    doubled = int(np.count_nonzero(~kept))
     if doubled:
         remarks.append(f"{name}: {doubled} of {len(stamp)} stamps are duplicates; the first of each was kept")
     backward = int(np.count_nonzero(np.diff(stamp) < 0))
     if backward and not remarks:
         remarks.append(f"{name}: {backward} readings stood out of order and were sorted")
-    return Timeline(order[fresh], remarks)
+    return Timeline(order[kept], remarks)
 
 
-def clock_jumps(name: str, stamp: Ints, logged: Ints) -> list[str]:
-    """Where the sensor's clock moves by a second or more against the logger's, or against its own last reading."""
+def describe_clock_jumps(name: str, stamp: Ints, logged: Ints) -> list[str]:
+    """Return a sentence on jumps of the sensor's clock by a second or more against the logger's or its own last reading."""
     moved = np.diff(stamp - logged) / NS
     back = np.diff(stamp) / NS
     jump = np.where(np.abs(moved) >= JUMP_S, moved, np.where(back <= -JUMP_S, back, 0.0))
@@ -60,32 +60,31 @@ def clock_jumps(name: str, stamp: Ints, logged: Ints) -> list[str]:
         return []
     first = int(where[0])
     more = f", and {len(where) - 1} more times" if len(where) > 1 else ""
-    return [
-        f"{name}: the clock jumps by {jump[first]:+.3f} s at {moment(int(stamp[first]))}{more}; stamps around it are doubtful"
-    ]
+    at = format_time(int(stamp[first]))
+    return [f"{name}: the clock jumps by {jump[first]:+.3f} s at {at}{more}; stamps around it cannot be trusted"]
 
 
-def gaps(name: str, t_ns: Ints, longest: int = 5) -> list[str]:
-    """Silences longer than five periods and a second, the longest first."""
+def describe_gaps(name: str, t_ns: Ints, longest: int = 5) -> list[str]:
+    """Return a sentence for each silence longer than five periods and a second, the longest first."""
     step = np.diff(t_ns) / NS
     if len(step) < 2:
         return []
     limit = max(GAP_S, GAP_PERIODS * float(np.median(step)))
     silent = np.flatnonzero(step > limit)
-    words = [
-        f"{name}: nothing for {step[i]:.1f} s from {moment(int(t_ns[i]))} to {moment(int(t_ns[i + 1]))}"
+    lines = [
+        f"{name}: nothing for {step[i]:.1f} s from {format_time(int(t_ns[i]))} to {format_time(int(t_ns[i + 1]))}"
         for i in sorted(silent, key=lambda i: -step[i])[:longest]
     ]
-    return words + ([f"{name}: {len(silent) - longest} more gaps, shorter"] if len(silent) > longest else [])
+    return lines + ([f"{name}: {len(silent) - longest} more gaps, shorter"] if len(silent) > longest else [])
 
 
 def rate_hz(t_ns: Ints) -> float:
-    """Readings a second by the median step; 0 for fewer than two."""
+    """Return the rate by the median step, Hz; 0 for fewer than two readings."""
     return float(NS / np.median(np.diff(t_ns))) if len(t_ns) > 1 else 0.0
 
 
-def moment(t_ns: int) -> str:
-    """A stamp as UTC to the millisecond; the bare seconds where no calendar reaches."""
+def format_time(t_ns: int) -> str:
+    """Return a stamp as UTC to the millisecond, or as seconds where it lies outside the calendar."""
     try:
         return datetime.fromtimestamp(t_ns // NS, UTC).strftime("%Y-%m-%dT%H:%M:%S") + f".{t_ns % NS // 1_000_000:03d}Z"
     except (ValueError, OverflowError, OSError):

@@ -6,28 +6,41 @@ from __future__ import annotations
 
 import io
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure as Canvas
+
+Share = Literal["none", "all", "row", "col"]
 
 COLOURS = {"naive": "#7b8794", "geva": "#c8541b", "maxmix": "#1f5f99"}
 INK, GREEN, RED, LIGHT = "#1c2733", "#2b7a4b", "#b3202c", "#cdd5dd"
 
 
-@dataclass(frozen=True)
-class Figure:
-    """name without ending; png: the picture; csv: the numbers in it; words: what it shows, in a sentence."""
+@dataclass(frozen=True, kw_only=True)
+class PublishedFigure:
+    """name without ending; png: the picture; csv: the numbers in it; caption: what it shows, in a sentence."""
 
     name: str
     png: bytes
     csv: str
-    words: str
+    caption: str
 
 
-def new_figure(width_in: float, height_in: float, rows: int = 1, columns: int = 1, **more: Any) -> tuple[Any, Any]:
-    """A matplotlib figure and its axes (rows, columns), without pyplot's global state."""
+def new_canvas(
+    width_in: float, height_in: float, rows: int = 1, columns: int = 1, sharex: Share = "none", sharey: Share = "none",
+    height_ratios: tuple[float, ...] | None = None,
+) -> tuple[Canvas, list[list[Axes]]]:  # fmt: skip
+    """Return a matplotlib figure and its axes (rows, columns), without pyplot's global state.
+
+    sharex, sharey, height_ratios: as subplots has them.
+    """
     from matplotlib.figure import Figure as Canvas
 
     figure = Canvas(figsize=(width_in, height_in), dpi=150, layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False, **more)
+    axes = figure.subplots(rows, columns, squeeze=False, sharex=sharex, sharey=sharey, height_ratios=height_ratios)
     for axis in axes.flat:
         axis.spines[["top", "right"]].set_visible(False)
         axis.spines[["left", "bottom"]].set_color("#7b8794")
@@ -36,15 +49,16 @@ def new_figure(width_in: float, height_in: float, rows: int = 1, columns: int = 
         axis.set_axisbelow(True)
         axis.xaxis.label.set_size(9)
         axis.yaxis.label.set_size(9)
-    return figure, axes
+    return figure, axes.tolist()
 
 
 def colour(method: str) -> str:
+    """Return the colour of a method, given its name with or without the weighting."""
     return next((value for name, value in COLOURS.items() if method.startswith(name)), INK)
 
 
-def plain_log(axis: Any) -> None:
-    """Numbers as they are on a logarithmic axis, not powers of ten."""
+def label_log_axis(axis: Axis) -> None:
+    """Label a logarithmic axis with plain numbers, not powers of ten."""
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))
@@ -52,10 +66,11 @@ def plain_log(axis: Any) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def finished(name: str, figure: Any, table: list[str], words: str) -> Figure:
+def finish_figure(name: str, canvas: Canvas, table: list[str], caption: str) -> PublishedFigure:
+    """Return the picture as PNG bytes without date or version, the table's lines as CSV."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    FigureCanvasAgg(figure)
+    FigureCanvasAgg(canvas)
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", metadata={"Software": None})
-    return Figure(name, buffer.getvalue(), "\n".join(table) + "\n", words)
+    canvas.savefig(buffer, format="png", metadata={"Software": None})
+    return PublishedFigure(name=name, png=buffer.getvalue(), csv="\n".join(table) + "\n", caption=caption)

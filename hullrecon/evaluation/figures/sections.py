@@ -4,28 +4,28 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from hullrecon.evaluation.figures.plots import Overview, Section
-from hullrecon.evaluation.scoring.truth import Truth
+from hullrecon.evaluation.figures.plots import CrossSection, WholeSection
+from hullrecon.evaluation.scoring.truth import TrueStructure, Truth
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.typing import Array, Mask
 
 
-def cut(
-    solve: tuple[str, str], structure: dict[str, Any], landmarks: Array, on_surface: Mask, dvl: Array,
+def cut_section(
+    solve: tuple[str, str], structure: TrueStructure, landmarks: Array, on_surface: Mask, dvl: Array,
     truth: Truth, reach_m: float = 0.55, half_m: float = 0.08,
-) -> Section:  # fmt: skip
-    """The slice through the structure's middle, half_m to either side along the hull; points in M, aligned. solve: method and
-    weighting. The DVL's few returns are taken from a slice five times as thick."""
+) -> CrossSection:  # fmt: skip
+    """Return the slice through the structure's middle, half_m to either side along the hull; points in M, aligned.
+
+    solve: method and weighting. The DVL's few returns are taken from a slice five times as thick.
+    """
     axes = _axes(structure)
-    foot = np.array(structure["center"]) - structure["height"] * axes[2]
+    foot = np.array(structure.center) - structure.height * axes[2]
     local, beams = (landmarks - foot) @ axes.T, (dvl - foot) @ axes.T
     seen, hit = _inside(local, half_m, reach_m), _inside(beams, 5 * half_m, reach_m)
     line = np.linspace(-reach_m, reach_m, 200)
-    return Section(
+    return CrossSection(
         method=solve[0],
         weighting=solve[1],
         dvl=beams[hit, 1:],
@@ -36,26 +36,32 @@ def cut(
     )
 
 
-def whole(
-    structure: dict[str, Any], landmarks: Array, on_surface: Mask, dvl: Array, truth: Truth, half_m: float = 0.08
-) -> Overview:
-    """The slice across the whole hull at the structure, in M's y and z (x forward)."""
-    at = np.array(structure["center"])
+def cut_whole_hull(
+    structure: TrueStructure, landmarks: Array, on_surface: Mask, dvl: Array, truth: Truth, half_m: float = 0.08
+) -> WholeSection:
+    """Return the slice across the whole hull at the structure, in M's y and z (x forward)."""
+    at = np.array(structure.center)
     near, hit = np.abs(landmarks[:, 0] - at[0]) < half_m, np.abs(dvl[:, 0] - at[0]) < 5 * half_m
     cad_model = np.zeros((0, 2))
     if truth.cad_model is not None and near.any():
         low, high = landmarks[near, 2].min() - 0.8, landmarks[near, 2].max() + 0.8
-        side = np.sign(structure["normal"][1]) or 1.0
+        side = np.sign(structure.normal[1]) or 1.0
         start = np.stack([np.full(200, at[0]), np.full(200, at[1] + 5 * side), np.linspace(low, high, 200)], 1)
         way = truth.cad_model.cast(start, np.tile([0.0, -side, 0.0], (200, 1)))
         met = np.isfinite(way) & (way < 5 + 3.0)
         cad_model = np.stack([start[met, 1] - side * way[met], start[met, 2]], 1)
-    return Overview(landmarks[near & on_surface, 1:], landmarks[near & ~on_surface, 1:], dvl[hit, 1:], cad_model, at[1:])
+    return WholeSection(
+        on=landmarks[near & on_surface, 1:],
+        off=landmarks[near & ~on_surface, 1:],
+        dvl=dvl[hit, 1:],
+        cad_model=cad_model,
+        at=at[1:],
+    )
 
 
-def _axes(structure: dict[str, Any]) -> Array:
-    """Rows: along the hull, over its girth, outward."""
-    normal = np.array(structure["normal"], float)
+def _axes(structure: TrueStructure) -> Array:
+    """Return rows: along the hull, over its girth, outward."""
+    normal = np.array(structure.normal)
     along = np.array([1.0, 0.0, 0.0]) - normal * normal[0]
     along /= np.linalg.norm(along)
     return np.stack([along, np.cross(normal, along), normal])
@@ -66,7 +72,7 @@ def _inside(local: Array, half_m: float, reach_m: float) -> Mask:
 
 
 def _profile(surface: Scene, foot: Array, axes: Array, line: Array) -> Array:
-    """(m, 2) tangent and height where rays from outside meet the surface."""
+    """Return (m, 2) tangent and height where rays from outside meet the surface."""
     start = foot + line[:, None] * axes[1] + 0.5 * axes[2]
     way = surface.cast(start, np.tile(-axes[2], (len(line), 1)))
     met = np.isfinite(way) & (way < 1.2)

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is judged, as arrays: read from deliver/, or taken from a solution."""
+"""What is scored, as arrays: read from deliver/, or taken from a solution."""
 
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -22,28 +22,30 @@ _TYPES = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Track:
+@dataclass(frozen=True, kw_only=True)
+class TimedPoses:
     """t_s (n,) since 1970; poses T_M_v; sigma (n, 3) of x, y, z, or None."""
 
     t_s: Array
     poses: Poses
-    sigma: Array | None
+    sigma: Array | None = None
 
-    def rows(self, which: Mask) -> Track:
-        return Track(self.t_s[which], self.poses[which], None if self.sigma is None else self.sigma[which])
+    def rows(self, which: Mask) -> TimedPoses:
+        """Return those rows."""
+        sigma = None if self.sigma is None else self.sigma[which]
+        return TimedPoses(t_s=self.t_s[which], poses=self.poses[which], sigma=sigma)
 
 
-@dataclass(frozen=True)
-class Cloud:
+@dataclass(frozen=True, kw_only=True)
+class PointCloud:
     """points (n, 3) and what a PLY says of each, by name."""
 
     points: Array
-    fields: Fields
+    fields: Fields = field(default_factory=dict)
 
 
 def read_table(path: Path) -> dict[str, Array]:
-    """Columns of a CSV by name; empty is NaN. InputError when a row cannot be read."""
+    """Return the columns of a CSV by name; an empty cell is NaN. Raises InputError for a row that cannot be read."""
     try:
         with path.open(newline="") as file:
             rows = list(csv.DictReader(file))
@@ -52,24 +54,25 @@ def read_table(path: Path) -> dict[str, Array]:
         raise InputError(f"the table cannot be read: {error}", where=str(path)) from error
 
 
-def read_track(path: Path) -> Track:
-    """trajectory.csv."""
+def read_trajectory(path: Path) -> TimedPoses:
+    """Return trajectory.csv. Raises InputError where it cannot be read."""
     table = read_table(path)
     sigma = columns(table, ("sigma_x", "sigma_y", "sigma_z")) if "sigma_x" in table else None
-    return Track(table["t"], poses_in(table), sigma)
+    return TimedPoses(t_s=table["t"], poses=poses_in(table), sigma=sigma)
 
 
 def poses_in(table: dict[str, Array]) -> Poses:
+    """Return the poses of a table with columns x, y, z, qx, qy, qz, qw."""
     return Poses(columns(table, ("qx", "qy", "qz", "qw")), columns(table, ("x", "y", "z")))
 
 
 def columns(table: dict[str, Array], names: tuple[str, ...]) -> Array:
-    """(n, names)."""
+    """Return those columns side by side (n, names)."""
     return np.stack([table[name] for name in names], axis=1)
 
 
-def read_cloud(path: Path) -> Cloud:
-    """The vertices of a binary little-endian PLY. InputError when it is something else or cut short."""
+def read_cloud(path: Path) -> PointCloud:
+    """Return the vertices of a binary little-endian PLY. Raises InputError when it is something else or cut short."""
     raw = path.read_bytes()
     end = raw.find(b"end_header\n")
     lines = raw[: max(end, 0)].decode("ascii", "replace").splitlines()
@@ -81,21 +84,21 @@ def read_cloud(path: Path) -> Cloud:
         raise InputError("the PLY is cut short", where=str(path))
     rows = np.frombuffer(raw, kind, count, start)
     points = np.stack([rows[axis] for axis in "xyz"], axis=1).astype(float)
-    return Cloud(points, {name: rows[name] for name in kind.names or ()})
+    return PointCloud(points=points, fields={name: rows[name] for name in kind.names or ()})
 
 
 def deliver_folder(folder: Path) -> Path:
-    """deliver/ of a run, or the folder itself when it is one. InputError when it holds no deliverable."""
-    for place in (folder / "deliver", folder):
-        if any((place / name).exists() for name in ("trajectory.csv", "surface.ply", "summary.json")):
-            return place
+    """Return deliver/ of a run, or the folder itself when it is one. Raises InputError when it holds no deliverable."""
+    for candidate in (folder / "deliver", folder):
+        if any((candidate / name).exists() for name in ("trajectory.csv", "surface.ply", "summary.json")):
+            return candidate
     raise InputError(
         "no deliverables here", where=str(folder), remedy="give RUNS/<dive> after `hullrecon run`, or its deliver/"
     )
 
 
 def _vertex_layout(lines: list[str]) -> tuple[int, np.dtype[np.void]]:
-    """Count and row of the first element, which must be the vertices."""
+    """Return count and row type of the first element, which must be the vertices."""
     count, row = 0, list[tuple[str, str]]()
     for line in lines:
         words = line.split()

@@ -4,99 +4,115 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+
+import msgspec
 
 from hullrecon.errors import InputError
-from hullrecon.evaluation.scoring.alignment import STILL
-from hullrecon.evaluation.scoring.cameras import judge_cameras
-from hullrecon.evaluation.scoring.deliverables import Cloud, Track, deliver_folder, read_cloud, read_track
-from hullrecon.evaluation.scoring.objects import judge_objects
-from hullrecon.evaluation.scoring.surfaces import judge_landmarks, judge_surface
-from hullrecon.evaluation.scoring.trajectory import judge_trajectory
+from hullrecon.evaluation.scoring.cameras import score_cameras
+from hullrecon.evaluation.scoring.deliverables import PointCloud, TimedPoses, deliver_folder, read_cloud, read_trajectory
+from hullrecon.evaluation.scoring.objects import score_objects
+from hullrecon.evaluation.scoring.surfaces import score_landmarks, score_surface
+from hullrecon.evaluation.scoring.trajectory import Figures, score_trajectory
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
-from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.poses import Poses, identity
+from hullrecon.records.deliverables import ReportedObject
 
 MISSING = "missing"
+Score = dict[str, Figures | str]  # figures by deliverable, MISSING in place of one that was not delivered
 
 
-def judge(run: Path, package: Path) -> dict[str, Any]:
-    """Figures by deliverable and name; `"missing"` in place of what was not delivered.
+class _ObjectsFile(msgspec.Struct, frozen=True):
+    objects: tuple[ReportedObject, ...]
 
-    run: RUNS/<dive> or its deliver/. Raises InputError when there is nothing to judge or nothing to judge it by.
+
+class _SummaryFile(msgspec.Struct, frozen=True):
+    frame: str = "M"
+
+
+def score_run(run: Path, package: Path) -> Score:
+    """Return figures by deliverable and name. run: RUNS/<dive> or its deliver/; package: the simulated dive.
+
+    Raises InputError when there is nothing to score or no truth to score it by.
     """
     deliver, truth = deliver_folder(run), read_truth(package)
-    into_hull = _into_hull(deliver, truth)
-    figures: dict[str, Any] = {"trajectory": MISSING}
-    motion = STILL
+    reader = _DeliveryReader(deliver, truth)
+    figures: Score = {"trajectory": MISSING}
+    motion = identity()
     if (deliver / "trajectory.csv").exists():
-        figures["trajectory"], motion = judge_trajectory(into_hull.track(deliver / "trajectory.csv"), truth)
-    jobs: dict[str, tuple[str, Callable[[Path], Any]]] = {
-        "surface": ("surface.ply", lambda p: judge_surface(into_hull.cloud(p), truth, motion, 1)),
-        "as_found": ("as_found.ply", lambda p: judge_surface(into_hull.cloud(p), truth, motion, 2)),
-        "landmarks": ("landmarks.ply", lambda p: judge_landmarks(into_hull.cloud(p), truth, motion)),
-        "objects": ("objects.json", lambda p: judge_objects(into_hull.objects(p), truth, motion)),
-        "cameras": ("colmap", lambda p: judge_cameras(p, truth)),
+        figures["trajectory"], motion = score_trajectory(reader.trajectory(deliver / "trajectory.csv"), truth)
+    scores: dict[str, tuple[str, Callable[[Path], Figures]]] = {
+        "surface": ("surface.ply", lambda p: score_surface(reader.cloud(p), truth, motion, 1)),
+        "as_found": ("as_found.ply", lambda p: score_surface(reader.cloud(p), truth, motion, 2)),
+        "landmarks": ("landmarks.ply", lambda p: score_landmarks(reader.cloud(p), truth, motion)),
+        "objects": ("objects.json", lambda p: score_objects(reader.objects(p), truth, motion)),
+        "cameras": ("colmap", lambda p: score_cameras(p, truth)),
     }
-    for name, (file, work) in jobs.items():
-        figures[name] = work(deliver / file) if (deliver / file).exists() else MISSING
+    for name, (file, score) in scores.items():
+        figures[name] = score(deliver / file) if (deliver / file).exists() else MISSING
     return figures
 
 
-class IntoHull:
-    """Reads deliverables; what stands in g (a dive without a CAD model) is moved to M by the true alignment."""
+class _DeliveryReader:
+    """Reads deliverables in M; what stands in g (a dive without a CAD model) is moved by the true alignment."""
 
-    def __init__(self, hull_from_delivered: Poses | None) -> None:
-        self._motion = hull_from_delivered
+    def __init__(self, deliver: Path, truth: Truth) -> None:
+        summary = deliver / "summary.json"
+        frame = msgspec.json.decode(summary.read_bytes(), type=_SummaryFile).frame if summary.exists() else "M"
+        self._hull_from_delivered = truth.global_from_hull.inverse() if frame == "g" else None
 
-    def track(self, path: Path) -> Track:
-        track = read_track(path)
-        return track if self._motion is None else Track(track.t_s, self._motion @ track.poses, track.sigma)
+    def trajectory(self, path: Path) -> TimedPoses:
+        track = read_trajectory(path)
+        moved = self._hull_from_delivered
+        return track if moved is None else replace(track, poses=moved @ track.poses)
 
-    def cloud(self, path: Path) -> Cloud:
+    def cloud(self, path: Path) -> PointCloud:
         cloud = read_cloud(path)
-        return cloud if self._motion is None else Cloud(self._motion.apply(cloud.points), cloud.fields)
+        moved = self._hull_from_delivered
+        return cloud if moved is None else replace(cloud, points=moved.apply(cloud.points))
 
-    def objects(self, path: Path) -> list[dict[str, Any]]:
+    def objects(self, path: Path) -> list[ReportedObject]:
         try:
-            found: list[dict[str, Any]] = json.loads(path.read_text())["objects"]
-        except (ValueError, KeyError) as error:
+            found = list(msgspec.json.decode(path.read_bytes(), type=_ObjectsFile).objects)
+        except msgspec.MsgspecError as error:
             raise InputError(f"objects.json cannot be read: {error}", where=str(path)) from error
-        if self._motion is None:
-            return found
-        return [{**o, "center": self._motion.apply([o["center"]])[0].tolist()} for o in found]
+        moved = self._hull_from_delivered
+        return found if moved is None else [replace(o, center=_move(moved, o)) for o in found]
 
 
-def _into_hull(deliver: Path, truth: Truth) -> IntoHull:
-    summary = deliver / "summary.json"
-    frame = json.loads(summary.read_text()).get("frame", "M") if summary.exists() else "M"
-    return IntoHull(truth.T_g_M.inverse() if frame == "g" else None)
+def _move(motion: Poses, found: ReportedObject) -> tuple[float, float, float]:
+    x, y, z = motion.apply([found.center])[0].tolist()
+    return x, y, z
 
 
 def unit_of(name: str) -> str:
-    """The unit that a figure's name ends in; shares, ratios and counts have none."""
+    """Return the unit that a figure's name ends in; shares, ratios and counts have none."""
     endings = {"_m": "m", "_deg": "deg", "_percent": "%"}
     return next((unit for ending, unit in endings.items() if name.endswith(ending)), "")
 
 
-def rows(figures: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """(figure, value, unit) for a table, four digits as the independent judge prints them."""
-    out = list[tuple[str, str, str]]()
+def table_rows(figures: Score) -> list[tuple[str, str, str]]:
+    """Return (figure, value, unit) for a table, with four digits."""
+    rows = list[tuple[str, str, str]]()
     for part, values in figures.items():
         if isinstance(values, str):
-            out.append((part, values, ""))
+            rows.append((part, values, ""))
             continue
         for name, value in values.items():
             text = f"{value:.4g}" if isinstance(value, float) else str(value)
-            out.append((f"{part}.{name}", text, unit_of(name)))
-    return out
+            rows.append((f"{part}.{name}", text, unit_of(name)))
+    return rows
 
 
-def plain(figures: Any) -> Any:
-    """The same for JSON: NaN becomes null."""
-    if isinstance(figures, dict):
-        return {name: plain(value) for name, value in figures.items()}
-    return None if isinstance(figures, float) and not math.isfinite(figures) else figures
+def without_nan(figures: Mapping[str, object]) -> dict[str, object]:
+    """Return the same figures for JSON, which has no NaN: null in its place."""
+    return {name: _without_nan(value) for name, value in figures.items()}
+
+
+def _without_nan(value: object) -> object:
+    if isinstance(value, Mapping):
+        return without_nan(value)
+    return None if isinstance(value, float) and not math.isfinite(value) else value

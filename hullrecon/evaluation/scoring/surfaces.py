@@ -6,23 +6,26 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.evaluation.scoring.alignment import Motion, rms
-from hullrecon.evaluation.scoring.deliverables import Cloud
+from hullrecon.evaluation.scoring.deliverables import PointCloud
+from hullrecon.evaluation.scoring.statistics import rms
 from hullrecon.evaluation.scoring.trajectory import Figures
 from hullrecon.evaluation.scoring.truth import Truth
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.poses import Poses
+from hullrecon.records.solution import LABEL_BOUNDARY_M
 from hullrecon.typing import Array, Mask
 
-OFF_M, DOUBT_M = (
-    0.056,
-    0.02,
-)  # a landmark is off the CAD model beyond the mixture's boundary; nearer it than this it is not clear
+_UNCLEAR_M = 0.02  # nearer the label boundary than this, neither label is wrong
 
 
-def judge_surface(cloud: Cloud, truth: Truth, motion: Motion, least_support: int) -> Figures:
-    """Of the vertices that enough views or returns stand behind, where the true surface is known."""
+def score_surface(cloud: PointCloud, truth: Truth, motion: Poses, min_support: int) -> Figures:
+    """Return the errors of vertices with enough views or returns behind them, where the true surface is known.
+
+    motion: the rigid motion that takes our trajectory onto the true one; figures named aligned_ are after it.
+    """
     keep = truth.near(cloud.points, 0.25)
     if "support" in cloud.fields:
-        keep &= np.asarray(cloud.fields["support"], np.int64) >= least_support
+        keep &= np.asarray(cloud.fields["support"], np.int64) >= min_support
     if not keep.any():
         return {"vertices": 0}
     distance, foot, aligned = _distances(cloud.points[keep], truth, motion)
@@ -34,14 +37,14 @@ def judge_surface(cloud: Cloud, truth: Truth, motion: Motion, least_support: int
         "aligned_median_m": float(np.median(aligned)),
     }
     if truth.cad_model is not None:
-        figures["drawing_alone_rmse_m"] = rms(truth.cad_model.closest(foot).distance)
+        figures["cad_model_alone_rmse_m"] = rms(truth.cad_model.closest(foot).distance)
     if "sigma" in cloud.fields:
-        figures |= _held(distance, aligned, np.asarray(cloud.fields["sigma"], float)[keep])
+        figures |= _sigma_coverage(distance, aligned, np.asarray(cloud.fields["sigma"], float)[keep])
     return figures
 
 
-def judge_landmarks(cloud: Cloud, truth: Truth, motion: Motion) -> Figures:
-    """Their distance to the steel, and whether label 0 stands where the steel leaves the CAD model."""
+def score_landmarks(cloud: PointCloud, truth: Truth, motion: Poses) -> Figures:
+    """Return the landmarks' distances to the steel, and whether label 0 stands where the steel leaves the CAD model."""
     keep = truth.near(cloud.points, 0.5)
     distance, _, aligned = _distances(cloud.points[keep], truth, motion)
     figures: Figures = {
@@ -54,7 +57,8 @@ def judge_landmarks(cloud: Cloud, truth: Truth, motion: Motion) -> Figures:
         "aligned_median_m": _quantile(aligned, 50),
     }
     if "label" in cloud.fields and truth.cad_model is not None:
-        figures |= _labels(cloud.points[keep], np.asarray(cloud.fields["label"])[keep] == 0, truth, motion)
+        foot = truth.built.closest(motion.apply(cloud.points[keep])).foot
+        figures |= _score_labels(foot, np.asarray(cloud.fields["label"])[keep] == 0, truth.cad_model)
     if "sigma" in cloud.fields:
         sigma = np.asarray(cloud.fields["sigma"], float)[keep]
         known = np.isfinite(sigma) & (sigma > 0)
@@ -62,27 +66,27 @@ def judge_landmarks(cloud: Cloud, truth: Truth, motion: Motion) -> Figures:
     return figures
 
 
-def _labels(points: Array, off: Mask, truth: Truth, motion: Motion) -> Figures:
-    assert truth.cad_model is not None
-    foot = truth.built.closest(motion.apply(points)).foot
-    away = np.abs(truth.cad_model.closest(foot).distance)
-    clear = np.abs(away - OFF_M) > DOUBT_M
-    real = (away > OFF_M) & clear
+def _score_labels(foot: Array, off: Mask, cad_model: Scene) -> Figures:
+    """Return recall and precision of label 0 (off), given each landmark's foot (n, 3) on the true steel."""
+    away = np.abs(cad_model.closest(foot).distance)
+    clear = np.abs(away - LABEL_BOUNDARY_M) > _UNCLEAR_M
+    real = (away > LABEL_BOUNDARY_M) & clear
     hits = int((off & real).sum())
     return {
-        "off_drawing": int(real.sum()),
+        "off_cad_model": int(real.sum()),
         "off_recall": hits / max(1, int(real.sum())),
         "off_precision": hits / max(1, int((off & clear).sum())),
     }
 
 
-def _distances(points: Array, truth: Truth, motion: Motion) -> tuple[Array, Array, Array]:
-    """Distance (n,) as delivered, foot (n, 3) on the steel, distance after the trajectory's alignment."""
+def _distances(points: Array, truth: Truth, motion: Poses) -> tuple[Array, Array, Array]:
+    """Return the distance (n,) as delivered, foot (n, 3) on the steel, distance after the trajectory's alignment."""
     here, there = truth.built.closest(points), truth.built.closest(motion.apply(points))
     return np.abs(here.distance), here.foot, np.abs(there.distance)
 
 
-def _held(distance: Array, aligned: Array, sigma: Array) -> Figures:
+def _sigma_coverage(distance: Array, aligned: Array, sigma: Array) -> Figures:
+    """Return which share of the errors their sigmas (n,) hold."""
     known = np.isfinite(sigma) & (sigma > 0)
     return {
         "share_within_1.96_sigma": _share(distance[known] < 1.96 * sigma[known]),

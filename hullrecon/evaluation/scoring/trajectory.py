@@ -5,32 +5,33 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from hullrecon.evaluation.scoring.alignment import STILL, Motion, rigid, rms, rms_length
-from hullrecon.evaluation.scoring.deliverables import Track
+from hullrecon.evaluation.scoring.deliverables import TimedPoses
+from hullrecon.evaluation.scoring.statistics import rms, rms_length
 from hullrecon.evaluation.scoring.truth import Truth
 from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.poses import Poses, identity
+from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.typing import Array
 
-Figures = dict[str, float | int | list[int]]
+Figures = dict[str, float | int | list[int] | dict[str, float]]  # by name, its unit at the end
 
 
-def judge_trajectory(track: Track, truth: Truth) -> tuple[Figures, Motion]:
-    """The figures, and the rigid motion that takes our trajectory onto the true one.
+def score_trajectory(track: TimedPoses, truth: Truth) -> tuple[Figures, Poses]:
+    """Return the figures, and the rigid motion (a batch of one) that takes our trajectory onto the true one.
 
     A CAD model that is off by a centimetre over the whole surveyed patch cannot be told from a shift of the dive; so surfaces,
-    landmarks and objects are judged as delivered and again after this motion.
+    landmarks and objects are scored as delivered and again after this motion.
     """
     ours = track.rows((track.t_s >= truth.t_s.min() - 1e-6) & (track.t_s <= truth.t_s.max() + 1e-6))
     if len(ours.t_s) < 3:
-        return {"poses": len(ours.t_s), "share_of_true_frames_with_a_pose": 0.0}, STILL
+        return {"poses": len(ours.t_s), "share_of_true_frames_with_a_pose": 0.0}, identity()
     want = truth.vehicle_at(ours.t_s)
     error = ours.poses.translation - want.translation
-    motion = rigid(ours.poses.translation, want.translation)
+    motion = fit_rigid(ours.poses.translation, want.translation)
     turn = ours.poses.rotation * want.rotation.inv()
-    turn_after = Rotation.from_matrix(motion.rotation) * turn
-    figures: Figures = {"poses": len(ours.t_s), "share_of_true_frames_with_a_pose": _covered(ours.t_s, truth.t_s)}
+    turn_after = motion.rotation * turn
+    figures: Figures = {"poses": len(ours.t_s), "share_of_true_frames_with_a_pose": _covered_share(ours.t_s, truth.t_s)}
     if truth.cad_model is not None:
         figures |= _by_direction(error, want.translation, truth.cad_model)
     figures |= {
@@ -41,9 +42,9 @@ def judge_trajectory(track: Track, truth: Truth) -> tuple[Figures, Motion]:
     return figures | _consistency(error, ours.sigma), motion
 
 
-def _by_direction(error: Array, place: Array, cad_model: Scene) -> Figures:
-    """RMSE along the hull, over its girth and off it, in the hull's own directions beside each pose."""
-    normal = place - cad_model.closest(place).foot
+def _by_direction(error: Array, positions: Array, cad_model: Scene) -> Figures:
+    """Return the RMSE along the hull, over its girth and off it, in the hull's own directions beside each pose."""
+    normal = positions - cad_model.closest(positions).foot
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     along = np.array([1.0, 0.0, 0.0]) - normal * normal[:, :1]
     along /= np.linalg.norm(along, axis=1, keepdims=True)
@@ -52,7 +53,7 @@ def _by_direction(error: Array, place: Array, cad_model: Scene) -> Figures:
 
 
 def _consistency(error: Array, sigma: Array | None) -> Figures:
-    """Error over the sigma given with it, and how much of the error one sigma holds (68 % when it is honest)."""
+    """Return error over sigma by axis, and how often one sigma holds the error (68 % of the time when it is right)."""
     if sigma is None:
         return {}
     figures: Figures = {}
@@ -64,8 +65,8 @@ def _consistency(error: Array, sigma: Array | None) -> Figures:
     return figures
 
 
-def _covered(ours_s: Array, true_s: Array) -> float:
-    """Share of the true frames with a pose of ours within three quarters of a frame period."""
+def _covered_share(ours_s: Array, true_s: Array) -> float:
+    """Return the share of the true frames with a pose of ours within three quarters of a frame period."""
     step = np.median(np.diff(true_s))
     ordered = np.sort(ours_s)
     right = np.clip(np.searchsorted(ordered, true_s), 1, len(ordered) - 1)

@@ -4,121 +4,172 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeVar
 
+import msgspec
 import numpy as np
 
 from hullrecon.errors import InputError
 from hullrecon.evaluation.scoring.deliverables import poses_in, read_table
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.units import METRES_PER_UNIT
 from hullrecon.geometry.poses import Poses, interpolate, tray_poses
 from hullrecon.typing import Array, Ints, Mask
 
-_UNIT_M = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "ft": 0.3048, "in": 0.0254}
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
+Document = TypeVar("Document")
+Point = tuple[float, float, float]
 
 
-@dataclass(frozen=True)
+class MotionEntry(msgspec.Struct, frozen=True, kw_only=True):
+    """A rigid motion as truth/ states it: metres, and x y z w."""
+
+    translation: Point
+    quaternion: tuple[float, float, float, float]
+
+    def pose(self) -> Poses:
+        """Return the motion as a batch of one."""
+        return Poses(np.array([self.quaternion], float), np.array([self.translation], float))
+
+
+class TrueMounts(msgspec.Struct, frozen=True, kw_only=True):
+    """truth/extrinsics.json: the tray's origin in the vehicle, camera and DVL in the tray."""
+
+    tray_origin: Point
+    tray_from_camera: MotionEntry | None = msgspec.field(default=None, name="T_s_ct")
+    tray_from_dvl: MotionEntry | None = msgspec.field(default=None, name="T_s_d")
+
+
+class TrueStructure(msgspec.Struct, frozen=True, kw_only=True):
+    """A row of truth/objects.json: what was put on the hull, or painted on it. Centre in M, lengths in m; views: frames that
+    see it."""
+
+    id: int
+    kind: str
+    center: Point
+    normal: Point
+    height: float
+    extent: tuple[float, float]
+    views: int = 0
+    painted: bool = False
+
+
+class _Objects(msgspec.Struct, frozen=True):
+    objects: tuple[TrueStructure, ...]
+
+
+class _Alignment(msgspec.Struct, frozen=True):
+    global_from_hull: MotionEntry = msgspec.field(name="T_g_M")
+
+
+class _HullSection(msgspec.Struct, frozen=True):
+    mesh: str
+    units: str = "m"
+
+
+@dataclass(frozen=True, kw_only=True)
 class Truth:
-    """t_s (n,) and T_M_v at the camera frames; built: the hull as it is; CAD model: None without a CAD; objects as in
-    objects.json (painted marks among them); mounts as in extrinsics.json."""
+    """What is true of a dive. t_s (n,) and poses T_M_v (n) at the camera frames; the servo's angle (rad) at servo_t_s;
+    built_mesh: the hull as it is, in M; cad_model: None for a dive without one; objects: structures and painted marks."""
 
     t_s: Array
     poses: Poses
     servo_t_s: Array
     servo_rad: Array
-    T_g_M: Poses
-    mounts: dict[str, Any]
-    objects: list[dict[str, Any]]
+    global_from_hull: Poses
+    mounts: TrueMounts
+    objects: Sequence[TrueStructure]
     built_mesh: Mesh
     cad_model: Scene | None
 
     @cached_property
     def built(self) -> Scene:
+        """Return the hull as it is, to cast rays at."""
         return Scene(self.built_mesh)
 
     @cached_property
-    def _vertices(self) -> Any:
+    def _vertices(self) -> cKDTree:
         from scipy.spatial import cKDTree
 
         return cKDTree(self.built_mesh.vertices)
 
     def near(self, points: Array, reach_m: float) -> Mask:
-        """Which points (n, 3) lie that close to a vertex of the true surface: elsewhere nothing is known of it."""
+        """Return which points (n, 3) lie that close to a vertex of the true surface: elsewhere nothing is known of it."""
         distance, _ = self._vertices.query(points, distance_upper_bound=reach_m)
         return np.asarray(np.isfinite(distance))
 
     def vehicle_at(self, t_s: Array) -> Poses:
-        """T_M_v at those times, held at both ends."""
-        return interpolate(_ns(self.t_s), self.poses, _ns(t_s))
+        """Return T_M_v at those times, held at both ends."""
+        return interpolate(_nanoseconds(self.t_s), self.poses, _nanoseconds(t_s))
 
     def cameras_at(self, rows: Ints) -> Poses:
-        """T_M_ct at frames by row."""
+        """Return T_M_ct at frames by row. Raises InputError where truth/ states no camera."""
+        if self.mounts.tray_from_camera is None:
+            raise InputError("the truth states no mount of a camera", where="truth/extrinsics.json")
         angle = np.interp(self.t_s[rows], self.servo_t_s, self.servo_rad)
-        return self.poses[rows] @ tray_poses(self.mounts["tray_origin"], angle) @ _pose(self.mounts["T_s_ct"])
+        return self.poses[rows] @ tray_poses(self.mounts.tray_origin, angle) @ self.mounts.tray_from_camera.pose()
 
-    def structures(self) -> list[dict[str, Any]]:
-        """What stands out of the hull or is cut into it; no paint."""
-        return [o for o in self.objects if not o.get("painted") and abs(o["height"]) > 0]
+    def structures(self) -> list[TrueStructure]:
+        """Return what stands out of the hull or is cut into it; no paint."""
+        return [o for o in self.objects if not o.painted and abs(o.height) > 0]
 
-    def due(self) -> list[dict[str, Any]]:
-        """Structures that must be found: at least 0.08 m high and seen in at least six frames."""
-        return [o for o in self.structures() if abs(o["height"]) >= 0.08 and o["views"] >= 6]
+    def due(self) -> list[TrueStructure]:
+        """Return the structures that must be found: at least 0.08 m high and seen in at least six frames."""
+        return [o for o in self.structures() if abs(o.height) >= 0.08 and o.views >= 6]
 
 
 def read_truth(package: Path) -> Truth:
-    """InputError when the package has no truth."""
+    """Return the truth of a package. Raises InputError when it has none, or when a file of it cannot be read."""
     folder = package / "truth"
     if not (folder / "poses.csv").exists():
         raise InputError("the package holds no truth", where=str(folder), remedy="only simulated dives can be evaluated")
     poses, servo = read_table(folder / "poses.csv"), read_table(folder / "servo.csv")
-    objects = _json(folder / "objects.json")
     return Truth(
         t_s=poses["t"],
         poses=poses_in(poses),
         servo_t_s=servo["t"],
         servo_rad=servo["rad"],
-        T_g_M=_pose(_json(folder / "alignment.json")["T_g_M"]),
-        mounts=_json(folder / "extrinsics.json"),
-        objects=objects["objects"] if isinstance(objects, dict) else objects,
+        global_from_hull=_read_document(folder / "alignment.json", _Alignment).global_from_hull.pose(),
+        mounts=_read_document(folder / "extrinsics.json", TrueMounts),
+        objects=_read_document(folder / "objects.json", _Objects).objects,
         built_mesh=read_mesh(folder / "as_built.ply"),
         cad_model=_cad_model(package),
     )
 
 
-def read_mesh(path: Path, scale: float = 1.0) -> Mesh:
-    """Any mesh file, in metres."""
+def read_mesh(path: Path, metres_per_unit: float = 1.0) -> Mesh:
+    """Return a mesh file of any form, in metres. Raises InputError when it holds no triangle."""
     import trimesh
 
     loaded = trimesh.load(path, force="mesh", process=False)
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
         raise InputError("the mesh holds no triangles", where=str(path))
-    return Mesh(np.asarray(loaded.vertices, float) * scale, np.asarray(loaded.faces, np.int32))
+    return Mesh(np.asarray(loaded.vertices, float) * metres_per_unit, np.asarray(loaded.faces, np.int32))
 
 
 def _cad_model(package: Path) -> Scene | None:
     try:
-        hull = tomllib.loads((package / "dive.toml").read_text()).get("hull")
-    except (OSError, tomllib.TOMLDecodeError) as error:
+        section = tomllib.loads((package / "dive.toml").read_text(encoding="utf-8")).get("hull")
+        hull = None if section is None else msgspec.convert(section, _HullSection)
+    except (OSError, tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
         raise InputError(f"dive.toml cannot be read: {error}", where=str(package)) from error
-    return None if hull is None else Scene(read_mesh(package / hull["mesh"], _UNIT_M[hull.get("units", "m")]))
+    return None if hull is None else Scene(read_mesh(package / hull.mesh, METRES_PER_UNIT[hull.units]))
 
 
-def _pose(entry: dict[str, Any]) -> Poses:
-    return Poses(np.array([entry["quaternion"]], float), np.array([entry["translation"]], float))
-
-
-def _json(path: Path) -> Any:
+def _read_document(path: Path, kind: type[Document]) -> Document:
     try:
-        return json.loads(path.read_text())
-    except (OSError, ValueError) as error:
+        return msgspec.json.decode(path.read_bytes(), type=kind)
+    except (OSError, msgspec.MsgspecError) as error:
         raise InputError(f"the file cannot be read: {error}", where=str(path)) from error
 
 
-def _ns(t_s: Array) -> Ints:
+def _nanoseconds(t_s: Array) -> Ints:
     return np.rint(np.asarray(t_s) * 1e9).astype(np.int64)

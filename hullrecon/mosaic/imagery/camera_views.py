@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The images of a dive as sights: where each was taken, which texels it may see, and the light in it."""
+"""The images of a dive as image_views: where each was taken, which texels it may see, and the light in it."""
 
 from __future__ import annotations
 
@@ -12,20 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.mosaic.grid import TexelGrid, Window, grid_around
-from hullrecon.mosaic.ground import Ground, patch_of, seen
-from hullrecon.mosaic.imagery.image_view import CameraSight, Sight
-from hullrecon.mosaic.imagery.radiometry import FIELD, FLOOR, Light, Samples, first_fields, solve_light
-from hullrecon.typing import Array, Floats32, Ints
+from hullrecon.mosaic.imagery.image_view import CameraView, ImageView
+from hullrecon.mosaic.imagery.radiometry import FIELD, FLOOR, LightModel, LightSamples, first_fields, solve_light
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface, seen
+from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.rig import SensorRig
+from hullrecon.typing import Array, Floats32, Ints, Mask
 
 Read = Callable[[int], NDArray[np.uint8] | None]
 LIGHT_STEP_M = 0.06  # texels that the light is estimated from
 BLOCK = 1024  # of those texels, at a time
 
 
-@dataclass(frozen=True)
-class Station:
+@dataclass(frozen=True, kw_only=True)
+class CameraImages:
     """One camera of the rig and its images: rows (n,) of its index, poses T_M_c (n) (T_g_c without a CAD model), and how a row is
     read, (h, w, 3) uint8 RGB or None."""
 
@@ -35,8 +38,8 @@ class Station:
     read: Read
 
 
-@dataclass(frozen=True)
-class Footprint:
+@dataclass(frozen=True, kw_only=True)
+class Footprints:
     """Where images meet the surface: point (views, k, 3), at (views, k, 2) on the chart, NaN where they do not; distance
     (views,) m in the median; span_m: the largest of all distances, 0 when no image meets it."""
 
@@ -46,73 +49,91 @@ class Footprint:
     span_m: float
 
 
-def plain_sights(stations: Sequence[Station]) -> list[CameraSight]:
-    """Uncorrected, in the order of the stations."""
-    return [CameraSight(s.poses[i], s.camera, lambda: None) for s in stations for i in range(len(s.rows))]
+def images_of_camera(rig: SensorRig, track: VehicleTrack, camera: Camera, usable: Mask, read: Read) -> CameraImages:
+    """Return a camera's usable images that have a pose, in the frame of the track; usable (m,): by row of the camera's index."""
+    nodes = np.flatnonzero(track.image[:, camera.column] >= 0)
+    nodes = nodes[usable[track.image[nodes, camera.column]]]
+    return CameraImages(
+        camera=rig.camera_models[camera],
+        rows=track.image[nodes, camera.column],
+        poses=rig.camera_poses(track.path[nodes], camera),
+        read=read,
+    )
 
 
-def footprint_of(ground: Ground, sights: Sequence[Sight]) -> Footprint:
-    outlines = [sight.outline(ground) for sight in sights]
-    middle = [np.linalg.norm(o - s.center, axis=1) for o, s in zip(outlines, sights, strict=True)]
+def plain_views(cameras: Sequence[CameraImages]) -> list[CameraView]:
+    """Uncorrected, in the order of the cameras."""
+    return [CameraView(pose=s.poses[i], camera=s.camera, load=lambda: None) for s in cameras for i in range(len(s.rows))]
+
+
+def compute_footprints(surface: MosaicSurface, image_views: Sequence[ImageView]) -> Footprints:
+    outlines = [image_view.outline(surface) for image_view in image_views]
+    middle = [np.linalg.norm(o - s.center, axis=1) for o, s in zip(outlines, image_views, strict=True)]
     points = np.stack(outlines)
     good = np.isfinite(points).all(axis=2)
     at = np.full((*points.shape[:2], 2), np.nan)
-    at[good] = ground.chart.to_chart(points[good])[:, :2]
+    at[good] = surface.chart.to_chart(points[good])[:, :2]
     distance = [float(np.median(m[np.isfinite(m)])) if np.isfinite(m).any() else np.nan for m in middle]
     span_m = max((float(m.max(initial=0.0, where=np.isfinite(m))) for m in middle), default=0.0)
-    return Footprint(points, at, np.array(distance), span_m)
+    return Footprints(point=points, at=at, distance=np.array(distance), span_m=span_m)
 
 
-def windows_of(grid: TexelGrid, footprint: Footprint, margin_share: float = 0.06) -> list[Window]:
-    """The texels that each view may see: the bounds of its footprint, a little widened for what lies between its points."""
+def footprint_windows(grid: TexelGrid, footprints: Footprints, margin_share: float = 0.06) -> list[Window]:
+    """The texels that each view may see: the bounds of its footprints, a little widened for what lies between its points."""
     spans = []
-    for at in footprint.at:
+    for at in footprints.at:
         good = at[np.isfinite(at).all(axis=1)]
         spans.append(grid.window_of(at, margin_share * float(np.ptp(good, axis=0).max()) if len(good) else 0.0))
     return spans
 
 
-def lit_sights(stations: Sequence[Station], light: Light | None) -> list[CameraSight]:
-    """Sights whose pictures are corrected for the light."""
-    sights: list[CameraSight] = []
-    for k, station in enumerate(stations):
-        for i, row in enumerate(station.rows.tolist()):
-            view = len(sights)
-            sights.append(CameraSight(station.poses[i], station.camera, _loader(station.read, row, light, k, view)))
-    return sights
+def camera_views(cameras: Sequence[CameraImages], light: LightModel | None) -> list[CameraView]:
+    """Sights whose pictures are correct for the light."""
+    image_views: list[CameraView] = []
+    for k, images in enumerate(cameras):
+        for i, row in enumerate(images.rows.tolist()):
+            view = len(image_views)
+            image_views.append(
+                CameraView(pose=images.poses[i], camera=images.camera, load=_loader(images.read, row, light, k, view))
+            )
+    return image_views
 
 
-def _loader(read: Read, row: int, light: Light | None, camera: int, view: int) -> Callable[[], Floats32 | None]:
+def _loader(read: Read, row: int, light: LightModel | None, camera: int, view: int) -> Callable[[], Floats32 | None]:
     def load() -> Floats32 | None:
         picture = read(row)
         if picture is None:
             return None
-        return light.corrected(picture, camera, view) if light else np.asarray(picture, np.float32)
+        return light.correct(picture, camera, view) if light else np.asarray(picture, np.float32)
 
     return load
 
 
-def light_of(
-    ground: Ground,
-    stations: Sequence[Station],
-    sights: Sequence[CameraSight],
-    footprint: Footprint,
+def estimate_light(
+    surface: MosaicSurface,
+    cameras: Sequence[CameraImages],
+    image_views: Sequence[CameraView],
+    footprints: Footprints,
     progress: Callable[[Sequence[Any]], Iterable[Any]],
-) -> Light | None:
+) -> LightModel | None:
     """From small copies of all images at texels LIGHT_STEP_M apart; None when fewer than two images could be read."""
-    camera = np.concatenate([np.full(len(s.rows), k) for k, s in enumerate(stations)])
-    rows = [(s.read, row) for s in stations for row in s.rows.tolist()]
-    thumbs: list[NDArray[np.uint8] | None] = [_thumb(read, row) for read, row in progress(rows)]
-    good = np.array([t is not None for t in thumbs])
+    camera = np.concatenate([np.full(len(s.rows), k) for k, s in enumerate(cameras)])
+    rows = [(s.read, row) for s in cameras for row in s.rows.tolist()]
+    thumbnails: list[NDArray[np.uint8] | None] = [_thumbnail(read, row) for read, row in progress(rows)]
+    good = np.array([t is not None for t in thumbnails])
     if good.sum() < 2:
         return None
-    fields = first_fields([t for t in thumbs if t is not None], camera[good])
-    grid = grid_around(footprint.at.reshape(-1, 2), LIGHT_STEP_M)
-    samples = _samples(ground, grid, sights, windows_of(grid, footprint), thumbs, camera)
-    return solve_light(samples, fields) if len(samples.view) else Light(tuple(fields), np.zeros(len(sights)))
+    fields = first_fields([t for t in thumbnails if t is not None], camera[good])
+    grid = grid_around(footprints.at.reshape(-1, 2), LIGHT_STEP_M)
+    samples = sample_light(surface, grid, image_views, footprint_windows(grid, footprints), thumbnails, camera)
+    return (
+        solve_light(samples, fields)
+        if len(samples.view)
+        else LightModel(log_field=tuple(fields), log_gain=np.zeros(len(image_views)))
+    )
 
 
-def _thumb(read: Read, row: int) -> NDArray[np.uint8] | None:
+def _thumbnail(read: Read, row: int) -> NDArray[np.uint8] | None:
     """A small copy with twice the field's cells a side."""
     import cv2
 
@@ -122,32 +143,34 @@ def _thumb(read: Read, row: int) -> NDArray[np.uint8] | None:
     return np.asarray(cv2.resize(picture, (2 * FIELD[1], 2 * FIELD[0]), interpolation=cv2.INTER_AREA), np.uint8)
 
 
-def _samples(
-    ground: Ground, grid: TexelGrid, sights: Sequence[CameraSight], windows: Sequence[Window],
-    thumbs: Sequence[NDArray[np.uint8] | None], camera: Ints,
-) -> Samples:  # fmt: skip
+def sample_light(
+    surface: MosaicSurface, grid: TexelGrid, image_views: Sequence[CameraView], windows: Sequence[Window],
+    thumbnails: Sequence[NDArray[np.uint8] | None], camera: Ints,
+) -> LightSamples:  # fmt: skip
     parts: list[tuple[Any, ...]] = []
     for tile in grid.tiles(BLOCK):
-        patch = patch_of(ground, grid, tile)
-        for view, (sight, thumb) in enumerate(zip(sights, thumbs, strict=True)):
+        patch = sample_surface(surface, grid, tile)
+        for view, (image_view, thumbnail) in enumerate(zip(image_views, thumbnails, strict=True)):
             window = windows[view].meet(tile)
-            if thumb is None or window.empty:
+            if thumbnail is None or window.empty:
                 continue
             part = window.within(tile)
             rows, columns = np.mgrid[window.top : window.bottom, window.left : window.right]
             known = np.isfinite(patch.point[part][..., 0])
-            known[known] = seen(ground, patch.part(part), np.flatnonzero(known), sight.center, 0.0)[0]
-            pixel, ratio = sight.project(patch.point[part][known])
+            known[known] = seen(surface, patch.part(part), np.flatnonzero(known), image_view.center, 0.0)[0]
+            pixel, ratio = image_view.project(patch.point[part][known])
             held = np.isfinite(ratio)
-            share = (pixel[held] + 0.5) / [sight.camera.width, sight.camera.height]
+            share = (pixel[held] + 0.5) / [image_view.camera.width, image_view.camera.height]
             texel = (rows * grid.width + columns)[known][held]
-            parts.append((np.full(len(texel), view), texel, _cell(share), _value(thumb, share)))
+            parts.append((np.full(len(texel), view), texel, _cell(share), _value(thumbnail, share)))
     if not parts:
         none = np.zeros(0, np.int64)
-        return Samples(none, none, none, np.zeros((0, 3)), camera)
-    view_of, texel_of, cell_of, value = (np.concatenate(p) for p in zip(*parts, strict=True))
-    _, texel_of = np.unique(texel_of, return_inverse=True)
-    return Samples(view_of.astype(np.int64), texel_of, cell_of.astype(np.int64), value, camera)
+        return LightSamples(view=none, texel=none, cell=none, log_value=np.zeros((0, 3)), camera=camera)
+    view_of, texel_size, cell_of, value = (np.concatenate(p) for p in zip(*parts, strict=True))
+    _, texel_size = np.unique(texel_size, return_inverse=True)
+    return LightSamples(
+        view=view_of.astype(np.int64), texel=texel_size, cell=cell_of.astype(np.int64), log_value=value, camera=camera
+    )
 
 
 def _cell(share: Array) -> Ints:
@@ -155,7 +178,7 @@ def _cell(share: Array) -> Ints:
     return row * FIELD[1] + np.minimum(share[:, 0] * FIELD[1], FIELD[1] - 1).astype(np.int64)
 
 
-def _value(thumb: NDArray[np.uint8], share: Array) -> Array:
-    size = np.array(thumb.shape[1::-1])
+def _value(thumbnail: NDArray[np.uint8], share: Array) -> Array:
+    size = np.array(thumbnail.shape[1::-1])
     at = np.minimum(share * size, size - 1).astype(int)
-    return np.asarray(np.log(np.maximum(thumb[at[:, 1], at[:, 0]].astype(float), FLOOR)))
+    return np.asarray(np.log(np.maximum(thumbnail[at[:, 1], at[:, 0]].astype(float), FLOOR)))

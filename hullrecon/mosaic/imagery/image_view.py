@@ -12,11 +12,11 @@ import numpy as np
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
-from hullrecon.mosaic.ground import Ground
+from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.typing import Array, Floats32
 
 
-class Sight(Protocol):
+class ImageView(Protocol):
     """One image and where it was taken. center: (3,) of the instrument in the surface's frame."""
 
     @property
@@ -26,16 +26,16 @@ class Sight(Protocol):
         """Of points (n, 3): pixel (n, 2) in the picture, and r / R (n,), the distance from the best place in the image over
         the largest one considered (docs/methods.md 13, 14); NaN where the image does not hold the point."""
 
-    def outline(self, ground: Ground) -> Array:
+    def outline(self, surface: MosaicSurface) -> Array:
         """Points (n, 3) of the surface all over the image, NaN rows where it does not meet the surface."""
 
     def picture(self) -> Floats32 | None:
-        """(h, w, channels), corrected, 0 to 255; None when it cannot be read."""
+        """(h, w, channels), correct, 0 to 255; None when it cannot be read."""
 
 
-@dataclass(frozen=True)
-class CameraSight:
-    """A camera's image. pose: one T_M_c (T_g_c without a CAD model); load gives the corrected picture."""
+@dataclass(frozen=True, kw_only=True)
+class CameraView:
+    """A camera's image. pose: one T_M_c (T_g_c without a CAD model); load gives the correct picture."""
 
     pose: Poses
     camera: CameraModel
@@ -58,10 +58,10 @@ class CameraSight:
         away = np.hypot(u - (width - 1) / 2, v - (height - 1) / 2) / (0.5 * np.hypot(width, height))
         return pixel, np.where(held, away, np.nan)
 
-    def outline(self, ground: Ground) -> Array:
+    def outline(self, surface: MosaicSurface) -> Array:
         u, v = np.meshgrid(np.linspace(1, self.camera.width - 2, 7), np.linspace(1, self.camera.height - 2, 7))
         rays = self.camera.rays(np.stack([u.ravel(), v.ravel()], axis=1)) @ self.pose.rotation.as_matrix()[0].T
-        gone = ground.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
+        gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
         return np.asarray(self.center + np.where(np.isfinite(gone), gone, np.nan)[:, None] * rays)
 
     def picture(self) -> Floats32 | None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Light: what the lamp and the lens do to every image of a camera, and how bright each image is as a whole.
+"""LightModel: what the lamp and the lens do to every image of a camera, and how bright each image is as a whole.
 
 The logarithm of an intensity is taken as the sum of the scene at the texel, a smooth field over the image that is common to a
 camera (lamp, vignetting, attenuation at the usual distance), and a number for each image. The scene is seen by several views at
@@ -22,14 +22,14 @@ FIELD = (24, 32)  # cells of the field, rows and columns
 SMOOTH = 2.0  # cells, sigma of the field's smoothing
 
 
-@dataclass(frozen=True)
-class Light:
+@dataclass(frozen=True, kw_only=True)
+class LightModel:
     """log_field: by camera, (rows, columns, channels); log_gain (views,): what is taken off each view's logarithm."""
 
     log_field: tuple[Array, ...]
     log_gain: Array
 
-    def corrected(self, picture: NDArray[np.uint8], camera: int, view: int) -> Floats32:
+    def correct(self, picture: NDArray[np.uint8], camera: int, view: int) -> Floats32:
         """The image as an even lamp would have shown it, 0 to 255 and beyond."""
         import cv2
 
@@ -39,8 +39,8 @@ class Light:
         return np.asarray(np.asarray(picture, np.float32) * np.minimum(factor, 8), np.float32)
 
 
-@dataclass(frozen=True)
-class Samples:
+@dataclass(frozen=True, kw_only=True)
+class LightSamples:
     """Intensities of scene points in several views, one row a sample: view, texel (m,) int; cell (m,) of the field;
     log_value (m, channels). camera (views,): which camera took the view."""
 
@@ -51,18 +51,18 @@ class Samples:
     camera: Ints
 
 
-def first_fields(thumbs: Sequence[NDArray[np.uint8]], camera: Ints) -> list[Array]:
-    """By camera the median over its images (thumbs (h, w, c) of FIELD's shape or larger), smoothed, about a mean of zero."""
+def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[Array]:
+    """By camera the median over its images (thumbnails (h, w, c) of FIELD's shape or larger), smoothed, about a mean of zero."""
     fields = []
     for k in range(int(camera.max()) + 1):
-        stack = np.stack([t for t, c in zip(thumbs, camera, strict=True) if c == k])
+        stack = np.stack([t for t, c in zip(thumbnails, camera, strict=True) if c == k])
         level = np.log(np.maximum(stack.astype(float), FLOOR))
         level -= level.mean(axis=(1, 2), keepdims=True)
         fields.append(_smooth(_resized(np.median(level, axis=0)), np.ones(FIELD)))
     return fields
 
 
-def solve_light(samples: Samples, fields: list[Array], rounds: int = 3) -> Light:
+def solve_light(samples: LightSamples, fields: list[Array], rounds: int = 3) -> LightModel:
     """Gains and fields in turns, from the first fields on; each takes clipped departures from the texel's mean, so that glints
     and shadows count little."""
     gain = np.zeros(len(samples.camera))
@@ -73,22 +73,22 @@ def solve_light(samples: Samples, fields: list[Array], rounds: int = 3) -> Light
         residual -= _texel_mean(samples, residual)
         fields = [f + _correction(samples, residual, k) for k, f in enumerate(fields)]
         fields = [f - f.mean(axis=(0, 1)) for f in fields]
-    return Light(tuple(fields), gain)
+    return LightModel(log_field=tuple(fields), log_gain=gain)
 
 
-def _field_at(samples: Samples, fields: list[Array]) -> Array:
+def _field_at(samples: LightSamples, fields: list[Array]) -> Array:
     stack = np.stack([f.reshape(-1, f.shape[2]) for f in fields])
     return np.asarray(stack[samples.camera[samples.view], samples.cell])
 
 
-def _texel_mean(samples: Samples, values: Array) -> Array:
+def _texel_mean(samples: LightSamples, values: Array) -> Array:
     """(m, channels): the mean over the views of each sample's texel."""
     count = np.bincount(samples.texel)
     sums = np.stack([np.bincount(samples.texel, v) for v in values.T], axis=1)
     return np.asarray((sums / np.maximum(count, 1)[:, None])[samples.texel])
 
 
-def _gains(samples: Samples, values: Array, views: int, sweeps: int = 60, pull: float = 20.0) -> Array:
+def _gains(samples: LightSamples, values: Array, views: int, sweeps: int = 60, pull: float = 20.0) -> Array:
     """Each view's level against the scene's mean, by sweeps; `pull` samples' worth of belief that a view is as bright as the
     others keep a chain of views from drifting. Huber at 0.2, a fifth of the brightness: glints do not count more."""
     gain = np.zeros(views)
@@ -100,7 +100,7 @@ def _gains(samples: Samples, values: Array, views: int, sweeps: int = 60, pull: 
     return gain
 
 
-def _correction(samples: Samples, residual: Array, camera: int) -> Array:
+def _correction(samples: LightSamples, residual: Array, camera: int) -> Array:
     rows = samples.camera[samples.view] == camera
     cells = FIELD[0] * FIELD[1]
     count = np.bincount(samples.cell[rows], minlength=cells).reshape(FIELD)

@@ -15,8 +15,8 @@ import numpy as np
 from hullrecon.typing import Array
 
 
-@dataclass(frozen=True)
-class Fan:
+@dataclass(frozen=True, kw_only=True)
+class SonarFan:
     """bearing (beams,) rad, rising; beam (beams,) its number in the image; range_m (ranges,) rising; half_elevation rad."""
 
     bearing: Array
@@ -61,8 +61,8 @@ class Fan:
         return max(float(self._away(np.float64(r), np.float64(b))) for r, b in corners)  # type: ignore[arg-type]
 
 
-def fan_of(directions: Array, range_m: Array, elevation_rad: float) -> Fan:
+def build_fan(directions: Array, range_m: Array, elevation_rad: float) -> SonarFan:
     """directions (beams, 3) unit vectors in `sonar`; elevation_rad: full aperture out of the fan."""
     bearing = np.arctan2(directions[:, 1], directions[:, 2])
     order = np.argsort(bearing, kind="stable")
-    return Fan(bearing[order], order.astype(float), range_m, 0.5 * elevation_rad)
+    return SonarFan(bearing=bearing[order], beam=order.astype(float), range_m=range_m, half_elevation=0.5 * elevation_rad)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 INK, BACK, UNSEEN = "#1c2733", "#ffffff", "#e9edf1"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Caption:
     """title; the lines under the picture; frame_spacing_m for frame numbers along the top, None without; flips: along grows to
     the left, girth downwards, so that the hull is seen from outside."""
@@ -40,7 +40,7 @@ def preview_png(picture: NDArray[np.uint8], west: float, north: float, step_m: f
     axis = figure.add_subplot()
     axis.set_facecolor(UNSEEN)
     extent = (west, west + width * step_m, north - height * step_m, north)
-    axis.imshow(stretched(_rgba(picture)), extent=extent, interpolation="antialiased", aspect="equal")
+    axis.imshow(stretch_contrast(_rgba(picture)), extent=extent, interpolation="antialiased", aspect="equal")
     axis.set_title(caption.title, loc="left", fontsize=12, color=INK, fontweight="bold")
     along, girth = _axis_names(caption)
     legend = fill(caption.legend, int(13 * figure.get_figwidth()))  # some 13 characters of this size fit an inch
@@ -64,7 +64,7 @@ def _axis_names(caption: Caption) -> tuple[str, str]:
     return f"along the hull in M, forward to the {side} (m)", "girth from the keel (m)"
 
 
-def stretched(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def stretch_contrast(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Brightness of the seen pixels of an RGBA picture spread over the range; colour grows less, or it would glare."""
     seen = picture[picture[..., 3] > 0][:, :3]
     if not len(seen):

@@ -1,15 +1,16 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From the logs of navigation to the records that later steps read: the story of dead reckoning."""
+"""Dead reckoning from the logs to the records that later steps read."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from hullrecon.errors import StageError
-from hullrecon.geometry.poses import Poses, roll_pitch_yaw
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.error_propagation import dead_reckoning_errors, trajectory_covariance
 from hullrecon.navigation.dead_reckoning.nodes import Nodes, choose_nodes
 from hullrecon.navigation.dead_reckoning.odometry import odometry
@@ -22,15 +23,16 @@ from hullrecon.navigation.sensors.clock import in_order
 from hullrecon.navigation.sensors.depth import Depth, hold_to_pressure
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import usable_velocities
-from hullrecon.navigation.vehicle import Vehicle
+from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.rig import SensorRig
 from hullrecon.typing import Ints
 
 UNKNOWN_SIGMA_M = 1e3  # of a depth that nothing measured
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Logs:
     """What navigation reads; None where not carried."""
 
@@ -42,9 +44,9 @@ class Logs:
     bottom: ImageIndex | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Navigated:
-    """The records of the step, and what to say about them: remarks in words, `facts` for navigation.json."""
+    """The records of the step; remarks: sentences for the log; facts: numbers for navigation.json."""
 
     trajectory: Trajectory
     error_model: TrajectoryErrorModel
@@ -55,21 +57,23 @@ class Navigated:
     facts: dict[str, object] = field(default_factory=dict)
 
 
-def dead_reckon(logs: Logs, vehicle: Vehicle, options: NavigateOptions, sigma_range_m: float) -> Navigated:
-    """The vehicle's path in g by DVL, IMU, pressure and tray. x = y = 0 at the first ping with a velocity, heading as logged.
+def dead_reckon(logs: Logs, rig: SensorRig, sigmas: NavigationSigmas, options: NavigateOptions) -> Navigated:
+    """Return the records of a dive reckoned from DVL, IMU, pressure and tray.
+
+    x = y = 0 at the first ping with a velocity, heading as logged.
 
     Raises StageError where there are fewer than two usable velocities or attitudes, or no node.
     """
-    logs, said = _ordered(logs)
-    path = _path(logs, vehicle, options)
+    logs, messages = _sort_streams(logs)
+    path = _path(logs, rig, sigmas.tilt_rad, options)
     nodes = _nodes(logs, path, options)
     at = path.at(nodes.t_ns)
     depth = None if logs.pressure is None else hold_to_pressure(logs.pressure, path, nodes.t_ns, 0.5 * options.node_spacing_s)
-    flagged = flag_ranges(logs.dvl, options.beam_window_s, options.beam_jump_m, options.beam_sigmas, sigma_range_m)
-    hung = returns(logs.dvl, path, at, flagged)
-    notes, facts = remarks_of(logs.dvl.t_ns, logs.tray is None, path, nodes, depth, hung)
+    flagged = flag_ranges(logs.dvl, options.beam_window_s, options.beam_jump_m, options.beam_sigmas, sigmas.range_m)
+    beams = returns(logs.dvl, path, at, flagged)
+    notes, facts = remarks_of(logs.dvl.t_ns, logs.tray is None, path, nodes, depth, beams)
     poses = _poses(path, at, depth)
-    errors = dead_reckoning_errors(path, at, poses, depth)
+    errors = dead_reckoning_errors(path, at, poses, depth, sigmas)
     covariance = trajectory_covariance(errors, poses)
     trajectory = Trajectory(
         t_ns=at.t_ns,
@@ -79,30 +83,37 @@ def dead_reckon(logs: Logs, vehicle: Vehicle, options: NavigateOptions, sigma_ra
         tray=at.tray.copy(),
         image=nodes.image.copy(),
     )
-    attitude = _attitude(at, depth, vehicle)
-    return Navigated(trajectory, errors, odometry(path, at), hung, attitude, [*said, *notes], facts)
+    return Navigated(
+        trajectory=trajectory,
+        error_model=errors,
+        odometry=odometry(path, at),
+        returns=beams,
+        attitude=_attitude(at, depth, sigmas),
+        remarks=[*messages, *notes],
+        facts=facts,
+    )
 
 
-def _ordered(logs: Logs) -> tuple[Logs, list[str]]:
-    """Each stream sorted, without repeated stamps."""
-    said: list[str] = []
-    dvl, words = in_order(logs.dvl, "dvl")
-    said += words
-    imu, words = in_order(finite_attitude(logs.imu), "imu")
-    said += words
+def _sort_streams(logs: Logs) -> tuple[Logs, list[str]]:
+    """Return each stream in time order without repeated stamps, and what was put right."""
+    messages: list[str] = []
+    dvl, found = in_order(logs.dvl, "dvl")
+    messages += found
+    imu, found = in_order(finite_attitude(logs.imu), "imu")
+    messages += found
     pressure, tray = logs.pressure, logs.tray
     if pressure is not None:
-        sorted_pressure, words = in_order(pressure, "pressure")
+        sorted_pressure, found = in_order(pressure, "pressure")
         pressure = sorted_pressure if np.isfinite(sorted_pressure.depth).sum() > 1 else None
-        said += words
+        messages += found
     if tray is not None:
-        tray, words = in_order(tray, "tray")
-        said += words
-    return Logs(dvl, imu, pressure, tray, logs.top, logs.bottom), said
+        tray, found = in_order(tray, "tray")
+        messages += found
+    return replace(logs, dvl=dvl, imu=imu, pressure=pressure, tray=tray), messages
 
 
 def finite_attitude(imu: ImuSamples) -> ImuSamples:
-    """The readings that have an orientation. Raises StageError where there are fewer than two."""
+    """Return the readings that have an orientation. Raises StageError where there are fewer than two."""
     known = np.isfinite(imu.quaternion).all(axis=1) & (np.linalg.norm(imu.quaternion, axis=1) > 0.5)
     if known.sum() < 2:
         raise StageError(
@@ -116,8 +127,8 @@ def finite_attitude(imu: ImuSamples) -> ImuSamples:
     )
 
 
-def _path(logs: Logs, vehicle: Vehicle, options: NavigateOptions) -> Reckoning:
-    history = attitude_history(logs.imu, vehicle.sigma_tilt, options.longest_gap_s)
+def _path(logs: Logs, rig: SensorRig, sigma_tilt_rad: float, options: NavigateOptions) -> Reckoning:
+    history = attitude_history(logs.imu, sigma_tilt_rad, options.longest_gap_s)
     slack = int(options.longest_gap_s * 1e9)
     span = (int(history.t_ns[0]) - slack, int(history.t_ns[-1]) + slack)
     velocities = usable_velocities(logs.dvl, span, options.longest_gap_s)
@@ -126,7 +137,7 @@ def _path(logs: Logs, vehicle: Vehicle, options: NavigateOptions) -> Reckoning:
         raise StageError(
             "the DVL gave no velocity to reckon with", where=where, remedy="check the DVL's bottom lock and the clocks"
         )
-    return reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), vehicle)
+    return reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), rig)
 
 
 def _nodes(logs: Logs, path: Reckoning, options: NavigateOptions) -> Nodes:
@@ -136,12 +147,12 @@ def _nodes(logs: Logs, path: Reckoning, options: NavigateOptions) -> Nodes:
     pings = logs.dvl.t_ns[(logs.dvl.t_ns >= span[0]) & (logs.dvl.t_ns <= span[1])]
     nodes = choose_nodes(usable_frames(logs.top), usable_frames(logs.bottom), pings, span, options.node_spacing_s)
     if len(nodes.t_ns) < 2:
-        raise StageError("no two instants to place", remedy="check that camera and DVL ran at the same time")
+        raise StageError("fewer than two nodes", remedy="check that camera and DVL ran at the same time")
     return nodes
 
 
 def usable_frames(index: ImageIndex | None) -> tuple[Ints, Ints]:
-    """Stamps and rows of the frames that decode, in time order."""
+    """Return stamps and rows of the frames that decode, in time order; none without an index."""
     if index is None:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
     rows = np.flatnonzero(index.usable)
@@ -150,17 +161,17 @@ def usable_frames(index: ImageIndex | None) -> tuple[Ints, Ints]:
 
 
 def _poses(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
-    """T_g_v (n,) counted from the start; z by the pressure where there is one."""
+    """Return T_g_v (n) counted from the start; z by the pressure where there is one."""
     start = path.at(np.array([path.start_ns])).poses().translation[0]
-    place = at.poses().translation - start
+    position = at.poses().translation - start
     if depth is not None:
-        place[:, 2] = at.poses().translation[:, 2] + depth.shift
-    return Poses(at.rotation.as_quat(), place)
+        position[:, 2] = at.poses().translation[:, 2] + depth.shift
+    return Poses(at.rotation.as_quat(), position)
 
 
-def _attitude(at: Instant, depth: Depth | None, vehicle: Vehicle) -> Attitude:
+def _attitude(at: Instant, depth: Depth | None, sigmas: NavigationSigmas) -> Attitude:
     n = len(at.t_ns)
     roll, pitch, _ = roll_pitch_yaw(at.rotation).T
     measured = np.zeros(n) if depth is None else depth.measured
-    sigma = np.tile([UNKNOWN_SIGMA_M if depth is None else vehicle.sigma_depth, vehicle.sigma_tilt, vehicle.sigma_tilt], (n, 1))
+    sigma = np.tile([UNKNOWN_SIGMA_M if depth is None else sigmas.depth_m, sigmas.tilt_rad, sigmas.tilt_rad], (n, 1))
     return Attitude(node=np.arange(n), depth=measured, roll=roll, pitch=pitch, sigma=sigma, tray_direction=at.direction.copy())

@@ -7,10 +7,11 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.odometry import velocity_variance
 from hullrecon.navigation.dead_reckoning.reckoning import MOMENT, MOUNT, PLAY, TILT, UP_DOWN, Instant, Reckoning
 from hullrecon.navigation.sensors.depth import Depth
-from hullrecon.navigation.vehicle import Vehicle, cross_matrix
+from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.typing import Array
 
@@ -21,7 +22,9 @@ SCALE, DRIFT, MOUNT_TURN, TRAY_PLAY, ROLL_PITCH, HEADING, DEPTH_BIAS = 0, 1, sli
 ERRORS = 10
 
 
-def dead_reckoning_errors(path: Reckoning, at: Instant, poses: Poses, depth: Depth | None) -> TrajectoryErrorModel:
+def dead_reckoning_errors(
+    path: Reckoning, at: Instant, poses: Poses, depth: Depth | None, sigmas: NavigationSigmas
+) -> TrajectoryErrorModel:
     """Return what makes the published T_g_v (n,) at those instants wrong, relative to the start in x, y and heading.
 
     Depth is absolute: its bias and the smoothed noise of the pressure; without pressure it drifts like x and y.
@@ -42,7 +45,7 @@ def dead_reckoning_errors(path: Reckoning, at: Instant, poses: Poses, depth: Dep
     # The velocities' noise shifts the rest of the path: a shift is the same twist wherever the node stands.
     return TrajectoryErrorModel(
         by_error=to_twist @ by_error,
-        error_covariance=np.diag(_error_sigma(path.vehicle, depth is not None) ** 2),
+        error_covariance=np.diag(_error_sigma(sigmas, depth is not None) ** 2),
         walk=walk,
         white=to_twist @ white @ np.swapaxes(to_twist, 1, 2),
     )
@@ -93,10 +96,10 @@ def pose_by_error(at: Instant) -> Array:
     return out
 
 
-def _error_sigma(vehicle: Vehicle, depth_is_measured: bool) -> Array:
+def _error_sigma(sigmas: NavigationSigmas, depth_is_measured: bool) -> Array:
     """(ERRORS,) prior sigma of each error; the heading at the start is known like a roll or pitch."""
     out = np.zeros(ERRORS)
-    out[SCALE], out[DRIFT], out[MOUNT_TURN] = vehicle.sigma_scale, vehicle.sigma_drift, vehicle.sigma_mount[3:]
-    out[TRAY_PLAY], out[ROLL_PITCH], out[HEADING] = vehicle.sigma_tray, vehicle.sigma_tilt_bias, vehicle.sigma_tilt
-    out[DEPTH_BIAS] = vehicle.sigma_depth_bias if depth_is_measured else UNKNOWN_DEPTH_M
+    out[SCALE], out[DRIFT], out[MOUNT_TURN] = sigmas.scale, sigmas.heading_drift_rad_s, sigmas.mount[3:]
+    out[TRAY_PLAY], out[ROLL_PITCH], out[HEADING] = sigmas.tray_rad, sigmas.tilt_bias_rad, sigmas.tilt_rad
+    out[DEPTH_BIAS] = sigmas.depth_bias_m if depth_is_measured else UNKNOWN_DEPTH_M
     return out

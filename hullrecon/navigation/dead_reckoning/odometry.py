@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.reckoning import MOUNT, TRAY, UP_DOWN, Instant, Reckoning
-from hullrecon.navigation.vehicle import cross_matrix
 from hullrecon.records.trajectory import Odometry
 from hullrecon.typing import Array, Ints
 

@@ -16,12 +16,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, tray_poses
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.integral import Integral, integral
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.clock import seconds
 from hullrecon.navigation.sensors.servo import Servo
 from hullrecon.navigation.sensors.velocity import Velocities
-from hullrecon.navigation.vehicle import Vehicle, cross_matrix
+from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints
 
 UP_DOWN = np.array([0.0, 0.0, 1.0])  # z of g
@@ -40,15 +41,15 @@ class Reckoning:
     attitude: AttitudeHistory
     servo: Servo
     velocities: Velocities
-    vehicle: Vehicle
+    rig: SensorRig
 
     def at(self, t_ns: Ints) -> Instant:
         """The vehicle and all that its derivatives need at times (n,)."""
         theta = self.servo.angle_at(t_ns)
         rotation = self.attitude.rotation(t_ns)
-        mounted = tray_poses(self.vehicle.tray_origin, theta)
-        lever = mounted.apply(self.vehicle.T_s_d.translation)
-        by_tilt = np.cross(TILT_AXIS, lever - self.vehicle.tray_origin)
+        mounted = tray_poses(self.rig.tray_origin, theta)
+        lever = mounted.apply(self.rig.tray_from_dvl.translation)
+        by_tilt = np.cross(TILT_AXIS, lever - self.rig.tray_origin)
         return Instant(
             t_ns,
             seconds(t_ns, self.start_ns),
@@ -85,14 +86,14 @@ class Instant:
         return Poses(self.rotation.as_quat(), self.instrument - self.rotation.apply(self.lever))
 
 
-def reckon(velocities: Velocities, attitude: AttitudeHistory, servo: Servo, vehicle: Vehicle) -> Reckoning:
+def reckon(velocities: Velocities, attitude: AttitudeHistory, servo: Servo, rig: SensorRig) -> Reckoning:
     """The path of at least two velocities."""
     t_ns = velocities.t_ns
     start = int(t_ns[0])
     t = seconds(t_ns, start)
     R_g_v = attitude.rotation(t_ns).as_matrix()
-    R_v_s = tray_poses(vehicle.tray_origin, servo.angle_at(t_ns)).rotation.as_matrix()
-    R_v_d = R_v_s @ vehicle.T_s_d.rotation.as_matrix()[0]
+    R_v_s = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation.as_matrix()
+    R_v_d = R_v_s @ rig.tray_from_dvl.rotation.as_matrix()[0]
     v_v = np.einsum("nij,nj->ni", R_v_d, velocities.velocity)
     v_g = np.einsum("nij,nj->ni", R_g_v, v_v)
     by_mount = -R_g_v @ R_v_d @ cross_matrix(velocities.velocity)
@@ -100,4 +101,4 @@ def reckon(velocities: Velocities, attitude: AttitudeHistory, servo: Servo, vehi
     by_play = by_tray * servo.direction_at(t_ns)[:, None]
     by_tilt = -R_g_v @ cross_matrix(v_v)
     columns = [v_g[..., None], (v_g * t[:, None])[..., None], by_mount, by_tray[..., None], by_play[..., None], by_tilt]
-    return Reckoning(start, integral(t, np.concatenate(columns, axis=2)), attitude, servo, velocities, vehicle)
+    return Reckoning(start, integral(t, np.concatenate(columns, axis=2)), attitude, servo, velocities, rig)

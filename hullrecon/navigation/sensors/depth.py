@@ -58,4 +58,4 @@ def path_seconds(path: Reckoning, t_ns: Ints) -> Array:
 
 def _sensor(path: Reckoning, t_ns: Ints) -> Array:
     """z (n,) of the pressure sensor by the DVL's path."""
-    return np.asarray(path.at(t_ns).poses().apply(path.vehicle.pressure_origin)[:, 2])
+    return np.asarray(path.at(t_ns).poses().apply(path.rig.pressure_origin)[:, 2])

@@ -1,17 +1,18 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The records of a dive that stereo visual odometry placed."""
+"""The records of a dive whose vehicle stereo odometry followed."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from hullrecon.errors import StageError
-from hullrecon.geometry.poses import Poses, identity, roll_pitch_yaw, tray_poses
+from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.poses import Poses, identity, tray_poses
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.dead_reckon import UNKNOWN_SIGMA_M, Navigated, finite_attitude
 from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_covariance
 from hullrecon.navigation.dead_reckoning.nodes import pair_frames
@@ -19,26 +20,24 @@ from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_history
 from hullrecon.navigation.sensors.clock import in_order, seconds
 from hullrecon.navigation.sensors.servo import servo
-from hullrecon.navigation.stereo_odometry.stereo_frame import StereoFrame, StereoRig
+from hullrecon.navigation.sigmas import NavigationSigmas
+from hullrecon.navigation.stereo_odometry.pair_motion import Frame, PairMotion
 from hullrecon.navigation.stereo_odometry.visual_odometry import Chain, chain_errors, compose, follow, in_vehicle
-from hullrecon.navigation.vehicle import Vehicle
 from hullrecon.records.sensors import ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
+from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints
 
 
-@dataclass(frozen=True)
-class Views:
-    """Stamps and index rows of the usable frames of both cameras, in time order; `frame` makes a stereo frame of rows (top,
-    bottom); T_s_ct, one pose."""
+@dataclass(frozen=True, kw_only=True)
+class Frames:
+    """Usable frames of both cameras, in time order: stamps and rows of the cameras' indices."""
 
     top: tuple[Ints, Ints]
     bottom: tuple[Ints, Ints]
-    frame: Callable[[int, int], StereoFrame]
-    T_s_ct: Poses
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Aids:
     """What else was logged; None where not."""
 
@@ -48,30 +47,34 @@ class Aids:
 
 
 def stereo_navigate(
-    views: Views,
+    frames: Frames,
     aids: Aids,
-    rig: StereoRig,
-    vehicle: Vehicle,
+    motion: PairMotion[Frame],
+    rig: SensorRig,
+    sigmas: NavigationSigmas,
     options: NavigateOptions,
-    progress: Callable[[Sequence[int]], Any] = list,
+    progress: Callable[[Sequence[int]], Iterable[int]] = list,
 ) -> Navigated:
-    """The vehicle's path in g by its stereo cameras. g starts at the first pair: x = y = 0; attitude by the IMU, else level
-    with heading 0; depth by the pressure sensor, else 0. Raises StageError where fewer than half of the pairs can be joined."""
-    pair = pair_frames(views.top[0], views.bottom[0])
+    """Return the records of a dive whose vehicle was followed by its stereo cameras.
+
+    g starts at the first pair: x = y = 0; attitude by the IMU, else level with heading 0; depth by the pressure sensor, else 0.
+    Raises StageError where there are fewer than two pairs or fewer than half of them can be joined.
+    """
+    pair = pair_frames(frames.top[0], frames.bottom[0])
     if len(pair) < 2:
         raise StageError("fewer than two stereo pairs", where="navigate", remedy="check the stamps of both cameras")
-    t_ns, image = views.top[0][pair[:, 0]], np.stack([views.top[1][pair[:, 0]], views.bottom[1][pair[:, 1]]], axis=1)
-    chain = follow(len(pair), lambda k: views.frame(*image[k]), rig, options.stereo_inliers, progress)
+    t_ns, image = frames.top[0][pair[:, 0]], np.stack([frames.top[1][pair[:, 0]], frames.bottom[1][pair[:, 1]]], axis=1)
+    chain = follow([(int(a), int(b)) for a, b in image], motion, progress)
     if 2 * len(chain.lost) > len(chain.step):
         where = f"{len(chain.lost)} of {len(chain.step)} steps have fewer than {options.stereo_inliers} common features"
         remedy = "check the calibration and pose_in_top, or lower navigate.stereo_inliers"
         raise StageError("the stereo pairs do not join", where=where, remedy=remedy)
-    hung = servo(aids.tray if aids.tray is None else in_order(aids.tray, "tray")[0], int(t_ns[0]))
-    angle = hung.angle_at(t_ns)
-    step, covariance = in_vehicle(chain, tray_poses(vehicle.tray_origin, angle) @ views.T_s_ct)
-    history = _history(aids.imu, vehicle, options)
+    tray = servo(aids.tray if aids.tray is None else in_order(aids.tray, "tray")[0], int(t_ns[0]))
+    angle = tray.angle_at(t_ns)
+    step, covariance = in_vehicle(chain, tray_poses(rig.tray_origin, angle) @ rig.tray_from(Camera.TOP))
+    history = _history(aids.imu, sigmas.tilt_rad, options)
     depth = _depths(aids.pressure, t_ns)
-    path = compose(_start(history, depth, t_ns, vehicle), step)
+    path = compose(_start(history, depth, t_ns, rig), step)
     errors = chain_errors(path, covariance)
     trajectory = Trajectory(
         t_ns=t_ns,
@@ -81,36 +84,35 @@ def stereo_navigate(
         tray=angle,
         image=image,
     )
-    attitude = _attitude(history, depth, t_ns, vehicle, hung.direction_at(t_ns))
-    lonely = len(views.top[0]) + len(views.bottom[0]) - 2 * len(pair)
+    unpaired = len(frames.top[0]) + len(frames.bottom[0]) - 2 * len(pair)
     return Navigated(
-        trajectory,
-        errors,
-        _edges(step, covariance),
-        no_returns(),
-        attitude,
-        _remarks(chain, lonely, aids),
-        _facts(chain, step, t_ns),
+        trajectory=trajectory,
+        error_model=errors,
+        odometry=_edges(step, covariance),
+        returns=no_returns(),
+        attitude=_attitude(history, depth, t_ns, sigmas, tray.direction_at(t_ns)),
+        remarks=_remarks(chain, unpaired, aids),
+        facts=_facts(chain, step, t_ns),
     )
 
 
-def _history(imu: ImuSamples | None, vehicle: Vehicle, options: NavigateOptions) -> AttitudeHistory | None:
-    """None where no IMU, or one without orientations, was logged."""
+def _history(imu: ImuSamples | None, sigma_tilt_rad: float, options: NavigateOptions) -> AttitudeHistory | None:
+    """Return the attitude; None where no IMU, or one without orientations, was logged."""
     if imu is None or np.isfinite(imu.quaternion).all(axis=1).sum() < 2:
         return None
-    return attitude_history(in_order(finite_attitude(imu), "imu")[0], vehicle.sigma_tilt, options.longest_gap_s)
+    return attitude_history(in_order(finite_attitude(imu), "imu")[0], sigma_tilt_rad, options.longest_gap_s)
 
 
-def _start(history: AttitudeHistory | None, depth: Array | None, t_ns: Ints, vehicle: Vehicle) -> Poses:
+def _start(history: AttitudeHistory | None, depth: Array | None, t_ns: Ints, rig: SensorRig) -> Poses:
     start = identity() if history is None else Poses(history.rotation(t_ns[:1]).as_quat(), np.zeros((1, 3)))
     if depth is None:
         return start
-    sensor = start.apply(vehicle.pressure_origin)[0, 2]
+    sensor = start.apply(rig.pressure_origin)[0, 2]
     return Poses(start.quaternion, np.array([[0.0, 0.0, depth[0] - sensor]]))
 
 
 def _depths(pressure: PressureSamples | None, t_ns: Ints) -> Array | None:
-    """Depth of the sensor at the nodes, linear between readings."""
+    """Return the depth (n,), m, of the sensor at the nodes, linear between readings; None where it was not measured."""
     if pressure is None or np.isfinite(pressure.depth).sum() < 2:
         return None
     record = in_order(pressure, "pressure")[0]
@@ -134,7 +136,7 @@ def _edges(step: Poses, covariance: Array) -> Odometry:
 
 
 def no_returns() -> Returns:
-    """The record of a dive without a DVL."""
+    """Return the record of a dive without a DVL."""
     ints, floats = np.zeros(0, np.int64), np.zeros(0)
     return Returns(
         t_ns=ints,
@@ -148,8 +150,10 @@ def no_returns() -> Returns:
     )
 
 
-def _attitude(history: AttitudeHistory | None, depth: Array | None, t_ns: Ints, vehicle: Vehicle, direction: Array) -> Attitude:
-    """Empty, but for the tray, where neither attitude nor depth was measured; what was not measured has a wide sigma."""
+def _attitude(
+    history: AttitudeHistory | None, depth: Array | None, t_ns: Ints, sigmas: NavigationSigmas, direction: Array
+) -> Attitude:
+    """Return the record; what was not measured has a wide sigma. Empty but for the tray where neither was measured."""
     if history is None and depth is None:
         none = np.zeros(0)
         return Attitude(
@@ -157,8 +161,8 @@ def _attitude(history: AttitudeHistory | None, depth: Array | None, t_ns: Ints, 
         )
     n = len(t_ns)
     roll, pitch = np.zeros((2, n)) if history is None else roll_pitch_yaw(history.rotation(t_ns)).T[:2]
-    tilt = np.pi if history is None else vehicle.sigma_tilt
-    sigma = np.tile([UNKNOWN_SIGMA_M if depth is None else vehicle.sigma_depth, tilt, tilt], (n, 1))
+    tilt = np.pi if history is None else sigmas.tilt_rad
+    sigma = np.tile([UNKNOWN_SIGMA_M if depth is None else sigmas.depth_m, tilt, tilt], (n, 1))
     return Attitude(
         node=np.arange(n),
         depth=np.zeros(n) if depth is None else depth,
@@ -169,18 +173,18 @@ def _attitude(history: AttitudeHistory | None, depth: Array | None, t_ns: Ints, 
     )
 
 
-def _remarks(chain: Chain, lonely: int, aids: Aids) -> list[str]:
-    said = [
+def _remarks(chain: Chain, unpaired: int, aids: Aids) -> list[str]:
+    sentences = [
         (True, "no DVL: the path is stereo visual odometry; its scale is that of the rig's baseline"),
         (aids.imu is None, "no IMU: the vehicle is taken to be level at the first pair"),
         (aids.pressure is None, "no pressure: the depth is counted from the first pair"),
-        (lonely, f"{lonely} images have no partner in the other camera and no pose"),
+        (unpaired, f"{unpaired} images have no partner in the other camera and no pose"),
         (
             len(chain.lost),
             f"{len(chain.lost)} of {len(chain.step)} steps could not be seen and were guessed from the step before",
         ),
     ]
-    return [words for holds, words in said if holds]
+    return [sentence for holds, sentence in sentences if holds]
 
 
 def _facts(chain: Chain, step: Poses, t_ns: Ints) -> dict[str, object]:

@@ -8,16 +8,15 @@ taken to be level and at the surface, which is said.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.poses import Poses, identity
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.error_propagation import twist_by_pose_error
-from hullrecon.navigation.stereo_odometry.stereo_frame import StereoFrame, StereoRig
-from hullrecon.navigation.stereo_odometry.stereo_motion import StereoMotion, stereo_motion
-from hullrecon.navigation.vehicle import cross_matrix
+from hullrecon.navigation.stereo_odometry.pair_motion import Frame, PairMotion, StereoMotion
 from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.typing import Array, Ints
 
@@ -26,9 +25,9 @@ LEAST_VARIANCE = 1e-8  # m2, rad2: keeps the covariance of the first pose invert
 LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # of a step that no pair could tell
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Chain:
-    """Steps between neighbouring pairs, T_i_j of camera_top (n - 1); covariance (n - 1, 6, 6) of (translation in i, rotation
+    """step: T_i_j of the top camera between neighbouring pairs (n - 1); covariance (n - 1, 6, 6) of (translation in i, rotation
     perturbed on the right); inliers (n - 1,); `lost` (k,): steps that were guessed."""
 
     step: Poses
@@ -38,54 +37,55 @@ class Chain:
 
 
 def follow(
-    count: int,
-    frame: Callable[[int], StereoFrame],
-    rig: StereoRig,
-    least_inliers: int,
-    progress: Callable[[Sequence[int]], object],
+    images: Sequence[tuple[int, int]], motion: PairMotion[Frame], progress: Callable[[Sequence[int]], Iterable[int]]
 ) -> Chain:
-    """The chain of `count` pairs; `frame` gives one, each is asked for once and in order. A step that the neighbour cannot give
-    is taken from one of the pairs before it, else guessed to be like the step before."""
-    recent: list[StereoFrame] = []
+    """Return the chain of stereo pairs; images: their rows in the indices of the top and the bottom camera, in time order.
+
+    Each pair is read once. A step that the pair before cannot give is taken from one of the pairs before that, else guessed to
+    be like the step before.
+    """
+    recent: list[Frame] = []
     steps: list[StereoMotion] = []
     lost = []
-    for j in progress(range(count)):  # type: ignore[attr-defined]
-        new = frame(j)
+    for j in progress(range(len(images))):
+        new = motion.frame(*images[j])
         if recent:
-            found = _from_recent(recent, new, steps, rig, least_inliers)
+            found = _from_recent(recent, new, steps, motion)
             if found is None:
                 lost.append(j - 1)
-                found = _guessed(steps)
+                found = _repeat_last(steps)
             steps.append(found)
         recent = [*recent, new][-LOOK_BACK:]
-    pose = Poses(
-        np.vstack([s.pose.quaternion for s in steps]).reshape(-1, 4),
-        np.vstack([s.pose.translation for s in steps]).reshape(-1, 3),
+    return Chain(
+        step=Poses(
+            np.vstack([s.pose.quaternion for s in steps]).reshape(-1, 4),
+            np.vstack([s.pose.translation for s in steps]).reshape(-1, 3),
+        ),
+        covariance=np.stack([s.covariance for s in steps]),
+        inliers=np.array([s.inliers for s in steps]),
+        lost=np.array(lost, np.int64),
     )
-    return Chain(pose, np.stack([s.covariance for s in steps]), np.array([s.inliers for s in steps]), np.array(lost, np.int64))
 
 
 def _from_recent(
-    recent: list[StereoFrame], new: StereoFrame, steps: list[StereoMotion], rig: StereoRig, least: int
+    recent: Sequence[Frame], new: Frame, steps: Sequence[StereoMotion], motion: PairMotion[Frame]
 ) -> StereoMotion | None:
-    """The step from the last pair to the new one, through an older pair when they do not see enough in common."""
+    """Return the step from the last pair to the new one, through an older pair when they do not see enough in common."""
     for back in range(1, len(recent) + 1):
-        found = stereo_motion(recent[-back], new, rig, least)
+        found = motion.between(recent[-back], new)
         if found is None:
             continue
-        if back == 1:
-            return found
         pose, covariance = found.pose, found.covariance
         for between in steps[len(steps) - back + 1 :]:
             rest = between.pose.inverse() @ pose
-            covariance = _taken_off(between, rest, covariance)
+            covariance = _remainder_covariance(between, rest, covariance)
             pose = rest
-        return StereoMotion(pose, covariance, found.inliers)
+        return StereoMotion(pose=pose, covariance=covariance, inliers=found.inliers)
     return None
 
 
-def _taken_off(first: StereoMotion, rest: Poses, covariance: Array) -> Array:
-    """Covariance of first^-1 * whole: that of the whole, turned into the axes of the later pair, and that of the first step."""
+def _remainder_covariance(first: StereoMotion, rest: Poses, covariance: Array) -> Array:
+    """Return the covariance (6, 6) of first^-1 whole: that of the whole, turned into the later pair's axes, and the first's."""
     back = first.pose.rotation.inv().as_matrix()[0]
     of_whole = np.eye(6)
     of_whole[:3, :3] = back
@@ -96,14 +96,15 @@ def _taken_off(first: StereoMotion, rest: Poses, covariance: Array) -> Array:
     return of_whole @ covariance @ of_whole.T + of_first @ first.covariance @ of_first.T
 
 
-def _guessed(steps: list[StereoMotion]) -> StereoMotion:
-    pose = steps[-1].pose if steps else Poses(np.array([[0.0, 0, 0, 1]]), np.zeros((1, 3)))
+def _repeat_last(steps: Sequence[StereoMotion]) -> StereoMotion:
+    """Return the step before once more, known as badly as a guess."""
+    pose = steps[-1].pose if steps else identity()
     sigma = np.repeat([LOST_SIGMA_M, LOST_SIGMA_RAD], 3)
-    return StereoMotion(pose, np.diag(sigma**2), 0)
+    return StereoMotion(pose=pose, covariance=np.diag(sigma**2), inliers=0)
 
 
 def in_vehicle(chain: Chain, T_v_ct: Poses) -> tuple[Poses, Array]:
-    """Steps T_i_j of the vehicle (n - 1) and their covariance, from those of the camera: T_v_ct (n,) at each pair."""
+    """Return the steps T_i_j of the vehicle (n - 1) and their covariance, from those of the camera; T_v_ct (n) at each pair."""
     before, after = T_v_ct[np.arange(len(chain.step))], T_v_ct[np.arange(1, len(chain.step) + 1)]
     step = before @ chain.step @ after.inverse()
     J = np.zeros((len(step), 6, 6))
@@ -115,7 +116,7 @@ def in_vehicle(chain: Chain, T_v_ct: Poses) -> tuple[Poses, Array]:
 
 
 def compose(start: Poses, step: Poses) -> Poses:
-    """T_g_v at every node from the first and the steps: (n,). A chain, one after the other."""
+    """Return T_g_v (n) at every node from the first one and the steps (n - 1)."""
     found = [start]
     for k in range(len(step)):
         found.append(found[-1] @ step[k])

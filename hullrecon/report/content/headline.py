@@ -1,18 +1,16 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The ten lines on top of the page: what was done, what was found, and how sure it is."""
+"""The ten lines on top of the page: what was done, what was found, and how certain it is."""
 
 from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from hullrecon.geometry.meshes.mesh import vertex_areas
-from hullrecon.report.content.phrases import count, duration, join, length, with_sigma
-from hullrecon.report.content.survey import Survey
+from hullrecon.records.deliverables import Coverage, SensorCoverage
+from hullrecon.report.content.phrases import count, duration, join, length, lengths, with_sigma
 from hullrecon.report.figures.chart_map import weighted_percentiles
+from hullrecon.report.survey import AdjustedDive, Survey
 
 _AXES = {
     "M": ("along x of the ship", "along y of the ship", "along z of the ship"),
@@ -20,131 +18,112 @@ _AXES = {
 }
 
 
-def summary_lines(survey: Survey) -> list[str]:
-    """At most ten sentences, the most important first."""
-    lines = [_dive(survey), _position(survey), *_weak(survey), _objects(survey), _deviation(survey), _coverage(survey)]
-    lines += [_landmarks(survey), _texture(survey), _complaints(survey)]
+def headline(survey: Survey) -> list[str]:
+    """Return at most ten sentences, the most important first."""
+    lines = [_dive(survey), _position(survey), *weak_sentences(survey)[:2], _objects(survey), _deviation(survey)]
+    lines += [_coverage(survey.findings.coverage), _landmarks(survey.adjusted), _mosaics(survey), _rejected(survey)]
     return [line for line in lines if line][:10]
 
 
 def path_length_m(survey: Survey) -> float:
+    """Return the length of the vehicle's path, m."""
     return float(np.linalg.norm(np.diff(survey.track.poses.translation, axis=0), axis=1).sum())
 
 
 def _dive(survey: Survey) -> str:
-    track = survey.track
+    track, dive = survey.track, survey.facts.dive
     spent = duration(float(track.t_ns[-1] - track.t_ns[0]) * 1e-9)
-    vessel = survey.dive.vessel or "the vessel"
-    images = sum(int(eye.index.usable.sum()) for eye in survey.eyes)
-    eyes = f", {count(images, 'image')} of {count(len(survey.eyes), 'camera')}" if images else ", without a camera"
+    images = sum(int(source.index.usable.sum()) for source in survey.facts.images.values())
+    cameras = count(len(survey.facts.images), "camera")
+    seen = f", {count(images, 'image')} from {cameras}" if images else ", without a camera"
     path = f"{length(path_length_m(survey))} of path, {count(len(track.t_ns), 'pose')}"
-    return f"Dive {survey.dive.name} on {vessel}: {spent}, {path}{eyes}."
+    return f"Dive {dive.name} on {dive.vessel or 'the vessel'}: {spent}, {path}{seen}."
 
 
 def _position(survey: Survey) -> str:
-    sigma = np.median(survey.track.sigma[:, :3], axis=0)
-    triple = " / ".join(length(s) for s in sigma)
-    if survey.solution is None:
-        return f"Positions are dead reckoned in a local level frame (g); median one sigma in x / y / z: {triple}."
-    frame = "the ship's frame (M)" if survey.track.frame == "M" else "a local level frame (g), for there was no CAD model"
-    return (
-        f"All positions are adjusted by method {survey.method} and given in {frame}; median one sigma in x / y / z: {triple}."
-    )
+    sigma = lengths(np.median(survey.track.sigma[:, :3], axis=0).tolist())
+    if survey.adjusted is None:
+        return f"Positions are dead reckoned in a local level frame (g); median one sigma in x / y / z: {sigma}."
+    frame = "the ship's frame (M)" if survey.is_in_hull_frame else "a local level frame (g), as there is no CAD model"
+    return f"Positions are adjusted by method {survey.method} and given in {frame}; median one sigma in x / y / z: {sigma}."
 
 
-def weak_directions(survey: Survey) -> list[Mapping[str, Any]]:
-    """As adjust.json has them."""
-    return list(survey.adjust.get("weak_directions") or [])
-
-
-def weak_sentences(survey: Survey, least_sigma_m: float = 0.05) -> list[str]:
-    """Of the adjustment where it has any; else each axis of the position whose median sigma is beyond the least."""
-    said = [str(w["sentence"]) for w in weak_directions(survey) if w.get("sentence")]
-    if said:
-        return said
-    words = _AXES[survey.track.frame]
+def weak_sentences(survey: Survey, min_sigma_m: float = 0.05) -> list[str]:
+    """Return the adjustment's sentences where it has any; else one for each axis whose median sigma exceeds the least."""
+    directions = survey.adjusted.weak_directions if survey.adjusted is not None else ()
+    sentences = [str(w["sentence"]) for w in directions if w.get("sentence")]
+    if sentences:
+        return sentences
+    axes = _AXES[survey.track.frame]
     sigma = np.median(survey.track.sigma[:, :3], axis=0)
     return [
-        f"The position {words[k]} is uncertain by {length(sigma[k])} (one sigma)."
-        for k in np.flatnonzero(sigma > least_sigma_m)
+        f"The position {axes[k]} is uncertain by {length(sigma[k])} (one sigma)." for k in np.flatnonzero(sigma > min_sigma_m)
     ]
 
 
-def _weak(survey: Survey) -> list[str]:
-    return weak_sentences(survey)[:2]
-
-
 def _objects(survey: Survey) -> str:
-    if survey.objects is None:
+    objects = survey.findings.objects
+    if objects is None:
         return ""
-    if not survey.objects:
-        return "No object was found that stands out of, or is let into, the hull beyond its uncertainty."
-    raised = [o for o in survey.objects if o["height"] >= 0]
-    recessed = len(survey.objects) - len(raised)
-    highest = max(survey.objects, key=lambda o: abs(o["height"]))
-    kinds = [count(len(raised), "protrusion")] if raised else []
+    if not objects:
+        return "No object was found that protrudes from the hull, or is recessed into it, by more than its uncertainty."
+    recessed = sum(o.height < 0 for o in objects)
+    protruding = len(objects) - recessed
+    highest = max(objects, key=lambda o: abs(o.height))
+    kinds = [count(protruding, "protrusion")] if protruding else []
     kinds += [count(recessed, "recess", "recesses")] if recessed else []
-    size = with_sigma(highest["height"], highest.get("height_sigma"), "m")
-    found = f"{count(len(survey.objects), 'object')} found on the hull ({join(kinds)})"
-    return f"{found}; the largest, no. {highest['id']}, has a height of {size}."
+    size = with_sigma(highest.height, highest.height_sigma, "m")
+    found = f"{count(len(objects), 'object')} found on the hull ({join(kinds)})"
+    return f"{found}; the largest, no. {highest.id}, has a height of {size}."
 
 
 def _deviation(survey: Survey) -> str:
-    found = survey.as_found
-    if found is None:
+    found = survey.surfaces.as_found
+    if found is None or not survey.is_in_hull_frame:
         return ""
     seen = (found.support > 0) & np.isfinite(found.deviation)
     weight = vertex_areas(found.mesh())[seen]
     if not weight.sum() > 0:
         return ""
     low, middle, high = 1000 * weighted_percentiles(found.deviation[seen], weight, (5, 50, 95))
+    sigma = 1000 * weighted_percentiles(found.sigma[seen], weight, (50,))[0]
     side = "outside" if middle > 0 else "inside"
     return (
-        f"Where it was seen the hull lies {abs(middle):.0f} mm {side} its CAD model in the median; "
-        f"nine tenths of it between {low:+.0f} and {high:+.0f} mm."
+        f"Where it was seen, the hull lies {abs(middle):.0f} mm {side} its CAD model in the median (one sigma {sigma:.0f} mm); "
+        f"5th to 95th percentile {low:+.0f} to {high:+.0f} mm."
     )
 
 
-def area(coverage: Mapping[str, Any], sensor: str) -> float | None:
-    """Square metres seen by "camera", "sonar" or "dvl"; None where that was not carried."""
-    facts = coverage.get(sensor)
-    return float(facts["area_m2"]) if isinstance(facts, Mapping) and "area_m2" in facts else None
-
-
-def _coverage(survey: Survey) -> str:
-    if survey.coverage is None:
+def _coverage(coverage: Coverage | None) -> str:
+    if coverage is None:
         return ""
-    areas = {s: area(survey.coverage, s) for s in ("camera", "sonar", "dvl")}
-    names = {"camera": "by camera", "sonar": "by sonar", "dvl": "by DVL"}
-    parts = [f"{value:.1f} m² {names[s]}" for s, value in areas.items() if value is not None and value > 0]
-    holes = survey.coverage.get("holes") or []
-    gaps = f"; {count(len(holes), 'hole')} in the coverage" if holes else ""
+    sensors: tuple[tuple[str, SensorCoverage | None], ...] = (
+        ("camera", coverage.camera), ("sonar", coverage.sonar), ("DVL", coverage.dvl)
+    )  # fmt: skip
+    parts = [f"{seen.area_m2:.1f} m² by {name}" for name, seen in sensors if seen is not None and seen.area_m2]
+    gaps = f"; {count(len(coverage.holes), 'hole')} in the coverage" if coverage.holes else ""
     return f"Hull seen: {join(parts)}{gaps}." if parts else ""
 
 
-def _landmarks(survey: Survey) -> str:
-    if survey.solution is None or not len(survey.solution.landmarks):
+def _landmarks(adjusted: AdjustedDive | None) -> str:
+    if adjusted is None or not len(adjusted.solution.landmarks):
         return ""
-    solution = survey.solution
-    on = int((solution.landmarks.label == 1).sum())
-    text = f"{count(len(solution.landmarks), 'landmark')} were measured in the images"
-    return (
-        f"{text}, {100 * on / len(solution.landmarks.label):.1f} % of them on the hull's surface."
-        if survey.track.frame == "M"
-        else text + "."
-    )
+    label = adjusted.solution.landmarks.label
+    text = f"{count(len(label), 'landmark was', 'landmarks were')} measured in the images"
+    on_hull = f", {100 * float(np.mean(label == 1)):.1f} % of them on the hull's surface" if adjusted.has_cad_model else ""
+    return f"{text}{on_hull}."
 
 
-def _texture(survey: Survey) -> str:
-    made = [(name, m.document) for name, m in (("optical", survey.optical), ("sonar", survey.sonar)) if m is not None]
-    parts = [f"{name} at {1000 * d['resolution_m']:.1f} mm a pixel" for name, d in made if d.get("resolution_m")]
-    return f"Mosaics of the hull's chart: {join(parts)}." if parts else ""
+def _mosaics(survey: Survey) -> str:
+    resolutions = {name: m.facts.resolution_m for name, m in survey.mosaics.named().items()}
+    parts = [f"{name} at {1000 * step:.1f} mm per pixel" for name, step in resolutions.items() if step]
+    return f"Mosaics of the hull: {join(parts)}." if parts else ""
 
 
-def _complaints(survey: Survey) -> str:
-    lost, warned = list(survey.findings.get("lost") or []), survey.warnings()
-    if not lost and not warned:
-        return "The log was read whole and no step raised a warning."
+def _rejected(survey: Survey) -> str:
+    lost, warnings = survey.facts.log.lost, survey.provenance.warnings()
+    if not lost and not warnings:
+        return "The log was read completely and no step raised a warning."
     parts = [count(len(lost), "span of data was lost", "spans of data were lost")] if lost else []
-    parts += [count(len(warned), "warning was raised", "warnings were raised")] if warned else []
-    return f"{join(parts)[0].upper()}{join(parts)[1:]}; section 9 lists what was left out and why."
+    parts += [count(len(warnings), "warning was raised", "warnings were raised")] if warnings else []
+    return f"{join(parts)[0].upper()}{join(parts)[1:]}; see section 9, rejected data and warnings."

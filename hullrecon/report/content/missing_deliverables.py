@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from typing import Any
+from collections.abc import Collection
+from dataclasses import dataclass
 
 from hullrecon.records.solution import Solution
 
@@ -18,31 +18,36 @@ _BY_STEP = {
 }
 
 
-def absences(sections: Mapping[str, Any], steps: Collection[str], solution: Solution | None) -> dict[str, str]:
-    """Name to reason, in the order of docs/deliverables.md. sections: decoded, None when absent; steps: those that left an
-    artifact."""
+@dataclass(frozen=True, kw_only=True)
+class Carried:
+    """What a dive has: a camera, an imaging sonar, a CAD model."""
+
+    camera: bool
+    sonar: bool
+    cad_model: bool
+
+
+def missing_deliverables(carried: Carried, steps: Collection[str], solution: Solution | None) -> dict[str, str]:
+    """Return the reason of each missing file by name. steps: those that left an artifact."""
     reasons: dict[str, str] = {}
-    camera, sonar, hull = (sections.get(s) is not None for s in ("camera.top", "sonar", "hull"))
     if solution is None or solution.hull_pose is None:
         reasons["alignment.json"] = (
-            "the adjustment did not run" if hull else "no CAD model was given, so there is nothing to align to"
+            "the adjustment did not run" if carried.cad_model else "no CAD model was given, so there is nothing to align to"
         )
     for step, names in _BY_STEP.items():
-        why = _reason(step, camera, sonar, step in steps)
-        if why:
-            reasons.update(dict.fromkeys(names, why))
-    if camera and solution is not None and not len(solution.landmarks):
+        reason = "" if step in steps else _reason(step, carried)
+        if reason:
+            reasons.update(dict.fromkeys(names, reason))
+    if carried.camera and solution is not None and not len(solution.landmarks):
         reasons["landmarks.ply"] = "no landmark was adjusted"
-    if not camera:
+    if not carried.camera:
         reasons.update(dict.fromkeys(_BY_STEP["adjust"], "no camera was carried"))
     return reasons
 
 
-def _reason(step: str, camera: bool, sonar: bool, ran: bool) -> str:
-    if ran:
-        return ""
-    if not camera and step == "mosaic-optical":
+def _reason(step: str, carried: Carried) -> str:
+    if not carried.camera and step == "mosaic-optical":
         return "no camera was carried"
-    if not sonar and step == "mosaic-sonar":
+    if not carried.sonar and step == "mosaic-sonar":
         return "no imaging sonar was carried"
     return f"the step {step} left no result"

@@ -1,16 +1,15 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Renders the one page that people open first: self-contained, no network."""
+"""Render the one page that people open first: self-contained, no network."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import resources
-from typing import Any
 
 
-def render(view: Mapping[str, Any]) -> str:
-    """The HTML of page_view's variables."""
+def render_page(context: Mapping[str, object]) -> str:
+    """Return the HTML of the variables of page_context."""
     from jinja2 import DictLoader, Environment, StrictUndefined
 
     folder = resources.files("hullrecon.report") / "templates"
@@ -20,4 +19,4 @@ def render(view: Mapping[str, Any]) -> str:
         loader=DictLoader(texts), autoescape=lambda name: name == "page.html", undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
-    return environment.get_template("page.html").render(view)
+    return environment.get_template("page.html").render(context)

@@ -7,158 +7,170 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from hullrecon import __version__
+from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.viewing_side import UP, flips
-from hullrecon.report.content.headline import summary_lines, weak_sentences
+from hullrecon.records.deliverables import Coverage, CoverageHole, ReportedObject
+from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.report.content.headline import headline, weak_sentences
 from hullrecon.report.content.object_images import Crop, best_crop, jpeg_uri
 from hullrecon.report.content.phrases import count, length, probability, with_sigma
-from hullrecon.report.content.survey import Mosaic, Survey
-from hullrecon.report.figures.chart_map import ChartedSurface, Extent, charted, deviation_png, extent_of, ground_png
+from hullrecon.report.content.rejected import rejected_groups, settings_rows
+from hullrecon.report.figures.chart_map import ChartedSurface, Extent, deviation_png, extent_of, ground_png, project_surface
 from hullrecon.report.figures.plan_view import Mark, Plan, nice_below, plan_svg
 from hullrecon.report.figures.style import Plot
-from hullrecon.typing import Array
+from hullrecon.report.survey import Mosaic, Survey
+from hullrecon.typing import Array, Pixels
+
+PageContext = Mapping[str, object]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ChartView:
-    """What is drawn on the chart: its extent, the vehicle's path (n, 2), the objects (k, 2) and the surface as found."""
+    """What is shown on the chart: its extent, the vehicle's path (n, 2), the objects (k, 2) and the surface as found."""
 
+    chart: Chart
     extent: Extent
     path: Array
     objects: Array
     found: ChartedSurface | None
 
 
-def page_view(survey: Survey, plots: Sequence[Plot], deliverables: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """The template's variables."""
-    on_chart = chart_view(survey)
+def page_context(survey: Survey, plots: Sequence[Plot], deliverables: Mapping[str, object]) -> PageContext:
+    """Return the template's variables; deliverables: entries with bytes and sha256 by name."""
+    view = chart_view(survey)
+    dive = survey.facts.dive
+    coverage = survey.findings.coverage
     return {
         "survey": survey,
-        "title": f"Hull survey: {survey.dive.name}",
-        "date": survey.dive.date.strftime("%d %B %Y, %H:%M UTC") if survey.dive.date else "",
-        "lines": summary_lines(survey),
+        "title": f"Hull survey: {dive.name}",
+        "date": dive.date.strftime("%d %B %Y, %H:%M UTC") if dive.date else "",
+        "lines": headline(survey),
         "weak": weak_sentences(survey),
-        "plan": plan_of(survey, on_chart) if on_chart else None,
-        "deviation_map": deviation_map(survey, on_chart) if on_chart else None,
-        "mosaics": [m for m in (mosaic_view("Optical", survey.optical), mosaic_view("Sonar", survey.sonar)) if m],
-        "cards": [card(o, survey) for o in survey.objects or ()],
-        "coverage": coverage_rows(survey),
-        "holes": [hole_text(h) for h in (survey.coverage or {}).get("holes") or []],
+        "plan": draw_plan(survey, view) if view else None,
+        "deviation_map": deviation_map(survey, view) if view else None,
+        "mosaics": [mosaic_context(name, m) for name, m in survey.mosaics.named().items()],
+        "cards": [card_context(o, survey) for o in survey.findings.objects or ()],
+        "coverage": coverage_rows(coverage),
+        "holes": [hole_text(hole) for hole in coverage.holes] if coverage is not None else [],
         "plots": {p.name: {"title": p.title, "alt": p.alt, "src": png_uri(p.png), "csv": f"plots/{p.name}.csv"} for p in plots},
-        "left_out": left_out(survey),
-        "settings": settings_rows(survey),
-        "steps": survey.steps,
+        "rejected": rejected_groups(survey),
+        "settings": settings_rows(survey.provenance.steps),
+        "steps": survey.provenance.steps,
+        "missing": survey.provenance.missing,
         "deliverables": deliverables,
         "version": __version__,
     }
 
 
 def png_uri(png: bytes) -> str:
+    """Return a PNG as a data URI."""
     return "data:image/png;base64," + b64encode(png).decode()
 
 
 def chart_view(survey: Survey) -> ChartView | None:
-    """None without a chart, or when nothing of the dive lies on it."""
-    if survey.chart is None:
+    """Return what is shown on the chart; None without a chart, or when nothing of the dive lies on it."""
+    chart = survey.surfaces.chart
+    if chart is None:
         return None
-    path = survey.chart.to_chart(survey.track.poses.translation)[:, :2]
-    centers = np.array([o["center"] for o in survey.objects or ()], float).reshape(-1, 3)
-    objects = survey.chart.to_chart(centers)[:, :2] if len(centers) else np.zeros((0, 2))
-    surface = survey.as_found if survey.as_found is not None else survey.surface
-    found = charted(surface, survey.chart) if surface is not None else None
+    path = chart.to_chart(survey.track.poses.translation)[:, :2]
+    centers = np.array([o.center for o in survey.findings.objects or ()], float).reshape(-1, 3)
+    objects = chart.to_chart(centers)[:, :2] if len(centers) else np.zeros((0, 2))
+    surface = survey.surfaces.as_found if survey.surfaces.as_found is not None else survey.surfaces.dvl
+    found = project_surface(surface, chart) if surface is not None else None
     seen = found.at[found.surface.support > 0] if found is not None else np.zeros((0, 2))
     corners = np.vstack([path, objects, seen])
     if not np.isfinite(corners).all(axis=1).any():
         return None
-    return ChartView(extent_of(corners, flips(survey.chart, path, UP[survey.track.frame])), path, objects, found)
+    extent = extent_of(corners, flips(chart, path, UP[survey.track.frame]))
+    return ChartView(chart=chart, extent=extent, path=path, objects=objects, found=found)
 
 
-def plan_of(survey: Survey, view: ChartView) -> str:
-    sigma = path_sigma(survey)
-    marks = [mark_of(o, at, sigma) for o, at in zip(survey.objects or (), view.objects, strict=True)]
-    ground = ground_png(view.found, view.extent) if view.found is not None else None
-    spacing = survey.hull.frame_spacing if survey.hull else None
+def draw_plan(survey: Survey, view: ChartView) -> str:
+    """Return the plan of the dive as SVG."""
+    sigma = path_sigma(survey.track, view.chart)
+    marks = [mark_of(o, at, sigma) for o, at in zip(survey.findings.objects or (), view.objects, strict=True)]
     title = (
         f"Plan of the dive on the hull's chart, {view.extent.size[0]:.1f} m along by {view.extent.size[1]:.1f} m girth: "
         f"path of the vehicle, hull seen, {count(len(marks), 'object')}."
     )
-    return plan_svg(Plan(view.extent, view.path, sigma, marks, ground, spacing), title)
+    plan = Plan(
+        extent=view.extent,
+        path=view.path,
+        path_sigma=sigma,
+        marks=marks,
+        ground=ground_png(view.found, view.extent) if view.found is not None else None,
+        frame_spacing_m=survey.facts.hull.frame_spacing if survey.facts.hull else None,
+    )
+    return plan_svg(plan, title)
 
 
-def path_sigma(survey: Survey) -> tuple[float, float]:
-    """Median one sigma of the vehicle along and in girth, by the chart's tangents below it."""
-    chart = survey.chart
-    if chart is None:
-        return float("nan"), float("nan")
-    at = chart.to_chart(survey.track.poses.translation)[:, :2]
+def path_sigma(track: VehicleTrack, chart: Chart) -> tuple[float, float]:
+    """Return the median one sigma of the vehicle along and in girth, by the chart's tangents below it; NaN off the chart."""
+    at = chart.to_chart(track.poses.translation)[:, :2]
     sigma = []
     for step in ((0.05, 0.0), (0.0, 0.05)):
         ahead, behind = chart.from_chart(at + step)[0], chart.from_chart(at - np.array(step))[0]
         tangent = (ahead - behind) / np.linalg.norm(ahead - behind, axis=1, keepdims=True)
-        sigma.append(survey.track.sigma_towards(tangent))
+        sigma.append(track.sigma_towards(tangent))
     good = np.isfinite(sigma[0]) & np.isfinite(sigma[1])
     return (float(np.median(sigma[0][good])), float(np.median(sigma[1][good]))) if good.any() else (float("nan"), float("nan"))
 
 
-def mark_of(found: Mapping[str, Any], at: Array, sigma: tuple[float, float]) -> Mark:
-    height = with_sigma(found["height"], found.get("height_sigma"), "m")
-    words = f"Object {found['id']}: height {height}, {found.get('address', '')}"
-    return Mark(str(found["id"]), float(at[0]), float(at[1]), sigma, words)
+def mark_of(found: ReportedObject, at: Array, sigma: tuple[float, float]) -> Mark:
+    """Return an object as a mark on the plan, at (along, girth)."""
+    text = f"Object {found.id}: height {with_sigma(found.height, found.height_sigma, 'm')}, {found.address}"
+    return Mark(label=str(found.id), along=float(at[0]), girth=float(at[1]), sigma=sigma, text=text)
 
 
 def deviation_map(survey: Survey, view: ChartView) -> str | None:
-    if survey.as_found is None or view.found is None or not np.isfinite(survey.as_found.deviation).any():
+    """Return the map of the deviation from the CAD model as a data URI; None without a CAD model or a hull as found."""
+    as_found = survey.surfaces.as_found
+    if not survey.is_in_hull_frame or as_found is None or view.found is None or not np.isfinite(as_found.deviation).any():
         return None
-    marks = [(str(o["id"]), float(a[0]), float(a[1])) for o, a in zip(survey.objects or (), view.objects, strict=True)]
+    objects = survey.findings.objects or ()
+    marks = [(str(o.id), float(a[0]), float(a[1])) for o, a in zip(objects, view.objects, strict=True)]
     return png_uri(deviation_png(view.found, view.extent, marks))
 
 
-def mosaic_view(name: str, mosaic: Mosaic | None) -> dict[str, Any] | None:
-    """Preview at most 1800 pixels wide, as JPEG, with what mosaic.json says."""
-    if mosaic is None:
-        return None
+def mosaic_context(name: str, mosaic: Mosaic) -> PageContext:
+    """Return the preview, at most 1800 pixels wide, as JPEG, with what mosaic.json says."""
     import cv2
 
-    picture = np.asarray(cv2.imdecode(np.frombuffer(mosaic.preview, np.uint8), cv2.IMREAD_COLOR_RGB), np.uint8)
+    picture: Pixels = np.asarray(cv2.imdecode(np.frombuffer(mosaic.preview, np.uint8), cv2.IMREAD_COLOR_RGB), np.uint8)
     if picture.shape[1] > 1800:
         factor = 1800 / picture.shape[1]
         picture = np.asarray(cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA), np.uint8)
-    src, stem = jpeg_uri(picture, 0, 86), name.lower()
-    return {"name": name, "src": src, "document": mosaic.document, "stem": stem, "meshed": mosaic.meshed}
+    src = jpeg_uri(picture, 0, 86)
+    return {"name": name.title(), "src": src, "caption": mosaic.facts.caption, "stem": name, "has_mesh": mosaic.has_mesh}
 
 
-def card(found: Mapping[str, Any], survey: Survey) -> dict[str, Any]:
-    """Texts and picture of one object."""
-    crop = best_crop(found, survey.track, survey.eyes, survey.tray_origin_m)
-    sigma = found.get("height_sigma")
-    kind = "Protrusion" if found["height"] >= 0 else "Recess"
+def card_context(found: ReportedObject, survey: Survey) -> PageContext:
+    """Return texts and picture of one object."""
+    crop = best_crop(found, survey.track, survey.facts.rig, survey.facts.images)
     rows = [
-        ("Height over the hull around it", with_sigma(found["height"], sigma, "m")),
-        ("Extent along the hull's tangents", " × ".join(f"{e:.2f}" for e in found["extent"]) + " m"),
-        ("Area, volume", f"{1e4 * found['area']:.0f} cm², {1000 * found['volume']:.2f} l"),
-        ("Largest distance to the CAD model", with_sigma(_number(found.get("deviation")), None, "m")),
-        ("Centre (x, y, z)", ", ".join(f"{c:.3f}" for c in found["center"]) + f" m in {survey.track.frame}"),
-        ("Seen in", count(int(found["views"]), "view")),
-        ("p-value (no object there)", probability(found.get("p_value"))),
+        ("Height above the hull around it", with_sigma(found.height, found.height_sigma, "m")),
+        ("Extent along the hull's tangents", " × ".join(f"{e:.2f}" for e in found.extent) + " m"),
+        ("Area, volume", f"{1e4 * found.area:.0f} cm², {1000 * found.volume:.2f} l"),
+        ("Largest distance to the CAD model", "–" if found.deviation is None else with_sigma(found.deviation, None, "m")),
+        ("Centre (x, y, z)", ", ".join(f"{c:.3f}" for c in found.center) + f" m in {survey.track.frame}"),
+        ("Seen in", count(found.views, "view")),
+        ("False-alarm probability", probability(found.p_value)),
     ]
     return {
-        "id": found["id"],
-        "kind": kind,
-        "address": found.get("address") or "",
+        "id": found.id,
+        "kind": "Protrusion" if found.height >= 0 else "Recess",
+        "address": found.address,
         "rows": rows,
-        "crop": crop and crop_view(crop, found),
+        "crop": crop and crop_context(crop, found),
     }
 
 
-def _number(value: Any) -> float:
-    return float("nan") if value is None else float(value)
-
-
-def crop_view(crop: Crop, found: Mapping[str, Any]) -> dict[str, Any]:
+def crop_context(crop: Crop, found: ReportedObject) -> PageContext:
+    """Return an object's picture with outline, scale bar and source."""
     seconds, rest = divmod(crop.t_ns, 10**9)
     stamp = str(np.datetime64(seconds, "s")).replace("T", " ")
     bar = nice_below(0.35 * crop.width / crop.pixels_per_m)
@@ -167,91 +179,39 @@ def crop_view(crop: Crop, found: Mapping[str, Any]) -> dict[str, Any]:
         "points": " ".join(f"{u:.1f},{v:.1f}" for u, v in crop.outline),
         "bar_px": bar * crop.pixels_per_m,
         "bar": length(bar),
-        "source": f"{crop.camera}, image {crop.row}, {stamp}.{rest // 10**6:03d} UTC",
-        "alt": f"Object {found['id']} in an image of {crop.camera}, its outline drawn.",
+        "source": f"{crop.camera.key}, image {crop.row}, {stamp}.{rest // 10**6:03d} UTC",
+        "alt": f"Object {found.id} in an image of {crop.camera.key}, with its outline.",
     }
 
 
-def coverage_rows(survey: Survey) -> list[tuple[str, str]]:
-    """Areas and percentiles of coverage.json, in words."""
-    document = survey.coverage or {}
-    rows = []
-    for sensor, name in (("camera", "camera"), ("sonar", "sonar"), ("dvl", "DVL")):
-        facts = document.get(sensor)
-        if not isinstance(facts, Mapping):
+def coverage_rows(coverage: Coverage | None) -> list[tuple[str, str]]:
+    """Return areas and percentiles of coverage.json, in words."""
+    rows: list[tuple[str, str]] = []
+    if coverage is None:
+        return rows
+    for name, seen in (("camera", coverage.camera), ("sonar", coverage.sonar), ("DVL", coverage.dvl)):
+        if seen is None:
             continue
-        rows += [(f"Hull {text} {name}", f"{facts[key]:.1f} m²") for key, text in _AREAS if key in facts]
-        rows += [
-            (f"{text}, {name}", _spread(facts[key], factor, unit)) for key, text, factor, unit in _SPREADS if facts.get(key)
-        ]
+        areas = (("seen by", seen.area_m2), ("seen at least twice by", seen.area_twice_m2))
+        rows += [(f"Hull {text} {name}", f"{area:.1f} m²") for text, area in areas if area is not None]
+        spreads = (
+            ("Ground sample distance", seen.gsd_m, 1000.0, " mm"),
+            ("Incidence angle of the best view", seen.incidence_deg, 1.0, "°"),
+            ("Views per point", seen.views, 1.0, ""),
+        )
+        rows += [(f"{text}, {name}", percentile_text(p, factor, unit)) for text, p, factor, unit in spreads if p]
     return rows
 
 
-_AREAS = (("area_m2", "seen by"), ("area_twice_m2", "seen at least twice by"))
-_SPREADS = (
-    ("gsd_m", "Ground sample distance", 1000.0, " mm"),
-    ("incidence_deg", "Incidence of the best view", 1.0, "°"),
-    ("views", "Views of a place", 1.0, ""),
-)
+def percentile_text(percentiles: Mapping[str, float], factor: float, unit: str) -> str:
+    """Return `2 mm (5th to 95th percentile 1.8 to 2.4 mm)` of members p05, p50, p95; those that are missing are left out."""
+    low, middle, high = (percentiles.get(name) for name in ("p05", "p50", "p95"))
+    spread = "" if low is None or high is None else f"5th to 95th percentile {factor * low:.3g} to {factor * high:.3g}{unit}"
+    if middle is None:
+        return spread
+    return f"{factor * middle:.3g}{unit}" + (f" ({spread})" if spread else "")
 
 
-def _spread(percentiles: Mapping[str, float], factor: float, unit: str) -> str:
-    """5 %: 1.8 mm, 50 %: 2 mm, 95 %: 2.4 mm."""
-    order = sorted(percentiles.items(), key=lambda item: int(item[0][1:]))
-    return ", ".join(f"{int(name[1:])} %: {factor * value:.3g}{unit}" for name, value in order)
-
-
-def hole_text(hole: Mapping[str, Any]) -> str:
-    return f"{hole.get('address') or 'a place without an address'}, {float(hole['area_m2']):.2f} m²"
-
-
-def left_out(survey: Survey) -> list[tuple[str, list[str]]]:
-    """What was lost, refused or not delivered, by heading."""
-    failed = [f"{why}: {count(int(n), 'pair')}" for why, n in sorted((survey.pairs.get("failed") or {}).items())]
-    outages = [f"no DVL from {a:.1f} s to {b:.1f} s of the log" for a, b in survey.navigation.get("outages_s") or []]
-    gaps = [f"no attitude from {a:.1f} s to {b:.1f} s of the log" for a, b in survey.navigation.get("attitude_gaps_s") or []]
-    groups = [
-        ("Deliverables that this dive cannot give", [f"{name}: {why}" for name, why in survey.absent.items()]),
-        ("Lost data", [str(x) for x in survey.findings.get("lost") or []]),
-        ("The CAD model, as checked", [str(x) for x in survey.findings.get("hull") or []]),
-        ("Navigation", [*outages, *gaps, *(str(x) for x in survey.navigation.get("remarks") or [])]),
-        ("Image pairs that gave no geometry", failed),
-        ("Observations", _observations(survey)),
-        ("Places looked at and not reported as objects", [_refused(r) for r in survey.not_reported]),
-        ("Warnings of the steps", survey.warnings()),
-        ("Remarks on the log", [str(x) for x in survey.findings.get("remarks") or []]),
-    ]
-    return [(name, items) for name, items in groups if items]
-
-
-def _observations(survey: Survey) -> list[str]:
-    total, out = survey.adjust.get("observations"), survey.adjust.get("observations_left_out")
-    if not total or not out:
-        return []
-    return [f"{out:,} observations in images were left out of the adjustment, {total:,} were used"]
-
-
-def _refused(region: Mapping[str, Any]) -> str:
-    place = ", ".join(f"{c:.2f}" for c in region["center"])
-    return f"{region['reason']} (height {region['height']:.3f} m at {place})"
-
-
-def settings_rows(survey: Survey) -> list[tuple[str, str]]:
-    """Every resolved option, once, as section.key and value."""
-    rows: dict[str, str] = {}
-    for step in survey.steps:
-        for section, values in step.settings.items():
-            if isinstance(values, Mapping):
-                rows.update({f"{section}.{key}": _value(value) for key, value in _flat(values)})
-    return sorted(rows.items())
-
-
-def _flat(values: Mapping[str, Any], above: str = "") -> list[tuple[str, Any]]:
-    out: list[tuple[str, Any]] = []
-    for key, value in values.items():
-        out += _flat(value, f"{above}{key}.") if isinstance(value, Mapping) else [(above + key, value)]
-    return out
-
-
-def _value(value: Any) -> str:
-    return ", ".join(map(str, value)) if isinstance(value, list | tuple) else "not set" if value is None else str(value)
+def hole_text(hole: CoverageHole) -> str:
+    """Return a hole in the coverage in words."""
+    return f"{hole.address or 'at a point without an address'}, {hole.area_m2:.2f} m²"

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 
 def decimals(sigma: float) -> int:
-    """Digits after the point so that a sigma keeps one significant one, two when it begins with a 1."""
+    """Return the digits after the point so that a sigma keeps one significant one, two when it begins with a 1."""
     if not math.isfinite(sigma) or sigma <= 0:
         return 3
     power = math.floor(math.log10(sigma))
@@ -17,7 +17,7 @@ def decimals(sigma: float) -> int:
 
 
 def with_sigma(value: float, sigma: float | None, unit: str) -> str:
-    """0.112 ± 0.004 m. Without a sigma the value alone; a lost value is a dash."""
+    """Return a text like 0.112 ± 0.004 m. Without a sigma the value alone; a lost value is a dash."""
     if not math.isfinite(value):
         return "–"
     if sigma is None or not math.isfinite(sigma):
@@ -27,7 +27,7 @@ def with_sigma(value: float, sigma: float | None, unit: str) -> str:
 
 
 def length(metres: float) -> str:
-    """A length in the unit that reads best."""
+    """Return a length in the unit that reads best."""
     if not math.isfinite(metres):
         return "–"
     if abs(metres) < 0.0995:
@@ -35,8 +35,18 @@ def length(metres: float) -> str:
     return f"{metres:.2f} m" if abs(metres) < 100 else f"{metres:,.0f} m"
 
 
+def lengths(metres: Sequence[float]) -> str:
+    """Return several lengths in one unit: 0.350 / 0.041 / 0.098 m; millimetres where all are below 0.1 m."""
+    finite = [abs(m) for m in metres if math.isfinite(m)]
+    if finite and max(finite) < 0.0995:
+        digits = 1 if min(finite) < 0.00995 else 0
+        return " / ".join("–" if not math.isfinite(m) else f"{1000 * m:.{digits}f}" for m in metres) + " mm"
+    digits = 3 if finite and min(finite) < 0.0995 else 2
+    return " / ".join("–" if not math.isfinite(m) else f"{m:.{digits}f}" for m in metres) + " m"
+
+
 def duration(seconds: float) -> str:
-    """117 s, 12 min 5 s, 3 h 02 min."""
+    """Return a text like 117 s, 12 min 05 s, 3 h 02 min."""
     whole = round(seconds)
     if whole < 180:
         return f"{whole} s"
@@ -46,17 +56,17 @@ def duration(seconds: float) -> str:
 
 
 def probability(p: float | None) -> str:
-    """A p-value; very small ones as a bound, since a tail is not known to thirty digits."""
+    """Return a probability; a very small one as a bound, since a tail is not known to thirty digits."""
     if p is None or not math.isfinite(p):
         return "–"
     return "< 0.0001" if p < 1e-4 else f"{p:.4f}"
 
 
 def count(number: int, one: str, many: str = "") -> str:
-    """1 object, 1,024 objects."""
+    """Return a text like 1 object, 1,024 objects."""
     return f"{number:,} {one if number == 1 else many or one + 's'}"
 
 
 def join(parts: Sequence[str]) -> str:
-    """a, b and c."""
+    """Return a text like a, b and c."""
     return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1] if parts else ""

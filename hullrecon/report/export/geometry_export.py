@@ -4,27 +4,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.dive.config.schema import Hull
 from hullrecon.geometry.poses import Poses, from_mount
-from hullrecon.records.solution import Solution
+from hullrecon.records.solution import HullPose, Solution
 from hullrecon.records.surface import Surface
 from hullrecon.report.export.ply import columns, ply_bytes
 
 
 def landmarks_in_hull(solution: Solution) -> NDArray[np.float64]:
-    """Landmarks (L, 3) in M (in g without a CAD model)."""
+    """Return the landmarks (L, 3) in M (in g without a CAD model)."""
     return solution.result_from_global().apply(solution.landmarks.position)
 
 
 def landmarks_ply(solution: Solution) -> bytes:
-    """The bytes of landmarks.ply (docs/deliverables.md). sigma is that of one axis: the square root of a third of the
-    covariance's trace."""
+    """Return landmarks.ply (docs/deliverables.md). sigma is that of one axis: the square root of a third of the covariance's
+    trace."""
     sigma = np.sqrt(np.einsum("nii->n", solution.landmarks.covariance) / 3)
     color = {name: solution.landmarks.color[:, k].astype(np.uint8) for k, name in enumerate(("red", "green", "blue"))}
     values = {
@@ -37,7 +36,7 @@ def landmarks_ply(solution: Solution) -> bytes:
 
 
 def surface_ply(surface: Surface) -> bytes:
-    """The bytes of surface.ply and as_found.ply (docs/deliverables.md)."""
+    """Return the bytes of surface.ply and as_found.ply (docs/deliverables.md)."""
     values = {
         "deviation": surface.deviation.astype(np.float32),
         "sigma": surface.sigma.astype(np.float32),
@@ -46,20 +45,21 @@ def surface_ply(surface: Surface) -> bytes:
     return ply_bytes({**columns(surface.vertices), **values}, surface.faces)
 
 
-def motion_json(motion: Poses) -> dict[str, list[float]]:
+def motion_document(motion: Poses) -> dict[str, list[float]]:
+    """Return a rigid motion (a batch of one) as translation (m) and quaternion (x y z w)."""
     return {"translation": motion.translation[0].tolist(), "quaternion": motion.quaternion[0].tolist()}
 
 
-def alignment_json(solution: Solution, hull: Hull, weak: list[Mapping[str, Any]]) -> dict[str, Any]:
-    """alignment.json (docs/deliverables.md): T_g_M, the guess before, and the directions that stay weak. covariance: of where
-    the hull lies given the dive's own frame, with the CAD model's error in it (HullPose.covariance)."""
-    if solution.hull_pose is None:
-        raise ValueError("no CAD model was aligned")
+def alignment_document(hull_pose: HullPose, hull: Hull, weak_directions: Sequence[Mapping[str, object]]) -> dict[str, object]:
+    """Return alignment.json (docs/deliverables.md): T_g_M, the guess before, and the directions that stay uncertain.
+
+    covariance: of where the hull lies given the dive's own frame, with the CAD model's error in it (HullPose.covariance).
+    """
     return {
-        "T_g_M": motion_json(solution.hull_pose.global_from_hull),
-        "covariance": solution.hull_pose.covariance.tolist(),
+        "T_g_M": motion_document(hull_pose.global_from_hull),
+        "covariance": hull_pose.covariance.tolist(),
         "covariance_order": "translation x y z in g (m), rotation x y z perturbed on the right (rad), about survey_center",
-        "survey_center": solution.hull_pose.survey_center.tolist(),
-        "prior": {**motion_json(from_mount(hull.pose)), "sigma_m_deg": list(hull.pose_sigma)},
-        "weak_directions": weak,
+        "survey_center": hull_pose.survey_center.tolist(),
+        "prior": {**motion_document(from_mount(hull.pose)), "sigma_m_deg": list(hull.pose_sigma)},
+        "weak_directions": list(weak_directions),
     }

@@ -13,7 +13,7 @@ _NAMES = {"float32": "float", "float64": "double", "uint8": "uchar", "int32": "i
 
 
 def ply_bytes(vertex: Mapping[str, NDArray[np.generic]], faces: NDArray[np.integer] | None = None) -> bytes:
-    """A PLY of vertex properties (n,) in the order given, float32, float64, uint8 or int32, and triangles (m, 3).
+    """Return a PLY of vertex properties (n,) in the order given, float32, float64, uint8 or int32, and triangles (m, 3).
 
     Raises KeyError for a property of another type.
     """
@@ -34,5 +34,5 @@ def ply_bytes(vertex: Mapping[str, NDArray[np.generic]], faces: NDArray[np.integ
 
 
 def columns(points: NDArray[np.float64]) -> dict[str, NDArray[np.generic]]:
-    """x, y, z of (n, 3) points as double: a float has steps of 4 mm at a ship's length from a harbour's origin."""
+    """Return x, y, z of (n, 3) points as double: a float has steps of 4 mm at a ship's length from a harbour's origin."""
     return {name: np.ascontiguousarray(points[:, k]) for k, name in enumerate("xyz")}

@@ -5,22 +5,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hullrecon import __version__
 from hullrecon.records.iterations import count
-from hullrecon.report.content.headline import path_length_m, summary_lines
-from hullrecon.report.content.survey import Survey
+from hullrecon.report.content.headline import headline, path_length_m
+from hullrecon.report.survey import AdjustedDive, Survey
+
+if TYPE_CHECKING:
+    from hullrecon.report.deliver import FileEntry
 
 SCHEMA = 1
 _FRAMES = {"M": "the hull frame: that of the CAD model's file", "g": "local level: z down, z = 0 at the water surface"}
 
 
-def summary_json(survey: Survey, deliverables: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """deliverables: bytes and sha256 by name."""
-    dive = survey.dive
+def summary_document(survey: Survey, deliverables: Mapping[str, FileEntry]) -> dict[str, object]:
+    """Return summary.json (docs/deliverables.md); deliverables: size and hash by name."""
+    dive, provenance = survey.facts.dive, survey.provenance
     return {
         "schema": SCHEMA,
         "software": {"name": "hullrecon", "version": __version__},
@@ -29,39 +33,41 @@ def summary_json(survey: Survey, deliverables: Mapping[str, Mapping[str, Any]]) 
         "frame_in_words": _FRAMES[survey.track.frame],
         "units": "metres, seconds, radians; sigma is one standard deviation",
         "method": survey.method,
-        "summary": summary_lines(survey),
+        "summary": headline(survey),
         "counts": counts(survey),
-        "warnings": survey.warnings(),
-        "lost": [str(x) for x in survey.findings.get("lost") or []],
-        "deliverables": {name: dict(entry) for name, entry in deliverables.items()},
-        "absent": dict(survey.absent),
-        "run": {"steps": {step.name: {k: v for k, v in step.run.items() if k != "times"} for step in survey.steps}},
+        "warnings": provenance.warnings(),
+        "lost": list(survey.facts.log.lost),
+        "deliverables": {name: asdict(entry) for name, entry in deliverables.items()},
+        "absent": dict(provenance.missing),
+        "run": {"steps": {step.name: {k: v for k, v in step.run.items() if k != "times"} for step in provenance.steps}},
     }
 
 
-def _iterations(survey: Survey) -> int | None:
-    """Of all rounds, their starts not counted."""
-    record = survey.iterations
-    if record is None or "cost" not in record:
+def _iterations(adjusted: AdjustedDive) -> int | None:
+    """Return the iterations of all rounds, their starts not counted; None where they were not recorded."""
+    record = adjusted.iterations
+    if "cost" not in record:
         return None
     return count(np.asarray(record["round"], np.int64)) if "round" in record else len(record["cost"]) - 1
 
 
-def counts(survey: Survey) -> dict[str, Any]:
-    """What there is how often."""
-    numbers: dict[str, Any] = {
-        "poses": len(survey.track.t_ns),
+def counts(survey: Survey) -> dict[str, object]:
+    """Return what there is how often."""
+    track, facts = survey.track, survey.facts
+    numbers: dict[str, object] = {
+        "poses": len(track.t_ns),
         "path_m": round(path_length_m(survey), 3),
-        "duration_s": round(float(survey.track.t_ns[-1] - survey.track.t_ns[0]) * 1e-9, 3),
-        "images": {eye.name: int(eye.index.usable.sum()) for eye in survey.eyes},
-        "images_unusable": {eye.name: int((~eye.index.usable).sum()) for eye in survey.eyes},
+        "duration_s": round(float(track.t_ns[-1] - track.t_ns[0]) * 1e-9, 3),
+        "images": {camera.key: int(source.index.usable.sum()) for camera, source in facts.images.items()},
+        "images_unusable": {camera.key: int((~source.index.usable).sum()) for camera, source in facts.images.items()},
     }
-    if survey.solution is not None:
-        numbers["landmarks"] = len(survey.solution.landmarks)
-        numbers["landmarks_on_surface"] = int((survey.solution.landmarks.label == 1).sum())
-        numbers["iterations"] = _iterations(survey)
-    if survey.objects is not None:
-        numbers["objects"] = len(survey.objects)
-    if survey.dvl is not None:
-        numbers["dvl_pings"] = len(survey.dvl.t_ns)
+    if survey.adjusted is not None:
+        landmarks = survey.adjusted.solution.landmarks
+        numbers["landmarks"] = len(landmarks)
+        numbers["landmarks_on_surface"] = int((landmarks.label == 1).sum())
+        numbers["iterations"] = _iterations(survey.adjusted)
+    if survey.findings.objects is not None:
+        numbers["objects"] = len(survey.findings.objects)
+    if facts.dvl is not None:
+        numbers["dvl_pings"] = len(facts.dvl.t_ns)
     return numbers

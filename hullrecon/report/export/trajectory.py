@@ -15,7 +15,7 @@ def track_of(trajectory: Trajectory, solution: Solution | None) -> VehicleTrack:
 
 
 def trajectory_csv(track: VehicleTrack) -> str:
-    """trajectory.csv (docs/deliverables.md): t, x .. qw, sigma_x .. sigma_yaw, tray."""
+    """Return trajectory.csv (docs/deliverables.md): t, x .. qw, sigma_x .. sigma_yaw, tray."""
     pose = {n: numbers(track.poses.translation[:, k]) for k, n in enumerate("xyz")}
     turn = {n: numbers(track.poses.quaternion[:, k]) for k, n in enumerate(("qx", "qy", "qz", "qw"))}
     names = ("sigma_x", "sigma_y", "sigma_z", "sigma_roll", "sigma_pitch", "sigma_yaw")
@@ -25,7 +25,7 @@ def trajectory_csv(track: VehicleTrack) -> str:
 
 
 def trajectory_tum(track: VehicleTrack) -> str:
-    """The same poses as lines of `t x y z qx qy qz qw`."""
+    """Return the same poses as lines of `t x y z qx qy qz qw`."""
     columns = [seconds(track.t_ns)]
     columns += [numbers(c) for c in (*track.poses.translation.T, *track.poses.quaternion.T)]
     return "".join(" ".join(row) + "\n" for row in zip(*columns, strict=True))

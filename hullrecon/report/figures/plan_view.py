@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The plan of the dive on the hull's chart as SVG: what was seen, where the vehicle went, what was found, how sure it is."""
+"""The plan of the dive on the hull's chart as SVG: hull seen, path of the vehicle, objects, uncertainty."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from hullrecon.typing import Array
 LEFT, TOP, WIDTH, FOOT = 62.0, 14.0, 960.0, 78.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Mark:
-    """An object on the plan: along, girth in metres, its sigma in both, and what it is in words."""
+    """An object on the plan: along, girth in metres, its sigma in both, and a text for it."""
 
     label: str
     along: float
     girth: float
     sigma: tuple[float, float]
-    words: str
+    text: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Plan:
     """path (n, 2) chart coordinates of the vehicle, NaN rows break the line; path_sigma: along and girth, metres."""
 
@@ -42,7 +42,7 @@ class Plan:
 
 
 def plan_svg(plan: Plan, title: str) -> str:
-    """One SVG, 960 wide inside its frame; colours have text and shape beside them."""
+    """Return one SVG, 960 wide inside its frame; colours have text and shape beside them."""
     width_m, height_m = plan.extent.size
     scale = WIDTH / width_m
     height = height_m * scale
@@ -71,19 +71,19 @@ def _ground(plan: Plan, height: float) -> str:
     if plan.ground is None:
         return frame
     data = b64encode(plan.ground).decode()
-    place = f'x="{LEFT}" y="{TOP}" width="{WIDTH}" height="{height:.1f}"'
-    return f'{frame}<image {place} preserveAspectRatio="none" href="data:image/png;base64,{data}"/>'
+    box = f'x="{LEFT}" y="{TOP}" width="{WIDTH}" height="{height:.1f}"'
+    return f'{frame}<image {box} preserveAspectRatio="none" href="data:image/png;base64,{data}"/>'
 
 
 def nice_step(span_m: float, most: int = 10) -> float:
-    """1, 2 or 5 times a power of ten, so that a span has at most so many steps."""
+    """Return 1, 2 or 5 times a power of ten, so that a span has at most so many steps."""
     raw = span_m / most
     power = 10.0 ** math.floor(math.log10(raw))
     return next(m * power for m in (1.0, 2.0, 5.0, 10.0) if m * power >= raw * (1 - 1e-9))
 
 
 def nice_below(span_m: float) -> float:
-    """The largest 1, 2 or 5 times a power of ten that fits into a span."""
+    """Return the largest 1, 2 or 5 times a power of ten that fits into a span."""
     power = 10.0 ** math.floor(math.log10(span_m))
     return max(m * power for m in (1.0, 2.0, 5.0) if m * power <= span_m * (1 + 1e-9))
 
@@ -93,7 +93,7 @@ def _ticks(plan: Plan, scale: float, height: float) -> list[str]:
     parts = []
     for value in _multiples(plan.extent.along, step):
         x = _x(value, plan, scale)
-        frame = f" · fr {value / plan.frame_spacing_m:.0f}" if plan.frame_spacing_m else ""
+        frame = f" · fr {value / plan.frame_spacing_m:.1f}" if plan.frame_spacing_m else ""
         parts.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{TOP}" y2="{TOP + height:.1f}" class="grid"/>')
         parts.append(f'<text x="{x:.1f}" y="{TOP + height + 17:.1f}" class="tick mid">{value:g} m{frame}</text>')
     for value in _multiples(plan.extent.girth, step):
@@ -130,9 +130,9 @@ def _path(plan: Plan, scale: float, height: float) -> str:
 def _mark(mark: Mark, plan: Plan, scale: float, height: float) -> str:
     x, y = _x(mark.along, plan, scale), _y(mark.girth, plan, scale, height)
     reach = [max(s, 0.0) * scale if math.isfinite(s) else 0.0 for s in mark.sigma]
-    ellipse = f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{max(reach[0], 9):.1f}" ry="{max(reach[1], 9):.1f}" class="doubt"/>'
+    ellipse = f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{max(reach[0], 9):.1f}" ry="{max(reach[1], 9):.1f}" class="sigma"/>'
     return (
-        f'<a href="#object-{escape(mark.label)}"><g><title>{escape(mark.words)}</title>{ellipse}'
+        f'<a href="#object-{escape(mark.label)}"><g><title>{escape(mark.text)}</title>{ellipse}'
         f'<circle cx="{x:.1f}" cy="{y:.1f}" r="11" class="object"/>'
         f'<text x="{x:.1f}" y="{y + 4.5:.1f}" class="label">{escape(mark.label)}</text></g></a>'
     )
@@ -153,8 +153,8 @@ def _sigma_bar(plan: Plan, scale: float, height: float) -> str:
         return ""
     y, right = TOP + height + 44, LEFT + WIDTH
     reach = min(along * scale, WIDTH / 3)
-    words = f"one sigma of the vehicle: {along:.2f} m along, {girth:.3f} m in girth"
+    text = f"one sigma of the vehicle: {along:.3f} m along, {girth:.3f} m in girth"
     return (
-        f'<path d="M{right - 2 * reach:.1f} {y - 5:.1f}v10m0 -5h{2 * reach:.1f}m0 -5v10" class="bar doubtful"/>'
-        f'<text x="{right:.1f}" y="{y + 22:.1f}" class="tick end">{words}</text>'
+        f'<path d="M{right - 2 * reach:.1f} {y - 5:.1f}v10m0 -5h{2 * reach:.1f}m0 -5v10" class="bar sigma-bar"/>'
+        f'<text x="{right:.1f}" y="{y + 22:.1f}" class="tick end">{text}</text>'
     )

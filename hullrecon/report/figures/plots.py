@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.records.iterations import broken, reached
@@ -16,22 +15,36 @@ from hullrecon.records.sensors import DvlPings
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.report.content.phrases import count as phrase
 from hullrecon.report.export.csv_export import numbers, seconds
 from hullrecon.report.figures.chart_map import weighted_percentiles
-from hullrecon.report.figures.style import BLUE, GRAY, GREEN, ORANGE, Plot, new_figure, plain_log, png_bytes, whole_numbers
-from hullrecon.typing import Array, Ints
+from hullrecon.report.figures.style import (
+    BLUE,
+    GRAY,
+    GREEN,
+    ORANGE,
+    Plot,
+    label_counts,
+    label_log_axis,
+    new_figure,
+    png_bytes,
+)
+from hullrecon.report.step_documents import FactorResiduals
+from hullrecon.typing import Array, Arrays, Ints
 
-Record = Mapping[str, NDArray[np.generic]]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
-def convergence(iterations: Record) -> Plot:
-    """Cost by iteration, and by factor where the record has it. A line breaks between rounds: their costs do not compare."""
+def convergence(iterations: Arrays) -> Plot:
+    """Draw the cost by iteration, and by factor where the record has it; lines break between rounds, whose costs do
+    not compare."""
     cost = _reached(iterations)
     rounds = _rounds(iterations, len(cost))
     step = np.arange(len(cost))
     by_factor = {n.removeprefix("cost_"): v for n, v in iterations.items() if n.startswith("cost_") and n != "cost_change"}
     parts = {name: np.asarray(values, float) for name, values in by_factor.items()}
-    figure, axis = new_figure(7.2, 3.4)
+    figure, (axis,) = new_figure(7.2, 3.4)
     axis.semilogy(*broken(step, np.maximum(cost, 1e-12), rounds), color=BLUE, linewidth=2, label="all factors")
     for k, (name, values) in enumerate(sorted(parts.items())):
         if (values > 0).any():
@@ -41,7 +54,7 @@ def convergence(iterations: Record) -> Plot:
     _mark_rounds(axis, iterations, rounds)
     axis.legend(fontsize=7, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
     spans = [cost[rounds == r] for r in np.unique(rounds)]
-    falls = [f"from {c[0]:.4g} to {c[-1]:.4g} in {len(c) - 1} iterations" for c in spans]
+    falls = [f"from {c[0]:.4g} to {c[-1]:.4g} in {phrase(len(c) - 1, 'iteration')}" for c in spans]
     if len(falls) == 1:
         alt = f"The cost falls {falls[0]}."
     else:
@@ -52,11 +65,12 @@ def convergence(iterations: Record) -> Plot:
         "cost": numbers(cost, ".9g"),
         **{n: numbers(v, ".9g") for n, v in sorted(parts.items())},
     }
-    return Plot("convergence", "Cost by iteration", alt, png_bytes(figure), table)
+    return Plot(name="convergence", title="Cost by iteration", alt=alt, png=png_bytes(figure), table=table)
 
 
-def labels(iterations: Record) -> Plot:
-    """Share of the landmarks on the hull and labels changed, by iteration [Ozog2016 Fig. 4.12], broken between rounds."""
+def labels(iterations: Arrays) -> Plot:
+    """Draw the share of the landmarks on the hull and the labels changed, by iteration [Ozog2016 Fig. 4.12], with breaks
+    between rounds."""
     on, changed = (np.asarray(iterations[k], np.int64) for k in ("on_surface", "label_changes"))
     rounds, step = _rounds(iterations, len(on)), np.arange(len(on))
     of = np.asarray(iterations["landmarks"], np.int64) if "landmarks" in iterations else np.full(len(on), on.max())
@@ -65,28 +79,28 @@ def labels(iterations: Record) -> Plot:
     left.set(xlabel="iteration, all rounds", ylabel="landmarks on the hull (%)")
     right.plot(*broken(step, changed.astype(float), rounds), color=ORANGE, linewidth=2)
     right.set(xlabel="iteration, all rounds", ylabel="labels changed")
-    whole_numbers(right.yaxis)
+    label_counts(right.yaxis)
     for axis in (left, right):
-        _mark_rounds(axis, iterations, rounds, words=False)
+        _mark_rounds(axis, iterations, rounds, names=False)
     alt = f"{on[-1]:,} of {of[-1]:,} landmarks end as on the hull; {changed[-1]:,} labels changed at the last iteration."
     table = {"round": rounds.tolist(), "iteration": step.tolist(), "landmarks": of.tolist(), "on_surface": on.tolist(),
              "label_changes": changed.tolist()}  # fmt: skip
-    return Plot("labels", "Labels by iteration", alt, png_bytes(figure), table)
+    return Plot(name="labels", title="Labels by iteration", alt=alt, png=png_bytes(figure), table=table)
 
 
-def _reached(iterations: Record) -> Array:
-    """(k,) cost at the last accepted point; the record's own where it does not say which were."""
+def _reached(iterations: Arrays) -> Array:
+    """Return the cost (k,) at the last accepted point; the record's own where it does not say which were."""
     cost = np.asarray(iterations["cost"], float)
     return reached(cost, np.asarray(iterations["accepted"], bool)) if "accepted" in iterations else cost
 
 
-def _rounds(iterations: Record, count: int) -> Ints:
-    """(count,) round of each row, 1 where the record does not say."""
+def _rounds(iterations: Arrays, count: int) -> Ints:
+    """Return the round (count,) of each row, 1 where the record does not say."""
     return np.asarray(iterations["round"], np.int64) if "round" in iterations else np.ones(count, np.int64)
 
 
-def _mark_rounds(axis: Any, iterations: Record, rounds: Ints, words: bool = True) -> None:
-    """A line where each round begins, and what its cost is whitened with."""
+def _mark_rounds(axis: Axes, iterations: Arrays, rounds: Ints, names: bool = True) -> None:
+    """Draw a line where each round begins, and what its cost is whitened with."""
     starts = np.r_[0, np.flatnonzero(np.diff(rounds)) + 1]
     if len(starts) == 1:
         return
@@ -94,36 +108,38 @@ def _mark_rounds(axis: Any, iterations: Record, rounds: Ints, words: bool = True
         if k:
             axis.axvline(k - 0.5, color=GRAY, linewidth=0.8, linestyle=":")
         text = f"round {rounds[k]}"
-        if words and "pixel_sigma_px" in iterations:
+        if names and "pixel_sigma_px" in iterations:
             text += f"\n{float(iterations['pixel_sigma_px'][k]):.2g} px"
-        place = {"xycoords": axis.get_xaxis_transform(), "xytext": (3, 2), "textcoords": "offset points"}
-        axis.annotate(text, (k, 1.0), fontsize=7, color=GRAY, va="bottom", annotation_clip=False, **place)
+        axis.annotate(
+            text, (k, 1.0), fontsize=7, color=GRAY, va="bottom", annotation_clip=False, xycoords=axis.get_xaxis_transform(),
+            xytext=(3, 2), textcoords="offset points",
+        )  # fmt: skip
 
 
-def residuals(statistics: Mapping[str, Mapping[str, Any]]) -> Plot:
-    """Whitened residuals of each factor before and after: {"before": {factor: {"rms", ...}}, "after": ...}."""
-    before, after = statistics["before"], statistics["after"]
+def residuals(before: Mapping[str, FactorResiduals], after: Mapping[str, FactorResiduals]) -> Plot:
+    """Draw the whitened residuals of each kind of measurement before and after the adjustment."""
     names = sorted(n for n in before if n in after)
-    low, high = (np.array([float(s[n]["rms"]) for n in names]) for s in (before, after))
+    low, high = (np.array([s[n].rms for n in names]) for s in (before, after))
     at = np.arange(len(names))
-    figure, axis = new_figure(height_in=0.9 + 0.36 * len(names))
+    figure, (axis,) = new_figure(height_in=0.9 + 0.36 * len(names))
     axis.barh(at - 0.2, np.maximum(low, 1e-2), 0.36, color=GRAY, label="before")
     axis.barh(at + 0.2, np.maximum(high, 1e-2), 0.36, color=BLUE, label="after")
     axis.axvline(1.0, color=ORANGE, linewidth=1, label="expected")
     axis.set_xscale("log")
-    plain_log(axis.xaxis)
+    label_log_axis(axis.xaxis)
     axis.set_yticks(at, names)
     axis.invert_yaxis()
     axis.set(xlabel="root mean square residual, in its own sigma")
     axis.legend(fontsize=7, frameon=False)
-    alt = "; ".join(f"{n} from {a:.2f} to {b:.2f} sigma" for n, a, b in zip(names, low, high, strict=True))
-    table = {"factor": names, "rms_before": numbers(low, ".6g"), "rms_after": numbers(high, ".6g"),
-             "count": [int(after[n]["count"]) for n in names]}  # fmt: skip
-    return Plot("residuals", "Residuals before and after", f"RMS residuals: {alt}.", png_bytes(figure), table)
+    changes = "; ".join(f"{n} from {a:.2f} to {b:.2f} sigma" for n, a, b in zip(names, low, high, strict=True))
+    alt = f"RMS residuals: {changes}."
+    table: dict[str, Sequence[object]] = {"factor": names, "rms_before": numbers(low, ".6g"), "rms_after": numbers(high, ".6g"),
+             "count": [int(after[n].count) for n in names]}  # fmt: skip
+    return Plot(name="residuals", title="Residuals before and after", alt=alt, png=png_bytes(figure), table=table)
 
 
 def deviation_histogram(solution: Solution | None, as_found: Surface | None) -> Plot | None:
-    """Share of landmarks, and of the area seen, by their signed distance to the CAD model; None without a CAD model."""
+    """Draw the share of landmarks, and of the area seen, by signed distance to the CAD model; None without one."""
     groups = {}
     if solution is not None:
         groups["landmarks"] = (solution.landmarks.deviation, np.ones(len(solution.landmarks)))
@@ -134,8 +150,8 @@ def deviation_histogram(solution: Solution | None, as_found: Surface | None) -> 
     if not groups:
         return None
     edges = np.asarray(0.004 * (np.arange(-50, 52) - 0.5), float)  # on the CAD model is the middle of a bin, not a border
-    figure, axis = new_figure()
-    table: dict[str, Any] = {"from_m": numbers(edges[:-1], ".3f"), "to_m": numbers(edges[1:], ".3f")}
+    figure, (axis,) = new_figure()
+    table = {"from_m": numbers(edges[:-1], ".3f"), "to_m": numbers(edges[1:], ".3f")}
     for (name, (values, weights)), color in zip(groups.items(), (BLUE, ORANGE), strict=False):
         share = 100 * np.histogram(np.clip(values, edges[0], edges[-1] - 1e-9), edges, weights=weights)[0]
         axis.stairs(share, 1000 * edges, color=color, linewidth=1.6, label=name.replace("_", " "))
@@ -144,14 +160,22 @@ def deviation_histogram(solution: Solution | None, as_found: Surface | None) -> 
     axis.set(xlabel="distance to the CAD model, outward positive (mm)", ylabel="share (%)")
     axis.set_yscale("symlog", linthresh=0.1)
     axis.legend(fontsize=8, frameon=False)
-    words = [
+    medians = [
         f"{n.replace('_', ' ')}: median {1000 * weighted_percentiles(v, w, (50,))[0]:.1f} mm" for n, (v, w) in groups.items()
     ]
-    return Plot("deviation_histogram", "Deviation from the CAD model", "; ".join(words) + ".", png_bytes(figure), table)
+    alt = "; ".join(medians) + "."
+    return Plot(
+        name="deviation_histogram",
+        title="Deviation from the CAD model",
+        alt=alt,
+        png=png_bytes(figure),
+        table=table,
+    )
 
 
 def standoff(dvl: DvlPings) -> Array:
-    """(n,) m from the DVL to the hull: the median over the beams of range times the beam's share along its axis."""
+    """Return the distance (n,) m from the DVL to the hull: the median over the beams of range times the cosine between
+    beam and instrument axis."""
     depth = dvl.ranges * dvl.beams[:, 2]
     filled = np.sort(np.where(np.isfinite(depth), depth, np.inf), axis=1)
     valid = np.isfinite(depth).sum(axis=1)
@@ -161,33 +185,35 @@ def standoff(dvl: DvlPings) -> Array:
 
 
 def depth_and_standoff(t_ns: Ints, depth_m: Array, dvl: DvlPings | None) -> Plot:
-    """Depth of the vehicle at the nodes and distance to the hull, over the time of the dive."""
+    """Draw the depth of the vehicle at the nodes and distance to the hull, over the time of the dive."""
     start = t_ns[0]
     figure, axes = new_figure(height_in=3.8, rows=2)
     axes[0].plot((t_ns - start) * 1e-9, depth_m, color=BLUE)
     axes[0].invert_yaxis()
     axes[0].set(ylabel="depth (m)")
-    table: dict[str, Any] = {"t": seconds(t_ns), "depth_m": numbers(depth_m, ".4f")}
+    table = {"t": seconds(t_ns), "depth_m": numbers(depth_m, ".4f")}
     alt = f"Depth from {np.nanmin(depth_m):.2f} to {np.nanmax(depth_m):.2f} m"
     if dvl is not None and np.isfinite(dvl.ranges).any():
         gap = standoff(dvl)
         axes[1].plot((dvl.t_ns - start) * 1e-9, gap, color=GREEN, linewidth=1)
         good = np.isfinite(gap)
         table["standoff_m"] = numbers(np.interp(t_ns, dvl.t_ns[good], gap[good]), ".4f")
-        alt += f"; distance to the hull {np.nanmedian(gap):.2f} m in the median"
+        alt += f"; distance to the hull {np.nanmedian(gap):.2f} m (median)"
     axes[1].set(xlabel="time since the first pose (s)", ylabel="distance to hull (m)")
-    return Plot("depth_standoff", "Depth and distance to the hull", alt + ".", png_bytes(figure), table)
+    return Plot(
+        name="depth_standoff", title="Depth and distance to the hull", alt=f"{alt}.", png=png_bytes(figure), table=table
+    )
 
 
 def sigmas(track: VehicleTrack) -> Plot:
-    """One sigma of the vehicle's position by axis over time."""
-    figure, axis = new_figure()
+    """Draw one sigma of the vehicle's position by axis over time."""
+    figure, (axis,) = new_figure()
     for k, (name, color) in enumerate(zip("xyz", (BLUE, ORANGE, GREEN), strict=True)):
         axis.semilogy((track.t_ns - track.t_ns[0]) * 1e-9, np.maximum(track.sigma[:, k], 1e-5), color=color, label=name)
     axis.set(xlabel="time since the first pose (s)", ylabel=f"one sigma of position in {track.frame} (m)")
-    plain_log(axis.yaxis)
+    label_log_axis(axis.yaxis)
     axis.legend(fontsize=8, frameon=False, ncols=3)
     middle = np.median(track.sigma[:, :3], axis=0)
     alt = "Median one sigma: " + ", ".join(f"{n} {v:.3f} m" for n, v in zip("xyz", middle, strict=True)) + "."
     table = {"t": seconds(track.t_ns), **{f"sigma_{n}_m": numbers(track.sigma[:, k], ".6g") for k, n in enumerate("xyz")}}
-    return Plot("position_sigma", "Uncertainty of position", alt, png_bytes(figure), table)
+    return Plot(name="position_sigma", title="Uncertainty of position", alt=alt, png=png_bytes(figure), table=table)

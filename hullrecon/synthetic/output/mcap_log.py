@@ -35,7 +35,7 @@ LATENCY_NS = {"dvl": 33_000_000, "imu": 2_000_000, "pressure": 6_000_000, "joint
 
 
 def write_mcap(path: Path, streams: Streams) -> None:
-    """All streams in one file, zstd chunks, each message logged a little after its stamp."""
+    """Write all streams into one file, zstd chunks, each message logged a little after its stamp."""
     from mcap.writer import CompressionType, Writer
 
     with path.open("wb") as file:

@@ -28,7 +28,7 @@ DEFINITIONS = {
 
 @cache
 def store() -> Any:
-    """A rosbags type store that also knows the acoustic messages."""
+    """Return a rosbags type store that also knows the acoustic messages."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     known = get_typestore(Stores.ROS2_HUMBLE)
@@ -38,14 +38,16 @@ def store() -> Any:
 
 
 def make(kind: str, **fields: Any) -> Any:
-    """A message of that kind."""
+    """Return a message of that ROS type."""
     return store().types[kind](**fields)
 
 
 def header(stamp_ns: int, frame: str) -> Any:
+    """Return a std_msgs/Header."""
     stamp = make("builtin_interfaces/msg/Time", sec=stamp_ns // 10**9, nanosec=stamp_ns % 10**9)
     return make("std_msgs/msg/Header", stamp=stamp, frame_id=frame)
 
 
 def vector(xyz: Any) -> Any:
+    """Return a geometry_msgs/Vector3."""
     return make("geometry_msgs/msg/Vector3", x=float(xyz[0]), y=float(xyz[1]), z=float(xyz[2]))

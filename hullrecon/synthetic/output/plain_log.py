@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 def write_plain(folder: Path, streams: Streams) -> None:
-    """dvl.csv, imu.csv, pressure.csv, joints.csv, camera_*.csv with their images, sonar.csv with its pings."""
+    """Write dvl.csv, imu.csv, pressure.csv, joints.csv, camera_*.csv with their images, sonar.csv with its pings."""
     ranges = [f"range_{k + 1}" for k in range(4)]
     dvl = np.hstack([streams.dvl.velocity, streams.dvl.ranges])
     write_table(folder / "dvl.csv", ["vx", "vy", "vz", *ranges], streams.dvl.t_s, dvl)
@@ -32,12 +32,12 @@ def write_plain(folder: Path, streams: Streams) -> None:
 
 
 def seconds(t_s: Array) -> list[str]:
-    """Seconds since 1970 with all nine digits, which a float64 would not hold."""
+    """Return seconds since 1970 with all nine digits, which a float64 would not hold."""
     return [f"{ns // 10**9}.{ns % 10**9:09d}" for ns in stamp_ns(t_s).tolist()]
 
 
 def write_table(path: Path, names: list[str], t_s: Array, values: Array, form: str = "%.9f") -> None:
-    """A CSV with a column t; NaN is left empty."""
+    """Write a CSV with a column t; NaN is left empty."""
     lines = [",".join(["t", *names])]
     for stamp, row in zip(seconds(t_s), values.tolist(), strict=True):
         lines.append(",".join([stamp, *("" if v != v else form % v for v in row)]))
@@ -78,7 +78,7 @@ def _pings(folder: Path, streams: Streams) -> None:
 
 
 def _write_npz(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
-    """As numpy.savez_compressed, but with fixed dates, so that the same dive gives the same bytes."""
+    """Write as numpy.savez_compressed, but with fixed dates, so that the same dive gives the same bytes."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, array in arrays.items():
             buffer = io.BytesIO()

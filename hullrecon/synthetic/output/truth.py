@@ -5,6 +5,9 @@
 from __future__ import annotations
 
 import json
+import shutil
+import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +19,6 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.output.plain_log import write_table
 from hullrecon.synthetic.vehicle.rig import SONAR_ORIGIN, TRAY_ORIGIN
-from hullrecon.synthetic.world.as_built import crop
 from hullrecon.synthetic.world.items import MARKS, Item
 from hullrecon.synthetic.world.relief import height_of
 
@@ -24,7 +26,7 @@ Array = NDArray[np.float64]
 
 
 def write_truth(folder: Path, dive: Dive) -> None:
-    """poses.csv, alignment.json, servo.csv, sonar_servo.csv, extrinsics.json, objects.json, as_built.ply."""
+    """Write poses.csv, alignment.json, servo.csv, sonar_servo.csv, extrinsics.json, objects.json, as_built.ply."""
     motion = dive.motion
     at = motion.in_hull(motion.vehicle(dive.frame_s))
     rows = np.hstack([at.translation, at.quaternion])
@@ -35,25 +37,38 @@ def write_truth(folder: Path, dive: Dive) -> None:
     _json(folder / "alignment.json", {"T_g_M": _place(motion.T_g_M)})
     _json(folder / "extrinsics.json", _extrinsics(dive))
     _json(folder / "objects.json", _objects(dive))
-    write_ply(folder / "as_built.ply", crop(dive.built, dive.seen_along, dive.seen_girth))
+    write_ply(folder / "as_built.ply", dive.hull.window(dive.seen_along, dive.seen_girth))
 
 
-def write_ply(path: Path, mesh: Mesh) -> None:
-    """Binary PLY, float32 vertices."""
-    head = f"""ply
+def write_ply(path: Path, pieces: Iterable[Mesh]) -> None:
+    """Write the pieces of a mesh as one binary PLY, float32 vertices; one piece is held in memory at a time."""
+    vertices = faces = 0
+    with tempfile.TemporaryFile(dir=path.parent) as corners, tempfile.TemporaryFile(dir=path.parent) as triangles:
+        for mesh in pieces:
+            rows = np.zeros(len(mesh.faces), np.dtype([("n", "u1"), ("corner", "<i4", 3)]))
+            rows["n"], rows["corner"] = 3, mesh.faces + vertices
+            corners.write(mesh.vertices.astype("<f4").tobytes())
+            triangles.write(rows.tobytes())
+            vertices, faces = vertices + len(mesh.vertices), faces + len(mesh.faces)
+        with path.open("wb") as file:
+            file.write(_ply_header(vertices, faces).encode())
+            for part in (corners, triangles):
+                part.seek(0)
+                shutil.copyfileobj(part, file)
+
+
+def _ply_header(vertices: int, faces: int) -> str:
+    return f"""ply
 format binary_little_endian 1.0
 comment as built, frame M, metres
-element vertex {len(mesh.vertices)}
+element vertex {vertices}
 property float x
 property float y
 property float z
-element face {len(mesh.faces)}
+element face {faces}
 property list uchar int vertex_indices
 end_header
 """
-    faces = np.zeros(len(mesh.faces), np.dtype([("n", "u1"), ("corner", "<i4", 3)]))
-    faces["n"], faces["corner"] = 3, mesh.faces
-    path.write_bytes(head.encode() + mesh.vertices.astype("<f4").tobytes() + faces.tobytes())
 
 
 def _extrinsics(dive: Dive) -> dict[str, Any]:
@@ -66,17 +81,20 @@ def _extrinsics(dive: Dive) -> dict[str, Any]:
 
 
 def _objects(dive: Dive) -> dict[str, Any]:
-    rows = [_object(dive, item, k + 1) for k, item in enumerate(dive.items)]
+    along = sorted(range(len(dive.items)), key=lambda k: dive.items[k].along_m)  # as the hull's blocks lie
+    made = {k: _object(dive, dive.items[k], k + 1) for k in along}
+    rows = [made[k] for k in range(len(dive.items))]
     rough = [row for row in rows if row["kind"] == "barnacles"]
     return {"objects": [row for row in rows if row["kind"] != "barnacles"], "not_objects": rough}
 
 
 def _object(dive: Dive, item: Item, number: int) -> dict[str, Any]:
-    """The centre lies on the visible surface: a protrusion's top, a recess's floor."""
+    """Return an item as objects.json has it. The centre lies on the visible surface: a protrusion's top, a recess's floor."""
     a, g = np.array([item.along_m]), np.array([item.girth_m])
-    normal = dive.patch.sample(dive.patch.normal, a, g)[0]
+    block = dive.hull.near(item.along_m)
+    normal = block.patch.sample(block.patch.normal, a, g)[0]
     normal /= np.linalg.norm(normal)
-    steel = dive.patch.sample(dive.built.steel, a, g)[0]
+    steel = block.patch.sample(block.built.steel, a, g)[0]
     top = float(height_of(item, a, g)[0]) if item.kind != "barnacles" else item.height_m
     center = steel + top * normal
     return {
@@ -92,7 +110,7 @@ def _object(dive: Dive, item: Item, number: int) -> dict[str, Any]:
 
 
 def _views(dive: Dive, point: Array) -> int:
-    """Frames in which the top camera has that point before it."""
+    """Return the number of frames in which the top camera has that point before it."""
     if dive.spec.cameras.carried == "none":
         return 0
     camera = dive.rig.camera_top

@@ -13,7 +13,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.vehicle.motion import Motion, ticks
 from hullrecon.synthetic.vehicle.rig import BEAMS, TRAY_ORIGIN, Rig
-from hullrecon.synthetic.world.ray_casting import Rays
+from hullrecon.synthetic.world.built_hull import BuiltHull
 
 Array = NDArray[np.float64]
 
@@ -25,18 +25,19 @@ GYRO_SIGMA, ACCELERATION_SIGMA = 0.002, 0.03
 DEPTH_SIGMA = 0.02
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Dvl:
-    """velocity (n, 3) in `dvl`; ranges (n, 4), NaN where lost."""
+    """Hold the DVL's readings. velocity (n, 3) in `dvl`, m/s; ranges (n, 4) in metres, NaN where lost."""
 
     t_s: Array
     velocity: Array
     ranges: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Imu:
-    """quaternion (n, 4) of the vehicle in g, rates (n, 3), specific force (n, 3) in the vehicle."""
+    """Hold the IMU's readings. quaternion (n, 4): vehicle in g; rates (n, 3) rad/s and specific force (n, 3) m/s2 in the
+    vehicle."""
 
     t_s: Array
     quaternion: Array
@@ -46,25 +47,26 @@ class Imu:
 
 @dataclass(frozen=True)
 class Series:
-    """value (n,) or (n, k) at times."""
+    """Hold values (n,) or (n, k) at times (n,)."""
 
     t_s: Array
     value: Array
 
 
-def dvl(spec: DiveSpec, motion: Motion, rig: Rig, hull: Rays) -> Dvl:
-    """Velocity of the instrument over ground in its own frame, too long by the scale error; ranges to the hull as built."""
+def dvl(spec: DiveSpec, motion: Motion, rig: Rig, hull: BuiltHull) -> Dvl:
+    """Return the velocity of the instrument over ground in its own frame, too long by the scale error; ranges to the hull as
+    built."""
     random = spec.random("dvl")
     t = ticks(motion, 5.0, random)
     at = motion.on_tray(t, rig.T_s_d, TRAY_ORIGIN)
     ahead, behind = (motion.on_tray(t + dt, rig.T_s_d, TRAY_ORIGIN).translation for dt in (0.04, -0.04))
     true = at.rotation.inv().apply((ahead - behind) / 0.08)
     velocity = true * (1 + spec.errors.dvl_scale_error) + VELOCITY_SIGMA * random.standard_normal(true.shape)
-    return Dvl(t, velocity, _ranges(random, motion.in_hull(at), hull))
+    return Dvl(t_s=t, velocity=velocity, ranges=_ranges(random, motion.in_hull(at), hull))
 
 
 def imu(spec: DiveSpec, motion: Motion) -> Imu:
-    """Attitude with a constant bias in roll and pitch, a heading that drifts and wanders, and white noise."""
+    """Return the attitude with a constant bias in roll and pitch, a heading that drifts and wanders, and white noise."""
     from scipy.spatial.transform import Rotation
 
     random = spec.random("imu")
@@ -79,11 +81,12 @@ def imu(spec: DiveSpec, motion: Motion) -> Imu:
     down = np.array([0.0, 0.0, GRAVITY])
     force = motion.vehicle(t).rotation.inv().apply(motion.acceleration(t) - down)
     rates = motion.rates(t) + 0.0005 * random.standard_normal(3) + GYRO_SIGMA * random.standard_normal((n, 3))
-    return Imu(t, turn.as_quat(), rates, force + ACCELERATION_SIGMA * random.standard_normal((n, 3)))
+    felt = force + ACCELERATION_SIGMA * random.standard_normal((n, 3))
+    return Imu(t_s=t, quaternion=turn.as_quat(), rates=rates, force=felt)
 
 
 def pressure(spec: DiveSpec, motion: Motion) -> Series:
-    """Absolute pressure, Pa, at the vehicle's origin, with a bias of centimetres."""
+    """Return the absolute pressure, Pa, at the vehicle's origin, with a bias of centimetres."""
     random = spec.random("pressure")
     t = ticks(motion, 10.0, random, 0.12)
     bias = 0.03 * random.choice([-1.0, 1.0])
@@ -92,7 +95,7 @@ def pressure(spec: DiveSpec, motion: Motion) -> Series:
 
 
 def joints(spec: DiveSpec, motion: Motion) -> Series:
-    """(n, 2) rad: tray and sonar tray as their encoders report them."""
+    """Return the angles (n, 2) rad of tray and sonar tray as their encoders report them."""
     random = spec.random("joints")
     t = ticks(motion, 10.0, random, 0.09)
     series = (motion.encoder, motion.sonar_tray)
@@ -100,11 +103,10 @@ def joints(spec: DiveSpec, motion: Motion) -> Series:
     return Series(t, reported + np.radians(spec.errors.servo_sigma_deg) * random.standard_normal(reported.shape))
 
 
-def _ranges(random: np.random.Generator, T_M_d: Poses, hull: Rays) -> Array:
+def _ranges(random: np.random.Generator, T_M_d: Poses, hull: BuiltHull) -> Array:
     n, b = len(T_M_d), len(BEAMS)
     direction = np.stack([T_M_d.rotation.apply(np.tile(beam, (n, 1))) for beam in BEAMS], axis=1)
-    hits = hull.cast(np.repeat(T_M_d.translation, b, axis=0), direction.reshape(-1, 3))
-    ranges = np.where(hits.hit, hits.range_m, np.nan).astype(float).reshape(n, b)
+    ranges = hull.ranges(T_M_d.translation, direction)
     ranges += RANGE_SIGMA * random.standard_normal((n, b))
     wild, lost = random.random((n, b)) < WILD_SHARE, random.random((n, b)) < LOST_SHARE
     ranges = np.where(wild, ranges * random.uniform(0.3, 2.5, (n, b)), ranges)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.sensors.rendering import Scene, lens, photograph
 from hullrecon.synthetic.vehicle.rig import LAMP_IN_TOP, TRAY_ORIGIN
-from hullrecon.synthetic.world.plate_atlas import PlateAtlas
-from hullrecon.synthetic.world.texture import Atlas, paint_atlas
+from hullrecon.synthetic.world.plate_atlas import PlateAtlas, paint_atlas
+from hullrecon.synthetic.world.texture import Atlas
 
 Image = NDArray[np.uint8]
 ATLAS_TEXELS = 24e6  # up to there the texture is one image: painting it takes 0.5 GB
@@ -22,24 +22,22 @@ ATLAS_TEXELS = 24e6  # up to there the texture is one image: painting it takes 0
 def photographs(dive: Dive) -> Iterator[tuple[Image, Image | None]]:
     """Yield the RGB images (h, w, 3) of the top and the bottom camera; None where no bottom camera is carried."""
     rig, motion, random = dive.rig, dive.motion, dive.spec.random("camera")
-    scene = _scene(dive)
+    atlas, absorption = _atlas(dive), 2.0 / dive.spec.visibility_m
     top = lens(rig.camera_top)
     bottom = lens(rig.camera_bottom) if rig.camera_bottom is not None else None
     T_M_ct = motion.in_hull(motion.on_tray(dive.frame_s, rig.T_s_ct, TRAY_ORIGIN))
     T_M_cb = motion.in_hull(motion.on_tray(dive.frame_s, rig.T_s_ct @ rig.T_ct_cb, TRAY_ORIGIN))
     for k in range(len(dive.frame_s)):
+        scene = Scene(dive.hull.near(T_M_ct.translation[k, 0]), atlas, absorption)
         lamp = T_M_ct[k].apply(LAMP_IN_TOP[None])[0]
         first = photograph(scene, top, T_M_ct[k], lamp, random)
         yield first, None if bottom is None else photograph(scene, bottom, T_M_cb[k], lamp, random)
 
 
-def _scene(dive: Dive) -> Scene:
+def _atlas(dive: Dive) -> Atlas | PlateAtlas:
     spec = dive.spec
     texel_m = max(0.001, 0.75 * spec.survey.standoff_m / dive.rig.camera_top.fx)
     texels = np.ptp(dive.seen_along) * np.ptp(dive.seen_girth) / texel_m**2
-    atlas: Atlas | PlateAtlas
     if texels <= ATLAS_TEXELS:
-        atlas = paint_atlas(spec, dive.items, dive.seen_along, dive.seen_girth, texel_m)
-    else:
-        atlas = PlateAtlas(spec, dive.items, texel_m)
-    return Scene(dive.built, dive.hull, dive.patch, atlas, 2.0 / spec.visibility_m)
+        return paint_atlas(spec, dive.items, dive.seen_along, dive.seen_girth, texel_m)
+    return PlateAtlas(spec, dive.items, texel_m)

@@ -87,11 +87,12 @@ def record(dive: Dive, track: Track = untracked) -> Streams:
 
 
 def stamp_ns(t_s: Array) -> NDArray[np.int64]:
+    """Return times since the start, s, as nanoseconds since 1970."""
     return START_NS + np.rint(np.asarray(t_s) * 1e9).astype(np.int64)
 
 
 def in_order(streams: Streams) -> Iterator[tuple[int, str, int]]:
-    """(stamp, stream, row) of every reading by time of stamp."""
+    """Return (stamp, stream, row) of every reading by time of stamp."""
     times = {
         "imu": streams.imu.t_s,
         "joints": streams.joints.t_s,

@@ -11,10 +11,8 @@ from numpy.typing import NDArray
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
-from hullrecon.synthetic.world.as_built import AsBuilt
-from hullrecon.synthetic.world.hull_patch import HullPatch
+from hullrecon.synthetic.world.built_hull import Block
 from hullrecon.synthetic.world.plate_atlas import PlateAtlas
-from hullrecon.synthetic.world.ray_casting import Rays
 from hullrecon.synthetic.world.texture import Atlas
 
 Array = NDArray[np.float64]
@@ -26,18 +24,16 @@ VEIL = np.array([0.020, 0.062, 0.050], np.float32)  # RGB, of an endless water c
 
 @dataclass(frozen=True)
 class Scene:
-    """What is before the lens. absorption per metre of water, of green light."""
+    """Hold what is before the lens. absorption: of green light, per metre of water."""
 
-    built: AsBuilt
-    hull: Rays
-    patch: HullPatch
+    block: Block
     atlas: Atlas | PlateAtlas
     absorption: float
 
 
 @dataclass(frozen=True)
 class Lens:
-    """A camera's rays (h w, 3) and its vignetting (h, w)."""
+    """Hold a camera's rays (h w, 3) and its vignetting (h, w)."""
 
     camera: CameraModel
     ray: Floats
@@ -45,20 +41,21 @@ class Lens:
 
 
 def lens(camera: CameraModel) -> Lens:
+    """Return the rays of all pixels of a camera, row by row."""
     x, y = np.meshgrid(np.arange(camera.width, dtype=float), np.arange(camera.height, dtype=float))
     ray = camera.rays(np.stack([x.ravel(), y.ravel()], 1)).astype(np.float32)
     return Lens(camera, ray, np.asarray(ray[:, 2] ** 2.5, np.float32).reshape(camera.height, camera.width))
 
 
 def photograph(scene: Scene, view: Lens, T_M_c: Poses, lamp: Array, random: np.random.Generator) -> NDArray[np.uint8]:
-    """One image (h, w, 3) RGB from a pose (a batch of one) with the lamp at that point of M."""
+    """Return one image (h, w, 3) RGB from a pose (a batch of one) with the lamp at that point of M."""
     shape = view.vignetting.shape
     direction = view.ray @ T_M_c.rotation.as_matrix()[0].T.astype(np.float32)
-    hits = scene.hull.cast(T_M_c.translation, direction)
+    hits = scene.block.rays.cast(T_M_c.translation, direction)
     range_m = np.where(hits.hit, hits.range_m, np.float32(8.0))
-    corner = scene.built.mesh.faces[hits.face]
-    chart = np.einsum("nk,nkd->nd", hits.weight, scene.built.chart[corner])
-    normal = np.einsum("nk,nkd->nd", hits.weight, scene.built.normal[corner])
+    corner = scene.block.built.mesh.faces[hits.face]
+    chart = np.einsum("nk,nkd->nd", hits.weight, scene.block.built.chart[corner])
+    normal = np.einsum("nk,nkd->nd", hits.weight, scene.block.built.normal[corner])
     along_m, girth_m, seen = chart[:, 0].reshape(shape), chart[:, 1].reshape(shape), hits.hit.reshape(shape)
     albedo = scene.atlas.look_up(along_m, girth_m, seen).reshape(-1, 3)
     point = direction * range_m[:, None]
@@ -73,23 +70,24 @@ def photograph(scene: Scene, view: Lens, T_M_c: Poses, lamp: Array, random: np.r
 def _lamp(
     scene: Scene, hit: NDArray[np.bool_], point: Floats, normal: Floats, chart: Floats, camera: Array, lamp: Array
 ) -> tuple[Floats, Floats]:
-    """Light (n,) that the lamp throws on points given from the camera, and its way through the water; shadows where something
-    stands out nearby."""
+    """Return the light (n,) that the lamp throws on points given from the camera, and its way through the water; shadows
+    where something stands out nearby."""
     to_lamp = (lamp - camera).astype(np.float32) - point
     way = np.linalg.norm(to_lamp, axis=1)
     to_lamp /= way[:, None]
     light = np.clip(np.einsum("nd,nd->n", normal, to_lamp), 0, 1) / way**2
-    i = np.clip(np.rint((chart[:, 0] - scene.patch.along_m[0]) / 0.03), 0, scene.built.busy.shape[0] - 1).astype(int)
-    j = np.clip(np.rint((chart[:, 1] - scene.patch.girth_m[0]) / 0.03), 0, scene.built.busy.shape[1] - 1).astype(int)
-    ask = np.flatnonzero(scene.built.busy[i, j] & hit)
+    patch, busy = scene.block.patch, scene.block.built.busy
+    i = np.clip(np.rint((chart[:, 0] - patch.along_m[0]) / 0.03), 0, busy.shape[0] - 1).astype(int)
+    j = np.clip(np.rint((chart[:, 1] - patch.girth_m[0]) / 0.03), 0, busy.shape[1] - 1).astype(int)
+    ask = np.flatnonzero(busy[i, j] & hit)
     if len(ask):
         start = camera + point[ask] + 0.004 * normal[ask]
-        light[ask[scene.hull.blocked(start, to_lamp[ask], way[ask])]] *= np.float32(0.25)
+        light[ask[scene.block.rays.blocked(start, to_lamp[ask], way[ask])]] *= np.float32(0.25)
     return np.asarray(light, np.float32), np.asarray(way, np.float32)
 
 
 def _snow(radiance: Floats, random: np.random.Generator) -> Floats:
-    """Particles in the beam, most of them out of focus, and the blur of the lens and the water."""
+    """Add particles in the beam, most of them out of focus, and the blur of the lens and the water."""
     import cv2
 
     height, width = radiance.shape[:2]

@@ -14,8 +14,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.vehicle.motion import ticks
 from hullrecon.synthetic.vehicle.rig import SONAR_ELEVATION_DEG, SONAR_ORIGIN
-from hullrecon.synthetic.world.as_built import AsBuilt
-from hullrecon.synthetic.world.ray_casting import Rays
+from hullrecon.synthetic.world.built_hull import Block
 
 Array = NDArray[np.float64]
 
@@ -30,7 +29,8 @@ RATE_HZ = 2.0
 
 @dataclass(frozen=True)
 class Fan:
-    """Rays of one ping in `sonar`: direction (n, 3), the beam (n,) each belongs to, and the beam pattern's gain (n,)."""
+    """Hold the rays of one ping in `sonar`: direction (n, 3), the beam (n,) each belongs to, and the beam pattern's gain
+    (n,)."""
 
     direction: Array
     beam: NDArray[np.int64]
@@ -43,15 +43,16 @@ def pings(dive: Dive) -> tuple[Array, Iterator[NDArray[np.uint8]]]:
     t_s = ticks(dive.motion, RATE_HZ, random, 0.3)
     at = dive.motion.on_tray(t_s, dive.rig.T_u_o, SONAR_ORIGIN, dive.motion.sonar_tray)
     T_M_o, rays = dive.motion.in_hull(at), fan()
-    return t_s, (ping(T_M_o[k], dive.hull, dive.built, rays, random) for k in range(len(t_s)))
+    return t_s, (ping(T_M_o[k], dive.hull.near(T_M_o.translation[k, 0]), rays, random) for k in range(len(t_s)))
 
 
 def beam_directions() -> Array:
-    """(beams, 3) unit vectors in `sonar`: the fan lies in the y-z plane."""
+    """Return the beams' unit vectors (beams, 3) in `sonar`: the fan lies in the y-z plane."""
     return np.stack([np.zeros(BEAM_COUNT), np.sin(AZIMUTH), np.cos(AZIMUTH)], axis=1)
 
 
 def fan() -> Fan:
+    """Return rays that fill the arc of elevation of every beam."""
     half = np.radians(SONAR_ELEVATION_DEG / 2)
     step = abs(AZIMUTH[1] - AZIMUTH[0])
     offset = (np.arange(SUB_BEAMS) + 0.5) / SUB_BEAMS - 0.5
@@ -63,12 +64,13 @@ def fan() -> Fan:
     return Fan(direction, b.ravel().astype(np.int64), np.exp(-1.2 * (e / half) ** 2))
 
 
-def ping(T_M_o: Poses, hull: Rays, built: AsBuilt, rays: Fan, random: np.random.Generator) -> NDArray[np.uint8]:
-    """One image (beams, ranges): Lambert's echo of every ray that hits, summed by range bin, with speckle and a noise floor."""
+def ping(T_M_o: Poses, block: Block, rays: Fan, random: np.random.Generator) -> NDArray[np.uint8]:
+    """Return one image (beams, ranges): Lambert's echo of every ray that hits, summed by range bin, with speckle and a noise
+    floor."""
     direction = T_M_o.rotation.apply(rays.direction)
-    hits = hull.cast(T_M_o.translation, direction)
-    corner = built.mesh.faces[hits.face]
-    normal = np.einsum("nk,nkd->nd", hits.weight, built.normal[corner])
+    hits = block.rays.cast(T_M_o.translation, direction)
+    corner = block.built.mesh.faces[hits.face]
+    normal = np.einsum("nk,nkd->nd", hits.weight, block.built.normal[corner])
     facing = np.clip(-np.einsum("nd,nd->n", normal, direction), 0, 1)
     bins = np.rint((hits.range_m - NEAR_M) / (FAR_M - NEAR_M) * (BIN_COUNT - 1))
     seen = hits.hit & (bins >= 0) & (bins < BIN_COUNT)

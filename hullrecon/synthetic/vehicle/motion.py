@@ -16,10 +16,10 @@ from hullrecon.geometry.poses import Poses
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Motion:
-    """t_s (n,) seconds since the log's start; position (n, 3) and roll_pitch_yaw (n, 3) of the vehicle in g; encoder (n,) what
-    the tray's servo reports, tray (n,) what it truly does, sonar_tray (n,), rad; T_g_M."""
+    """Hold the path. t_s (n,) seconds since the log's start; position (n, 3) and roll_pitch_yaw (n, 3) of the vehicle in g;
+    encoder (n,) what the tray's servo reports, tray (n,) what it truly does, sonar_tray (n,), rad; T_g_M."""
 
     t_s: Array
     position: Array
@@ -30,28 +30,29 @@ class Motion:
     T_g_M: Poses
 
     def vehicle(self, t_s: Array) -> Poses:
-        """T_g_v."""
+        """Return T_g_v at times (n,)."""
         return poses.from_rpy(self._spline(self.position)(t_s), self._spline(self.roll_pitch_yaw)(t_s))
 
     def angle(self, series: Array, t_s: Array) -> Array:
+        """Return a servo's angle (n,) at times, from its series over the motion."""
         return np.interp(t_s, self.t_s, series)
 
     def on_tray(self, t_s: Array, mount: Poses, origin_m: tuple[float, float, float], series: Array | None = None) -> Poses:
-        """T_g_x of something mounted so on a servo (the camera tray, unless another series of angles is given)."""
+        """Return T_g_x of something mounted so on a servo (the camera tray, unless another series of angles is given)."""
         angle = self.angle(self.tray if series is None else series, t_s)
         return self.vehicle(t_s) @ poses.tray_poses(origin_m, angle) @ mount
 
     def rates(self, t_s: Array, half_s: float = 0.01) -> Array:
-        """Angular velocity (n, 3) in the vehicle, rad/s."""
+        """Return the angular velocity (n, 3) in the vehicle, rad/s."""
         before, after = self.vehicle(t_s - half_s).rotation, self.vehicle(t_s + half_s).rotation
         return np.asarray((before.inv() * after).as_rotvec() / (2 * half_s))
 
     def acceleration(self, t_s: Array) -> Array:
-        """Second derivative (n, 3) of the position in g, m/s2."""
+        """Return the second derivative (n, 3) of the position in g, m/s2."""
         return np.asarray(self._spline(self.position)(t_s, 2))
 
     def in_hull(self, frames: Poses) -> Poses:
-        """T_M_x of frames given in g."""
+        """Return T_M_x of frames given in g."""
         return self.T_g_M.inverse() @ frames
 
     def _spline(self, values: Array) -> Callable[..., Array]:

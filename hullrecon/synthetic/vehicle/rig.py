@@ -27,9 +27,9 @@ LAMP_IN_TOP = np.array([0.16, -0.26, 0.02])  # metres in camera_top
 BEAMS = np.array([[-0.5, 0.0, 0.75**0.5], [0.5, 0.0, 0.75**0.5], [0.0, 0.5, 0.75**0.5], [0.0, -0.5, 0.75**0.5]])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Rig:
-    """The true mounts (batches of one) and cameras; camera_bottom is None on a mono rig."""
+    """Hold the true mounts (batches of one) and cameras; camera_bottom is None on a mono rig."""
 
     T_s_d: Poses
     T_s_ct: Poses
@@ -40,19 +40,19 @@ class Rig:
 
 
 def true_rig(spec: DiveSpec) -> Rig:
-    """True mounts: nominal but for millimetres and tenths of a degree."""
+    """Return the true mounts: nominal but for millimetres and tenths of a degree."""
     random = spec.random("rig")
     width, height = spec.cameras.image_width, spec.cameras.image_height
     f = 1.03 * width
     top = CameraModel(width, height, f, 1.0012 * f, 0.507 * width, 0.493 * height, -0.065, 0.035, 0.0006, -0.0004)
     bottom = CameraModel(width, height, 0.993 * f, 0.9942 * f, 0.495 * width, 0.509 * height, -0.061, 0.03, -0.0003, 0.0005)
     return Rig(
-        from_mount(DVL_MOUNT) @ _slip(random, 0.002, 0.2),
-        from_mount(CAMERA_MOUNT) @ _slip(random, 0.003, 0.25),
-        from_mount(BOTTOM_IN_TOP),
-        from_mount(SONAR_MOUNT),
-        top,
-        bottom if spec.cameras.carried == "stereo" else None,
+        T_s_d=from_mount(DVL_MOUNT) @ _slip(random, 0.002, 0.2),
+        T_s_ct=from_mount(CAMERA_MOUNT) @ _slip(random, 0.003, 0.25),
+        T_ct_cb=from_mount(BOTTOM_IN_TOP),
+        T_u_o=from_mount(SONAR_MOUNT),
+        camera_top=top,
+        camera_bottom=bottom if spec.cameras.carried == "stereo" else None,
     )
 
 

@@ -12,7 +12,7 @@ from hullrecon.geometry.poses import Poses, from_rpy
 from hullrecon.synthetic.spec import DiveSpec, Survey
 from hullrecon.synthetic.vehicle.motion import Motion, with_backlash
 from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
-from hullrecon.synthetic.world.hull_patch import HullPatch
+from hullrecon.synthetic.world.hull_patch import HullSkin
 
 Array = NDArray[np.float64]
 STEP_S = 0.02
@@ -20,7 +20,7 @@ SONAR_BELOW = (0.72, 0.42)  # the sonar looks that much lower than the cameras (
 
 
 def leg_corners(survey: Survey, middle_m: float, top_girth_m: float) -> Array:
-    """Corners (2 legs, 2) of the path as along, girth."""
+    """Return the corners (2 legs, 2) of the path as along, girth."""
     rows = []
     for k in range(survey.legs):
         way = 0.5 * survey.leg_length_m * (1 if k % 2 else -1)
@@ -29,14 +29,13 @@ def leg_corners(survey: Survey, middle_m: float, top_girth_m: float) -> Array:
     return np.array(rows)
 
 
-def simulate_path(spec: DiveSpec, patch: HullPatch, corners: Array) -> Motion:
-    """The whole motion over those corners."""
+def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
+    """Return the whole motion over those corners (n, 2) of the chart."""
     from scipy.ndimage import gaussian_filter1d
 
     along, girth = _timed(corners, spec.survey.speed_m_per_s)
     t = STEP_S * np.arange(len(along), dtype=float)
-    even = patch.smoothed(0.5)
-    point, normal = even.sample(even.point, along, girth), even.sample(even.normal, along, girth)
+    point, normal = skin.follow(along, girth, width_m=0.5)
     level = _trim(spec)
     facing, out = level.apply(normal), level.apply(point)
     port = level.apply([0.0, 1.0, 0.0])
@@ -54,11 +53,19 @@ def simulate_path(spec: DiveSpec, patch: HullPatch, corners: Array) -> Motion:
     hull = T_g_level @ Poses(level.as_quat()[None], np.zeros((1, 3)))
     tray = with_backlash(encoder, np.radians(spec.errors.backlash_deg))
     sonar = encoder - SONAR_BELOW[0] + SONAR_BELOW[1] * elevation
-    return Motion(t, T_g_level.apply(smooth), attitude, encoder, tray, sonar, hull)
+    return Motion(
+        t_s=t,
+        position=T_g_level.apply(smooth),
+        roll_pitch_yaw=attitude,
+        encoder=encoder,
+        tray=tray,
+        sonar_tray=sonar,
+        T_g_M=hull,
+    )
 
 
 def _timed(corners: Array, speed: float) -> tuple[Array, Array]:
-    """Along and girth every STEP_S: constant speed, half as fast between legs, a rest at both ends, corners rounded."""
+    """Return along and girth every STEP_S: constant speed, half as fast between legs, a rest at both ends, corners rounded."""
     from scipy.ndimage import gaussian_filter1d
 
     way = np.linalg.norm(np.diff(corners, axis=0), axis=1)
@@ -71,20 +78,21 @@ def _timed(corners: Array, speed: float) -> tuple[Array, Array]:
 
 
 def _trim(spec: DiveSpec) -> Rotation:
-    """From M to a level frame with z down: the ship lies a little by the head and to one side."""
+    """Return the turn from M to a level frame with z down: the ship lies a little by the head and to one side."""
     heel, trim = np.radians(spec.random("trim").uniform(-0.5, 0.5, 2))
     return Rotation.from_euler("xyz", [np.pi + heel, trim, 0.0])
 
 
 def _start_of(position: Array, yaw: float, draught_m: float) -> Poses:
-    """g starts where the vehicle starts, heading its way; its z = 0 is the water surface."""
+    """Return the pose of the level frame in g, which starts where the vehicle starts, heading its way; its z = 0 is the water
+    surface."""
     turn = from_rpy([0.0, 0.0, 0.0], [0.0, 0.0, -yaw])
     shift = -turn.apply(position[None])[0]
     return Poses(turn.quaternion, np.array([[shift[0], shift[1], draught_m]]))
 
 
 def _wobble(spec: DiveSpec, t: Array, waves: int = 7) -> Array:
-    """(n, 7): what the controller does not hold: position (m), roll, pitch, yaw, and the tray's command (rad)."""
+    """Return (n, 7) what the controller does not hold: position (m), roll, pitch, yaw, and the tray's command (rad)."""
     random = spec.random("wobble")
     size = np.array([0.012, 0.012, 0.012, *np.radians([0.9, 0.9, 1.0, 0.7])])
     rate = 2 * np.pi * random.uniform(0.03, 0.22, (waves, 7))

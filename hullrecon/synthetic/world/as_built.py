@@ -21,10 +21,10 @@ Ints = NDArray[np.int64]
 FINER = 5  # 3 cm cells become 6 mm cells
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class AsBuilt:
-    """mesh in M; chart (n, 2) along and girth and normal (n, 3) by vertex; steel (a, g, 3): the patch's points moved by the
-    deviation alone; busy (a, g) bool: grid nodes near something that stands out."""
+    """Hold the surface. mesh in M; chart (n, 2) along and girth and normal (n, 3) by vertex; steel (a, g, 3): the patch's
+    points moved by the deviation alone; busy (a, g) bool: grid nodes near something that stands out."""
 
     mesh: Mesh
     chart: NDArray[np.float32]
@@ -34,6 +34,7 @@ class AsBuilt:
 
 
 def build(spec: DiveSpec, patch: HullPatch, items: tuple[Item, ...]) -> AsBuilt:
+    """Return the patch of the CAD model moved by its deviation, with the items on it."""
     a, g = np.meshgrid(patch.along_m, patch.girth_m, indexing="ij")
     steel = patch.point + deviation_m(spec, a, g)[..., None] * patch.normal
     busy = _busy(patch, items, 0.12)
@@ -47,11 +48,11 @@ def build(spec: DiveSpec, patch: HullPatch, items: tuple[Item, ...]) -> AsBuilt:
     vertices = patch.sample(steel, along, girth) + height[:, None] * patch.sample(patch.normal, along, girth)
     mesh = Mesh(vertices, faces)
     chart = np.stack([along, girth], 1).astype(np.float32)
-    return AsBuilt(mesh, chart, _vertex_normals(mesh).astype(np.float32), steel, busy)
+    return AsBuilt(mesh=mesh, chart=chart, normal=_vertex_normals(mesh).astype(np.float32), steel=steel, busy=busy)
 
 
 def crop(built: AsBuilt, along_m: tuple[float, float], girth_m: tuple[float, float]) -> Mesh:
-    """The part of the mesh within a window of the chart."""
+    """Return the part of the mesh within a window of the chart."""
     a, g = built.chart.T
     inside = (a >= along_m[0]) & (a <= along_m[1]) & (g >= girth_m[0]) & (g <= girth_m[1])
     faces = built.mesh.faces[inside[built.mesh.faces].all(axis=1)]
@@ -69,7 +70,8 @@ def _busy(patch: HullPatch, items: tuple[Item, ...], margin_m: float) -> NDArray
 
 
 def _lattice(busy: NDArray[np.bool_]) -> tuple[Ints, NDArray[np.int32]]:
-    """Vertices as keys on the fine lattice, faces counter-clockwise seen from outside; fine cells share their corners."""
+    """Return vertices as keys on the fine lattice, faces counter-clockwise seen from outside; fine cells share their
+    corners."""
     columns = busy.shape[1]
     width = FINER * (columns - 1) + 1
     fine = busy[:-1, :-1] | busy[1:, :-1] | busy[1:, 1:] | busy[:-1, 1:]

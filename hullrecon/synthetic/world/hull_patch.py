@@ -16,11 +16,13 @@ from hullrecon.synthetic.world.ray_casting import Rays
 
 Array = NDArray[np.float64]
 GAP_M = 0.6  # a wider gap between neighbouring rays' hits ends a section: an edge, not a facet
+BLOCK_CELLS = 4e5  # of the grid in a block: what is made of one takes some 0.3 GB
+MARGIN_M = 4.0  # beyond a block on both sides: more than any sensor sees past the sensor's own place along the hull
 
 
 @dataclass(frozen=True)
 class HullPatch:
-    """point (a, g, 3) on the CAD model and outward unit normal (a, g, 3), in M, at evenly spaced along_m and girth_m."""
+    """Hold points (a, g, 3) on the CAD model and outward unit normals (a, g, 3), in M, at evenly spaced along_m and girth_m."""
 
     along_m: Array
     girth_m: Array
@@ -28,7 +30,7 @@ class HullPatch:
     normal: Array
 
     def sample(self, grid: Array, along_m: Array, girth_m: Array) -> Array:
-        """Values (n, k) of a grid (a, g, k) by bilinear interpolation; outside, the edge's."""
+        """Return values (n, k) of a grid (a, g, k) by bilinear interpolation; outside, the edge's."""
         i, p = _place(self.along_m, along_m)
         j, q = _place(self.girth_m, girth_m)
         p, q = p[:, None], q[:, None]
@@ -37,7 +39,7 @@ class HullPatch:
         return np.asarray((1 - q) * low + q * high)
 
     def smoothed(self, width_m: float) -> HullPatch:
-        """The same with facets ironed out over that width: what a vehicle follows."""
+        """Return the same with normals smoothed over that width: what a vehicle follows."""
         from scipy.ndimage import gaussian_filter
 
         sigma = width_m / (self.along_m[1] - self.along_m[0])
@@ -45,37 +47,91 @@ class HullPatch:
         return HullPatch(self.along_m, self.girth_m, self.point, blur / np.linalg.norm(blur, axis=2, keepdims=True))
 
 
-def cut_hull_patch(
-    cad_model: Mesh, span_m: tuple[float, float], zero_z_m: float, top_z_m: float, down_m: float, step_m: float = 0.03
-) -> HullPatch:
-    """Sections of the CAD model between two positions along it. Girth is 0 where the port side passes `zero_z_m` (so that legs
-    of constant girth keep their depth near bow and stern), grows up to the height `top_z_m`, and falls over `down_m`, past the
-    keel if need be. Raises InputError where the CAD model has no skin there."""
-    along = np.arange(np.floor(span_m[0] / step_m), np.ceil(span_m[1] / step_m) + 1) * step_m
-    caster = Rays(cad_model)
-    low, high = -down_m, np.inf
-    for arc, line in _sections(caster, cad_model, along, zero_z_m):
-        low, high = max(low, float(arc[0])), min(high, _arc_at(arc, line, top_z_m))
-    girth = np.arange(np.ceil(low / step_m), np.floor(high / step_m) + 1) * step_m
-    if len(girth) < 10:
-        raise InputError("the hull has too little skin where the dive is", remedy="move `along_m`, or dive deeper with `top_m`")
-    point = np.empty((len(along), len(girth), 3))
-    for row, (arc, line) in zip(point, _sections(caster, cad_model, along, zero_z_m), strict=True):  # cut again: all at
-        row[:] = np.stack([np.interp(girth, arc, line[:, k]) for k in range(3)], -1)  # once they would fill the memory
-    return HullPatch(along, girth, point, _normals(point))
+class HullSkin:
+    """Cut the surveyed part of the CAD model's port side into patches of one grid, block by block along the hull.
 
+    along_m (a,), girth_m (g,): the whole grid. Girth is 0 where the port side passes `zero_z_m` (so that legs of constant
+    girth keep their depth near bow and stern), grows up to the height `top_z_m`, and falls over `down_m`, past the keel if
+    need be."""
 
-def _sections(caster: Rays, cad_model: Mesh, along: Array, zero_z_m: float, rays: int = 3000) -> Iterator[tuple[Array, Array]]:
-    """Yield each section as (arc length from where the port side passes that height, points): rays from far outside towards
-    a spine within."""
-    high = cad_model.vertices[:, 2].max()
-    spine = np.array([0.0, 1e-3 * high, 0.55 * high])
-    angle = np.linspace(-1.25, 2.5, rays)
-    out = np.stack([np.zeros(rays), np.sin(angle), -np.cos(angle)], 1)
-    far = 2.0 * float(np.abs(cad_model.vertices[:, 1:]).max())
-    for x in along:
-        arc, line = _section(caster, spine + np.array([x, 0.0, 0.0]), out, far, angle)
-        yield arc - _arc_at(arc, line, zero_z_m), line
+    def __init__(
+        self,
+        cad_model: Mesh,
+        span_m: tuple[float, float],
+        *,
+        zero_z_m: float,
+        top_z_m: float,
+        down_m: float,
+        step_m: float = 0.03,
+        block_cells: float = BLOCK_CELLS,
+    ) -> None:
+        """Find the grid. Raises InputError where the CAD model has no skin there."""
+        self._caster, self._zero_z_m = Rays(cad_model), zero_z_m
+        self._high_z_m = float(cad_model.vertices[:, 2].max())
+        self._far_m = 2.0 * float(np.abs(cad_model.vertices[:, 1:]).max())
+        self.along_m = np.arange(np.floor(span_m[0] / step_m), np.ceil(span_m[1] / step_m) + 1) * step_m
+        low, high = -down_m, np.inf
+        for arc, line in self._sections(self.along_m):
+            low, high = max(low, float(arc[0])), min(high, _arc_at(arc, line, top_z_m))
+        self.girth_m = np.arange(np.ceil(low / step_m), np.floor(high / step_m) + 1) * step_m
+        if len(self.girth_m) < 10:
+            remedy = "move `along_m`, or dive deeper with `top_m`"
+            raise InputError("the hull has too little skin where the dive is", remedy=remedy)
+        blocks = int(np.ceil(len(self.along_m) * len(self.girth_m) / block_cells))
+        self._edges = np.rint(np.linspace(0, len(self.along_m) - 1, blocks + 1)).astype(int)
+        self._margin = int(np.ceil(MARGIN_M / step_m))
+
+    def __len__(self) -> int:
+        """Return the number of blocks."""
+        return len(self._edges) - 1
+
+    def core_m(self, block: int) -> tuple[float, float]:
+        """Return where a block begins and ends along the hull; its patch reaches beyond by a margin."""
+        first, last = self._edges[block : block + 2]
+        return float(self.along_m[first]), float(self.along_m[last])
+
+    def block_of(self, along_m: Array) -> NDArray[np.int64]:
+        """Return the block (n,) of each position along the hull, the first or the last one for those outside."""
+        return np.searchsorted(self.along_m[self._edges[1:-1]], along_m, side="right")
+
+    def patch(self, block: int) -> HullPatch:
+        """Cut a block with its margin on both sides."""
+        first = max(0, int(self._edges[block]) - self._margin)
+        last = min(len(self.along_m), int(self._edges[block + 1]) + self._margin + 1)
+        return self._cut(first, last)
+
+    def follow(self, along_m: Array, girth_m: Array, width_m: float) -> tuple[Array, Array]:
+        """Return points (n, 3) on the CAD model at chart coordinates (n,) and its normals (n, 3), smoothed over that width."""
+        point, normal, block = np.empty((len(along_m), 3)), np.empty((len(along_m), 3)), self.block_of(along_m)
+        for k in np.unique(block).tolist():
+            rows, smooth = block == k, self.patch(k).smoothed(width_m)
+            point[rows] = smooth.sample(smooth.point, along_m[rows], girth_m[rows])
+            normal[rows] = smooth.sample(smooth.normal, along_m[rows], girth_m[rows])
+        return point, normal
+
+    def middle(self) -> Array:
+        """Return the mean (3,) of the grid's points."""
+        total = np.zeros(3)
+        for first, last in zip(self._edges[:-1], [*self._edges[1:-1], len(self.along_m)], strict=True):
+            total += self._cut(int(first), int(last)).point.reshape(-1, 3).sum(0)
+        return np.asarray(total / (len(self.along_m) * len(self.girth_m)))
+
+    def _cut(self, first: int, last: int) -> HullPatch:
+        along = self.along_m[first:last]
+        point = np.empty((len(along), len(self.girth_m), 3))
+        for row, (arc, line) in zip(point, self._sections(along), strict=True):
+            row[:] = np.stack([np.interp(self.girth_m, arc, line[:, k]) for k in range(3)], -1)
+        return HullPatch(along, self.girth_m, point, _normals(point))
+
+    def _sections(self, along_m: Array, rays: int = 3000) -> Iterator[tuple[Array, Array]]:
+        """Yield each section as (arc length from where the port side passes zero_z_m, points): rays from far outside towards
+        a spine within."""
+        spine = np.array([0.0, 1e-3 * self._high_z_m, 0.55 * self._high_z_m])
+        angle = np.linspace(-1.25, 2.5, rays)
+        out = np.stack([np.zeros(rays), np.sin(angle), -np.cos(angle)], 1)
+        for x in along_m:
+            arc, line = _section(self._caster, spine + np.array([x, 0.0, 0.0]), out, self._far_m, angle)
+            yield arc - _arc_at(arc, line, self._zero_z_m), line
 
 
 def _section(caster: Rays, spine: Array, out: Array, far: float, angle: Array) -> tuple[Array, Array]:
@@ -93,7 +149,7 @@ def _section(caster: Rays, spine: Array, out: Array, far: float, angle: Array) -
 
 
 def _arc_at(arc: Array, line: Array, z_m: float) -> float:
-    """Where the port side of a section first passes that height."""
+    """Return the arc length where the port side of a section first passes that height."""
     lowest = int(np.argmin(line[:, 2]))
     return float(np.interp(z_m, np.maximum.accumulate(line[lowest:, 2]), arc[lowest:]))
 

@@ -22,7 +22,7 @@ def hull_shape(ship: Ship) -> Mesh:
 
 
 def ship_form(ship: Ship, stations: int = 64, points: int = 44) -> Mesh:
-    """A closed hull with a parallel midbody, round bilges and curvature both ways towards the ends."""
+    """Return a closed hull with a parallel midbody, round bilges and curvature both ways towards the ends."""
     x = _stations(ship, stations)
     port = np.stack([_section(ship, xi, points) for xi in x])  # (stations, points, 3), keel to deck
     starboard = port[:, :0:-1] * [1, -1, 1]
@@ -32,7 +32,7 @@ def ship_form(ship: Ship, stations: int = 64, points: int = 44) -> Mesh:
 
 
 def hull_from_mesh(path: Path, length_m: float | None = None) -> Mesh:
-    """Any mesh as hull, moved so that its aft end is x = 0 and its lowest point z = 0, and scaled to that length.
+    """Return any mesh as hull, moved so that its aft end is x = 0 and its lowest point z = 0, and scaled to that length.
 
     Raises InputError when the file holds no triangles."""
     import trimesh
@@ -47,7 +47,7 @@ def hull_from_mesh(path: Path, length_m: float | None = None) -> Mesh:
 
 
 def write_stl(path: Path, mesh: Mesh) -> None:
-    """Binary STL with an empty header, the same bytes for the same mesh."""
+    """Write a binary STL with an empty header, the same bytes for the same mesh."""
     triangles = mesh.vertices[mesh.faces]
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
@@ -57,7 +57,7 @@ def write_stl(path: Path, mesh: Mesh) -> None:
 
 
 def _stations(ship: Ship, count: int) -> Array:
-    """Denser where the hull curves."""
+    """Return positions along the ship (n,), denser where the hull curves."""
     end = ship.entrance * ship.length_m
     share = np.linspace(0, 1, count * 2 // 5)
     aft, fore = end * share**1.2, ship.length_m - end * share[::-1] ** 1.2
@@ -66,7 +66,7 @@ def _stations(ship: Ship, count: int) -> Array:
 
 
 def _section(ship: Ship, x: float, count: int) -> Array:
-    """Half a section (count, 3) from the keel to the deck on the port side: flat, bilge arc, side."""
+    """Return half a section (count, 3) from the keel to the deck on the port side: flat, bilge arc, side."""
     end = ship.entrance * ship.length_m
     s = max(0.0, 1 - min(x, ship.length_m - x) / end)  # 0 on the parallel midbody, 1 at the very end
     half = 0.5 * ship.beam_m * (1 - 0.97 * s**2.2)
@@ -93,7 +93,7 @@ def _skin(rings: int, points: int) -> NDArray[np.int64]:
 
 
 def _caps(rings: int, points: int) -> NDArray[np.int64]:
-    """The deck between both sheer lines and the two ends."""
+    """Return the faces of the deck between both sheer lines and the two ends."""
     node = np.arange(rings * points).reshape(rings, points)
     first, last = node[:, 0], node[:, -1]
     deck = [np.stack([first[:-1], last[1:], first[1:]], -1), np.stack([first[:-1], last[:-1], last[1:]], -1)]

@@ -25,8 +25,8 @@ SHAPES: dict[Kind, tuple[tuple[float, float, float], ...]] = {
 
 
 def place_items(spec: DiveSpec, along_m: tuple[float, float], girth_m: tuple[float, float]) -> tuple[Item, ...]:
-    """The dive's items within that window of the chart: structures first, then marks, then barnacles. Raises UsageError when
-    they do not fit."""
+    """Return the dive's items within that window of the chart: structures first, then marks, then barnacles. Raises
+    UsageError when they do not fit."""
     if spec.items.placed is not None:
         return spec.items.placed
     random, out = spec.random("items"), list[Item]()

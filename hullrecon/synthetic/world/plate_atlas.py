@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The texture of a hull of any size, painted plate by plate as the cameras come by."""
+"""The texture of the hull: painted as a whole, or for a large one plate by plate as the cameras come by."""
 
 from __future__ import annotations
 
@@ -10,10 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.world.item_paint import ITEM_TONES, paint_items
 from hullrecon.synthetic.world.items import Item
-from hullrecon.synthetic.world.texture import ITEM_TONES, PLATE_M, Atlas, Floats, paint_items, paint_steel
+from hullrecon.synthetic.world.texture import PLATE_M, Atlas, Floats, paint_steel
 
+ROWS = 1 << 20  # more rows of plates than any hull has
 KEPT_PLATES = 24  # 2.4 m x 1.3 m at a millimetre a texel are 9.4 MB
+
+
+def paint_atlas(
+    spec: DiveSpec, items: tuple[Item, ...], along_m: tuple[float, float], girth_m: tuple[float, float], texel_m: float
+) -> Atlas:
+    """Return the texture of that window of the chart, painted as a whole."""
+    random = spec.random("texture")
+    atlas = paint_steel(random, along_m, girth_m, texel_m)
+    paint_items(atlas, items, random.uniform(*ITEM_TONES, len(items)))
+    return atlas
 
 
 class PlateAtlas:
@@ -28,10 +40,12 @@ class PlateAtlas:
         """Return the albedo (h, w, 3) at chart coordinates (h, w), bilinear, where `seen` (h, w); nothing elsewhere."""
         column = np.floor(along_m / np.float32(PLATE_M[0])).astype(np.int64)
         row = np.floor(girth_m / np.float32(PLATE_M[1])).astype(np.int64)
+        number = column * ROWS + row + ROWS // 2  # rows have either sign
         out = np.zeros((*seen.shape, 3), np.float32)
-        for c, r in np.unique(np.stack([column[seen], row[seen]], axis=1), axis=0).tolist():
-            inside = seen & (column == c) & (row == r)
-            out[inside] = self._plate(c, r).look_up(along_m, girth_m, inside)[inside]
+        for plate in np.unique(number[seen]).tolist():
+            inside = seen & (number == plate)
+            c, r = divmod(plate, ROWS)
+            out[inside] = self._plate(c, r - ROWS // 2).look_up(along_m, girth_m, inside)[inside]
         return out
 
     def _plate(self, column: int, row: int) -> Atlas:

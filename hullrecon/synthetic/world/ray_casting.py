@@ -18,7 +18,8 @@ Floats = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Hits:
-    """range_m (n,) inf where nothing was hit; face (n,); weight (n, 3) barycentric weights of the face's corners."""
+    """Hold what rays hit. range_m (n,) inf where nothing was hit; face (n,); weight (n, 3) barycentric weights of the face's
+    corners."""
 
     range_m: Floats
     face: NDArray[np.int64]
@@ -26,11 +27,12 @@ class Hits:
 
     @property
     def hit(self) -> NDArray[np.bool_]:
+        """Return which rays hit (n,)."""
         return np.asarray(np.isfinite(self.range_m))
 
 
 class Rays:
-    """A mesh to cast rays at. `middle` is taken off every origin."""
+    """Hold a mesh to cast rays at. `middle` is taken off every origin."""
 
     def __init__(self, mesh: Mesh) -> None:
         import open3d as o3d
@@ -44,7 +46,7 @@ class Rays:
         )
 
     def cast(self, origins: Array, directions: NDArray[Any]) -> Hits:
-        """The nearest hits of rays from origins (n, 3) or (3,) along unit directions (n, 3), in the mesh's frame."""
+        """Return the nearest hits of rays from origins (n, 3) or (3,) along unit directions (n, 3), in the mesh's frame."""
         answer = self._scene.cast_rays(self._pack(origins, directions))
         uv = answer["primitive_uvs"].numpy()
         weight = np.stack([1 - uv[:, 0] - uv[:, 1], uv[:, 0], uv[:, 1]], axis=1)
@@ -52,7 +54,7 @@ class Rays:
         return Hits(answer["t_hit"].numpy(), np.where(face == 0xFFFFFFFF, 0, face), weight)
 
     def blocked(self, origins: Array, directions: NDArray[Any], reach_m: NDArray[Any]) -> NDArray[np.bool_]:
-        """Whether something stands within `reach_m` (n,) along each ray."""
+        """Return whether something stands within `reach_m` (n,) along each ray."""
         answer = self._scene.cast_rays(self._pack(origins, directions))["t_hit"].numpy()
         return np.asarray(answer < reach_m)
 

@@ -6,14 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from hullrecon.synthetic.spec import DiveSpec
-from hullrecon.synthetic.world.items import Item
-from hullrecon.synthetic.world.relief import local
 
 Floats = NDArray[np.float32]
 Image = NDArray[np.uint8]
@@ -23,8 +18,6 @@ SLIME = np.array([0.20, 0.23, 0.17], np.float32)
 ALGAE = np.array([0.30, 0.46, 0.20], np.float32)
 PALE = np.array([0.62, 0.64, 0.56], np.float32)
 PLATE_M, SEAM_M = (2.4, 1.3), 0.011
-ITEM_TONES = (70.0, 150.0)  # grey of a structure
-PAINTS = {"digits": (205, 205, 195), "stripe": (200, 190, 70), "ring": (205, 205, 195), "barnacles": (185, 180, 160)}
 
 
 @dataclass(frozen=True)
@@ -52,16 +45,6 @@ class Atlas:
         return np.asarray(out, np.float32) / np.float32(255)
 
 
-def paint_atlas(
-    spec: DiveSpec, items: tuple[Item, ...], along_m: tuple[float, float], girth_m: tuple[float, float], texel_m: float
-) -> Atlas:
-    """Return the texture of that window of the chart, painted as a whole."""
-    random = spec.random("texture")
-    atlas = paint_steel(random, along_m, girth_m, texel_m)
-    paint_items(atlas, items, random.uniform(*ITEM_TONES, len(items)))
-    return atlas
-
-
 def paint_steel(
     random: np.random.Generator, along_m: tuple[float, float], girth_m: tuple[float, float], texel_m: float
 ) -> Atlas:
@@ -79,14 +62,8 @@ def paint_steel(
     return Atlas(image, origin, texel_m)
 
 
-def paint_items(atlas: Atlas, items: tuple[Item, ...], tones: NDArray[np.float64]) -> None:
-    """Paint the items that lie in the atlas: marks white or yellow, structures in their tone, the barnacles' patch pale."""
-    for item, tone in zip(items, tones.tolist(), strict=True):
-        _mark(atlas, item, tone)
-
-
 def value_noise(random: np.random.Generator, shape: tuple[int, int], cell_px: float) -> Floats:
-    """(rows, columns) in about -1..1: random values on a grid of that cell size, cubic in between."""
+    """Return (rows, columns) in about -1..1: random values on a grid of that cell size, cubic in between."""
     import cv2
 
     rows, columns = (int(np.ceil(n / cell_px)) + 4 for n in shape)
@@ -133,7 +110,7 @@ def _fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: float
 
 
 def _soften(x: Floats) -> Floats:
-    """Return 0.5 + 0.5 tanh x, in the place of x."""
+    """Return 0.5 + 0.5 tanh x, in place."""
     np.tanh(x, out=x)
     x *= np.float32(0.5)
     x += np.float32(0.5)
@@ -161,6 +138,7 @@ def _plates(
     across, along = _seam(random, g, PLATE_M[1]), _seam(random, a, PLATE_M[0])
 
     def brightness(rows: slice) -> Floats:
+        """Return those rows."""
         seam = np.minimum(across[rows, None], along)
         return np.asarray(tone[np.ix_(row[rows] - row.min(), column - column.min())] * seam, np.float32)
 
@@ -168,7 +146,7 @@ def _plates(
 
 
 def _seam(random: np.random.Generator, x: NDArray[np.floating], every_m: float) -> Floats:
-    """(n,) a dark, uneven line at each multiple."""
+    """Return the brightness (n,) of a dark, uneven line at each multiple."""
     near = np.abs((x + every_m / 2) % every_m - every_m / 2)
     return np.asarray(1 - 0.45 * np.exp(-((near / SEAM_M) ** 2)) * random.uniform(0.8, 1.0, len(x)), np.float32)
 
@@ -199,54 +177,8 @@ def _scratches(random: np.random.Generator, image: Image, texel_m: float) -> Non
         cv2.polylines(image, [line], False, (tone, tone, 0.9 * tone), 1, cv2.LINE_AA, 4)
 
 
-def _mark(atlas: Atlas, item: Item, tone: float) -> None:
-    row, column, mask = _stamp(atlas, item)
-    if mask.size == 0:
-        return
-    part = atlas.image[row : row + mask.shape[0], column : column + mask.shape[1]]
-    paint = np.array(PAINTS.get(item.kind, (tone,) * 3))
-    strength = 0.85 if item.kind in ("digits", "stripe", "ring") else 0.2
-    weight = (strength * mask)[..., None]
-    part[...] = np.clip(part * (1 - weight) + paint * weight, 0, 255).astype(np.uint8)
-
-
-def _stamp(atlas: Atlas, item: Item) -> tuple[int, int, Floats]:
-    """First row and column of the item's box in the atlas, and its mask 0..1 there."""
-    reach = int(np.ceil(item.reach_m() / atlas.texel_m)) + 2
-    column = round((item.along_m - atlas.origin_m[0]) / atlas.texel_m)
-    row = round((item.girth_m - atlas.origin_m[1]) / atlas.texel_m)
-    rows = np.arange(max(0, row - reach), min(atlas.image.shape[0], row + reach))
-    columns = np.arange(max(0, column - reach), min(atlas.image.shape[1], column + reach))
-    if len(rows) == 0 or len(columns) == 0:
-        return 0, 0, np.zeros((0, 0), np.float32)
-    a, g = np.meshgrid(atlas.origin_m[0] + columns * atlas.texel_m, atlas.origin_m[1] + rows * atlas.texel_m)
-    u, v = local(item, a, g)
-    return int(rows[0]), int(columns[0]), _shape(item, u, v).astype(np.float32)
-
-
-def _shape(item: Item, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
-    radius = np.hypot(u, v)
-    inside = np.maximum(np.abs(u), np.abs(v)) <= 1
-    if item.kind == "ring":
-        return ((radius > 0.78) & (radius <= 1)) | ((np.abs(v) < 0.09) & (np.abs(u) <= 1))
-    if item.kind == "digits":
-        return inside & _digits(u, v)
-    return np.asarray(inside if item.kind in ("stripe", "box") else radius <= 1)
-
-
-def _digits(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """A draught mark, as it reads from outside with the girth going up and the hull's port side before us."""
-    import cv2
-
-    board: Any = np.zeros((120, 200), np.uint8)
-    cv2.putText(board, "32", (18, 104), cv2.FONT_HERSHEY_SIMPLEX, 4.2, 255, 18)
-    x = np.clip((1 - u) * 100, 0, 199).astype(int)  # forward is to the left on the port side
-    y = np.clip((1 - v) * 60, 0, 119).astype(int)
-    return np.asarray(board[y, x] > 127)
-
-
 def _window(x: Floats, size: int) -> tuple[int, int]:
-    """Columns that a bilinear look-up at x needs, within the image."""
+    """Return the first and the last column that a bilinear look-up at x needs, within the image."""
     low, high = float(np.nanmin(x)), float(np.nanmax(x))
     first = int(np.clip(np.floor(low) - 1, 0, size - 2))
     return first, int(np.clip(np.ceil(high) + 2, first + 2, size))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Comparing descriptors: everything against everything, or only a sparse list of candidates.
+"""Comparing descriptors: everything against everything, or only a sparse list of pairs.
 
 Descriptors are RootSIFT as uint8 (features.py): unit vectors times 512, so that distances below are between unit vectors.
 """
@@ -18,7 +18,7 @@ UNIT = 512.0
 _CHUNK = 256  # pairs whose descriptors fit the cache together
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Putative:
     """Rows of either side that are each other's best, with the distance (0 same, sqrt 2 unrelated)."""
 
@@ -30,13 +30,13 @@ class Putative:
         return len(self.first)
 
 
-def unit(descriptors: NDArray[np.uint8]) -> Floats32:
-    """(n, 128) float32 of about unit length."""
+def to_unit(descriptors: NDArray[np.uint8]) -> Floats32:
+    """Return (n, 128) float32 of about unit length."""
     return np.asarray(descriptors, np.float32) / np.float32(UNIT)
 
 
 def sparse_distance(a: Floats32, b: Floats32, first: Ints, second: Ints) -> Floats32:
-    """Distances (m,) of the candidate pairs (first into a, second into b)."""
+    """Return distances (m,) of the pairs (first into a, second into b)."""
     out = np.empty(len(first), np.float32)
     for start in range(0, len(first), _CHUNK):
         rows = slice(start, start + _CHUNK)
@@ -45,25 +45,25 @@ def sparse_distance(a: Floats32, b: Floats32, first: Ints, second: Ints) -> Floa
     return out
 
 
-def best_of_candidates(first: Ints, second: Ints, distance: Floats32, ratio: float, most: float) -> Putative:
-    """Mutual best within a candidate list, closer than `most`, and than `ratio` times the next of either side.
+def best_of_pairs(first: Ints, second: Ints, distance: Floats32, ratio: float, most: float) -> Putative:
+    """Return mutual best within a list of pairs, closer than `most`, and than `ratio` times the next of either side.
 
-    A side with a single candidate has no next one; then only `most` and the mutual choice speak.
+    A feature in a single pair has no next one; then only `most` and the mutual choice count.
     """
     if len(first) == 0:
-        return _none()
+        return _no_matches()
     forward, forward_next = _best_and_next(first, distance)
     backward, backward_next = _best_and_next(second, distance)
     chosen = forward[np.isin(forward, backward)]
     limit = np.minimum(forward_next[first[chosen]], backward_next[second[chosen]]) * ratio
     chosen = np.sort(chosen[(distance[chosen] < limit) & (distance[chosen] < most)])
-    return Putative(first[chosen], second[chosen], distance[chosen])
+    return Putative(first=first[chosen], second=second[chosen], distance=distance[chosen])
 
 
 def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative:
-    """Full search: mutual best of a (n, 128) and b (m, 128) with the ratio test on both sides."""
+    """Return the mutual best of all a (n, 128) and b (m, 128) with the ratio test on both sides."""
     if len(a) < 2 or len(b) < 2:
-        return _none()
+        return _no_matches()
     product = a @ b.T
     squared = (a * a).sum(1)[:, None] + (b * b).sum(1)[None, :] - 2 * product
     first = np.arange(len(a))
@@ -73,11 +73,12 @@ def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative
     two_b = np.partition(squared, 1, axis=0)[1]
     best = squared[first, second]
     good = mutual & (best < ratio**2 * np.minimum(two_a, two_b[second])) & (best < most**2)
-    return Putative(first[good], second[good], np.sqrt(np.maximum(best[good], 0)).astype(np.float32))
+    distance = np.sqrt(np.maximum(best[good], 0)).astype(np.float32)
+    return Putative(first=first[good], second=second[good], distance=distance)
 
 
 def _best_and_next(key: Ints, distance: Floats32) -> tuple[Ints, Floats32]:
-    """Row of the best candidate of each key, and by key the distance of the second best (inf where none)."""
+    """Return the row of the best pair of each key, and by key the distance of the second best (inf where none)."""
     order = _by_key_and_distance(key, distance)
     sorted_key = key[order]
     start = np.concatenate([[True], sorted_key[1:] != sorted_key[:-1]])
@@ -88,10 +89,10 @@ def _best_and_next(key: Ints, distance: Floats32) -> tuple[Ints, Floats32]:
 
 
 def _by_key_and_distance(key: Ints, distance: Floats32) -> Ints:
-    """Rows by key, the closest first, as one number a row: the bits of floats that are not negative sort as they do."""
+    """Return rows by key, the closest first, as one number a row: the bits of floats that are not negative sort as they do."""
     bits = np.ascontiguousarray(distance, np.float32).view(np.uint32).astype(np.uint64)
     return np.argsort((key.astype(np.uint64) << np.uint64(32)) | bits, kind="stable")
 
 
-def _none() -> Putative:
-    return Putative(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.float32))
+def _no_matches() -> Putative:
+    return Putative(first=np.zeros(0, np.int64), second=np.zeros(0, np.int64), distance=np.zeros(0, np.float32))

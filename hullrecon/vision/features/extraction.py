@@ -47,13 +47,13 @@ class Features:
         return len(self.keypoints)
 
 
-def nothing() -> Features:
-    """Those of an image that is not there."""
+def no_features() -> Features:
+    """Return the features of an image that is not there."""
     return Features(np.zeros((0, 4), np.float32), np.zeros((0, 128), np.uint8), np.zeros((0, 3), np.uint8))
 
 
 def extract(image: Pixels, options: FeatureOptions) -> Features:
-    """Features of an image (h, w) or (h, w, 3) RGB, in a fixed order: by v, then u, then scale."""
+    """Return the features of an image (h, w) or (h, w, 3) RGB, in a fixed order: by v, then u, then scale."""
     import cv2
 
     cv2.setNumThreads(1)  # several threads would change nothing but the load; processes are the parallel level
@@ -68,7 +68,7 @@ def extract(image: Pixels, options: FeatureOptions) -> Features:
     small, step = _reduce(_level(gray, options), options.reduction)
     found, descriptors = sift.detectAndCompute(small, None)
     if not found:
-        return nothing()
+        return no_features()
     table = np.array([(p.pt[0], p.pt[1], p.size, p.response) for p in found], np.float32)
     table[:, :2] = (table[:, :2] + np.float32(0.5)) * step - np.float32(0.5)
     table[:, 2] *= step.mean()
@@ -77,7 +77,7 @@ def extract(image: Pixels, options: FeatureOptions) -> Features:
 
 
 def root_sift(descriptors: Floats32) -> Pixels:
-    """Hellinger form: square root of the L1-normalised vector (unit length), times 512, as bytes."""
+    """Return the Hellinger form: square root of the L1-normalised vector (unit length), times 512, as bytes."""
     share = descriptors / np.maximum(descriptors.sum(axis=1, keepdims=True), 1e-9)
     return np.asarray(np.minimum(np.rint(np.sqrt(share) * 512.0), 255), np.uint8)
 
@@ -92,7 +92,7 @@ def _level(gray: Pixels, options: FeatureOptions) -> Pixels:
 
 
 def _reduce(gray: Pixels, reduction: float) -> tuple[Pixels, Floats32]:
-    """The image shrunk (area mean, which also thins the noise) and the step (2,) from its pixels to the raw ones."""
+    """Return the image shrunk (area mean, which also thins the noise) and the step (2,) from its pixels to the raw ones."""
     import cv2
 
     height, width = gray.shape

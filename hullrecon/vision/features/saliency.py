@@ -12,7 +12,7 @@ _SEED = 20130629  # of the planes that cut descriptor space into words; any one 
 
 
 def local_saliency(descriptors: NDArray[np.uint8]) -> float:
-    """Entropy of the words of (n, 128) descriptors over its largest: 0 none or all alike, 1 all words as frequent.
+    """Return the entropy of the words of (n, 128) descriptors over its largest: 0 none or all alike, 1 all words as frequent.
 
     The vocabulary is not learnt: eight random planes through the middle of descriptor space make 256 words, so that one image's
     score depends on no other image.

@@ -8,16 +8,16 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Any, Literal
+from typing import IO, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.geometry.frames import Camera
 from hullrecon.typing import Array, Floats32, Ints
 from hullrecon.vision.features.extraction import Features
 
 KINDS = ("keypoints", "descriptors", "color")
-CAMERAS = ("camera_top", "camera_bottom")
 
 
 class GrowingArray:
@@ -32,7 +32,8 @@ class GrowingArray:
         self._header(self._file)
         return self
 
-    def append(self, rows: NDArray[Any]) -> None:
+    def append(self, rows: NDArray[np.generic]) -> None:
+        """Write rows (m, width). Raises ValueError where they have another width, or outside of a `with`."""
         if self._file is None or rows.shape[1:] != (self._width,):
             raise ValueError(f"rows of {rows.shape[1:]} do not fit an open array of width {self._width}")
         self._file.write(np.ascontiguousarray(rows, self._dtype).tobytes())
@@ -51,31 +52,33 @@ class GrowingArray:
 
 @dataclass(frozen=True)
 class FeatureStore:
-    """Features by image of one camera ("camera_top", "camera_bottom") in a features artifact. Pickles as a path."""
+    """Features by image of one camera in a features artifact. Pickles as a path."""
 
     folder: Path
-    camera: str
+    camera: Camera
 
     def __len__(self) -> int:
         return len(self._open().start) - 1
 
     def read(self, image: int) -> Features:
-        """Features of that row of the camera's ImageIndex, views into the mapped files; none for -1."""
+        """Return the features of that row of the camera's ImageIndex, views into the mapped files; none for -1."""
         mapped = self._open()
         first, last = (0, 0) if image < 0 else mapped.start[image : image + 2]
         return Features(mapped.keypoints[first:last], mapped.descriptors[first:last], mapped.color[first:last])
 
     def saliency(self, image: int) -> float:
-        """Local saliency of an image, 0 for -1."""
+        """Return the local saliency of an image, 0 for -1."""
         return 0.0 if image < 0 else float(self._open().saliency[image])
 
     def _open(self) -> _Mapped:
         status = (self.folder / "index.npz").stat()
-        return _map(self.folder, self.camera, (status.st_ino, status.st_mtime_ns))
+        return _map(self.folder, self.camera.key, (status.st_ino, status.st_mtime_ns))
 
 
 @dataclass(frozen=True)
 class _Mapped:
+    """The arrays of one camera, mapped."""
+
     start: Ints
     saliency: Array
     keypoints: Floats32
@@ -85,7 +88,7 @@ class _Mapped:
 
 @lru_cache(maxsize=8)
 def _map(folder: Path, camera: str, stamp: tuple[int, int]) -> _Mapped:
-    """`stamp` tells one build of the artifact from the next at the same place."""
+    """Return the mapped arrays; `stamp` tells one build of the artifact from the next in the same folder."""
     with np.load(folder / "index.npz", allow_pickle=False) as index:
         start, saliency = np.asarray(index[f"{camera}_start"], np.int64), np.asarray(index[f"{camera}_saliency"], float)
     mode: Literal["r"] | None = "r" if start[-1] else None  # a file without rows cannot be mapped

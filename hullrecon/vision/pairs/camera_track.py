@@ -1,31 +1,35 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the cameras stood by navigation's word, how well two nodes' relative pose is known, and how far the scene was."""
+"""Where the cameras stood according to navigation, how well two nodes' relative pose is known, and how far the scene was."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from hullrecon.geometry.poses import Poses, tray_poses
+from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints
 from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.node_view import DepthPrior
 
 # What navigation's error model does not hold: stamps of the images, the camera's mount, holes in the attitude.
 WHITE_TRANSLATION_M = 0.01
 WHITE_ROTATION_RAD = np.radians(0.2)
 LEAST_SPREAD_M = 0.05  # of the returns across the direction in which they spread most: less is a line, not a plane
+WINDOW = 4  # nodes to either side whose returns count: some seconds, a footprint's width
 MOST_RELIEF = 0.5  # scatter off the plane over that spread: more has no normal
 
 
 @dataclass(frozen=True, kw_only=True)
-class Survey:
-    """global_from_camera: T_g_ct by node (of the bottom camera where that leads). errors: of these poses, the servo's play in
-    its white part."""
+class CameraTrack:
+    """global_from_camera: T_g_ct by node (of the bottom camera where that leads). errors: of these poses, the servo's backlash
+    in its white part."""
 
     global_from_camera: Poses
     errors: TrajectoryErrorModel
@@ -53,7 +57,7 @@ class Survey:
         a, b = (self.global_from_camera[k].rotation.inv().as_matrix() for k in (first, second))
         by_twist = np.zeros((len(first), 6, 6))
         by_twist[:, :3, :3] = b
-        by_twist[:, :3, 3:] = -b @ _cross(self.global_from_camera.translation[first])
+        by_twist[:, :3, 3:] = -b @ cross_matrix(self.global_from_camera.translation[first])
         by_twist[:, 3:, 3:] = a
         return np.asarray(by_twist @ twist @ by_twist.swapaxes(1, 2))
 
@@ -63,54 +67,43 @@ class Survey:
         return np.asarray(np.sqrt(np.trace(covariance, axis1=1, axis2=2) / 3))
 
 
-def survey_of(
-    trajectory: Trajectory,
-    errors: TrajectoryErrorModel,
-    tray_origin_m: ArrayLike,
-    tray_from_top: Poses,
-    top_from_bottom: Poses | None,
-    tray_sigma_rad: float,
-) -> Survey:
+def track_cameras(
+    trajectory: Trajectory, errors: TrajectoryErrorModel, cameras: CameraRig, tray_sigma_rad: float
+) -> CameraTrack:
     """Return the leading camera of every node: the top one, or the bottom one at nodes that have no top image."""
-    tray = tray_poses(tray_origin_m, trajectory.tray)
-    vehicle_from_camera = tray @ tray_from_top
-    if top_from_bottom is not None:
-        lower = (trajectory.image[:, 0] < 0) & (trajectory.image[:, 1] >= 0)
-        bottom = vehicle_from_camera @ top_from_bottom
-        vehicle_from_camera = Poses(
-            np.where(lower[:, None], bottom.quaternion, vehicle_from_camera.quaternion),
-            np.where(lower[:, None], bottom.translation, vehicle_from_camera.translation),
+    rig, path = cameras.rig, trajectory.track().path
+    leading = rig.camera_poses(path, Camera.TOP)
+    if cameras.stereo:
+        bottom = rig.camera_poses(path, Camera.BOTTOM)
+        bottom_leads = ((trajectory.image[:, 0] < 0) & (trajectory.image[:, 1] >= 0))[:, None]
+        leading = Poses(
+            np.where(bottom_leads, bottom.quaternion, leading.quaternion),
+            np.where(bottom_leads, bottom.translation, leading.translation),
         )
-    poses = trajectory.poses()
-    return Survey(
-        global_from_camera=poses @ vehicle_from_camera,
-        errors=replace(errors, white=errors.white + _servo_play(poses, tray.translation, tray_sigma_rad)),
-    )
+    backlash = _backlash_twist(path.poses, rig.tray_origin, tray_sigma_rad)
+    return CameraTrack(global_from_camera=leading, errors=replace(errors, white=errors.white + backlash))
 
 
-def _servo_play(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: float) -> Array:
-    """(n, 6, 6) of the twist that turns the tray about the vehicle's y through its origin, anew at each node."""
+def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: float) -> Array:
+    """Return (n, 6, 6) of the twist that turns the tray about the vehicle's y through its origin, independent at each node."""
     axis = global_from_vehicle.rotation.as_matrix()[:, :, 1]
-    twist = np.hstack([np.cross(global_from_vehicle.apply(tray_origin), axis), axis])
+    origin = global_from_vehicle.apply(np.tile(tray_origin, (len(axis), 1)))
+    twist = np.hstack([np.cross(origin, axis), axis])
     return np.asarray(sigma_rad**2 * twist[:, :, None] * twist[:, None, :])
 
 
 def depth_priors(
-    survey: Survey, trajectory: Trajectory, returns: Returns, tray_origin_m: ArrayLike, tray_from_dvl: Poses, margin: float
+    track: CameraTrack, trajectory: Trajectory, returns: Returns, rig: SensorRig, margin: float
 ) -> list[DepthPrior | None]:
     """Return depth along each camera's axis, and the surface's normal, from the unflagged returns of the node and its
     neighbours; None where there are none."""
     good = ~returns.flagged & np.isfinite(returns.range_m)
-    node = returns.node[good]
-    at_ping = trajectory.poses()[node] @ Poses(returns.quaternion[good], returns.translation[good])
-    tray = tray_poses(tray_origin_m, trajectory.tray[node] + returns.tray_offset[good])
-    points = (at_ping @ tray @ tray_from_dvl).apply(returns.beam[good] * returns.range_m[good][:, None])
+    points, node = rig.dvl_points(returns, trajectory.track().path).points[good], returns.node[good]
     order = np.argsort(node, kind="stable")
     points, node = points[order], node[order]
-    window = 4  # nodes to either side: some seconds, a footprint's width
-    start = np.searchsorted(node, np.arange(len(survey)) - window)
-    stop = np.searchsorted(node, np.arange(len(survey)) + window, side="right")
-    camera_from_global = survey.global_from_camera.inverse()
+    start = np.searchsorted(node, np.arange(len(track)) - WINDOW)
+    stop = np.searchsorted(node, np.arange(len(track)) + WINDOW, side="right")
+    camera_from_global = track.global_from_camera.inverse()
     return [_prior(camera_from_global[k].apply(points[a:b]), margin) if b > a else None
             for k, (a, b) in enumerate(zip(start, stop, strict=True))]  # fmt: skip
 
@@ -123,11 +116,18 @@ def _prior(points: Array, margin: float) -> DepthPrior | None:
     middle = float(np.median(ahead))
     low, high = np.percentile(ahead, [2, 98])
     sigma = max(0.15 * middle, 0.5 * float(high - low))
-    return DepthPrior(middle, sigma, float(low) / margin, float(high) * margin, _surface_normal(points[in_front]))
+    return DepthPrior(
+        mean=middle,
+        sigma=sigma,
+        nearest=float(low) / margin,
+        farthest=float(high) * margin,
+        normal=_surface_normal(points[in_front]),
+    )
 
 
 def _surface_normal(points: Array) -> tuple[float, float, float] | None:
-    """Unit normal of the plane through (n, 3), away from the camera; None where the points lie on a line or scatter."""
+    """Return the unit normal of the plane through (n, 3), away from the camera; None where the points lie on a line or
+    scatter."""
     if len(points) < 3:
         return None
     _, extent, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
@@ -135,10 +135,3 @@ def _surface_normal(points: Array) -> tuple[float, float, float] | None:
         return None
     normal = axes[2] * np.sign(axes[2] @ points.mean(axis=0) or 1.0)
     return float(normal[0]), float(normal[1]), float(normal[2])
-
-
-def _cross(v: Array) -> Array:
-    """(n, 3, 3) with [v]x u = v x u."""
-    out = np.zeros((len(v), 3, 3))
-    out[:, 0, 1], out[:, 0, 2], out[:, 1, 2] = -v[:, 2], v[:, 1], -v[:, 0]
-    return out - out.swapaxes(1, 2)

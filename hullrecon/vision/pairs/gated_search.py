@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which features may be the same point, by place alone: inside a box, or inside each feature's own ellipse (PCCS)."""
+"""Which features may be the same point, by position alone: inside a box, or inside each feature's own ellipse (PCCS)."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from hullrecon.typing import Array, Ints
 
 
 def in_box(wanted: Array, half_width: Array, points: Array) -> tuple[Ints, Ints]:
-    """Pairs (row of wanted, row of points) with both |differences| within half_width (2,); rows with NaN pair with none."""
+    """Return pairs (row of wanted, row of points) with both |differences| within half_width (2,); rows with NaN pair with
+    none."""
     return _near(wanted / half_width, points / half_width, 1.0, np.inf)
 
 
 def in_ellipse(wanted: Array, covariance: Array, points: Array, chi2: float) -> tuple[Ints, Ints]:
-    """Pairs whose squared Mahalanobis distance under covariance (n, 2, 2) of each wanted (n, 2) is at most chi2."""
+    """Return pairs whose squared Mahalanobis distance under covariance (n, 2, 2) of each wanted (n, 2) is at most chi2."""
     if len(wanted) == 0 or len(points) == 0:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
     reach = np.sqrt(chi2 * covariance[:, [0, 1], [0, 1]])
@@ -27,7 +28,7 @@ def in_ellipse(wanted: Array, covariance: Array, points: Array, chi2: float) -> 
 
 
 def _by_reach(wanted: Array, reach: Array, points: Array) -> tuple[Ints, Ints]:
-    """Pairs within each feature's own box, in groups of like size: one wide ellipse does not cost all."""
+    """Return pairs within each feature's own box, in groups of like size: one wide ellipse does not cost all."""
     size = np.nan_to_num(reach.max(axis=1), nan=0.0)
     group = np.floor(np.log2(np.maximum(size, 1e-12))).astype(np.int64)
     parts = []

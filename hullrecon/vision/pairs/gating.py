@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array
 
 
@@ -21,19 +22,20 @@ class Motion:
     covariance: Array
 
     def inverse(self) -> Motion:
-        """first_from_second, its covariance carried over to first order."""
+        """Return first_from_second, its covariance carried over to first order."""
         rotation, translation = self.second_from_first[:3, :3], self.second_from_first[:3, 3]
         back = np.eye(4)
         back[:3, :3], back[:3, 3] = rotation.T, -rotation.T @ translation
         by = np.zeros((6, 6))
         by[:3, :3] = -rotation.T
-        by[:3, 3:] = -_cross(rotation.T @ translation)  # t' = -Exp(-w) R^T t = -R^T t - (R^T t) x w
+        by[:3, 3:] = -cross_matrix(rotation.T @ translation)  # t' = -Exp(-w) R^T t = -R^T t - (R^T t) x w
         by[3:, 3:] = -rotation  # R^T perturbed by Exp(-w) on its left is Exp(-R w) on its right
         return Motion(back, by @ self.covariance @ by.T)
 
 
 def transfer(motion: Motion, xy: Array, depth_m: Array, depth_sigma_m: Array, pixel_sigma: float) -> tuple[Array, Array]:
-    """Unscented transform [Julier2002; Ozog2016 eq. D.12]: mean (n, 2) and covariance (n, 2, 2) in the second camera's ideal
+    """Return by the unscented transform [Julier2002; Ozog2016 eq. D.12] the mean (n, 2) and covariance (n, 2, 2) in the
+    second camera's ideal
     coordinates.
 
     xy (n, 2) ideal coordinates in the first camera, depth_m (n,) along its axis, pixel_sigma in ideal units. Nine unknowns a
@@ -41,15 +43,15 @@ def transfer(motion: Motion, xy: Array, depth_m: Array, depth_sigma_m: Array, pi
     """
     spread = _motion_points(motion)
     centre = np.hstack([xy, np.ones((len(xy), 1))])
-    moved = [_look(spread, centre * depth_m[:, None])]
+    moved = [_project(spread, centre * depth_m[:, None])]
     here = motion.second_from_first[None]
     for sign in (3.0, -3.0):
         deeper = np.maximum(depth_m + sign * depth_sigma_m, 0.02 * depth_m)
-        moved.append(_look(here, centre * deeper[:, None]))
+        moved.append(_project(here, centre * deeper[:, None]))
         for axis in range(2):
             shifted = centre.copy()
             shifted[:, axis] += sign * pixel_sigma
-            moved.append(_look(here, shifted * depth_m[:, None]))
+            moved.append(_project(here, shifted * depth_m[:, None]))
     points = np.concatenate(moved)  # (18, n, 2), each of weight 1 / 18; the centre has weight 0
     mean = points.mean(axis=0)
     gap = points - mean
@@ -59,7 +61,7 @@ def transfer(motion: Motion, xy: Array, depth_m: Array, depth_sigma_m: Array, pi
 
 
 def _motion_points(motion: Motion) -> Array:
-    """(12, 4, 4): the motion moved by 3 sigma along each column of the square root of its covariance."""
+    """Return (12, 4, 4): the motion moved by 3 sigma along each column of the square root of its covariance."""
     values, vectors = np.linalg.eigh(motion.covariance)
     columns = 3.0 * (vectors * np.sqrt(np.maximum(values, 0))).T
     step = np.concatenate([columns, -columns])
@@ -69,12 +71,8 @@ def _motion_points(motion: Motion) -> Array:
     return out
 
 
-def _look(motions: Array, points: Array) -> Array:
-    """Ideal coordinates (s, n, 2) of points (n, 3) under each of the motions (s, 4, 4)."""
+def _project(motions: Array, points: Array) -> Array:
+    """Return ideal coordinates (s, n, 2) of points (n, 3) under each of the motions (s, 4, 4)."""
     seen = points @ motions[:, :3, :3].swapaxes(1, 2) + motions[:, None, :3, 3]
     depth = np.where(seen[..., 2:] > 1e-6, seen[..., 2:], np.nan)
     return np.asarray(seen[..., :2] / depth)
-
-
-def _cross(v: Array) -> Array:
-    return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])

@@ -1,89 +1,91 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The work on one node and on a block of pairs, as functions that can be sent to other processes."""
+"""The work on one node and on a block of pairs, as callables that can be sent to other processes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
 
-from hullrecon.vision.features.extraction import nothing
+from hullrecon.geometry.frames import Camera
+from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.features.store import FeatureStore
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.matching import PairMatch, match_pair
+from hullrecon.vision.pairs.matching import PairMatch, PairMatcher
+from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import StereoMatches
-from hullrecon.vision.stereo.node_view import DepthPrior, View, stereo_of_node, view_of_node
-from hullrecon.vision.stereo.rectification import Rig
+from hullrecon.vision.stereo.node_view import DepthPrior, NodeView, stereo_of_node, view_of_node
 from hullrecon.vision.tracks.landmarks import NodeFeatures
 
 
-@dataclass(frozen=True)
-class Node:
-    """image: rows in the two cameras' indices, -1 where none."""
+@dataclass(frozen=True, kw_only=True)
+class MatchNode:
+    """A node to be matched. image: rows in the two cameras' indices, -1 where none."""
 
     image: tuple[int, int]
     depth: DepthPrior | None
     stereo: StereoMatches
 
 
-@dataclass(frozen=True)
-class Pair:
+@dataclass(frozen=True, kw_only=True)
+class NodePair:
+    """Two nodes to be compared: their numbers, navigation's motion, and whether to search everywhere where that fails."""
+
     first: int
     second: int
     expected: Motion | None
     full_search: bool
 
 
-@dataclass(frozen=True)
-class Bench:
-    """What the workers need, picklable: where the features lie, the rig and the options."""
+@dataclass(frozen=True, kw_only=True)
+class MatchWorker:
+    """What every process needs, picklable: the folder of the features, the rig and the options."""
 
     features: Path
-    rig: Rig
-    lower: bool  # a bottom camera was carried
+    rig: CameraRig
     options: MatchOptions
 
     def read(self, image: tuple[int, int]) -> NodeFeatures:
-        top = FeatureStore(self.features, "camera_top").read(image[0])
-        return NodeFeatures(top, FeatureStore(self.features, "camera_bottom").read(image[1]) if self.lower else nothing())
+        """Return the features of both cameras; none for a camera that was not carried."""
+        bottom = FeatureStore(self.features, Camera.BOTTOM).read(image[1]) if self.rig.stereo else no_features()
+        return NodeFeatures(top=FeatureStore(self.features, Camera.TOP).read(image[0]), bottom=bottom)
 
-    def saliency(self, node: Node) -> float:
-        """Of the image that leads."""
-        top = FeatureStore(self.features, "camera_top").saliency(node.image[0])
-        return top or (FeatureStore(self.features, "camera_bottom").saliency(node.image[1]) if self.lower else 0.0)
+    def saliency(self, node: MatchNode) -> float:
+        """Return the local saliency of the image that leads."""
+        top = FeatureStore(self.features, Camera.TOP).saliency(node.image[0])
+        return top or (FeatureStore(self.features, Camera.BOTTOM).saliency(node.image[1]) if self.rig.stereo else 0.0)
 
-    def view(self, node: Node) -> View:
+    def view(self, node: MatchNode) -> NodeView:
+        """Return the node as pair matching wants it."""
         features = self.read(node.image)
         return view_of_node(self.rig, features.top, features.bottom, node.stereo, node.depth, self.options.sigma_px)
 
 
 @dataclass(frozen=True)
-class MatchNode:
-    """Picklable: the stereo matches of one node."""
+class MatchStereo:
+    """Matches the two cameras of one node."""
 
-    bench: Bench
+    worker: MatchWorker
 
-    def __call__(self, node: Node) -> tuple[int, StereoMatches]:
-        """Number of the leading camera's features, and the matches between the two."""
-        features = self.bench.read(node.image)
-        stereo = stereo_of_node(self.bench.rig, features.top, features.bottom, node.depth, self.bench.options)
+    def __call__(self, node: MatchNode) -> tuple[int, StereoMatches]:
+        """Return the number of the leading camera's features, and the matches between the two."""
+        features = self.worker.read(node.image)
+        stereo = stereo_of_node(self.worker.rig, features.top, features.bottom, node.depth, self.worker.options)
         return len(features.leading), stereo
 
 
 @dataclass(frozen=True)
 class MatchPairs:
-    """Picklable: a block of pairs, with the nodes that they touch."""
+    """Matches a block of pairs, with the nodes that they touch."""
 
-    bench: Bench
+    worker: MatchWorker
 
-    def __call__(self, block: tuple[dict[int, Node], list[Pair]]) -> list[PairMatch]:
+    def __call__(self, block: tuple[dict[int, MatchNode], list[NodePair]]) -> list[PairMatch]:
+        """Return the matches of each pair."""
         nodes, pairs = block
-        views = {number: self.bench.view(node) for number, node in nodes.items()}
-        options, rig = self.bench.options, self.bench.rig
+        views = {number: self.worker.view(node) for number, node in nodes.items()}
+        matcher, seed = PairMatcher(self.worker.rig, self.worker.options), self.worker.options.seed
         return [
-            match_pair(
-                rig, views[p.first], views[p.second], p.expected, options, (options.seed, p.first, p.second), p.full_search
-            )
-            for p in pairs
+            matcher.match(views[p.first], views[p.second], p.expected, (seed, p.first, p.second), p.full_search) for p in pairs
         ]

@@ -10,12 +10,16 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.two_view import PossibleMotion, essential_of
 
 ITERATIONS = 10
+FREEDOMS = 5  # of a motion without a length
 DIRECTION_SIGMA_RAD = 1.0  # of a direction about which the matches say nothing: the vehicle stood still
+DIRECTION_PRIOR = np.diag([0.0, 0.0, 0.0, DIRECTION_SIGMA_RAD**-2, DIRECTION_SIGMA_RAD**-2])
+NOISE_SIGMAS = 3.0  # information about the direction within so many sigmas of what noise alone gives is none
 UNKNOWN_LENGTH = 1.0  # sigma over length where nothing has measured it
 
 
@@ -24,7 +28,8 @@ def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
 
     Its unknowns: the rotation perturbed on the right (3), the direction of t in `tangent_basis` (2). To first order the Sampson
     distance is what a bundle adjustment of two views leaves of a match once its point is solved for, so this information is
-    that adjustment's. The covariance takes its scale from the residuals.
+    that adjustment's. The covariance takes its scale from the residuals, and what the
+    matches' own noise adds to the information about the direction is taken off.
     """
     residual, jacobian = _linearised(motion, first, second)
     damping = 1e-6
@@ -40,7 +45,10 @@ def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
         motion, residual, jacobian, damping = trial, trial_residual, trial_jacobian, damping * 0.1
         if np.abs(step).max() < 1e-10:
             break
-    return motion, np.asarray(np.linalg.inv(_information(jacobian, _variance(residual))))
+    own = jacobian.T @ jacobian / _variance(residual)
+    moved = has_parallax(motion, first, second, _variance(residual))
+    information = without_noise_share(own, noise_share(motion, first, second)) if moved else _without_direction(own)
+    return motion, np.asarray(np.linalg.inv(information + DIRECTION_PRIOR))
 
 
 def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motion:
@@ -97,6 +105,55 @@ def choose(
     return found[0] if prior is None else min(found, key=lambda motion: navigation_chi2(motion, prior))
 
 
+def has_parallax(motion: Array, first: Array, second: Array, variance: float) -> bool:
+    """Return whether matches (n, 2) differ by more than the motion's rotation and noise of that variance in both images.
+
+    The gaps of two images have four times the variance a match; that ratio scatters by 1 / sqrt(n), the variance found from n
+    residuals by sqrt(2 / n).
+    """
+    turned = np.hstack([first, np.ones((len(first), 1))]) @ motion[:3, :3].T
+    gap = second - turned[:, :2] / turned[:, 2:]
+    return bool((gap**2).sum() > (1 + NOISE_SIGMAS * np.sqrt(3 / len(gap))) * 4 * variance * len(gap))
+
+
+def noise_share(motion: Array, first: Array, second: Array) -> Array:
+    """Return the information (n, 2, 2) about the direction that noise in each match (n, 2) seems to give, whatever its size.
+
+    The derivative of a match by the direction is its shift out of the rotation, (R x1) x x2. Noise of one sigma in both images
+    has the covariance sigma^2 ([x2]x R P R' [x2]x' + [R x1]x P [R x1]x') in that, P = diag(1, 1, 0), and the Sampson distance
+    has the variance sigma^2, which cancels. A vehicle that stands still shows this much and no more.
+    """
+    a, b = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (first, second))
+    turned, basis = a @ motion[:3, :3].T, tangent_basis(motion[:3, 3])
+    by_first = basis.T @ cross_matrix(b) @ motion[:3, :2]
+    by_second = (basis.T @ cross_matrix(turned))[:, :, :2]
+    both = np.concatenate([by_first, by_second], axis=2) / _line_length(motion, a, b)[:, None, None]
+    return np.asarray(both @ both.swapaxes(1, 2))
+
+
+def without_noise_share(information: Array, share: Array) -> Array:
+    """Return the information (5, 5) of matches less what noise alone adds to that about the direction, share (n, 2, 2).
+
+    The sum of the shares scatters as a sum of squares does, by the root of twice the sum of their squares: far more than
+    1 / sqrt(n) where the epipole lies in the image and the few matches next to it have most of the weight.
+    """
+    scatter = np.sqrt(2 * np.einsum("nij,nij->", share, share))
+    noise = share.sum(axis=0) + NOISE_SIGMAS * scatter * np.eye(2)
+    carried = information[3:, :3] @ np.linalg.solve(information[:3, :3], information[:3, 3:])
+    own = information[3:, 3:] - carried - noise
+    values, vectors = np.linalg.eigh(own)
+    out = information.copy()
+    out[3:, 3:] = carried + (vectors * np.maximum(values, 0)) @ vectors.T
+    return out
+
+
+def _without_direction(information: Array) -> Array:
+    """Return the information (5, 5) with that of the rotation alone."""
+    out = np.zeros((5, 5))
+    out[:3, :3] = information[:3, :3]
+    return out
+
+
 def tangent_basis(direction: Array) -> Array:
     """Return two unit vectors (3, 2) across a unit vector (3,) and across each other."""
     helper = np.eye(3)[int(np.argmin(np.abs(direction)))]
@@ -106,15 +163,23 @@ def tangent_basis(direction: Array) -> Array:
 
 
 def _linearised(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
-    """Signed Sampson distances (n,) and their derivatives (n, 5), the distance's own denominator held."""
+    """Return signed Sampson distances (n,) and their derivatives (n, 5), the distance's own denominator held."""
     essential = essential_of(motion)
     a, b = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (first, second))
     line_second, line_first = a @ essential.T, b @ essential
-    scale = np.sqrt(np.maximum((line_second[:, :2] ** 2).sum(axis=1) + (line_first[:, :2] ** 2).sum(axis=1), 1e-18))
+    scale = _line_length(motion, a, b)
     by_turn = np.cross(a, line_first)  # x2' E [w]x x1 = w . (x1 x E' x2)
     by_direction = np.cross(a @ motion[:3, :3].T, b) @ tangent_basis(motion[:3, 3])  # x2 . (d x R x1) = d . (R x1 x x2)
     residual = (b * line_second).sum(axis=1) / scale
     return residual, np.hstack([by_turn, by_direction]) / scale[:, None]
+
+
+def _line_length(motion: Array, a: Array, b: Array) -> Array:
+    """Return the (n,) length of both epipolar lines' normals together, the denominator of the Sampson distance."""
+    essential = essential_of(motion)
+    line_second, line_first = a @ essential.T, b @ essential
+    squared = (line_second[:, :2] ** 2).sum(axis=1) + (line_first[:, :2] ** 2).sum(axis=1)
+    return np.asarray(np.sqrt(np.maximum(squared, 1e-18)))
 
 
 def _variance(residual: Array) -> float:
@@ -122,9 +187,8 @@ def _variance(residual: Array) -> float:
 
 
 def _information(jacobian: Array, variance: float) -> Array:
-    """(5, 5) of the matches, and that a direction is never more than unknown."""
-    prior = np.diag([0.0, 0.0, 0.0, DIRECTION_SIGMA_RAD**-2, DIRECTION_SIGMA_RAD**-2])
-    return np.asarray(jacobian.T @ jacobian / variance + prior)
+    """Return (5, 5) of the matches, and that a direction is never more than unknown."""
+    return np.asarray(jacobian.T @ jacobian / variance + DIRECTION_PRIOR)
 
 
 def _moved(motion: Array, step: Array) -> Array:

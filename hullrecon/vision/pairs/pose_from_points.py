@@ -12,17 +12,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.geometry.rigid_fit import fit_rigid
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array, Mask
 
 BLOCK = 128  # hypotheses at a time
 
 
-@dataclass(frozen=True)
-class Sight:
+@dataclass(frozen=True, kw_only=True)
+class ImageView:
     """Points (n, 3) of one node and where another node's cameras saw them: xy (n, 2), NaN where that camera did not.
 
-    camera_from_node (4, 4): the camera in the frame that the points are moved into. backward: the motion wanted carries this
-    sight's points with its inverse. baseline_m: of the rig that triangulated the points, for their uncertainty in depth.
+    camera_from_node (4, 4): the camera in the frame that the points are moved into. backward: the motion wanted carries these
+    points with its inverse. baseline_m: of the rig that triangulated the points, for their uncertainty in depth.
     """
 
     points: Array
@@ -32,22 +34,11 @@ class Sight:
     baseline_m: float
 
 
-def align(first: Array, second: Array) -> Array:
-    """Least-squares rigid motions (s, 4, 4) of point sets (s, n, 3) onto (s, n, 3), n >= 3 (Arun's method)."""
-    mean_first, mean_second = first.mean(axis=1, keepdims=True), second.mean(axis=1, keepdims=True)
-    u, _, vt = np.linalg.svd(np.einsum("sni,snj->sij", second - mean_second, first - mean_first))
-    flip = np.ones((len(first), 3))
-    flip[:, 2] = np.sign(np.linalg.det(u) * np.linalg.det(vt))
-    out = np.tile(np.eye(4), (len(first), 1, 1))
-    out[:, :3, :3] = (u * flip[:, None, :]) @ vt
-    out[:, :3, 3] = mean_second[:, 0] - np.einsum("sij,sj->si", out[:, :3, :3], mean_first[:, 0])
-    return out
-
-
 def ransac(
-    first: Array, second: Array, sights: list[Sight], tolerance: float, most_trials: int, seed: tuple[int, ...]
+    first: Array, second: Array, views: list[ImageView], tolerance: float, most_trials: int, seed: tuple[int, ...]
 ) -> Array | None:
-    """Best motion (4, 4) of points (n, 3) onto (n, 3) by truncated squared error of the sights; None with fewer than 3.
+    """Return the best motion (4, 4) of points (n, 3) onto (n, 3) by truncated squared error of the views; None with fewer
+    than 3.
 
     Trials come in blocks until a triple of inliers has been drawn with 99.99 % or `most_trials` are spent.
     """
@@ -57,19 +48,19 @@ def ransac(
     best, least, spent, needed = np.eye(4), np.inf, 0, float(most_trials)
     while spent < min(needed, most_trials):
         triple = rng.integers(len(first), size=(BLOCK, 3))  # one that repeats a point fits nothing and loses
-        motions = align(first[triple], second[triple])
-        error = sum(np.minimum(squared_errors(motions, s), tolerance**2).sum(axis=1) for s in sights)
+        motions = fit_rigid(first[triple], second[triple]).matrix()
+        error = sum(np.minimum(squared_errors(motions, s), tolerance**2).sum(axis=1) for s in views)
         k = int(np.argmin(error))
         if error[k] < least:
             best, least = motions[k], float(error[k])
-            needed = _trials(_share(best, sights, tolerance))
+            needed = _trials(_share(best, views, tolerance))
         spent += BLOCK
     return np.asarray(best)
 
 
-def _share(motion: Array, sights: list[Sight], tolerance: float) -> float:
-    seen = sum(int(np.isfinite(s.xy[:, 0]).sum()) for s in sights)
-    return sum(int(m.sum()) for m in _inliers(motion, sights, tolerance)) / max(seen, 1)
+def _share(motion: Array, views: list[ImageView], tolerance: float) -> float:
+    seen = sum(int(np.isfinite(s.xy[:, 0]).sum()) for s in views)
+    return sum(int(m.sum()) for m in _inliers(motion, views, tolerance)) / max(seen, 1)
 
 
 def _trials(share: float) -> float:
@@ -77,41 +68,42 @@ def _trials(share: float) -> float:
     return float(np.log(1e-4) / np.log1p(-hit)) if hit > 0 else np.inf
 
 
-def squared_errors(motions: Array, sight: Sight) -> Array:
-    """(s, n) squared distance in the image under each motion (s, 4, 4); inf behind the camera, 0 where not seen."""
-    way = np.linalg.inv(motions) if sight.backward else motions
-    total = sight.camera_from_node @ way
-    moved = sight.points @ total[:, :3, :3].swapaxes(1, 2) + total[:, None, :3, 3]
+def squared_errors(motions: Array, view: ImageView) -> Array:
+    """Return (s, n): squared distance in the image under each motion (s, 4, 4); inf behind the camera, 0 where not seen."""
+    way = np.linalg.inv(motions) if view.backward else motions
+    total = view.camera_from_node @ way
+    moved = view.points @ total[:, :3, :3].swapaxes(1, 2) + total[:, None, :3, 3]
     ahead = moved[..., 2] > 1e-6
-    gap = moved[..., :2] / np.where(ahead, moved[..., 2], 1.0)[..., None] - sight.xy
+    gap = moved[..., :2] / np.where(ahead, moved[..., 2], 1.0)[..., None] - view.xy
     squared = np.where(ahead, (gap * gap).sum(axis=-1), np.inf)
-    return np.where(np.isnan(sight.xy[:, 0]), 0.0, squared)
+    return np.where(np.isnan(view.xy[:, 0]), 0.0, squared)
 
 
-def refine(motion: Array, sights: list[Sight], tolerance: float, iterations: int = 12) -> tuple[Array, Array]:
-    """Motion (4, 4) that minimises the inliers' errors in units of their sigma, and its covariance (6, 6) as Motion defines it.
+def refine(motion: Array, views: list[ImageView], tolerance: float, iterations: int = 12) -> tuple[Array, Array]:
+    """Return the motion (4, 4) that minimises the inliers' errors in units of their sigma, and its covariance (6, 6) as
+    Motion defines it.
 
-    Inliers are chosen anew in the first half of the iterations, then held. The covariance takes its scale from the residuals.
+    Inliers are chosen again in the first half of the iterations, then held. The covariance takes its scale from the residuals.
     """
     damping = 1e-6
-    masks = _inliers(motion, sights, tolerance)
+    masks = _inliers(motion, views, tolerance)
     for k in range(iterations):
         if k < iterations // 2:
-            masks = _inliers(motion, sights, tolerance)
-        normal, gradient, cost = _normal(motion, sights, masks)
+            masks = _inliers(motion, views, tolerance)
+        normal, gradient, cost = _normal(motion, views, masks)
         step = -np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-12), gradient)
         trial = _moved(motion, np.asarray(step))
-        better = _normal(trial, sights, masks)[2] <= cost
+        better = _normal(trial, views, masks)[2] <= cost
         motion, damping = (trial, damping * 0.1) if better else (motion, damping * 100)
         if better and np.abs(step).max() < 1e-9:
             break
-    normal, _, cost = _normal(motion, sights, masks)
+    normal, _, cost = _normal(motion, views, masks)
     freedom = max(1, 2 * int(sum(m.sum() for m in masks)) - 6)
     return motion, np.asarray(np.linalg.pinv(normal, hermitian=True) * (cost / freedom))
 
 
-def _inliers(motion: Array, sights: list[Sight], tolerance: float) -> list[Mask]:
-    return [(squared_errors(motion[None], s)[0] < tolerance**2) & np.isfinite(s.xy[:, 0]) for s in sights]
+def _inliers(motion: Array, views: list[ImageView], tolerance: float) -> list[Mask]:
+    return [(squared_errors(motion[None], s)[0] < tolerance**2) & np.isfinite(s.xy[:, 0]) for s in views]
 
 
 def _moved(motion: Array, step: Array) -> Array:
@@ -121,11 +113,11 @@ def _moved(motion: Array, step: Array) -> Array:
     return out
 
 
-def _normal(motion: Array, sights: list[Sight], masks: list[Mask]) -> tuple[Array, Array, float]:
-    """Normal matrix (6, 6), gradient (6,) and summed squared error."""
+def _normal(motion: Array, views: list[ImageView], masks: list[Mask]) -> tuple[Array, Array, float]:
+    """Return normal matrix (6, 6), gradient (6,) and summed squared error."""
     normal, gradient, cost = np.zeros((6, 6)), np.zeros(6), 0.0
-    for sight, mask in zip(sights, masks, strict=True):
-        residual, jacobian = _linearised(motion, sight, mask)
+    for view, mask in zip(views, masks, strict=True):
+        residual, jacobian = _linearised(motion, view, mask)
         flat = jacobian.reshape(-1, 6)
         normal += flat.T @ flat
         gradient += flat.T @ residual.ravel()
@@ -133,31 +125,31 @@ def _normal(motion: Array, sights: list[Sight], masks: list[Mask]) -> tuple[Arra
     return normal, gradient, cost
 
 
-def _linearised(motion: Array, sight: Sight, mask: Mask) -> tuple[Array, Array]:
-    """Whitened residuals (n, 2) and Jacobian (n, 2, 6) of the masked rows."""
+def _linearised(motion: Array, view: ImageView, mask: Mask) -> tuple[Array, Array]:
+    """Return whitened residuals (n, 2) and Jacobian (n, 2, 6) of the masked rows."""
     rotation, translation = motion[:3, :3], motion[:3, 3]
-    points = sight.points[mask]
-    if sight.backward:
+    points = view.points[mask]
+    if view.backward:
         moved = (points - translation) @ rotation  # R^T (X - t): by t it is -R^T, by w on the right it is [Y]x
-        by_t, by_w = np.broadcast_to(-rotation.T, (len(points), 3, 3)), _cross(moved)
+        by_t, by_w = np.broadcast_to(-rotation.T, (len(points), 3, 3)), cross_matrix(moved)
     else:
         moved = points @ rotation.T + translation
-        by_t, by_w = np.broadcast_to(np.eye(3), (len(points), 3, 3)), -rotation @ _cross(points)
-    turn = sight.camera_from_node[:3, :3]
-    seen = moved @ turn.T + sight.camera_from_node[:3, 3]
+        by_t, by_w = np.broadcast_to(np.eye(3), (len(points), 3, 3)), -rotation @ cross_matrix(points)
+    turn = view.camera_from_node[:3, :3]
+    seen = moved @ turn.T + view.camera_from_node[:3, 3]
     z = np.where(seen[:, 2] > 1e-6, seen[:, 2], np.inf)
     image = seen[:, :2] / z[:, None]
     by_point = np.zeros((len(points), 2, 3))
     by_point[:, 0, 0] = by_point[:, 1, 1] = 1 / z
     by_point[:, :, 2] = -image / z[:, None]
     by_moved = by_point @ turn
-    whiten = _whitening(by_moved, rotation.T if sight.backward else rotation, points, sight.baseline_m)
-    residual = np.einsum("nij,nj->ni", whiten, image - sight.xy[mask])
+    whiten = _whitening(by_moved, rotation.T if view.backward else rotation, points, view.baseline_m)
+    residual = np.einsum("nij,nj->ni", whiten, image - view.xy[mask])
     return residual, whiten @ by_moved @ np.concatenate([by_t, by_w], axis=2)
 
 
 def _whitening(by_moved: Array, rotation: Array, points: Array, baseline_m: float) -> Array:
-    """(n, 2, 2) inverse root of I + u u^T: a pixel's own error, and u, that of the point's depth as seen in the image.
+    """Return (n, 2, 2): inverse root of I + u u^T: a pixel's own error, and u, that of the point's depth as seen in the image.
 
     A triangulated depth is off by z^2 sqrt(2) / b for each unit of error in the image; unweighted, that bends wide pairs.
     """
@@ -168,23 +160,16 @@ def _whitening(by_moved: Array, rotation: Array, points: Array, baseline_m: floa
     return np.asarray(np.eye(2) - shrink[:, None, None] * u[:, :, None] * u[:, None, :])
 
 
-def _cross(v: Array) -> Array:
-    """(n, 3, 3) with [v]x u = v x u."""
-    out = np.zeros((len(v), 3, 3))
-    out[:, 0, 1], out[:, 0, 2], out[:, 1, 2] = -v[:, 2], v[:, 1], -v[:, 0]
-    out[:, 1, 0], out[:, 2, 0], out[:, 2, 1] = v[:, 2], -v[:, 1], v[:, 0]
-    return out
-
-
-def known(sight: Sight) -> Sight:
-    """The same sight with rows that lack a point marked as not seen."""
-    blind = np.isnan(sight.points[:, 0])
-    points, xy = np.where(blind[:, None], 0.0, sight.points), np.where(blind[:, None], np.nan, sight.xy)
-    return replace(sight, points=points, xy=xy)
+def hide_unknown_points(view: ImageView) -> ImageView:
+    """Return the same view with rows that lack a point marked as not seen."""
+    unknown = np.isnan(view.points[:, 0])
+    points, xy = np.where(unknown[:, None], 0.0, view.points), np.where(unknown[:, None], np.nan, view.xy)
+    return replace(view, points=points, xy=xy)
 
 
 def resect(points: Array, xy: Array, tolerance: float, trials: int) -> Array | None:
-    """Motion (4, 4) that carries points (n, 3) to a camera that saw them at ideal coordinates (n, 2): P3P in RANSAC."""
+    """Return the motion (4, 4) that carries points (n, 3) to a camera that saw them at ideal coordinates (n, 2): P3P in
+    RANSAC."""
     import cv2
 
     if len(points) < 4:

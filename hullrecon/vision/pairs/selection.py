@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which nodes are compared: neighbours along the dive, and nodes of other legs that should have seen the same place."""
+"""Which nodes are compared: neighbours along the dive, and nodes of other legs that should have seen the same piece of hull."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import numpy as np
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
-from hullrecon.vision.pairs.camera_track import Survey
+from hullrecon.vision.pairs.camera_track import CameraTrack
 
 RETURN = 0.2  # of overlap: the vehicle had gone and come back, it did not just move on slowly
 GRID = 8  # cells of the footprint along each side
 FINE_GRID = 32  # where small steps count
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Proposal:
     """first < second (m,): nodes; across (m,) bool: of another leg, not a neighbour; overlap (m,): of the predicted footprints,
     NaN where no depth is known. Sorted by (first, second)."""
@@ -33,60 +33,64 @@ class Proposal:
 
 
 def propose(
-    survey: Survey, usable: Mask, depth_m: Array, camera: CameraModel, options: MatchOptions, salient: Mask
+    track: CameraTrack, usable: Mask, depth_m: Array, camera: CameraModel, options: MatchOptions, salient: Mask
 ) -> tuple[Ints, Proposal]:
-    """Keyframes, and the pairs among them. usable (n,): the node has an image; depth_m (n,) of the scene, NaN where unknown."""
-    keyframes = _keyframes(survey, np.flatnonzero(usable), depth_m, camera, options.max_overlap)
+    """Return the keyframes, and the pairs among them. usable (n,): the node has an image; depth_m (n,) of the scene, NaN
+    where unknown."""
+    keyframes = _keyframes(track, np.flatnonzero(usable), depth_m, camera, options.max_overlap)
     first, second = _sequential(keyframes, options.sequential)
-    overlap = footprint_overlap(survey, first, second, depth_m, camera)
-    legs = _across(survey, keyframes[salient[keyframes]], depth_m, camera, options)
+    overlap = footprint_overlap(track, first, second, depth_m, camera)
+    legs = _across(track, keyframes[salient[keyframes]], depth_m, camera, options)
     across = np.repeat([False, True], [len(first), len(legs[0])])
     first, second, overlap = (np.concatenate(p) for p in zip((first, second, overlap), legs, strict=True))
     order = np.lexsort((second, first))
-    return keyframes, Proposal(first[order], second[order], across[order], overlap[order])
+    return keyframes, Proposal(first=first[order], second=second[order], across=across[order], overlap=overlap[order])
 
 
 def footprint_overlap(
-    survey: Survey, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, sigmas: float = 0.0, grid: int = GRID
+    track: CameraTrack, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, sigmas: float = 0.0, grid: int = GRID
 ) -> Array:
-    """Share (m,) of a grid on each image that falls into the other, the smaller of both ways; NaN where depth is unknown.
+    """Return the share (m,) of a grid on each image that falls into the other, the smaller of both ways; NaN where depth is
+    unknown.
 
     sigmas: the image looked into is widened by that many sigmas of the relative position.
     """
     if len(first) == 0:
         return np.zeros(0)
-    one = _share(survey, first, second, depth_m, camera, sigmas, grid)
-    other = _share(survey, second, first, depth_m, camera, sigmas, grid)
+    one = _share(track, first, second, depth_m, camera, sigmas, grid)
+    other = _share(track, second, first, depth_m, camera, sigmas, grid)
     return np.minimum(one, other)
 
 
-def _share(survey: Survey, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, sigmas: float, grid: int) -> Array:
+def _share(
+    track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, sigmas: float, grid: int
+) -> Array:
     middle = (np.arange(grid) + 0.5) / grid
     u, v = np.meshgrid(middle * camera.width - 0.5, middle * camera.height - 0.5)
     rays = np.hstack([camera.undistort(np.stack([u.ravel(), v.ravel()], 1)), np.ones((grid**2, 1))])
-    poses = survey.global_from_camera
+    poses = track.global_from_camera
     relative = (poses[target].inverse() @ poses[source]).matrix()
     points = rays[None] * depth_m[source][:, None, None]
     seen = points @ relative[:, :3, :3].swapaxes(1, 2) + relative[:, None, :3, 3]
     ahead = seen[..., 2] > 0.05
     image = np.where(ahead[..., None], seen[..., :2] / np.where(ahead, seen[..., 2], 1.0)[..., None], np.inf)
-    margin = sigmas * survey.relative_sigma(source, target) / np.where(np.isfinite(depth_m[source]), depth_m[source], 1.0)
+    margin = sigmas * track.relative_sigma(source, target) / np.where(np.isfinite(depth_m[source]), depth_m[source], 1.0)
     low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
     inside = ((image >= low - margin[:, None, None]) & (image <= high + margin[:, None, None])).all(axis=2)
     return np.asarray(np.where(np.isfinite(depth_m[source]), inside.mean(axis=1), np.nan))
 
 
-def _keyframes(survey: Survey, nodes: Ints, depth_m: Array, camera: CameraModel, most: float) -> Ints:
-    """Nodes that left the footprint of the keyframe before by enough; where no depth is known all are."""
+def _keyframes(track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, most: float) -> Ints:
+    """Return the nodes that left the footprint of the keyframe before by enough; where no depth is known all are."""
     if len(nodes) < 2 or most >= 1:
         return nodes
-    step = footprint_overlap(survey, nodes[:-1], nodes[1:], depth_m, camera, grid=FINE_GRID)
+    step = footprint_overlap(track, nodes[:-1], nodes[1:], depth_m, camera, grid=FINE_GRID)
     if not (step > most).any():
         return nodes
     kept = [int(nodes[0])]
     for node, close in zip(nodes[1:].tolist(), (step > most).tolist(), strict=True):
         last = np.array([kept[-1]])
-        if close and footprint_overlap(survey, last, np.array([node]), depth_m, camera, grid=FINE_GRID)[0] > most:
+        if close and footprint_overlap(track, last, np.array([node]), depth_m, camera, grid=FINE_GRID)[0] > most:
             continue
         kept.append(node)
     return np.array(kept, np.int64)
@@ -101,44 +105,46 @@ def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
 
 
 def _across(
-    survey: Survey, nodes: Ints, depth_m: Array, camera: CameraModel, options: MatchOptions
+    track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, options: MatchOptions
 ) -> tuple[Ints, Ints, Array]:
-    """For each node those to which the vehicle came back and whose footprints overlap most, were navigation right; of the ones
+    """Return for each node those to which the vehicle came back and whose footprints overlap most, were navigation right; of
+    the ones
     that overlap by min_overlap within 3 sigma of it."""
-    first, second = _near(survey, nodes, depth_m, camera, options.sequential)
-    possible = footprint_overlap(survey, first, second, depth_m, camera, sigmas=3.0) >= options.min_overlap
+    first, second = _near(track, nodes, depth_m, camera, options.sequential)
+    possible = footprint_overlap(track, first, second, depth_m, camera, sigmas=3.0) >= options.min_overlap
     first, second = first[possible], second[possible]
-    overlap = footprint_overlap(survey, first, second, depth_m, camera)
+    overlap = footprint_overlap(track, first, second, depth_m, camera)
     ranks = np.searchsorted(nodes, first), np.searchsorted(nodes, second)
-    lowest = _lowest_between(survey, nodes, *ranks, depth_m, camera, options.min_overlap)
+    lowest = _lowest_between(track, nodes, *ranks, depth_m, camera, options.min_overlap)
     keep = (lowest == 0) | (overlap > lowest + RETURN)
     first, second, overlap = first[keep], second[keep], overlap[keep]
     best = _top(second, overlap, options.across) | _top(first, overlap, options.across)
     return first[best], second[best], overlap[best]
 
 
-def _near(survey: Survey, nodes: Ints, depth_m: Array, camera: CameraModel, reach: int) -> tuple[Ints, Ints]:
-    """Pairs of nodes beyond the sequential ones whose footprints' middles are within a diagonal and 3 sigma."""
+def _near(track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, reach: int) -> tuple[Ints, Ints]:
+    """Return pairs of nodes beyond the sequential ones whose footprints' middles are within a diagonal and 3 sigma."""
     from scipy.spatial import cKDTree
 
     known = np.flatnonzero(np.isfinite(depth_m[nodes]))
     if len(known) < 2:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
     at = nodes[known]
-    middle = survey.global_from_camera[at].apply(np.stack([0 * depth_m[at], 0 * depth_m[at], depth_m[at]], axis=1))
+    middle = track.global_from_camera[at].apply(np.stack([0 * depth_m[at], 0 * depth_m[at], depth_m[at]], axis=1))
     size = float(np.median(depth_m[at])) * np.hypot(camera.width / camera.fx, camera.height / camera.fy)
     # Two nodes' relative sigma is at most the sum of theirs relative to a third one.
-    doubt = 3 * 2 * float(survey.relative_sigma(at, np.full(len(at), at[len(at) // 2])).max())
-    pairs = cKDTree(middle).query_pairs(size + min(doubt, 3 * size), output_type="ndarray")
+    reach_sigma_m = 3 * 2 * float(track.relative_sigma(at, np.full(len(at), at[len(at) // 2])).max())
+    pairs = cKDTree(middle).query_pairs(size + min(reach_sigma_m, 3 * size), output_type="ndarray")
     pairs = pairs[known[pairs[:, 1]] - known[pairs[:, 0]] > reach]
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
     return at[pairs[:, 0]].astype(np.int64), at[pairs[:, 1]].astype(np.int64)
 
 
 def _lowest_between(
-    survey: Survey, nodes: Ints, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, least: float
+    track: CameraTrack, nodes: Ints, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, least: float
 ) -> Array:
-    """Smallest overlap (m,) with the first node that the vehicle had on its way to the second; 0 once it fell below `least`.
+    """Return the smallest overlap (m,) with the first node that the vehicle had on its way to the second; 0 once it fell
+    below `least`.
 
     first, second: ranks among the nodes.
     """
@@ -148,7 +154,7 @@ def _lowest_between(
         asked = (second - first == step) & np.isin(first, inside)
         lowest[asked] = running[first[asked]]
         inside = inside[inside + step < len(nodes)]
-        overlap = footprint_overlap(survey, nodes[inside], nodes[inside + step], depth_m, camera)
+        overlap = footprint_overlap(track, nodes[inside], nodes[inside + step], depth_m, camera)
         running[inside] = np.minimum(running[inside], overlap)
         inside = inside[overlap >= least]
         if len(inside) == 0:
@@ -157,7 +163,7 @@ def _lowest_between(
 
 
 def _top(key: Ints, score: Array, most: int) -> Mask:
-    """The rows with the `most` highest scores of each key."""
+    """Return the rows with the `most` highest scores of each key."""
     order = np.lexsort((-np.nan_to_num(score), key))
     start = np.searchsorted(key[order], key[order])
     out = np.zeros(len(key), bool)

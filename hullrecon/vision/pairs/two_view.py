@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array, Mask
 
 
@@ -32,7 +33,8 @@ class PossibleMotion:
 
 
 def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
-    """Both models by RANSAC on ideal coordinates (n, 2), scored on all matches; None when fewer than 8 or neither fits."""
+    """Return the better of both models by RANSAC on ideal coordinates (n, 2), scored on all matches; None when fewer than 8
+    or neither fits."""
     import cv2
 
     if len(first) < 8:
@@ -53,14 +55,14 @@ def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
 
 
 def criterion(whitened_squared: Array, dimension: int, parameters: int) -> float:
-    """sum e^2/sigma^2 + 2 d N + 4 P [Torr1998; KimEustice2009 III-B], an outlier's share capped at 2 (4 - d) so that one
+    """Return sum e^2/sigma^2 + 2 d N + 4 P [Torr1998; KimEustice2009 III-B], an outlier's share capped at 2 (4 - d) so that one
     cannot decide alone."""
     capped = np.minimum(whitened_squared, 2.0 * (4 - dimension))
     return float(capped.sum() + 2.0 * dimension * len(whitened_squared) + 4.0 * parameters)
 
 
 def sampson_squared(essential: Array, first: Array, second: Array) -> Array:
-    """(n,) squared Sampson distance in ideal coordinates; essential: x_second^T E x_first = 0."""
+    """Return the (n,) squared Sampson distance in ideal coordinates; essential: x_second^T E x_first = 0."""
     a, b = first.T, second.T
     line_second = [row[0] * a[0] + row[1] * a[1] + row[2] for row in essential]  # by column: ten times faster than (n, 3)
     line_first = [column[0] * b[0] + column[1] * b[1] + column[2] for column in essential.T[:2]]
@@ -70,17 +72,15 @@ def sampson_squared(essential: Array, first: Array, second: Array) -> Array:
 
 
 def homography_squared(homography: Array, first: Array, second: Array) -> Array:
-    """(n,) mean of the squared transfer errors both ways, halved: of the size of a point's error in each image."""
+    """Return the (n,) mean of the squared transfer errors both ways, halved: of the size of a point's error in each image."""
     forward = _apply(homography, first) - second
     backward = _apply(np.asarray(np.linalg.inv(homography)), second) - first
     return np.asarray(0.25 * ((forward**2).sum(axis=1) + (backward**2).sum(axis=1)))
 
 
 def essential_of(second_from_first: Array) -> Array:
-    """[t]x R of a motion (4, 4)."""
-    t = second_from_first[:3, 3]
-    cross = np.array([[0, -t[2], t[1]], [t[2], 0, -t[0]], [-t[1], t[0], 0]])
-    return np.asarray(cross @ second_from_first[:3, :3])
+    """Return [t]x R of a motion (4, 4)."""
+    return np.asarray(cross_matrix(second_from_first[:3, 3]) @ second_from_first[:3, :3])
 
 
 def motions_of(found: TwoView, first: Array, second: Array) -> list[PossibleMotion]:

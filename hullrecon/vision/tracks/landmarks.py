@@ -14,10 +14,10 @@ from hullrecon.records.tracks import Tracks
 from hullrecon.typing import Array, Floats32, Ints, Mask
 from hullrecon.vision.features.extraction import Features
 from hullrecon.vision.stereo.matching import StereoMatches
-from hullrecon.vision.tracks.union import join
+from hullrecon.vision.tracks.union import join_matches
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class NodeFeatures:
     """Features of a node's two cameras; empty where one has no image. The top leads unless it is empty."""
 
@@ -26,15 +26,17 @@ class NodeFeatures:
 
     @property
     def leading(self) -> Features:
+        """Return the features of the camera that leads."""
         return self.bottom if self.bottom_leads else self.top
 
     @property
     def bottom_leads(self) -> bool:
+        """Return whether the bottom camera saw something and the top one nothing."""
         return len(self.top) == 0 and len(self.bottom) > 0
 
 
-@dataclass(frozen=True)
-class Matches:
+@dataclass(frozen=True, kw_only=True)
+class NodeMatches:
     """Verified matches of all pairs: node and row (in the node's leading camera) of either side, descriptor distance (m,)."""
 
     first_node: Ints
@@ -44,28 +46,30 @@ class Matches:
     distance: Floats32
 
 
-def build(
+def build_tracks(
     count: Ints,
     stereo: Sequence[StereoMatches],
-    matches: Matches,
+    matches: NodeMatches,
     read: Callable[[int], NodeFeatures],
     single_node: bool,
-    doubt: Callable[[Ints, Ints, Array, Array], Mask] | None = None,
+    find_outliers: Callable[[Ints, Ints, Array, Array], Mask] | None = None,
 ) -> Tracks:
-    """Tracks of all landmarks that two nodes share and, with `single_node`, of those that one stereo node saw.
+    """Return the tracks of all landmarks that two nodes share and, with `single_node`, of those that one stereo node saw.
 
     count (n,): features of each node's leading camera. stereo: matches of each node, rows into its cameras. read: a node's
-    features by its number. doubt: from node, landmark, top and bottom pixels to the observations that are not believed.
+    features by its number. find_outliers: from node, landmark, top and bottom pixels to the observations to be dropped.
     """
     start = np.concatenate([[0], np.cumsum(count)])
     first, second = start[matches.first_node] + matches.first_row, start[matches.second_node] + matches.second_row
-    alone = np.concatenate([np.zeros(0, np.int64), *(start[k] + s.top for k, s in enumerate(stereo))]) if single_node else first
-    used = np.unique(np.concatenate([first, second, alone]))
+    single = (
+        np.concatenate([np.zeros(0, np.int64), *(start[k] + s.top for k, s in enumerate(stereo))]) if single_node else first
+    )
+    used = np.unique(np.concatenate([first, second, single]))
     node = np.searchsorted(start, used, side="right") - 1
-    label = join(node, np.searchsorted(used, first), np.searchsorted(used, second), matches.distance)
+    label = join_matches(node, np.searchsorted(used, first), np.searchsorted(used, second), matches.distance)
     label[label < 0] = label.max(initial=-1) + 1 + np.arange(int((label < 0).sum()))
     top, bottom, color = _observations(used - start[node], node, stereo, read)
-    keep = np.ones(len(used), bool) if doubt is None else ~doubt(node, label, top, bottom)
+    keep = np.ones(len(used), bool) if find_outliers is None else ~find_outliers(node, label, top, bottom)
     shared = np.bincount(label[keep], minlength=int(label.max(initial=-1)) + 1) > 1
     both = np.isfinite(top[:, 0]) & np.isfinite(bottom[:, 0])
     keep &= shared[label] | (both & single_node)
@@ -80,7 +84,7 @@ def build(
 def _observations(
     row: Ints, node: Ints, stereo: Sequence[StereoMatches], read: Callable[[int], NodeFeatures]
 ) -> tuple[Array, Array, Array]:
-    """Pixels in the top and in the bottom image, NaN where not seen, and colours; node (m,) ascending."""
+    """Return pixels in the top and in the bottom image, NaN where not seen, and colours; node (m,) ascending."""
     top, bottom, color = np.full((len(row), 2), np.nan), np.full((len(row), 2), np.nan), np.zeros((len(row), 3))
     for k in np.unique(node):
         rows = slice(*np.searchsorted(node, [k, k + 1]))

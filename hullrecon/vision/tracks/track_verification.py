@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Cross-examination of tracks: every verified pair judges every landmark that both of its nodes claim to have seen.
+"""Verification of tracks: every verified pair is held against every landmark that both of its nodes claim to have seen.
 
 A wrong match joins two points into one track; the pairs that did not make that match contradict it.
 """
@@ -12,16 +12,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hullrecon.geometry.frames import Camera
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion, transfer
 from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
-from hullrecon.vision.stereo.rectification import Rig, rectify, triangulate
+from hullrecon.vision.stereo.camera_rig import CameraRig
+from hullrecon.vision.stereo.rectification import rectify, triangulate
 
 ROUNDS = 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Link:
     """A verified pair of nodes and the motion between their leading cameras; scaled: its length is measured."""
 
@@ -31,66 +33,66 @@ class Link:
     scaled: bool
 
 
-def doubtful(
-    rig: Rig, node: Ints, label: Ints, top: Array, bottom: Array, links: Sequence[Link], options: MatchOptions
+def contradicted_observations(
+    rig: CameraRig, node: Ints, label: Ints, top: Array, bottom: Array, links: Sequence[Link], options: MatchOptions
 ) -> Mask:
-    """Observations (m,) that at least as many pairs contradict as confirm, and one contradicts. node (m,) ascending."""
-    sight = _Sight(rig, top, bottom)
+    """Return which observations (m,) at least as many pairs contradict as confirm, one at least. node (m,) ascending."""
+    observations = _Observations(rig, top, bottom)
     bounds = {k: slice(*np.searchsorted(node, [k, k + 1])) for k in {n for link in links for n in (link.first, link.second)}}
-    verdicts = []
+    votes = []
     for link in links:
         i, j = bounds[link.first], bounds[link.second]
         _, a, b = np.intersect1d(label[i], label[j], assume_unique=True, return_indices=True)
         a, b = a + i.start, b + j.start
-        verdicts.append((a, b, sight.agree(link, a, b, options)))
-    return _outvoted(len(node), verdicts)
+        votes.append((a, b, observations.agree(link, a, b, options)))
+    return _outvote(len(node), votes)
 
 
-def _outvoted(count: int, verdicts: Sequence[tuple[Ints, Ints, Mask]]) -> Mask:
-    """Votes in rounds: what was thrown out no longer speaks against the others; the clearly guilty go first."""
+def _outvote(count: int, votes: Sequence[tuple[Ints, Ints, Mask]]) -> Mask:
+    """Return which of the observations are rejected, in rounds: a rejected one no longer counts against the others."""
     none: list[Ints] = [np.zeros(0, np.int64)]
-    a, b = (np.concatenate(none + [v[k] for v in verdicts]) for k in (0, 1))
-    good = np.concatenate([np.zeros(0, bool), *(v[2] for v in verdicts)])
+    a, b = (np.concatenate(none + [v[k] for v in votes]) for k in (0, 1))
+    good = np.concatenate([np.zeros(0, bool), *(v[2] for v in votes)])
     out = np.zeros(count, bool)
     for step in range(ROUNDS):
-        heard = ~(out[a] | out[b])
-        both = np.concatenate([a[heard], b[heard]])
-        yes = np.bincount(both, np.tile(good[heard], 2), minlength=count)
-        no = np.bincount(both, np.tile(~good[heard], 2), minlength=count)
+        counted = ~(out[a] | out[b])
+        both = np.concatenate([a[counted], b[counted]])
+        yes = np.bincount(both, np.tile(good[counted], 2), minlength=count)
+        no = np.bincount(both, np.tile(~good[counted], 2), minlength=count)
         out |= (no > 0) & ((no > 2 * yes) if step == 0 else (no >= yes))
     return out
 
 
-class _Sight:
+class _Observations:
     """Ideal coordinates of all observations, and points of the stereo ones."""
 
-    def __init__(self, rig: Rig, top: Array, bottom: Array) -> None:
+    def __init__(self, rig: CameraRig, top: Array, bottom: Array) -> None:
         self._rig = rig
-        upper, lower = _undistorted(rig, 0, top), _undistorted(rig, 1, bottom)
+        upper, lower = _undistort(rig, Camera.TOP, top), _undistort(rig, Camera.BOTTOM, bottom)
         self._other = lower
         self._lead = np.where(np.isfinite(upper), upper, lower)  # the bottom camera leads where it saw alone
         self._depth = np.full(len(top), np.nan)
         both = np.isfinite(upper[:, 0]) & np.isfinite(lower[:, 0])
         if rig.top_from_bottom is not None:
             turned = rectify(rig.top_from_bottom)
-            self._depth[both] = triangulate(turned, turned.top(upper[both]), turned.bottom(lower[both]))[:, 2]
+            self._depth[both] = triangulate(turned, turned.rectify_top(upper[both]), turned.rectify_bottom(lower[both]))[:, 2]
         self._both = both
 
     def agree(self, link: Link, a: Ints, b: Ints, options: MatchOptions) -> Mask:
-        """Whether the observations lie on each other's epipolar lines and, with a depth, at the right place on them."""
+        """Return whether the observations lie on each other's epipolar lines and, with a depth, at the right place on them."""
         motion = link.motion.second_from_first
-        limit = (1.5 * options.verify_px / self._rig.focal(0)) ** 2
+        limit = (1.5 * options.verify_px / self._rig.focal_px(Camera.TOP)) ** 2
         good = sampson_squared(essential_of(motion), self._lead[a], self._lead[b]) < limit
-        down = self._rig.from_top(1)
+        down = self._rig.from_top(Camera.BOTTOM)
         below = down @ motion @ np.linalg.inv(down)
         pair = self._both[a] & self._both[b]
         error = sampson_squared(essential_of(below), self._other[a], self._other[b])
         good &= ~pair | (np.nan_to_num(error) < limit)
-        return good & (self._in_place(link.motion, a, b, options) if link.scaled else True)
+        return good & (self._at_depth(link.motion, a, b, options) if link.scaled else True)
 
-    def _in_place(self, motion: Motion, a: Ints, b: Ints, options: MatchOptions) -> Mask:
-        """True as well where no depth is known."""
-        sigma = options.sigma_px / self._rig.focal(0)
+    def _at_depth(self, motion: Motion, a: Ints, b: Ints, options: MatchOptions) -> Mask:
+        """Return whether the observations lie where their depth puts them; true as well where no depth is known."""
+        sigma = options.sigma_px / self._rig.focal_px(Camera.TOP)
         depth = self._depth[a]
         spread = depth**2 * np.sqrt(2) * sigma / self._rig.baseline_m
         mean, covariance = transfer(motion, self._lead[a], depth, spread, sigma)
@@ -103,9 +105,9 @@ class _Sight:
         return out
 
 
-def _undistorted(rig: Rig, camera: int, pixels: Array) -> Array:
+def _undistort(rig: CameraRig, camera: Camera, pixels: Array) -> Array:
     out = np.full(pixels.shape, np.nan)
     seen = np.isfinite(pixels[:, 0])
     if seen.any():
-        out[seen] = rig.camera(camera).undistort(pixels[seen])
+        out[seen] = rig.model(camera).undistort(pixels[seen])
     return out

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from hullrecon.typing import Ints, Mask
 
 
-def join(node_of: Ints, first: Ints, second: Ints, quality: NDArray[np.floating]) -> Ints:
-    """Landmark number (n,) of each feature: -1 where unmatched; numbered by first feature.
+def join_matches(node_of: Ints, first: Ints, second: Ints, quality: NDArray[np.floating]) -> Ints:
+    """Return the landmark number (n,) of each feature: -1 where unmatched; numbered by first feature.
 
     node_of (n,): node of each feature. first, second (m,): matched features. quality (m,): smaller is better. A component
     that would hold two features of one node is built again, best match first, leaving out what brings the conflict.
@@ -43,7 +43,7 @@ def _components(n: int, first: Ints, second: Ints) -> Ints:
 
 
 def _conflicting(label: Ints, node_of: Ints) -> Mask:
-    """By component: whether two of its features lie in one node."""
+    """Return by component whether two of its features lie in one node."""
     order = np.lexsort((node_of, label))
     same = (np.diff(label[order]) == 0) & (np.diff(node_of[order]) == 0)
     out = np.zeros(int(label.max(initial=0)) + 1, bool)
@@ -52,7 +52,8 @@ def _conflicting(label: Ints, node_of: Ints) -> Mask:
 
 
 def _without_conflict(node_of: Ints, first: Ints, second: Ints) -> Mask:
-    """Edges, in their order, that join two groups without a common node. A loop, but only over the torn components."""
+    """Return the edges, in their order, that join two groups without a common node. A loop, but only over the torn
+    components."""
     group: dict[int, dict[int, int]] = {}  # feature -> its group: node -> feature
     kept = np.zeros(len(first), bool)
     for k, (a, b) in enumerate(zip(first.tolist(), second.tolist(), strict=True)):

@@ -10,7 +10,7 @@ from types import ModuleType
 
 import pytest
 
-from hullrecon.artifacts.graph.plan import survey
+from hullrecon.artifacts.graph.plan import assess_chain
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import UsageError
 
@@ -22,7 +22,7 @@ def look(toy: ModuleType, package: Path, workspace: Workspace) -> Look:
     """State and reasons by step, for the toy chain with the sections given."""
 
     def look(**sections: object) -> dict[str, tuple[str, list[str]]]:
-        standings = survey(toy.chain(package, **sections), workspace, workspace.hashes())
+        standings = assess_chain(toy.chain(package, **sections), workspace, workspace.hashes())
         return {s.stage.name: (s.state, list(s.reasons)) for s in standings}
 
     return look

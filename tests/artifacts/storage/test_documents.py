@@ -7,13 +7,14 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec import Struct
 
-from hullrecon.artifacts.storage.documents import DamagedError, digest, encode, seal, unseal
+from hullrecon.artifacts.storage.documents import DamagedArtifactError, digest, encode, plain, seal, unseal
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
@@ -67,19 +68,19 @@ def test_any_flipped_bit_breaks_the_seal() -> None:
     for bit in range(8 * len(data)):
         flipped = bytearray(data)
         flipped[bit // 8] ^= 1 << bit % 8
-        with pytest.raises(DamagedError):
+        with pytest.raises(DamagedArtifactError):
             unseal(bytes(flipped))
 
 
 def test_any_cut_breaks_the_seal() -> None:
     data = seal({"a": 1})
     for length in range(len(data)):
-        with pytest.raises(DamagedError):
+        with pytest.raises(DamagedArtifactError):
             unseal(data[:length])
 
 
 def test_a_list_is_no_sealed_mapping() -> None:
-    with pytest.raises(DamagedError):
+    with pytest.raises(DamagedArtifactError):
         unseal(b"[1, 2]")
 
 
@@ -87,3 +88,24 @@ def test_equal_values_have_equal_digests_whatever_the_order_of_keys() -> None:
     assert digest({"a": 1, "b": 2}) == digest({"b": 2, "a": 1})
     assert digest({"a": 1}) != digest({"a": 2})
     assert digest({"a": 1}) != digest({"a": 1.5})
+
+
+class Sensed(msgspec.Struct):
+    """A struct as a notebook fills it: with what NumPy returned."""
+
+    sigma_m: float
+    mount: tuple[float, ...] = ()
+    name: str = ""
+
+
+def test_numpy_numbers_inside_a_struct_are_written_as_numbers() -> None:
+    value = Sensed(sigma_m=np.float64(0.25), mount=np.array([1.0, 2.0]), name=np.str_("top"))  # type: ignore[arg-type]
+    assert plain({"dvl": value}) == {"dvl": {"sigma_m": 0.25, "mount": [1.0, 2.0], "name": "top"}}
+    assert plain(Sensed(sigma_m=np.float32(0.5))) == {"sigma_m": 0.5, "mount": [], "name": ""}  # type: ignore[arg-type]
+
+
+def test_what_no_document_can_hold_is_named_by_its_type() -> None:
+    with pytest.raises(TypeError, match="complex"):
+        plain(Sensed(sigma_m=1j))  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="object"):
+        plain([object()])

@@ -11,7 +11,7 @@ from types import ModuleType
 import pytest
 
 from hullrecon.artifacts.storage import workspace as module
-from hullrecon.artifacts.storage.documents import DamagedError
+from hullrecon.artifacts.storage.documents import DamagedArtifactError
 from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.workspace import Workspace, damaged_files, unequal_files
 
@@ -35,13 +35,13 @@ def test_a_run_remembers_its_package(ran: Workspace, package: Path) -> None:
 
 def test_a_folder_without_manifest_is_damaged(ran: Workspace) -> None:
     (ran.root / "read" / "manifest.json").unlink()
-    with pytest.raises(DamagedError, match="manifest is missing"):
+    with pytest.raises(DamagedArtifactError, match="manifest is missing"):
         ran.manifest("read")
 
 
 def test_a_manifest_of_another_kind_is_damaged(ran: Workspace) -> None:
     (ran.root / "read" / "manifest.json").write_bytes(module.seal({"schema": 9}))
-    with pytest.raises(DamagedError, match="of another kind"):
+    with pytest.raises(DamagedArtifactError, match="of another kind"):
         ran.manifest("read")
 
 

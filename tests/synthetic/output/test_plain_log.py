@@ -19,8 +19,13 @@ def made() -> Streams:
     t = np.array([0.25, 0.450000001])
     ranges = np.array([[1.1, np.nan, 1.3, 1.4], [1.5, 1.6, 1.7, 1.8]])
     return Streams(
-        dvl=Dvl(t, np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]), ranges),
-        imu=Imu(t, np.tile([0.0, 0, 0, 1], (2, 1)), np.zeros((2, 3)), np.tile([0.0, 0, -9.81], (2, 1))),
+        dvl=Dvl(t_s=t, velocity=np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]), ranges=ranges),
+        imu=Imu(
+            t_s=t,
+            quaternion=np.tile([0.0, 0, 0, 1], (2, 1)),
+            rates=np.zeros((2, 3)),
+            force=np.tile([0.0, 0, -9.81], (2, 1)),
+        ),
         pressure=Series(t, np.array([120000.0, 120001.5])),
         joints=Series(t, np.array([[0.1, -0.6], [0.2, -0.5]])),
         cameras=("camera_top",),

@@ -14,6 +14,7 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, tray_poses
 from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.output.truth import write_ply
 from hullrecon.synthetic.sensors.recorder import START_NS
 from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
 
@@ -126,3 +127,15 @@ def _meet(p: np.ndarray, a: np.ndarray, q: np.ndarray, b: np.ndarray) -> tuple[n
     u = (b @ w - ab * (a @ w)) / (1 - ab**2)
     first, second = p + s[:, None] * a, q + u[:, None] * b
     return 0.5 * (first + second), np.linalg.norm(first - second, axis=1)
+
+
+def test_a_mesh_in_pieces_is_one_file(tmp_path: Path) -> None:
+    import trimesh
+
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    triangle = np.array([[0, 1, 2]], np.int32)
+    write_ply(tmp_path / "mesh.ply", iter([Mesh(corners, triangle), Mesh(corners + 5, triangle)]))
+    mesh = trimesh.load(tmp_path / "mesh.ply", process=False)
+    np.testing.assert_array_equal(mesh.vertices, np.vstack([corners, corners + 5]))
+    np.testing.assert_array_equal(mesh.faces, [[0, 1, 2], [3, 4, 5]])
+    assert [p.name for p in tmp_path.iterdir()] == ["mesh.ply"]

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.poses import Poses, identity, roll_pitch_yaw
+from hullrecon.geometry.poses import Poses, identity
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import spec_from, with_options
 from hullrecon.synthetic.sensors import instruments
@@ -21,7 +22,15 @@ def hovering() -> Motion:
     t = np.arange(0, 60, 0.02)
     zero = np.zeros_like(t)
     position = np.stack([zero, zero, zero + 3], 1)
-    return Motion(t, position, np.zeros((len(t), 3)), zero, zero, zero, identity())
+    return Motion(
+        t_s=t,
+        position=position,
+        roll_pitch_yaw=np.zeros((len(t), 3)),
+        encoder=zero,
+        tray=zero,
+        sonar_tray=zero,
+        T_g_M=identity(),
+    )
 
 
 def test_beams_are_unit_vectors_thirty_degrees_off_the_axis() -> None:
@@ -43,7 +52,7 @@ def test_velocity_is_that_of_the_instrument_in_its_own_frame(dive: Dive) -> None
 def test_ranges_end_on_the_hull_as_built(dive: Dive) -> None:
     dvl = instruments.dvl(dive.spec, dive.motion, dive.rig, dive.hull)
     at = dive.motion.in_hull(dive.motion.on_tray(dvl.t_s, dive.rig.T_s_d, TRAY_ORIGIN))
-    hits = dive.hull.cast(at.translation, at.rotation.apply(BEAMS[2]))
+    hits = dive.hull.near(0.0).rays.cast(at.translation, at.rotation.apply(BEAMS[2]))
     error = dvl.ranges[:, 2] - hits.range_m
     assert np.nanmedian(np.abs(error)) < 1.5 * instruments.RANGE_SIGMA
 

@@ -13,6 +13,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.sensors.rendering import Lens, Scene, lens, photograph
 from hullrecon.synthetic.world.as_built import build
+from hullrecon.synthetic.world.built_hull import Block
 from hullrecon.synthetic.world.hull_patch import HullPatch
 from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.ray_casting import Rays
@@ -31,7 +32,7 @@ def scene(items: tuple[Item, ...] = (), absorption: float = 0.3, spots: tuple[tu
     image = np.full((1500, 1500, 3), 90, np.uint8)
     for row, column in spots:
         image[row - 4 : row + 5, column - 4 : column + 5] = 150
-    return Scene(built, Rays(built.mesh), patch, Atlas(image, (-1.5, -1.5), 0.002), absorption)
+    return Scene(Block(patch=patch, built=built, rays=Rays(built.mesh)), Atlas(image, (-1.5, -1.5), 0.002), absorption)
 
 
 def shoot(world: Scene, distance: float = 1.0, view: Lens | None = None) -> np.ndarray:

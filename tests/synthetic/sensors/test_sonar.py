@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.sensors import sonar
-from hullrecon.synthetic.world.as_built import AsBuilt, build
+from hullrecon.synthetic.world.as_built import build
+from hullrecon.synthetic.world.built_hull import Block
 from hullrecon.synthetic.world.hull_patch import HullPatch
 from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.ray_casting import Rays
@@ -17,24 +19,25 @@ from hullrecon.synthetic.world.ray_casting import Rays
 WALL = np.arange(-1.5, 1.5001, 0.03)
 
 
-def wall(items: tuple[Item, ...] = ()) -> AsBuilt:
+def wall(items: tuple[Item, ...] = ()) -> Block:
     a, g = np.meshgrid(WALL, WALL, indexing="ij")
     patch = HullPatch(WALL, WALL, np.stack([a, 0 * a, g], -1), np.tile([0.0, 1.0, 0.0], (*a.shape, 1)))
-    return build(spec_from(deviation_mean_m=0.0, deviation_sigma_m=0.0), patch, items)
+    built = build(spec_from(deviation_mean_m=0.0, deviation_sigma_m=0.0), patch, items)
+    return Block(patch=patch, built=built, rays=Rays(built.mesh))
 
 
 def within(near: float, far: float) -> np.ndarray:
     return (near < sonar.RANGE) & (far > sonar.RANGE)
 
 
-def look(built: AsBuilt) -> np.ndarray:
+def look(block: Block) -> np.ndarray:
     forward, side = np.array([0, -(0.5**0.5), -(0.5**0.5)]), np.array([1.0, 0, 0])
     up = np.cross(side, forward)
     from scipy.spatial.transform import Rotation
 
     turn = Rotation.from_matrix(np.stack([up, side, forward], axis=1))
     pose = Poses(turn.as_quat()[None], np.array([[0.0, 1.0, 1.0]]))
-    return sonar.ping(pose, Rays(built.mesh), built, sonar.fan(), np.random.default_rng(2))
+    return sonar.ping(pose, block, sonar.fan(), np.random.default_rng(2))
 
 
 def test_beam_directions_are_unit_vectors_in_the_fan() -> None:
@@ -79,3 +82,9 @@ def test_speckle_is_multiplicative(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sonar, "LOOKS", 100.0)
     smooth = look(wall())[:, inside].astype(float) ** 2
     assert rough.std() / rough.mean() > 2 * smooth.std() / smooth.mean()
+
+
+def test_pings_come_twice_a_second_and_see_the_hull(dive: Dive) -> None:
+    t, images = sonar.pings(dive)
+    assert 1 / np.diff(t).mean() == pytest.approx(2.0, rel=0.02)
+    assert (next(images) > 80).mean() > 0.05

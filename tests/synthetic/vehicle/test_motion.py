@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.poses import from_mount, identity
-from hullrecon.synthetic.vehicle.motion import Motion, with_backlash
+from hullrecon.synthetic.vehicle.motion import Motion, ticks, with_backlash
 
 
 @pytest.fixture
@@ -15,7 +15,15 @@ def turning() -> Motion:
     t = np.arange(0, 10, 0.02)
     zero = np.zeros_like(t)
     position, attitude = np.stack([t, zero, zero + 2], 1), np.stack([zero, zero, 0.2 * t], 1)
-    return Motion(t, position, attitude, zero + 0.1, zero + 0.1, zero - 0.6, identity())
+    return Motion(
+        t_s=t,
+        position=position,
+        roll_pitch_yaw=attitude,
+        encoder=zero + 0.1,
+        tray=zero + 0.1,
+        sonar_tray=zero - 0.6,
+        T_g_M=identity(),
+    )
 
 
 def test_the_load_stands_still_while_the_gear_crosses_its_backlash() -> None:
@@ -49,3 +57,11 @@ def test_the_sonar_has_its_own_servo(turning: Motion) -> None:
     mount = from_mount([1.0, 0, 0, 0, 0, 0])
     at = turning.on_tray(np.array([0.0]), mount, (0.0, 0.0, 0.0), turning.sonar_tray)
     np.testing.assert_allclose(at.translation[0], [np.cos(0.6), 0, 2 + np.sin(0.6)], atol=1e-9)
+
+
+@pytest.mark.parametrize("rate_hz", [2.0, 25.0])
+def test_a_sensor_ticks_nearly_evenly_within_the_motion(turning: Motion, rate_hz: float) -> None:
+    t = ticks(turning, rate_hz, np.random.default_rng(0), 0.3)
+    assert t[0] == pytest.approx(0.3, abs=0.011)
+    assert t[-1] < turning.t_s[-1]
+    np.testing.assert_allclose(np.diff(t), 1 / rate_hz, atol=0.021 / max(1.0, rate_hz / 5))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.geometry.poses import identity, roll_pitch_yaw
+from hullrecon.geometry.poses import identity
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import with_options
 from hullrecon.synthetic.spec import Survey
@@ -31,8 +32,8 @@ def test_the_tray_looks_at_the_steel_squarely(dive: Dive) -> None:
     t = np.arange(2.0, dive.motion.t_s[-1] - 2.0, 0.5)
     tray = dive.motion.in_hull(dive.motion.on_tray(t, identity(), TRAY_ORIGIN))
     forward = tray.rotation.apply([1.0, 0, 0])
-    hits = dive.hull.cast(tray.translation, forward)
-    normal = dive.built.normal[dive.built.mesh.faces[hits.face]].mean(1)
+    hits = dive.hull.near(0.0).rays.cast(tray.translation, forward)
+    normal = dive.hull.near(0.0).built.normal[dive.hull.near(0.0).built.mesh.faces[hits.face]].mean(1)
     incidence = np.degrees(np.arccos(-(normal * forward).sum(1) / np.linalg.norm(normal, axis=1)))
     assert hits.hit.all()
     assert np.median(incidence) < 4
@@ -61,6 +62,6 @@ def test_the_motion_is_smooth(dive: Dive) -> None:
 def test_the_true_tray_differs_from_the_encoder_by_the_backlash(dive: Dive) -> None:
     gap = np.degrees(dive.motion.tray - dive.motion.encoder)
     assert np.abs(gap).max() == pytest.approx(dive.spec.errors.backlash_deg, rel=1e-6)
-    corners = leg_corners(dive.spec.survey, float(dive.patch.along_m.mean()), 0.0)
-    rigid = simulate_path(with_options(dive.spec, backlash_deg=0.0), dive.patch, corners)
+    corners = leg_corners(dive.spec.survey, float(dive.hull.skin.along_m.mean()), 0.0)
+    rigid = simulate_path(with_options(dive.spec, backlash_deg=0.0), dive.hull.skin, corners)
     np.testing.assert_array_equal(rigid.tray, rigid.encoder)

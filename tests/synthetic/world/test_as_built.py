@@ -11,7 +11,7 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.spec import DiveSpec, Ship
 from hullrecon.synthetic.world.as_built import AsBuilt, build, crop
-from hullrecon.synthetic.world.hull_patch import HullPatch, cut_hull_patch
+from hullrecon.synthetic.world.hull_patch import HullPatch, HullSkin
 from hullrecon.synthetic.world.hull_shapes import ship_form
 from hullrecon.synthetic.world.items import Item
 
@@ -21,7 +21,7 @@ RECESS = Item("recess", 25.9, 0.0, -0.05, (0.2, 0.2))
 
 @pytest.fixture(scope="module")
 def patch() -> HullPatch:
-    return cut_hull_patch(ship_form(Ship()), (24.6, 26.6), 2.2, 3.0, 1.2)
+    return HullSkin(ship_form(Ship()), (24.6, 26.6), zero_z_m=2.2, top_z_m=3.0, down_m=1.2).patch(0)
 
 
 @pytest.fixture(scope="module")

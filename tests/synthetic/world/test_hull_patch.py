@@ -9,7 +9,7 @@ from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import Ship
-from hullrecon.synthetic.world.hull_patch import HullPatch, cut_hull_patch
+from hullrecon.synthetic.world.hull_patch import HullPatch, HullSkin
 from hullrecon.synthetic.world.hull_shapes import ship_form
 
 
@@ -20,7 +20,7 @@ def cad_model() -> Mesh:
 
 @pytest.fixture(scope="module")
 def patch(cad_model: Mesh) -> HullPatch:
-    return cut_hull_patch(cad_model, (24.0, 27.0), 2.0, 4.0, 4.0)
+    return HullSkin(cad_model, (24.0, 27.0), zero_z_m=2.0, top_z_m=4.0, down_m=4.0).patch(0)
 
 
 def test_every_point_lies_on_the_drawing(patch: HullPatch, cad_model: Mesh) -> None:
@@ -58,7 +58,7 @@ def test_girth_down_to_the_flat_is_side_plus_bilge(patch: HullPatch) -> None:
 
 
 def test_a_line_of_constant_girth_keeps_its_depth_where_the_bow_narrows(cad_model: Mesh) -> None:
-    bow = cut_hull_patch(cad_model, (40.0, 46.0), 2.6, 4.0, 2.0)
+    bow = HullSkin(cad_model, (40.0, 46.0), zero_z_m=2.6, top_z_m=4.0, down_m=2.0).patch(0)
     zero = int(np.argmin(np.abs(bow.girth_m)))
     assert np.ptp(bow.point[:, zero, 1]) > 0.8
     assert np.ptp(bow.point[:, zero, 2]) < 5e-3
@@ -91,17 +91,17 @@ def test_smoothing_turns_facets_into_a_slow_turn_of_the_normal(patch: HullPatch)
 
 def test_no_hull_where_the_dive_is_is_said(cad_model: Mesh) -> None:
     with pytest.raises(InputError, match="no section"):
-        cut_hull_patch(cad_model, (80.0, 82.0), 2.0, 3.0, 3.0)
+        HullSkin(cad_model, (80.0, 82.0), zero_z_m=2.0, top_z_m=3.0, down_m=3.0).patch(0)
 
 
 def test_too_little_skin_is_said(cad_model: Mesh) -> None:
     with pytest.raises(InputError, match="too little skin"):
-        cut_hull_patch(cad_model, (24.0, 25.0), 3.0, 3.1, 0.1)
+        HullSkin(cad_model, (24.0, 25.0), zero_z_m=3.0, top_z_m=3.1, down_m=0.1).patch(0)
 
 
 def test_a_half_hull_gives_its_own_side() -> None:
     plate = np.array([[0, 0, 0], [10, 0, 0], [10, 3, 0], [0, 3, 0], [10, 3, 4], [0, 3, 4]], float)
     mesh = Mesh(plate, np.array([[0, 2, 1], [0, 3, 2], [3, 4, 2], [3, 5, 4]], np.int32))
-    patch = cut_hull_patch(mesh, (4.0, 5.0), 2.0, 3.9, 20.0)
+    patch = HullSkin(mesh, (4.0, 5.0), zero_z_m=2.0, top_z_m=3.9, down_m=20.0).patch(0)
     assert patch.point[..., 1].min() > -0.05
     assert np.ptp(patch.girth_m) == pytest.approx(6.9, abs=0.1)

@@ -87,3 +87,16 @@ def test_nothing_seen_is_nothing_painted() -> None:
     nowhere = np.zeros((3, 4), np.float32)
     assert made.look_up(nowhere, nowhere, np.zeros((3, 4), bool)).max() == 0
     assert len(made._plates) == 0
+
+
+@pytest.mark.parametrize("corner", [(0.0, 0.0), (-PLATE_M[0], -2 * PLATE_M[1]), (40 * PLATE_M[0], -9 * PLATE_M[1])])
+def test_a_view_across_plates_is_each_plates_own(corner: tuple[float, float]) -> None:
+    """Also aft of the stern's zero and below the line of no girth."""
+    made, eps = atlas(), 0.2
+    along, girth = corner[0] + np.array([-eps, eps]), corner[1] + np.array([-eps, eps])
+    together = colours(made, along, girth)
+    for i in range(2):
+        for j in range(2):
+            np.testing.assert_array_equal(together[j : j + 1, i : i + 1], colours(made, along[i : i + 1], girth[j : j + 1]))
+            column, row = np.floor(along[i] / PLATE_M[0]), np.floor(girth[j] / PLATE_M[1])
+            assert (int(column), int(row)) in made._plates

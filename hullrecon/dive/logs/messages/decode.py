@@ -1,28 +1,31 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Serialised messages to objects, by the definition that the log carries, else by a bundled or a standard one."""
+"""Decode serialised messages by the definition that the log carries, else by a bundled or a standard one."""
 
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hullrecon.dive.logs.messages.definitions import BUNDLED
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.readers.unpack import DamagedError
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
 
 Fields = Any  # an instance of the class that rosbags makes for a message type
 ENCODINGS = ("cdr", "ros1")
 
 
 def type_name(channel: Channel) -> str:
-    """The type in its three-part form, "sensor_msgs/msg/Imu"."""
+    """Return the type in its three-part form, "sensor_msgs/msg/Imu"."""
     parts = channel.type.split("/")
     return f"{parts[0]}/msg/{parts[-1]}" if len(parts) > 1 else channel.type
 
 
 def decode(channel: Channel, data: bytes) -> Fields:
-    """The message's fields; DamagedError for bytes that are no such message or a type whose definition nobody knows."""
+    """Return the message's fields. Raises DamagedError for bytes that are no such message or a type without a definition."""
     store = _store(channel)
     try:
         if channel.encoding == "ros1":
@@ -33,7 +36,7 @@ def decode(channel: Channel, data: bytes) -> Fields:
 
 
 @lru_cache(maxsize=64)
-def _store(channel: Channel) -> Any:
+def _store(channel: Channel) -> Typestore:
     if channel.encoding not in ENCODINGS:
         raise DamagedError(f"messages in the encoding {channel.encoding!r} are not read")
     try:
@@ -42,7 +45,7 @@ def _store(channel: Channel) -> Any:
         raise DamagedError(f"the definition of {channel.type} cannot be read: {type(error).__name__} {error}") from None
 
 
-def _from_definition(channel: Channel) -> Any:
+def _from_definition(channel: Channel) -> Typestore:
     from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.EMPTY)
@@ -54,7 +57,7 @@ def _from_definition(channel: Channel) -> Any:
 
 
 @lru_cache(maxsize=2)
-def _standard(encoding: str) -> Any:
+def _standard(encoding: str) -> Typestore:
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.ROS1_NOETIC if encoding == "ros1" else Stores.ROS2_JAZZY)

@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.dive.logs.messages.decode import Fields
 from hullrecon.dive.logs.readers.unpack import DamagedError
 
 CHANNELS = {
@@ -18,7 +17,7 @@ CHANNELS = {
 QUICK = 1  # PNG's compression level: images are written once, and read a few times
 
 
-def encode_raw(message: Any) -> bytes:
+def encode_raw(message: Fields) -> bytes:
     """PNG bytes; DamagedError when the pixels are not all there or the encoding is not known."""
     import cv2
 
@@ -29,7 +28,7 @@ def encode_raw(message: Any) -> bytes:
     return bytes(png)
 
 
-def _pixels(message: Any) -> NDArray[Any]:
+def _pixels(message: Fields) -> NDArray[np.integer]:
     """Pixels (h, w) or (h, w, channels), rows freed of their padding."""
     encoding = message.encoding.lower()
     if encoding not in CHANNELS:
@@ -49,7 +48,7 @@ def _pixels(message: Any) -> NDArray[Any]:
     )
 
 
-def _to_bgr(pixels: NDArray[Any], encoding: str) -> NDArray[np.uint8]:
+def _to_bgr(pixels: NDArray[np.integer], encoding: str) -> NDArray[np.uint8]:
     """As OpenCV writes it: gray, or blue, green, red."""
     import cv2
 

@@ -5,11 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
 from hullrecon.dive.logs.dvl_beams import A50, a50_beams
+from hullrecon.dive.logs.messages.decode import Fields
 from hullrecon.dive.logs.messages.pictures import encode_raw
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.dive.logs.samples import DvlSample, ImageSample, ImuSample, JointSample, PressureSample, Sample, SonarSample
@@ -22,15 +22,15 @@ FIGURE_OF_MERIT_LIMIT = 0.4  # m/s; Water Linked: velocities with a larger figur
 NORTEK_LOST, NORTEK_BAD_MERIT = -32.0, 10.0  # m/s; Nortek: velocities of -32.768 and figures of merit of 10 are invalid
 
 
-def stamp_ns(header: Any) -> int:
+def stamp_ns(header: Fields) -> int:
     return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
 
 
-def vector(v: Any) -> Array:
+def vector(v: Fields) -> Array:
     return np.array([v.x, v.y, v.z], float)
 
 
-def marine_dvl(message: Any, t_ns: int, role: str) -> list[Sample]:
+def marine_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """A lost velocity has a covariance of -1, or comes from the water; a lost beam a range of 0, negative or NaN, or a
     covariance of -1."""
     covariance = np.asarray(message.velocity_covar, float)
@@ -45,18 +45,18 @@ def marine_dvl(message: Any, t_ns: int, role: str) -> list[Sample]:
     return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), ranges, beams if _are_unit(beams) else None)]
 
 
-def twist_with_covariance(message: Any, t_ns: int, role: str) -> list[Sample]:
+def twist_with_covariance(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """geometry_msgs/TwistWithCovarianceStamped and nav_msgs/Odometry: no ranges."""
     covariance = np.asarray(message.twist.covariance, float)
     velocity = LOST if covariance[0] == -1 else vector(message.twist.twist.linear)
     return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 7, 14]]), NO_RANGES, None)]
 
 
-def twist(message: Any, t_ns: int, role: str) -> list[Sample]:
+def twist(message: Fields, t_ns: int, role: str) -> list[Sample]:
     return [DvlSample(t_ns, vector(message.twist.linear), np.nan, NO_RANGES, None)]
 
 
-def water_linked(message: Any, t_ns: int, role: str) -> list[Sample]:
+def water_linked(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """The A50's report: figure of merit as sigma, one entry a beam with its own validity. Its beams are those of the A50: the
     message has none."""
     valid = bool(message.velocity_valid)
@@ -67,14 +67,14 @@ def water_linked(message: Any, t_ns: int, role: str) -> list[Sample]:
     return [DvlSample(t_ns, velocity, sigma, np.array(ranges, float), beams, A50 if beams is not None else "")]
 
 
-def girona_dvl(message: Any, t_ns: int, role: str) -> list[Sample]:
+def girona_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """cola2_msgs/DVL: velocity with covariance, one altitude, no beams."""
     covariance = np.asarray(message.velocity_covariance, float)
     velocity = LOST if covariance[0] == -1 else vector(message.velocity)
     return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), NO_RANGES, None)]
 
 
-def simulator_dvl(message: Any, t_ns: int, role: str) -> list[Sample]:
+def simulator_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """UUV Simulator and Stonefish: as Girona's, with one message a beam; a covariance of -1 marks a lost one."""
     covariance = np.asarray(message.velocity_covariance, float)
     velocity = LOST if covariance[0] == -1 else vector(message.velocity)
@@ -82,7 +82,7 @@ def simulator_dvl(message: Any, t_ns: int, role: str) -> list[Sample]:
     return [DvlSample(t_ns, velocity, _sigma(covariance[[0, 4, 8]]), np.array(ranges, float), None)]
 
 
-def nortek_dvl(message: Any, t_ns: int, role: str) -> list[Sample]:
+def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """nortek_dvl/Dvl: figure of merit as sigma; a lost velocity is -32.768, a lost distance 0."""
     velocity, merit = vector(message.velocity), float(message.figureOfMerit)
     lost = bool(np.any(velocity <= NORTEK_LOST)) or merit >= NORTEK_BAD_MERIT
@@ -91,7 +91,7 @@ def nortek_dvl(message: Any, t_ns: int, role: str) -> list[Sample]:
     return [DvlSample(t_ns, LOST if lost else velocity, sigma, np.where(ranges > 0, ranges, np.nan), None)]
 
 
-def imu(message: Any, t_ns: int, role: str) -> list[Sample]:
+def imu(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """A covariance of -1 says that the IMU does not measure that quantity."""
     q = message.orientation
     quaternion = np.array([q.x, q.y, q.z, q.w], float)
@@ -108,23 +108,23 @@ def imu(message: Any, t_ns: int, role: str) -> list[Sample]:
     ]
 
 
-def fluid_pressure(message: Any, t_ns: int, role: str) -> list[Sample]:
+def fluid_pressure(message: Fields, t_ns: int, role: str) -> list[Sample]:
     return [PressureSample(t_ns, float(message.fluid_pressure))]
 
 
-def joint_state(message: Any, t_ns: int, role: str) -> list[Sample]:
+def joint_state(message: Fields, t_ns: int, role: str) -> list[Sample]:
     return [JointSample(t_ns, str(name), float(angle)) for name, angle in zip(message.name, message.position, strict=False)]
 
 
-def compressed_image(message: Any, t_ns: int, role: str) -> list[Sample]:
+def compressed_image(message: Fields, t_ns: int, role: str) -> list[Sample]:
     return [ImageSample(t_ns, role, bytes(message.data))]
 
 
-def raw_image(message: Any, t_ns: int, role: str) -> list[Sample]:
+def raw_image(message: Fields, t_ns: int, role: str) -> list[Sample]:
     return [ImageSample(t_ns, role, encode_raw(message))]
 
 
-def projected_sonar(message: Any, t_ns: int, role: str) -> list[Sample]:
+def projected_sonar(message: Fields, t_ns: int, role: str) -> list[Sample]:
     """The pixel of range bin r and beam b lies at r * beam_count + b."""
     if int(message.image.dtype) not in DTYPES:
         raise DamagedError(f"a sonar image of data type {message.image.dtype}")
@@ -148,7 +148,7 @@ def _are_unit(beams: Array) -> bool:
     return bool(np.all(np.abs(np.linalg.norm(beams, axis=1) - 1) < 0.02))
 
 
-Translate = Callable[[Any, int, str], Sequence[Sample]]
+Translate = Callable[[Fields, int, str], Sequence[Sample]]
 DVL_TYPES: dict[str, Translate] = {
     "marine_acoustic_msgs/msg/Dvl": marine_dvl,
     "geometry_msgs/msg/TwistWithCovarianceStamped": twist_with_covariance,

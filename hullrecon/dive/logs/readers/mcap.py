@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from hullrecon.dive.logs.readers.ledger import Ledger
+from hullrecon.dive.logs.readers.loss_tracker import LossTracker
 from hullrecon.dive.logs.readers.mcap_records import (
     CHANNEL,
     CHUNK,
@@ -43,11 +43,11 @@ class McapLog:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.remarks: list[str] = []
-        self._ledger = Ledger()
+        self._tracker = LossTracker()
         self._definitions = Definitions()
 
     def messages(self) -> Iterator[Message]:
-        self.remarks, self._ledger, self._definitions = [], Ledger(), Definitions()
+        self.remarks, self._tracker, self._definitions = [], LossTracker(), Definitions()
         size = self.path.stat().st_size
         with self.path.open("rb") as stream:
             summary = read_summary(stream, size)
@@ -57,10 +57,10 @@ class McapLog:
                 yield from self._from_start(stream, size)
         if self._definitions.unknown:
             self.remarks.append(f"{self._definitions.unknown} messages belong to topics whose definition was lost")
-        self._ledger.finish(summary.counts if summary is not None else None)
+        self._tracker.finish(summary.counts if summary is not None else None)
 
     def losses(self) -> list[Loss]:
-        return list(self._ledger.losses)
+        return list(self._tracker.losses)
 
     def _by_summary(self, stream: BinaryIO, size: int, summary: Summary) -> Iterator[Message]:
         for note in summary.chunks:
@@ -68,9 +68,9 @@ class McapLog:
                 found = self._open(read_chunk(stream, note.offset, size), summary.definitions)
             except DamagedError as error:
                 why = f"the chunk at byte {note.offset} is damaged: {error}"
-                self._ledger.lose(why, note.start_ns, note.end_ns, note.topics or tuple(summary.counts))
+                self._tracker.add_loss(why, note.start_ns, note.end_ns, note.topics or tuple(summary.counts))
                 continue
-            yield from map(self._ledger.saw, found)
+            yield from map(self._tracker.record, found)
 
     def _from_start(self, stream: BinaryIO, size: int) -> Iterator[Message]:
         """Record by record; behind damage the next chunk is looked for."""
@@ -88,15 +88,15 @@ class McapLog:
                     loose.messages += len(found)
             except DamagedError as error:
                 loose.whole = False
-                self._ledger.gap(f"the file is damaged at byte {at}: {error}")
+                self._tracker.open_gap(f"the file is damaged at byte {at}: {error}")
                 at = find_chunk(stream, at + 1, size)
                 if at == size:
                     break
                 continue
-            yield from map(self._ledger.saw, found)
+            yield from map(self._tracker.record, found)
             at += HEAD + length
         else:
-            self._ledger.gap(f"the file ends at byte {size} without its closing records")
+            self._tracker.open_gap(f"the file ends at byte {size} without its closing records")
         self.remarks.append("the MCAP has no closing records: its recording or its copy was cut short")
 
     def _open(self, chunk: Chunk, definitions: Definitions) -> list[Message]:
@@ -108,7 +108,7 @@ class McapLog:
         """Messages outside chunks are covered by one checksum over all that lies before."""
         crc = fields("<I", stream.read(length))[0] if opcode == DATA_END else 0
         if loose.messages and loose.whole and crc and crc != checksum(stream, at):
-            self._ledger.lose(f"the checksum over {loose.messages} messages is wrong: some may be damaged", 0, 0)
+            self._tracker.add_loss(f"the checksum over {loose.messages} messages is wrong: some may be damaged", 0, 0)
 
 
 class _LooseRecords:

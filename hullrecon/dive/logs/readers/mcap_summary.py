@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import dataclass
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 from hullrecon.dive.logs.readers.mcap_records import FOOTER, HEAD, MAGIC, Definitions, head, records
 from hullrecon.dive.logs.readers.unpack import DamagedError, fields
@@ -59,7 +59,7 @@ def _section(stream: BinaryIO, size: int) -> bytes:
 
 def _parse(section: bytes) -> Summary:
     definitions, notes = Definitions(), []
-    by_channel: dict[Any, Any] = {}
+    by_channel: dict[int, int] = {}
     for opcode, body in records(section):
         if opcode == CHUNK_INDEX:
             start, end, offset, _, length = fields("<QQQQI", body)

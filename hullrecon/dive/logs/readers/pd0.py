@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hullrecon.dive.logs.readers.ledger import Ledger
+from hullrecon.dive.logs.readers.loss_tracker import LossTracker
 from hullrecon.dive.logs.readers.pd0_ensemble import Ensemble, ensembles
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
 from hullrecon.dive.logs.samples import DvlSample
@@ -34,26 +34,26 @@ class Pd0Log:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.remarks: list[str] = []
-        self._ledger = Ledger()
+        self._tracker = LossTracker()
 
     def messages(self) -> Iterator[Message]:
-        self.remarks, self._ledger = [], Ledger()
+        self.remarks, self._tracker = [], LossTracker()
         frames = set()
         with self.path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
             for start, end, found in ensembles(data):
                 if isinstance(found, str):
-                    self._ledger.gap(f"{end - start} bytes from byte {start} on hold no whole ensemble: {found}")
+                    self._tracker.open_gap(f"{end - start} bytes from byte {start} on hold no whole ensemble: {found}")
                     continue
                 frames.add(found.frame)
-                yield self._ledger.saw(Message(CHANNEL, found.t_ns, to_sample(found)))
-        self._ledger.finish()
+                yield self._tracker.record(Message(CHANNEL, found.t_ns, to_sample(found)))
+        self._tracker.finish()
         self.remarks.append(
             f"velocities in {' and '.join(sorted(frames)) or 'no'} coordinates were turned into the frame dvl (x to beam 3); "
             "ranges along the axis were divided by the cosine of the beam angle; the instrument's clock was taken as UTC"
         )
 
     def losses(self) -> list[Loss]:
-        return list(self._ledger.losses)
+        return list(self._tracker.losses)
 
 
 def to_sample(ping: Ensemble) -> DvlSample:

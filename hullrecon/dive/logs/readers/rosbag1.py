@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-from hullrecon.dive.logs.readers.ledger import Ledger
+from hullrecon.dive.logs.readers.loss_tracker import LossTracker
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, decompress, fields, text
 
@@ -25,7 +25,7 @@ Head = dict[str, bytes]
 
 
 @dataclass(frozen=True)
-class ChunkNote:
+class BagChunk:
     """What the index says about one chunk: where it is, its span in log time, messages by connection."""
 
     offset: int
@@ -49,10 +49,10 @@ class Rosbag1Log:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.remarks: list[str] = []
-        self._ledger = Ledger()
+        self._tracker = LossTracker()
 
     def messages(self) -> Iterator[Message]:
-        self.remarks, self._ledger = [], Ledger()
+        self.remarks, self._tracker = [], LossTracker()
         size = self.path.stat().st_size
         connections = Connections()
         with self.path.open("rb") as stream:
@@ -64,12 +64,12 @@ class Rosbag1Log:
                 yield from self._by_index(stream, size, connections, notes)
         if connections.unknown:
             self.remarks.append(f"{connections.unknown} messages belong to topics whose definition was lost")
-        self._ledger.finish(_expected(notes or [], connections))
+        self._tracker.finish(_expected(notes or [], connections))
 
     def losses(self) -> list[Loss]:
-        return list(self._ledger.losses)
+        return list(self._tracker.losses)
 
-    def _by_index(self, stream: BinaryIO, size: int, connections: Connections, notes: list[ChunkNote]) -> Iterator[Message]:
+    def _by_index(self, stream: BinaryIO, size: int, connections: Connections, notes: list[BagChunk]) -> Iterator[Message]:
         for note in notes:
             try:
                 head, data, _ = record(stream, note.offset, size)
@@ -78,9 +78,11 @@ class Rosbag1Log:
                     raise DamagedError(f"it holds {len(found)} messages instead of {sum(note.counts.values())}")
             except DamagedError as error:
                 topics = [connections[c].topic for c in note.counts if c in connections]
-                self._ledger.lose(f"the chunk at byte {note.offset} is damaged: {error}", note.start_ns, note.end_ns, topics)
+                self._tracker.add_loss(
+                    f"the chunk at byte {note.offset} is damaged: {error}", note.start_ns, note.end_ns, topics
+                )
                 continue
-            yield from map(self._ledger.saw, found)
+            yield from map(self._tracker.record, found)
 
     def _from_start(self, stream: BinaryIO, size: int, connections: Connections) -> Iterator[Message]:
         at = len(MAGIC)
@@ -89,10 +91,10 @@ class Rosbag1Log:
                 head, data, following = record(stream, at, size)
                 found = messages_of(head, data, connections)
             except DamagedError as error:
-                self._ledger.gap(f"the file is damaged at byte {at}: {error}")
+                self._tracker.open_gap(f"the file is damaged at byte {at}: {error}")
                 at = find_chunk(stream, at + 1, size)
                 continue
-            yield from map(self._ledger.saw, found)
+            yield from map(self._tracker.record, found)
             at = following
 
 
@@ -143,7 +145,7 @@ def records(data: bytes) -> Iterator[tuple[Head, bytes]]:
         at = end
 
 
-def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[ChunkNote] | None:
+def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[BagChunk] | None:
     """The chunks that the index at the end of the bag names, in the order of the file; None when there is none to trust."""
     try:
         head, _, _ = record(stream, len(MAGIC), size)
@@ -214,10 +216,10 @@ def _connection(head: Head, data: bytes) -> tuple[int, Channel]:
     return fields("<I", head.get("conn", b""))[0], Channel(topic, kind, "ros1", definition)
 
 
-def _note(head: Head, data: bytes) -> ChunkNote:
+def _note(head: Head, data: bytes) -> BagChunk:
     (offset,) = fields("<Q", head.get("chunk_pos", b""))
     pairs = [fields("<II", data, at) for at in range(0, len(data), 8)]
-    return ChunkNote(offset, _time(head.get("start_time", b"")), _time(head.get("end_time", b"")), dict(pairs))  # type: ignore[arg-type]
+    return BagChunk(offset, _time(head.get("start_time", b"")), _time(head.get("end_time", b"")), dict(pairs))  # type: ignore[arg-type]
 
 
 def _time(value: bytes) -> int:
@@ -225,7 +227,7 @@ def _time(value: bytes) -> int:
     return seconds * 1_000_000_000 + nanoseconds
 
 
-def _expected(notes: list[ChunkNote], connections: Connections) -> dict[str, int]:
+def _expected(notes: list[BagChunk], connections: Connections) -> dict[str, int]:
     out: dict[str, int] = {}
     for note in notes:
         for number, count in note.counts.items():

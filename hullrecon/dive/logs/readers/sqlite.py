@@ -8,7 +8,7 @@ import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
 
-from hullrecon.dive.logs.readers.ledger import Ledger
+from hullrecon.dive.logs.readers.loss_tracker import LossTracker
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError
 from hullrecon.errors import InputError
@@ -26,27 +26,27 @@ class SqliteLog:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.remarks: list[str] = []
-        self._ledger = Ledger()
+        self._tracker = LossTracker()
 
     def messages(self) -> Iterator[Message]:
-        self.remarks, self._ledger = [], Ledger()
+        self.remarks, self._tracker = [], LossTracker()
         connection = sqlite3.connect(f"{self.path.absolute().as_uri()}?mode=ro&immutable=1", uri=True)
         try:
             channels = _channels(connection)
             for number, t_ns, data in self._rows(connection):
                 if number in channels and isinstance(data, bytes):
-                    yield self._ledger.saw(Message(channels[number], t_ns, data))
+                    yield self._tracker.record(Message(channels[number], t_ns, data))
         except (sqlite3.Error, DamagedError) as error:
             raise InputError(f"{self.path.name} cannot be read: {error}", where=str(self.path.parent)) from None
         finally:
             connection.close()
         missing = bytes_missing(self.path)
         if missing > 0:
-            self._ledger.gap(f"the database is cut off: {missing} bytes of its pages are missing")
-        self._ledger.finish()
+            self._tracker.open_gap(f"the database is cut off: {missing} bytes of its pages are missing")
+        self._tracker.finish()
 
     def losses(self) -> list[Loss]:
-        return list(self._ledger.losses)
+        return list(self._tracker.losses)
 
     def _rows(self, connection: sqlite3.Connection) -> Iterator[tuple[int, int, bytes]]:
         """topic, time, data by rowid. A batch that fails is asked for again row by row; a row that fails is lost."""
@@ -62,7 +62,7 @@ class SqliteLog:
                     step = max(1, step // 16)
                     continue
                 if not failed:
-                    self._ledger.gap(f"the database is damaged from row {at} on")
+                    self._tracker.open_gap(f"the database is damaged from row {at} on")
                 failed, at = failed + 1, at + 1
                 continue
             yield from rows

@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""init and check: write the dive.toml of a package, and check a package, a bare log or the folder of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from hullrecon.errors import InputError, UsageError
+
+from .dives import CONFIGURATION, FOLDER, name_overrides, set_option
+from .state import state_of
+
+
+@click.command()
+@click.argument("log", type=FOLDER)
+@click.option("--out", type=FOLDER, help="the package's folder  [default: LOG where it is a folder, else the current one]")
+@click.option("--force", is_flag=True, help=f"replace a {CONFIGURATION} that is there")
+def init(log: Path, out: Path | None, force: bool) -> None:
+    """Write a commented dive.toml by looking into LOG, a file or a folder with one."""
+    from hullrecon.artifacts.storage.disk import storage_errors, write_file
+    from hullrecon.dive.check.to_fill_in import to_fill_in
+    from hullrecon.dive.config.config_template import beams_to_ask_for, fill_template
+    from hullrecon.dive.config.load import load_config
+    from hullrecon.dive.logs.dvl_beams import ask_for_beams
+    from hullrecon.dive.logs.readers.open import find_logs, open_log
+    from hullrecon.dive.logs.summary import guess_topics, summarise_logs
+
+    logs = find_logs(log)
+    found = summarise_logs([open_log(path) for path in logs])
+    if not found.topics:
+        raise InputError("nothing could be read of the log", where=str(log))
+    folder = out or (log if log.is_dir() else Path())
+    path = folder / CONFIGURATION
+    if path.exists() and not force:
+        raise UsageError(f"{CONFIGURATION} is there already", where=str(folder), remedy="--force replaces it")
+    with storage_errors(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    write_file(path, fill_template(found, logs, folder).encode())
+    unknown = to_fill_in(load_config(folder), guess_topics(found.topics).keys())
+    beams = beams_to_ask_for(found)
+    unknown += [f"to fill in: {ask_for_beams(beams).line()}"] if beams else []
+    lines = [*found.lines(), f"wrote {path}", *unknown, f"next: read it through, then `hullrecon check {folder}`"]
+    state_of().emit({**found.document(), "wrote": str(path), "to_fill_in": unknown}, lines)
+
+
+@click.command("check")
+@click.argument("package", type=FOLDER)
+@set_option
+def check_of_package(package: Path, overrides: tuple[str, ...]) -> None:
+    """Describe what PACKAGE holds, or a bare log, and what is missing for a run.
+
+    Exits with 3 when no run of the package is possible.
+    """
+    if package.is_file() or (package.is_dir() and not (package / CONFIGURATION).exists() and _is_log(package)):
+        _check_log(package)
+        return
+    from hullrecon.artifacts.execution.progress import choose_progress
+    from hullrecon.artifacts.graph.stage_settings import StageSettings
+    from hullrecon.dive.check.package_check import check_package
+    from hullrecon.dive.config.load import load_config
+    from hullrecon.steps.chain import stages
+    from hullrecon.steps.ingest import STAGE, USES, request_of
+
+    step_sections = {stage.name: stage.parameters for stage in (*stages(), STAGE)}
+    with name_overrides(step_sections, overrides):
+        loaded = load_config(package, step_sections, overrides)
+    request = request_of(StageSettings(STAGE.name, {name: loaded.value(name) for name in USES}))
+    progress = choose_progress()
+    found = check_package(loaded, request, lambda messages: progress.track(messages, "check: messages", None))
+    state_of().emit(found.document(), found.lines())
+    if found.run_is_possible:
+        return
+    if state_of().json:
+        click.get_current_context().exit(InputError.exit_code)
+    lacking = f"missing: {', '.join(found.missing_files)}" if found.missing_files else "sensors are missing"
+    raise InputError(f"no run is possible: {lacking}", where=str(package), remedy="see the lines above")
+
+
+def _check_log(path: Path) -> None:
+    from hullrecon.dive.logs.readers.open import open_log
+    from hullrecon.dive.logs.summary import summarise_log
+
+    found = summarise_log(open_log(path))
+    advice = "this is a log without a dive.toml: `hullrecon init` writes one beside it"
+    state_of().emit(found.document(), [*found.lines(), advice])
+
+
+def _is_log(folder: Path) -> bool:
+    from hullrecon.dive.logs.readers.open import open_log
+
+    try:
+        open_log(folder)
+    except InputError:
+        return False
+    return True
+
+
+class _Check(click.Command):
+    """Its help lists the options of a package's check as well, which are parsed by that command."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        super().format_options(ctx, formatter)
+        known = {parameter.name for parameter in self.get_params(ctx)}
+        more = [parameter.get_help_record(ctx) for parameter in check_of_package.params if parameter.name not in known]
+        with formatter.section("Options for a dive package"):
+            formatter.write_dl([record for record in more if record is not None])
+
+
+@click.command(cls=_Check, context_settings={"ignore_unknown_options": True, "allow_extra_args": True})
+@click.argument("target", type=FOLDER)
+@click.option("--read-data", is_flag=True, help="run's folder: read every byte, those of the package too")
+@click.pass_context
+def check(context: click.Context, target: Path, read_data: bool) -> None:
+    """Check TARGET, a dive package or the folder of a run, and name what is wrong."""
+    from hullrecon.artifacts.storage.workspace import Workspace
+
+    if Workspace(target).exists() and not (target / CONFIGURATION).exists():
+        if context.args:
+            raise click.UsageError(f"no such option: {context.args[0]}", context)
+        _check_run(target, read_data)
+        return
+    if read_data:
+        raise click.UsageError(f"--read-data is for the folder of a run, and {target} is none", context)
+    with check_of_package.make_context("check", [str(target), *context.args], parent=context) as inner:
+        check_of_package.invoke(inner)
+
+
+def _check_run(folder: Path, read_data: bool) -> None:
+    from hullrecon.artifacts.storage.checking import check_workspace
+    from hullrecon.artifacts.storage.workspace import Workspace
+    from hullrecon.steps.chain import NAMES
+
+    found = check_workspace(Workspace(folder), NAMES, read_data=read_data)
+    how = "read" if read_data else "looked at"
+    summary = (
+        f"{found.artifacts} artifacts, {found.files} files {how}, {found.read_bytes / 1e6:.1f} MB, {len(found.damaged)} damaged"
+    )
+    document = {"artifacts": found.artifacts, "files": found.files, "read_data": read_data, "damaged": found.damaged}
+    if found.damaged and state_of().json:
+        state_of().emit(document, ())
+        context = click.get_current_context()
+        context.exit(InputError.exit_code)
+    state_of().emit(document, [*(f"damaged: {sentence}" for sentence in found.damaged), summary])
+    if found.damaged:
+        remedy = "`hullrecon run --read-data` sets damaged artifacts apart and reruns their steps"
+        raise InputError(f"damaged: {'; '.join(found.damaged[:3])}", where=str(folder), remedy=remedy)

@@ -1,0 +1,8 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The commands as functions, for notebooks and scripts: see examples/."""
+
+from hullrecon.api.commands import Comparison, compare, draw_figures, evaluate, run_dive
+from hullrecon.api.dive_run import DiveRun, open_dive
+
+__all__ = ["Comparison", "DiveRun", "compare", "draw_figures", "evaluate", "open_dive", "run_dive"]

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""run, evaluate, compare and figures as functions that return what the commands print."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hullrecon.api.dive_run import DiveRun, open_dive
+from hullrecon.api.method_variants import (
+    COMPARED,
+    find_objects,
+    read_dead_reckoning,
+    read_objects,
+    read_solutions,
+    solve_all,
+)
+from hullrecon.artifacts.execution.chain_runner import run_chain
+from hullrecon.artifacts.execution.executor import choose_executor
+from hullrecon.artifacts.execution.progress import Progress, Silent
+from hullrecon.artifacts.execution.runner import RunContext
+from hullrecon.artifacts.storage.writer import ArtifactWriter
+
+if TYPE_CHECKING:
+    from hullrecon.evaluation.comparison.method_comparison import MethodFigures
+    from hullrecon.evaluation.figures.figure_style import PublishedFigure
+    from hullrecon.evaluation.scoring.score import Score
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """The methods side by side: figures by method and weighting, and the table of them."""
+
+    figures: dict[str, MethodFigures]
+    heads: list[str]
+    rows: list[list[str]]
+
+
+def run_dive(
+    package: Path | str, runs: Path | str = "runs", *, last_step: str | None = None, overrides: Sequence[str] = (),
+    jobs: int = 1, progress: Progress | None = None,
+) -> DiveRun:  # fmt: skip
+    """Run the chain on a dive package, as `hullrecon run` does, and return the dive; its `deliver` folder holds the results.
+
+    last_step: stop after this step. overrides: `section.key=value`. jobs: worker processes inside a step. Raises the errors of
+    hullrecon.errors, all HullreconError.
+    """
+    dive = open_dive(package, runs, overrides)
+    chain = dive.chain if last_step is None else dive.chain.up_to(last_step)
+    with _run_context(dive, jobs, progress) as run_context:
+        run_chain(chain, dive.workspace, run_context)
+    return dive
+
+
+def evaluate(run: Path | str, package: Path | str) -> Score:
+    """Return the figures of a run (RUNS/<dive> or its deliver/) against the truth in a simulated dive's package."""
+    from hullrecon.evaluation.scoring.score import score_run
+
+    return score_run(Path(run), Path(package))
+
+
+def compare(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> Comparison:
+    """Solve a simulated dive by every method, as published and as weighted by us, and return the figures of each.
+
+    Raises InputError when the package holds no truth.
+    """
+    from hullrecon.evaluation.comparison.comparison import compare_methods, comparison_table
+    from hullrecon.evaluation.scoring.truth import read_truth
+
+    truth = read_truth(dive.chain.package)
+    with _run_context(dive, jobs, progress) as run_context:
+        solve_all(dive, run_context)
+    figures = compare_methods(read_solutions(dive), read_dead_reckoning(dive), truth)
+    heads, rows = comparison_table(figures)
+    return Comparison(figures=figures, heads=heads, rows=rows)
+
+
+def draw_figures(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> tuple[Path, list[PublishedFigure]]:
+    """Draw the sources' figures on a simulated dive; return their folder (RUNS/<dive>/compare/figures) and the figures.
+
+    Solves what `compare` has not solved, and runs the chain up to `detect`, whose heights are the ones delivered. Raises
+    InputError when the package holds no truth.
+    """
+    from hullrecon.evaluation.figures.figures import draw_figures as draw
+    from hullrecon.evaluation.scoring.truth import read_truth
+
+    truth = read_truth(dive.chain.package)
+    with _run_context(dive, jobs, progress) as run_context:
+        solve_all(dive, run_context)
+        find_objects(dive, run_context)
+    figures = draw(read_solutions(dive), read_dead_reckoning(dive), truth, read_objects(dive))
+    folder = dive.workspace.root / COMPARED / "figures"
+    out = ArtifactWriter(folder)
+    for figure in figures:
+        out.bytes(f"{figure.name}.png", figure.png)
+        out.text(f"{figure.name}.csv", figure.csv)
+    return folder, figures
+
+
+@contextmanager
+def _run_context(dive: DiveRun, jobs: int, progress: Progress | None) -> Iterator[RunContext]:
+    with choose_executor(jobs) as executor:
+        yield RunContext(dive.workspace.hashes(), executor, progress or Silent())

@@ -1,0 +1,151 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The solves that `compare` and `figures` set side by side: solved when they are out of date, read back when they are there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from hullrecon.api.dive_run import DiveRun
+from hullrecon.artifacts.execution.chain_runner import run_chain
+from hullrecon.artifacts.execution.runner import RunContext, build
+from hullrecon.artifacts.graph.chain import Chain, inputs_of
+from hullrecon.artifacts.graph.job import make_job
+from hullrecon.artifacts.graph.plan import assess_step
+from hullrecon.artifacts.storage.workspace import Workspace
+from hullrecon.errors import InputError
+
+if TYPE_CHECKING:
+    from hullrecon.evaluation.comparison.comparison import DeadReckoning, SolvedVariant
+    from hullrecon.records.deliverables import ReportedObject
+
+COMPARED = "compare"  # RUNS/<dive>/compare/<variant>/adjust: one workspace a variant, beside the chain's own artifacts
+WHOLE_SOLVE_ITERATIONS = 200  # 26 to 51 in [Ozog2016 Fig. 4.13]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MethodVariant:
+    """A method of the adjustment with a weighting; as_published: without our weights, deviation field and rounds."""
+
+    method: str
+    weighting: str
+    as_published: bool
+
+    def chain(self, whole: Chain) -> Chain:
+        """Return the chain with this variant's options of adjust.
+
+        As published is one solve from the registration on, as [Ozog2016] did it, so that its history is that of one function.
+        """
+        from hullrecon.adjustment.options import AdjustOptions
+
+        own = whole.sections["adjust"]
+        assert isinstance(own, AdjustOptions)
+        own = msgspec.structs.replace(own, method=self.method, as_published=self.as_published)
+        if self.as_published:
+            own = msgspec.structs.replace(own, rounds=1, max_iterations=max(own.max_iterations, WHOLE_SOLVE_ITERATIONS))
+        return replace(whole, sections={**whole.sections, "adjust": own})
+
+    def workspace(self, dive: DiveRun) -> Workspace:
+        """Return the run's own folder for the variant that the chain itself solves, else one below `compare`."""
+        if self.chain(dive.chain).sections["adjust"] == dive.chain.sections["adjust"]:
+            return dive.workspace
+        return Workspace(dive.workspace.root / COMPARED / f"{self.method}-{self.weighting.replace(' ', '-')}")
+
+
+def variants() -> list[MethodVariant]:
+    """Return every solve that is compared."""
+    from hullrecon.evaluation.comparison.method_comparison import METHODS, WEIGHTINGS
+
+    return [
+        MethodVariant(method=method, weighting=weighting, as_published=as_published)
+        for weighting, as_published in WEIGHTINGS.items()
+        for method in METHODS
+    ]
+
+
+def solve_all(dive: DiveRun, run_context: RunContext) -> None:
+    """Bring the steps before adjust up to date, then every variant of adjust."""
+    whole = dive.chain.up_to("adjust")
+    before = replace(whole, stages=tuple(s for s in whole.stages if s.name != "adjust"))
+    run_chain(before, dive.workspace, run_context)
+    with dive.workspace.lock():
+        for variant in variants():
+            _solve(variant.chain(whole), dive.workspace, variant.workspace(dive), run_context)
+        run_context.hashes.save()
+
+
+def find_objects(dive: DiveRun, run_context: RunContext) -> None:
+    """Bring the chain's own steps up to `detect` up to date, where the dive can have it: the heights that are delivered."""
+    if any(s.name == "detect" for s in dive.chain.stages):
+        run_chain(dive.chain.up_to("detect"), dive.workspace, run_context)
+
+
+def _solve(chain: Chain, upstream: Workspace, target: Workspace, run_context: RunContext) -> None:
+    stage = next(s for s in chain.stages if s.name == "adjust")
+    job = make_job(
+        stage, chain.sections, inputs_of(stage, chain, upstream, chain.skip_reasons()), chain.package, run_context.hashes
+    )
+    if assess_step(job, target, run_context.hashes).to_do:
+        build(job, target.root / stage.name, target.build_folder(stage.name), run_context)
+
+
+def read_solutions(dive: DiveRun) -> list[SolvedVariant]:
+    """Return what solve_all left. Raises InputError when a variant is missing."""
+    return [_read_solution(variant, variant.workspace(dive)) for variant in variants()]
+
+
+def _read_solution(variant: MethodVariant, workspace: Workspace) -> SolvedVariant:
+    import numpy as np
+
+    from hullrecon.evaluation.comparison.comparison import SolvedVariant
+    from hullrecon.geometry.poses import pose_from_vector
+    from hullrecon.steps.artifacts import AdjustArtifact
+
+    manifest = workspace.manifest("adjust")
+    if manifest is None:
+        name = f"{variant.method} {variant.weighting}"
+        raise InputError(f"{name} was not solved", where=str(workspace.root), remedy="run `hullrecon compare`")
+    artifact = AdjustArtifact(workspace.artifact("adjust"))
+    registration = artifact.summary.get("registration")
+    seven = registration.get("T_g_M") if isinstance(registration, dict) else None
+    return SolvedVariant(
+        method=variant.method,
+        weighting=variant.weighting,
+        solution=artifact.solution,
+        iterations=artifact.iterations,
+        seconds=float(manifest.run["seconds"]),
+        iterations_s=np.asarray(manifest.run.get("times", {}).get("iterations_s", []), float),
+        registered=None if seven is None else pose_from_vector(np.asarray(seven, float)),
+        chart=artifact.chart,
+    )
+
+
+def read_dead_reckoning(dive: DiveRun) -> DeadReckoning:
+    """Return the dead-reckoned dive, the rig as configured. Raises InputError where navigate left nothing."""
+    from hullrecon.evaluation.comparison.comparison import DeadReckoning
+    from hullrecon.rig import RIG_KEYS, rig_from_settings
+    from hullrecon.steps.artifacts import NavigateArtifact
+
+    artifact = NavigateArtifact(dive.workspace.artifact("navigate"))
+    rig = rig_from_settings({key: _setting(dive.chain.sections, key) for key in RIG_KEYS}, {})
+    return DeadReckoning(trajectory=artifact.trajectory, returns=artifact.returns, rig=rig)
+
+
+def read_objects(dive: DiveRun) -> tuple[ReportedObject, ...]:
+    """Return the objects that the chain's own detect reports; none where it left nothing."""
+    from hullrecon.records.deliverables import ReportedObject
+    from hullrecon.steps.artifacts import DetectArtifact
+
+    rows = DetectArtifact(dive.workspace.artifact("detect")).objects.get("objects", ())
+    return msgspec.convert(rows, tuple[ReportedObject, ...])
+
+
+def _setting(sections: Mapping[str, object], key: str) -> object:
+    """Return a value by dotted key; None where its section is absent."""
+    section, _, name = key.rpartition(".")
+    value = sections.get(section)
+    return None if value is None else getattr(value, name, None)

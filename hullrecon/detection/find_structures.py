@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""From landmarks and the hull's base surface to the hull as found and the structures on it [Ozog2016 4.3]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.detection.as_found.background import Background, FieldBackground, median_background
+from hullrecon.detection.as_found.hull_as_found import estimate_hull_as_found
+from hullrecon.detection.as_found.landmarks import SurfaceLandmarks, measure_surface
+from hullrecon.detection.as_found.record import as_found_surface, surface_on_cad_model
+from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.detection.objects.find_objects import find_objects
+from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.views import CameraViews
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.records.solution import DeviationField, Landmarks
+from hullrecon.records.surface import Surface
+
+Facts = dict[str, object]
+CAD_EDGE_M = 0.12  # edges of a CAD model that is moved to the DVL's surface, whose own are 0.1 m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Structures:
+    """as_found: None where nothing but the surveyed surface is known. objects: the rows of objects.json. facts: detect.json."""
+
+    as_found: Surface | None
+    objects: list[Facts]
+    facts: Facts
+
+
+def find_structures(
+    base: BaseSurface, landmarks: Landmarks, field: DeviationField | None, views: CameraViews | None, options: DetectOptions
+) -> Structures:
+    """Return the hull as found and the objects on it; without enough landmarks, the hull as the DVL alone found it.
+
+    landmarks are in g; field: the adjustment's deviation field, None where it estimated none.
+    """
+    if views is None:
+        return _without_landmarks(base)
+    # Landmarks as heights over the base
+    measured = measure_surface(
+        Scene(base.mesh),
+        base.result_from_global.apply(landmarks.position),
+        landmarks.covariance,
+        landmarks.views,
+        options.max_offset_m,
+        0.5 * options.min_offset_m,
+    )
+    if len(measured) < options.min_landmarks:
+        return _without_landmarks(base)
+    # The hull without structures, then with them
+    background = _choose_background(base, field, measured, options)
+    found = estimate_hull_as_found(base.mesh, measured, background, views, options)
+    # Structures: regions that stand off and are certain
+    height = measured.offset - background.at(measured.foot)[0]
+    objects, rejected = find_objects(found, measured, height, views, base, options)
+    rows: list[Facts] = [
+        {"id": k + 1, **item.as_json(), "address": base.address_of(np.array(item.center))} for k, item in enumerate(objects)
+    ]
+    facts: Facts = {
+        "reference": base.description,
+        "landmarks_used": len(measured),
+        "not_reported": [item.as_json() for item in rejected],
+    }
+    return Structures(as_found=as_found_surface(found, measured), objects=rows, facts=facts)
+
+
+def _choose_background(
+    base: BaseSurface, field: DeviationField | None, measured: SurfaceLandmarks, options: DetectOptions
+) -> Background:
+    """Return the deviation field where it was estimated throughout, else running medians of the landmarks."""
+    if field is not None and np.isfinite(field.value).all():
+        return FieldBackground(chart=base.chart, field=field)
+    return median_background(measured.foot, measured.offset, options.background_width_m)
+
+
+def _without_landmarks(base: BaseSurface) -> Structures:
+    """Return the CAD model moved to the DVL's surface; nothing without a CAD model, where the surveyed surface is all."""
+    facts: Facts = {
+        "reference": base.description,
+        "objects": "no landmarks: structures are looked for with a camera",
+    }
+    if base.cad_model is None:
+        facts["as_found"] = "no landmarks and no CAD model: the surface from the DVL is what was found"
+        return Structures(as_found=None, objects=[], facts=facts)
+    facts["as_found"] = "from the DVL's surface"
+    moved = surface_on_cad_model(base.cad_model, base.surveyed, CAD_EDGE_M)
+    return Structures(as_found=moved, objects=[], facts=facts)

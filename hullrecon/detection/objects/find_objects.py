@@ -1,0 +1,237 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Objects on the hull: regions of the as-found mesh that are certain, measured in the hull's frame."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from hullrecon.detection.as_found.hull_as_found import HullAsFound
+from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
+from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.detection.objects.outline import outline
+from hullrecon.detection.objects.regions import Region, find_regions, weighted_quantile
+from hullrecon.detection.objects.significance import height_sigma, p_value, relief_left, roughness
+from hullrecon.detection.options import DetectOptions
+from hullrecon.detection.views import CameraViews, rows_in_image, visible_rows
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import vertex_areas
+from hullrecon.geometry.neighbours import Around, nearest
+from hullrecon.typing import Array, Ints, Mask
+
+IMAGES = 6  # named with each object
+NEAR_M = 0.02  # a landmark so near to a structure's vertices lies on it, or on the hull at the foot of its edge
+
+
+@dataclass(frozen=True, kw_only=True)
+class HullObject:
+    """One structure, as in objects.json (docs/deliverables.md): lengths in m, points in the frame of the surface. deviation:
+    None without a CAD model."""
+
+    center: list[float]
+    normal: list[float]
+    height: float
+    height_sigma: float
+    deviation: float | None
+    extent: list[float]
+    area: float
+    volume: float
+    views: int
+    p_value: float
+    images: list[str]
+    outline: list[list[float]]
+
+    def as_json(self) -> dict[str, object]:
+        return asdict(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _RegionEvidence:
+    """A region looked at. center: the vertex in the middle of its top; seen: views that show it, the best first; chance that
+    bare hull looks so; sigma m of its height."""
+
+    region: Region
+    center: int
+    seen: Ints
+    chance: float
+    sigma: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Landmarks:
+    """Of a dive, with their heights (n,) m above the hull, and where their feet lie."""
+
+    measured: SurfaceLandmarks
+    height: Array
+    around: Around
+
+    def on(self, found: HullAsFound, region: Region, vertices: Ints) -> tuple[Mask, Array, Array]:
+        """Those near these vertices of a region: whether each stands off the hull as the region does (n,), its height over the
+        surface there (n,), and its own sigma (n,), m."""
+        at = found.base.vertices[vertices]
+        near = self.around.ball(at, NEAR_M)
+        distance, row = nearest(at, self.measured.foot[near], 1, NEAR_M)
+        on = np.isfinite(distance[:, 0])
+        height, surface = self.height[near[on]], found.height[vertices[row[on, 0]]]
+        stands = region.side * (height - region.level) > 0.5 * np.abs(surface - region.level)
+        return stands, height - surface, self.measured.sigma[near[on]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RejectedRegion:
+    """A region that was not reported, and why."""
+
+    center: list[float]
+    height: float
+    reason: str
+
+    def as_json(self) -> dict[str, object]:
+        return asdict(self)
+
+
+def find_objects(
+    found: HullAsFound,
+    measured: SurfaceLandmarks,
+    height: Array,
+    views: CameraViews,
+    base: BaseSurface,
+    options: DetectOptions,
+) -> tuple[list[HullObject], list[RejectedRegion]]:
+    """Objects, the highest first, and the regions that were not certain enough.
+
+    measured with its heights (m,) above the hull are the landmarks.
+    """
+    area = vertex_areas(found.base)
+    rough = roughness(found)
+    scene = Scene(found.mesh)
+    landmarks = _Landmarks(measured=measured, height=height, around=Around(measured.foot))
+    objects, rejected = [], []
+    for region in find_regions(found, options):
+        evidence = _collect_evidence(found, region, area, rough, landmarks, _seen_by(found, region, views, scene))
+        reason = _rejection_reason(found, evidence, area, _supporting_landmarks(found, region, landmarks), options)
+        if reason:
+            rejected.append(
+                RejectedRegion(
+                    center=_round(found.mesh.vertices[evidence.center]), height=round(region.height, 5), reason=reason
+                )
+            )
+        else:
+            objects.append(_object(found, evidence, area, views, base))
+    return objects, rejected
+
+
+def _collect_evidence(
+    found: HullAsFound, region: Region, area: Array, rough: float, landmarks: _Landmarks, seen: Ints
+) -> _RegionEvidence:
+    sigma = height_sigma(found, region)
+    places = float(area[found.measured].sum() / max(area[region.foot].sum(), 1e-9))
+    chance = p_value(region.height, sigma, rough, places)
+    # Where its top and the hull around it are said to be is no finer than the hull; and a peak is read where enough of it
+    # reaches: how far it may go on above that, its bluntness says. Nor is it finer than the relief between landmarks.
+    stands, over, own = landmarks.on(found, region, _top_rows(found, region))
+    unresolved = relief_left(over[stands], own[stands])
+    sigma = float(np.sqrt(sigma**2 + rough**2 + region.bluntness**2 + unresolved**2))
+    return _RegionEvidence(region=region, center=_center(found, region, area), seen=seen, chance=chance, sigma=sigma)
+
+
+def _rejection_reason(
+    found: HullAsFound, evidence: _RegionEvidence, area: Array, supporting: tuple[int, float], options: DetectOptions
+) -> str:
+    """Why the region is not an object, or nothing. supporting: landmarks that agree, and their share."""
+    region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
+    shapes = int(np.percentile(found.shapes[region.core], 75))
+    core = float(area[region.core].sum())
+    least = options.min_height_m + float(np.median(found.facet[region.core]))
+    checks = (
+        (abs(region.height) < least, f"only {abs(region.height):.3f} m off the hull around it, of {least:.3f} m needed there"),
+        (core < options.min_area_m2, f"only {1e4 * core:.0f} cm2 above half its height"),
+        (on < options.min_landmarks, f"only {on} landmarks"),
+        (agree < options.min_agreement, f"only {100 * agree:.0f} % of its landmarks agree"),
+        (min(seen, shapes) < options.min_views, f"only {min(seen, shapes)} images show it"),
+        (evidence.chance > options.max_p_value, f"bare hull does so with probability {evidence.chance:.2g}"),
+    )
+    return next((reason for failed, reason in checks if failed), "")
+
+
+def _supporting_landmarks(found: HullAsFound, region: Region, landmarks: _Landmarks) -> tuple[int, float]:
+    """Landmarks on the core that stand off as it does, and their share of all landmarks there."""
+    stands, _, _ = landmarks.on(found, region, region.core)
+    return int(stands.sum()), float(stands.mean()) if len(stands) else 0.0
+
+
+def _center(found: HullAsFound, region: Region, area: Array) -> int:
+    """The vertex on the visible surface nearest to the middle of the highest part."""
+    top = _top_rows(found, region)
+    middle = np.average(found.base.vertices[top], axis=0, weights=np.maximum(area[top], 1e-12))
+    return int(top[np.argmin(np.linalg.norm(found.base.vertices[top] - middle, axis=1))])
+
+
+def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scene) -> Ints:
+    """CameraViews that saw more than half of the top, the best (nearest to the image's middle) first."""
+    top = _top_rows(found, region)
+    middle = views.T_x_c.inverse().apply(found.mesh.vertices[top].mean(axis=0)[None])
+    offset = np.hypot(middle[:, 0], middle[:, 1]) / np.maximum(middle[:, 2], 1e-6)
+    near = np.linalg.norm(middle, axis=1) < views.farthest_m + 0.5
+    share = np.zeros(len(views))
+    for view in np.flatnonzero(near).tolist():
+        rows = rows_in_image(views, view, found.mesh.vertices, top)
+        clear, _, _ = visible_rows(views.T_x_c.translation[view], rows, found.mesh.vertices, found.normal, scene)
+        share[view] = len(clear) / len(top)
+    seen = np.flatnonzero(share > 0.5)
+    return seen[np.argsort(offset[seen], kind="stable")]
+
+
+def _top_rows(found: HullAsFound, region: Region) -> Ints:
+    """Vertices of the core above four fifths of the height."""
+    above = region.side * (found.height[region.core] - region.level)
+    top = region.core[above >= 0.8 * abs(region.height)]
+    return top if len(top) else region.core
+
+
+def _object(found: HullAsFound, evidence: _RegionEvidence, area: Array, views: CameraViews, base: BaseSurface) -> HullObject:
+    region = evidence.region
+    foot, core = region.foot, region.core
+    normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
+    normal /= np.linalg.norm(normal)
+    line = outline(found.mesh, foot)
+    deviation = region.side * weighted_quantile(region.side * found.deviation[core], area[core], 0.98)
+    above = found.height[foot] - region.level
+    return HullObject(
+        center=_round(_top(found, region, evidence.center)),
+        normal=_round(normal),
+        height=round(region.height, 5),
+        height_sigma=round(evidence.sigma, 5),
+        deviation=round(deviation, 5) if base.cad_model is not None else None,
+        extent=_round(_extent(found.base.vertices[foot], normal, base.chart)),
+        area=round(float(area[foot].sum()), 6),
+        volume=round(float((above * area[foot]).sum()), 7),
+        views=len(evidence.seen),
+        p_value=float(f"{evidence.chance:.3g}"),
+        images=[views.name[view] for view in evidence.seen[:IMAGES]],
+        outline=[_round(point) for point in line],
+    )
+
+
+def _top(found: HullAsFound, region: Region, center: int) -> Array:
+    """The center's foot on the base, lifted to the region's height."""
+    lift = found.hull[center] + region.level + region.height
+    return np.asarray(found.base.vertices[center] + found.normal[center] * lift)
+
+
+def _extent(points: Array, normal: Array, chart: Chart) -> Array:
+    """Size (2,) along the hull and around the girth."""
+    middle = points.mean(axis=0)
+    at = chart.to_chart(middle[None])[0, :2]
+    ends, _ = chart.from_chart(at + np.array([[-0.05, 0], [0.05, 0]]))
+    along = ends[1] - ends[0] if np.isfinite(ends).all() else np.array([1.0, 0, 0])
+    along = along - normal * (along @ normal)
+    along /= np.linalg.norm(along)
+    flat = (points - middle) @ np.stack([along, np.cross(normal, along)], axis=1)
+    return np.asarray(np.percentile(flat, 99, axis=0) - np.percentile(flat, 1, axis=0))
+
+
+def _round(values: Array) -> list[float]:
+    return [round(float(v), 5) for v in values]

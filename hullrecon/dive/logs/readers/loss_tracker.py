@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Keeps account of what a reader saw and what it could not read, topic by topic."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Mapping
+
+from hullrecon.dive.logs.readers.protocol import Loss, Message
+
+
+class LossTracker:
+    """One pass over one log. `gap` opens a loss whose end is known only once the next message comes."""
+
+    def __init__(self) -> None:
+        self.losses: list[Loss] = []
+        self.seen: Counter[str] = Counter()
+        self._last: dict[str, int] = {}
+        self._open: list[tuple[str, dict[str, int]]] = []
+
+    def record(self, message: Message) -> Message:
+        if self._open:
+            self._close(message.t_ns)
+        topic = message.channel.topic
+        self.seen[topic] += 1
+        self._last[topic] = max(message.t_ns, self._last.get(topic, message.t_ns))
+        return message
+
+    def add_loss(self, why: str, start_ns: int, end_ns: int, topics: Collection[str] = ()) -> None:
+        """A part with a known span; without topics, of every topic seen so far."""
+        self.losses += [Loss(why, topic, start_ns, end_ns) for topic in sorted(topics or self._last)] or [
+            Loss(why, "", start_ns, end_ns)
+        ]
+
+    def open_gap(self, why: str) -> None:
+        """A part of unknown content: of each topic what lies between its last message and the next message of the log."""
+        self._open.append((why, dict(self._last)))
+
+    def finish(self, expected: Mapping[str, int] | None = None) -> None:
+        """Closes what is open; `expected` counts by topic, where the log tells them, turn into numbers of lost messages."""
+        self._close(None)
+        for topic, count in sorted((expected or {}).items()):
+            missing = count - self.seen[topic]
+            mine = [i for i, loss in enumerate(self.losses) if loss.topic == topic]
+            if missing > 0 and len(mine) == 1:
+                loss = self.losses[mine[0]]
+                self.losses[mine[0]] = Loss(loss.why, topic, loss.start_ns, loss.end_ns, missing)
+            elif missing > 0:
+                self.losses.append(Loss("the log says that it holds more of them than could be read", topic, messages=missing))
+
+    def _close(self, end_ns: int | None) -> None:
+        for why, last in self._open:
+            self.losses += [Loss(why, topic, start, end_ns) for topic, start in sorted(last.items())] or [
+                Loss(why, "", None, end_ns)
+            ]
+        self._open = []

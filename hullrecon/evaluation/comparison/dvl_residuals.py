@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The DVL's beams in the hull frame, as a solution or dead reckoning has them, and their residuals against the CAD model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.poses import Poses
+from hullrecon.records.solution import Solution
+from hullrecon.records.trajectory import Returns, Trajectory, VehiclePath
+from hullrecon.rig import SensorRig
+from hullrecon.typing import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class HullBeams:
+    """Ends points (n, 3) and unit directions (n, 3) in M, measured range (n,) m; flagged returns are left out."""
+
+    points: Array
+    directions: Array
+    range_m: Array
+
+    @property
+    def origins(self) -> Array:
+        """Return where the beams left the instrument (n, 3), in M."""
+        return np.asarray(self.points - self.range_m[:, None] * self.directions)
+
+
+def beams_of(path: VehiclePath, rig: SensorRig, returns: Returns) -> HullBeams:
+    """Return the beams of a vehicle path in M."""
+    good = ~returns.flagged & np.isfinite(returns.range_m)
+    ends = rig.dvl_points(returns, path)
+    return HullBeams(points=ends.points[good], directions=ends.directions[good], range_m=returns.range_m[good])
+
+
+def adjusted_beams(solution: Solution, global_from_hull: Poses, returns: Returns, rig: SensorRig) -> HullBeams:
+    """Return the beams as adjusted: poses, tray and mounts of the solution."""
+    path = VehiclePath(poses=global_from_hull.inverse() @ solution.global_from_vehicle, tray=solution.tray)
+    return beams_of(path, rig.with_mounts(solution.mounts), returns)
+
+
+def dead_reckoned_beams(trajectory: Trajectory, global_from_hull: Poses, returns: Returns, rig: SensorRig) -> HullBeams:
+    """Return the beams before the adjustment: dead-reckoned poses, the tray as logged, the mount as configured."""
+    path = VehiclePath(poses=global_from_hull.inverse() @ trajectory.poses(), tray=trajectory.tray)
+    return beams_of(path, rig, returns)
+
+
+def range_residuals(beams: HullBeams, cad_model: Scene, deviation_at: Callable[[Array], Array] | None = None) -> Array:
+    """Return predicted minus measured range (m,) against the CAD model [Ozog2016 eq. 4.14], of the beams that meet it.
+
+    deviation_at: the hull's normal offset (n,) m at points (n, 3) in M; the CAD model is moved outward by it, as in the
+    adjustment: cast - offset / cos(incidence).
+    """
+    origins = beams.origins
+    predicted = cad_model.cast(origins, beams.directions)
+    met = np.isfinite(predicted)
+    if deviation_at is not None:
+        at = origins[met] + predicted[met, None] * beams.directions[met]
+        facing = -np.einsum("ni,ni->n", beams.directions[met], cad_model.closest(at).normal)
+        predicted[met] -= deviation_at(at) / np.maximum(np.abs(facing), 0.2)
+    return np.asarray((predicted - beams.range_m)[met])

@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The surface that a mosaic is laid on, sampled at texels through the chart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.mosaic.grid import TexelGrid, Window
+from hullrecon.mosaic.occlusion_horizon import OcclusionHorizon, build_occlusion_horizon, hidden_from
+from hullrecon.typing import Array, Floats32, Ints, Mask
+
+COARSE = 8  # texels between points of the chart; between them it is linear, 0.1 mm off on a radius of a metre at 4 mm texels
+OFF_SURFACE_M = 0.004  # rays start so far off the surface, not to hit it where they start
+
+
+@dataclass(frozen=True, kw_only=True)
+class MosaicSurface:
+    """A mesh, and the chart that unrolls it; reach_m: how far from the chart's surface the mesh may lie; horizon: what may
+    stand in the way of a view, None to cast a ray for every texel of every view."""
+
+    mesh: Mesh
+    scene: Scene
+    chart: Chart
+    reach_m: float
+    horizon: OcclusionHorizon | None = None
+
+    def with_occlusion_horizon(self, grid: TexelGrid, span_m: float) -> MosaicSurface:
+        """The same, for views of the grid's texels from up to span_m away."""
+        low = [grid.west, grid.north - grid.height * grid.step_m]
+        bounds = np.array([low, [grid.west + grid.width * grid.step_m, grid.north]])
+        return replace(self, horizon=build_occlusion_horizon(self.mesh, self.chart, bounds, span_m))
+
+
+def build_mosaic_surface(mesh: Mesh, chart: Chart, reach_m: float) -> MosaicSurface:
+    """A surface without a horizon."""
+    return MosaicSurface(mesh=mesh, scene=Scene(mesh), chart=chart, reach_m=reach_m)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfacePatch:
+    """The surface at the texels of a window: point (h, w, 3), NaN where there is none, normal (h, w, 3) of the chart,
+    hidden_from (h, w): the tangent of the incidence from which on something may hide the texel, inf where nothing does."""
+
+    point: Array
+    normal: Array
+    hidden_from: Floats32
+
+    def part(self, which: tuple[slice, slice]) -> SurfacePatch:
+        """The patch of some of its rows and columns."""
+        return SurfacePatch(point=self.point[which], normal=self.normal[which], hidden_from=self.hidden_from[which])
+
+
+def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> SurfacePatch:
+    """The outermost surface at each texel of the grid: a ray along the chart's normal from outside."""
+    base, normal = _chart_at(surface.chart, grid, window)
+    shape = base.shape
+    start = (base + surface.reach_m * normal).reshape(-1, 3)
+    direction = -normal.reshape(-1, 3)
+    inside = np.zeros(shape[:2], bool)
+    inside[window.meet(grid.whole).within(window)] = True
+    good = np.isfinite(start).all(axis=1) & inside.ravel()
+    gone = np.full(len(start), np.inf)
+    gone[good] = surface.scene.cast(start[good], direction[good])
+    gone[gone > 2 * surface.reach_m] = np.nan
+    point = (start + gone[:, None] * direction).reshape(shape)
+    if surface.horizon is None:
+        return SurfacePatch(point=point, normal=normal, hidden_from=np.zeros(shape[:2], np.float32))
+    return SurfacePatch(point=point, normal=normal, hidden_from=hidden_from(surface.horizon, point, normal, grid.step_m))
+
+
+def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Array]:
+    """Points and unit normals of the chart at texel centres, linear between every COARSE-th."""
+    height, width = window.shape
+    rows, columns = (np.arange(0, n + COARSE, COARSE, dtype=float) for n in (height, width))
+    nodes = grid.centers(rows + window.top, columns + window.left)
+    point, normal = chart.from_chart(nodes.reshape(-1, 2))
+    fields = np.concatenate([point, normal], axis=1).reshape(len(rows), len(columns), 6)
+    fine = _interpolate_axis(_interpolate_axis(fields, height, 0), width, 1)
+    turned = fine[..., 3:]
+    return fine[..., :3], turned / np.linalg.norm(turned, axis=-1, keepdims=True)
+
+
+def _interpolate_axis(values: Array, count: int, axis: int) -> Array:
+    """Linear interpolation to every texel along one axis."""
+    at = np.arange(count) / COARSE
+    low = at.astype(int)
+    share = (at - low).reshape([-1 if k == axis else 1 for k in range(values.ndim)])
+    return np.asarray(np.take(values, low, axis) * (1 - share) + np.take(values, low + 1, axis) * share)
+
+
+def seen(surface: MosaicSurface, patch: SurfacePatch, rows: Ints, sensor: Array, min_cosine: float) -> tuple[Mask, Array]:
+    """Whether the sensor (3,) sees the texels of these flat rows of the patch, and the cosines of the incidence there.
+
+    A texel is seen when it faces the sensor, no flatter than min_cosine, and no other part of the surface lies on the straight
+    line between them: for a sonar, nothing nearer in the same direction, so at the same bearing (docs/methods.md 14). Rays are
+    cast only where the horizon reaches up to the line.
+    """
+    point, normal = patch.point.reshape(-1, 3)[rows], patch.normal.reshape(-1, 3)[rows]
+    away = sensor - point
+    cosine = np.einsum("ni,ni->n", away, normal) / np.linalg.norm(away, axis=1)
+    free = cosine > min_cosine
+    tangent = np.sqrt(np.maximum(1 - cosine**2, 0)) / np.maximum(cosine, 1e-6)
+    doubtful = free & (tangent >= patch.hidden_from.ravel()[rows])
+    free[doubtful] = find_unobstructed(surface, point[doubtful], normal[doubtful], sensor)
+    return free, cosine
+
+
+def find_unobstructed(surface: MosaicSurface, points: Array, normals: Array, sensor: Array) -> Mask:
+    """Whether the straight line from each point (n, 3) to the sensor (3,) is free."""
+    start = points + OFF_SURFACE_M * normals
+    away = sensor - start
+    distance = np.linalg.norm(away, axis=1)
+    return np.asarray(surface.scene.cast(start, away / distance[:, None]) >= distance)

@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What of the surface stands out, and from which incidence on it may hide a texel: tells where rays must be cast."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.refinement import refine
+from hullrecon.typing import Array, Floats32
+
+CELL_M = 0.1  # of the chart, for each of which the outermost point of the surface is kept
+BLOCK_M = 0.1  # texels that share one answer
+MIN_RELIEF_M = 0.012  # lower relief is within the surface's own error and hides nothing
+PAIRS = 2_000_000  # of blocks and cells at a time: bounds memory at some 100 MB
+
+
+@dataclass(frozen=True, kw_only=True)
+class OcclusionHorizon:
+    """top (n, 3): the outermost point of the surface in each cell of the chart; normal (n, 3) of the chart there; span_m: what
+    is farther from a texel than that stands behind every instrument."""
+
+    top: Array
+    normal: Array
+    span_m: float
+
+
+def build_occlusion_horizon(mesh: Mesh, chart: Chart, bounds: Array, span_m: float) -> OcclusionHorizon:
+    """The horizon of what lies within span_m of bounds (2, 2), the least and greatest along and girth of the texels."""
+    at = chart.to_chart(mesh.vertices)[:, :2]
+    corner = at[mesh.faces]
+    corner = np.where(np.isfinite(corner), corner, np.roll(corner, 1, axis=1))
+    low, high = corner.min(axis=1), corner.max(axis=1)
+    near = ((high >= bounds[0] - span_m) & (low <= bounds[1] + span_m)).all(axis=1)
+    used, faces = np.unique(mesh.faces[near], return_inverse=True)
+    fine, _ = refine(Mesh(mesh.vertices[used], faces.reshape(-1, 3).astype(np.int32)), CELL_M)
+    charted = chart.to_chart(fine.vertices)
+    known = np.flatnonzero(np.isfinite(charted).all(axis=1))
+    known = known[np.argsort(-charted[known, 2], kind="stable")]
+    _, first = np.unique(np.floor(charted[known, :2] / CELL_M), axis=0, return_index=True)
+    chosen = known[first]
+    return OcclusionHorizon(top=fine.vertices[chosen], normal=chart.from_chart(charted[chosen, :2])[1], span_m=span_m)
+
+
+def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:
+    """(h, w): the tangent of the incidence up to which nothing can hide the texel, for texels point and normal (h, w, 3).
+
+    A line of image_view with the tangent t rises 1 m over t metres along the tangent plane. What stands h above that plane at the
+    distance d can meet it only if t >= d / h. The least d / h over the horizon is a lower bound: distances are taken too short
+    and heights too large by as much as blocks, cells and faces extend.
+    """
+    height, width = point.shape[:2]
+    side = max(1, round(BLOCK_M / step_m))
+    blocks = _blocks(point, side), _blocks(normal, side)
+    some = np.flatnonzero(np.isfinite(blocks[0][..., 0]).any(axis=1))
+    bound = np.full(len(blocks[0]), np.inf)
+    if len(some):
+        bound[some] = _least_tangent(horizon, blocks[0][some], blocks[1][some])
+    rows = -(-height // side)
+    spread = np.repeat(np.repeat(bound.reshape(rows, -1), side, axis=0), side, axis=1)
+    return np.asarray(spread[:height, :width], np.float32)
+
+
+def _blocks(field: Array, side: int) -> Array:
+    """(blocks, side * side, 3) in row-major order, NaN beyond the field's ends."""
+    height, width = field.shape[:2]
+    rows, columns = -(-height // side), -(-width // side)
+    padded = np.full((rows * side, columns * side, 3), np.nan)
+    padded[:height, :width] = field
+    return padded.reshape(rows, side, columns, side, 3).swapaxes(1, 2).reshape(rows * columns, side * side, 3)
+
+
+def _least_tangent(horizon: OcclusionHorizon, points: Array, normals: Array) -> Array:
+    """(blocks,): the least d / h over the horizon, inf where nothing stands out."""
+    middle, up = np.nanmean(points, axis=1), np.nanmean(normals, axis=1)
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    off = points - middle[:, None]
+    level = np.einsum("bki,bi->bk", off, up)
+    floor = np.nanmin(level, axis=1)
+    radius = np.sqrt(np.nanmax(np.einsum("bki,bki->bk", off, off), axis=1))
+    center = 0.5 * (middle.min(axis=0) + middle.max(axis=0))
+    extent = float(np.linalg.norm(middle - center, axis=1).max() + radius.max())
+    near = np.linalg.norm(horizon.top - center, axis=1) < extent + horizon.span_m + 3 * CELL_M
+    top, normal = horizon.top[near] - center, horizon.normal[near]
+    least = np.full(len(middle), np.inf)
+    if not len(top):
+        return least
+    chunk = max(1, PAIRS // len(top))
+    for i in range(0, len(middle), chunk):
+        part = slice(i, i + chunk)
+        at, n = middle[part] - center, up[part]
+        above = n @ top.T - np.einsum("bi,bi->b", n, at)[:, None]
+        square = np.einsum("ki,ki->k", top, top) - 2 * at @ top.T + np.einsum("bi,bi->b", at, at)[:, None]
+        away = np.sqrt(np.maximum(square - above**2, 0)) - radius[part, None] - (1 + np.sqrt(2)) * CELL_M
+        lean = np.sqrt(np.maximum(1 - (n @ normal.T) ** 2, 0))  # other points of the cell may stand higher by its tilt
+        rise = above - floor[part, None] + np.sqrt(2) * CELL_M * lean
+        found = np.where((rise > MIN_RELIEF_M) & (away < horizon.span_m), np.maximum(away, 0) / np.maximum(rise, 1e-9), np.inf)
+        least[part] = found.min(axis=1)
+    return least

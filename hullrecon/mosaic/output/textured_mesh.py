@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The mosaic on the surface itself: a mesh with the mosaic as its texture, as GLB."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.mosaic.grid import TexelGrid, Window
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface
+from hullrecon.typing import Array, Ints, Mask
+
+UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # M has z up, glTF has y up
+
+
+@dataclass(frozen=True, kw_only=True)
+class TexturedMesh:
+    """vertices (n, 3), faces (m, 3) seen from outside, uv (n, 2) with v upwards."""
+
+    vertices: Array
+    faces: Ints
+    uv: Array
+
+
+def build_textured_mesh(
+    surface: MosaicSurface, grid: TexelGrid, alpha: NDArray[np.uint8], reduction: int, most_faces: int
+) -> TexturedMesh:
+    """The seen part of the surface as a regular mesh on the chart; alpha: of the mosaic reduced by that many texels."""
+    seen = int((alpha > 0).sum()) * reduction**2 * grid.step_m**2
+    step = max(grid.step_m * reduction, np.sqrt(2 * max(seen, 1e-6) / most_faces))
+    height, width = (max(1, round(n * grid.step_m / step)) for n in (grid.height, grid.width))
+    coarse = TexelGrid(grid.west, grid.north, step, height, width)
+    patch = sample_surface(surface, coarse, Window(0, height, 0, width))
+    rows, columns = ((np.arange(n) + 0.5) * step / (grid.step_m * reduction) for n in (height, width))
+    held = alpha[np.minimum(rows.astype(int), alpha.shape[0] - 1)][:, np.minimum(columns.astype(int), alpha.shape[1] - 1)] > 0
+    good = held & np.isfinite(patch.point).all(axis=2)
+    faces = _outward(_faces(good), patch)
+    used, faces = np.unique(faces, return_inverse=True)
+    uv = np.stack(np.meshgrid(columns / alpha.shape[1], 1 - rows / alpha.shape[0]), axis=-1).reshape(-1, 2)
+    return TexturedMesh(vertices=patch.point.reshape(-1, 3)[used], faces=faces.reshape(-1, 3), uv=uv[used])
+
+
+def _faces(good: Mask) -> Ints:
+    """Two triangles (m, 3) for each cell whose four corners are good, all turned the same way; rows run down the girth, columns
+    along."""
+    height, width = good.shape
+    index = np.arange(height * width).reshape(height, width)
+    cell = good[:-1, :-1] & good[1:, :-1] & good[:-1, 1:] & good[1:, 1:]
+    a, b, c, d = (index[s][cell] for s in _CORNERS)
+    return np.concatenate([np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)])
+
+
+_CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
+
+
+def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
+    """The same triangles, counter-clockwise seen from outside. Charts of hulls are left-handed about the outward normal."""
+    a, b, c = patch.point.reshape(-1, 3)[faces].transpose(1, 0, 2)
+    outward = np.einsum("ni,ni->n", np.cross(b - a, c - a), patch.normal.reshape(-1, 3)[faces[:, 0]])
+    return faces if outward.sum() >= 0 else faces[:, ::-1]
+
+
+def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], upright: bool) -> bytes:
+    """texture: (h, w, 4) RGBA or (h, w, 2). upright: the frame has z up (M); else z is down (g)."""
+    import trimesh
+    from PIL import Image
+
+    rgb = texture[..., :3] if texture.shape[2] == 4 else np.repeat(texture[..., :1], 3, axis=2)
+    encoded = BytesIO()
+    Image.fromarray(np.ascontiguousarray(rgb)).save(encoded, format="JPEG", quality=90)
+    picture = Image.open(encoded)
+    material = trimesh.visual.material.PBRMaterial(
+        baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0, doubleSided=True, name="mosaic"
+    )
+    mesh = trimesh.Trimesh(
+        mesh.vertices, mesh.faces, visual=trimesh.visual.TextureVisuals(uv=mesh.uv, material=material), process=False
+    )
+    turn = UPRIGHT if upright else np.diag([1.0, -1.0, -1.0, 1.0]) @ UPRIGHT
+    scene = trimesh.Scene()
+    scene.add_geometry(mesh, node_name="hull", geom_name="hull", transform=turn)
+    data: Any = scene.export(file_type="glb")
+    return bytes(data)

@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tiles of a mosaic, kept compressed until they are written, and a small copy of the whole for pictures."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.mosaic.blend import Tile
+from hullrecon.mosaic.grid import TexelGrid, Window
+
+VARIANCE_STEP = 0.25  # squared gray levels; finer is noise, and compresses badly
+
+
+@dataclass
+class TileStore:
+    """Tiles in the order of grid.tiles(size). small: RGBA (or LA) of the whole, reduced by `reduction`."""
+
+    grid: TexelGrid
+    size: int
+    channels: int
+    reduction: int
+    small: NDArray[np.uint8]
+    histogram: NDArray[np.int64]  # of the variance, by VARIANCE_STEP up to 1024
+    views: NDArray[np.int64]  # texels by number of views blended, 0 to 4
+    _color: list[bytes] = field(default_factory=list)
+    _variance: list[bytes] = field(default_factory=list)
+
+    def add(self, window: Window, tile: Tile) -> None:
+        seen = tile.views > 0
+        alpha = np.where(seen, 255, 0).astype(np.uint8)[..., None]
+        color = np.concatenate([np.rint(tile.value).astype(np.uint8) * (alpha > 0), alpha], axis=2)
+        variance = np.where(seen, np.rint(tile.variance / VARIANCE_STEP) * VARIANCE_STEP, np.nan).astype(np.float32)
+        self._color.append(zlib.compress(color.tobytes(), 1))
+        self._variance.append(zlib.compress(variance.tobytes(), 1))
+        rows = np.minimum(variance[seen] / VARIANCE_STEP, len(self.histogram) - 1).astype(int)
+        self.histogram += np.bincount(rows, minlength=len(self.histogram))
+        inside = tile.views[: self.grid.height - window.top, : self.grid.width - window.left]
+        self.views += np.bincount(inside.ravel(), minlength=len(self.views))
+        self._reduce(window, color)
+
+    def _reduce(self, window: Window, color: NDArray[np.uint8]) -> None:
+        """The mean of seen texels in each block of the small copy."""
+        n = self.reduction
+        blocks = color.reshape(self.size // n, n, self.size // n, n, -1).astype(np.float32)
+        alpha = blocks[..., -1:] / 255
+        count = alpha.sum(axis=(1, 3))
+        mean = (blocks[..., :-1] * alpha).sum(axis=(1, 3)) / np.maximum(count, 1)
+        small = np.concatenate([mean, 255 * np.minimum(1, 2 * count / (n * n))], axis=2)
+        top, left = window.top // n, window.left // n
+        target = self.small[top : top + self.size // n, left : left + self.size // n]
+        target[...] = np.rint(small[: target.shape[0], : target.shape[1]])
+
+    def color_tiles(self) -> Iterator[NDArray[np.uint8]]:
+        shape = (self.size, self.size, self.channels + 1)
+        return (np.frombuffer(zlib.decompress(t), np.uint8).reshape(shape) for t in self._color)
+
+    def variance_tiles(self) -> Iterator[NDArray[np.float32]]:
+        shape = (self.size, self.size)
+        return (np.frombuffer(zlib.decompress(t), np.float32).reshape(shape) for t in self._variance)
+
+    def variance_percentiles(self, percent: Sequence[float]) -> list[float]:
+        """Upper ends of the histogram's bins."""
+        share = np.cumsum(self.histogram) / max(1, self.histogram.sum())
+        return [float((np.searchsorted(share, p / 100) + 1) * VARIANCE_STEP) for p in percent]
+
+
+def make_tiles(
+    grid: TexelGrid, channels: int, size: int, most_pixels: int, make: Callable[[Window], Tile], progress: Any
+) -> TileStore:
+    """Makes every tile in turn; only one is in memory uncompressed. The small copy is reduced to most_pixels a side, or as
+    often as `size` can be halved."""
+    reduction = 1
+    while max(grid.width, grid.height) / reduction > most_pixels and size % (2 * reduction) == 0:
+        reduction *= 2
+    small = np.zeros((-(-grid.height // reduction), -(-grid.width // reduction), channels + 1), np.uint8)
+    store = TileStore(
+        grid=grid,
+        size=size,
+        channels=channels,
+        reduction=reduction,
+        small=small,
+        histogram=np.zeros(4096, np.int64),
+        views=np.zeros(5, np.int64),
+    )
+    for window in progress(list(grid.tiles(size))):
+        store.add(window, make(window))
+    return store

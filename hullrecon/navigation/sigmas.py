@@ -1,0 +1,58 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How well navigation's sensors and their mounts are known, in metres and radians."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import SupportsFloat, cast
+
+import numpy as np
+
+from hullrecon.typing import Array
+
+HOUR_S = 3600.0
+# The keys of dive.toml that the sigmas are made of.
+SIGMA_KEYS = (
+    "tray.sigma_deg", "imu.sigma_roll_pitch_deg", "imu.heading_drift_deg_per_hour", "imu.bias_sigma_deg",
+    "pressure.sigma_m", "pressure.bias_sigma_m", "dvl.mount_sigma", "dvl.scale_sigma", "dvl.sigma_range",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class NavigationSigmas:
+    """One sigma of each error. One unknown for the dive: mount (6,) of the DVL on the tray, m and rad; scale of the DVL's
+    velocities; heading_drift_rad_s; tilt_bias_rad of roll and pitch; depth_bias_m; tray_rad, the servo's backlash. White:
+    tilt_rad of roll and pitch; depth_m; range_m of a DVL beam."""
+
+    mount: Array
+    scale: float
+    heading_drift_rad_s: float
+    tilt_bias_rad: float
+    depth_bias_m: float
+    tray_rad: float
+    tilt_rad: float
+    depth_m: float
+    range_m: float
+
+
+def sigmas_from_settings(settings: Mapping[str, object]) -> NavigationSigmas:
+    """Return the sigmas of a dive from the values of dive.toml by dotted key (SIGMA_KEYS)."""
+
+    def number(key: str) -> float:
+        return float(cast(SupportsFloat, settings[key]))
+
+    mount = np.array(settings["dvl.mount_sigma"], float)
+    mount[3:] = np.radians(mount[3:])
+    return NavigationSigmas(
+        mount=mount,
+        scale=number("dvl.scale_sigma"),
+        heading_drift_rad_s=float(np.radians(number("imu.heading_drift_deg_per_hour")) / HOUR_S),
+        tilt_bias_rad=float(np.radians(number("imu.bias_sigma_deg"))),
+        depth_bias_m=number("pressure.bias_sigma_m"),
+        tray_rad=float(np.radians(number("tray.sigma_deg"))),
+        tilt_rad=float(np.radians(number("imu.sigma_roll_pitch_deg"))),
+        depth_m=number("pressure.sigma_m"),
+        range_m=number("dvl.sigma_range"),
+    )

@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What objects.json and coverage.json say, as records (docs/deliverables.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportedObject:
+    """One row of objects.json: metres, square and cubic metres, points in the frame of summary.json."""
+
+    center: Point
+    height: float
+    id: int = 0
+    normal: Point = (0.0, 0.0, 0.0)
+    height_sigma: float | None = None
+    deviation: float | None = None
+    extent: tuple[float, float] = (0.0, 0.0)
+    area: float = 0.0
+    volume: float = 0.0
+    views: int = 0
+    p_value: float | None = None
+    address: str = ""
+    images: tuple[str, ...] = ()
+    outline: tuple[Point, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class RejectedRegion:
+    """A region that detect looked at and did not report: centre, height over the hull around it (m), and why."""
+
+    center: Point
+    height: float
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorCoverage:
+    """What one sensor saw: areas in m2; percentiles by name (p05, p50, p95) of the ground sample distance (m), of the incidence
+    of the best view (degrees) and of the views."""
+
+    area_m2: float | None = None
+    area_twice_m2: float | None = None
+    gsd_m: Mapping[str, float] | None = None
+    incidence_deg: Mapping[str, float] | None = None
+    views: Mapping[str, float] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoverageHole:
+    """A hole in what was seen."""
+
+    area_m2: float
+    address: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coverage:
+    """coverage.json; None for a sensor that was not carried."""
+
+    camera: SensorCoverage | None = None
+    sonar: SensorCoverage | None = None
+    dvl: SensorCoverage | None = None
+    holes: Sequence[CoverageHole] = field(default_factory=tuple)

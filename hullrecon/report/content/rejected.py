@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Section 9 and the parameters: what was lost, rejected or not delivered, and every resolved option."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from hullrecon.records.deliverables import RejectedRegion
+from hullrecon.report.content.phrases import count
+from hullrecon.report.step_documents import AdjustSummary
+from hullrecon.report.survey import StepRun, Survey
+
+
+def rejected_groups(survey: Survey) -> list[tuple[str, list[str]]]:
+    """Return what was lost, rejected or not delivered, by heading; headings without an item are left out."""
+    facts = survey.facts
+    pairs = [f"{reason}: {count(number, 'pair')}" for reason, number in sorted(facts.pairs.failed.items())]
+    outages = [f"no DVL from {a:.1f} s to {b:.1f} s of the log" for a, b in facts.navigation.outages_s]
+    gaps = [f"no attitude from {a:.1f} s to {b:.1f} s of the log" for a, b in facts.navigation.attitude_gaps_s]
+    groups = [
+        ("Deliverables that this dive cannot give", [f"{name}: {why}" for name, why in survey.provenance.missing.items()]),
+        ("Lost data", list(facts.log.lost)),
+        ("CAD model, as checked", list(facts.log.hull)),
+        ("Navigation", [*outages, *gaps, *facts.navigation.remarks]),
+        ("Image pairs without a relative pose", pairs),
+        ("Observations", _observations(survey.adjusted.summary) if survey.adjusted is not None else []),
+        ("Regions examined and not reported as objects", [_region(r) for r in survey.findings.not_reported]),
+        ("Warnings of the steps", survey.provenance.warnings()),
+        ("Remarks on the log", list(facts.log.remarks)),
+    ]
+    return [(heading, items) for heading, items in groups if items]
+
+
+def _observations(summary: AdjustSummary) -> list[str]:
+    out, used = summary.observations_left_out, summary.observations
+    if not used or not out:
+        return []
+    return [f"{out:,} of {used + out:,} image observations rejected as outliers"]
+
+
+def _region(region: RejectedRegion) -> str:
+    center = ", ".join(f"{c:.2f}" for c in region.center)
+    return f"{region.reason} (height {region.height:.3f} m at {center})"
+
+
+def settings_rows(steps: Iterable[StepRun]) -> list[tuple[str, str]]:
+    """Return every resolved option, once, as section.key and value."""
+    rows: dict[str, str] = {}
+    for step in steps:
+        for section, values in step.settings.items():
+            if isinstance(values, Mapping):
+                rows.update({f"{section}.{key}": _value(value) for key, value in _flatten(values)})
+    return sorted(rows.items())
+
+
+def _flatten(values: Mapping[str, object], above: str = "") -> list[tuple[str, object]]:
+    out: list[tuple[str, object]] = []
+    for key, value in values.items():
+        out += _flatten(value, f"{above}{key}.") if isinstance(value, Mapping) else [(above + key, value)]
+    return out
+
+
+def _value(value: object) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, list | tuple) else "not set" if value is None else str(value)

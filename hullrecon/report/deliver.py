@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Write everything that people take away, and the page that they open first."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from hullrecon.report.content.objects import objects_csv
+from hullrecon.report.content.page import render_page
+from hullrecon.report.content.page_context import page_context
+from hullrecon.report.export.csv_export import csv_text
+from hullrecon.report.export.geometry_export import alignment_document, landmarks_ply, surface_ply
+from hullrecon.report.export.summary import summary_document
+from hullrecon.report.export.trajectory import trajectory_csv, trajectory_tum
+from hullrecon.report.figures.all_plots import draw_all_plots
+from hullrecon.report.survey import Survey
+
+FOLDER = "deliver"
+
+
+class FileWriter(Protocol):
+    """Writes files of an artifact, each in one step."""
+
+    def bytes(self, name: str, value: bytes) -> None:
+        """Write a file."""
+
+    def json(self, name: str, value: object) -> None:
+        """Write indented JSON with sorted keys."""
+
+    def path(self, name: str) -> AbstractContextManager[Path]:
+        """Return a temporary path to write to, made durable and renamed at the end of the `with`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FileEntry:
+    """Size and hash of one delivered file."""
+
+    bytes: int
+    sha256: str
+
+
+class DeliverableWriter:
+    """Writes deliverables and keeps their sizes and hashes."""
+
+    def __init__(self, out: FileWriter) -> None:
+        self._out = out
+        self._entries: dict[str, FileEntry] = {}
+
+    @property
+    def entries(self) -> Mapping[str, FileEntry]:
+        """Return what was written so far, by name."""
+        return dict(sorted(self._entries.items()))
+
+    def write(self, name: str, data: bytes | str) -> None:
+        """Write a file below deliver/."""
+        raw = data.encode() if isinstance(data, str) else data
+        self._out.bytes(f"{FOLDER}/{name}", raw)
+        self._entries[name] = FileEntry(bytes=len(raw), sha256=hashlib.sha256(raw).hexdigest())
+
+    def write_json(self, name: str, value: object) -> None:
+        """Write a document with sorted keys. Raises ValueError for a NaN."""
+        self.write(name, json.dumps(value, indent=1, sort_keys=True, allow_nan=False, ensure_ascii=False) + "\n")
+
+    def copy(self, name: str, source: Path) -> None:
+        """Copy a file of a step."""
+        with source.open("rb") as stream:
+            digest = hashlib.file_digest(stream, "sha256").hexdigest()
+        with self._out.path(f"{FOLDER}/{name}") as target:
+            shutil.copyfile(source, target)
+        self._entries[name] = FileEntry(bytes=source.stat().st_size, sha256=digest)
+
+
+def deliver(survey: Survey, out: FileWriter) -> None:
+    """Write all deliverables of a survey, then the report, then summary.json, which lists them."""
+    writer = DeliverableWriter(out)
+    _write_motion(writer, survey)
+    _write_surfaces(writer, survey)
+    for name, source in survey.provenance.copies.items():
+        writer.copy(name, source)
+    plots = draw_all_plots(survey)
+    for plot in plots:
+        writer.write(f"plots/{plot.name}.png", plot.png)
+        writer.write(f"plots/{plot.name}.csv", csv_text(plot.table))
+    writer.write("report/index.html", render_page(page_context(survey, plots, writer.entries)))
+    out.json(f"{FOLDER}/summary.json", summary_document(survey, writer.entries))
+
+
+def _write_motion(writer: DeliverableWriter, survey: Survey) -> None:
+    writer.write("trajectory.csv", trajectory_csv(survey.track))
+    writer.write("trajectory.tum", trajectory_tum(survey.track))
+    adjusted = survey.adjusted
+    if adjusted is None:
+        return
+    if survey.facts.hull is not None and adjusted.solution.hull_pose is not None:
+        alignment = alignment_document(adjusted.solution.hull_pose, survey.facts.hull, adjusted.weak_directions)
+        writer.write_json("alignment.json", alignment)
+    if len(adjusted.solution.landmarks):
+        writer.write("landmarks.ply", landmarks_ply(adjusted.solution))
+
+
+def _write_surfaces(writer: DeliverableWriter, survey: Survey) -> None:
+    for name, surface in (("surface.ply", survey.surfaces.dvl), ("as_found.ply", survey.surfaces.as_found)):
+        if surface is not None:
+            writer.write(name, surface_ply(surface))
+    for name, document in survey.findings.documents.items():
+        writer.write_json(name, document)
+    if survey.findings.objects is not None:
+        writer.write("objects.csv", objects_csv(survey.findings.objects))

@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where the imaging sonar was at its pings, for the steps that use it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hullrecon.errors import StageError
+from hullrecon.geometry.poses import Poses
+from hullrecon.records.sensors import JointSamples
+from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.rig import SensorRig
+from hullrecon.typing import Ints
+
+SONAR_KEYS = ("sonar.origin", "sonar.mount")  # of the rig, what places the sonar
+
+
+def sonar_poses(rig: SensorRig, track: VehicleTrack, t_ns: Ints, joint: str | None, samples: JointSamples | None) -> Poses:
+    """Return T_x_o (n) at ping times (n,) in the track's frame; joint: the name of the sonar's servo, None where it is fixed.
+
+    Raises StageError where the servo was not logged.
+    """
+    angle = np.zeros(len(t_ns))
+    if joint is not None:
+        if samples is None or not len(samples.t_ns):
+            raise StageError(f"the joint {joint} is not in the log", where="sonar", remedy="check sonar.joint")
+        angle = np.interp(t_ns - t_ns[0], samples.t_ns - t_ns[0], samples.angle)
+    return rig.sonar_poses(track.vehicle_at(t_ns), angle)

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""dive.toml of a simulated dive: nominal mounts, the instruments' sigmas, and an initial hull pose that is off."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import roll_pitch_yaw
+from hullrecon.synthetic.dive import Dive
+from hullrecon.synthetic.output.calibration import cameras_of
+from hullrecon.synthetic.output.mcap_log import TOPICS
+from hullrecon.synthetic.sensors.instruments import DEPTH_SIGMA, RANGE_SIGMA, VELOCITY_SIGMA
+from hullrecon.synthetic.spec import DiveSpec
+from hullrecon.synthetic.vehicle.rig import (
+    BEAMS,
+    BOTTOM_IN_TOP,
+    CAMERA_MOUNT,
+    DVL_MOUNT,
+    SONAR_ELEVATION_DEG,
+    SONAR_MOUNT,
+    SONAR_ORIGIN,
+    TRAY_ORIGIN,
+)
+
+# What dive.toml tells of instruments of this class, one sigma; more where more was simulated.
+TRAY_SIGMA_DEG = 0.8
+HEADING_DRIFT_SIGMA = 1.0  # degrees an hour
+DVL_SCALE_SIGMA = 0.005  # assumed by readers where the key is absent
+
+
+def initial_guess(dive: Dive) -> Poses:
+    """Return T_g_M as the operator would give it: off by the guess's errors at the middle of the survey."""
+    spec, random = dive.spec, dive.spec.random("guess")
+    sign = random.choice([-1.0, 1.0], 4)
+    middle = dive.hull.skin.middle()
+    shift = sign[:3] * [spec.guess.along_m, spec.guess.across_m, 0.6 * spec.guess.across_m]
+    turn = np.radians(spec.guess.turn_deg) * np.array([0.3, 0.2, sign[3]])
+    slip = Poses(Rotation.from_rotvec(turn).as_quat()[None], np.zeros((1, 3)))
+    about = Poses(slip.quaternion, middle + shift - slip.apply(middle[None]))
+    return dive.motion.T_g_M @ about
+
+
+def dive_toml(dive: Dive) -> str:
+    """Return the text of dive.toml, with nominal mounts and the initial hull pose."""
+    spec = dive.spec
+    sections = [_head(dive), _vehicle(spec)]
+    if spec.cameras.carried != "none":
+        sections.append(_camera_sections(spec))
+    if spec.sonar:
+        sections.append(f"""[sonar]
+joint = "sonar_tray"
+origin = {_row(SONAR_ORIGIN)}
+mount = {_row(SONAR_MOUNT)}
+elevation_deg = {SONAR_ELEVATION_DEG}
+""")
+    guess = initial_guess(dive)
+    pose = [*guess.translation[0], *np.degrees(roll_pitch_yaw(guess.rotation)[0])]
+    sections.append(f"""[hull]
+mesh = "hull.stl"
+units = "m"
+pose = {_row(pose)}
+pose_sigma = [1.0, 1.0, 0.3, 1.0, 1.0, 5.0]
+frame_spacing = 0.6
+""")
+    return "\n".join(sections)
+
+
+def _head(dive: Dive) -> str:
+    spec = dive.spec
+    carried = ["dvl", "imu", "pressure", "joints", *cameras_of(dive), *(["sonar"] if spec.sonar else [])]
+    topics = "\n".join(f'{name} = "{TOPICS[name][0]}"' for name in carried)
+    files = '["logs/dive.mcap"]' if spec.form == "mcap" else '["logs"]'
+    return f"""[dive]
+name = {json.dumps(spec.name)}
+vessel = "Simulated {spec.ship.length_m:.0f} m vessel"
+date = 2026-05-04T09:30:00Z
+
+[logs]
+files = {files}
+
+[topics]
+{topics}
+"""
+
+
+def _vehicle(spec: DiveSpec) -> str:
+    scale = abs(spec.errors.dvl_scale_error)
+    scale_sigma = f"scale_sigma = {scale}\n" if scale > DVL_SCALE_SIGMA else ""
+    beams = "" if spec.form == "mcap" else "beams = [" + ", ".join(_row(b) for b in BEAMS) + "]\n"
+    return f"""[tray]
+joint = "tray"
+origin = {_row(TRAY_ORIGIN)}
+sigma_deg = {max(TRAY_SIGMA_DEG, float(np.hypot(spec.errors.backlash_deg, spec.errors.servo_sigma_deg))):.4g}
+
+[imu]
+frame = "ned"
+sigma_roll_pitch_deg = 0.1
+heading_drift_deg_per_hour = {max(HEADING_DRIFT_SIGMA, abs(spec.errors.heading_drift_deg_per_hour))}
+
+[pressure]
+origin = [0.0, 0.0, 0.0]
+density = 1025.0
+gravity = 9.81
+atmosphere = 101325.0
+sigma_m = {DEPTH_SIGMA}
+
+[dvl]
+mount = {_row(DVL_MOUNT)}
+sigma_velocity = {VELOCITY_SIGMA}
+sigma_range = {RANGE_SIGMA}
+{scale_sigma}{beams}"""
+
+
+def _camera_sections(spec: DiveSpec) -> str:
+    top = f"""[camera.top]
+calibration = "calibration/camera_top.yaml"
+mount = {_row(CAMERA_MOUNT)}
+mount_sigma = [0.01, 0.01, 0.01, 0.5, 0.5, 0.5]
+time_offset = 0.0
+sigma_px = 1.0
+"""
+    bottom = f"""
+[camera.bottom]
+calibration = "calibration/camera_bottom.yaml"
+pose_in_top = {_row(BOTTOM_IN_TOP)}
+"""
+    return top + (bottom if spec.cameras.carried == "stereo" else "")
+
+
+def _row(values: object) -> str:
+    return "[" + ", ".join(repr(round(float(v), 9)) for v in np.asarray(values, float)) + "]"

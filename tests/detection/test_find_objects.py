@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hullrecon.detection.as_found.record import as_found_surface
+from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.detection.objects.find_objects import find_objects
+from hullrecon.detection.options import DetectOptions
+from hullrecon.geometry.poses import identity
+
+
+def _objects(scenery, found, with_cad_model: bool = True, **options):
+    surveyed = as_found_surface(found, scenery.measured)
+    base = BaseSurface(
+        cad_model=scenery.base if with_cad_model else None,
+        surveyed=surveyed,
+        chart=scenery.chart,
+        result_from_global=identity(),
+        frame_spacing_m=None,
+    )
+    return find_objects(found, scenery.measured, scenery.height, scenery.views, base, DetectOptions(**options))
+
+
+def test_the_disc_and_the_recess_are_reported_once_and_nothing_else(scenery, found) -> None:
+    objects, _ = _objects(scenery, found)
+    assert [round(o.height, 2) for o in objects] == [0.10, -0.05]
+
+
+def test_the_center_lies_on_the_visible_surface(scenery, found) -> None:
+    disc, recess = _objects(scenery, found)[0]
+    # the wall is 12 mm behind its CAD model at y = 2
+    assert np.allclose(disc.center, [1.2, 2 - 0.012 + 0.10, 1.0], atol=0.02)
+    assert np.allclose(recess.center, [2.2, 2 - 0.012 - 0.05, 1.0], atol=0.02)
+    assert disc.center[1] == pytest.approx(2.088, abs=0.005)
+
+
+def test_size_area_and_volume_are_those_of_the_structure(scenery, found) -> None:
+    disc, recess = _objects(scenery, found)[0]
+    assert np.allclose(disc.extent, [0.24, 0.24], atol=0.025)
+    assert np.allclose(recess.extent, [0.20, 0.20], atol=0.025)
+    assert disc.area == pytest.approx(np.pi * 0.12**2, rel=0.15)
+    assert disc.volume == pytest.approx(np.pi * 0.12**2 * 0.10, rel=0.15)
+    assert recess.volume == pytest.approx(-0.04 * 0.05, rel=0.2)
+    assert np.allclose(disc.normal, [0, 1, 0], atol=1e-6)
+
+
+def test_the_deviation_is_against_the_cad_model_and_absent_without_one(scenery, found) -> None:
+    disc, recess = _objects(scenery, found)[0]
+    assert disc.deviation == pytest.approx(0.10 - 0.012, abs=0.005)
+    assert recess.deviation == pytest.approx(-0.05 - 0.012, abs=0.005)
+    assert _objects(scenery, found, with_cad_model=False)[0][0].deviation is None
+
+
+def test_images_are_counted_and_the_best_named(scenery, found) -> None:
+    disc, _ = _objects(scenery, found)[0]
+    # cameras every 0.25 m from 0.5; the disc's top, 0.09 m in half, fits the footprint within about 0.6 m
+    assert disc.views == 5
+    assert disc.images[0] == "camera_top/3.jpg"  # at x = 1.25, the nearest to 1.2
+
+
+def test_the_outline_runs_around_the_footprint(scenery, found) -> None:
+    disc, _ = _objects(scenery, found)[0]
+    line = np.array(disc.outline)
+    radius = np.hypot(line[:, 0] - 1.2, line[:, 2] - 1.0)
+    assert len(line) >= 12
+    assert np.abs(radius - 0.12).max() < 0.03
+
+
+def test_both_are_certain(scenery, found) -> None:
+    for item in _objects(scenery, found)[0]:
+        assert item.p_value < 1e-12
+        assert 0.0005 < item.height_sigma < 0.006
+
+
+def test_a_top_rougher_than_its_landmarks_are_uncertain_is_less_certain(scenery, found) -> None:
+    (even, _), _ = _objects(scenery, found)
+    at = scenery.measured.foot
+    top = np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.12
+    rough = scenery.height + np.where(top, np.random.default_rng(1).normal(0, 0.01, len(at)), 0.0)
+    (uneven, _), _ = _objects(replace(scenery, height=rough), found)
+    assert uneven.height == even.height
+    assert uneven.height_sigma == pytest.approx(np.hypot(0.01, even.height_sigma), rel=0.25)
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "words"),
+    [
+        ("min_height_m", 0.08, "m off the hull"),
+        ("min_area_m2", 0.042, "cm2 above half"),
+        ("min_views", 6, "images show it"),
+        ("min_landmarks", 120, "landmarks"),
+    ],
+)
+def test_what_is_not_certain_is_named_with_its_reason(option: str, value: float, words: str, scenery, found) -> None:
+    objects, rejected = _objects(scenery, found, **{option: value})
+    assert len(objects) < 2
+    assert any(words in item.reason for item in rejected)
+
+
+def test_a_height_within_its_own_uncertainty_is_not_reported(scenery, found) -> None:
+    objects, rejected = _objects(scenery, replace(found, sigma=np.full(len(found.sigma), 0.05)))
+    assert objects == []
+    assert "bare hull" in rejected[0].reason
+
+
+def test_on_a_coarsely_drawn_curve_a_structure_must_stand_out_from_the_facets(scenery, found) -> None:
+    objects, rejected = _objects(scenery, replace(found, facet=np.full(len(found.facet), 0.04)))
+    assert [round(o.height, 2) for o in objects] == [0.10]
+    assert "0.070 m needed" in rejected[0].reason
+
+
+def test_a_structure_on_which_landmarks_disagree_is_not_reported(scenery, found) -> None:
+    at = scenery.measured.foot
+    half = (np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.13) & (np.random.default_rng(0).random(len(at)) < 0.5)
+    mixed = replace(scenery, height=np.where(half, 0.0, scenery.height))
+    objects, rejected = _objects(mixed, found)
+    assert [round(o.height, 2) for o in objects] == [-0.05]
+    assert "agree" in rejected[0].reason
+
+
+def test_objects_are_plain_values_for_json(scenery, found) -> None:
+    row = _objects(scenery, found)[0][0].as_json()
+    assert {"center", "normal", "height", "height_sigma", "deviation", "extent", "area", "volume", "views", "p_value"} <= set(
+        row
+    )
+    assert isinstance(row["center"], list)
+    assert all(isinstance(v, float) for v in row["center"])

@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.check.consistency_checks import check_consistency, describe_start_offset
+from hullrecon.dive.config.schema import CameraBottom, Cameras, CameraTop, Dive, DiveConfig, Dvl, Imu, Logs
+from hullrecon.dive.logs.dvl_beams import tilted_beams
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SensorRecords
+
+NS = 1_000_000_000
+T = np.arange(100, dtype=np.int64) * NS // 5
+
+JANUS = tilted_beams(30.0, (180.0, 0.0, 90.0, -90.0))
+
+
+def config(**more) -> DiveConfig:
+    return DiveConfig(dive=Dive(name="x"), logs=Logs(files=("l",)), **more)
+
+
+def dive(depth=3.0, mount_pitch_deg=90.0, turn: Rotation | None = None, acceleration=(0.0, 0.0, -9.81)):
+    """A level vehicle that bobs by 0.3 m; the DVL looks as its mount says and measures that motion. turn: of the attitude."""
+    bob = 0.3 * np.sin(T / NS)
+    down = 0.3 * np.cos(T / NS)
+    attitude = turn or Rotation.identity()
+    vehicle_from_dvl = Rotation.from_euler("y", mount_pitch_deg, degrees=True)
+    velocity = (attitude * vehicle_from_dvl).inv().apply(np.outer(down, [0, 0, 1.0]))
+    n = len(T)
+    return {
+        "dvl": DvlPings(t_ns=T, velocity=velocity, velocity_sigma=np.full(n, 0.003), ranges=np.ones((n, 4)), beams=JANUS),
+        "imu": ImuSamples(
+            t_ns=T,
+            quaternion=np.tile(attitude.as_quat(), (n, 1)),
+            angular_velocity=np.zeros((n, 3)),
+            acceleration=np.tile(acceleration, (n, 1)).astype(float),
+        ),
+        "pressure": PressureSamples(t_ns=T, depth=depth + bob),
+        "tray": JointSamples(t_ns=T, angle=np.zeros(n)),
+    }
+
+
+def index(t_ns) -> ImageIndex:
+    n = len(t_ns)
+    return ImageIndex(
+        t_ns=np.array(t_ns, np.int64),
+        file=np.full(n, ""),
+        offset=np.zeros(n, int),
+        size=np.zeros(n, int),
+        usable=np.ones(n, bool),
+    )
+
+
+def test_a_dive_that_fits_together_raises_no_suspicion():
+    assert check_consistency(config(), SensorRecords(**dive()), {"camera_top": index(T)}) == []
+
+
+def test_returns_above_the_water_raise_suspicion_of_the_mount():
+    """At 0.4 m depth with the DVL looking up, ranges of 1 m end in the air."""
+    records = dive(depth=0.4, mount_pitch_deg=180.0)
+    (line,) = check_consistency(config(dvl=Dvl(mount=(0, 0, 0, 0, 180, 0))), SensorRecords(**records), {})
+    assert "% of the DVL's returns would lie above the water" in line
+
+
+def test_a_dvl_that_is_mounted_upside_down_runs_against_the_pressure():
+    """It looks down, the file says up."""
+    records = dive(depth=9.0, mount_pitch_deg=0.0)
+    (line,) = check_consistency(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {})
+    assert "runs against that of the pressure sensor" in line
+
+
+def test_a_dvl_whose_axes_are_mixed_up_does_not_follow_the_pressure():
+    records = dive(depth=9.0, mount_pitch_deg=0.0)
+    noise = np.random.default_rng(1).normal(0, 0.05, records["dvl"].velocity.shape)
+    records["dvl"] = DvlPings(
+        t_ns=T,
+        velocity=records["dvl"].velocity + noise,
+        velocity_sigma=np.full(len(T), 0.003),
+        ranges=np.ones((len(T), 4)),
+        beams=JANUS,
+    )
+    (line,) = check_consistency(config(dvl=Dvl(mount=(0, 0, 0, 0, 90, 0))), SensorRecords(**records), {})
+    assert "does not follow" in line
+
+
+def test_a_vehicle_that_keeps_its_depth_says_nothing_about_the_dvl():
+    records = dive(depth=9.0)
+    records["pressure"] = PressureSamples(t_ns=T, depth=np.full(len(T), 9.0))
+    assert check_consistency(config(dvl=Dvl(mount=(0, 0, 0, 180, 0, 0))), SensorRecords(**records), {}) == []
+
+
+@pytest.mark.parametrize(("frame", "other"), [("ned", "enu"), ("enu", "ned")])
+def test_gravity_the_wrong_way_round_raises_suspicion_of_the_convention(frame, other):
+    records = {"imu": dive(acceleration=(0, 0, 9.81))["imu"]}
+    assert check_consistency(config(imu=Imu(frame=frame)), SensorRecords(**records), {}) == [
+        f'imu: gravity pulls upward with imu.frame = "{frame}"; is it "{other}"?'
+    ]
+
+
+def test_gravity_aslant_is_told_in_degrees():
+    records = {"imu": dive(acceleration=(9.81, 0, -9.81))["imu"]}
+    assert "gravity is 45 degrees off the vertical" in check_consistency(config(), SensorRecords(**records), {})[0]
+
+
+def test_an_imu_without_accelerations_raises_none():
+    assert check_consistency(config(), SensorRecords(imu=dive(acceleration=(np.nan,) * 3)["imu"]), {}) == []
+
+
+def test_clocks_that_do_not_overlap_are_named_with_how_far_they_are_apart():
+    found = check_consistency(config(), SensorRecords(pressure=dive()["pressure"]), {"camera_top": index(T + 100 * NS)})
+    assert found == ["camera_top and pressure do not overlap in time: one of the clocks is off by 80.2 s or more"]
+
+
+def test_a_camera_that_looks_away_from_the_dvl_is_named():
+    cameras = Cameras(top=CameraTop(calibration="c", mount=(0, 0, 0, 0, 0, 0)))
+    assert "looks 90 degrees away" in check_consistency(config(camera=cameras), SensorRecords(), {})[0]
+
+
+@pytest.mark.parametrize(("metres", "told"), [(100.0, "100.000"), (0.0, "0.000")])
+def test_a_baseline_in_millimetres_or_of_nothing_is_named(metres, told):
+    bottom = CameraBottom(calibration="c", pose_in_top=(0, metres, 0, 0, 0, 0))
+    found = check_consistency(config(camera=Cameras(top=CameraTop(calibration="c"), bottom=bottom)), SensorRecords(), {})
+    assert f"the cameras are {told} m apart" in found[0]
+
+
+def test_the_first_image_is_told_against_the_first_ping():
+    records = dive()
+    assert describe_start_offset(SensorRecords(**records), {"camera_top": index(T[2:])}) == [
+        "the first camera image is 0.4 s after the first DVL ping"
+    ]
+    assert describe_start_offset(SensorRecords(**records), {"camera_top": index(T - NS)}) == [
+        "the first camera image is 1.0 s before the first DVL ping"
+    ]
+    assert describe_start_offset(SensorRecords(**records), {}) == []

@@ -1,0 +1,127 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
+import pytest
+
+from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.dive.check.package_check import check_package, defaults_of
+from hullrecon.dive.config.load import load_config
+from hullrecon.dive.logs.summary import is_runnable, missing
+from hullrecon.steps.ingest import USES, request_of
+
+
+def check(package: Path, *overrides: str):
+    loaded = load_config(package, {}, overrides)
+    return check_package(loaded, request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES})))
+
+
+def test_a_package_is_told_with_what_it_lacks(package):
+    lines = check(package).lines()
+    assert lines[0] == "tiny"
+    assert any(line.startswith("camera_top: 8 images in 3.5 s") for line in lines)
+    assert "the first camera image is 0.0 s after the first DVL ping" in lines
+    assert "no camera_bottom: one camera: scale and depth come from the DVL" in lines
+    assert "no hull: without a CAD model the run maps onto its own surface, in the frame global" in lines
+    assert not any(line.startswith(("no dvl", "no imu", "no joints")) for line in lines)
+
+
+def test_what_is_suspicious_is_marked_so(package):
+    lines = check(package, "camera.top.mount=[0,0,0,0,0,0]").lines()
+    assert any(line.startswith("suspicious: camera.top looks 90 degrees away") for line in lines)
+
+
+def test_a_damaged_log_is_told_as_lost(package):
+    path = package / "logs" / "dive.mcap"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    assert sum(line.startswith("lost: dive.mcap: /") for line in check(package).lines()) == 5
+
+
+def test_defaults_are_those_keys_that_nobody_gave(package):
+    loaded = load_config(package, {}, ["dvl.scale_sigma=0.01"])
+    defaults = defaults_of(loaded)
+    assert "dvl.scale_sigma" not in defaults
+    assert defaults["pressure.bias_sigma_m"] == 0.1
+    assert not any(key.startswith(("hull.", "sonar.", "camera.bottom")) for key in defaults)
+    assert "camera.top.calibration" not in defaults
+
+
+def test_the_document_has_every_stream_with_its_rate(package):
+    streams = check(package).document()["streams"]
+    assert streams["imu"] == {
+        "count": 40, "start_ns": 1_777_887_000_000_000_000, "end_ns": 1_777_887_003_900_000_000, "rate_hz": 10.0,
+    }  # fmt: skip
+    assert set(streams) == {"dvl", "imu", "pressure", "tray", "camera_top"}
+
+
+def test_the_simulated_dive_raises_no_suspicion(data):
+    found = check(data / "dive-a")
+    assert found.warnings == []
+    assert found.missing == []
+    assert found.found.lost == []
+    assert "depth runs from 1.1 to 4.2 m" in found.lines()
+    assert "the mesh is watertight" in found.lines()
+
+
+@pytest.mark.parametrize(
+    ("override", "suspicion"),
+    [
+        ("imu.frame=enu", "gravity"),
+        ("dvl.mount=[0,0,0.08,0,-90,0]", "downward speed"),
+        ("camera.bottom.pose_in_top=[0,100,0,0,0,0]", "100.000 m apart"),
+    ],
+)
+def test_a_wrong_entry_for_the_simulated_dive_is_suspected(data, override, suspicion):
+    assert any(suspicion in line for line in check(data / "dive-a", override).warnings)
+
+
+def test_lever_arms_that_are_left_to_defaults_are_asked_for(package):
+    found = check(package)
+    asked = [line.split(": ")[1] for line in found.lines() if line.startswith("to fill in: ")]
+    assert asked == ["tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount"]
+    assert found.document()["to_fill_in"] == found.to_fill_in
+
+
+def test_a_camera_that_is_logged_without_a_calibration_is_asked_for(package):
+    path = package / "dive.toml"
+    path.write_text(path.read_text().split("[camera.top]")[0])
+    assert any(line.startswith("to fill in: camera.top.calibration: ") for line in check(package).lines())
+
+
+def test_a_dvl_without_an_imu_is_said_to_be_no_run(package):
+    path = package / "dive.toml"
+    path.write_text(path.read_text().replace('imu = "/imu"\n', ""))
+    lines = check(package).lines()
+    assert "no imu: the DVL's velocities have no heading: no run is possible" in lines
+
+
+def test_a_package_whose_files_are_there_can_be_run(package):
+    found = check(package)
+    assert found.run_is_possible
+    assert found.missing_files == []
+
+
+def test_files_that_are_missing_are_listed_with_their_keys_and_forbid_a_run(package):
+    text = (package / "dive.toml").read_text()
+    (package / "dive.toml").write_text(text + '[hull]\nmesh = "nowhere.stl"\n')
+    found = check(package)
+    assert found.missing_files == ["nowhere.stl (hull.mesh)"]
+    assert not found.run_is_possible
+    assert found.found.records.dvl is not None
+    assert "missing: nowhere.stl (hull.mesh)" in found.lines()
+
+
+@pytest.mark.parametrize(
+    ("sensors", "runnable"),
+    [
+        ({"dvl", "imu"}, True),
+        ({"dvl"}, False),
+        ({"imu", "camera_top"}, False),
+        ({"camera_top", "camera_bottom"}, True),
+        ({"dvl", "camera_top", "camera_bottom"}, False),
+        (set(), False),
+    ],
+)
+def test_a_run_needs_velocities_with_a_heading_or_stereo_images(sensors, runnable):
+    assert is_runnable(sensors) == runnable
+    assert any("no run is possible" in line for line in missing(sensors)) != runnable

@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import msgspec
+import pytest
+
+from hullrecon.dive.config.config_errors import explain_error, known_keys, refuse_not_finite
+from hullrecon.dive.config.schema import DiveConfig
+from hullrecon.errors import UsageError
+
+
+def told(raw: dict, kind: type = DiveConfig, prefix: str = "", more: tuple[str, ...] = ()) -> str:
+    with pytest.raises(msgspec.ValidationError) as caught:
+        msgspec.convert(raw, kind)
+    return explain_error(str(caught.value), raw, kind, prefix, more, "dive.toml").line()
+
+
+PLAIN = {"dive": {"name": "x"}, "logs": {"files": ["l"]}}
+
+
+def test_every_key_of_the_vehicle_is_known_by_its_dotted_name():
+    keys = set(known_keys(DiveConfig))
+    assert {"dive", "dive.name", "camera.top.sigma_px", "hull.deviation_length", "topics.camera_bottom"} <= keys
+    assert not any(key.startswith("top.") for key in keys)
+
+
+def test_a_key_that_stands_in_the_wrong_section_is_found_in_the_right_one():
+    assert told(PLAIN | {"tray": {"elevation_deg": 3}}) == (
+        "unknown key tray.elevation_deg (dive.toml): the nearest known key is sonar.elevation_deg"
+    )
+
+
+def test_an_unknown_section_names_the_nearest_among_the_steps_too():
+    assert told(PLAIN | {"feature": {}}, more=("features",)).endswith("the nearest known key is features")
+
+
+def test_a_step_section_has_its_name_in_front():
+    class Step(msgspec.Struct, forbid_unknown_fields=True):
+        clahe: float = 3.0
+
+    assert told({"clahee": 1}, Step, "features").startswith("unknown key features.clahee (dive.toml)")
+    assert told({"clahe": "x"}, Step, "features") == "features.clahe = 'x': expected float, got str (dive.toml)"
+
+
+def test_a_missing_key_has_its_section_in_front():
+    assert told({"dive": {"name": "x"}, "logs": {}}) == "logs.files is missing (dive.toml): this key has no default"
+    assert told({"dive": {"name": "x"}}).startswith("logs is missing")
+
+
+def test_a_long_value_is_shown_in_part():
+    line = told(PLAIN | {"dvl": {"mount": list(range(100))}})
+    assert "..." in line
+    assert len(line) < 160
+
+
+def test_a_table_in_place_of_a_value_is_called_a_table():
+    assert "imu.sigma_roll_pitch_deg = a table: expected float" in told(PLAIN | {"imu": {"sigma_roll_pitch_deg": {"a": 1}}})
+
+
+@pytest.mark.parametrize(
+    ("raw", "path"),
+    [({"a": float("nan")}, "a"), ({"a": {"b": [1, float("inf")]}}, r"a\.b\[1\]"), ({"a": [[-float("inf")]]}, "")],
+)
+def test_numbers_that_are_not_finite_are_refused_wherever_they_stand(raw, path):
+    with pytest.raises(UsageError, match=f"{path}.* = .*: expected a finite number"):
+        refuse_not_finite(raw, "dive.toml")
+
+
+def test_words_that_look_like_such_numbers_and_all_other_values_pass():
+    raw = {"a": [1, 2.5, "nan"], "b": {"c": True, "d": "inf"}}
+    refuse_not_finite(raw, "dive.toml")
+    raw["b"]["d"] = float("inf")
+    with pytest.raises(UsageError, match=r"b\.d"):  # of all of them this one alone
+        refuse_not_finite(raw, "dive.toml")

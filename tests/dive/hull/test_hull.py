@@ -1,0 +1,241 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import gzip
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from hullrecon.dive.hull.cleaning import clean_mesh, find_degenerate, merge_corners
+from hullrecon.dive.hull.load import read_hull
+from hullrecon.dive.hull.mirrors import find_boundary, find_possible_cuts, reflect_mesh
+from hullrecon.dive.hull.orientation import orient_outward
+from hullrecon.errors import HullreconError, InputError
+from hullrecon.geometry.meshes.mesh import Mesh
+
+QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+
+
+def tube(length: float = 40.0, sections: int = 30, around: int = 24, arc=(0.0, 2 * np.pi), caps: bool = True) -> Mesh:
+    """A spindle along x with its axis at the origin: a toy hull. arc: the part of the girth that is plated."""
+    x = np.linspace(-length / 2, length / 2, sections)
+    radius = np.maximum(0.02, 4.0 * (1 - (2 * x / length) ** 2))
+    angle = np.linspace(*arc, around + 1)
+    points = np.stack([np.broadcast_to(x[:, None], (sections, around + 1)), radius[:, None] * np.cos(angle),
+                       radius[:, None] * np.sin(angle)], axis=-1).reshape(-1, 3)  # fmt: skip
+    i, j = np.meshgrid(np.arange(sections - 1), np.arange(around), indexing="ij")
+    a = (i * (around + 1) + j).ravel()
+    b, c, d = a + around + 1, a + 1, a + around + 2
+    faces = np.vstack([np.stack([a, c, b], 1), np.stack([b, c, d], 1)])
+    if caps:
+        ends = np.array([[-length / 2, 0, 0], [length / 2, 0, 0]])
+        last = (sections - 1) * (around + 1)
+        k, n = np.arange(around), len(points)
+        faces = np.vstack([faces, np.stack([np.full(around, n), k + 1, k], 1),
+                           np.stack([np.full(around, n + 1), last + k, last + k + 1], 1)])  # fmt: skip
+        points = np.vstack([points, ends])
+    return Mesh(points, faces.astype(np.int32))
+
+
+def faces_away(mesh: Mesh) -> float:
+    """Share of the area whose normal points away from the x axis."""
+    corners = mesh.vertices[mesh.faces]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    middle = corners.mean(axis=1) * [0, 1, 1]
+    size = np.linalg.norm(normal, axis=1)
+    away = np.einsum("ni,ni->n", normal, middle) > 0
+    return float(size[away].sum() / size.sum())
+
+
+def save(path: Path, mesh: Mesh, scale: float = 1.0) -> Path:
+    trimesh.Trimesh(mesh.vertices * scale, mesh.faces, process=False).export(path)
+    return path
+
+
+@pytest.mark.parametrize("kind", ["stl", "ply", "obj", "off", "glb"])
+def test_every_format_gives_the_same_hull(tmp_path, kind):
+    messages = []
+    mesh = read_hull(save(tmp_path / f"hull.{kind}", tube()), "m", messages)
+    assert len(mesh.faces) == len(clean_mesh(tube(), []).faces)
+    assert np.ptp(mesh.vertices, axis=0) == pytest.approx([40, 8, 8], abs=0.1)
+    assert "the mesh is watertight" in messages
+    assert faces_away(mesh) > 0.99
+
+
+def test_a_gzipped_cad_model_is_read(tmp_path):
+    plain = save(tmp_path / "hull.stl", tube())
+    (tmp_path / "hull.stl.gz").write_bytes(gzip.compress(plain.read_bytes()))
+    assert len(read_hull(tmp_path / "hull.stl.gz", "m", []).faces) == len(read_hull(plain, "m", []).faces)
+
+
+def test_units_are_converted(tmp_path):
+    mesh = read_hull(save(tmp_path / "hull.stl", tube(), 1000), "mm", [])
+    assert np.ptp(mesh.vertices[:, 0]) == pytest.approx(40, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("scale", "declared", "guess"),
+    [(1000, "m", "millimetres (it would be 40.0 m)"), (1, "mm", "metres (it would be 40.0 m)"), (100, "m", "centimetres")],
+)
+def test_a_cad_model_in_other_units_than_declared_is_refused_with_the_likely_ones(tmp_path, scale, declared, guess):
+    path = save(tmp_path / "hull.stl", tube(), scale)
+    with pytest.raises(InputError) as caught:
+        read_hull(path, declared, [])
+    assert f"looks like {guess}" in str(caught.value)
+
+
+def test_a_small_model_is_remarked_not_refused(tmp_path):
+    messages = []
+    read_hull(save(tmp_path / "hull.stl", tube(), 1 / 40), "m", messages)
+    assert any("is it a model?" in line for line in messages)
+
+
+def test_corners_within_single_precision_become_one():
+    mesh = Mesh(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1e-8, 0, 0], [1, 1, 0]], float), np.array([[0, 1, 2], [3, 4, 2]]))
+    vertices, faces = merge_corners(mesh.vertices, mesh.faces, 1e-6)
+    assert len(vertices) == 4
+    assert faces.tolist() == [[0, 1, 2], [0, 3, 2]]
+
+
+def test_degenerate_and_duplicate_faces_are_removed_and_counted():
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0]], float)
+    messages = []
+    mesh = clean_mesh(Mesh(vertices, np.array([[0, 1, 2], [2, 0, 1], [0, 2, 1], [0, 1, 3], [1, 1, 2]], np.int32)), messages)
+    assert mesh.faces.tolist() == [[0, 1, 2]]
+    assert len(mesh.vertices) == 3
+    assert messages == ["2 degenerate faces were removed", "2 duplicate faces were removed"]
+
+
+def test_a_sliver_is_degenerate_by_its_height_not_by_its_area():
+    vertices = np.array([[0, 0, 0], [100, 0, 0], [50, 1e-8, 0], [0, 1e-3, 0], [1e-3, 0, 0]], float)
+    assert find_degenerate(Mesh(vertices, np.array([[0, 1, 2], [0, 4, 3]], np.int32)), 1e-6).tolist() == [True, False]
+
+
+def test_holes_are_counted(tmp_path):
+    mesh = tube()
+    messages = []
+    read_hull(save(tmp_path / "hull.stl", Mesh(mesh.vertices, np.delete(mesh.faces, 500, axis=0))), "m", messages)
+    assert "the mesh is not watertight: 3 boundary edges" in messages
+
+
+def flipped(mesh: Mesh, which: np.ndarray) -> Mesh:
+    faces = mesh.faces.copy()
+    faces[which] = faces[which][:, ::-1]
+    return Mesh(mesh.vertices, faces)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_faces_wound_any_way_come_out_outward(share):
+    mesh = clean_mesh(tube(), [])
+    which = np.random.default_rng(3).random(len(mesh.faces)) < share
+    messages = []
+    assert faces_away(orient_outward(flipped(mesh, which), messages)) > 0.99
+    assert (messages == []) == (share == 0.0)
+
+
+@pytest.mark.parametrize("arc", [(0, np.pi), (-np.pi / 2, np.pi / 2), (np.pi, 2 * np.pi), (np.pi * 1.2, np.pi * 1.9)])
+@pytest.mark.parametrize("inverted", [False, True])
+def test_a_half_hull_or_one_without_deck_comes_out_outward_whichever_way_it_was_wound(arc, inverted):
+    mesh = clean_mesh(tube(arc=arc, caps=False), [])
+    mesh = flipped(mesh, np.full(len(mesh.faces), inverted))
+    assert faces_away(orient_outward(mesh, [])) > 0.99
+
+
+def test_separate_patches_of_one_hull_each_come_out_outward():
+    """As in a CAD model whose plates share no corners; every second one is inverted."""
+    parts = [tube(arc=(a, a + np.pi / 4), around=6, caps=False) for a in np.arange(0, 2 * np.pi, np.pi / 4)]
+    shift = np.cumsum([0] + [len(p.vertices) for p in parts[:-1]])
+    faces = [(p.faces[:, ::-1] if k % 2 else p.faces) + shift[k] for k, p in enumerate(parts)]
+    mesh = Mesh(np.vstack([p.vertices for p in parts]), np.vstack(faces).astype(np.int32))
+    assert faces_away(orient_outward(mesh, [])) > 0.99
+
+
+def test_a_half_hull_was_cut_at_its_middle_plane_and_is_whole_when_reflected_there():
+    half = clean_mesh(tube(arc=(-np.pi / 2, np.pi / 2), caps=False), [])  # y >= 0
+    cuts = find_possible_cuts(half)
+    assert cuts[0][0] == 1
+    assert cuts[0][1] == pytest.approx(0, abs=1e-9)
+    whole = reflect_mesh(half, cuts[:1])
+    assert len(whole.faces) == 2 * len(half.faces)
+    assert np.ptp(whole.vertices[:, 1]) == pytest.approx(2 * np.ptp(half.vertices[:, 1]))
+
+
+def test_a_flat_bottom_is_plating_not_a_cut():
+    box = trimesh.creation.box((40, 8, 6))
+    open_top = Mesh(np.asarray(box.vertices), np.asarray(box.faces)[np.asarray(box.face_normals)[:, 2] < 0.5].astype(np.int32))
+    assert find_possible_cuts(open_top) == [(2, 3.0)]
+
+
+def test_the_boundary_of_one_triangle_is_its_three_edges():
+    assert find_boundary(np.array([[0, 1, 2]], np.int32)).tolist() == [[0, 1], [0, 2], [1, 2]]
+
+
+def test_a_missing_cad_model_is_an_input_error(tmp_path):
+    with pytest.raises(InputError, match=r"hull\.stl is missing"):
+        read_hull(tmp_path / "hull.stl", "m", [])
+
+
+def test_a_format_that_is_not_read_is_an_input_error_that_lists_the_formats(tmp_path):
+    (tmp_path / "hull.step").write_text("x")
+    with pytest.raises(InputError, match="stl, ply, obj, off, glb"):
+        read_hull(tmp_path / "hull.step", "m", [])
+
+
+@pytest.mark.parametrize("name", ["h.stl", "h.ply", "h.obj", "h.off", "h.glb", "h.stl.gz"])
+@pytest.mark.parametrize("content", [b"", b"solid nothing\nendsolid\n", b"\x00" * 84, b"OFF\n1 1 0\n0 0 0\n3 0 7 9\n"])
+def test_a_file_without_a_mesh_is_an_input_error(tmp_path, name, content):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError):
+        read_hull(tmp_path / name, "m", [])
+
+
+def test_coordinates_that_are_not_finite_are_an_input_error(tmp_path):
+    mesh = tube()
+    mesh.vertices[5] = np.nan
+    with pytest.raises(InputError, match="not finite"):
+        read_hull(save(tmp_path / "hull.stl", mesh), "m", [])
+
+
+@QUICK
+@given(st.data())
+def test_any_damage_to_a_file_gives_a_mesh_or_a_typed_error(tmp_path, data):
+    content = bytearray(save(tmp_path / "h.ply", tube(sections=4, around=5)).read_bytes())
+    for _ in range(data.draw(st.integers(1, 4))):
+        content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+    (tmp_path / "h.ply").write_bytes(content[: data.draw(st.integers(1, len(content)))])
+    try:
+        mesh = read_hull(tmp_path / "h.ply", "m", [])
+    except HullreconError:
+        return
+    assert np.isfinite(mesh.vertices).all()
+    assert mesh.faces.max() < len(mesh.vertices)
+
+
+def outer_share(mesh: Mesh, middle_y: float) -> float:
+    """Share of the area of steep side plating whose normal points away from the middle plane."""
+    corners = mesh.vertices[mesh.faces]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.linalg.norm(normal, axis=1)
+    off = corners.mean(axis=1)[:, 1] - middle_y
+    side = (np.abs(normal[:, 1]) > 0.7 * size) & (np.abs(off) > 0.2 * np.abs(off).max())
+    return float(size[side & (normal[:, 1] * off > 0)].sum() / size[side].sum())
+
+
+@pytest.mark.parametrize(
+    ("name", "faces", "said"),
+    [
+        ("JBC_rigidBodyHull_HULL.obj.gz", 86668, "8 duplicate faces"),
+        ("kvlcc2_lq_3dpea.stl", 7060, "degenerate faces"),
+        ("wigley.stl.gz", 12892, "12888 of 12892 faces had their normals inward"),
+        ("DTC-scaled_decimated30k.stl", 30000, "the mesh is watertight"),
+    ],
+)
+def test_real_hulls_open_half_messy_or_inverted_come_out_clean_and_outward(data, name, faces, said):
+    messages = []
+    mesh = read_hull(data / "hulls" / name, "m", messages)
+    assert len(mesh.faces) == faces
+    assert any(said in line for line in messages)
+    assert outer_share(mesh, 0.0) > 0.998

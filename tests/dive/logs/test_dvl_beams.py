@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.dive.config.load import load_config
+from hullrecon.dive.logs.dvl_beams import A50, a50_beams, choose_beams, tilted_beams, unit
+from hullrecon.dive.logs.messages.samples import DVL_TYPES
+from hullrecon.dive.logs.samples import DvlSample
+from hullrecon.dive.logs.streams import dvl_pings
+from hullrecon.errors import InputError, UsageError
+from hullrecon.steps.ingest import USES, request_of
+
+JANUS = tilted_beams(30.0, (180.0, 0.0, 90.0, -90.0))
+
+
+def ping(beams=None, instrument="", ranges=(1.0, 2.0, 3.0, 4.0)):
+    return DvlSample(0, np.zeros(3), np.nan, np.array(ranges, float), beams, instrument)
+
+
+def test_a_tilted_beam_leans_from_z_towards_its_azimuth():
+    fore, starboard = tilted_beams(30.0, (0.0, 90.0))
+    assert fore == pytest.approx([0.5, 0.0, 0.75**0.5])
+    assert starboard == pytest.approx([0.0, 0.5, 0.75**0.5])
+
+
+def test_the_beams_of_an_a50_lie_between_the_axes():
+    beams = a50_beams()
+    assert np.degrees(np.arccos(beams[:, 2])) == pytest.approx(np.full(4, 22.5))
+    assert np.sign(beams[:, :2]).tolist() == [[-1, 1], [-1, -1], [1, -1], [1, 1]]
+
+
+def test_beams_that_nothing_describes_are_asked_for():
+    with pytest.raises(InputError, match="nothing says where the DVL's 4 beams point") as caught:
+        choose_beams([ping()], None, 4, [])
+    assert caught.value.exit_code == 3
+    assert caught.value.where == "dvl.beams"
+    for key in ("beams as unit vectors", "beam_angle_deg", "beam_azimuth_deg"):
+        assert key in caught.value.remedy
+
+
+def test_five_beams_that_nothing_describes_are_asked_for():
+    with pytest.raises(InputError, match="5 beams"):
+        dvl_pings([ping(ranges=[1.0] * 5)], None, 0.003, [])
+
+
+def test_the_beams_of_the_configuration_stand_in_for_those_of_messages_without():
+    remarks = []
+    assert choose_beams([ping()], 2 * JANUS, 4, remarks) == pytest.approx(JANUS)
+    assert remarks == []
+
+
+def test_the_beams_of_the_message_win_over_those_of_the_configuration_and_that_is_said():
+    remarks = []
+    turned = tilted_beams(25.0, (180.0, 0.0, 90.0, -90.0))
+    assert choose_beams([ping(JANUS)], turned, 4, remarks) == pytest.approx(JANUS)
+    assert remarks == ["dvl: the beams of dive.toml are up to 5.0 degrees off those of the messages, which were used"]
+
+
+def test_beams_that_agree_with_the_messages_are_not_remarked():
+    remarks = []
+    choose_beams([ping(JANUS)], JANUS, 4, remarks)
+    assert remarks == []
+
+
+def test_the_configuration_wins_over_the_instrument_that_the_type_names():
+    assert choose_beams([ping(a50_beams(), A50)], JANUS, 4, []) == pytest.approx(JANUS)
+
+
+def test_the_instrument_that_the_type_names_is_used_last_and_said():
+    remarks = []
+    assert choose_beams([ping(a50_beams(), A50)], None, 4, remarks) == pytest.approx(a50_beams())
+    assert remarks == ["dvl: the messages have no beam directions; those of a Water Linked A50 were used"]
+
+
+def test_a_dvl_without_ranges_needs_no_beams():
+    assert choose_beams([ping(ranges=())], None, 0, []).shape == (0, 3)
+
+
+def test_a_dvl_that_lost_every_range_needs_no_beams_and_that_is_said():
+    remarks = []
+    pings = dvl_pings([ping(ranges=[np.nan, 0.0, -1.0, np.nan])], None, 0.003, remarks)
+    assert pings.ranges.shape == (1, 0)
+    assert pings.beams.shape == (0, 3)
+    assert remarks == ["dvl: every range is lost; it measures no distance to the hull"]
+
+
+def test_another_number_of_beams_than_the_log_has_is_refused():
+    with pytest.raises(InputError, match="describes 3 beams, the log has 4"):
+        choose_beams([ping(JANUS)], JANUS[:3], 4, [])
+
+
+def water_linked(beams: int):
+    reports = [SimpleNamespace(id=i, valid=True, distance=1.0 + i) for i in range(beams)]
+    velocity = SimpleNamespace(x=0.1, y=0.2, z=0.3)
+    return SimpleNamespace(velocity_valid=True, beams=reports, fom=0.01, velocity=velocity)
+
+
+@pytest.mark.parametrize("kind", ["waterlinked_a50_ros_driver/msg/DVL", "dvl_msgs/msg/DVL"])
+def test_the_reports_of_an_a50_carry_its_beams_by_their_type(kind):
+    (sample,) = DVL_TYPES[kind](water_linked(4), 0, "dvl")
+    assert sample.beams == pytest.approx(a50_beams())
+    assert sample.instrument == "Water Linked A50"
+
+
+def test_a_report_of_another_number_of_beams_is_none_of_an_a50():
+    (sample,) = DVL_TYPES["dvl_msgs/msg/DVL"](water_linked(3), 0, "dvl")
+    assert sample.beams is None
+    assert sample.instrument == ""
+
+
+def test_vectors_are_brought_to_length_one():
+    assert unit(np.array([[0.0, 3.0, 4.0]])) == pytest.approx(np.array([[0.0, 0.6, 0.8]]))
+
+
+def beams_of(package, *overrides):
+    loaded = load_config(package, {}, overrides)
+    return request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES})).beams
+
+
+def test_the_configuration_gives_beams_by_angle_and_azimuth(package):
+    found = beams_of(package, "dvl.beam_angle_deg=30", "dvl.beam_azimuth_deg=[180, 0, 90, -90]")
+    assert found == pytest.approx(JANUS)
+    assert beams_of(package) is None
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (["dvl.beam_angle_deg=30"], "dvl.beam_angle_deg without dvl.beam_azimuth_deg"),
+        (["dvl.beam_azimuth_deg=[0, 90]"], "dvl.beam_azimuth_deg without dvl.beam_angle_deg"),
+        (["dvl.beam_angle_deg=30", "dvl.beam_azimuth_deg=[0]", "dvl.beams=[[0, 0, 1]]"], "are both given"),
+        (["dvl.beam_angle_deg=0", "dvl.beam_azimuth_deg=[0]"], "beam_angle_deg = 0"),
+        (["dvl.beam_angle_deg=90", "dvl.beam_azimuth_deg=[0]"], "beam_angle_deg = 90"),
+        (["dvl.beam_angle_deg=30", "dvl.beam_azimuth_deg=[400]"], "400"),
+        (["dvl.beam_angle_deg=30", "dvl.beam_azimuth_deg=[]"], "beam_azimuth_deg"),
+    ],
+)
+def test_senseless_beams_are_refused(package, overrides, message):
+    with pytest.raises(UsageError, match=message):
+        load_config(package, {}, overrides)

@@ -1,0 +1,182 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+
+from hullrecon.dive.check.to_fill_in import to_fill_in
+from hullrecon.dive.config.config_template import beams_to_ask_for, fill_template
+from hullrecon.dive.config.load import load_config
+from hullrecon.dive.logs.readers.open import open_log
+from hullrecon.dive.logs.readers.protocol import Channel
+from hullrecon.dive.logs.summary import TopicNote, guess_topics, missing, summarise_log, summarise_logs
+
+IMAGE = "sensor_msgs/msg/CompressedImage"
+
+
+def notes(**kinds: str) -> list[TopicNote]:
+    return [TopicNote(Channel("/" + topic.replace("__", "/"), kind, "cdr"), count=1) for topic, kind in kinds.items()]
+
+
+def test_a_log_is_told_topic_by_topic(kit, tmp_path):
+    found = summarise_log(open_log(kit.mcap(tmp_path / "x.mcap", kit.dive())))
+    lines = found.lines()
+    assert lines[0] == "MCAP: 96 messages on 5 topics, 3.9 s from 2026-05-04T09:30:00.000Z"
+    assert "/imu: 40 messages in 3.9 s, 10.0 Hz, sensor_msgs/msg/Imu" in lines
+    assert "/cam can be the camera_top" in lines
+    assert "no sonar: there will be no sonar mosaic" in lines
+    assert found.document()["guessed"]["dvl"] == "/dvl"
+
+
+def test_a_real_ros1_bag_is_told_with_what_is_missing_for_a_run(data):
+    lines = summarise_log(open_log(data / "ros1-micron-bag" / "static_sonar.bag")).lines()
+    assert lines[0] == "ROS 1 bag: 2784 messages on 7 topics, 25.4 s from 2020-02-10T14:53:22.362Z"
+    assert any(line.startswith("/tritech_micron/scan: 553 messages") for line in lines)
+    assert any("a run would not use" in line and "/tritech_micron/scan" in line for line in lines)
+    assert any(line.startswith("no dvl") for line in lines)
+
+
+def test_a_damaged_log_is_told_with_its_loss(kit, tmp_path):
+    path = kit.mcap(tmp_path / "x.mcap", kit.dive())
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    assert any("is lost" in line for line in summarise_log(open_log(path)).lines())
+
+
+@pytest.mark.parametrize(
+    ("topics", "top", "bottom"),
+    [
+        ({"cam__bottom": IMAGE, "cam__top": IMAGE}, "/cam/top", "/cam/bottom"),
+        ({"left": IMAGE, "right": IMAGE}, "/left", "/right"),
+        ({"bottom_camera": IMAGE}, "/bottom_camera", None),
+        ({"a": IMAGE, "b": IMAGE}, "/a", "/b"),
+        ({"a__image": "sensor_msgs/msg/Image", "a__image__compressed": IMAGE}, "/a/image/compressed", None),
+        ({"depth": IMAGE, "color": IMAGE}, "/color", None),
+    ],
+)
+def test_cameras_are_guessed_by_name(topics, top, bottom):
+    found = guess_topics(notes(**topics))
+    assert (found.get("camera_top"), found.get("camera_bottom")) == (top, bottom)
+
+
+def test_a_dvl_of_a_common_type_needs_its_name():
+    kind = "geometry_msgs/msg/TwistWithCovarianceStamped"
+    assert guess_topics(notes(odom=kind)) == {}
+    assert guess_topics(notes(dvl__velocity=kind)) == {"dvl": "/dvl/velocity"}
+
+
+def test_of_several_imus_the_one_that_is_called_so_is_taken():
+    assert guess_topics(notes(other="sensor_msgs/msg/Imu", my_imu="sensor_msgs/msg/Imu"))["imu"] == "/my_imu"
+
+
+def test_what_is_missing_depends_on_what_else_there_is():
+    stereo = missing({"camera_top", "camera_bottom"})
+    assert "no dvl: motion comes from stereo images" in stereo
+    alone = missing({"sonar"})
+    assert any("no run is possible" in line for line in alone)
+    assert not any(line.startswith("no camera_bottom") for line in alone)
+    everything = {"dvl", "imu", "pressure", "joints", "camera_top", "camera_bottom", "sonar"}
+    assert missing(everything, hull=True) == []
+    assert "without a CAD model" in missing(everything, hull=False)[0]
+
+
+def test_a_dvl_without_an_imu_can_not_be_run_even_with_stereo():
+    stereo = {"dvl", "camera_top", "camera_bottom"}
+    assert any(line.startswith("no imu: ") and "no run is possible" in line for line in missing(stereo))
+    assert "no imu: attitude comes from stereo images and drifts" in missing(stereo - {"dvl"})
+    assert "no imu: there is no attitude: no run is possible" in missing({"camera_top"})
+
+
+def test_topics_that_were_not_chosen_are_told_from_those_of_types_that_are_not_read(kit, tmp_path):
+    entries = kit.dive()
+    entry = type(entries[0])
+    second = [entry("/second_imu", "sensor_msgs/msg/Imu", e.t_ns, e.message) for e in entries if e.topic == "/imu"]
+    text = kit.make("std_msgs/msg/String", data="hello")
+    log = kit.mcap(tmp_path / "x.mcap", [*entries, *second, entry("/talk", "std_msgs/msg/String", entries[0].t_ns, text)])
+    lines = summarise_log(open_log(log)).lines()
+    assert "not chosen, though of a type that is read: /second_imu (could be imu); name it in [topics] to use it" in lines
+    assert "a run would not use /talk: of other types than it reads" in lines
+
+
+def test_the_first_configuration_loads_and_names_the_log_topics_joints_cad_model_and_calibration(kit, tmp_path, calibration):
+    path = kit.mcap(tmp_path / "logs" / "x.mcap", kit.dive())
+    (tmp_path / "ship.stl").write_bytes(b"")
+    calibration(tmp_path / "cal" / "my_top.yaml")
+    text = fill_template(summarise_log(open_log(path)), [path], tmp_path)
+    (tmp_path / "dive.toml").write_text(text)
+    loaded = load_config(tmp_path)
+    assert loaded.config.logs.files == ("logs/x.mcap",)
+    assert loaded.config.topics.dvl == "/dvl"
+    assert loaded.config.topics.sonar is None
+    assert loaded.config.tray.joint == "tray"
+    assert "its name in the joint messages: tray, other" in text
+    assert loaded.value("hull.mesh") == "ship.stl"
+    assert loaded.value("camera.top.calibration") == "cal/my_top.yaml"
+    assert loaded.value("camera.bottom") is None
+    assert str(loaded.config.dive.date) == "2026-05-04 09:30:00+00:00"
+
+
+def test_the_first_configuration_of_plain_files_has_no_topics(tmp_path):
+    (tmp_path / "logs").mkdir()
+    (tmp_path / "logs" / "pressure.csv").write_text("t,pascal\n1777887000,101325\n")
+    text = fill_template(summarise_log(open_log(tmp_path / "logs")), [tmp_path / "logs"], tmp_path)
+    (tmp_path / "dive.toml").write_text(text)
+    assert load_config(tmp_path).config.logs.files == ("logs",)
+    assert load_config(tmp_path).config.topics.pressure is None
+    assert "the names of the files say which sensor is which" in text
+
+
+def test_a_sonar_in_the_log_gives_a_sonar_section(kit, tmp_path):
+    entry = type(kit.dive()[0])
+    ping = entry("/sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage", 5, kit.sonar(5, np.zeros((3, 2), np.uint8)))
+    path = kit.mcap(tmp_path / "x.mcap", [*kit.dive(), ping])
+    (tmp_path / "dive.toml").write_text(fill_template(summarise_log(open_log(path)), [path], tmp_path))
+    assert load_config(tmp_path).sections["sonar"].elevation_deg == 14.0
+
+
+def test_what_a_log_names_can_not_break_out_of_the_configuration(kit, tmp_path):
+    entries = kit.dive()
+    entry = type(entries[0])
+    evil = '/imu"\n[dive]\nname = "x\x7f'
+    path = kit.mcap(
+        tmp_path / "x.mcap", [entry(evil if e.topic == "/imu" else e.topic, e.kind, e.t_ns, e.message) for e in entries]
+    )
+    (tmp_path / "dive.toml").write_text(fill_template(summarise_log(open_log(path)), [path], tmp_path))
+    assert load_config(tmp_path).config.topics.imu == evil
+
+
+def test_cameras_without_a_calibration_stand_in_comments(kit, tmp_path):
+    path = kit.mcap(tmp_path / "x.mcap", kit.dive())
+    (tmp_path / "dive.toml").write_text(fill_template(summarise_log(open_log(path)), [path], tmp_path))
+    loaded = load_config(tmp_path)
+    assert loaded.config.camera.top is None
+    assert "# [camera.top]" in (tmp_path / "dive.toml").read_text()
+    assert any("camera.top.calibration" in line for line in to_fill_in(loaded, {"camera_top"}))
+
+
+def test_what_no_log_tells_is_asked_for_and_not_written(kit, tmp_path, calibration):
+    path = kit.mcap(tmp_path / "x.mcap", kit.dive())
+    calibration(tmp_path / "top.yaml")
+    (tmp_path / "dive.toml").write_text(fill_template(summarise_log(open_log(path)), [path], tmp_path))
+    lines = to_fill_in(load_config(tmp_path), {"dvl", "imu", "pressure", "camera_top"})
+    keys = [line.split(": ")[1] for line in lines]
+    assert keys == ["tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount"]
+    assert lines[1].endswith("until then [0, 0, 0] is used")
+
+
+def test_what_is_given_or_not_carried_is_not_asked_for(package):
+    assert to_fill_in(load_config(package, {}, ["pressure.origin=[0, 0, 1]"]), {"pressure", "imu"}) == []
+
+
+def test_several_logs_are_told_as_one(kit, tmp_path):
+    entries = kit.dive()
+    logs = [kit.mcap(tmp_path / "a.mcap", entries[:50]), kit.mcap(tmp_path / "b.mcap", entries[50:])]
+    both = summarise_logs([open_log(log) for log in logs])
+    whole = summarise_log(open_log(kit.mcap(tmp_path / "c.mcap", entries)))
+    assert both.lines() == whole.lines()
+
+
+def test_beams_are_asked_for_only_where_ranges_come_without_them(kit, tmp_path):
+    (tmp_path / "dvl.csv").write_text("t,vx,vy,vz,range_1,range_2,range_3\n0,1,0,0,1,1,1\n")
+    assert beams_to_ask_for(summarise_log(open_log(tmp_path))) == 3
+    (tmp_path / "dvl.csv").write_text("t,vx,vy,vz\n0,1,0,0\n")
+    assert beams_to_ask_for(summarise_log(open_log(tmp_path))) == 0
+    assert beams_to_ask_for(summarise_log(open_log(kit.mcap(tmp_path / "x.mcap", kit.dive())))) == 0

@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from hullrecon.dive.logs.timeline import NS, describe_clock_jumps, describe_gaps, format_time, put_in_order, rate_hz
+from hullrecon.errors import InputError
+
+
+def ns(*seconds):
+    return np.round(np.array(seconds) * NS).astype(np.int64)
+
+
+def test_rows_in_order_stay_and_nothing_is_said():
+    line = put_in_order("imu", ns(0, 1, 2), ns(0, 1, 2))
+    assert line.keep.tolist() == [0, 1, 2]
+    assert line.remarks == []
+
+
+def test_rows_out_of_order_are_sorted_and_counted():
+    line = put_in_order("imu", ns(0, 0.2, 0.1, 0.3), ns(0, 0.1, 0.2, 0.3))
+    assert line.keep.tolist() == [0, 2, 1, 3]
+    assert line.remarks == ["imu: 1 readings stood out of order and were sorted"]
+
+
+def test_of_duplicate_stamps_the_first_stays():
+    line = put_in_order("imu", ns(0, 1, 1, 1, 2), ns(0, 1, 2, 3, 4) // 10)
+    assert line.keep.tolist() == [0, 1, 4]
+    assert any("2 of 5 stamps are duplicates" in remark for remark in line.remarks)
+
+
+def test_a_clock_that_jumps_against_the_loggers_is_named_with_its_size_and_moment():
+    (words,) = describe_clock_jumps("dvl", ns(0, 1, 2, 12.5, 13.5), ns(0, 1, 2, 3, 4))
+    assert "jumps by +9.500 s at 1970-01-01T00:00:02.000Z" in words
+
+
+def test_a_clock_that_falls_back_is_named_without_a_logger_too():
+    stamps = ns(10, 11, 12, 5, 6)
+    (words,) = describe_clock_jumps("dvl", stamps, stamps)
+    assert "jumps by -7.000 s" in words
+
+
+def test_several_jumps_are_counted():
+    (words,) = describe_clock_jumps("dvl", ns(0, 5, 0, 5), ns(0, 0.1, 0.2, 0.3))
+    assert "and 2 more times" in words
+
+
+def test_a_dropout_is_a_gap_not_a_jump():
+    stamps = ns(0, 1, 2, 60, 61)
+    assert describe_clock_jumps("dvl", stamps, stamps) == []
+    assert describe_gaps("dvl", stamps) == ["dvl: nothing for 58.0 s from 1970-01-01T00:00:02.000Z to 1970-01-01T00:01:00.000Z"]
+
+
+def test_a_missing_message_or_two_is_no_gap():
+    assert describe_gaps("imu", ns(0, 0.1, 0.2, 0.5, 0.6)) == []
+
+
+def test_many_gaps_are_summed_up():
+    stamps = ns(*[t + 20 * (t // 5) for t in range(50)])
+    words = describe_gaps("imu", stamps)
+    assert len(words) == 6
+    assert words[-1] == "imu: 4 more gaps, shorter"
+
+
+def test_the_rate_is_that_of_the_median_step():
+    assert rate_hz(ns(0, 0.1, 0.2, 5)) == 10.0
+    assert rate_hz(ns(1)) == 0.0
+
+
+def test_a_stamp_beyond_every_calendar_is_shown_in_seconds():
+    assert format_time(2**62) == "4611686018.427 s" or format_time(2**62).startswith("2116-")
+    assert format_time(-(2**62)).startswith(("-", "18"))
+
+
+@given(st.lists(st.integers(0, 10**12), min_size=1, max_size=50))
+def test_what_is_kept_is_strictly_increasing_and_complete(stamps):
+    assume(len(stamps) <= 2 or len(set(stamps)) > 1)
+    keep = put_in_order("x", stamps, [0] * len(stamps)).keep
+    kept = np.array(stamps)[keep]
+    assert (np.diff(kept) > 0).all()
+    assert set(kept) == set(stamps)
+
+
+def test_a_clock_that_stands_still_is_refused():
+    with pytest.raises(InputError, match="imu: all 3 stamps are the same, 1970-01-01T00:00:05") as caught:
+        put_in_order("imu", [5_000_000_000] * 3, [1, 2, 3])
+    assert "clock that runs" in caught.value.remedy
+
+
+def test_two_readings_of_one_stamp_are_duplicates():
+    line = put_in_order("imu", [5, 5], [1, 2])
+    assert line.keep.tolist() == [0]
+    assert line.remarks == ["imu: 1 of 2 stamps are duplicates; the first of each was kept"]

@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import numpy as np
+
+from hullrecon.mosaic.imagery.sonar_fan import build_fan
+
+BEARING = np.radians(np.linspace(14, -14, 57))  # numbered from port to starboard, as a driver may have it
+DIRECTIONS = np.stack([np.zeros(57), np.sin(BEARING), np.cos(BEARING)], axis=1)
+FAN = build_fan(DIRECTIONS, np.linspace(1.0, 5.0, 201), np.radians(14))
+
+
+def test_a_point_straight_ahead_falls_on_the_middle_beam_at_its_range_bin() -> None:
+    pixel, ratio = FAN.locate(np.array([[0.0, 0.0, 3.0]]))
+    np.testing.assert_allclose(pixel, [[100.0, 28.0]], atol=1e-9)
+    assert np.isfinite(ratio[0])
+
+
+def test_bins_and_beams_are_those_of_the_image() -> None:
+    bearing = BEARING[10]
+    pixel, _ = FAN.locate(np.array([[0.0, 1.5 * np.sin(bearing), 1.5 * np.cos(bearing)]]))
+    np.testing.assert_allclose(pixel, [[25.0, 10.0]], atol=1e-9)
+
+
+def test_elevation_does_not_change_range_and_beam_of_an_arc() -> None:
+    theta = np.radians([-6.9, 0.0, 6.9])
+    arc = 2.0 * np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=1)
+    pixel, ratio = FAN.locate(arc)
+    np.testing.assert_allclose(pixel, np.tile([50.0, 28.0], (3, 1)), atol=1e-9)
+    assert np.isfinite(ratio).all()
+
+
+def test_points_beyond_range_bearing_or_aperture_are_not_held() -> None:
+    theta, psi = np.radians(7.1), np.radians(14.2)
+    points = [[0, 0, 0.9], [0, 0, 5.1], [2 * np.sin(theta), 0, 2 * np.cos(theta)], [0, 2 * np.sin(psi), 2 * np.cos(psi)]]
+    assert np.isnan(FAN.locate(np.array(points))[1]).all()
+
+
+def test_the_best_place_is_three_quarters_down_the_display() -> None:
+    near = np.cos(np.radians(14))  # where the display ends, 1 m range at the outermost beam
+    best = 5.0 - 0.75 * (5.0 - near)
+    ratio = FAN.locate(np.array([[0.0, 0.0, best], [0.0, 0.0, best + 0.5], [0.0, 0.0, 4.99]]))[1]
+    np.testing.assert_allclose(ratio[0], 0, atol=1e-12)
+    assert ratio[0] < ratio[1] < ratio[2] <= 1
+
+
+def test_rays_fill_the_aperture_with_unit_vectors() -> None:
+    rays = FAN.rays(bearings=5, elevations=3)
+    np.testing.assert_allclose(np.linalg.norm(rays, axis=1), 1)
+    assert np.isfinite(FAN.locate(0.999999 * 2.0 * rays[[7]])[1]).all()
+    np.testing.assert_allclose(np.degrees(np.arcsin(rays[:, 0].max())), 7.0)

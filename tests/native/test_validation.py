@@ -1,0 +1,242 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Every refusal of a table or an option: its name, and words that say what is wrong with it."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from native.test_cores import field, mono_beside_stereo
+from native.twins import array_fields
+
+from hullrecon.errors import InputError, UsageError
+from hullrecon.native import Options, Problem, covariance, evaluate, solve
+
+Survey = Callable[..., Problem]
+Ints = np.int32
+
+
+@pytest.fixture
+def whole(make_survey: Survey) -> Problem:
+    """A survey with every table filled."""
+    p = make_survey()
+    field(p)
+    mono_beside_stereo(p)
+    p.prior_T_ct_cb, p.prior_T_ct_cb_sqrt = p.T_ct_cb.copy(), np.eye(6)
+    return p
+
+
+def test_a_problem_with_every_table_filled_is_accepted(whole: Problem) -> None:
+    assert set(array_fields(whole)) >= {f.name for f in dataclasses.fields(whole) if f.name not in ("constant", "sigma_px")}
+    assert len(evaluate(whole).residual) > 0
+
+
+# field, what becomes of it, what is said
+REFUSALS: list[tuple[str, Callable[[np.ndarray], Any], str]] = [
+    ("pose", lambda x: x[:0], "there are no poses"),
+    ("pose", lambda x: x[:, :7], r"the shape is \(8, 7, \), expected \(8, 8, \)"),
+    ("pose", lambda x: x * 1.01, "row 0 is not of unit length"),
+    ("landmark", lambda x: x[:, :2], "expected"),
+    ("T_g_M", lambda x: x[:6], "expected"),
+    ("T_s_ct", lambda x: x * 2, "the quaternion is not of unit length"),
+    ("T_ct_cb", lambda x: 0 * x, "the quaternion is not of unit length"),
+    ("T_s_d", lambda x: x[None], "expected"),
+    ("odometry_mount", lambda x: -3 * x, "the quaternion is not of unit length"),
+    ("navigation", lambda x: x[:5], r"expected \(6, \)"),
+    ("deviation", lambda x: x[:, None], "expected"),
+    ("intrinsics_top", lambda x: x[:8], r"expected \(9, \)"),
+    ("intrinsics_top", lambda x: x * np.r_[-1, np.ones(8)], "a focal length is not positive"),
+    ("intrinsics_bottom", lambda x: x * np.r_[1, 0, np.ones(7)], "a focal length is not positive"),
+    ("tray_origin", lambda x: x[:2], r"expected \(3, \)"),
+    ("pressure_origin", lambda x: x[:2], r"expected \(3, \)"),
+    ("vertices", lambda x: x[:, :2], "expected"),
+    ("faces", lambda x: x[:, :2], "expected"),
+    ("faces", lambda x: x + 10000, "index .* is not below 625"),
+    ("faces", lambda x: x[:0], "ranges and surface factors need a CAD model"),
+    ("prior_pose_node", lambda x: x - 1, "index -1 of entry 0 is not below 8"),
+    ("prior_pose_node", lambda x: x + 8, "index 8 of entry 0 is not below 8"),
+    ("prior_pose", lambda x: x[:, :6], "expected"),
+    ("prior_pose", lambda x: x * 1.1, "row 0 is not of unit length"),
+    ("prior_pose_sqrt", lambda x: x[:, :5], "expected"),
+    ("prior_T_g_M", lambda x: x * 1.1, "the quaternion is not of unit length"),
+    ("prior_T_s_ct_sqrt", lambda x: x[:5], r"expected \(6, 6, \)"),
+    ("prior_T_ct_cb_sqrt", lambda x: x[0], r"expected \(6, 6, \)"),
+    ("prior_navigation_sigma", lambda x: 0 * x, "sigma 0 is not positive"),
+    ("prior_navigation_sigma", lambda x: x[:5], "expected"),
+    ("prior_intrinsics_sigma", lambda x: -x, "sigma 0 is not positive"),
+    ("attitude_node", lambda x: x + 1, "index 8 of entry 7 is not below 8"),
+    ("attitude_measured", lambda x: x[:, :2], "expected"),
+    ("attitude_measured", lambda x: x[:4], "expected"),
+    ("attitude_sigma", lambda x: x * [1, 0, 1], "sigma 1 is not positive"),
+    ("tray_node", lambda x: x + 8, "is not below 8"),
+    ("tray_measured", lambda x: x[:3], "expected"),
+    ("tray_direction", lambda x: x[:3], "expected"),
+    ("tray_sigma", lambda x: -x, "sigma 0 is not positive"),
+    ("odometry_first", lambda x: x - 1, "index -1"),
+    ("odometry_second", lambda x: x - 1, "row 0 joins a pose to itself"),
+    ("odometry_measured", lambda x: x[:, :6], "expected"),
+    ("odometry_measured", lambda x: 2 * x, "row 0 is not of unit length"),
+    ("odometry_sqrt", lambda x: x[:, 0], "expected"),
+    ("odometry_by_navigation", lambda x: x[:, :, :1], "expected"),
+    ("odometry_by_mount", lambda x: x[:, :, :1], "expected"),
+    ("odometry_by_tray", lambda x: x[:, :5], "expected"),
+    ("odometry_tray", lambda x: x[:5], "expected"),
+    ("stereo_node", lambda x: x - 1, "index -1"),
+    ("stereo_landmark", lambda x: x + 1, "is not below 60"),
+    ("stereo_pixel", lambda x: x[:, :2], "expected"),
+    ("mono_node", lambda x: x + 8, "is not below 8"),
+    ("mono_landmark", lambda x: -x - 1, "is not below 60"),
+    ("mono_camera", lambda x: x + 1, "is not below 2"),
+    ("mono_pixel", lambda x: x[:-1], "expected"),
+    ("range_node", lambda x: x + 8, "is not below 8"),
+    ("range_offset", lambda x: x * 2, "row 0 is not of unit length"),
+    ("range_beam", lambda x: x * 0.99, "row 0 is not of unit length"),
+    ("range_measured", lambda x: x[:-1], "expected"),
+    ("range_tray_offset", lambda x: x[:-1], "expected"),
+    ("range_sigma", lambda x: 0 * x, "sigma 0 is not positive"),
+    ("range_field_index", lambda x: x + 5, "is not below 5"),
+    ("range_field_weight", lambda x: x[:, :3], "expected"),
+    ("surface_landmark", lambda x: x + 1, "is not below 60"),
+    ("surface_weight", lambda x: -x, "weight 0 is negative"),
+    ("surface_weight", lambda x: x[:-1], "expected"),
+    ("surface_field_index", lambda x: x - 1, "index -1"),
+    ("surface_field_weight", lambda x: x[:-1], "expected"),
+    ("field_prior_start", lambda x: x[:-1], "the rows do not cover the entries"),
+    ("field_prior_start", lambda x: x + 1, "the rows do not cover the entries"),
+    ("field_prior_start", lambda x: x[[0, 2, 1, 3, 4, 5]], "the rows' starts descend at 2"),
+    ("field_prior_index", lambda x: x + 5, "is not below 5"),
+    ("field_prior_value", lambda x: x[:-1], "expected"),
+    ("sigma_px", lambda _: -1.0, "it is not positive"),
+    ("sigma_px", lambda _: np.nan, "it is not positive"),
+    ("constant", lambda _: ("T_g_m",), "there is no block of the name T_g_m"),
+]
+
+
+@pytest.mark.parametrize(("name", "change", "words"), REFUSALS, ids=[f"{n}-{k}" for k, (n, _, _) in enumerate(REFUSALS)])
+def test_a_table_that_cannot_be_used_is_named_with_what_is_wrong(
+    name: str, change: Callable[[np.ndarray], Any], words: str, whole: Problem
+) -> None:
+    value = change(getattr(whole, name))
+    setattr(whole, name, value.astype(Ints) if isinstance(value, np.ndarray) and value.dtype.kind == "i" else value)
+    with pytest.raises(InputError, match=words) as caught:
+        evaluate(whole)
+    assert caught.value.where == name
+
+
+def test_every_table_of_numbers_is_refused_with_a_nan_in_it(whole: Problem) -> None:
+    for name in list(array_fields(whole)):
+        table = getattr(whole, name)
+        if table.dtype.kind != "f":
+            continue
+        spoilt = table.copy()
+        spoilt.flat[spoilt.size // 2] = np.nan
+        setattr(whole, name, spoilt)
+        with pytest.raises(InputError, match=f"entry {spoilt.size // 2} is not finite") as caught:
+            evaluate(whole)
+        assert caught.value.where == name
+        setattr(whole, name, table)
+
+
+def test_every_table_is_refused_with_text_or_complex_numbers_in_it(whole: Problem) -> None:
+    for name in list(array_fields(whole)):
+        table = getattr(whole, name)
+        for wrong in (table.astype(complex), table.astype(str), table.astype(object)):
+            setattr(whole, name, wrong)
+            with pytest.raises(InputError, match="the numbers are of the wrong type") as caught:
+                evaluate(whole)
+            assert caught.value.where == name
+        setattr(whole, name, table)
+
+
+def test_an_index_that_is_no_integer_is_refused_and_one_of_another_width_is_taken(whole: Problem) -> None:
+    before = evaluate(whole).residual
+    for name in list(array_fields(whole)):
+        table = getattr(whole, name)
+        if table.dtype.kind != "i":
+            continue
+        setattr(whole, name, table.astype(float))
+        with pytest.raises(InputError, match="the numbers are of the wrong type"):
+            evaluate(whole)
+        for kind in (np.int64, np.uint16):
+            setattr(whole, name, table.astype(kind))
+            np.testing.assert_array_equal(evaluate(whole).residual, before, err_msg=name)
+        setattr(whole, name, table)
+
+
+@pytest.mark.parametrize("layout", ["Fortran", "strided", "float32 where exact"])
+def test_tables_in_another_layout_give_the_same_rows(layout: str, whole: Problem) -> None:
+    whole.stereo_pixel = np.round(whole.stereo_pixel)
+    before = evaluate(whole).residual
+    if layout == "Fortran":
+        for name in list(array_fields(whole)):
+            setattr(whole, name, np.asfortranarray(getattr(whole, name)))
+    elif layout == "strided":
+        for name in list(array_fields(whole)):
+            setattr(whole, name, np.repeat(getattr(whole, name), 2, axis=0)[::2])
+    else:
+        whole.stereo_pixel = whole.stereo_pixel.astype(np.float32)
+    np.testing.assert_array_equal(evaluate(whole).residual, before)
+
+
+def test_a_root_without_its_prior_is_refused(whole: Problem) -> None:
+    whole.prior_T_s_d = None
+    with pytest.raises(InputError, match="the square root stands without its prior") as caught:
+        evaluate(whole)
+    assert caught.value.where == "prior_T_s_d_sqrt"
+
+
+@pytest.mark.parametrize("table", ["range", "surface"])
+def test_field_nodes_without_a_field_are_refused(table: str, whole: Problem) -> None:
+    other = {"range": "surface", "surface": "range"}[table]
+    whole.deviation = np.zeros(0)
+    for name in (
+        f"{other}_field_index",
+        f"{other}_field_weight",
+        "field_prior_start",
+        "field_prior_index",
+        "field_prior_value",
+    ):
+        setattr(whole, name, getattr(whole, name)[:0])
+    with pytest.raises(InputError, match="there is no deviation field to refer to") as caught:
+        evaluate(whole)
+    assert caught.value.where == f"{table}_field_index"
+    assert "give deviation" in str(caught.value.remedy)
+
+
+@pytest.mark.parametrize("call", [solve, evaluate, covariance])
+def test_every_call_validates_tables_and_options(call: Callable[..., Any], whole: Problem) -> None:
+    with pytest.raises(UsageError, match="it must be naive, geva or maxmix"):
+        call(whole, Options(method="none"))
+    whole.tray_sigma = -whole.tray_sigma
+    with pytest.raises(InputError, match="sigma 0 is not positive"):
+        call(whole)
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "words"),
+    [
+        ("method", "", "it must be naive, geva or maxmix"),
+        ("core", "cuda", "it must be schur or ceres"),
+        ("sigma_on", np.inf, "it must be positive"),
+        ("sigma_off", 0.02, "it must be larger than sigma_on"),
+        ("huber_stereo", np.nan, "inf switches it off"),
+        ("huber_mono", 0.0, "inf switches it off"),
+        ("huber_range", -1.0, "inf switches it off"),
+        ("gradient_tolerance", -1e-9, "it must not be negative"),
+        ("parameter_tolerance", np.nan, "it must not be negative"),
+        ("initial_radius", 0.0, "it must be positive"),
+        ("threads", 257, "it must be 1 to 256"),
+        ("threads", 1.5, "it is of the wrong type"),
+        ("max_iterations", None, "it is of the wrong type"),
+        ("labels_in_solve", "yes", "it is of the wrong type"),
+        ("sigma_on", "thin", "it is of the wrong type"),
+    ],
+)
+def test_an_option_that_cannot_be_meant_says_what_it_must_be(option: str, value: Any, words: str, whole: Problem) -> None:
+    with pytest.raises(UsageError, match=words) as caught:
+        evaluate(whole, dataclasses.replace(Options(), **{option: value}))
+    assert caught.value.where == option

@@ -1,0 +1,43 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from hullrecon.records.solution import Solution
+from hullrecon.report.content.missing_deliverables import Carried, missing_deliverables
+
+ALL = Carried(camera=True, sonar=True, cad_model=True)
+CHAIN = ("ingest", "navigate", "adjust", "surface", "detect", "mosaic-optical", "mosaic-sonar")
+
+
+def test_a_whole_dive_lacks_nothing(solution: Solution) -> None:
+    assert missing_deliverables(ALL, CHAIN, solution) == {}
+
+
+def test_without_cameras_all_that_needs_images_says_so(solution: Solution) -> None:
+    blind = replace(solution, landmarks=replace(solution.landmarks, position=np.zeros((0, 3))))
+    reasons = missing_deliverables(
+        replace(ALL, camera=False), ("ingest", "navigate", "adjust", "surface", "mosaic-sonar"), blind
+    )
+    assert {reasons[k] for k in ("ortho_optical.tif", "landmarks.ply", "colmap/")} == {"no camera was carried"}
+    assert "ortho_sonar.tif" not in reasons
+
+
+def test_without_a_cad_model_there_is_no_alignment(solution: Solution) -> None:
+    reasons = missing_deliverables(replace(ALL, cad_model=False), CHAIN, replace(solution, hull_pose=None))
+    assert list(reasons) == ["alignment.json"]
+    assert "no CAD model was given" in reasons["alignment.json"]
+
+
+def test_without_a_sonar_its_mosaic_is_absent(solution: Solution) -> None:
+    reasons = missing_deliverables(replace(ALL, sonar=False), CHAIN[:-1], solution)
+    assert set(reasons.values()) == {"no imaging sonar was carried"}
+
+
+def test_a_step_that_left_nothing_is_named() -> None:
+    reasons = missing_deliverables(ALL, ("ingest", "navigate"), None)
+    assert reasons["surface.ply"] == "the step surface left no result"
+    assert reasons["alignment.json"] == "the adjustment did not run"

@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from hullrecon.dive.config import DiveConfig
+from hullrecon.geometry.poses import from_mount
+from hullrecon.synthetic.dive import Dive, simulate_dive
+from hullrecon.synthetic.options import spec_from, with_options
+from hullrecon.synthetic.output.dive_toml import dive_toml, initial_guess
+from hullrecon.synthetic.vehicle.rig import CAMERA_MOUNT
+
+
+def decode(text: str) -> DiveConfig:
+    return msgspec.convert(tomllib.loads(text), DiveConfig)
+
+
+def test_dive_toml_is_strictly_valid_and_nominal(package: Path) -> None:
+    config = decode((package / "dive.toml").read_text())
+    assert config.dive.name == "small"
+    assert config.camera.top is not None
+    assert config.camera.top.mount == CAMERA_MOUNT
+    assert config.sonar is not None
+    assert config.hull is not None
+
+
+def test_the_first_guess_is_off_by_what_was_asked_for_in_the_middle_of_the_survey(dive: Dive) -> None:
+    config = decode(dive_toml(dive))
+    assert config.hull is not None
+    slip = dive.motion.T_g_M.inverse() @ from_mount(config.hull.pose)
+    middle = dive.hull.near(0.0).patch.point.reshape(-1, 3).mean(0)
+    off = slip.apply(middle[None])[0] - middle
+    assert abs(off[0]) == pytest.approx(dive.spec.guess.along_m, abs=1e-4)
+    assert abs(off[1]) == pytest.approx(dive.spec.guess.across_m, abs=1e-4)
+    assert abs(np.degrees(slip.log()[0, 5])) == pytest.approx(dive.spec.guess.turn_deg, abs=0.01)
+
+
+def test_a_perfect_guess_is_the_truth(dive: Dive) -> None:
+    spec = with_options(dive.spec, guess_along_m=0.0, guess_across_m=0.0, guess_turn_deg=0.0)
+    np.testing.assert_allclose(initial_guess(replace(dive, spec=spec)).matrix(), dive.motion.T_g_M.matrix(), atol=1e-9)
+
+
+@pytest.mark.parametrize(("cameras", "kept"), [("mono", {"top"}), ("none", set())])
+def test_a_rig_with_fewer_cameras_says_so(cameras: str, kept: set[str]) -> None:
+    spec = spec_from(legs=1, leg_length_m=1.0, structures=0, marks=0, barnacles=0, cameras=cameras, sonar=False)
+    config = decode(dive_toml(simulate_dive(spec)))
+    assert {name for name in ("top", "bottom") if getattr(config.camera, name) is not None} == kept
+    assert (config.topics.camera_top is not None) == ("top" in kept)
+    assert config.sonar is None
+    assert config.topics.sonar is None
+
+
+def told(dive: Dive, **errors: float) -> DiveConfig:
+    return decode(dive_toml(replace(dive, spec=with_options(dive.spec, **errors))))
+
+
+@pytest.mark.parametrize("drift", [144.0, -144.0])
+def test_dive_toml_tells_a_sigma_as_large_as_the_drift(dive: Dive, drift: float) -> None:
+    assert told(dive, heading_drift_deg_per_hour=drift).imu.heading_drift_deg_per_hour == 144.0
+
+
+@pytest.mark.parametrize("error", [0.02, -0.02])
+def test_dive_toml_tells_a_sigma_as_large_as_the_scale_error(dive: Dive, error: float) -> None:
+    assert told(dive, dvl_scale_error=error).dvl.scale_sigma == 0.02
+
+
+def test_dive_toml_tells_a_sigma_as_large_as_the_backlash(dive: Dive) -> None:
+    assert told(dive, backlash_deg=3.0, servo_sigma_deg=0.0).tray.sigma_deg == 3.0
+    assert told(dive, backlash_deg=3.0, servo_sigma_deg=4.0).tray.sigma_deg == 5.0
+
+
+def test_dive_toml_tells_an_instruments_class_where_its_errors_are_smaller(dive: Dive) -> None:
+    config = told(dive, heading_drift_deg_per_hour=0.0, dvl_scale_error=0.0, backlash_deg=0.0, servo_sigma_deg=0.0)
+    assert config == decode(dive_toml(dive))
+    assert (config.imu.heading_drift_deg_per_hour, config.dvl.scale_sigma, config.tray.sigma_deg) == (1.0, 0.005, 0.8)
+
+
+@pytest.mark.parametrize("name", ['the "old" lady', "back\\slash", "Møkster 7", "two\nlines"])
+def test_any_name_gives_a_file_that_can_be_read(dive: Dive, name: str) -> None:
+    assert tomllib.loads(dive_toml(replace(dive, spec=with_options(dive.spec, name=name))))["dive"]["name"] == name

@@ -1,0 +1,125 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What keeps the code readable: small folders, the field's words, docstrings that begin with a verb, few untyped values."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+LIBRARY = sorted((ROOT / "hullrecon").rglob("*.py"))
+SOURCES = [*LIBRARY, *sorted((ROOT / "cli").rglob("*.py"))]
+NATIVE = sorted(p for p in (ROOT / "native").rglob("*") if p.suffix in {".h", ".cpp"})
+PACKAGES = sorted(p.parent.name for p in (ROOT / "hullrecon").glob("*/__init__.py"))
+
+# Words that were this project's own, beside the field's (docs/concepts.md has those).
+RETIRED = re.compile(
+    r"(?i:hull_from$|drawing|(^|_)(misfit|lenses|stray|lonely|fellows|witnesses|grounded|told|said|sights?|shots|complaints|suspicions"
+    r"|ledger|csvtext|planting|swim|mesh_trust|lifted|lowered)(_|$))|^(Sight|Station|Eye|Shelf|Standing|Means|Opened|Ledger|Ground|Arm"
+    r"|Optics|Kept|Split|Held|Team)$",
+)
+RETIRED_IN_MESSAGES = re.compile(
+    r"\b(the|a|its|this) drawing\b|\bdrawn surface\b|made anew|it was never made|not fresh|\d a second\b"
+    r"|METHODS|OUTPUTS|INPUTS|\(O \d|\bO \d\."
+)
+NOT_A_VERB = re.compile(
+    r"^(The|A|An|Of|As|Whether|Where|What|How|Those|These|All|Each|In|With|At|By|Up|One|From|Same|None|Two)\b"
+)
+ANY_LINES = 60
+
+
+def _names(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef | ast.AsyncFunctionDef):
+            yield node.lineno, node.name
+        elif isinstance(node, ast.arg):
+            yield node.lineno, node.arg
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.lineno, node.id
+
+
+def _strings(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.lineno, node.value
+
+
+def _where(path: Path, line: int, what: str) -> str:
+    return f"{path.relative_to(ROOT)}:{line}: {what}"
+
+
+def test_no_folder_of_the_library_but_steps_holds_more_than_twelve_modules() -> None:
+    folders = {path.parent for path in LIBRARY} - {ROOT / "hullrecon" / "steps"}
+    full = {
+        str(folder.relative_to(ROOT)): len([p for p in folder.glob("*.py") if p.name != "__init__.py"]) for folder in folders
+    }
+    assert {name: count for name, count in full.items() if count > 12} == {}
+
+
+def test_no_identifier_is_a_retired_word() -> None:
+    found = [_where(p, n, name) for p in SOURCES for n, name in _names(ast.parse(p.read_text())) if RETIRED.search(name)]
+    assert found == []
+
+
+def test_no_module_is_named_by_a_retired_word() -> None:
+    assert [str(p.relative_to(ROOT)) for p in [*SOURCES, *NATIVE] if RETIRED.search(p.stem)] == []
+
+
+def test_no_message_or_docstring_speaks_the_old_language() -> None:
+    found = [
+        _where(p, n, text.strip()[:80])
+        for p in SOURCES
+        for n, text in _strings(ast.parse(p.read_text()))
+        if RETIRED_IN_MESSAGES.search(text)
+    ]
+    assert found == []
+
+
+def test_public_docstrings_begin_with_a_verb() -> None:
+    found = []
+    for path in SOURCES:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+                text = ast.get_docstring(node)
+                if text and NOT_A_VERB.match(text):
+                    found.append(_where(path, node.lineno, f"{node.name}: {text.splitlines()[0][:60]}"))
+    assert found == []
+
+
+def test_few_lines_are_untyped() -> None:
+    lines = [
+        _where(p, n, line.strip())
+        for p in SOURCES
+        for n, line in enumerate(p.read_text().splitlines(), 1)
+        if re.search(r"\bAny\b", line) and not line.lstrip().startswith(("from typing import", "#"))
+    ]
+    assert len(lines) < ANY_LINES, "\n".join(lines)
+
+
+def test_a_class_name_is_used_once() -> None:
+    where: dict[str, list[str]] = {}
+    for path in LIBRARY:
+        if "synthetic" in path.parts:  # it shares no code with what it tests, and so may share names
+            continue
+        for node in ast.parse(path.read_text()).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                where.setdefault(node.name, []).append(str(path.relative_to(ROOT)))
+    assert {name: paths for name, paths in where.items() if len(paths) > 1} == {}
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_package_has_four_lines_of_test_for_five_of_source(package: str) -> None:
+    source = sum(len(p.read_text().splitlines()) for p in (ROOT / "hullrecon" / package).rglob("*.py"))
+    tests = sum(len(p.read_text().splitlines()) for p in (ROOT / "tests" / package).rglob("*.py"))
+    assert tests >= 0.8 * source
+
+
+def test_native_has_four_lines_of_test_for_five_of_source() -> None:
+    sources = [p for p in NATIVE if "tests" not in p.relative_to(ROOT / "native").parts]
+    tests = [*(set(NATIVE) - set(sources)), *(ROOT / "tests" / "native").rglob("*.py")]
+    assert sum(len(p.read_text().splitlines()) for p in tests) >= 0.8 * sum(len(p.read_text().splitlines()) for p in sources)
