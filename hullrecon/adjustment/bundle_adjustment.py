@@ -106,7 +106,7 @@ class _RoundSolver:
         return rounds
 
     def solve_round(self, before: Estimate, *, final: bool = False, hold_hull_pose: bool = False) -> RoundResult:
-        """Return the round from an estimate: choose and weight measurements, solve, estimate sigmas anew."""
+        """Return the round from an estimate: choose and weight measurements, solve, estimate the next sigmas."""
         options, measured = self.options, before.measured
         state = replace(before.state, landmark=selection.triangulate_landmarks(measured, before.state))
         chosen = choose_measurements(measured, state, before.max_px, options, final)

@@ -44,7 +44,7 @@ class MeshIndex:
         corners = np.asarray(faces)
         if corners.dtype.kind not in "iu":
             raise InputError("faces must be integers", where="faces")
-        from hullrecon import _native  # type: ignore[attr-defined]  # compiled; loads the solver's libraries
+        import hullrecon._native as _native  # compiled; loads the solver's libraries
 
         self._index = _native.MeshIndex(np.asarray(vertices, float), corners)
         self._threads = threads

@@ -131,7 +131,7 @@ def solve(problem: Problem, options: Options = DEFAULTS) -> Result:
     never written to.
     Raises InputError or UsageError naming the table or option, StageError when the start cannot be evaluated.
     """
-    from hullrecon import _native  # type: ignore[attr-defined]  # compiled; loads the solver's libraries
+    import hullrecon._native as _native  # compiled; loads the solver's libraries
 
     got = _native.solve(problem, options)
     unknowns, iterations = Unknowns(**got.pop("unknowns")), IterationRecord(**got.pop("iterations"))
@@ -140,7 +140,7 @@ def solve(problem: Problem, options: Options = DEFAULTS) -> Result:
 
 def evaluate(problem: Problem, options: Options = DEFAULTS) -> Evaluation:
     """Return residuals and their sparse Jacobian at the start values. Raises as `solve`."""
-    from hullrecon import _native  # type: ignore[attr-defined]
+    import hullrecon._native as _native
 
     return Evaluation(**_native.evaluate(problem, options))
 
@@ -152,6 +152,6 @@ def covariance(problem: Problem, options: Options = DEFAULTS) -> Covariance:
     Landmarks are eliminated, the rest factored sparse, and only the entries on the factor's pattern are inverted. Raises
     StageError naming the unknowns that nothing determines; else as `solve`.
     """
-    from hullrecon import _native  # type: ignore[attr-defined]
+    import hullrecon._native as _native
 
     return Covariance(**_native.covariance(problem, options))

@@ -4,15 +4,12 @@
 
 from __future__ import annotations
 
-import json
 import logging
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.adjustment.bundle_adjustment import Adjusted, adjust
 from hullrecon.adjustment.options import AdjustOptions
@@ -21,18 +18,18 @@ from hullrecon.adjustment.problem.measurements import CadModel, Measurements, ri
 from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.summary import summarise_adjustment
-from hullrecon.artifacts.graph.stage import Context, Stage, load_arrays
+from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.dive.config import schema
 from hullrecon.geometry import poses
-from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import chart_for_hull
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.records.sensors import ImageIndex
-from hullrecon.records.serialisation import from_arrays, to_arrays
-from hullrecon.records.tracks import Tracks
-from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
+from hullrecon.records.serialisation import to_arrays
+from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
+from hullrecon.typing import Ints
 
 
-def run(context: Context) -> None:
+def run(context: Context[AdjustOptions]) -> None:
     measured = _measurements(context)
     adjusted = adjust(measured, context.parameters, logging.getLogger(__name__).info)
     outcome = summarise_adjustment(measured, adjusted, context.parameters)
@@ -51,42 +48,32 @@ def run(context: Context) -> None:
         _write_colmap(context, replace(measured, rig=adjusted.rig), adjusted)
 
 
-def _measurements(context: Context) -> Measurements:
-    navigate, settings = context.inputs["navigate"], context.settings
-    cameras = _cameras(context.inputs["ingest"] / "cameras.json")
-    tracks = context.inputs.get("matches")
-    returns = navigate / "returns.npz"
+def _measurements(context: Context[AdjustOptions]) -> Measurements:
+    inputs, settings = InputArtifacts(context.inputs), context.settings
     return Measurements(
-        trajectory=from_arrays(Trajectory, load_arrays(navigate / "trajectory.npz")),
-        odometry=from_arrays(Odometry, load_arrays(navigate / "odometry.npz")),
-        returns=from_arrays(Returns, load_arrays(returns)) if returns.exists() else None,
-        attitude=from_arrays(Attitude, load_arrays(navigate / "attitude.npz")),
-        tracks=from_arrays(Tracks, load_arrays(tracks / "tracks.npz")) if tracks is not None else None,
+        trajectory=inputs.navigate.trajectory,
+        odometry=inputs.navigate.odometry,
+        returns=inputs.navigate.returns,
+        attitude=inputs.navigate.attitude,
+        tracks=inputs.matches.tracks if inputs.matches is not None else None,
         rig=rig_from_config(
-            settings["tray"],
-            settings["imu"],
-            settings["pressure"],
-            settings["dvl"],
-            settings["camera.top"],
-            settings["camera.bottom"],
-            cameras,
+            settings.read("tray", schema.Tray),
+            settings.read("imu", schema.Imu),
+            settings.read("pressure", schema.Pressure),
+            settings.read("dvl", schema.Dvl),
+            settings.read_optional("camera.top", schema.CameraTop),
+            settings.read_optional("camera.bottom", schema.CameraBottom),
+            inputs.ingest.camera_models,
             context.parameters.free_dvl_position,
         ),
-        cad_model=_cad_model(context.inputs["ingest"] / "hull.npz", settings["hull"]),
+        cad_model=_cad_model(inputs.ingest.hull, settings.read_optional("hull", schema.Hull)),
     )
 
 
-def _cameras(path: Path) -> dict[str, CameraModel]:
-    if not path.exists():
-        return {}
-    return {name: CameraModel(**fields) for name, fields in json.loads(path.read_text()).items()}
-
-
-def _cad_model(path: Path, hull: Any) -> CadModel | None:
-    if hull is None or not path.exists():
+def _cad_model(mesh: Mesh | None, hull: schema.Hull | None) -> CadModel | None:
+    """Return the CAD model with the package's guess of its pose; None where the dive has none."""
+    if hull is None or mesh is None:
         return None
-    arrays = load_arrays(path)
-    mesh = Mesh(arrays["vertices"], arrays["faces"])
     sigma = np.array(hull.pose_sigma) * np.r_[np.ones(3), np.full(3, np.pi / 180)]
     return CadModel(
         mesh=mesh,
@@ -98,7 +85,7 @@ def _cad_model(path: Path, hull: Any) -> CadModel | None:
     )
 
 
-def _write_colmap(context: Context, m: Measurements, adjusted: Adjusted) -> None:
+def _write_colmap(context: Context[AdjustOptions], m: Measurements, adjusted: Adjusted) -> None:
     state, mount = adjusted.state, adjusted.state.T_s_ct
     if m.tracks is None or m.rig.top is None or mount is None:
         return
@@ -111,7 +98,7 @@ def _write_colmap(context: Context, m: Measurements, adjusted: Adjusted) -> None
         hull_from_top=to_hull @ top,
         T_ct_cb=state.T_ct_cb,
         cameras=(m.rig.top, m.rig.bottom),
-        stamps=_stamps(context.inputs["ingest"], m.trajectory.image),
+        stamps=_stamps(InputArtifacts(context.inputs).ingest, m.trajectory.image),
         position=to_hull.apply(state.landmark),
     )
     with tempfile.TemporaryDirectory() as folder:
@@ -120,15 +107,14 @@ def _write_colmap(context: Context, m: Measurements, adjusted: Adjusted) -> None
             context.out.bytes(f"colmap/{file.name}", file.read_bytes())
 
 
-def _stamps(ingest: Path, image: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Time stamps (n, 2) in ns of the images at the nodes, -1 where there is none."""
+def _stamps(ingest: IngestArtifact, image: Ints) -> Ints:
+    """Return the time stamps (n, 2) in ns of the images at the nodes, -1 where there is none."""
     stamps = np.full(image.shape, -1, np.int64)
-    for k, name in enumerate(("camera_top", "camera_bottom")):
-        path = ingest / f"images_{name}.npz"
-        if path.exists():
-            index = from_arrays(ImageIndex, load_arrays(path))
-            has = image[:, k] >= 0
-            stamps[has, k] = index.t_ns[image[has, k]]
+    for camera in Camera:
+        index = ingest.image_index(camera)
+        if index is not None:
+            has = image[:, camera.column] >= 0
+            stamps[has, camera.column] = index.t_ns[image[has, camera.column]]
     return stamps
 
 

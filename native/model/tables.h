@@ -25,7 +25,7 @@ struct Table {
   const Number* row(int64_t i) const { return data + i * width(); }
 };
 
-// Names and order as in hullrecon/native.py.
+// Names of their own; native/python/convert.h says which field of hullrecon.native.Problem each one is.
 // clang-format off
 #define HULLRECON_FLOAT_TABLES(X) \
   X(pose) X(landmark) X(T_g_M) X(T_s_ct) X(T_ct_cb) X(T_s_d) X(navigation) \

@@ -66,7 +66,7 @@ def test_no_camera_still_leaves_a_path_better_than_dead_reckoning():
 @pytest.mark.parametrize("case", [c for c in WITH_CAD if c != "as published"])
 def test_the_hull_lies_within_three_of_its_sigmas(case):
     found = of(case)
-    error, covariance = found.hull_error(), found.outcome.solution.hull_covariance
+    error, covariance = found.hull_error(), found.outcome.solution.hull_pose.covariance
     assert np.all(np.abs(error) < 3 * np.sqrt(np.diag(covariance)))
     assert error @ np.linalg.solve(covariance, error) < 16.8  # 99 % of chi-square with six degrees of freedom
 
@@ -91,7 +91,7 @@ def test_the_distance_of_the_boxs_face_is_its_height():
     found = of("stereo with CAD")
     x, _, z = moved(np.linalg.inv(TRUTH), found.landmark_truth[~found.on_hull_truth]).T
     expected = BOX_M[4] + true_deviation(x, z)
-    np.testing.assert_allclose(found.outcome.solution.deviation[~found.on_hull_truth], expected, atol=0.015)
+    np.testing.assert_allclose(found.outcome.solution.landmarks.deviation[~found.on_hull_truth], expected, atol=0.015)
 
 
 def test_naive_draws_no_landmark_to_the_hull_and_geva_draws_all():
@@ -101,7 +101,7 @@ def test_naive_draws_no_landmark_to_the_hull_and_geva_draws_all():
 
 @pytest.mark.parametrize("case", [c for c in CASES if c != "as published"])
 def test_what_is_wrong_with_the_dvl_the_heading_and_the_servo_is_found(case):
-    navigation = of(case).outcome.solution.navigation
+    navigation = of(case).outcome.solution.navigation_errors
     assert navigation[SCALE] == pytest.approx(NAVIGATION[SCALE], abs=5e-3)  # prior sigma 10e-3
     assert navigation[DRIFT] == pytest.approx(NAVIGATION[DRIFT], abs=4e-4)  # prior sigma 1e-3
     assert navigation[BACKLASH] == pytest.approx(NAVIGATION[BACKLASH], abs=5e-4)  # prior sigma 14e-3
@@ -109,7 +109,7 @@ def test_what_is_wrong_with_the_dvl_the_heading_and_the_servo_is_found(case):
 
 @pytest.mark.parametrize("case", [c for c in CASES if c != "as published"])
 def test_biases_that_nothing_resolves_stay_within_their_priors(case):
-    navigation = of(case).outcome.solution.navigation
+    navigation = of(case).outcome.solution.navigation_errors
     unresolved = [ROLL, PITCH, DEPTH]
     assert np.all(np.abs(navigation - NAVIGATION)[unresolved] < 3 * NAVIGATION_SIGMA[unresolved])
 

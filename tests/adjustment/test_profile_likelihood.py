@@ -15,7 +15,7 @@ from hullrecon.adjustment.hull_pose.profile_likelihood import (
     posterior_covariance,
     profile,
 )
-from hullrecon.adjustment.hull_pose.registration import perturb_pose, thin_points
+from hullrecon.adjustment.hull_pose.registration import HullPoseCost, perturb_pose, thin_points
 from hullrecon.native import MeshIndex
 
 ALONG = np.array([1.0, 0.0, 0.0])
@@ -30,7 +30,8 @@ def profiled(fullness, span=(2.0, 11.0), sigma=0.02):
     index = MeshIndex(mesh.vertices, mesh.faces)
     known = cad_error.CadError(sigma=sigma, length=drawn.deviation_length, noise=0.01, offset=0.0)
     factor = cho_factor(cad_error.distance_covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
-    return profile(Valley(points, ALONG, drawn, center, index, factor), TRUTH, reach=3.0), center
+    cost = HullPoseCost(points=points, cad_model=drawn, center=center, index=index, factor=factor)
+    return profile(Valley(cost=cost, direction=ALONG), TRUTH, reach=3.0), center
 
 
 def test_a_cylinder_leaves_the_prior_s_sigma_along_itself():
@@ -74,7 +75,9 @@ def test_where_the_valley_is_a_parabola_the_profiles_sigma_is_the_hessians():
     center = TRUTH.inverse().apply(points).mean(0)
     known = cad_error.CadError(sigma=0.02, length=drawn.deviation_length, noise=0.01, offset=0.0)
     factor = cho_factor(cad_error.distance_covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
-    valley = Valley(points, ALONG, drawn, center, MeshIndex(mesh.vertices, mesh.faces), factor)
+    index = MeshIndex(mesh.vertices, mesh.faces)
+    cost = HullPoseCost(points=points, cad_model=drawn, center=center, index=index, factor=factor)
+    valley = Valley(cost=cost, direction=ALONG)
     best, _ = minimise_cost(valley, TRUTH)
     along = np.r_[best.rotation.as_matrix()[0] @ ALONG, np.zeros(3)]
     hessian = np.sqrt(along @ posterior_covariance(valley, best) @ along)

@@ -45,7 +45,7 @@ def distance_covariance(cad_error_model: CadError, cad_model: CadModel, at: Arra
     facets, noise.
 
     The facets' pattern repeats all over a survey, which no stationary covariance says: the points on one facet share out the
-    information of one (docs/methods.md 9), with three of its sigmas, lest a slide by one facet look like a better place.
+    information of one (docs/methods.md 9), with three of its sigmas, lest a slide by one facet look like a better pose.
     """
     along_girth = np.nan_to_num(cad_model.chart.to_chart(at)[:, :2])
     return _covariance(cad_error_model, along_girth, _facet_variance(cad_model, at, along_girth))

@@ -58,7 +58,7 @@ def fit_hull_pose(points: Array, pose: Poses, cad_model: CadModel, center: Array
         valley = _valley(evidence, pose, ALONG, index)
         pose, _ = profile_likelihood.minimise_cost(valley, pose)
         distance, _ = registration.signed_distances(evidence.points, pose, center, index)
-        outlier = cad_error.find_outliers(valley.factor, distance)
+        outlier = cad_error.find_outliers(valley.cost.factor, distance)
         if not outlier.any():
             break
         evidence = replace(evidence, points=evidence.points[~outlier])
@@ -89,9 +89,14 @@ def _profile(evidence: HullPoseEvidence, pose: Poses, direction: Array) -> profi
 
 
 def _valley(evidence: HullPoseEvidence, pose: Poses, direction: Array, index: native.MeshIndex) -> profile_likelihood.Valley:
-    return profile_likelihood.Valley(
-        evidence.points, direction, evidence.cad_model, evidence.center, index, _factor(evidence, pose)
+    cost = registration.HullPoseCost(
+        points=evidence.points,
+        cad_model=evidence.cad_model,
+        center=evidence.center,
+        index=index,
+        factor=_factor(evidence, pose),
     )
+    return profile_likelihood.Valley(cost=cost, direction=direction)
 
 
 def _factor(evidence: HullPoseEvidence, pose: Poses) -> Any:

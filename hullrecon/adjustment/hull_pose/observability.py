@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Directions that the geometry does not resolve, said in words."""
+"""Directions that the geometry does not resolve, with a sentence each for the report."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ _AXES = (("along the hull", 0), ("across the hull", 1), ("vertically", 2))
 def find_weak_directions(
     covariance_in_hull: Array, least_sigma_m: float = 0.05, least_sigma_deg: float = 0.5
 ) -> list[dict[str, object]]:
-    """Eigenvectors of T_g_M's covariance (6, 6: translation and rotation in M's axes) beyond the given sigmas, worst first.
+    """Return eigenvectors of T_g_M's covariance (6, 6: translation and rotation in M's axes) beyond the given sigmas, worst
+    first.
 
     Each: `kind` position or attitude, `direction` unit vector in M, `sigma` (m or rad) and a `sentence`.
     """
@@ -40,7 +41,7 @@ def find_weak_directions(
 
 
 def _sentence(kind: str, direction: Array, sigma: float) -> str:
-    words = max(_AXES, key=lambda axis: abs(direction[axis[1]]))[0]
+    axis = max(_AXES, key=lambda named: abs(direction[named[1]]))[0]
     if kind == "position":
-        return f"The position {words} is uncertain by {sigma:.2f} m (one sigma): the hull's form does not resolve it better."
-    return f"The rotation about the axis {words} is uncertain by {np.degrees(sigma):.2f} degrees (one sigma)."
+        return f"The position {axis} is uncertain by {sigma:.2f} m (one sigma): the hull's form does not resolve it better."
+    return f"The rotation about the axis {axis} is uncertain by {np.degrees(sigma):.2f} degrees (one sigma)."

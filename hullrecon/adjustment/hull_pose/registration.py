@@ -21,12 +21,13 @@ from hullrecon.adjustment.hull_pose import cad_error
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry import poses
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.pose_solver import LinearisedCost, minimise_over_pose
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex
 from hullrecon.typing import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Registration:
     """global_from_hull: T_g_M (batch of one). covariance (6, 6) of (translation in g, rotation in M) about `center` (3,) in M.
     residual (n,): signed distances of the points used, metres. fitness: share of points within three sigma."""
@@ -142,34 +143,34 @@ def _trimmed_cost(points: Array, global_from_hull: Poses, cad_model: CadModel, c
 def fit_correlated(
     points: Array, start: Poses, cad_model: CadModel, center: Array, index: MeshIndex, sigma_range: float, iterations: int = 60
 ) -> Registration:
-    """Levenberg-Marquardt on signed distances whose errors are range noise and the CAD model's correlated deviation. Outliers
-    are weighed down by their distance at the start, so that the cost is one function and its descent ends."""
-    field = cad_error.distance_covariance(
-        replace(cad_error.expected_cad_error(cad_model), noise=0.0), cad_model, start.inverse().apply(points)
-    )
+    """Return T_g_M that best lays points (n, 3) of g on the CAD model, whose errors are range noise and a correlated deviation.
+
+    Outliers are weighed down by their distance at the start, so that the cost is one function and its descent ends.
+    """
+    expected = replace(cad_error.expected_cad_error(cad_model), noise=0.0)
+    field = cad_error.distance_covariance(expected, cad_model, start.inverse().apply(points))
     noise = _robust_noise(signed_distances(points, start, center, index)[0], sigma_range, cad_model.deviation_sigma)
-    problem = _Correlated(points, cad_model, center, index, cho_factor(field + np.diag(noise**2)))
-    pose, damping = start, 1e-4
-    cost, right, information, distance = problem.linearised(pose)
-    for _ in range(iterations):
-        step = np.asarray(-np.linalg.solve(information + damping * np.diag(np.diag(information)), right))
-        trial = perturb_pose(pose, center, step)
-        there = problem.linearised(trial)
-        if there[0] > cost:
-            damping *= 10
-            continue
-        settled = cost - there[0] < 1e-6 * cost
-        pose, damping = trial, max(damping / 5, 1e-9)
-        cost, right, information, distance = there
-        if settled:
-            break
+    cost = HullPoseCost(
+        points=points, cad_model=cad_model, center=center, index=index, factor=cho_factor(field + np.diag(noise**2))
+    )
+    found = minimise_over_pose(start, cost.linearise, cost.update, max_iterations=iterations, min_relative_decrease=1e-6)
+    distance, _ = signed_distances(points, found.pose, center, index)
     within = float(np.mean(np.abs(distance) < 3 * np.hypot(sigma_range, cad_model.deviation_sigma)))
-    return Registration(pose, np.asarray(np.linalg.inv(information)), center, distance, within)
+    return Registration(
+        global_from_hull=found.pose,
+        covariance=np.asarray(np.linalg.inv(found.at_minimum.information)),
+        center=center,
+        residual=distance,
+        fitness=within,
+    )
 
 
-@dataclass(frozen=True)
-class _Correlated:
-    """The generalised least-squares problem of `fit_correlated`; factor: Cholesky factor of the errors' covariance."""
+@dataclass(frozen=True, kw_only=True)
+class HullPoseCost:
+    """The generalised least-squares cost of T_g_M: distances of points (n, 3) in g to the CAD model and the package's prior.
+
+    center (3,) in M, about which steps turn; index of the CAD model; factor: Cholesky factor of the distances' covariance.
+    """
 
     points: Array
     cad_model: CadModel
@@ -177,15 +178,21 @@ class _Correlated:
     index: MeshIndex
     factor: Any
 
-    def linearised(self, pose: Poses) -> tuple[float, Array, Array, Array]:
-        """Cost, gradient (6,), information (6, 6) and signed distances at T_g_M."""
+    def linearise(self, pose: Poses) -> LinearisedCost:
+        """Return the cost at T_g_M with its gradient and information by the step of `perturb_pose`."""
         distance, jacobian = signed_distances(self.points, pose, self.center, self.index)
         weighted = cho_solve(self.factor, np.c_[jacobian, distance])
         whitened = prior_rows(self.cad_model)
         prior = prior_step(pose, self.cad_model, self.center) / self.cad_model.guess_sigma
-        cost = 0.5 * float(distance @ weighted[:, 6] + prior @ prior)
-        right = jacobian.T @ weighted[:, 6] + whitened.T @ prior
-        return cost, right, jacobian.T @ weighted[:, :6] + whitened.T @ whitened, distance
+        return LinearisedCost(
+            cost=0.5 * float(distance @ weighted[:, 6] + prior @ prior),
+            gradient=jacobian.T @ weighted[:, 6] + whitened.T @ prior,
+            information=jacobian.T @ weighted[:, :6] + whitened.T @ whitened,
+        )
+
+    def update(self, pose: Poses, step: Array) -> Poses:
+        """Return T_g_M after a step (6,)."""
+        return perturb_pose(pose, self.center, step)
 
 
 def prior_rows(cad_model: CadModel) -> Array:

@@ -55,12 +55,11 @@ def label_boundary(sigma_on: float, sigma_off: float) -> float:
 def _joined(turns: Sequence[native.Result], changes: Sequence[int], label: NDArray[np.int32]) -> native.Result:
     last = turns[-1]
     parts = last.seconds.keys()
-    settled = last.converged and not changes[-1]
     return replace(
         last,
         label=label,
         iterations=_record([t.iterations for t in turns], changes),
-        converged=settled,
+        converged=last.converged and not changes[-1],
         message=f"{len(turns)} turns of EM, {changes[-1]} labels changed after the last; {last.message}",
         seconds={part: sum(t.seconds[part] for t in turns) for part in parts},
     )

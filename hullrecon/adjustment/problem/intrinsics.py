@@ -72,8 +72,8 @@ def intrinsics_warnings(figures: dict[str, Any]) -> list[str]:
     for name, values in figures.items():
         far = {key: v for key, v in values.items() if abs(v["moved_in_prior_sigma"]) > _FAR_SIGMAS}
         if far:
-            words = ", ".join(f"{key} from {v['calibrated']:.5g} to {v['found']:.5g}" for key, v in far.items())
-            warnings.append(f"The calibration of camera.{name} does not fit the dive ({words}): check it, or calibrate anew.")
+            moved = ", ".join(f"{key} from {v['calibrated']:.5g} to {v['found']:.5g}" for key, v in far.items())
+            warnings.append(f"The calibration of camera.{name} does not fit the dive ({moved}): check it, or calibrate again.")
     return warnings
 
 

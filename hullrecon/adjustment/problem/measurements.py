@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from hullrecon.dive.config import schema
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.tracks import Tracks
@@ -93,7 +95,7 @@ def rig_from_config(
     dvl: schema.Dvl,
     top: schema.CameraTop | None,
     bottom: schema.CameraBottom | None,
-    cameras: dict[str, CameraModel],
+    cameras: Mapping[Camera, CameraModel],
     free_dvl_position: bool = False,
 ) -> Rig:
     """The rig of a dive package."""
@@ -110,8 +112,8 @@ def rig_from_config(
         dvl_position_sigma=held,
         T_s_ct=mount_prior(top.mount, top.mount_sigma) if top else None,
         T_ct_cb=mount_prior(bottom.pose_in_top, bottom.pose_sigma) if bottom and top else None,
-        top=cameras.get("top"),
-        bottom=cameras.get("bottom"),
+        top=cameras.get(Camera.TOP),
+        bottom=cameras.get(Camera.BOTTOM),
         sigma_px=top.sigma_px if top else 1.0,
         sigma_range=dvl.sigma_range,
         navigation_sigma=np.maximum(sigma, 1e-9),

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Landmarks that a solve lost: pushed behind their cameras or metres off the hull, where nothing determines them.
 
-Mismatches along an epipolar line end so when every landmark is drawn to the hull, or when one solve starts from dead reckoning.
-They hold nothing, but one of them is enough for the covariances not to exist.
+Mismatches along an epipolar line end so when every landmark is pulled to the hull, or when one solve starts from dead
+reckoning. They hold nothing, but one of them is enough for the covariances not to exist.
 """
 
 from __future__ import annotations

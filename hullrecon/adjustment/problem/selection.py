@@ -43,7 +43,7 @@ def select_measurements(m: Measurements, state: State, max_px: float) -> Selecti
 
 
 def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
-    """Return the landmarks seen best, at most `most`, spread evenly over the nodes that first saw them: enough to settle poses
+    """Return the landmarks seen best, at most `most`, spread evenly over the nodes that first saw them: enough to find poses
     and sigmas in the rounds before the last, at a fraction of its cost."""
     if m.tracks is None or len(chosen.landmarks) <= most:
         return chosen
