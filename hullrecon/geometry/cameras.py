@@ -29,17 +29,19 @@ class CameraModel:
     k3: float = 0.0
 
     def matrix(self) -> Array:
+        """Return the camera matrix (3, 3), pixels, without the distortion."""
         return np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1]])
 
     def distortion(self) -> Array:
+        """Return k1, k2, p1, p2, k3 (5,): OpenCV's order."""
         return np.array([self.k1, self.k2, self.p1, self.p2, self.k3])
 
     def parameters(self) -> Array:
-        """(9,) fx, fy, cx, cy, k1, k2, p1, p2, k3: the order of the native module."""
+        """Return fx, fy, cx, cy, k1, k2, p1, p2, k3 (9,): the order of the native module."""
         return np.array([self.fx, self.fy, self.cx, self.cy, self.k1, self.k2, self.p1, self.p2, self.k3])
 
     def project(self, points: ArrayLike) -> Array:
-        """Pixels (n, 2) of points (n, 3) in the camera frame; NaN behind the camera."""
+        """Return the pixels (n, 2) of points (n, 3) in the camera frame; NaN behind the camera."""
         p = np.atleast_2d(np.asarray(points, float))
         front = p[:, 2] > 1e-9
         xy = np.full((len(p), 2), np.nan)
@@ -47,7 +49,7 @@ class CameraModel:
         return self.distort(xy)
 
     def distort(self, xy: ArrayLike) -> Array:
-        """Pixels (n, 2) of ideal coordinates x/z, y/z (n, 2)."""
+        """Return the pixels (n, 2) of ideal coordinates x/z, y/z (n, 2)."""
         x, y = np.asarray(xy, float).T
         r2 = x * x + y * y
         radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
@@ -56,7 +58,7 @@ class CameraModel:
         return np.stack([self.fx * u + self.cx, self.fy * v + self.cy], axis=1)
 
     def undistort(self, pixels: ArrayLike, iterations: int = 12) -> Array:
-        """Ideal coordinates x/z, y/z (n, 2) of pixels (n, 2), by fixed-point iteration."""
+        """Return ideal coordinates x/z, y/z (n, 2) of pixels (n, 2), by fixed-point iteration."""
         p = np.atleast_2d(np.asarray(pixels, float))
         want = (p - [self.cx, self.cy]) / [self.fx, self.fy]
         x, y = want.T.copy()
@@ -69,7 +71,7 @@ class CameraModel:
         return np.stack([x, y], axis=1)
 
     def rays(self, pixels: ArrayLike) -> Array:
-        """Unit directions (n, 3) in the camera frame of pixels (n, 2)."""
+        """Return unit directions (n, 3) in the camera frame of pixels (n, 2)."""
         xy = self.undistort(pixels)
         ray = np.hstack([xy, np.ones((len(xy), 1))])
         return np.asarray(ray / np.linalg.norm(ray, axis=1, keepdims=True))

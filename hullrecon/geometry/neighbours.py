@@ -10,7 +10,7 @@ from hullrecon.typing import Array, Ints
 
 
 def nearest(points: Array, wanted: Array, count: int, reach: float = np.inf) -> tuple[Array, Ints]:
-    """Distances and rows (m, count) of the points (n, k) nearest to each wanted (m, k), nearest first.
+    """Return distances and rows (m, count) of the points (n, k) nearest to each wanted (m, k), nearest first.
 
     Where fewer lie within reach the distance is inf and the row n.
     """
@@ -29,17 +29,17 @@ class Around:
         self._tree = cKDTree(points)
 
     def __call__(self, center: Array, reach: float) -> Ints:
-        """Rows within reach of one center (k,), ascending."""
+        """Return the rows within reach of one center (k,), ascending."""
         return np.array(self._tree.query_ball_point(center, reach, return_sorted=True), np.int64)
 
     def ball(self, points: Array, reach: float) -> Ints:
-        """Rows within reach of any of the points and more: of the ball around all of them."""
+        """Return the rows within reach of the ball around all of the points (m, k): of any of them, and more."""
         center = 0.5 * (points.min(axis=0) + points.max(axis=0))
         return self(center, float(np.linalg.norm(points - center, axis=1).max()) + reach)
 
 
 def count_within(points: Array, wanted: Array, reach: float) -> Ints:
-    """How many points (n, k) lie within reach of each wanted (m, k)."""
+    """Return how many points (n, k) lie within reach of each wanted (m, k)."""
     from scipy.spatial import cKDTree
 
     return np.asarray(cKDTree(points).query_ball_point(wanted, reach, return_length=True), np.int64)

@@ -29,68 +29,71 @@ class Poses:
         return len(self.quaternion)
 
     def __getitem__(self, index: Any) -> Poses:
-        """Rows by slice, mask or index array; an integer gives a batch of one."""
+        """Return rows by slice, mask or index array; an integer gives a batch of one."""
         rows = np.atleast_1d(np.arange(len(self))[index])
         return Poses(self.quaternion[rows], self.translation[rows])
 
     def __matmul__(self, other: Poses) -> Poses:
-        """Composition: T_a_b @ T_b_c = T_a_c; a batch of one broadcasts."""
+        """Return the composition T_a_b @ T_b_c = T_a_c; a batch of one broadcasts."""
         rotation = self.rotation * other.rotation
         return Poses(rotation.as_quat(), self.apply(other.translation))
 
     @property
     def rotation(self) -> Rotation:
+        """Return R of each pose (n)."""
         return Rotation.from_quat(self.quaternion)
 
     def matrix(self) -> Array:
-        """(n, 4, 4)."""
+        """Return the homogeneous matrices (n, 4, 4)."""
         out = np.tile(np.eye(4), (len(self), 1, 1))
         out[:, :3, :3], out[:, :3, 3] = self.rotation.as_matrix(), self.translation
         return out
 
     def apply(self, points: ArrayLike) -> Array:
-        """Points (n, 3) in b, one a pose (or a batch of one on either side), to a."""
+        """Return points (n, 3) of b in a, one a pose (or a batch of one on either side)."""
         return np.asarray(self.rotation.apply(np.asarray(points, float)) + self.translation)
 
     def inverse(self) -> Poses:
+        """Return T_b_a (n)."""
         back = self.rotation.inv()
         return Poses(back.as_quat(), -back.apply(self.translation))
 
     def log(self) -> Array:
-        """(n, 6): translation, rotation vector."""
+        """Return (n, 6): translation, m, and rotation vector, rad."""
         return np.hstack([self.translation, self.rotation.as_rotvec()])
 
 
 def identity(n: int = 1) -> Poses:
+    """Return n poses that move nothing."""
     return Poses(np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)), np.zeros((n, 3)))
 
 
 def exp(vectors: ArrayLike) -> Poses:
-    """Poses of (n, 6) translation, rotation vector: the inverse of `Poses.log`."""
+    """Return the poses of (n, 6) translation, rotation vector: the inverse of `Poses.log`."""
     v = np.atleast_2d(np.asarray(vectors, float))
     return Poses(Rotation.from_rotvec(v[:, 3:]).as_quat(), v[:, :3].copy())
 
 
 def from_matrix(matrices: ArrayLike) -> Poses:
-    """Poses of (n, 4, 4) or (4, 4)."""
+    """Return the poses of (n, 4, 4) or (4, 4)."""
     m = np.asarray(matrices, float).reshape(-1, 4, 4)
     return Poses(Rotation.from_matrix(m[:, :3, :3]).as_quat(), m[:, :3, 3].copy())
 
 
 def from_rpy(translation: ArrayLike, roll_pitch_yaw_rad: ArrayLike) -> Poses:
-    """R = Rz(yaw) Ry(pitch) Rx(roll); both (n, 3) or (3,)."""
+    """Return poses of translation, m, and R = Rz(yaw) Ry(pitch) Rx(roll); both (n, 3) or (3,)."""
     rpy = np.atleast_2d(np.asarray(roll_pitch_yaw_rad, float))
     return Poses(Rotation.from_euler("xyz", rpy).as_quat(), np.atleast_2d(np.asarray(translation, float)).copy())
 
 
 def from_mount(mount: ArrayLike) -> Poses:
-    """One pose of dive.toml's six numbers: x, y, z in metres, roll, pitch, yaw in degrees."""
+    """Return the pose of dive.toml's six numbers: x, y, z in metres, roll, pitch, yaw in degrees."""
     m = np.asarray(mount, float)
     return from_rpy(m[:3], np.radians(m[3:]))
 
 
 def of_seven(values: Array) -> Poses:
-    """One pose of (7,) x y z qx qy qz qw, as Solution holds motions."""
+    """Return the pose of (7,) x y z qx qy qz qw, as Solution holds motions."""
     return Poses(values[None, 3:], values[None, :3])
 
 
@@ -101,7 +104,7 @@ def tray_poses(origin_m: ArrayLike, angle_rad: ArrayLike) -> Poses:
 
 
 def interpolate(t_ns: Ints, poses: Poses, wanted_ns: Ints) -> Poses:
-    """Linear in translation, slerp in rotation; outside the span the nearest end is held."""
+    """Return the poses (m) at times (m,): linear in translation, slerp in rotation, held at the ends of the span."""
     at = np.clip(wanted_ns, t_ns[0], t_ns[-1])
     right = np.clip(np.searchsorted(t_ns, at, side="right"), 1, max(1, len(t_ns) - 1))
     if len(t_ns) == 1:

@@ -37,6 +37,7 @@ class AxisChart:
         return MeshIndex(self.mesh.vertices, self.mesh.faces)
 
     def to_chart(self, points: Array) -> Array:
+        """Return along, girth and offset (n, 3) m of points (n, 3) in M: `Chart.to_chart`."""
         turned = np.atleast_2d(np.asarray(points, float)) @ self.axes.T
         out = np.full(turned.shape, np.nan)
         known = np.isfinite(turned).all(axis=1)
@@ -47,6 +48,7 @@ class AxisChart:
         return out
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
+        """Return points and outward unit normals (n, 3) in M at chart points (n, 2): `Chart.from_chart`."""
         at = np.atleast_2d(np.asarray(along_girth, float))
         angle, radius = self.sections.angle_of(at)
         points, normals = np.full((len(at), 3), np.nan), np.full((len(at), 3), np.nan)
@@ -56,7 +58,7 @@ class AxisChart:
         return points @ self.axes, normals @ self.axes
 
     def _on_skin(self, along: Array, angle: Array, radius: Array) -> tuple[Array, Array]:
-        """Where the ray meets the mesh; over a small hole, the sections' own point and the closest face's normal."""
+        """Return where the ray meets the mesh and the normal there; over a small hole the sections' and the closest face's."""
         origin, inward = self.sections.rays(along, angle)
         hit = self._index.cast(origin, inward)
         point = origin + inward * (self.sections.reach - radius)[:, None]
@@ -68,6 +70,7 @@ class AxisChart:
         return point, np.where(np.einsum("ni,ni->n", normal, inward)[:, None] > 0, -normal, normal)
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return the mesh and the sections as arrays by name: `Chart.to_arrays`."""
         s = self.sections
         return {
             "kind": np.asarray("axis"),
@@ -84,6 +87,7 @@ class AxisChart:
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[np.generic]]) -> AxisChart:
+        """Return the chart whose `to_arrays` these are."""
         number = {n: np.asarray(arrays[n], float) for n in ("axes", "vertices", "axis", "station", "angle", "radius", "girth")}
         axis_y, axis_z, reach = (float(v) for v in number["axis"])
         whole = np.asarray(arrays["whole"], bool)
@@ -92,7 +96,7 @@ class AxisChart:
 
 
 def build_axis_chart(mesh: Mesh, up: Array) -> AxisChart:
-    """See `chart_for_hull`."""
+    """Return the chart of a CAD model, up (3,) in its frame: `chart_for_hull`. Raises InputError for a mesh without a skin."""
     axes = hull_axes(mesh.vertices, up)
     turned = Mesh(mesh.vertices @ axes.T, mesh.faces)
     index = MeshIndex(turned.vertices, turned.faces)

@@ -22,18 +22,18 @@ class Chart(Protocol):
     """Coordinates on a surface. `along` grows forward, `girth` from the keel up, port positive (metres of arc)."""
 
     def to_chart(self, points: Array) -> Array:
-        """(n, 3) points near the surface, in the chart's frame (M, or g without a CAD model), to (n, 3):
-        along, girth, offset (metres, outward positive). NaN rows where the chart is not defined."""
+        """Return along, girth and offset (n, 3) m, outward positive, of points (n, 3) near the surface in the chart's frame
+        (M, or g without a CAD model). NaN rows where the chart is not defined."""
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
-        """(n, 2) to points on the surface (n, 3) and outward unit normals (n, 3); NaN rows outside the chart."""
+        """Return the points on the surface (n, 3) and outward unit normals (n, 3) at (n, 2); NaN rows outside the chart."""
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """What an artifact stores; `chart_from_arrays` reads it back."""
+        """Return what an artifact stores; `chart_from_arrays` reads it back."""
 
 
 def chart_for_hull(mesh: Mesh, up: ArrayLike = (0.0, 0.0, 1.0)) -> Chart:
-    """The chart of a CAD model: stations along the ship and girth from the keel.
+    """Return the chart of a CAD model: stations along the ship and girth from the keel.
 
     up (3,): roughly up in the mesh's frame; the nearest axis of the frame is taken. The ship lies along the longer of the two
     other axes, its bow where that grows. Raises InputError when no ray from inside meets the mesh.
@@ -44,7 +44,7 @@ def chart_for_hull(mesh: Mesh, up: ArrayLike = (0.0, 0.0, 1.0)) -> Chart:
 
 
 def chart_for_points(points: ArrayLike, toward: ArrayLike, up: ArrayLike = (0.0, 0.0, -1.0)) -> Chart:
-    """A plane fitted to points (n, 3), its normal to the side of `toward`: (3,), or the sensors' places (n, 3).
+    """Return a plane fitted to points (n, 3), its normal to the side of `toward`: (3,), or the sensors' places (n, 3).
 
     up (3,): in the frame of the points, -z in g. Raises InputError with fewer than three points.
     """
@@ -55,7 +55,7 @@ def chart_for_points(points: ArrayLike, toward: ArrayLike, up: ArrayLike = (0.0,
 
 
 def chart_from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> Chart:
-    """The chart that `to_arrays` gave."""
+    """Return the chart whose `to_arrays` these are."""
     from hullrecon.geometry.charts.axis_chart import AxisChart
     from hullrecon.geometry.charts.plane_chart import PlaneChart
 
@@ -65,7 +65,7 @@ def chart_from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> Chart:
 def address(
     chart: Chart, points: ArrayLike, frame_spacing_m: float | None = None, depths_m: ArrayLike | None = None
 ) -> list[str]:
-    """Points (n, 3) in words: 'frame 52.3 (31.4 m from AP), port, 2.31 m girth from keel, 1.8 m below waterline'.
+    """Return points (n, 3) in words: 'frame 52.3 (31.4 m from AP), port, 2.31 m girth from keel, 1.8 m below waterline'.
 
     depths_m (n,): below the water surface, positive down; left out of the words when absent or NaN. Without a CAD model the
     address counts metres on the fitted plane.

@@ -25,9 +25,11 @@ class PlaneChart:
     axes: Array
 
     def to_chart(self, points: Array) -> Array:
+        """Return along, girth and offset (n, 3) m of points (n, 3) in g: `Chart.to_chart`."""
         return np.asarray((np.atleast_2d(points) - self.origin) @ self.axes.T)
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
+        """Return points and outward unit normals (n, 3) in g at chart points (n, 2): `Chart.from_chart`."""
         at = np.atleast_2d(np.asarray(along_girth, float))
         points = self.origin + at @ self.axes[:2]
         normals = np.tile(self.axes[2], (len(at), 1))
@@ -35,15 +37,17 @@ class PlaneChart:
         return points, normals
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return origin and axes as arrays by name: `Chart.to_arrays`."""
         return {"kind": np.asarray("plane"), "origin": self.origin, "axes": self.axes}
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[np.generic]]) -> PlaneChart:
+        """Return the chart whose `to_arrays` these are."""
         return cls(np.asarray(arrays["origin"], float), np.asarray(arrays["axes"], float))
 
 
 def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) -> PlaneChart:
-    """The plane through points (n, 3) that are finite, without those beyond 3 robust sigma of it; see `chart_for_points`."""
+    """Return the plane through those of points (n, 3) that are finite and within 3 robust sigma of it: `chart_for_points`."""
     usable = points[np.isfinite(points).all(axis=1)]
     if len(usable) < 3:
         raise InputError(
@@ -60,13 +64,13 @@ def fit_plane_chart(points: Array, toward: Array, up: Array, rounds: int = 5) ->
 
 
 def _near(off: Array) -> Mask:
-    """Whether heights (n,) over a plane are within 3 robust sigma of their middle; the nearest three always are."""
+    """Return whether heights (n,) over a plane are within 3 robust sigma of their middle; the nearest three always are."""
     away = np.abs(off - np.median(off))
     return np.asarray(away <= max(3 * NORMAL_MAD * float(np.median(away)), float(np.sort(away)[2]), 1e-9))
 
 
 def _least_median_plane(points: Array, trials: int = 200, seed: int = 0) -> Array:
-    """Heights (n,) of the points over the plane, of many through three of them, whose median height is smallest."""
+    """Return the heights (n,) of the points over the plane, of many through three of them, whose median height is smallest."""
     corner = points[np.random.default_rng(seed).integers(0, len(points), (trials, 3))]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     size = np.linalg.norm(normal, axis=1)
@@ -80,7 +84,7 @@ def _least_median_plane(points: Array, trials: int = 200, seed: int = 0) -> Arra
 
 
 def _principal(points: Array) -> tuple[Array, Array]:
-    """The mean (3,) and the principal directions (3, 3), longest first, with signs that do not depend on the library."""
+    """Return the mean (3,) and the principal directions (3, 3), longest first, with signs that do not depend on the library."""
     center = points.mean(axis=0)
     _, vectors = np.linalg.eigh((points - center).T @ (points - center))
     rows = vectors.T[::-1]
@@ -89,7 +93,7 @@ def _principal(points: Array) -> tuple[Array, Array]:
 
 
 def _girth_axis(normal: Array, longest: Array, up: Array) -> Array:
-    """Unit vector in the plane: uphill where the plane stands, across the longest direction where it lies flat."""
+    """Return the unit vector in the plane: uphill where the plane stands, across the longest direction where it lies flat."""
     rough = up if abs(normal @ up) < STEEP else np.cross(longest, normal)
     flat = rough - normal * (rough @ normal)
     return np.asarray(flat / np.linalg.norm(flat))

@@ -17,7 +17,7 @@ OFF_SKIN = 0.1  # of a stretch's length: farther from the mesh than that, its mi
 
 
 def hull_axes(vertices: Array, up: Array) -> Array:
-    """Rows forward, port, up in the mesh's frame (3, 3): up is its axis nearest to `up`, forward the longer of the others."""
+    """Return forward, port, up in the mesh's frame (3, 3): up is its axis nearest to `up`, forward the longer of the others."""
     size = np.ptp(vertices, axis=0)
     vertical = int(np.argmax(np.abs(up)))
     level = [i for i in range(3) if i != vertical]
@@ -29,7 +29,7 @@ def hull_axes(vertices: Array, up: Array) -> Array:
 
 
 def outward_faces(mesh: Mesh, sections: Sections, index: MeshIndex) -> Mesh:
-    """The mesh with each connected piece turned so that the rays meet its outer side; pieces that no ray meets stay."""
+    """Return the mesh with each connected piece turned so that the rays meet its outer side; pieces that no ray meets stay."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -47,7 +47,7 @@ def outward_faces(mesh: Mesh, sections: Sections, index: MeshIndex) -> Mesh:
 
 
 def choose_axis_height(mesh: Mesh, index: MeshIndex) -> float:
-    """The height, of nine between bottom and top, from which rays see most of the sides and the bottom, metres."""
+    """Return the height, of nine between bottom and top, from which rays see most of the sides and the bottom, metres."""
     low, high = mesh.vertices[:, 2].min(), mesh.vertices[:, 2].max()
     heights = low + (high - low) * np.linspace(0.1, 0.9, 9)
     seen = [_seen_area(mesh, index, height) for height in heights]
@@ -58,7 +58,7 @@ def choose_axis_height(mesh: Mesh, index: MeshIndex) -> float:
 
 
 def _seen_area(mesh: Mesh, index: MeshIndex, height: float) -> float:
-    """Skin that rays meet well, m2, without decks (their normals point up)."""
+    """Return the skin that rays meet well, m2, without decks (their normals point up)."""
     sections = _frame(mesh, height, stations=60, angles=91)
     origin, inward = sections.rays(*_pairs(sections))
     hit = index.cast(origin, inward)
@@ -70,7 +70,7 @@ def _seen_area(mesh: Mesh, index: MeshIndex, height: float) -> float:
 
 
 def cast_sections(mesh: Mesh, index: MeshIndex, height: float) -> Sections:
-    """The sections of a turned mesh about its axis at that height."""
+    """Return the sections of a turned mesh about its axis at that height."""
     size = np.ptp(mesh.vertices, axis=0)
     step = float(np.clip(size[0] / 400, size[0] / 2000, 0.3 if size[0] > 60 else 0.25))
     empty = _frame(mesh, height, int(np.ceil(size[0] / step)) + 1, 361)
@@ -84,7 +84,7 @@ def cast_sections(mesh: Mesh, index: MeshIndex, height: float) -> Sections:
 
 
 def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
-    """Stations and angles without their rays. A half hull ends at the middle plane: its axis lies there, as for a whole one."""
+    """Return stations and angles without their rays. A half hull ends at the middle plane and has its axis there."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     beam = high[1] - low[1]
     half = min(abs(low[1]), abs(high[1])) < 0.05 * beam
@@ -105,13 +105,13 @@ def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
 
 
 def _pairs(s: Sections) -> tuple[Array, Array]:
-    """Every station with every angle, flat."""
+    """Return every station with every angle, flat."""
     along, angle = np.meshgrid(s.station, s.angle, indexing="ij")
     return along.ravel(), angle.ravel()
 
 
 def _bridged(radius: Array) -> Array:
-    """Gaps between two hits of a station filled linearly; nothing beyond the outermost hits of a side but the keel."""
+    """Return radii (k, m), gaps between two hits of a station filled linearly; nothing beyond a side's outermost but the keel."""
     out = radius.copy()
     place = np.arange(radius.shape[1])
     keel = radius.shape[1] // 2
@@ -125,14 +125,14 @@ def _bridged(radius: Array) -> Array:
 
 
 def _points(s: Sections, radius: Array) -> Array:
-    """(k, m, 3) of radii (k, m)."""
+    """Return the points (k, m, 3) at radii (k, m)."""
     y = s.axis_y + radius * np.sin(s.angle)
     z = s.axis_z - radius * np.cos(s.angle)
     return np.stack([np.broadcast_to(s.station[:, None], radius.shape), y, z], axis=2)
 
 
 def _girth(s: Sections, radius: Array) -> Array:
-    """Arc (k, m) from phi = 0, negative to starboard."""
+    """Return the arc (k, m), m, from phi = 0, negative to starboard."""
     chord = np.linalg.norm(np.diff(_points(s, radius)[:, :, 1:], axis=1), axis=2)
     keel = radius.shape[1] // 2
     out = np.zeros_like(radius)
@@ -143,7 +143,7 @@ def _girth(s: Sections, radius: Array) -> Array:
 
 
 def _whole(s: Sections, radius: Array, index: MeshIndex) -> Mask:
-    """Cells (k - 1, m - 1) whose four sides lie on the skin; one that leaps from one part of the ship to another does not."""
+    """Return which cells (k - 1, m - 1) have all four sides on the skin and leap to no other part of the ship."""
     point = _points(s, radius)
     girthwise = _on_skin(point[:, :-1], point[:, 1:], radius[:, :-1], s.angle[1] - s.angle[0], index)
     reach = np.full(radius[1:].shape, s.station[1] - s.station[0])
@@ -152,8 +152,8 @@ def _whole(s: Sections, radius: Array, index: MeshIndex) -> Mask:
 
 
 def _on_skin(start: Array, stop: Array, radius: Array, turn: float, index: MeshIndex) -> Mask:
-    """Whether the middle of stretches from start to stop (a, b, 3) lies on the mesh: nearly, where they are much longer than
-    their rays' spacing explains."""
+    """Return whether the middle of stretches from start to stop (a, b, 3) lies on the mesh: nearly, where they are much
+    longer than their rays' spacing explains."""
     length = np.linalg.norm(stop - start, axis=2)
     good = np.asarray(length * GRAZING <= radius * turn)
     doubtful = np.isfinite(length)

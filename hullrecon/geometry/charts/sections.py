@@ -29,13 +29,13 @@ class Sections:
     whole: Mask
 
     def rays(self, along: Array, angle: Array) -> tuple[Array, Array]:
-        """Origins outside and inward unit directions (n, 3)."""
+        """Return origins outside and inward unit directions (n, 3)."""
         outward = np.stack([np.zeros_like(angle), np.sin(angle), -np.cos(angle)], axis=1)
         axis = np.stack([along, np.full_like(along, self.axis_y), np.full_like(along, self.axis_z)], axis=1)
         return axis + self.reach * outward, -outward
 
     def girth_at(self, points: Array) -> Array:
-        """Girth (n,) of points (n, 3) on the skin; NaN outside the whole cells and for points of another, inner skin."""
+        """Return the girth (n,) of points (n, 3) on the skin; NaN outside the whole cells and on another, inner skin."""
         y, z = points[:, 1] - self.axis_y, points[:, 2] - self.axis_z
         angle = np.arctan2(y, -z)
         radius = self._blend(self.radius, points[:, 0], angle)
@@ -44,7 +44,7 @@ class Sections:
         return np.where(same & self._inside(points[:, 0], angle), girth, np.nan)
 
     def angle_of(self, along_girth: Array) -> tuple[Array, Array]:
-        """Angle and radius (n,) of chart points (n, 2), NaN outside the whole cells."""
+        """Return angle and radius (n,) of chart points (n, 2), NaN outside the whole cells."""
         row, share = self._cell(self.station, along_girth[:, 0])
         known = np.isfinite(along_girth).all(axis=1)
         low, high = np.zeros(len(row), int), np.full(len(row), len(self.angle) - 1)
@@ -62,8 +62,8 @@ class Sections:
         return angle, np.where(fits, radius, np.nan)
 
     def slack_at(self, along: Array, angle: Array) -> Array:
-        """(n,) m: how far the skin may be from the bilinear radius: the spread of the cell's corners, at least a tenth of a
-        step between stations (a chine or a plate's edge inside the cell)."""
+        """Return how far (n,), m, the skin may be from the bilinear radius: the spread of the cell's corners, at least a
+        tenth of a step between stations (a chine or a plate's edge inside the cell)."""
         row, _ = self._cell(self.station, along)
         column, _ = self._cell(self.angle, angle)
         corners = np.stack([self.radius[row + i, column + j] for i in (0, 1) for j in (0, 1)])
@@ -71,7 +71,7 @@ class Sections:
             return np.asarray(corners.max(axis=0) - corners.min(axis=0) + 0.1 * (self.station[1] - self.station[0]))
 
     def _line(self, row: Ints, share: Array, column: Ints) -> Array:
-        """Girth at the angle of a column between two stations; beyond the sheer, -inf or inf so that a search stays inside."""
+        """Return the girth at a column's angle between two stations; -inf or inf beyond the sheer, to keep a search inside."""
         girth = self.girth[row, column] * (1 - share) + self.girth[row + 1, column] * share
         return np.where(np.isnan(girth), np.where(self.angle[column] < 0, -np.inf, np.inf), girth)
 
@@ -90,7 +90,7 @@ class Sections:
 
     @staticmethod
     def _cell(nodes: Array, at: Array) -> tuple[Ints, Array]:
-        """Cell and share within it of an even grid; clipped to the grid, NaN to the first cell."""
+        """Return the cell and the share within it of an even grid; clipped to the grid, NaN to the first cell."""
         place = np.nan_to_num((at - nodes[0]) / (nodes[1] - nodes[0]))
         cell = np.clip(np.floor(place), 0, len(nodes) - 2).astype(np.int64)
         return cell, np.clip(place - cell, 0.0, 1.0)

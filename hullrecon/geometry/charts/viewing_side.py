@@ -13,7 +13,7 @@ UP = {"M": np.array([0.0, 0.0, 1.0]), "g": np.array([0.0, 0.0, -1.0])}  # the hu
 
 
 def flips(chart: Chart, along_girth: Array, up: Array, step_m: float = 0.05) -> tuple[bool, bool]:
-    """Whether along has to grow to the left, and girth downwards, for a CAD model of these chart points (n, 2); up (3,).
+    """Return whether along has to grow to the left, and girth downwards, for a CAD model of these chart points (n, 2); up (3,).
 
     With along to the right and girth up a hull is seen from inside. On its port side, where girth rises, the CAD model is
     mirrored along; on the starboard side, where girth falls towards the deck, it is mirrored in girth.

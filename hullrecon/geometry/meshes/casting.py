@@ -34,7 +34,7 @@ class Scene:
         self._normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-15)
 
     def closest(self, points: Array) -> Closest:
-        """The closest point of the mesh for each of (n, 3), the sign by the pseudonormal there; NaN for points not finite."""
+        """Return the mesh's closest point to each of (n, 3), the sign by the pseudonormal there; NaN for points not finite."""
         known = np.asarray(np.isfinite(points).all(axis=1))
         distance, foot, normal = (
             np.full(len(points), np.nan),
@@ -49,7 +49,7 @@ class Scene:
         return Closest(distance, foot, normal, face)
 
     def cast(self, origins: Array, directions: Array) -> Array:
-        """How far along unit directions (n, 3) from origins (n, 3) or (3,) the mesh is met, (n,) m; inf where it is not."""
+        """Return how far (n,), m, the mesh lies along unit directions (n, 3) from origins (n, 3) or (3,); inf where it is missed."""
         if not len(directions):
             return np.zeros(0)
         return self._index.cast(np.broadcast_to(origins, directions.shape), directions).range

@@ -15,7 +15,7 @@ from hullrecon.typing import Array, Ints, Mask
 def refine(
     mesh: Mesh, longest_m: float | Callable[[Array], Array], attributes: Array | None = None, spared_m: float = 0.0
 ) -> tuple[Mesh, Array]:
-    """The mesh with edges split at their midpoints until none is longer than wanted.
+    """Return the mesh with edges split at their midpoints until none is longer than wanted.
 
     longest_m: the longest edge allowed, metres; a function gives it at the edges' midpoints (n, 3), inf where the mesh may
     stay coarse; no edge up to `spared_m` is asked about. Neighbouring faces split their common edge together, so no crack
@@ -37,7 +37,7 @@ def refine(
 
 
 def _edges(faces: Ints) -> tuple[Ints, Ints]:
-    """Unique edges (e, 2), and for each face the number of the edges 0-1, 1-2, 2-0 (m, 3)."""
+    """Return the unique edges (e, 2), and for each face the number of the edges 0-1, 1-2, 2-0 (m, 3)."""
     pairs = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     size = int(faces.max()) + 1 if len(faces) else 1
     key, back = np.unique(pairs[:, 0] * size + pairs[:, 1], return_inverse=True)
@@ -45,7 +45,7 @@ def _edges(faces: Ints) -> tuple[Ints, Ints]:
 
 
 def _marked(vertices: Array, edge: Ints, of_face: Ints, longest_m: float | Callable[[Array], Array], spared_m: float) -> Mask:
-    """The edges to split (e,): the long ones, and the longest edge of every face that splits any."""
+    """Return the edges to split (e,): the long ones, and the longest edge of every face that splits any."""
     ends = vertices[edge]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     marked = np.zeros(len(edge), bool)
@@ -62,7 +62,7 @@ def _marked(vertices: Array, edge: Ints, of_face: Ints, longest_m: float | Calla
 
 
 def _split(faces: Ints, middle: Ints, vertices: Array) -> Ints:
-    """Faces (m, 3) split at the new vertices on their edges 0-1, 1-2, 2-0 (m, 3), -1 where an edge stays whole."""
+    """Return faces (m, 3) split at the new vertices on their edges 0-1, 1-2, 2-0 (m, 3), -1 where an edge stays whole."""
     count = (middle >= 0).sum(axis=1)
     one = _turned(faces, middle, count == 1, np.argmax(middle >= 0, axis=1))
     two = _turned(faces, middle, count == 2, np.argmax(middle < 0, axis=1) + 1)
@@ -77,6 +77,6 @@ def _split(faces: Ints, middle: Ints, vertices: Array) -> Ints:
 
 
 def _turned(faces: Ints, middle: Ints, which: Mask, first: Ints) -> Ints:
-    """Corners and middles of some faces, turned so that edge `first` becomes 0-1: (6, k)."""
+    """Return corners and middles of some faces, turned so that edge `first` becomes 0-1: (6, k)."""
     turn = (first[which, None] + np.arange(3)) % 3
     return np.hstack([np.take_along_axis(faces[which], turn, 1), np.take_along_axis(middle[which], turn, 1)]).T
