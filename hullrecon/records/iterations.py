@@ -11,16 +11,16 @@ from hullrecon.typing import Array, Ints, Mask
 
 
 def reached(cost: Array, accepted: Mask) -> Array:
-    """(k,) cost at the last accepted point: the record's is that of the point tried."""
+    """Return the cost (k,) at the last accepted point: the record's is that of the point tried."""
     return np.asarray(cost[np.maximum.accumulate(np.where(accepted, np.arange(len(cost)), 0))])
 
 
 def count(rounds: Ints) -> int:
-    """Iterations of all rounds, their starts not counted; rounds (k,): the round of each row."""
+    """Return the number of iterations of all rounds, their starts not counted; rounds (k,): the round of each row."""
     return len(rounds) - len(np.unique(rounds))
 
 
 def broken(at: NDArray[np.number], values: NDArray[np.number], rounds: Ints) -> tuple[Array, Array]:
-    """A curve (k,) over `at` with NaN wherever a round begins: costs of two rounds do not compare."""
+    """Return a curve (k,) over `at` with NaN wherever a round begins: costs of two rounds do not compare."""
     starts = np.flatnonzero(np.diff(rounds)) + 1
     return np.insert(np.asarray(at, float), starts, np.nan), np.insert(np.asarray(values, float), starts, np.nan)

@@ -22,4 +22,5 @@ class Surface:
     support: Ints
 
     def mesh(self) -> Mesh:
+        """Return vertices and faces alone."""
         return Mesh(self.vertices, self.faces)
