@@ -72,7 +72,7 @@ def _farthest(centers: Array, landmarks: Array, camera: CameraModel) -> float:
 
 
 def rows_in_image(views: CameraViews, view: int, points: Array, near: Ints) -> Ints:
-    """Those of the rows `near` of points that project into that view's image."""
+    """Return those of the rows `near` of points that project into that view's image."""
     T_c_x = views.T_x_c[view].inverse()
     pixel = views.camera.project(T_c_x.apply(points[near]))
     size = np.array([views.camera.width, views.camera.height]) - 0.5
@@ -102,7 +102,7 @@ def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Sc
 
 
 def find_visibility_by_cell(views: CameraViews, points: Array, normals: Array, scene: Scene, cell_m: Array) -> Visibility:
-    """As `find_visibility`, one point answering for all that share its cell, of size cell_m (n,) at each point."""
+    """Do as `find_visibility`, one point answering for all that share its cell, of size cell_m (n,) at each point."""
     key = np.column_stack([np.floor(points / cell_m[:, None]), cell_m])
     _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
     few = find_visibility(views, points[first], normals[first], scene)
@@ -111,7 +111,7 @@ def find_visibility_by_cell(views: CameraViews, points: Array, normals: Array, s
 
 
 def visible_rows(center: Array, rows: Ints, points: Array, normals: Array, scene: Scene) -> tuple[Ints, Array, Array]:
-    """Those rows that face the center (3,) and are not hidden, their distances and cosines of incidence."""
+    """Return those rows that face the center (3,) and are not hidden, their distances and cosines of incidence."""
     ray = points[rows] - center
     distance = np.linalg.norm(ray, axis=1)
     facing = -np.einsum("ni,ni->n", ray, normals[rows]) / np.maximum(distance, 1e-9)

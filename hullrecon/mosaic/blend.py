@@ -54,7 +54,7 @@ def blend_tile(
     limits: ViewLimits,
     channels: int,
 ) -> Tile:
-    """The story of a tile: its surface, the four best views of each texel, their weighted bands."""
+    """Return the story of a tile: its surface, the four best views of each texel, their weighted bands."""
     patch = sample_surface(surface, grid, window)
     near = [k for k, w in enumerate(windows) if not w.meet(window).empty]
     choice = choose_views(surface, patch, window, {k: image_views[k] for k in near}, {k: windows[k] for k in near}, limits)

@@ -30,7 +30,7 @@ class Window:
         return 0 in self.shape
 
     def meet(self, other: Window) -> Window:
-        """What both hold."""
+        """Return what both hold."""
         top, left = max(self.top, other.top), max(self.left, other.left)
         return Window(top, max(top, min(self.bottom, other.bottom)), left, max(left, min(self.right, other.right)))
 
@@ -63,7 +63,7 @@ class TexelGrid:
         return np.stack(np.broadcast_arrays(along[None, :], girth[:, None]), axis=-1)
 
     def window_of(self, along_girth: Array, margin_m: float) -> Window:
-        """The texels around chart points (n, 2), empty when none is on the chart."""
+        """Return the texels around chart points (n, 2), empty when none is on the chart."""
         good = along_girth[np.isfinite(along_girth).all(axis=1)]
         if not len(good):
             return Window(0, 0, 0, 0)
@@ -81,7 +81,8 @@ class TexelGrid:
 
 
 def grid_around(along_girth: Array, step_m: float, max_texels: float = 4e8) -> TexelGrid:
-    """The raster that holds the points (n, 2), its corner on a multiple of the step. ValueError without a finite point, or
+    """Return the raster that holds the points (n, 2), its corner on a multiple of the step. ValueError without a finite
+    point, or
     when it would be larger than max_texels."""
     good = along_girth[np.isfinite(along_girth).all(axis=1)]
     if not len(good):

@@ -31,14 +31,14 @@ class MosaicSurface:
     horizon: OcclusionHorizon | None = None
 
     def with_occlusion_horizon(self, grid: TexelGrid, span_m: float) -> MosaicSurface:
-        """The same, for views of the grid's texels from up to span_m away."""
+        """Return the same, for views of the grid's texels from up to span_m away."""
         low = [grid.west, grid.north - grid.height * grid.step_m]
         bounds = np.array([low, [grid.west + grid.width * grid.step_m, grid.north]])
         return replace(self, horizon=build_occlusion_horizon(self.mesh, self.chart, bounds, span_m))
 
 
 def build_mosaic_surface(mesh: Mesh, chart: Chart, reach_m: float) -> MosaicSurface:
-    """A surface without a horizon."""
+    """Return a surface without a horizon."""
     return MosaicSurface(mesh=mesh, scene=Scene(mesh), chart=chart, reach_m=reach_m)
 
 
@@ -52,12 +52,12 @@ class SurfacePatch:
     hidden_from: Floats32
 
     def part(self, which: tuple[slice, slice]) -> SurfacePatch:
-        """The patch of some of its rows and columns."""
+        """Return the patch of some of its rows and columns."""
         return SurfacePatch(point=self.point[which], normal=self.normal[which], hidden_from=self.hidden_from[which])
 
 
 def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> SurfacePatch:
-    """The outermost surface at each texel of the grid: a ray along the chart's normal from outside."""
+    """Return the outermost surface at each texel of the grid: a ray along the chart's normal from outside."""
     base, normal = _chart_at(surface.chart, grid, window)
     shape = base.shape
     start = (base + surface.reach_m * normal).reshape(-1, 3)
@@ -95,7 +95,7 @@ def _interpolate_axis(values: Array, count: int, axis: int) -> Array:
 
 
 def seen(surface: MosaicSurface, patch: SurfacePatch, rows: Ints, sensor: Array, min_cosine: float) -> tuple[Mask, Array]:
-    """Whether the sensor (3,) sees the texels of these flat rows of the patch, and the cosines of the incidence there.
+    """Return whether the sensor (3,) sees the texels of these flat rows of the patch, and the cosines of the incidence there.
 
     A texel is seen when it faces the sensor, no flatter than min_cosine, and no other part of the surface lies on the straight
     line between them: for a sonar, nothing nearer in the same direction, so at the same bearing (docs/methods.md 14). Rays are
@@ -112,7 +112,7 @@ def seen(surface: MosaicSurface, patch: SurfacePatch, rows: Ints, sensor: Array,
 
 
 def find_unobstructed(surface: MosaicSurface, points: Array, normals: Array, sensor: Array) -> Mask:
-    """Whether the straight line from each point (n, 3) to the sensor (3,) is free."""
+    """Return whether the straight line from each point (n, 3) to the sensor (3,) is free."""
     start = points + OFF_SURFACE_M * normals
     away = sensor - start
     distance = np.linalg.norm(away, axis=1)

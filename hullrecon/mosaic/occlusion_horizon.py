@@ -30,7 +30,7 @@ class OcclusionHorizon:
 
 
 def build_occlusion_horizon(mesh: Mesh, chart: Chart, bounds: Array, span_m: float) -> OcclusionHorizon:
-    """The horizon of what lies within span_m of bounds (2, 2), the least and greatest along and girth of the texels."""
+    """Return the horizon of what lies within span_m of bounds (2, 2), the least and greatest along and girth of the texels."""
     at = chart.to_chart(mesh.vertices)[:, :2]
     corner = at[mesh.faces]
     corner = np.where(np.isfinite(corner), corner, np.roll(corner, 1, axis=1))

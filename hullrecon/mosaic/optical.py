@@ -72,7 +72,7 @@ def ground_sample_distance(cameras: Sequence[CameraImages], footprints: Footprin
 
 
 def texel_size(gsd_m: float, options: OpticalOptions) -> float:
-    """The side of a texel: as asked, else some pixels wide within bounds, in whole tenths of a millimetre."""
+    """Return the side of a texel: as asked, else some pixels wide within bounds, in whole tenths of a millimetre."""
     if options.resolution_m is not None:
         return options.resolution_m
     wanted = float(np.clip(options.samples_per_texel * gsd_m, options.min_resolution_m, options.max_resolution_m))

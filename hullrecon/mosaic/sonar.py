@@ -95,7 +95,8 @@ def sonar_mosaic(
 def learn_levels(
     surface: MosaicSurface, image_views: Sequence[SonarView], footprints: Footprints, min_cosine: float
 ) -> list[Array] | None:
-    """What the hull returns on average at each range and beam, times each ping's gain: beam pattern, spreading, grazing angle.
+    """Return what the hull returns on average at each range and beam, times each ping's gain: beam pattern, spreading,
+    grazing angle.
 
     Only pixels on which the surface lies and is seen are counted, so that neither water before the first return nor shadows
     darken the mean. None when too little of the hull was seen.

@@ -42,7 +42,7 @@ class SurfacePoints:
 def build_surface(
     observed: SurfacePoints, chart: Chart, options: SurfaceOptions, datum: PlaneChart | None = None
 ) -> tuple[Surface, Facts]:
-    """The surface (deviation NaN) and what was found on the way, for surface.json.
+    """Return the surface (deviation NaN) and what was found on the way, for surface.json.
 
     Without a datum, offsets from the chart's base surface are regressed; so the mean, far from returns, is the base surface.
     With a datum, heights over that plane are: the chart only numbers places, its shape does not enter the mean. Where the chart

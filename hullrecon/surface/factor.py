@@ -20,7 +20,7 @@ class Factor(Protocol):
     log_determinant: float
 
     def solve(self, right: Array) -> Array:
-        """A^-1 times (n,) or (n, k)."""
+        """Return a^-1 times (n,) or (n, k)."""
 
 
 class NotPositiveDefiniteError(StageError):

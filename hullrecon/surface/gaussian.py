@@ -55,7 +55,7 @@ def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
 
 
 def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array, threshold: float = 2.0, rounds: int = 4) -> Regression:
-    """As `fit`; observations farther from the surface than `threshold` sigmas lose weight by the square of how much farther, so
+    """Do as `fit`; observations farther from the surface than `threshold` sigmas lose weight by the square of how much farther, so
     that far ones hardly count."""
     result = fit(kernel, at, values, noise)
     for _ in range(rounds):

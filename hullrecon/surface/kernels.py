@@ -49,7 +49,7 @@ class Kernel:
 
 
 def compact(r: Array) -> Array:
-    """The function of [MelkumyanRamos2009]: (2 + cos 2 pi r)/3 (1 - r) + sin(2 pi r)/(2 pi), zero from r = 1 on."""
+    """Return the function of [MelkumyanRamos2009]: (2 + cos 2 pi r)/3 (1 - r) + sin(2 pi r)/(2 pi), zero from r = 1 on."""
     turn = 2 * np.pi * r
     return np.where(r < 1, (2 + np.cos(turn)) / 3 * (1 - r) + np.sin(turn) / (2 * np.pi), 0.0)
 

@@ -22,7 +22,7 @@ def interpolate(at: Array, values: Array, wanted: Array) -> Array:
 
 
 def scatter_sigma(at: Array, values: Array, neighbours: int = 6) -> float:
-    """One robust sigma of a value about the surface: its median distance from the mean of its neighbours, scaled."""
+    """Return one robust sigma of a value about the surface: its median distance from the mean of its neighbours, scaled."""
     count = min(neighbours, len(at) - 1)
     if count < 1:
         return 0.0

@@ -52,7 +52,7 @@ def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int =
 
 
 def thin_points(points: Array, voxel: float, most: int) -> Array:
-    """One mean point a voxel (metres), the voxel grown until at most `most` are left; input order decides ties."""
+    """Return one mean point a voxel (metres), the voxel grown until at most `most` are left; input order decides ties."""
     while True:
         cell = np.floor(points / voxel).astype(np.int64)
         _, owner = np.unique(cell, axis=0, return_inverse=True)

@@ -32,7 +32,7 @@ class DeviationGrid:
         return self.shape[0] * self.shape[1]
 
     def basis(self, along_girth: Array) -> tuple[Ints32, Array]:
-        """The four nodes around each point (n, 2) and their bilinear weights, both (n, 4); outside, the edge's value."""
+        """Return the four nodes around each point (n, 2) and their bilinear weights, both (n, 4); outside, the edge's value."""
         cell = (along_girth - self.origin) / self.step
         cell = np.clip(np.nan_to_num(cell), 0.0, np.array(self.shape) - 1.0 - 1e-9)
         low = cell.astype(np.int32)
@@ -43,13 +43,13 @@ class DeviationGrid:
         return index.astype(np.int32), weight
 
     def value(self, field: Array, along_girth: Array) -> Array:
-        """The field (size,) or (a, g) at points (n, 2)."""
+        """Return the field (size,) or (a, g) at points (n, 2)."""
         index, weight = self.basis(along_girth)
         return np.asarray(np.einsum("nk,nk->n", field.reshape(-1)[index], weight))
 
 
 def grid_over(along_girth: Array, length: tuple[float, float], nodes_per_length: float = 4.0) -> DeviationGrid:
-    """A grid over points (n, 2) and one correlation length beyond them, so that its edge does not bias what is seen."""
+    """Return a grid over points (n, 2) and one correlation length beyond them, so that its edge does not bias what is seen."""
     scale = np.array(length)
     step = scale / nodes_per_length
     low, high = np.nanmin(along_girth, 0) - scale, np.nanmax(along_girth, 0) + scale

@@ -21,7 +21,7 @@ MOST_TURNS = 30
 
 
 def solve(problem: native.Problem, options: native.Options, most_turns: int = MOST_TURNS) -> native.Result:
-    """As `native.solve` with the labels held in each solve and refreshed between solves. The record runs over all turns; a
+    """Do as `native.solve` with the labels held in each solve and refreshed between solves. The record runs over all turns; a
     turn's start, which repeats the last turn's end under new labels, is left out, its label changes stand in the next row.
 
     `max_iterations` bounds each turn. converged: the last turn did, and no label wants to change.
@@ -38,7 +38,7 @@ def solve(problem: native.Problem, options: native.Options, most_turns: int = MO
 
 
 def likelier_labels(problem: native.Problem, distance: NDArray[np.float64], options: native.Options) -> NDArray[np.int32]:
-    """The likelier label (m,) of each surface row; distance (m,): signed, to the CAD model without the field
+    """Return the likelier label (m,) of each surface row; distance (m,): signed, to the CAD model without the field
     [Ozog2016 eq. 4.4]."""
     offset = distance
     nodes = problem.surface.field
@@ -48,7 +48,8 @@ def likelier_labels(problem: native.Problem, distance: NDArray[np.float64], opti
 
 
 def label_boundary(sigma_on: float, sigma_off: float) -> float:
-    """How far off the hull (m) the two labels are equally likely [Ozog2016 4.2.3]; sigma_off must be larger than sigma_on."""
+    """Return how far off the hull (m) the two labels are equally likely [Ozog2016 4.2.3]; sigma_off must be larger than
+    sigma_on."""
     return float(np.sqrt(2 * np.log(sigma_off / sigma_on) / (sigma_on**-2 - sigma_off**-2)))
 
 

@@ -30,7 +30,7 @@ def prior_sigma(camera: CameraModel, options: AdjustOptions) -> Array:
 
 
 def free_intrinsics(problem: native.Problem, calibrated: Rig, options: AdjustOptions) -> native.Problem:
-    """The problem with the intrinsics of the cameras that saw something as unknowns, started at their calibration."""
+    """Return the problem with the intrinsics of the cameras that saw something as unknowns, started at their calibration."""
     if not options.refine_intrinsics or calibrated.top is None:
         return problem
     seen = {"top": _saw(problem, 0), "bottom": calibrated.bottom is not None and _saw(problem, 1)}
@@ -42,7 +42,7 @@ def free_intrinsics(problem: native.Problem, calibrated: Rig, options: AdjustOpt
 
 
 def apply_intrinsics(m: Measurements, problem: native.Problem, result: native.Result) -> Measurements:
-    """The measurements seen through the cameras that the solve found; the same where they were held."""
+    """Return the measurements seen through the cameras that the solve found; the same where they were held."""
     rig = m.rig
     if "intrinsics_top" not in problem.constant and rig.top is not None:
         rig = replace(rig, top=_camera(rig.top, result.unknowns.intrinsics_top))
@@ -52,7 +52,7 @@ def apply_intrinsics(m: Measurements, problem: native.Problem, result: native.Re
 
 
 def summarise_intrinsics(calibrated: Rig, found: Rig, marginals: native.Covariance, options: AdjustOptions) -> dict[str, Any]:
-    """By camera and name: calibrated, found, its sigma, and by how many sigmas of the prior it moved."""
+    """Return by camera and name: calibrated, found, its sigma, and by how many sigmas of the prior it moved."""
     out: dict[str, Any] = {}
     for name, covariance in (("top", marginals.intrinsics_top), ("bottom", marginals.intrinsics_bottom)):
         before, after, sigma = getattr(calibrated, name), getattr(found, name), np.sqrt(np.maximum(np.diag(covariance), 0))
@@ -67,7 +67,7 @@ def summarise_intrinsics(calibrated: Rig, found: Rig, marginals: native.Covarian
 
 
 def intrinsics_warnings(figures: dict[str, Any]) -> list[str]:
-    """A sentence for each camera of which something moved further than its prior lets one expect."""
+    """Return a sentence for each camera of which something moved further than its prior lets one expect."""
     warnings = []
     for name, values in figures.items():
         far = {key: v for key, v in values.items() if abs(v["moved_in_prior_sigma"]) > _FAR_SIGMAS}
@@ -78,7 +78,7 @@ def intrinsics_warnings(figures: dict[str, Any]) -> list[str]:
 
 
 def camera_fields(camera: CameraModel) -> dict[str, float]:
-    """As cameras.json has it."""
+    """Do as cameras.json has it."""
     return {name: getattr(camera, name) for name in camera.__dataclass_fields__}
 
 

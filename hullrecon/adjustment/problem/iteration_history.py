@@ -61,7 +61,7 @@ def seconds(rounds: Sequence[Round]) -> Array:
 
 
 def summarise_rounds(rounds: Sequence[Round]) -> list[dict[str, Any]]:
-    """One entry a round for adjust.json: what it was given and what it reached."""
+    """Return one entry a round for adjust.json: what it was given and what it reached."""
     return [
         {
             "iterations": len(r.record.cost) - 1,
@@ -91,7 +91,7 @@ def _sigmas(done: Round) -> dict[str, float]:
 
 
 def lines(number: int, done: Round) -> Iterator[str]:
-    """The round's table for the log: a line an iteration, the factors that cost anything as columns."""
+    """Return the round's table for the log: a line an iteration, the factors that cost anything as columns."""
     record, w = done.record, done.weights
     names = [name for name in native.FACTORS if np.any(record.cost_by_factor[name] > 0)]
     yield (

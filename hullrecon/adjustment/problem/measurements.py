@@ -78,7 +78,8 @@ class Measurements:
 
 
 def mount_prior(mount: tuple[float, ...], sigma: tuple[float, ...]) -> Mount:
-    """The prior of a mount of dive.toml: sigmas in metres and degrees of a small rotation vector, in the parent frame."""
+    """Return the prior of a mount of dive.toml: sigmas in metres and degrees of a small rotation vector, in the parent
+    frame."""
     nominal = poses.from_mount(mount)
     sigmas = np.array(sigma) * np.r_[np.ones(3), np.full(3, np.pi / 180)]
     if not sigmas.any():
@@ -98,7 +99,7 @@ def rig_from_config(
     cameras: Mapping[Camera, CameraModel],
     free_dvl_position: bool = False,
 ) -> Rig:
-    """The rig of a dive package."""
+    """Return the rig of a dive package."""
     degree = np.pi / 180
     held = np.zeros(3) if free_dvl_position else np.array(dvl.mount_sigma[:3])
     dvl_sigma = dvl.mount_sigma if free_dvl_position else (1e-6, 1e-6, 1e-6, *dvl.mount_sigma[3:])

@@ -45,7 +45,7 @@ def write_model(model: SparseModel, folder: Path) -> None:
 
 
 def build(model: SparseModel) -> Any:
-    """A pycolmap.Reconstruction."""
+    """Return a pycolmap.Reconstruction."""
     import pycolmap
 
     reconstruction = pycolmap.Reconstruction()

@@ -55,7 +55,7 @@ class MedianBackground:
 
 
 def median_background(feet: Array, offset: Array, width_m: float) -> Background:
-    """The hull by running medians over discs `width_m` wide: what covers less than half a disc is not hull.
+    """Return the hull by running medians over discs `width_m` wide: what covers less than half a disc is not hull.
 
     feet (n, 3) of the landmarks on the base, offset (n,) m. Landmarks are first thinned to medians of small cells, so that a
     richly textured structure does not outvote the hull around it.

@@ -27,7 +27,7 @@ class FusedShapes:
 
 
 def fuse_shapes(views: CameraViews, features: Array, deviation: Array, vertices: Array, options: DetectOptions) -> FusedShapes:
-    """The vertices (n, 3) moved to the shapes that the views' features (m, 3) with deviations (m,) make.
+    """Return the vertices (n, 3) moved to the shapes that the views' features (m, 3) with deviations (m,) make.
 
     [Ozog2016 eq. 4.15] is a running mean in which the first observation replaces the prior: the mean of all intersections.
     """

@@ -41,7 +41,7 @@ class SurfaceLandmarks:
 def measure_surface(
     scene: Scene, position: Array, covariance: Array, views: Ints, farthest_m: float, largest_sigma_m: float
 ) -> SurfaceLandmarks:
-    """What landmarks (n, 3) with covariances (n, 3, 3) say about the surface of `scene`.
+    """Return what landmarks (n, 3) with covariances (n, 3, 3) say about the surface of `scene`.
 
     Left out: those not finite, seen by one image only, farther off than `farthest_m`, less certain along the normal than
     `largest_sigma_m`, and those whose closest point is the base's rim, beside which they lie rather than above it.
@@ -64,7 +64,7 @@ def measure_surface(
 
 
 def shared_variance(position: Array, variance: Array, neighbours: int = 32) -> Array:
-    """The part of each variance (n,) that neighbours have in common: hardly more than the best of them has."""
+    """Return the part of each variance (n,) that neighbours have in common: hardly more than the best of them has."""
     if not len(position):
         return variance
     _, row = nearest(position, position, min(neighbours, len(position)))

@@ -25,7 +25,7 @@ def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mes
 
 
 def affordable_edge(points: Array, edge_m: float, max_vertices: int) -> float:
-    """The edge, or a longer one where the seen area would need more vertices than that (a vertex an 0.43 edge^2)."""
+    """Return the edge, or a longer one where the seen area would need more vertices than that (a vertex an 0.43 edge^2)."""
     cell = 0.2
     area = len(np.unique(np.floor(points / cell).astype(np.int64), axis=0)) * cell**2
     return float(max(edge_m, np.sqrt(area / (0.43 * max_vertices))))

@@ -30,7 +30,8 @@ def as_found_surface(found: HullAsFound, measured: SurfaceLandmarks) -> Surface:
 
 
 def surface_on_cad_model(cad_model: Mesh, surface: Surface, edge_m: float) -> Surface:
-    """The CAD model moved to the DVL's surface: deviations of its vertices carried over, where any lies within two edges."""
+    """Return the CAD model moved to the DVL's surface: deviations of its vertices carried over, where any lies within two
+    edges."""
     mesh = refine_near(cad_model, surface.vertices, edge_m, edge_m)
     distance, row = nearest(surface.vertices, mesh.vertices, min(4, len(surface.vertices)), 2 * edge_m)
     known = np.isfinite(distance[:, 0])

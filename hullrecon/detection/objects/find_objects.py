@@ -69,7 +69,8 @@ class _Landmarks:
     around: Around
 
     def on(self, found: HullAsFound, region: Region, vertices: Ints) -> tuple[Mask, Array, Array]:
-        """Those near these vertices of a region: whether each stands off the hull as the region does (n,), its height over the
+        """Return those near these vertices of a region: whether each stands off the hull as the region does (n,), its height
+        over the
         surface there (n,), and its own sigma (n,), m."""
         at = found.base.vertices[vertices]
         near = self.around.ball(at, NEAR_M)

@@ -11,7 +11,7 @@ from hullrecon.typing import Array, Ints
 
 
 def outline(mesh: Mesh, part: Ints, most: int = 60) -> Array:
-    """The longest closed line (k, 3) around the faces whose corners all belong to the part, counter-clockwise seen from
+    """Return the longest closed line (k, 3) around the faces whose corners all belong to the part, counter-clockwise seen from
     outside; at most `most` of its vertices. Empty when the part holds no face."""
     inside = np.zeros(len(mesh.vertices), bool)
     inside[part] = True

@@ -51,7 +51,7 @@ class _Relief:
     options: DetectOptions
 
     def clusters(self, rows: Ints) -> list[Ints]:
-        """Those vertices in clusters; what is nearer than `cluster_reach` is one."""
+        """Return those vertices in clusters; what is nearer than `cluster_reach` is one."""
         label = dbscan(self.found.base.vertices[rows], self.options.cluster_reach_m, self.options.min_cluster_points)
         return [rows[label == k] for k in range(int(label.max(initial=-1)) + 1)]
 
@@ -123,7 +123,7 @@ def _height_of_top(height: Array, area: Array, top_m2: float) -> float:
 
 
 def weighted_quantile(values: Array, weight: Array, share: float) -> float:
-    """The value below which that share of the weight lies."""
+    """Return the value below which that share of the weight lies."""
     order = np.argsort(values, kind="stable")
     total = np.cumsum(weight[order])
     at = np.searchsorted(total, share * total[-1])

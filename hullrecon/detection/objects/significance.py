@@ -13,13 +13,14 @@ from hullrecon.typing import Array
 
 
 def roughness(found: HullAsFound) -> float:
-    """One robust sigma of the measured heights: what hull and noise do without structures, m."""
+    """Return one robust sigma of the measured heights: what hull and noise do without structures, m."""
     height = found.height[found.measured]
     return robust_sigma(height) if len(height) else 0.0
 
 
 def height_sigma(found: HullAsFound, region: Region) -> float:
-    """One sigma of a region's height: of a vertex at its top and of the ring's level. Neighbouring vertices share landmarks, so
+    """Return one sigma of a region's height: of a vertex at its top and of the ring's level. Neighbouring vertices share
+    landmarks, so
     the top counts as one vertex and the ring as one for each of its eight sides at most."""
     top = float(np.median(found.sigma[region.core]))
     level = robust_sigma(found.height[region.ring]) / np.sqrt(min(8, len(region.ring)))
@@ -27,7 +28,8 @@ def height_sigma(found: HullAsFound, region: Region) -> float:
 
 
 def relief_left(over_m: Array, sigma_m: Array) -> float:
-    """What smoothing left out, m: the scatter of landmarks' heights (n,) over the surface, beyond their own sigmas (n,). Where
+    """Return what smoothing left out, m: the scatter of landmarks' heights (n,) over the surface, beyond their own sigmas
+    (n,). Where
     they are too far apart for the relief, the surface passes between them. Zero without landmarks."""
     if not len(over_m):
         return 0.0
@@ -35,7 +37,7 @@ def relief_left(over_m: Array, sigma_m: Array) -> float:
 
 
 def p_value(height_m: float, sigma_m: float, roughness_m: float, places: float) -> float:
-    """Two-sided probability that the highest of so many places of bare hull reaches this height."""
+    """Return two-sided probability that the highest of so many places of bare hull reaches this height."""
     from scipy.special import ndtr  # not scipy.stats, which takes seconds to load
 
     score = abs(height_m) / max(np.hypot(sigma_m, roughness_m), 1e-6)

@@ -81,7 +81,8 @@ def compute_footprints(surface: MosaicSurface, image_views: Sequence[ImageView])
 
 
 def footprint_windows(grid: TexelGrid, footprints: Footprints, margin_share: float = 0.06) -> list[Window]:
-    """The texels that each view may see: the bounds of its footprints, a little widened for what lies between its points."""
+    """Return the texels that each view may see: the bounds of its footprints, a little widened for what lies between its
+    points."""
     spans = []
     for at in footprints.at:
         good = at[np.isfinite(at).all(axis=1)]
@@ -118,7 +119,7 @@ def estimate_light(
     footprints: Footprints,
     progress: Callable[[Sequence[Any]], Iterable[Any]],
 ) -> LightModel | None:
-    """From small copies of all images at texels LIGHT_STEP_M apart; None when fewer than two images could be read."""
+    """Estimate the light from small copies of all images at texels LIGHT_STEP_M apart; None when fewer than two images could be read."""
     camera = np.concatenate([np.full(len(s.rows), k) for k, s in enumerate(cameras)])
     rows = [(s.read, row) for s in cameras for row in s.rows.tolist()]
     thumbnails: list[NDArray[np.uint8] | None] = [_thumbnail(read, row) for read, row in progress(rows)]

@@ -23,7 +23,8 @@ class ImageView(Protocol):
     def center(self) -> Array: ...
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """Of points (n, 3): pixel (n, 2) in the picture, and r / R (n,), the distance from the best place in the image over
+        """Return, of points (n, 3): pixel (n, 2) in the picture, and r / R (n,), the distance from the best place in the
+        image over
         the largest one considered (docs/methods.md 13, 14); NaN where the image does not hold the point."""
 
     def outline(self, surface: MosaicSurface) -> Array:
@@ -46,7 +47,7 @@ class CameraView:
         return np.asarray(self.pose.translation[0])
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """The best place is the middle of the image; R is half its diagonal."""
+        """Return the best place is the middle of the image; R is half its diagonal."""
         rotation = self.pose.rotation.as_matrix()[0]
         inside = (points - self.center) @ rotation
         pixel = self.camera.project(inside)

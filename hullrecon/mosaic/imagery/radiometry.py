@@ -30,7 +30,7 @@ class LightModel:
     log_gain: Array
 
     def correct(self, picture: NDArray[np.uint8], camera: int, view: int) -> Floats32:
-        """The image as an even lamp would have shown it, 0 to 255 and beyond."""
+        """Return the image as an even lamp would have shown it, 0 to 255 and beyond."""
         import cv2
 
         size = (picture.shape[1], picture.shape[0])
@@ -52,7 +52,7 @@ class LightSamples:
 
 
 def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[Array]:
-    """By camera the median over its images (thumbnails (h, w, c) of FIELD's shape or larger), smoothed, about a mean of
+    """Return by camera the median over its images (thumbnails (h, w, c) of FIELD's shape or larger), smoothed, about a mean of
     zero."""
     fields = []
     for k in range(int(camera.max()) + 1):

@@ -25,7 +25,8 @@ class SonarFan:
     half_elevation: float
 
     def locate(self, points: Array) -> tuple[Array, Array]:
-        """Of points (n, 3) in `sonar`: (range bin, beam number) (n, 2), and r/R (n,) on the display, NaN outside the image."""
+        """Return, of points (n, 3) in `sonar`: (range bin, beam number) (n, 2), and r/R (n,) on the display, NaN outside the
+        image."""
         x, y, z = points.T
         level = np.hypot(y, z)
         distance, bearing, elevation = np.hypot(level, x), np.arctan2(y, z), np.arctan2(x, level)

@@ -30,7 +30,7 @@ class TexturedMesh:
 def build_textured_mesh(
     surface: MosaicSurface, grid: TexelGrid, alpha: NDArray[np.uint8], reduction: int, max_faces: int
 ) -> TexturedMesh:
-    """The seen part of the surface as a regular mesh on the chart; alpha: of the mosaic reduced by that many texels."""
+    """Return the seen part of the surface as a regular mesh on the chart; alpha: of the mosaic reduced by that many texels."""
     seen = int((alpha > 0).sum()) * reduction**2 * grid.step_m**2
     step = max(grid.step_m * reduction, np.sqrt(2 * max(seen, 1e-6) / max_faces))
     height, width = (max(1, round(n * grid.step_m / step)) for n in (grid.height, grid.width))

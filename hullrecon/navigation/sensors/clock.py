@@ -16,7 +16,8 @@ Stream = TypeVar("Stream")
 
 
 def in_order(record: Stream, name: str) -> tuple[Stream, list[str]]:
-    """A stream's record in time order without repeated stamps (the first of equals stays), and what was done, as sentences."""
+    """Return a stream's record in time order without repeated stamps (the first of equals stays), and what was done, as
+    sentences."""
     stamps: Ints = record.t_ns  # type: ignore[attr-defined]
     n = len(stamps)
     order = np.argsort(stamps, kind="stable")
