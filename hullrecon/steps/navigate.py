@@ -7,19 +7,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.graph.stage_settings import StageSettings
-from hullrecon.dive.config.schema import Logs as LogFiles
+from hullrecon.dive.check.messages import Stream
+from hullrecon.dive.config.schema import Logs
 from hullrecon.dive.images.store import IMAGE_SUFFIXES, ImageStore
 from hullrecon.dive.logs.readers.plain import PlainLog
 from hullrecon.errors import StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
-from hullrecon.navigation.dead_reckoning.dead_reckon import Logs, Navigated, dead_reckon, usable_frames
+from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, NavigationLogs, dead_reckon, usable_frames
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sigmas import SIGMA_KEYS, sigmas_from_settings
 from hullrecon.navigation.stereo_odometry.pair_motion import StereoMotion
@@ -27,16 +28,7 @@ from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stere
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.typing import Ints
 from hullrecon.vision.odometry import OdometryFrame, StereoOdometer, stereo_odometer
-
-
-class Stream(Protocol):
-    """A stream of samples with stamps (n,)."""
-
-    @property
-    def t_ns(self) -> Ints: ...
-
 
 Samples = TypeVar("Samples", bound=Stream)
 
@@ -64,7 +56,7 @@ class ImagePairMotion:
 
 def external(settings: StageSettings, package: Path) -> list[Path]:
     """Return the images that lie in the package as files; they are read again for visual odometry."""
-    files = settings.read("logs", LogFiles).files
+    files = settings.read("logs", Logs).files
     tables = [PlainLog(package / name, package) for name in files if (package / name).is_dir()]
     return sorted(file for table in tables for file in table.named_files() if file.suffix.lower() in IMAGE_SUFFIXES)
 
@@ -92,7 +84,7 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
     if imu is None:
         what = "the DVL's velocities have no heading: no IMU was logged"
         raise StageError(what, where="navigate", remedy="name the IMU's topic in [topics]")
-    logs = Logs(
+    logs = NavigationLogs(
         dvl=dvl,
         imu=imu,
         pressure=_unless_empty(ingest.pressure),

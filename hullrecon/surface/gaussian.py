@@ -55,8 +55,10 @@ def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
 
 
 def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array, threshold: float = 2.0, rounds: int = 4) -> Regression:
-    """Do as `fit`; observations farther from the surface than `threshold` sigmas lose weight by the square of how much farther, so
-    that far ones hardly count."""
+    """Return the regression with outliers weighed down.
+
+    Beyond `threshold` sigmas of the surface an observation loses weight by the square of how much farther it lies.
+    """
     result = fit(kernel, at, values, noise)
     for _ in range(rounds):
         off = np.abs(values - result.mean(at)) / noise

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation.dead_reckoning.dead_reckon import Logs
+from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 from hullrecon.rig import SensorRig
 
@@ -56,7 +56,7 @@ class Swim:
         h = 1e-4
         return (self.attitude(t - h).inv() * self.attitude(t + h)).as_rotvec() / (2 * h)
 
-    def logs(self, noise: float = 0.0, seed: int = 0, dvl_hz: float = 20.0, imu_hz: float = 50.0) -> Logs:
+    def logs(self, noise: float = 0.0, seed: int = 0, dvl_hz: float = 20.0, imu_hz: float = 50.0) -> NavigationLogs:
         """noise 1: usual instruments; 0: perfect ones, sampled fast enough that sampling does not show."""
         rng = np.random.default_rng(seed)
         end = self.duration_s
@@ -68,7 +68,7 @@ class Swim:
         rates = self.rates(ti) + noise * 0.002 * rng.standard_normal((len(ti), 3))
         depth = self.poses(tp).apply(self.rig.pressure_origin)[:, 2] + noise * 0.02 * rng.standard_normal(len(tp))
         frames = np.arange(0.25, end - 0.3, 0.5)
-        return Logs(
+        return NavigationLogs(
             dvl=DvlPings(
                 t_ns=nanoseconds(t),
                 velocity=velocity,
@@ -105,16 +105,16 @@ def swim(rig: SensorRig) -> Swim:
 
 
 @pytest.fixture(scope="session")
-def perfect(swim: Swim) -> Logs:
+def perfect(swim: Swim) -> NavigationLogs:
     return swim.logs()
 
 
 @pytest.fixture(scope="session")
-def noisy(swim: Swim) -> Logs:
+def noisy(swim: Swim) -> NavigationLogs:
     return swim.logs(noise=1.0)
 
 
-def without(logs: Logs, start_s: float, stop_s: float) -> Logs:
+def without(logs: NavigationLogs, start_s: float, stop_s: float) -> NavigationLogs:
     """The DVL silent in an interval."""
     t = logs.dvl.t_ns
     gone = (t >= START_NS + start_s * 1e9) & (t <= START_NS + stop_s * 1e9)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
-from hullrecon.navigation.dead_reckoning.dead_reckon import Logs, Navigated, dead_reckon
+from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, NavigationLogs, dead_reckon
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.rig import SensorRig
@@ -19,7 +19,7 @@ from hullrecon.rig import SensorRig
 OPTIONS = NavigateOptions()
 
 
-def reckoned(logs: Logs, rig: SensorRig, sigmas: NavigationSigmas = SIGMAS) -> Navigated:
+def reckoned(logs: NavigationLogs, rig: SensorRig, sigmas: NavigationSigmas = SIGMAS) -> Navigated:
     return dead_reckon(logs, rig, sigmas, OPTIONS)
 
 

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning import error_propagation
-from hullrecon.navigation.dead_reckoning.dead_reckon import Logs, dead_reckon
+from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs, dead_reckon
 from hullrecon.navigation.dead_reckoning.error_propagation import pose_by_error, trajectory_covariance, twist_by_pose_error
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning, reckon
 from hullrecon.navigation.options import NavigateOptions
@@ -29,7 +29,7 @@ from hullrecon.vision.pairs.camera_track import CameraTrack
 NO_HOLES = np.zeros((0, 2), np.int64)
 
 
-def path_of(logs: Logs, rig: SensorRig, error: np.ndarray) -> Reckoning:
+def path_of(logs: NavigationLogs, rig: SensorRig, error: np.ndarray) -> Reckoning:
     """Dead reckoning of instruments that err by `error` (ERRORS,), the depth's bias aside."""
     span = int(logs.imu.t_ns[0]), int(logs.imu.t_ns[-1])
     velocities = usable_velocities(logs.dvl, span, 0.6)
@@ -46,11 +46,11 @@ def path_of(logs: Logs, rig: SensorRig, error: np.ndarray) -> Reckoning:
     return reckon(velocities, history, hung, off)
 
 
-def nodes_of(logs: Logs) -> np.ndarray:
+def nodes_of(logs: NavigationLogs) -> np.ndarray:
     return logs.dvl.t_ns[40::60]
 
 
-def numeric(logs: Logs, rig: SensorRig, column: int, step: float = 1e-4) -> np.ndarray:
+def numeric(logs: NavigationLogs, rig: SensorRig, column: int, step: float = 1e-4) -> np.ndarray:
     """(n, 6): central difference of the poses by one error."""
     error = np.zeros(error_propagation.ERRORS)
     error[column] = step
@@ -94,7 +94,9 @@ def test_the_covariance_by_heading_drift_is_that_of_a_path_that_turns_and_change
         assert np.allclose(base.covariance[k, :2, :2], np.outer(moved[k], moved[k]), atol=0.02 * moved[k] @ moved[k])
 
 
-def relative_by_error(logs: Logs, rig: SensorRig, first: np.ndarray, second: np.ndarray, step: float = 1e-4) -> np.ndarray:
+def relative_by_error(
+    logs: NavigationLogs, rig: SensorRig, first: np.ndarray, second: np.ndarray, step: float = 1e-4
+) -> np.ndarray:
     """(m, 6, ERRORS): central differences of the relative poses of paths that were reckoned anew."""
     out = np.zeros((len(first), 6, error_propagation.ERRORS))
     for k in range(error_propagation.DEPTH_BIAS):

@@ -11,7 +11,7 @@ DOWN = exp([[0.0, -0.1, 0.0, 0.0, 0.0, 0.01]]).matrix()[0]  # the other node's b
 
 
 def image_view(points, xy, camera_from_node, backward, baseline_m):
-    return pose_from_points.ImageView(
+    return pose_from_points.ObservedPoints(
         points=points, xy=xy, camera_from_node=camera_from_node, backward=backward, baseline_m=baseline_m
     )
 

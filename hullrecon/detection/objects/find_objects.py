@@ -82,7 +82,7 @@ class _Landmarks:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RejectedRegion:
+class UnreportedRegion:
     """A region that was not reported, and why."""
 
     center: list[float]
@@ -100,7 +100,7 @@ def find_objects(
     views: CameraViews,
     base: BaseSurface,
     options: DetectOptions,
-) -> tuple[list[HullObject], list[RejectedRegion]]:
+) -> tuple[list[HullObject], list[UnreportedRegion]]:
     """Objects, the highest first, and the regions that were not certain enough.
 
     measured with its heights (m,) above the hull are the landmarks.
@@ -115,7 +115,7 @@ def find_objects(
         reason = _rejection_reason(found, evidence, area, _supporting_landmarks(found, region, landmarks), options)
         if reason:
             rejected.append(
-                RejectedRegion(
+                UnreportedRegion(
                     center=_round(found.mesh.vertices[evidence.center]), height=round(region.height, 5), reason=reason
                 )
             )

@@ -14,7 +14,7 @@ from hullrecon.typing import Array, Ints
 
 
 @dataclass(frozen=True)
-class Closest:
+class ClosestPoints:
     """distance (n,) m, signed, positive outside; foot (n, 3) on the mesh; normal (n, 3) of the closest triangle, outward;
     face (n,), -1 where there is no answer."""
 
@@ -33,7 +33,7 @@ class Scene:
         normal = np.cross(b - a, c - a)
         self._normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-15)
 
-    def closest(self, points: Array) -> Closest:
+    def closest(self, points: Array) -> ClosestPoints:
         """Return the closest point of the mesh for each of (n, 3), the sign by the pseudonormal there; NaN for points not
         finite."""
         known = np.asarray(np.isfinite(points).all(axis=1))
@@ -47,7 +47,7 @@ class Scene:
             near = self._index.closest(points[known])
             distance[known], foot[known], face[known] = near.distance, near.point, near.face
             normal[known] = self._normal[near.face]
-        return Closest(distance, foot, normal, face)
+        return ClosestPoints(distance, foot, normal, face)
 
     def cast(self, origins: Array, directions: Array) -> Array:
         """Return how far along unit directions (n, 3) from origins (n, 3) or (3,) the mesh is met, (n,) m; inf where it is

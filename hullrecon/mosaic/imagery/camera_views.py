@@ -119,7 +119,10 @@ def estimate_light(
     footprints: Footprints,
     progress: Callable[[Sequence[Any]], Iterable[Any]],
 ) -> LightModel | None:
-    """Estimate the light from small copies of all images at texels LIGHT_STEP_M apart; None when fewer than two images could be read."""
+    """Estimate the light from small copies of all images at texels LIGHT_STEP_M apart.
+
+    Return None when fewer than two images could be read.
+    """
     camera = np.concatenate([np.full(len(s.rows), k) for k, s in enumerate(cameras)])
     rows = [(s.read, row) for s in cameras for row in s.rows.tolist()]
     thumbnails: list[NDArray[np.uint8] | None] = [_thumbnail(read, row) for read, row in progress(rows)]

@@ -33,7 +33,7 @@ UNKNOWN_SIGMA_M = 1e3  # of a depth that nothing measured
 
 
 @dataclass(frozen=True, kw_only=True)
-class Logs:
+class NavigationLogs:
     """What navigation reads; None where not carried."""
 
     dvl: DvlPings
@@ -57,7 +57,7 @@ class Navigated:
     facts: dict[str, object] = field(default_factory=dict)
 
 
-def dead_reckon(logs: Logs, rig: SensorRig, sigmas: NavigationSigmas, options: NavigateOptions) -> Navigated:
+def dead_reckon(logs: NavigationLogs, rig: SensorRig, sigmas: NavigationSigmas, options: NavigateOptions) -> Navigated:
     """Return the records of a dive reckoned from DVL, IMU, pressure and tray.
 
     x = y = 0 at the first ping with a velocity, heading as logged.
@@ -94,7 +94,7 @@ def dead_reckon(logs: Logs, rig: SensorRig, sigmas: NavigationSigmas, options: N
     )
 
 
-def _sort_streams(logs: Logs) -> tuple[Logs, list[str]]:
+def _sort_streams(logs: NavigationLogs) -> tuple[NavigationLogs, list[str]]:
     """Return each stream in time order without repeated stamps, and what was put right."""
     messages: list[str] = []
     dvl, found = in_order(logs.dvl, "dvl")
@@ -127,7 +127,7 @@ def finite_attitude(imu: ImuSamples) -> ImuSamples:
     )
 
 
-def _path(logs: Logs, rig: SensorRig, sigma_tilt_rad: float, options: NavigateOptions) -> Reckoning:
+def _path(logs: NavigationLogs, rig: SensorRig, sigma_tilt_rad: float, options: NavigateOptions) -> Reckoning:
     history = attitude_history(logs.imu, sigma_tilt_rad, options.longest_gap_s)
     slack = int(options.longest_gap_s * 1e9)
     span = (int(history.t_ns[0]) - slack, int(history.t_ns[-1]) + slack)
@@ -140,7 +140,7 @@ def _path(logs: Logs, rig: SensorRig, sigma_tilt_rad: float, options: NavigateOp
     return reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), rig)
 
 
-def _nodes(logs: Logs, path: Reckoning, options: NavigateOptions) -> Nodes:
+def _nodes(logs: NavigationLogs, path: Reckoning, options: NavigateOptions) -> Nodes:
     slack = int(options.reach_s * 1e9)
     t_ns = path.velocities.t_ns
     span = (int(t_ns[0]) - slack, int(t_ns[-1]) + slack)

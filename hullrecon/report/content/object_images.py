@@ -36,7 +36,7 @@ class Crop:
 
 
 @dataclass(frozen=True, kw_only=True)
-class NodeView:
+class ObjectView:
     """One image of a camera at a node of the track: camera_from_result T_c_M (T_c_g without a CAD model), the image's row."""
 
     camera: Camera
@@ -60,7 +60,7 @@ def best_crop(found: ReportedObject, track: VehicleTrack, rig: SensorRig, images
 
 def _ranked_views(
     found: ReportedObject, track: VehicleTrack, rig: SensorRig, camera: Camera, index: ImageIndex
-) -> list[tuple[float, NodeView]]:
+) -> list[tuple[float, ObjectView]]:
     """Return views that have the centre inside the image, with its distance from the middle in half diagonals."""
     rows = track.image[:, camera.column]
     wanted = _rows_named(found.images, camera, index)
@@ -76,7 +76,7 @@ def _ranked_views(
     return [
         (
             float(score[k]),
-            NodeView(camera=camera, model=model, camera_from_result=camera_from_result[[k]], row=int(rows[nodes[k]])),
+            ObjectView(camera=camera, model=model, camera_from_result=camera_from_result[[k]], row=int(rows[nodes[k]])),
         )
         for k in np.flatnonzero(inside)
     ]
@@ -90,7 +90,7 @@ def _rows_named(images: Sequence[str], camera: Camera, index: ImageIndex) -> Int
     return np.flatnonzero(np.isin(index.t_ns, stamps))
 
 
-def _cut_image(found: ReportedObject, view: NodeView, source: ImageSource) -> Crop | None:
+def _cut_image(found: ReportedObject, view: ObjectView, source: ImageSource) -> Crop | None:
     """Return the part of an image around the object; None where the image cannot be read."""
     picture = source.read(view.row) if source.index.usable[view.row] else None
     if picture is None:

@@ -171,7 +171,7 @@ class PairMatcher:
             motion=motion,
         )
 
-    def reprojection_terms(self, first: NodeView, second: NodeView, seeds: Putative) -> list[pose_from_points.ImageView]:
+    def reprojection_terms(self, first: NodeView, second: NodeView, seeds: Putative) -> list[pose_from_points.ObservedPoints]:
         """Return each node's points as the other node's leading camera, and its bottom camera, saw them."""
         a, b = seeds.first, seeds.second
         lead, bottom = np.eye(4), self.rig.from_top(Camera.BOTTOM)
@@ -183,7 +183,7 @@ class PairMatcher:
         ]
         return [
             pose_from_points.hide_unknown_points(
-                pose_from_points.ImageView(
+                pose_from_points.ObservedPoints(
                     points=points, xy=xy, camera_from_node=camera, backward=backward, baseline_m=self.rig.baseline_m
                 )
             )
@@ -266,7 +266,7 @@ def _take_evenly(matched: Putative, most: int = 500) -> Putative:
     return Putative(first=matched.first[::step], second=matched.second[::step], distance=matched.distance[::step])
 
 
-def _count_inliers(motion: Array, views: list[pose_from_points.ImageView], tolerance: float, count: int) -> int:
+def _count_inliers(motion: Array, views: list[pose_from_points.ObservedPoints], tolerance: float, count: int) -> int:
     """Return how many seeds agree with the motion in every image that saw them."""
     good, observed = np.ones(count, bool), np.zeros(count, bool)
     for view in views:

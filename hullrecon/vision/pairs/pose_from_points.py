@@ -20,7 +20,7 @@ BLOCK = 128  # hypotheses at a time
 
 
 @dataclass(frozen=True, kw_only=True)
-class ImageView:
+class ObservedPoints:
     """Points (n, 3) of one node and where another node's cameras saw them: xy (n, 2), NaN where that camera did not.
 
     camera_from_node (4, 4): the camera in the frame that the points are moved into. backward: the motion wanted carries these
@@ -35,7 +35,7 @@ class ImageView:
 
 
 def ransac(
-    first: Array, second: Array, views: list[ImageView], tolerance: float, most_trials: int, seed: tuple[int, ...]
+    first: Array, second: Array, views: list[ObservedPoints], tolerance: float, most_trials: int, seed: tuple[int, ...]
 ) -> Array | None:
     """Return the best motion (4, 4) of points (n, 3) onto (n, 3) by truncated squared error of the views; None with fewer
     than 3.
@@ -58,7 +58,7 @@ def ransac(
     return np.asarray(best)
 
 
-def _share(motion: Array, views: list[ImageView], tolerance: float) -> float:
+def _share(motion: Array, views: list[ObservedPoints], tolerance: float) -> float:
     seen = sum(int(np.isfinite(s.xy[:, 0]).sum()) for s in views)
     return sum(int(m.sum()) for m in _inliers(motion, views, tolerance)) / max(seen, 1)
 
@@ -68,7 +68,7 @@ def _trials(share: float) -> float:
     return float(np.log(1e-4) / np.log1p(-hit)) if hit > 0 else np.inf
 
 
-def squared_errors(motions: Array, view: ImageView) -> Array:
+def squared_errors(motions: Array, view: ObservedPoints) -> Array:
     """Return (s, n): squared distance in the image under each motion (s, 4, 4); inf behind the camera, 0 where not seen."""
     way = np.linalg.inv(motions) if view.backward else motions
     total = view.camera_from_node @ way
@@ -79,7 +79,7 @@ def squared_errors(motions: Array, view: ImageView) -> Array:
     return np.where(np.isnan(view.xy[:, 0]), 0.0, squared)
 
 
-def refine(motion: Array, views: list[ImageView], tolerance: float, iterations: int = 12) -> tuple[Array, Array]:
+def refine(motion: Array, views: list[ObservedPoints], tolerance: float, iterations: int = 12) -> tuple[Array, Array]:
     """Return the motion (4, 4) that minimises the inliers' errors in units of their sigma, and its covariance (6, 6) as
     Motion defines it.
 
@@ -102,7 +102,7 @@ def refine(motion: Array, views: list[ImageView], tolerance: float, iterations: 
     return motion, np.asarray(np.linalg.pinv(normal, hermitian=True) * (cost / freedom))
 
 
-def _inliers(motion: Array, views: list[ImageView], tolerance: float) -> list[Mask]:
+def _inliers(motion: Array, views: list[ObservedPoints], tolerance: float) -> list[Mask]:
     return [(squared_errors(motion[None], s)[0] < tolerance**2) & np.isfinite(s.xy[:, 0]) for s in views]
 
 
@@ -113,7 +113,7 @@ def _moved(motion: Array, step: Array) -> Array:
     return out
 
 
-def _normal(motion: Array, views: list[ImageView], masks: list[Mask]) -> tuple[Array, Array, float]:
+def _normal(motion: Array, views: list[ObservedPoints], masks: list[Mask]) -> tuple[Array, Array, float]:
     """Return normal matrix (6, 6), gradient (6,) and summed squared error."""
     normal, gradient, cost = np.zeros((6, 6)), np.zeros(6), 0.0
     for view, mask in zip(views, masks, strict=True):
@@ -125,7 +125,7 @@ def _normal(motion: Array, views: list[ImageView], masks: list[Mask]) -> tuple[A
     return normal, gradient, cost
 
 
-def _linearised(motion: Array, view: ImageView, mask: Mask) -> tuple[Array, Array]:
+def _linearised(motion: Array, view: ObservedPoints, mask: Mask) -> tuple[Array, Array]:
     """Return whitened residuals (n, 2) and Jacobian (n, 2, 6) of the masked rows."""
     rotation, translation = motion[:3, :3], motion[:3, 3]
     points = view.points[mask]
@@ -160,7 +160,7 @@ def _whitening(by_moved: Array, rotation: Array, points: Array, baseline_m: floa
     return np.asarray(np.eye(2) - shrink[:, None, None] * u[:, :, None] * u[:, None, :])
 
 
-def hide_unknown_points(view: ImageView) -> ImageView:
+def hide_unknown_points(view: ObservedPoints) -> ObservedPoints:
     """Return the same view with rows that lack a point marked as not seen."""
     unknown = np.isnan(view.points[:, 0])
     points, xy = np.where(unknown[:, None], 0.0, view.points), np.where(unknown[:, None], np.nan, view.xy)
