@@ -10,27 +10,28 @@ from typing import Any
 
 import numpy as np
 import pytest
+from drafts import Draft, covariance, evaluate, solve
 from native.test_cores import field, mono_beside_stereo
 from native.twins import array_fields
 
 from hullrecon.errors import InputError, UsageError
-from hullrecon.native import Options, Problem, covariance, evaluate, solve
+from hullrecon.native import MotionPrior, Options
 
-Survey = Callable[..., Problem]
+Survey = Callable[..., Draft]
 Ints = np.int32
 
 
 @pytest.fixture
-def whole(make_survey: Survey) -> Problem:
+def whole(make_survey: Survey) -> Draft:
     """A survey with every table filled."""
     p = make_survey()
     field(p)
     mono_beside_stereo(p)
-    p.prior_T_ct_cb, p.prior_T_ct_cb_sqrt = p.T_ct_cb.copy(), np.eye(6)
+    p.priors.T_ct_cb = MotionPrior(value=p.unknowns.T_ct_cb.copy(), sqrt_information=np.eye(6))
     return p
 
 
-def test_a_problem_with_every_table_filled_is_accepted(whole: Problem) -> None:
+def test_a_problem_with_every_table_filled_is_accepted(whole: Draft) -> None:
     assert set(array_fields(whole)) >= {f.name for f in dataclasses.fields(whole) if f.name not in ("constant", "sigma_px")}
     assert len(evaluate(whole).residual) > 0
 
@@ -118,7 +119,7 @@ REFUSALS: list[tuple[str, Callable[[np.ndarray], Any], str]] = [
 
 @pytest.mark.parametrize(("name", "change", "words"), REFUSALS, ids=[f"{n}-{k}" for k, (n, _, _) in enumerate(REFUSALS)])
 def test_a_table_that_cannot_be_used_is_named_with_what_is_wrong(
-    name: str, change: Callable[[np.ndarray], Any], words: str, whole: Problem
+    name: str, change: Callable[[np.ndarray], Any], words: str, whole: Draft
 ) -> None:
     value = change(getattr(whole, name))
     setattr(whole, name, value.astype(Ints) if isinstance(value, np.ndarray) and value.dtype.kind == "i" else value)
@@ -127,7 +128,7 @@ def test_a_table_that_cannot_be_used_is_named_with_what_is_wrong(
     assert caught.value.where == name
 
 
-def test_every_table_of_numbers_is_refused_with_a_nan_in_it(whole: Problem) -> None:
+def test_every_table_of_numbers_is_refused_with_a_nan_in_it(whole: Draft) -> None:
     for name in list(array_fields(whole)):
         table = getattr(whole, name)
         if table.dtype.kind != "f":
@@ -141,7 +142,7 @@ def test_every_table_of_numbers_is_refused_with_a_nan_in_it(whole: Problem) -> N
         setattr(whole, name, table)
 
 
-def test_every_table_is_refused_with_text_or_complex_numbers_in_it(whole: Problem) -> None:
+def test_every_table_is_refused_with_text_or_complex_numbers_in_it(whole: Draft) -> None:
     for name in list(array_fields(whole)):
         table = getattr(whole, name)
         for wrong in (table.astype(complex), table.astype(str), table.astype(object)):
@@ -152,7 +153,7 @@ def test_every_table_is_refused_with_text_or_complex_numbers_in_it(whole: Proble
         setattr(whole, name, table)
 
 
-def test_an_index_that_is_no_integer_is_refused_and_one_of_another_width_is_taken(whole: Problem) -> None:
+def test_an_index_that_is_no_integer_is_refused_and_one_of_another_width_is_taken(whole: Draft) -> None:
     before = evaluate(whole).residual
     for name in list(array_fields(whole)):
         table = getattr(whole, name)
@@ -168,8 +169,8 @@ def test_an_index_that_is_no_integer_is_refused_and_one_of_another_width_is_take
 
 
 @pytest.mark.parametrize("layout", ["Fortran", "strided", "float32 where exact"])
-def test_tables_in_another_layout_give_the_same_rows(layout: str, whole: Problem) -> None:
-    whole.stereo_pixel = np.round(whole.stereo_pixel)
+def test_tables_in_another_layout_give_the_same_rows(layout: str, whole: Draft) -> None:
+    whole.stereo.pixel = np.round(whole.stereo.pixel)
     before = evaluate(whole).residual
     if layout == "Fortran":
         for name in list(array_fields(whole)):
@@ -178,21 +179,21 @@ def test_tables_in_another_layout_give_the_same_rows(layout: str, whole: Problem
         for name in list(array_fields(whole)):
             setattr(whole, name, np.repeat(getattr(whole, name), 2, axis=0)[::2])
     else:
-        whole.stereo_pixel = whole.stereo_pixel.astype(np.float32)
+        whole.stereo.pixel = whole.stereo.pixel.astype(np.float32)
     np.testing.assert_array_equal(evaluate(whole).residual, before)
 
 
-def test_a_root_without_its_prior_is_refused(whole: Problem) -> None:
-    whole.prior_T_s_d = None
+def test_a_root_without_its_prior_is_refused(whole: Draft) -> None:
+    whole.priors.T_s_d.value = None
     with pytest.raises(InputError, match="the square root stands without its prior") as caught:
         evaluate(whole)
     assert caught.value.where == "prior_T_s_d_sqrt"
 
 
 @pytest.mark.parametrize("table", ["range", "surface"])
-def test_field_nodes_without_a_field_are_refused(table: str, whole: Problem) -> None:
+def test_field_nodes_without_a_field_are_refused(table: str, whole: Draft) -> None:
     other = {"range": "surface", "surface": "range"}[table]
-    whole.deviation = np.zeros(0)
+    whole.unknowns.deviation = np.zeros(0)
     for name in (
         f"{other}_field_index",
         f"{other}_field_weight",
@@ -208,10 +209,10 @@ def test_field_nodes_without_a_field_are_refused(table: str, whole: Problem) -> 
 
 
 @pytest.mark.parametrize("call", [solve, evaluate, covariance])
-def test_every_call_validates_tables_and_options(call: Callable[..., Any], whole: Problem) -> None:
+def test_every_call_validates_tables_and_options(call: Callable[..., Any], whole: Draft) -> None:
     with pytest.raises(UsageError, match="it must be naive, geva or maxmix"):
         call(whole, Options(method="none"))
-    whole.tray_sigma = -whole.tray_sigma
+    whole.tray.sigma = -whole.tray.sigma
     with pytest.raises(InputError, match="sigma 0 is not positive"):
         call(whole)
 
@@ -236,7 +237,7 @@ def test_every_call_validates_tables_and_options(call: Callable[..., Any], whole
         ("sigma_on", "thin", "it is of the wrong type"),
     ],
 )
-def test_an_option_that_cannot_be_meant_says_what_it_must_be(option: str, value: Any, words: str, whole: Problem) -> None:
+def test_an_option_that_cannot_be_meant_says_what_it_must_be(option: str, value: Any, words: str, whole: Draft) -> None:
     with pytest.raises(UsageError, match=words) as caught:
         evaluate(whole, dataclasses.replace(Options(), **{option: value}))
     assert caught.value.where == option

@@ -5,25 +5,25 @@
 from __future__ import annotations
 
 import copy
-import dataclasses
 from collections.abc import Iterator
 
 import numpy as np
+from drafts import Draft, leaves
 from scipy.sparse import csr_matrix
 from scipy.spatial.transform import Rotation
 
-from hullrecon.native import Evaluation, Options, Problem
+from hullrecon.native import Evaluation, Options
 
 Array = np.ndarray
 LEAST_DIAGONAL, MOST_DIAGONAL = 1e-6, 1e32  # Ceres' bounds of the damping
 
 
-def copied(p: Problem) -> Problem:
+def copied(p: Draft) -> Draft:
     return copy.deepcopy(p)
 
 
 def unknown_of(name: str) -> tuple[str, tuple[int, ...]]:
-    """Field of Problem and index of the block of this name in Evaluation.columns."""
+    """Field of Draft and index of the block of this name in Evaluation.columns."""
     kind, _, number = name.partition(" ")
     return kind, (int(number),) if number else ()
 
@@ -48,23 +48,23 @@ def difference(y: Array, x: Array, width: int) -> Array:
     return np.r_[y[:3] - x[:3], turn, (y[7:] - x[7:])[: width - 6]]
 
 
-def moved(p: Problem, e: Evaluation, delta: Array) -> Problem:
+def moved(p: Draft, e: Evaluation, delta: Array) -> Draft:
     """The problem with its free unknowns moved by delta (width,), laid out as e.columns says."""
     out = copied(p)
     for name, (start, width) in e.columns.items():
         field, index = unknown_of(name)
-        table = getattr(out, field)
-        table[index or ...] = moved_numbers(getattr(p, field)[index or ...], delta[start : start + width])
+        table = getattr(out.unknowns, field)
+        table[index or ...] = moved_numbers(getattr(p.unknowns, field)[index or ...], delta[start : start + width])
     return out
 
 
-def step_between(p: Problem, unknowns: dict[str, Array], e: Evaluation) -> Array:
+def step_between(p: Draft, unknowns: dict[str, Array], e: Evaluation) -> Array:
     """What moved p's unknowns to these, (width,)."""
     out = np.zeros(e.width)
     for name, (start, width) in e.columns.items():
         field, index = unknown_of(name)
         at = index or ...
-        out[start : start + width] = difference(unknowns[field][at], getattr(p, field)[at], width)
+        out[start : start + width] = difference(getattr(unknowns, field)[at], getattr(p.unknowns, field)[at], width)
     return out
 
 
@@ -92,12 +92,11 @@ def columns_with_factors(e: Evaluation) -> Array:
     return np.asarray(np.bincount(e.jacobian_column, np.abs(e.jacobian_value) > 0, minlength=e.width) > 0)
 
 
-def array_fields(p: Problem) -> Iterator[str]:
+def array_fields(p: Draft) -> Iterator[str]:
     """Names of the tables that hold numbers."""
-    for field in dataclasses.fields(p):
-        value = getattr(p, field.name)
+    for path, value in leaves(p).items():
         if isinstance(value, np.ndarray) and value.size:
-            yield field.name
+            yield path
 
 
 def cost(e: Evaluation) -> float:
