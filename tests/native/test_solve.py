@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from drafts import Draft, change, clear, evaluate, leaves, solve
 
+from hullrecon import native
 from hullrecon.errors import InputError, StageError, UsageError
 from hullrecon.native import Options
 
@@ -260,12 +261,12 @@ def test_nothing_is_printed(make_survey: Survey, capfd: pytest.CaptureFixture[st
 def test_ctrl_c_stops_between_iterations(core: str, make_survey: Survey, shaken: Survey) -> None:
     """A timer's signals reach Python only where the solve looks for them: the frame of `solve` sees one before the native call
     at most and one after it, so a fourth can only have come between two iterations."""
-    p = shaken(make_survey(poses=30, landmarks=800, pixel_noise=0.5))
+    p = shaken(make_survey(poses=30, landmarks=800, pixel_noise=0.5)).build()
     in_solve = 0
 
     def count(_: int, frame: FrameType | None) -> None:
         nonlocal in_solve
-        in_solve += frame is not None and frame.f_code is solve.__code__
+        in_solve += frame is not None and frame.f_code is native.solve.__code__
         if in_solve == 4:
             signal.setitimer(signal.ITIMER_REAL, 0)
             signal.raise_signal(signal.SIGINT)
@@ -275,7 +276,7 @@ def test_ctrl_c_stops_between_iterations(core: str, make_survey: Survey, shaken:
     try:
         signal.setitimer(signal.ITIMER_REAL, 1e-4, 1e-4)
         with pytest.raises(KeyboardInterrupt):
-            solve(p, options)
+            native.solve(p, options)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
