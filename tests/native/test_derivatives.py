@@ -8,16 +8,17 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from drafts import Draft, change, evaluate, leaves
 from native.test_cores import CASES, problem
 from native.twins import cost, jacobian, moved, normal_equations
 
-from hullrecon.native import FACTORS, Evaluation, Options, Problem, evaluate
+from hullrecon.native import FACTORS, Evaluation, Options
 
-Survey = Callable[..., Problem]
+Survey = Callable[..., Draft]
 NAIVE = Options(method="naive")
 
 
-def numeric_column(p: Problem, e: Evaluation, column: int, options: Options, h: float) -> np.ndarray:
+def numeric_column(p: Draft, e: Evaluation, column: int, options: Options, h: float) -> np.ndarray:
     """Five-point difference of all residuals along one tangent coordinate."""
 
     def at(step: float) -> np.ndarray:
@@ -56,10 +57,10 @@ def test_derivatives_equal_numeric_ones(case: str, make_survey: Survey, shaken: 
         np.testing.assert_allclose(J[smooth, column], numeric[smooth], rtol=0, atol=2e-7 * (scale + 1), err_msg=str(column))
 
 
-def flat(p: Problem) -> Problem:
+def flat(p: Draft) -> Draft:
     """The plate without its bumps: one plane, where distance and range are smooth."""
-    p.vertices = p.vertices * [1, 1, 0]
-    p.range_measured = p.range_measured + 0.3
+    p.cad_mesh.vertices = p.cad_mesh.vertices * [1, 1, 0]
+    p.ranges.measured = p.ranges.measured + 0.3
     return p
 
 
@@ -95,17 +96,17 @@ def test_the_gradient_is_that_of_the_robust_cost(case: str, method: str, make_su
 
 # table, field, entry of a row, rows of the residual that it lowers by one over its sigma
 MEASURED = [
-    ("attitude", "attitude_measured", 0, 0),
-    ("attitude", "attitude_measured", 1, 1),
-    ("attitude", "attitude_measured", 2, 2),
-    ("tray", "tray_measured", None, 0),
-    ("stereo", "stereo_pixel", 0, 0),
-    ("stereo", "stereo_pixel", 1, 1),
-    ("stereo", "stereo_pixel", 2, 2),
-    ("stereo", "stereo_pixel", 3, 3),
-    ("mono", "mono_pixel", 0, 0),
-    ("mono", "mono_pixel", 1, 1),
-    ("range", "range_measured", None, 0),
+    ("attitude", "attitude.measured", 0, 0),
+    ("attitude", "attitude.measured", 1, 1),
+    ("attitude", "attitude.measured", 2, 2),
+    ("tray", "tray.measured", None, 0),
+    ("stereo", "stereo.pixel", 0, 0),
+    ("stereo", "stereo.pixel", 1, 1),
+    ("stereo", "stereo.pixel", 2, 2),
+    ("stereo", "stereo.pixel", 3, 3),
+    ("mono", "mono.pixel", 0, 0),
+    ("mono", "mono.pixel", 1, 1),
+    ("range", "ranges.measured", None, 0),
 ]
 
 
@@ -115,23 +116,23 @@ def test_a_larger_measurement_lowers_its_own_residual_and_no_other(
 ) -> None:
     p = problem("mono beside stereo", make_survey, shaken)
     before = evaluate(p, NAIVE)
-    values = getattr(p, field).copy()
+    values = leaves(p)[field].copy()
     k = 4
     values[(k, entry) if entry is not None else k] += 1e-3
-    setattr(p, field, values)
-    change = evaluate(p, NAIVE).residual - before.residual
-    sigma = {"attitude": p.attitude_sigma[k], "tray": p.tray_sigma[k : k + 1], "range": p.range_sigma[k : k + 1]}
+    change(p, field, values)
+    moved_by = evaluate(p, NAIVE).residual - before.residual
+    sigma = {"attitude": p.attitude.sigma[k], "tray": p.tray.sigma[k : k + 1], "range": p.ranges.sigma[k : k + 1]}
     mine = np.flatnonzero((before.factor == FACTORS.index(table)) & (before.table_row == k))[row]
-    assert change[mine] == pytest.approx(-1e-3 / sigma.get(table, np.ones(4))[row], rel=1e-6)
-    assert np.delete(change, mine) == pytest.approx(0, abs=1e-15)
+    assert moved_by[mine] == pytest.approx(-1e-3 / sigma.get(table, np.ones(4))[row], rel=1e-6)
+    assert np.delete(moved_by, mine) == pytest.approx(0, abs=1e-15)
 
 
 @pytest.mark.parametrize("coordinate", range(3))
 def test_a_longer_measured_step_lowers_the_odometrys_residual(coordinate: int, make_survey: Survey) -> None:
     p = make_survey()
     before = evaluate(p, NAIVE)
-    p.odometry_measured = p.odometry_measured.copy()
-    p.odometry_measured[2, coordinate] += 1e-3
+    p.odometry.measured = p.odometry.measured.copy()
+    p.odometry.measured[2, coordinate] += 1e-3
     change = evaluate(p, NAIVE).residual - before.residual
     mine = np.flatnonzero((before.factor == FACTORS.index("odometry")) & (before.table_row == 2))
     expected = np.zeros(6)
@@ -154,15 +155,15 @@ def test_each_systematic_error_enters_its_own_table_with_its_own_sign(
     prior = e.factor == FACTORS.index("prior")
     assert (column[~mine & ~prior] == 0).all()
     if sign:
-        derivative = p.odometry_by_navigation[:, :, navigation] if table == "odometry" else None
+        derivative = p.odometry.by_navigation[:, :, navigation] if table == "odometry" else None
         whitened = (
-            np.einsum("kij,kj->ki", p.odometry_sqrt, derivative).ravel()
+            np.einsum("kij,kj->ki", p.odometry.sqrt_information, derivative).ravel()
             if derivative is not None
-            else np.tile(np.eye(3)[{4: 0, 2: 1, 3: 2}[navigation]], len(p.pose)) / p.attitude_sigma.ravel()
+            else np.tile(np.eye(3)[{4: 0, 2: 1, 3: 2}[navigation]], len(p.unknowns.pose)) / p.attitude.sigma.ravel()
         )
         np.testing.assert_allclose(column[mine], sign * whitened, rtol=1e-12)
     else:
-        np.testing.assert_allclose(column[mine], p.tray_direction / p.tray_sigma, rtol=1e-12)
+        np.testing.assert_allclose(column[mine], p.tray.direction / p.tray.sigma, rtol=1e-12)
 
 
 @pytest.mark.parametrize("case", [c for c in CASES if "held" in c or "free" in c])

@@ -9,13 +9,14 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from drafts import Draft, evaluate
 from native.test_cores import field, free, mono_beside_stereo
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.poses import Poses, tray
-from hullrecon.native import FACTORS, MeshIndex, Options, Problem, evaluate
+from hullrecon.geometry.poses import Poses, tray_poses
+from hullrecon.native import FACTORS, MeshIndex, Options
 
-Survey = Callable[..., Problem]
+Survey = Callable[..., Draft]
 NAIVE = Options(method="naive")
 
 
@@ -24,25 +25,25 @@ def poses_of(seven: np.ndarray) -> Poses:
     return Poses(rows[:, 3:7], rows[:, :3])
 
 
-def got(p: Problem, table: str, options: Options = NAIVE) -> np.ndarray:
+def got(p: Draft, table: str, options: Options = NAIVE) -> np.ndarray:
     e = evaluate(p, options)
     return np.asarray(e.residual[e.factor == FACTORS.index(table)])
 
 
 @pytest.fixture
-def dive(make_survey: Survey, shaken: Survey) -> Problem:
+def dive(make_survey: Survey, shaken: Survey) -> Draft:
     """Everything free and off its place, biases and field not zero."""
     p = shaken(make_survey(pixel_noise=0.5))
     free("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top", "intrinsics_bottom")(p)
     field(p)
     mono_beside_stereo(p)
     rng = np.random.default_rng(8)
-    p.navigation = 0.02 * rng.normal(size=6)
+    p.unknowns.navigation = 0.02 * rng.normal(size=6)
     for name in ("T_s_ct", "T_ct_cb", "T_s_d"):
-        moved = getattr(p, name).copy()
+        moved = getattr(p.unknowns, name).copy()
         moved[:3] += 0.01 * rng.normal(size=3)
         moved[3:] = (Rotation.from_quat(moved[3:]) * Rotation.from_rotvec(0.01 * rng.normal(size=3))).as_quat()
-        setattr(p, name, moved)
+        setattr(p.unknowns, name, moved)
     return p
 
 
@@ -51,47 +52,51 @@ def motion_prior(x: np.ndarray, prior: np.ndarray, root: np.ndarray) -> np.ndarr
     return np.asarray(root @ np.r_[gap.translation[0], gap.rotation.as_rotvec()[0]])
 
 
-def test_priors(dive: Problem) -> None:
+def test_priors(dive: Draft) -> None:
     p = dive
-    p.prior_pose_node, p.prior_pose = np.array([0, 3], np.int32), p.pose[[1, 2], :7].copy()
-    p.prior_pose_sqrt = np.random.default_rng(0).normal(size=(2, 6, 6))
+    p.priors.pose.node, p.priors.pose.value = np.array([0, 3], np.int32), p.unknowns.pose[[1, 2], :7].copy()
+    p.priors.pose.sqrt_information = np.random.default_rng(0).normal(size=(2, 6, 6))
     expected = [
-        motion_prior(p.pose[n], z, w) for n, z, w in zip(p.prior_pose_node, p.prior_pose, p.prior_pose_sqrt, strict=True)
+        motion_prior(p.unknowns.pose[n], z, w)
+        for n, z, w in zip(p.priors.pose.node, p.priors.pose.value, p.priors.pose.sqrt_information, strict=True)
     ]
     for name in ("T_g_M", "T_s_ct", "T_ct_cb", "T_s_d"):
-        expected.append(motion_prior(getattr(p, name), getattr(p, f"prior_{name}"), getattr(p, f"prior_{name}_sqrt")))
-    expected.append(p.navigation / p.prior_navigation_sigma)
+        prior = getattr(p.priors, name)
+        expected.append(motion_prior(getattr(p.unknowns, name), prior.value, prior.sqrt_information))
+    expected.append(p.unknowns.navigation / p.priors.navigation_sigma)
     expected.append(np.zeros(18))  # intrinsics, about their start
     np.testing.assert_allclose(got(p, "prior"), np.concatenate(expected), atol=1e-10)
 
 
-def test_depths_rolls_and_pitches(dive: Problem) -> None:
+def test_depths_rolls_and_pitches(dive: Draft) -> None:
     p = dive
-    at = poses_of(p.pose)
+    at = poses_of(p.unknowns.pose)
     rpy = at.rotation.as_euler("xyz")
     predicted = np.c_[
-        at.apply(p.pressure_origin)[:, 2] + p.navigation[4], rpy[:, 0] + p.navigation[2], rpy[:, 1] + p.navigation[3]
+        at.apply(p.lever_arms.pressure)[:, 2] + p.unknowns.navigation[4],
+        rpy[:, 0] + p.unknowns.navigation[2],
+        rpy[:, 1] + p.unknowns.navigation[3],
     ]
     np.testing.assert_allclose(
-        got(p, "attitude").reshape(-1, 3), (predicted - p.attitude_measured) / p.attitude_sigma, atol=1e-10
+        got(p, "attitude").reshape(-1, 3), (predicted - p.attitude.measured) / p.attitude.sigma, atol=1e-10
     )
 
 
-def test_tray_angles(dive: Problem) -> None:
+def test_tray_angles(dive: Draft) -> None:
     p = dive
-    predicted = p.pose[p.tray_node, 7] + p.navigation[5] * p.tray_direction
-    np.testing.assert_allclose(got(p, "tray"), (predicted - p.tray_measured) / p.tray_sigma, atol=1e-12)
+    predicted = p.unknowns.pose[p.tray.node, 7] + p.unknowns.navigation[5] * p.tray.direction
+    np.testing.assert_allclose(got(p, "tray"), (predicted - p.tray.measured) / p.tray.sigma, atol=1e-12)
 
 
-def test_odometry(dive: Problem) -> None:
+def test_odometry(dive: Draft) -> None:
     p = dive
-    at, z = poses_of(p.pose), poses_of(p.odometry_measured)
-    step = at[p.odometry_first].inverse() @ at[p.odometry_second]
+    at, z = poses_of(p.unknowns.pose), poses_of(p.odometry.measured)
+    step = at[p.odometry.first].inverse() @ at[p.odometry.second]
     e = np.c_[step.translation - z.translation, (z.rotation.inv() * step.rotation).as_rotvec()]
-    tilt = (Rotation.from_quat(p.odometry_mount[3:]).inv() * Rotation.from_quat(p.T_s_d[3:])).as_rotvec()
-    angle = 0.5 * (p.pose[p.odometry_first, 7] + p.pose[p.odometry_second, 7]) - p.odometry_tray
-    e -= p.odometry_by_navigation @ p.navigation[:2] + p.odometry_by_mount @ tilt + p.odometry_by_tray * angle[:, None]
-    expected = np.einsum("kij,kj->ki", p.odometry_sqrt, e)
+    tilt = (Rotation.from_quat(p.odometry.mount[3:]).inv() * Rotation.from_quat(p.unknowns.T_s_d[3:])).as_rotvec()
+    angle = 0.5 * (p.unknowns.pose[p.odometry.first, 7] + p.unknowns.pose[p.odometry.second, 7]) - p.odometry.tray
+    e -= p.odometry.by_navigation @ p.unknowns.navigation[:2] + p.odometry.by_mount @ tilt + p.odometry.by_tray * angle[:, None]
+    expected = np.einsum("kij,kj->ki", p.odometry.sqrt_information, e)
     np.testing.assert_allclose(got(p, "odometry").reshape(-1, 6), expected, atol=1e-9)
 
 
@@ -105,62 +110,67 @@ def pixels(intrinsics: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.c_[fx * u + cx, fy * v + cy]
 
 
-def in_cameras(p: Problem, node: np.ndarray, landmark: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    at = poses_of(p.pose)[node] @ tray(p.tray_origin, p.pose[node, 7])
-    top = (at @ poses_of(p.T_s_ct)).inverse().apply(p.landmark[landmark])
-    return top, poses_of(p.T_ct_cb).inverse().apply(top)
+def in_cameras(p: Draft, node: np.ndarray, landmark: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    at = poses_of(p.unknowns.pose)[node] @ tray_poses(p.lever_arms.tray, p.unknowns.pose[node, 7])
+    top = (at @ poses_of(p.unknowns.T_s_ct)).inverse().apply(p.unknowns.landmark[landmark])
+    return top, poses_of(p.unknowns.T_ct_cb).inverse().apply(top)
 
 
-def test_stereo_pairs(dive: Problem) -> None:
+def test_stereo_pairs(dive: Draft) -> None:
     p = dive
     p.sigma_px = 0.7
-    top, bottom = in_cameras(p, p.stereo_node, p.stereo_landmark)
-    predicted = np.hstack([pixels(p.intrinsics_top, top), pixels(p.intrinsics_bottom, bottom)])
-    np.testing.assert_allclose(got(p, "stereo").reshape(-1, 4), (predicted - p.stereo_pixel) / 0.7, atol=1e-8)
+    top, bottom = in_cameras(p, p.stereo.node, p.stereo.landmark)
+    predicted = np.hstack([pixels(p.unknowns.intrinsics_top, top), pixels(p.unknowns.intrinsics_bottom, bottom)])
+    np.testing.assert_allclose(got(p, "stereo").reshape(-1, 4), (predicted - p.stereo.pixel) / 0.7, atol=1e-8)
 
 
-def test_single_images(dive: Problem) -> None:
+def test_single_images(dive: Draft) -> None:
     p = dive
-    top, bottom = in_cameras(p, p.mono_node, p.mono_landmark)
-    of_bottom = p.mono_camera[:, None] == 1
-    predicted = np.where(of_bottom, pixels(p.intrinsics_bottom, bottom), pixels(p.intrinsics_top, top))
-    np.testing.assert_allclose(got(p, "mono").reshape(-1, 2), predicted - p.mono_pixel, atol=1e-8)
+    top, bottom = in_cameras(p, p.mono.node, p.mono.landmark)
+    of_bottom = p.mono.camera[:, None] == 1
+    predicted = np.where(of_bottom, pixels(p.unknowns.intrinsics_bottom, bottom), pixels(p.unknowns.intrinsics_top, top))
+    np.testing.assert_allclose(got(p, "mono").reshape(-1, 2), predicted - p.mono.pixel, atol=1e-8)
 
 
-def field_value(p: Problem, table: str) -> np.ndarray:
-    index, weight = getattr(p, f"{table}_field_index"), getattr(p, f"{table}_field_weight")
-    return np.asarray((p.deviation[index] * weight).sum(axis=1))
+def field_value(p: Draft, table: str) -> np.ndarray:
+    index, weight = getattr(p, table).field.index, getattr(p, table).field.weight
+    return np.asarray((p.unknowns.deviation[index] * weight).sum(axis=1))
 
 
-def test_ranges(dive: Problem) -> None:
+def test_ranges(dive: Draft) -> None:
     p = dive
-    n = p.range_node
+    n = p.ranges.node
     instrument = (
-        poses_of(p.T_g_M).inverse()
-        @ poses_of(p.pose)[n]
-        @ poses_of(p.range_offset)
-        @ tray(p.tray_origin, p.pose[n, 7] + p.range_tray_offset)
-        @ poses_of(p.T_s_d)
+        poses_of(p.unknowns.T_g_M).inverse()
+        @ poses_of(p.unknowns.pose)[n]
+        @ poses_of(p.ranges.offset)
+        @ tray_poses(p.lever_arms.tray, p.unknowns.pose[n, 7] + p.ranges.tray_offset)
+        @ poses_of(p.unknowns.T_s_d)
     )
-    along = instrument.rotation.apply(p.range_beam)
-    hit = MeshIndex(p.vertices, p.faces).cast(instrument.translation, along)
+    along = instrument.rotation.apply(p.ranges.beam)
+    hit = MeshIndex(p.cad_mesh.vertices, p.cad_mesh.faces).cast(instrument.translation, along)
     assert np.isfinite(hit.range).all()
-    predicted = hit.range + field_value(p, "range") / (hit.normal * along).sum(axis=1)
-    np.testing.assert_allclose(got(p, "range"), (predicted - p.range_measured) / p.range_sigma, atol=1e-8)
+    predicted = hit.range + field_value(p, "ranges") / (hit.normal * along).sum(axis=1)
+    np.testing.assert_allclose(got(p, "range"), (predicted - p.ranges.measured) / p.ranges.sigma, atol=1e-8)
 
 
 @pytest.mark.parametrize("sigma_on", [0.02, 0.005])
-def test_distances_to_the_hull(sigma_on: float, dive: Problem) -> None:
+def test_distances_to_the_hull(sigma_on: float, dive: Draft) -> None:
     p = dive
-    in_hull = poses_of(p.T_g_M).inverse().apply(p.landmark[p.surface_landmark])
-    expected = (MeshIndex(p.vertices, p.faces).closest(in_hull).distance - field_value(p, "surface")) / sigma_on
+    in_hull = poses_of(p.unknowns.T_g_M).inverse().apply(p.unknowns.landmark[p.surface.landmark])
+    expected = (
+        MeshIndex(p.cad_mesh.vertices, p.cad_mesh.faces).closest(in_hull).distance - field_value(p, "surface")
+    ) / sigma_on
     np.testing.assert_allclose(got(p, "surface", Options(sigma_on=sigma_on)), expected, atol=1e-9)
 
 
-def test_the_fields_prior(dive: Problem) -> None:
+def test_the_fields_prior(dive: Draft) -> None:
     p = dive
-    start = p.field_prior_start
-    expected = [p.field_prior_value[a:b] @ p.deviation[p.field_prior_index[a:b]] for a, b in itertools.pairwise(start)]
+    start = p.priors.deviation.start
+    expected = [
+        p.priors.deviation.value[a:b] @ p.unknowns.deviation[p.priors.deviation.index[a:b]]
+        for a, b in itertools.pairwise(start)
+    ]
     np.testing.assert_allclose(got(p, "deviation"), expected, atol=1e-12)
 
 
@@ -176,7 +186,7 @@ def huber(s: np.ndarray, threshold: float) -> np.ndarray:
     ("table", "rows", "option"), [("stereo", 4, "huber_stereo"), ("mono", 2, "huber_mono"), ("range", 1, "huber_range")]
 )
 def test_hubers_cost_and_weight_by_the_norm_of_a_factors_rows(
-    table: str, rows: int, option: str, threshold: float, dive: Problem
+    table: str, rows: int, option: str, threshold: float, dive: Draft
 ) -> None:
     e = evaluate(dive, Options(method="naive", **{option: threshold}))
     mine = e.factor == FACTORS.index(table)
@@ -189,11 +199,11 @@ def test_hubers_cost_and_weight_by_the_norm_of_a_factors_rows(
 @pytest.mark.parametrize(("sigma_on", "sigma_off"), [(0.02, 1.0), (0.01, 0.3), (0.05, 0.06)])
 @pytest.mark.parametrize("method", ["geva", "maxmix"])
 def test_the_mixtures_cost_is_that_of_the_likelier_label_times_the_weight(
-    method: str, sigma_on: float, sigma_off: float, dive: Problem
+    method: str, sigma_on: float, sigma_off: float, dive: Draft
 ) -> None:
     p = dive
-    p.landmark[:20, 2] -= 0.1
-    p.surface_weight = np.random.default_rng(4).uniform(0.01, 1, len(p.surface_weight))
+    p.unknowns.landmark[:20, 2] -= 0.1
+    p.surface.weight = np.random.default_rng(4).uniform(0.01, 1, len(p.surface.weight))
     e = evaluate(p, Options(method=method, sigma_on=sigma_on, sigma_off=sigma_off))
     mine = e.factor == FACTORS.index("surface")
     h = e.residual[mine] * sigma_on
@@ -202,14 +212,14 @@ def test_the_mixtures_cost_is_that_of_the_likelier_label_times_the_weight(
     label = (on <= off) | (method == "geva")
     assert label.any()
     cost = np.where(label, on, off)
-    assert e.cost_by_factor["surface"] == pytest.approx(0.5 * (p.surface_weight * cost).sum(), rel=1e-12)
+    assert e.cost_by_factor["surface"] == pytest.approx(0.5 * (p.surface.weight * cost).sum(), rel=1e-12)
     slope = np.where(label, 1.0, (sigma_on / sigma_off) ** 2)
-    np.testing.assert_allclose(e.weight[mine] ** 2, p.surface_weight * slope, rtol=1e-12)
+    np.testing.assert_allclose(e.weight[mine] ** 2, p.surface.weight * slope, rtol=1e-12)
 
 
-def test_rows_of_a_table_stand_in_its_order(dive: Problem) -> None:
+def test_rows_of_a_table_stand_in_its_order(dive: Draft) -> None:
     e = evaluate(dive, NAIVE)
-    for table, node, rows in (("stereo", "stereo_node", 4), ("mono", "mono_node", 2), ("odometry", "odometry_first", 6)):
+    for table, node, rows in (("stereo", "node", 4), ("mono", "node", 2), ("odometry", "first", 6)):
         mine = e.factor == FACTORS.index(table)
-        np.testing.assert_array_equal(e.table_row[mine], np.repeat(np.arange(len(getattr(dive, node))), rows))
+        np.testing.assert_array_equal(e.table_row[mine], np.repeat(np.arange(len(getattr(getattr(dive, table), node))), rows))
     assert (np.diff(e.factor) >= 0).all()

@@ -8,13 +8,14 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from drafts import Draft, evaluate, solve
 from native.test_cores import CASES, problem
 from native.twins import columns_with_factors, cost, damping, jacobian, moved, normal_equations, step_between
 from scipy.spatial.transform import Rotation
 
-from hullrecon.native import FACTORS, Evaluation, Options, Problem, evaluate, solve
+from hullrecon.native import FACTORS, Evaluation, Options
 
-Survey = Callable[..., Problem]
+Survey = Callable[..., Draft]
 ONE_STEP = {"max_iterations": 1, "function_tolerance": 0.0, "parameter_tolerance": 0.0, "gradient_tolerance": 0.0}
 
 
@@ -59,11 +60,19 @@ def test_the_start_reports_cost_and_gradient_of_the_dense_problem(case: str, mak
     for name, value in e.cost_by_factor.items():
         assert record.cost_by_factor[name][0] == pytest.approx(value, rel=1e-12, abs=1e-12), name
     step = moved(p, e, -normal_equations(e)[1])
-    far = max(np.abs(getattr(step, name) - getattr(p, name)).max() for name in ("T_g_M", "T_s_ct") if getattr(p, name).size)
-    far = max(far, np.abs(step.pose - p.pose).max(), np.abs(step.landmark - p.landmark).max() if len(p.landmark) else 0)
+    far = max(
+        np.abs(getattr(step.unknowns, name) - getattr(p.unknowns, name)).max()
+        for name in ("T_g_M", "T_s_ct")
+        if getattr(p.unknowns, name).size
+    )
+    far = max(
+        far,
+        np.abs(step.unknowns.pose - p.unknowns.pose).max(),
+        np.abs(step.unknowns.landmark - p.unknowns.landmark).max() if len(p.unknowns.landmark) else 0,
+    )
     for name in ("deviation", "navigation", "intrinsics_top", "intrinsics_bottom", "T_ct_cb", "T_s_d"):
-        if getattr(p, name).size:
-            far = max(far, np.abs(getattr(step, name) - getattr(p, name)).max())
+        if getattr(p.unknowns, name).size:
+            far = max(far, np.abs(getattr(step.unknowns, name) - getattr(p.unknowns, name)).max())
     # a turn by a large gradient is normalised, so only its size is compared
     assert record.gradient_norm[0] == pytest.approx(far, rel=1e-6)
 
@@ -72,13 +81,13 @@ def hat(v: np.ndarray) -> np.ndarray:
     return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
 
 
-def chain(p: Problem, i: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def chain(p: Draft, i: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Vehicle's origin, P (6, 7) and Q (6, 6) of docs/schur.md (3)."""
-    vehicle = Rotation.from_quat(p.pose[i, 3:7]).as_matrix()
-    tray = vehicle @ Rotation.from_rotvec([0, p.pose[i, 7], 0]).as_matrix()
-    camera = tray @ Rotation.from_quat(p.T_s_ct[3:]).as_matrix()
-    hinge, axis, origin = vehicle @ p.tray_origin, vehicle[:, 1], p.pose[i, :3]
-    centre = origin + hinge + tray @ p.T_s_ct[:3]
+    vehicle = Rotation.from_quat(p.unknowns.pose[i, 3:7]).as_matrix()
+    tray = vehicle @ Rotation.from_rotvec([0, p.unknowns.pose[i, 7], 0]).as_matrix()
+    camera = tray @ Rotation.from_quat(p.unknowns.T_s_ct[3:]).as_matrix()
+    hinge, axis, origin = vehicle @ p.lever_arms.tray, vehicle[:, 1], p.unknowns.pose[i, :3]
+    centre = origin + hinge + tray @ p.unknowns.T_s_ct[:3]
     by_pose, by_mount = np.zeros((6, 7)), np.zeros((6, 6))
     by_pose[:3, :3], by_pose[3:, 3:6] = -np.eye(3), -vehicle
     by_pose[:3, 6], by_pose[3:, 6] = np.cross(axis, hinge), -axis
@@ -97,11 +106,11 @@ def test_an_images_derivative_by_landmark_tells_those_by_pose_and_mount(case: st
     e = evaluate(p)
     J = jacobian(e)
     for table in ("stereo", "mono"):
-        node, landmark = getattr(p, f"{table}_node"), getattr(p, f"{table}_landmark")
+        node, landmark = getattr(p, table).node, getattr(p, table).landmark
         for k in range(0, len(node), 7):
             rows = J[(e.factor == FACTORS.index(table)) & (e.table_row == k)]
             origin, by_pose, by_mount = chain(p, node[k])
-            displacement = np.hstack([np.eye(3), -hat(p.landmark[landmark[k]] - origin)])
+            displacement = np.hstack([np.eye(3), -hat(p.unknowns.landmark[landmark[k]] - origin)])
             by_landmark = block(e, rows, f"landmark {landmark[k]}")
             by_twist = by_landmark @ displacement
             atol = 1e-10 * np.abs(by_landmark).max()
@@ -113,15 +122,15 @@ def test_a_surface_factor_meets_its_landmark_in_one_direction(make_survey: Surve
     p = problem("field", make_survey, shaken)
     e = evaluate(p)
     rows = jacobian(e)[e.factor == FACTORS.index("surface")]
-    hull_from_global = Rotation.from_quat(p.T_g_M[3:]).as_matrix().T
+    hull_from_global = Rotation.from_quat(p.unknowns.T_g_M[3:]).as_matrix().T
     for k, row in enumerate(rows):
-        n = block(e, row[None], f"landmark {p.surface_landmark[k]}")[0]
+        n = block(e, row[None], f"landmark {p.surface.landmark[k]}")[0]
         assert np.linalg.norm(n) == pytest.approx(1 / 0.02)
-        turn = hull_from_global @ np.cross(n, p.landmark[p.surface_landmark[k]] - p.T_g_M[:3])
+        turn = hull_from_global @ np.cross(n, p.unknowns.landmark[p.surface.landmark[k]] - p.unknowns.T_g_M[:3])
         np.testing.assert_allclose(block(e, row[None], "T_g_M")[0], np.r_[-n, turn], atol=1e-9)
-        expected = np.zeros(len(p.deviation))
-        np.add.at(expected, p.surface_field_index[k], -p.surface_field_weight[k] / 0.02)
-        got = [block(e, row[None], f"deviation {m}")[0, 0] for m in range(len(p.deviation))]
+        expected = np.zeros(len(p.unknowns.deviation))
+        np.add.at(expected, p.surface.field.index[k], -p.surface.field.weight[k] / 0.02)
+        got = [block(e, row[None], f"deviation {m}")[0, 0] for m in range(len(p.unknowns.deviation))]
         np.testing.assert_allclose(got, expected, atol=1e-12)
 
 
@@ -132,7 +141,7 @@ def test_the_twist_information_gives_the_dense_schur_complement(make_survey: Sur
     e = evaluate(p, options)
     image = e.factor == FACTORS.index("stereo")
     rows = jacobian(e)[image] * e.weight[image, None]
-    n, landmarks = len(p.pose), len(p.landmark)
+    n, landmarks = len(p.unknowns.pose), len(p.unknowns.landmark)
     first = e.columns["landmark 0"][0]
     of_landmark = slice(first, first + 3 * landmarks)
     rest = np.r_[0 : 7 * n, slice(*np.cumsum(e.columns["T_s_ct"]))]
@@ -145,10 +154,10 @@ def test_the_twist_information_gives_the_dense_schur_complement(make_survey: Sur
     for landmark in range(landmarks):
         at = slice(first + 3 * landmark, first + 3 * landmark + 3)
         seen = []
-        for k in np.flatnonzero(p.stereo_landmark == landmark):
+        for k in np.flatnonzero(p.stereo.landmark == landmark):
             own = rows[e.table_row[image] == k][:, at]
-            origin = chains[p.stereo_node[k]][0]
-            seen.append((p.stereo_node[k], own.T @ own, np.hstack([np.eye(3), -hat(p.landmark[landmark] - origin)])))
+            origin = chains[p.stereo.node[k]][0]
+            seen.append((p.stereo.node[k], own.T @ own, np.hstack([np.eye(3), -hat(p.unknowns.landmark[landmark] - origin)])))
         K = np.linalg.inv(1e-3 * np.eye(3) + sum((H for _, H, _ in seen), np.zeros((3, 3))))
         for i, Hi, Ei in seen:
             X[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] += Ei.T @ Hi @ Ei

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from drafts import Draft, change, clear, evaluate, leaves, solve
 
+from hullrecon import native
 from hullrecon.errors import InputError, StageError, UsageError
 from hullrecon.native import Options
 
@@ -265,7 +266,7 @@ def test_ctrl_c_stops_between_iterations(core: str, make_survey: Survey, shaken:
 
     def count(_: int, frame: FrameType | None) -> None:
         nonlocal in_solve
-        in_solve += frame is not None and frame.f_code is solve.__code__
+        in_solve += frame is not None and frame.f_code is native.solve.__code__
         if in_solve == 4:
             signal.setitimer(signal.ITIMER_REAL, 0)
             signal.raise_signal(signal.SIGINT)

@@ -8,15 +8,16 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from drafts import Draft, covariance, evaluate, solve
 from native.test_cores import free
 
-from hullrecon.native import FACTORS, Options, Problem, covariance, evaluate, solve
+from hullrecon.native import FACTORS, Options
 
-Survey = Callable[..., Problem]
+Survey = Callable[..., Draft]
 TIGHT = Options(method="naive", function_tolerance=1e-14, parameter_tolerance=1e-14, max_iterations=200)
 
 
-def with_free(p: Problem, *names: str) -> Problem:
+def with_free(p: Draft, *names: str) -> Draft:
     free(*names)(p)
     return p
 
@@ -24,40 +25,45 @@ def with_free(p: Problem, *names: str) -> Problem:
 @pytest.mark.parametrize("backlash", [-0.02, 0.005, 0.03])
 def test_the_backlash_is_that_of_angles_measured_on_both_sides(backlash: float, make_survey: Survey) -> None:
     p = with_free(make_survey(), "navigation")
-    p.prior_navigation_sigma = np.full(6, 10.0)
-    p.tray_measured = p.tray_measured + backlash * p.tray_direction
+    p.priors.navigation_sigma = np.full(6, 10.0)
+    p.tray.measured = p.tray.measured + backlash * p.tray.direction
     got = solve(p, TIGHT)
-    assert got.unknowns["navigation"][5] == pytest.approx(backlash, abs=1e-6)
-    np.testing.assert_allclose(got.unknowns["pose"][:, 7], p.pose[:, 7], atol=1e-6)
+    assert got.unknowns.navigation[5] == pytest.approx(backlash, abs=1e-6)
+    np.testing.assert_allclose(got.unknowns.pose[:, 7], p.unknowns.pose[:, 7], atol=1e-6)
 
 
 def test_at_rest_the_backlash_has_no_direction_and_stays_at_its_prior(make_survey: Survey) -> None:
     p = with_free(make_survey(), "navigation")
-    p.tray_direction = np.zeros_like(p.tray_direction)
+    p.tray.direction = np.zeros_like(p.tray.direction)
     got = solve(p, TIGHT)
-    assert got.unknowns["navigation"][5] == pytest.approx(0, abs=1e-12)
-    assert covariance(p, TIGHT).navigation[5, 5] == pytest.approx(p.prior_navigation_sigma[5] ** 2, rel=1e-9)
+    assert got.unknowns.navigation[5] == pytest.approx(0, abs=1e-12)
+    assert covariance(p, TIGHT).navigation[5, 5] == pytest.approx(p.priors.navigation_sigma[5] ** 2, rel=1e-9)
 
 
 def test_a_tray_that_always_turns_one_way_tells_angle_and_backlash_apart_by_the_images_alone(make_survey: Survey) -> None:
     p = with_free(make_survey(), "navigation")
-    p.tray_direction = np.ones_like(p.tray_direction)
+    p.tray.direction = np.ones_like(p.tray.direction)
     with_images = covariance(p, TIGHT).navigation[5, 5]
-    p.stereo_node, p.stereo_landmark, p.stereo_pixel = p.stereo_node[:0], p.stereo_landmark[:0], p.stereo_pixel[:0]
-    p.landmark, p.surface_landmark, p.surface_weight = p.landmark[:0], p.surface_landmark[:0], p.surface_weight[:0]
+    p.stereo.node, p.stereo.landmark, p.stereo.pixel = p.stereo.node[:0], p.stereo.landmark[:0], p.stereo.pixel[:0]
+    p.unknowns.landmark, p.surface.landmark, p.surface.weight = (
+        p.unknowns.landmark[:0],
+        p.surface.landmark[:0],
+        p.surface.weight[:0],
+    )
     assert covariance(p, TIGHT).navigation[5, 5] > with_images
 
 
 @pytest.mark.parametrize("bias", [2, 3, 4])
 def test_a_bias_of_roll_pitch_or_depth_is_found_where_the_rest_says_otherwise(bias: int, make_survey: Survey) -> None:
     p = with_free(make_survey(), "navigation")
-    p.prior_navigation_sigma = np.full(6, 1.0)
-    n = len(p.pose)
-    p.prior_pose_node, p.prior_pose, p.prior_pose_sqrt = np.arange(n), p.pose[:, :7].copy(), np.tile(np.eye(6) * 1e4, (n, 1, 1))
-    measured = p.attitude_measured.copy()
+    p.priors.navigation_sigma = np.full(6, 1.0)
+    n = len(p.unknowns.pose)
+    p.priors.pose.node, p.priors.pose.value = np.arange(n), p.unknowns.pose[:, :7].copy()
+    p.priors.pose.sqrt_information = np.tile(np.eye(6) * 1e4, (n, 1, 1))
+    measured = p.attitude.measured.copy()
     measured[:, {4: 0, 2: 1, 3: 2}[bias]] += 0.01
-    p.attitude_measured = measured
-    assert solve(p, TIGHT).unknowns["navigation"][bias] == pytest.approx(0.01, rel=1e-2)
+    p.attitude.measured = measured
+    assert solve(p, TIGHT).unknowns.navigation[bias] == pytest.approx(0.01, rel=1e-2)
 
 
 @pytest.mark.parametrize(
@@ -74,60 +80,63 @@ def test_a_camera_that_is_off_its_calibration_comes_home(
 ) -> None:
     truth = make_survey(poses=12, landmarks=200)
     p = with_free(make_survey(poses=12, landmarks=200), block)
-    p.prior_intrinsics_sigma = np.r_[50.0, 50, 50, 50, 1, 1, 1, 1, 1]
-    p.prior_T_ct_cb_sqrt = np.eye(6)
-    n = len(p.pose)
-    p.prior_pose_node, p.prior_pose, p.prior_pose_sqrt = np.arange(n), p.pose[:, :7].copy(), np.tile(np.eye(6) * 1e4, (n, 1, 1))
-    p.prior_T_s_ct_sqrt = np.eye(6) * 1e4
-    start = getattr(p, block).copy()
+    p.priors.intrinsics_sigma = np.r_[50.0, 50, 50, 50, 1, 1, 1, 1, 1]
+    p.priors.T_ct_cb.sqrt_information = np.eye(6)
+    n = len(p.unknowns.pose)
+    p.priors.pose.node, p.priors.pose.value = np.arange(n), p.unknowns.pose[:, :7].copy()
+    p.priors.pose.sqrt_information = np.tile(np.eye(6) * 1e4, (n, 1, 1))
+    p.priors.T_s_ct.sqrt_information = np.eye(6) * 1e4
+    start = getattr(p.unknowns, block).copy()
     start[: len(moved)] += moved
-    setattr(p, block, start)
-    got = solve(p, Options(method="naive", core=core, function_tolerance=1e-12, max_iterations=100)).unknowns[block]
-    before = np.abs(start - getattr(truth, block)).max()
-    assert np.abs(got - getattr(truth, block)).max() < 0.02 * before
+    setattr(p.unknowns, block, start)
+    got = solve(p, Options(method="naive", core=core, function_tolerance=1e-12, max_iterations=100)).unknowns
+    got = getattr(got, block)
+    before = np.abs(start - getattr(truth.unknowns, block)).max()
+    assert np.abs(got - getattr(truth.unknowns, block)).max() < 0.02 * before
 
 
 def test_the_prior_of_the_intrinsics_holds_them_where_few_images_speak(make_survey: Survey) -> None:
     p = with_free(make_survey(pixel_noise=0.5), "intrinsics_top", "intrinsics_bottom")
     for sigma in (1.0, 1e-3, 1e-6):
-        p.prior_intrinsics_sigma = np.full(9, sigma)
+        p.priors.intrinsics_sigma = np.full(9, sigma)
         spread = np.sqrt(np.diagonal(covariance(p, TIGHT).intrinsics_top))
         assert (spread <= sigma * (1 + 1e-9)).all()
     np.testing.assert_allclose(spread, 1e-6, rtol=1e-3)
     got = solve(p, TIGHT).unknowns
-    np.testing.assert_allclose(got["intrinsics_top"], p.intrinsics_top, atol=1e-5)
+    np.testing.assert_allclose(got.intrinsics_top, p.unknowns.intrinsics_top, atol=1e-5)
 
 
 def test_bottom_images_say_nothing_of_the_top_cameras_intrinsics(make_survey: Survey) -> None:
     p = with_free(make_survey(), "intrinsics_top", "intrinsics_bottom", "T_ct_cb")
-    p.mono_node, p.mono_landmark, p.mono_pixel = p.stereo_node, p.stereo_landmark, p.stereo_pixel[:, 2:]
-    p.mono_camera = np.ones(len(p.mono_node), np.int32)
-    p.stereo_node, p.stereo_landmark, p.stereo_pixel = p.stereo_node[:0], p.stereo_landmark[:0], p.stereo_pixel[:0]
+    p.mono.node, p.mono.landmark, p.mono.pixel = p.stereo.node, p.stereo.landmark, p.stereo.pixel[:, 2:]
+    p.mono.camera = np.ones(len(p.mono.node), np.int32)
+    p.stereo.node, p.stereo.landmark, p.stereo.pixel = p.stereo.node[:0], p.stereo.landmark[:0], p.stereo.pixel[:0]
     e = evaluate(p, Options(method="geva"))
     start, width = e.columns["intrinsics_top"]
     touching = (e.jacobian_column >= start) & (e.jacobian_column < start + width) & (e.jacobian_value != 0)
     rows = np.searchsorted(e.jacobian_start, np.flatnonzero(touching), side="right") - 1
     assert set(e.factor[rows]) == {FACTORS.index("prior")}
-    expected = np.diag(p.prior_intrinsics_sigma**2)
+    expected = np.diag(p.priors.intrinsics_sigma**2)
     np.testing.assert_allclose(covariance(p, Options(method="geva")).intrinsics_top, expected, atol=1e-12)
 
 
 def test_the_dvls_mount_is_found_by_odometry_that_knows_how_it_depends_on_it(make_survey: Survey) -> None:
     p = with_free(make_survey(), "T_s_d")
-    p.range_node = p.range_node[:0]
+    p.ranges.node = p.ranges.node[:0]
     for name in ("offset", "tray_offset", "beam", "measured", "sigma"):
-        setattr(p, f"range_{name}", getattr(p, f"range_{name}")[:0])
+        setattr(p.ranges, name, getattr(p.ranges, name)[:0])
     from scipy.spatial.transform import Rotation
 
     tilt = np.array([0.01, -0.02, 0.015])
-    true = Rotation.from_quat(p.T_s_d[3:]) * Rotation.from_rotvec(tilt)
-    seen = np.einsum("kij,j->ki", p.odometry_by_mount, tilt)
-    z = p.odometry_measured.copy()
+    true = Rotation.from_quat(p.unknowns.T_s_d[3:]) * Rotation.from_rotvec(tilt)
+    seen = np.einsum("kij,j->ki", p.odometry.by_mount, tilt)
+    z = p.odometry.measured.copy()
     z[:, :3] -= seen[:, :3]
     z[:, 3:] = (Rotation.from_quat(z[:, 3:]) * Rotation.from_rotvec(-seen[:, 3:])).as_quat()
-    p.odometry_measured = z
-    p.prior_T_s_d_sqrt = np.eye(6)
-    n = len(p.pose)
-    p.prior_pose_node, p.prior_pose, p.prior_pose_sqrt = np.arange(n), p.pose[:, :7].copy(), np.tile(np.eye(6) * 1e5, (n, 1, 1))
-    got = solve(p, TIGHT).unknowns["T_s_d"]
+    p.odometry.measured = z
+    p.priors.T_s_d.sqrt_information = np.eye(6)
+    n = len(p.unknowns.pose)
+    p.priors.pose.node, p.priors.pose.value = np.arange(n), p.unknowns.pose[:, :7].copy()
+    p.priors.pose.sqrt_information = np.tile(np.eye(6) * 1e5, (n, 1, 1))
+    got = solve(p, TIGHT).unknowns.T_s_d
     assert (true.inv() * Rotation.from_quat(got[3:])).magnitude() < 1e-3 * np.linalg.norm(tilt) + 1e-4

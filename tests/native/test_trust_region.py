@@ -8,22 +8,23 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from drafts import Draft, evaluate, solve
 from native.twins import cost, damping, jacobian, moved, normal_equations
 
-from hullrecon.native import Options, Problem, evaluate, solve
+from hullrecon.native import Options
 
-Survey = Callable[..., Problem]
+Survey = Callable[..., Draft]
 CORES = ["schur", "ceres"]
 ENDLESS = {"function_tolerance": 0.0, "gradient_tolerance": 0.0, "parameter_tolerance": 0.0}
 
 
 @pytest.fixture
-def hard(make_survey: Survey, shaken: Survey) -> Problem:
+def hard(make_survey: Survey, shaken: Survey) -> Draft:
     """A start from which some steps fail."""
     return shaken(make_survey(pixel_noise=0.5), 0.3, 0.1, 4)
 
 
-def test_after_a_failed_step_the_radius_falls_by_two_then_four_then_eight(hard: Problem) -> None:
+def test_after_a_failed_step_the_radius_falls_by_two_then_four_then_eight(hard: Draft) -> None:
     record = solve(hard, Options(initial_radius=1e8, function_tolerance=1e-10)).iterations
     assert (~record.accepted).sum() >= 8
     shrink = 2.0
@@ -35,7 +36,7 @@ def test_after_a_failed_step_the_radius_falls_by_two_then_four_then_eight(hard: 
         shrink *= 2
 
 
-def test_after_a_good_step_the_radius_grows_by_its_quality_and_threefold_at_most(hard: Problem) -> None:
+def test_after_a_good_step_the_radius_grows_by_its_quality_and_threefold_at_most(hard: Draft) -> None:
     record = solve(hard, Options(initial_radius=1e8, function_tolerance=1e-10)).iterations
     growth = (record.radius[1:] / record.radius[:-1])[record.accepted[1:]]
     assert (growth <= 3 * (1 + 1e-12)).all()
@@ -84,25 +85,25 @@ def test_no_iterations_leave_the_unknowns_where_they_are(core: str, make_survey:
     got = solve(p, Options(core=core, max_iterations=0))
     assert not got.converged
     assert len(got.iterations.cost) == 1
-    for name, value in got.unknowns.items():
-        np.testing.assert_array_equal(value, getattr(p, name), err_msg=name)
+    for name, value in got.unknowns.__dict__.items():
+        np.testing.assert_array_equal(value, getattr(p.unknowns, name), err_msg=name)
 
 
 @pytest.mark.parametrize("core", CORES)
-def test_the_least_cost_of_a_linear_problem_is_met_in_one_step(core: str, empty: Callable[[int], Problem]) -> None:
+def test_the_least_cost_of_a_linear_problem_is_met_in_one_step(core: str, empty: Callable[[int], Draft]) -> None:
     p = empty(6)
     p.constant = (*p.constant, "tray")
     n = np.arange(6, dtype=np.int32)
-    p.attitude_node, p.attitude_measured = n, np.c_[np.arange(6.0), np.zeros((6, 2))]
-    p.attitude_sigma = np.ones((6, 3))
-    p.prior_pose_node, p.prior_pose = n, p.pose[:, :7].copy()
-    p.prior_pose_sqrt = np.tile(np.eye(6), (6, 1, 1))
+    p.attitude.node, p.attitude.measured = n, np.c_[np.arange(6.0), np.zeros((6, 2))]
+    p.attitude.sigma = np.ones((6, 3))
+    p.priors.pose.node, p.priors.pose.value = n, p.unknowns.pose[:, :7].copy()
+    p.priors.pose.sqrt_information = np.tile(np.eye(6), (6, 1, 1))
     got = solve(p, Options(core=core, initial_radius=1e12, function_tolerance=1e-12))
-    np.testing.assert_allclose(got.unknowns["pose"][:, 2], 0.5 * np.arange(6), atol=1e-9)  # between prior 0 and depth k
+    np.testing.assert_allclose(got.unknowns.pose[:, 2], 0.5 * np.arange(6), atol=1e-9)  # between prior 0 and depth k
     assert got.iterations.cost[1] == pytest.approx(0.25 * (np.arange(6) ** 2).sum(), rel=1e-9)
 
 
-def test_a_rejected_row_repeats_what_the_last_accepted_point_said(hard: Problem) -> None:
+def test_a_rejected_row_repeats_what_the_last_accepted_point_said(hard: Draft) -> None:
     record = solve(hard, Options(initial_radius=1e8, function_tolerance=1e-10)).iterations
     for k in np.flatnonzero(~record.accepted):
         assert record.on_surface[k] == record.on_surface[k - 1]
@@ -115,7 +116,7 @@ def test_a_rejected_row_repeats_what_the_last_accepted_point_said(hard: Problem)
     assert (np.diff(record.seconds) >= 0).all()
 
 
-def test_label_changes_count_from_one_accepted_point_to_the_next(hard: Problem) -> None:
+def test_label_changes_count_from_one_accepted_point_to_the_next(hard: Draft) -> None:
     record = solve(hard, Options(initial_radius=1e8, function_tolerance=1e-10)).iterations
     changed = np.flatnonzero(record.label_changes)
     assert changed.size
@@ -153,17 +154,17 @@ def test_seconds_name_the_parts_and_their_whole(threads: int, make_survey: Surve
 
 def test_what_no_factor_meets_stays(make_survey: Survey) -> None:
     p = make_survey()
-    p.pose = np.vstack([p.pose, p.pose[:1] + np.r_[5, np.zeros(6), 0.1]])
-    p.landmark = np.vstack([p.landmark, [[1.0, 2, 3]]])
+    p.unknowns.pose = np.vstack([p.unknowns.pose, p.unknowns.pose[:1] + np.r_[5, np.zeros(6), 0.1]])
+    p.unknowns.landmark = np.vstack([p.unknowns.landmark, [[1.0, 2, 3]]])
     got = solve(p, Options(max_iterations=5)).unknowns
-    np.testing.assert_array_equal(got["pose"][-1], p.pose[-1])
-    np.testing.assert_array_equal(got["landmark"][-1], p.landmark[-1])
+    np.testing.assert_array_equal(got.pose[-1], p.unknowns.pose[-1])
+    np.testing.assert_array_equal(got.landmark[-1], p.unknowns.landmark[-1])
 
 
 def test_the_solve_ends_where_the_robust_gradient_vanishes(make_survey: Survey, shaken: Survey) -> None:
     p = shaken(make_survey(pixel_noise=0.5))
     before = np.abs(normal_equations(evaluate(p))[1] / np.linalg.norm(jacobian(evaluate(p)), axis=0)).max()
-    for name, value in solve(p, Options(function_tolerance=1e-15, parameter_tolerance=1e-15)).unknowns.items():
-        setattr(p, name, value)
+    for name, value in solve(p, Options(function_tolerance=1e-15, parameter_tolerance=1e-15)).unknowns.__dict__.items():
+        setattr(p.unknowns, name, value)
     e = evaluate(p)
     assert np.abs(normal_equations(e)[1] / np.linalg.norm(jacobian(e), axis=0)).max() < 1e-6 * before

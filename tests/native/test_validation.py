@@ -10,208 +10,209 @@ from typing import Any
 
 import numpy as np
 import pytest
+from drafts import Draft, change, covariance, evaluate, leaves, solve
 from native.test_cores import field, mono_beside_stereo
 from native.twins import array_fields
 
 from hullrecon.errors import InputError, UsageError
-from hullrecon.native import Options, Problem, covariance, evaluate, solve
+from hullrecon.native import MotionPrior, Options
 
-Survey = Callable[..., Problem]
+Survey = Callable[..., Draft]
 Ints = np.int32
 
 
 @pytest.fixture
-def whole(make_survey: Survey) -> Problem:
+def whole(make_survey: Survey) -> Draft:
     """A survey with every table filled."""
     p = make_survey()
     field(p)
     mono_beside_stereo(p)
-    p.prior_T_ct_cb, p.prior_T_ct_cb_sqrt = p.T_ct_cb.copy(), np.eye(6)
+    p.priors.T_ct_cb = MotionPrior(value=p.unknowns.T_ct_cb.copy(), sqrt_information=np.eye(6))
     return p
 
 
-def test_a_problem_with_every_table_filled_is_accepted(whole: Problem) -> None:
-    assert set(array_fields(whole)) >= {f.name for f in dataclasses.fields(whole) if f.name not in ("constant", "sigma_px")}
+def test_a_problem_with_every_table_filled_is_accepted(whole: Draft) -> None:
+    assert set(array_fields(whole)) >= set(leaves(whole)) - {"constant", "sigma_px"}
     assert len(evaluate(whole).residual) > 0
 
 
 # field, what becomes of it, what is said
 REFUSALS: list[tuple[str, Callable[[np.ndarray], Any], str]] = [
-    ("pose", lambda x: x[:0], "there are no poses"),
-    ("pose", lambda x: x[:, :7], r"the shape is \(8, 7, \), expected \(8, 8, \)"),
-    ("pose", lambda x: x * 1.01, "row 0 is not of unit length"),
-    ("landmark", lambda x: x[:, :2], "expected"),
-    ("T_g_M", lambda x: x[:6], "expected"),
-    ("T_s_ct", lambda x: x * 2, "the quaternion is not of unit length"),
-    ("T_ct_cb", lambda x: 0 * x, "the quaternion is not of unit length"),
-    ("T_s_d", lambda x: x[None], "expected"),
-    ("odometry_mount", lambda x: -3 * x, "the quaternion is not of unit length"),
-    ("navigation", lambda x: x[:5], r"expected \(6, \)"),
-    ("deviation", lambda x: x[:, None], "expected"),
-    ("intrinsics_top", lambda x: x[:8], r"expected \(9, \)"),
-    ("intrinsics_top", lambda x: x * np.r_[-1, np.ones(8)], "a focal length is not positive"),
-    ("intrinsics_bottom", lambda x: x * np.r_[1, 0, np.ones(7)], "a focal length is not positive"),
-    ("tray_origin", lambda x: x[:2], r"expected \(3, \)"),
-    ("pressure_origin", lambda x: x[:2], r"expected \(3, \)"),
-    ("vertices", lambda x: x[:, :2], "expected"),
-    ("faces", lambda x: x[:, :2], "expected"),
-    ("faces", lambda x: x + 10000, "index .* is not below 625"),
-    ("faces", lambda x: x[:0], "ranges and surface factors need a CAD model"),
-    ("prior_pose_node", lambda x: x - 1, "index -1 of entry 0 is not below 8"),
-    ("prior_pose_node", lambda x: x + 8, "index 8 of entry 0 is not below 8"),
-    ("prior_pose", lambda x: x[:, :6], "expected"),
-    ("prior_pose", lambda x: x * 1.1, "row 0 is not of unit length"),
-    ("prior_pose_sqrt", lambda x: x[:, :5], "expected"),
-    ("prior_T_g_M", lambda x: x * 1.1, "the quaternion is not of unit length"),
-    ("prior_T_s_ct_sqrt", lambda x: x[:5], r"expected \(6, 6, \)"),
-    ("prior_T_ct_cb_sqrt", lambda x: x[0], r"expected \(6, 6, \)"),
-    ("prior_navigation_sigma", lambda x: 0 * x, "sigma 0 is not positive"),
-    ("prior_navigation_sigma", lambda x: x[:5], "expected"),
-    ("prior_intrinsics_sigma", lambda x: -x, "sigma 0 is not positive"),
-    ("attitude_node", lambda x: x + 1, "index 8 of entry 7 is not below 8"),
-    ("attitude_measured", lambda x: x[:, :2], "expected"),
-    ("attitude_measured", lambda x: x[:4], "expected"),
-    ("attitude_sigma", lambda x: x * [1, 0, 1], "sigma 1 is not positive"),
-    ("tray_node", lambda x: x + 8, "is not below 8"),
-    ("tray_measured", lambda x: x[:3], "expected"),
-    ("tray_direction", lambda x: x[:3], "expected"),
-    ("tray_sigma", lambda x: -x, "sigma 0 is not positive"),
-    ("odometry_first", lambda x: x - 1, "index -1"),
-    ("odometry_second", lambda x: x - 1, "row 0 joins a pose to itself"),
-    ("odometry_measured", lambda x: x[:, :6], "expected"),
-    ("odometry_measured", lambda x: 2 * x, "row 0 is not of unit length"),
-    ("odometry_sqrt", lambda x: x[:, 0], "expected"),
-    ("odometry_by_navigation", lambda x: x[:, :, :1], "expected"),
-    ("odometry_by_mount", lambda x: x[:, :, :1], "expected"),
-    ("odometry_by_tray", lambda x: x[:, :5], "expected"),
-    ("odometry_tray", lambda x: x[:5], "expected"),
-    ("stereo_node", lambda x: x - 1, "index -1"),
-    ("stereo_landmark", lambda x: x + 1, "is not below 60"),
-    ("stereo_pixel", lambda x: x[:, :2], "expected"),
-    ("mono_node", lambda x: x + 8, "is not below 8"),
-    ("mono_landmark", lambda x: -x - 1, "is not below 60"),
-    ("mono_camera", lambda x: x + 1, "is not below 2"),
-    ("mono_pixel", lambda x: x[:-1], "expected"),
-    ("range_node", lambda x: x + 8, "is not below 8"),
-    ("range_offset", lambda x: x * 2, "row 0 is not of unit length"),
-    ("range_beam", lambda x: x * 0.99, "row 0 is not of unit length"),
-    ("range_measured", lambda x: x[:-1], "expected"),
-    ("range_tray_offset", lambda x: x[:-1], "expected"),
-    ("range_sigma", lambda x: 0 * x, "sigma 0 is not positive"),
-    ("range_field_index", lambda x: x + 5, "is not below 5"),
-    ("range_field_weight", lambda x: x[:, :3], "expected"),
-    ("surface_landmark", lambda x: x + 1, "is not below 60"),
-    ("surface_weight", lambda x: -x, "weight 0 is negative"),
-    ("surface_weight", lambda x: x[:-1], "expected"),
-    ("surface_field_index", lambda x: x - 1, "index -1"),
-    ("surface_field_weight", lambda x: x[:-1], "expected"),
-    ("field_prior_start", lambda x: x[:-1], "the rows do not cover the entries"),
-    ("field_prior_start", lambda x: x + 1, "the rows do not cover the entries"),
-    ("field_prior_start", lambda x: x[[0, 2, 1, 3, 4, 5]], "the rows' starts descend at 2"),
-    ("field_prior_index", lambda x: x + 5, "is not below 5"),
-    ("field_prior_value", lambda x: x[:-1], "expected"),
+    ("unknowns.pose", lambda x: x[:0], "there are no poses"),
+    ("unknowns.pose", lambda x: x[:, :7], r"the shape is \(8, 7, \), expected \(8, 8, \)"),
+    ("unknowns.pose", lambda x: x * 1.01, "row 0 is not of unit length"),
+    ("unknowns.landmark", lambda x: x[:, :2], "expected"),
+    ("unknowns.T_g_M", lambda x: x[:6], "expected"),
+    ("unknowns.T_s_ct", lambda x: x * 2, "the quaternion is not of unit length"),
+    ("unknowns.T_ct_cb", lambda x: 0 * x, "the quaternion is not of unit length"),
+    ("unknowns.T_s_d", lambda x: x[None], "expected"),
+    ("odometry.mount", lambda x: -3 * x, "the quaternion is not of unit length"),
+    ("unknowns.navigation", lambda x: x[:5], r"expected \(6, \)"),
+    ("unknowns.deviation", lambda x: x[:, None], "expected"),
+    ("unknowns.intrinsics_top", lambda x: x[:8], r"expected \(9, \)"),
+    ("unknowns.intrinsics_top", lambda x: x * np.r_[-1, np.ones(8)], "a focal length is not positive"),
+    ("unknowns.intrinsics_bottom", lambda x: x * np.r_[1, 0, np.ones(7)], "a focal length is not positive"),
+    ("lever_arms.tray", lambda x: x[:2], r"expected \(3, \)"),
+    ("lever_arms.pressure", lambda x: x[:2], r"expected \(3, \)"),
+    ("cad_mesh.vertices", lambda x: x[:, :2], "expected"),
+    ("cad_mesh.faces", lambda x: x[:, :2], "expected"),
+    ("cad_mesh.faces", lambda x: x + 10000, "index .* is not below 625"),
+    ("cad_mesh.faces", lambda x: x[:0], "ranges and surface factors need a CAD model"),
+    ("priors.pose.node", lambda x: x - 1, "index -1 of entry 0 is not below 8"),
+    ("priors.pose.node", lambda x: x + 8, "index 8 of entry 0 is not below 8"),
+    ("priors.pose.value", lambda x: x[:, :6], "expected"),
+    ("priors.pose.value", lambda x: x * 1.1, "row 0 is not of unit length"),
+    ("priors.pose.sqrt_information", lambda x: x[:, :5], "expected"),
+    ("priors.T_g_M.value", lambda x: x * 1.1, "the quaternion is not of unit length"),
+    ("priors.T_s_ct.sqrt_information", lambda x: x[:5], r"expected \(6, 6, \)"),
+    ("priors.T_ct_cb.sqrt_information", lambda x: x[0], r"expected \(6, 6, \)"),
+    ("priors.navigation_sigma", lambda x: 0 * x, "sigma 0 is not positive"),
+    ("priors.navigation_sigma", lambda x: x[:5], "expected"),
+    ("priors.intrinsics_sigma", lambda x: -x, "sigma 0 is not positive"),
+    ("attitude.node", lambda x: x + 1, "index 8 of entry 7 is not below 8"),
+    ("attitude.measured", lambda x: x[:, :2], "expected"),
+    ("attitude.measured", lambda x: x[:4], "expected"),
+    ("attitude.sigma", lambda x: x * [1, 0, 1], "sigma 1 is not positive"),
+    ("tray.node", lambda x: x + 8, "is not below 8"),
+    ("tray.measured", lambda x: x[:3], "expected"),
+    ("tray.direction", lambda x: x[:3], "expected"),
+    ("tray.sigma", lambda x: -x, "sigma 0 is not positive"),
+    ("odometry.first", lambda x: x - 1, "index -1"),
+    ("odometry.second", lambda x: x - 1, "row 0 joins a pose to itself"),
+    ("odometry.measured", lambda x: x[:, :6], "expected"),
+    ("odometry.measured", lambda x: 2 * x, "row 0 is not of unit length"),
+    ("odometry.sqrt_information", lambda x: x[:, 0], "expected"),
+    ("odometry.by_navigation", lambda x: x[:, :, :1], "expected"),
+    ("odometry.by_mount", lambda x: x[:, :, :1], "expected"),
+    ("odometry.by_tray", lambda x: x[:, :5], "expected"),
+    ("odometry.tray", lambda x: x[:5], "expected"),
+    ("stereo.node", lambda x: x - 1, "index -1"),
+    ("stereo.landmark", lambda x: x + 1, "is not below 60"),
+    ("stereo.pixel", lambda x: x[:, :2], "expected"),
+    ("mono.node", lambda x: x + 8, "is not below 8"),
+    ("mono.landmark", lambda x: -x - 1, "is not below 60"),
+    ("mono.camera", lambda x: x + 1, "is not below 2"),
+    ("mono.pixel", lambda x: x[:-1], "expected"),
+    ("ranges.node", lambda x: x + 8, "is not below 8"),
+    ("ranges.offset", lambda x: x * 2, "row 0 is not of unit length"),
+    ("ranges.beam", lambda x: x * 0.99, "row 0 is not of unit length"),
+    ("ranges.measured", lambda x: x[:-1], "expected"),
+    ("ranges.tray_offset", lambda x: x[:-1], "expected"),
+    ("ranges.sigma", lambda x: 0 * x, "sigma 0 is not positive"),
+    ("ranges.field.index", lambda x: x + 5, "is not below 5"),
+    ("ranges.field.weight", lambda x: x[:, :3], "expected"),
+    ("surface.landmark", lambda x: x + 1, "is not below 60"),
+    ("surface.weight", lambda x: -x, "weight 0 is negative"),
+    ("surface.weight", lambda x: x[:-1], "expected"),
+    ("surface.field.index", lambda x: x - 1, "index -1"),
+    ("surface.field.weight", lambda x: x[:-1], "expected"),
+    ("priors.deviation.start", lambda x: x[:-1], "the rows do not cover the entries"),
+    ("priors.deviation.start", lambda x: x + 1, "the rows do not cover the entries"),
+    ("priors.deviation.start", lambda x: x[[0, 2, 1, 3, 4, 5]], "the rows' starts descend at 2"),
+    ("priors.deviation.index", lambda x: x + 5, "is not below 5"),
+    ("priors.deviation.value", lambda x: x[:-1], "expected"),
     ("sigma_px", lambda _: -1.0, "it is not positive"),
     ("sigma_px", lambda _: np.nan, "it is not positive"),
     ("constant", lambda _: ("T_g_m",), "there is no block of the name T_g_m"),
 ]
 
 
-@pytest.mark.parametrize(("name", "change", "words"), REFUSALS, ids=[f"{n}-{k}" for k, (n, _, _) in enumerate(REFUSALS)])
+@pytest.mark.parametrize(("name", "damage", "words"), REFUSALS, ids=[f"{n}-{k}" for k, (n, _, _) in enumerate(REFUSALS)])
 def test_a_table_that_cannot_be_used_is_named_with_what_is_wrong(
-    name: str, change: Callable[[np.ndarray], Any], words: str, whole: Problem
+    name: str, damage: Callable[[np.ndarray], Any], words: str, whole: Draft
 ) -> None:
-    value = change(getattr(whole, name))
-    setattr(whole, name, value.astype(Ints) if isinstance(value, np.ndarray) and value.dtype.kind == "i" else value)
+    value = damage(leaves(whole)[name])
+    change(whole, name, value.astype(Ints) if isinstance(value, np.ndarray) and value.dtype.kind == "i" else value)
     with pytest.raises(InputError, match=words) as caught:
         evaluate(whole)
     assert caught.value.where == name
 
 
-def test_every_table_of_numbers_is_refused_with_a_nan_in_it(whole: Problem) -> None:
+def test_every_table_of_numbers_is_refused_with_a_nan_in_it(whole: Draft) -> None:
     for name in list(array_fields(whole)):
-        table = getattr(whole, name)
+        table = leaves(whole)[name]
         if table.dtype.kind != "f":
             continue
         spoilt = table.copy()
         spoilt.flat[spoilt.size // 2] = np.nan
-        setattr(whole, name, spoilt)
+        change(whole, name, spoilt)
         with pytest.raises(InputError, match=f"entry {spoilt.size // 2} is not finite") as caught:
             evaluate(whole)
         assert caught.value.where == name
-        setattr(whole, name, table)
+        change(whole, name, table)
 
 
-def test_every_table_is_refused_with_text_or_complex_numbers_in_it(whole: Problem) -> None:
+def test_every_table_is_refused_with_text_or_complex_numbers_in_it(whole: Draft) -> None:
     for name in list(array_fields(whole)):
-        table = getattr(whole, name)
+        table = leaves(whole)[name]
         for wrong in (table.astype(complex), table.astype(str), table.astype(object)):
-            setattr(whole, name, wrong)
+            change(whole, name, wrong)
             with pytest.raises(InputError, match="the numbers are of the wrong type") as caught:
                 evaluate(whole)
             assert caught.value.where == name
-        setattr(whole, name, table)
+        change(whole, name, table)
 
 
-def test_an_index_that_is_no_integer_is_refused_and_one_of_another_width_is_taken(whole: Problem) -> None:
+def test_an_index_that_is_no_integer_is_refused_and_one_of_another_width_is_taken(whole: Draft) -> None:
     before = evaluate(whole).residual
     for name in list(array_fields(whole)):
-        table = getattr(whole, name)
+        table = leaves(whole)[name]
         if table.dtype.kind != "i":
             continue
-        setattr(whole, name, table.astype(float))
+        change(whole, name, table.astype(float))
         with pytest.raises(InputError, match="the numbers are of the wrong type"):
             evaluate(whole)
         for kind in (np.int64, np.uint16):
-            setattr(whole, name, table.astype(kind))
+            change(whole, name, table.astype(kind))
             np.testing.assert_array_equal(evaluate(whole).residual, before, err_msg=name)
-        setattr(whole, name, table)
+        change(whole, name, table)
 
 
 @pytest.mark.parametrize("layout", ["Fortran", "strided", "float32 where exact"])
-def test_tables_in_another_layout_give_the_same_rows(layout: str, whole: Problem) -> None:
-    whole.stereo_pixel = np.round(whole.stereo_pixel)
+def test_tables_in_another_layout_give_the_same_rows(layout: str, whole: Draft) -> None:
+    whole.stereo.pixel = np.round(whole.stereo.pixel)
     before = evaluate(whole).residual
     if layout == "Fortran":
         for name in list(array_fields(whole)):
-            setattr(whole, name, np.asfortranarray(getattr(whole, name)))
+            change(whole, name, np.asfortranarray(leaves(whole)[name]))
     elif layout == "strided":
         for name in list(array_fields(whole)):
-            setattr(whole, name, np.repeat(getattr(whole, name), 2, axis=0)[::2])
+            change(whole, name, np.repeat(leaves(whole)[name], 2, axis=0)[::2])
     else:
-        whole.stereo_pixel = whole.stereo_pixel.astype(np.float32)
+        whole.stereo.pixel = whole.stereo.pixel.astype(np.float32)
     np.testing.assert_array_equal(evaluate(whole).residual, before)
 
 
-def test_a_root_without_its_prior_is_refused(whole: Problem) -> None:
-    whole.prior_T_s_d = None
+def test_a_root_without_its_prior_is_refused(whole: Draft) -> None:
+    whole.priors.T_s_d.value = None
     with pytest.raises(InputError, match="the square root stands without its prior") as caught:
         evaluate(whole)
-    assert caught.value.where == "prior_T_s_d_sqrt"
+    assert caught.value.where == "priors.T_s_d.sqrt_information"
 
 
-@pytest.mark.parametrize("table", ["range", "surface"])
-def test_field_nodes_without_a_field_are_refused(table: str, whole: Problem) -> None:
-    other = {"range": "surface", "surface": "range"}[table]
-    whole.deviation = np.zeros(0)
+@pytest.mark.parametrize("table", ["ranges", "surface"])
+def test_field_nodes_without_a_field_are_refused(table: str, whole: Draft) -> None:
+    other = {"ranges": "surface", "surface": "ranges"}[table]
+    whole.unknowns.deviation = np.zeros(0)
     for name in (
-        f"{other}_field_index",
-        f"{other}_field_weight",
-        "field_prior_start",
-        "field_prior_index",
-        "field_prior_value",
+        f"{other}.field.index",
+        f"{other}.field.weight",
+        "priors.deviation.start",
+        "priors.deviation.index",
+        "priors.deviation.value",
     ):
-        setattr(whole, name, getattr(whole, name)[:0])
+        change(whole, name, leaves(whole)[name][:0])
     with pytest.raises(InputError, match="there is no deviation field to refer to") as caught:
         evaluate(whole)
-    assert caught.value.where == f"{table}_field_index"
+    assert caught.value.where == f"{table}.field.index"
     assert "give deviation" in str(caught.value.remedy)
 
 
 @pytest.mark.parametrize("call", [solve, evaluate, covariance])
-def test_every_call_validates_tables_and_options(call: Callable[..., Any], whole: Problem) -> None:
+def test_every_call_validates_tables_and_options(call: Callable[..., Any], whole: Draft) -> None:
     with pytest.raises(UsageError, match="it must be naive, geva or maxmix"):
         call(whole, Options(method="none"))
-    whole.tray_sigma = -whole.tray_sigma
+    whole.tray.sigma = -whole.tray.sigma
     with pytest.raises(InputError, match="sigma 0 is not positive"):
         call(whole)
 
@@ -236,7 +237,7 @@ def test_every_call_validates_tables_and_options(call: Callable[..., Any], whole
         ("sigma_on", "thin", "it is of the wrong type"),
     ],
 )
-def test_an_option_that_cannot_be_meant_says_what_it_must_be(option: str, value: Any, words: str, whole: Problem) -> None:
+def test_an_option_that_cannot_be_meant_says_what_it_must_be(option: str, value: Any, words: str, whole: Draft) -> None:
     with pytest.raises(UsageError, match=words) as caught:
         evaluate(whole, dataclasses.replace(Options(), **{option: value}))
     assert caught.value.where == option

@@ -5,21 +5,25 @@
 from __future__ import annotations
 
 import copy
-import dataclasses
 from collections.abc import Iterator
 
 import numpy as np
+from drafts import Draft, change, leaves
 from scipy.sparse import csr_matrix
 from scipy.spatial.transform import Rotation
 
-from hullrecon.native import Evaluation, Options, Problem
+from hullrecon.native import Evaluation, Options, Unknowns
 
 Array = np.ndarray
 LEAST_DIAGONAL, MOST_DIAGONAL = 1e-6, 1e32  # Ceres' bounds of the damping
 
 
-def copied(p: Problem) -> Problem:
-    return copy.deepcopy(p)
+def copied(p: Draft) -> Draft:
+    """The same with arrays of its own."""
+    out = Draft(p.build())
+    for path, value in leaves(out).items():
+        change(out, path, copy.copy(value))
+    return out
 
 
 def unknown_of(name: str) -> tuple[str, tuple[int, ...]]:
@@ -48,23 +52,23 @@ def difference(y: Array, x: Array, width: int) -> Array:
     return np.r_[y[:3] - x[:3], turn, (y[7:] - x[7:])[: width - 6]]
 
 
-def moved(p: Problem, e: Evaluation, delta: Array) -> Problem:
+def moved(p: Draft, e: Evaluation, delta: Array) -> Draft:
     """The problem with its free unknowns moved by delta (width,), laid out as e.columns says."""
     out = copied(p)
     for name, (start, width) in e.columns.items():
         field, index = unknown_of(name)
-        table = getattr(out, field)
-        table[index or ...] = moved_numbers(getattr(p, field)[index or ...], delta[start : start + width])
+        table = getattr(out.unknowns, field)
+        table[index or ...] = moved_numbers(getattr(p.unknowns, field)[index or ...], delta[start : start + width])
     return out
 
 
-def step_between(p: Problem, unknowns: dict[str, Array], e: Evaluation) -> Array:
+def step_between(p: Draft, unknowns: Unknowns, e: Evaluation) -> Array:
     """What moved p's unknowns to these, (width,)."""
     out = np.zeros(e.width)
     for name, (start, width) in e.columns.items():
         field, index = unknown_of(name)
         at = index or ...
-        out[start : start + width] = difference(unknowns[field][at], getattr(p, field)[at], width)
+        out[start : start + width] = difference(getattr(unknowns, field)[at], getattr(p.unknowns, field)[at], width)
     return out
 
 
@@ -92,12 +96,11 @@ def columns_with_factors(e: Evaluation) -> Array:
     return np.asarray(np.bincount(e.jacobian_column, np.abs(e.jacobian_value) > 0, minlength=e.width) > 0)
 
 
-def array_fields(p: Problem) -> Iterator[str]:
-    """Names of the tables that hold numbers."""
-    for field in dataclasses.fields(p):
-        value = getattr(p, field.name)
+def array_fields(p: Draft) -> Iterator[str]:
+    """Paths of the tables that hold numbers."""
+    for path, value in leaves(p).items():
         if isinstance(value, np.ndarray) and value.size:
-            yield field.name
+            yield path
 
 
 def cost(e: Evaluation) -> float:
