@@ -37,6 +37,7 @@ from benchmarks.survey import (
 )
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.native import (
     AttitudeTable,
     CadMesh,
@@ -147,7 +148,7 @@ def _mounts(T_g_M: Poses, rng: np.random.Generator) -> tuple[Unknowns, Priors]:
 def _attitude(nodes: Poses, rng: np.random.Generator) -> AttitudeTable:
     n = len(nodes)
     sigma = np.r_[0.02, np.radians([0.1, 0.1])]
-    truth = np.c_[nodes.translation[:, 2], poses.roll_pitch_yaw(nodes.rotation)[:, :2]]
+    truth = np.c_[nodes.translation[:, 2], roll_pitch_yaw(nodes.rotation)[:, :2]]
     measured = truth + sigma * rng.standard_normal((n, 3))
     return AttitudeTable(node=np.arange(n, dtype=np.int32), measured=measured, sigma=np.tile(sigma, (n, 1)))
 

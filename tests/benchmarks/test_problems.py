@@ -29,7 +29,7 @@ def test_at_the_truth_the_residuals_of_a_factor_are_its_noise(at_truth, factor):
     assert abs(value - 1) < 5 * np.sqrt(2 / count)
 
 
-def test_at_the_truth_the_tray_is_off_by_its_play_and_the_mounts_by_their_priors(at_truth):
+def test_at_the_truth_the_tray_is_off_by_its_backlash_and_the_mounts_by_their_priors(at_truth):
     by_factor = mean_squares(at_truth)
     assert by_factor["tray"][0] < 1.1
     assert by_factor["prior"][0] < 3

@@ -8,8 +8,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from drafts import Draft, covariance, evaluate, solve
+from drafts import Draft, clear, covariance, evaluate, solve
 from native.test_cores import free
+from scipy.spatial.transform import Rotation
 
 from hullrecon.native import FACTORS, Options
 
@@ -20,6 +21,13 @@ TIGHT = Options(method="naive", function_tolerance=1e-14, parameter_tolerance=1e
 def with_free(p: Draft, *names: str) -> Draft:
     free(*names)(p)
     return p
+
+
+def at_known_poses(p: Draft, weight: float) -> None:
+    """Puts a prior of this square root of information on every pose, about where it is."""
+    prior, n = p.priors.pose, len(p.unknowns.pose)
+    prior.node, prior.value = np.arange(n), p.unknowns.pose[:, :7].copy()
+    prior.sqrt_information = np.tile(np.eye(6) * weight, (n, 1, 1))
 
 
 @pytest.mark.parametrize("backlash", [-0.02, 0.005, 0.03])
@@ -44,12 +52,8 @@ def test_a_tray_that_always_turns_one_way_tells_angle_and_backlash_apart_by_the_
     p = with_free(make_survey(), "navigation")
     p.tray.direction = np.ones_like(p.tray.direction)
     with_images = covariance(p, TIGHT).navigation[5, 5]
-    p.stereo.node, p.stereo.landmark, p.stereo.pixel = p.stereo.node[:0], p.stereo.landmark[:0], p.stereo.pixel[:0]
-    p.unknowns.landmark, p.surface.landmark, p.surface.weight = (
-        p.unknowns.landmark[:0],
-        p.surface.landmark[:0],
-        p.surface.weight[:0],
-    )
+    clear(p, "stereo", "surface")
+    p.unknowns.landmark = p.unknowns.landmark[:0]
     assert covariance(p, TIGHT).navigation[5, 5] > with_images
 
 
@@ -57,9 +61,7 @@ def test_a_tray_that_always_turns_one_way_tells_angle_and_backlash_apart_by_the_
 def test_a_bias_of_roll_pitch_or_depth_is_found_where_the_rest_says_otherwise(bias: int, make_survey: Survey) -> None:
     p = with_free(make_survey(), "navigation")
     p.priors.navigation_sigma = np.full(6, 1.0)
-    n = len(p.unknowns.pose)
-    p.priors.pose.node, p.priors.pose.value = np.arange(n), p.unknowns.pose[:, :7].copy()
-    p.priors.pose.sqrt_information = np.tile(np.eye(6) * 1e4, (n, 1, 1))
+    at_known_poses(p, 1e4)
     measured = p.attitude.measured.copy()
     measured[:, {4: 0, 2: 1, 3: 2}[bias]] += 0.01
     p.attitude.measured = measured
@@ -82,15 +84,13 @@ def test_a_camera_that_is_off_its_calibration_comes_home(
     p = with_free(make_survey(poses=12, landmarks=200), block)
     p.priors.intrinsics_sigma = np.r_[50.0, 50, 50, 50, 1, 1, 1, 1, 1]
     p.priors.T_ct_cb.sqrt_information = np.eye(6)
-    n = len(p.unknowns.pose)
-    p.priors.pose.node, p.priors.pose.value = np.arange(n), p.unknowns.pose[:, :7].copy()
-    p.priors.pose.sqrt_information = np.tile(np.eye(6) * 1e4, (n, 1, 1))
+    at_known_poses(p, 1e4)
     p.priors.T_s_ct.sqrt_information = np.eye(6) * 1e4
     start = getattr(p.unknowns, block).copy()
     start[: len(moved)] += moved
     setattr(p.unknowns, block, start)
-    got = solve(p, Options(method="naive", core=core, function_tolerance=1e-12, max_iterations=100)).unknowns
-    got = getattr(got, block)
+    result = solve(p, Options(method="naive", core=core, function_tolerance=1e-12, max_iterations=100))
+    got = getattr(result.unknowns, block)
     before = np.abs(start - getattr(truth.unknowns, block)).max()
     assert np.abs(got - getattr(truth.unknowns, block)).max() < 0.02 * before
 
@@ -110,7 +110,7 @@ def test_bottom_images_say_nothing_of_the_top_cameras_intrinsics(make_survey: Su
     p = with_free(make_survey(), "intrinsics_top", "intrinsics_bottom", "T_ct_cb")
     p.mono.node, p.mono.landmark, p.mono.pixel = p.stereo.node, p.stereo.landmark, p.stereo.pixel[:, 2:]
     p.mono.camera = np.ones(len(p.mono.node), np.int32)
-    p.stereo.node, p.stereo.landmark, p.stereo.pixel = p.stereo.node[:0], p.stereo.landmark[:0], p.stereo.pixel[:0]
+    clear(p, "stereo")
     e = evaluate(p, Options(method="geva"))
     start, width = e.columns["intrinsics_top"]
     touching = (e.jacobian_column >= start) & (e.jacobian_column < start + width) & (e.jacobian_value != 0)
@@ -122,11 +122,7 @@ def test_bottom_images_say_nothing_of_the_top_cameras_intrinsics(make_survey: Su
 
 def test_the_dvls_mount_is_found_by_odometry_that_knows_how_it_depends_on_it(make_survey: Survey) -> None:
     p = with_free(make_survey(), "T_s_d")
-    p.ranges.node = p.ranges.node[:0]
-    for name in ("offset", "tray_offset", "beam", "measured", "sigma"):
-        setattr(p.ranges, name, getattr(p.ranges, name)[:0])
-    from scipy.spatial.transform import Rotation
-
+    clear(p, "ranges")
     tilt = np.array([0.01, -0.02, 0.015])
     true = Rotation.from_quat(p.unknowns.T_s_d[3:]) * Rotation.from_rotvec(tilt)
     seen = np.einsum("kij,j->ki", p.odometry.by_mount, tilt)
@@ -135,8 +131,6 @@ def test_the_dvls_mount_is_found_by_odometry_that_knows_how_it_depends_on_it(mak
     z[:, 3:] = (Rotation.from_quat(z[:, 3:]) * Rotation.from_rotvec(-seen[:, 3:])).as_quat()
     p.odometry.measured = z
     p.priors.T_s_d.sqrt_information = np.eye(6)
-    n = len(p.unknowns.pose)
-    p.priors.pose.node, p.priors.pose.value = np.arange(n), p.unknowns.pose[:, :7].copy()
-    p.priors.pose.sqrt_information = np.tile(np.eye(6) * 1e5, (n, 1, 1))
+    at_known_poses(p, 1e5)
     got = solve(p, TIGHT).unknowns.T_s_d
     assert (true.inv() * Rotation.from_quat(got[3:])).magnitude() < 1e-3 * np.linalg.norm(tilt) + 1e-4
