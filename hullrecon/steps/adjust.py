@@ -125,6 +125,6 @@ STAGE = Stage(
     optional=("matches",),
     uses=("tray", "imu", "pressure", "dvl", "camera.top", "camera.bottom", "hull"),
     parameters=AdjustOptions,
-    version=4,
+    version=5,
     run=run,
 )
