@@ -35,9 +35,9 @@ def test_every_section_and_equation_cited_exists() -> None:
 
 
 def test_the_label_boundary_is_the_one_derived() -> None:
-    from hullrecon.adjustment.problem.hard_em import boundary
+    from hullrecon.adjustment.problem.hard_em import label_boundary
 
-    assert f"{boundary(0.02, 1.0):.5f}" in _methods()
+    assert f"{label_boundary(0.02, 1.0):.5f}" in _methods()
 
 
 def test_the_huber_thresholds_leave_the_same_share_beyond() -> None:

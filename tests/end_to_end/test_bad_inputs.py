@@ -104,7 +104,7 @@ def test_a_second_run_on_the_same_dive_at_the_same_time(shell, package):
         while not locked(shell.folder) and first.poll() is None and time.monotonic() < deadline:
             time.sleep(0.05)
         assert first.poll() is None, "the first run ended before the second began"
-        assert_one_line(shell("run", package, "--runs", "out", code=5), "another run")
+        assert_one_line(shell("run", package, "--runs", "out", code=5), "locked by process")
     finally:
         first.kill()
         first.communicate()

@@ -161,10 +161,10 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
 
 
 def test_steps_apply_only_where_their_sensor_was_carried() -> None:
-    carried = {"camera.top": object(), "sonar.mount": Sonar().mount, "topics.sonar": "/s"}
+    carried = {"camera.top.calibration": "top.yaml", "sonar.mount": Sonar().mount, "topics.sonar": "/s"}
     assert mosaic_optical.applies(carried) is None
     assert mosaic_sonar.applies(carried) is None
-    assert mosaic_optical.applies({"camera.top": None}) == "no camera was carried"
+    assert mosaic_optical.applies({"camera.top.calibration": None}) == "no camera was carried"
     assert mosaic_sonar.applies({"sonar.mount": None, "topics.sonar": None}) == "no imaging sonar was carried"
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Set
+from pathlib import Path
 
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.logs.messages.samples import TYPES
@@ -54,4 +55,12 @@ def configured_sensors(loaded: LoadedConfig) -> set[str]:
     topics = loaded.config.topics
     named = {name for name in topics.__struct_fields__ if getattr(topics, name)}
     folders = [loaded.package / name for name in loaded.config.logs.files]
-    return named | {name for name in TYPES for folder in folders if (folder / f"{name}.csv").is_file()}
+    return named | {name for name in TYPES for folder in folders if _is_file(folder / f"{name}.csv")}
+
+
+def _is_file(path: Path) -> bool:
+    """Return whether a file lies there; a name that no file can have is refused, in words, when the log is opened."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False

@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from hullrecon.dive.config import DiveConfig
+from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.geometry.poses import from_mount
 from hullrecon.synthetic.dive import Dive, simulate_dive
 from hullrecon.synthetic.options import spec_from, with_options
