@@ -111,7 +111,7 @@ def _pairs(s: Sections) -> tuple[Array, Array]:
 
 
 def _bridged(radius: Array) -> Array:
-    """Return radii (k, m), gaps between two hits of a station filled linearly; nothing beyond a side's outermost but the keel."""
+    """Return radii (k, m), gaps between hits of a station filled linearly; nothing beyond a side's outermost but the keel."""
     out = radius.copy()
     place = np.arange(radius.shape[1])
     keel = radius.shape[1] // 2

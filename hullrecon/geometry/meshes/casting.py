@@ -49,7 +49,7 @@ class Scene:
         return Closest(distance, foot, normal, face)
 
     def cast(self, origins: Array, directions: Array) -> Array:
-        """Return how far (n,), m, the mesh lies along unit directions (n, 3) from origins (n, 3) or (3,); inf where it is missed."""
+        """Return how far (n,), m, along unit directions (n, 3) from origins (n, 3) or (3,) the mesh lies; inf for a miss."""
         if not len(directions):
             return np.zeros(0)
         return self._index.cast(np.broadcast_to(origins, directions.shape), directions).range
