@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
-from hullrecon.geometry.rotations import roll_pitch_yaw
+from hullrecon.geometry.rotations import cross_matrix, roll_pitch_yaw
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True)
 
@@ -85,3 +85,82 @@ def test_interpolation_goes_half_way_and_holds_the_ends() -> None:
 def test_a_single_pose_is_held_everywhere() -> None:
     only = poses.from_mount([1, 2, 3, 0, 0, 0])
     assert np.allclose(poses.interpolate(np.array([5]), only, np.array([1, 9])).translation, [[1, 2, 3], [1, 2, 3]])
+
+
+SEEDS = st.integers(0, 10**6)
+
+
+def some(seed: int, n: int) -> Poses:
+    return poses.exp(np.random.default_rng(seed).normal(size=(n, 6)))
+
+
+@QUICK
+@given(SEEDS)
+def test_composition_is_associative_and_its_inverse_runs_backwards(seed: int) -> None:
+    a, b, c = some(seed, 4), some(seed + 1, 4), some(seed + 2, 4)
+    assert_same((a @ b) @ c, a @ (b @ c))
+    assert_same((a @ b).inverse(), b.inverse() @ a.inverse())
+    assert_same(a @ poses.identity(4), a)
+    assert_same(poses.identity() @ a, a)
+
+
+@QUICK
+@given(SEEDS)
+def test_poses_are_the_matrices_that_move_points(seed: int) -> None:
+    a, points = some(seed, 5), np.random.default_rng(seed).normal(size=(5, 3))
+    moved = np.einsum("nij,nj->ni", a.matrix(), np.hstack([points, np.ones((5, 1))]))
+    np.testing.assert_allclose(a.apply(points), moved[:, :3], atol=1e-12)
+    assert_same(poses.from_matrix(a.matrix()), a)
+    np.testing.assert_allclose(a.inverse().matrix(), np.linalg.inv(a.matrix()), atol=1e-9)
+    one = a[0].apply(points)  # one pose for all points
+    np.testing.assert_allclose(one, points @ a.matrix()[0, :3, :3].T + a.translation[0], atol=1e-12)
+
+
+@QUICK
+@given(SEEDS, st.lists(st.floats(-1e-5, 1e-5), min_size=3, max_size=3))
+def test_a_small_rotation_is_perturbed_on_the_right(seed: int, w: list[float]) -> None:
+    turned = some(seed, 1) @ poses.exp([[0, 0, 0, *w]])
+    expected = some(seed, 1).matrix()[0, :3, :3] @ (np.eye(3) + cross_matrix(np.array(w)))
+    np.testing.assert_allclose(turned.matrix()[0, :3, :3], expected, atol=1e-9)
+    np.testing.assert_array_equal(turned.translation, some(seed, 1).translation)
+
+
+@pytest.mark.parametrize("index", [2, -1, slice(1, 4), np.array([3, 0, 0]), np.array([True, False, True, False, False])])
+def test_rows_are_those_of_the_matrices(index: object) -> None:
+    batch = some(8, 5)
+    np.testing.assert_array_equal(batch[index].matrix(), batch.matrix()[index].reshape(-1, 4, 4))  # type: ignore[index]
+
+
+def test_a_pose_vector_is_place_and_quaternion() -> None:
+    only = some(9, 1)
+    assert_same(poses.of_seven(np.r_[only.translation[0], only.quaternion[0]]), only)
+
+
+@QUICK
+@given(SEEDS)
+def test_interpolation_passes_through_the_nodes_and_turns_evenly_between(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    nodes, t = some(seed, 4), np.cumsum(rng.integers(10, 1000, 4))
+    np.testing.assert_allclose(poses.interpolate(t, nodes, t).matrix(), nodes.matrix(), atol=1e-12)
+    wanted = np.linspace(t[1], t[2], 5)
+    found = poses.interpolate(t, nodes, wanted.astype(np.int64))
+    share = (wanted.astype(np.int64) - t[1]) / (t[2] - t[1])
+    np.testing.assert_allclose(
+        found.translation, nodes.translation[1] + share[:, None] * (nodes.translation[2] - nodes.translation[1]), atol=1e-9
+    )
+    whole = (nodes[1].rotation.inv() * nodes[2].rotation).magnitude()[0]
+    np.testing.assert_allclose((nodes[1].rotation.inv() * found.rotation).magnitude(), share * whole, atol=1e-7)
+
+
+@QUICK
+@given(SEEDS)
+def test_interpolation_does_not_depend_on_the_frame_of_the_poses(seed: int) -> None:
+    nodes, other, t = some(seed, 3), some(seed + 5, 1), np.array([0, 100, 250])
+    wanted = np.random.default_rng(seed).integers(-50, 300, 7)
+    assert_same(poses.interpolate(t, other @ nodes, wanted), other @ poses.interpolate(t, nodes, wanted))
+
+
+def test_two_nodes_at_one_instant_do_not_divide_by_nothing() -> None:
+    nodes = some(3, 3)
+    found = poses.interpolate(np.array([0, 5, 5]), nodes, np.array([5]))
+    assert np.isfinite(found.matrix()).all()
