@@ -114,6 +114,17 @@ def test_slack_is_small_on_a_flat_and_larger_where_the_section_bends(box_section
     assert 0.1 * step <= flat < steep < 0.3
 
 
+def test_a_slot_in_the_bottom_is_bridged_and_the_girth_beyond_it_stays(box_sections: Sections) -> None:
+    plain = box()
+    slot = np.array([[x, y, 0.0] for x in (0.0, 10.0) for y in (0.5, 0.58)])  # a few rays wide
+    corner = np.vstack([plain.vertices, slot])
+    bottom = [[1, 8, 5], [8, 10, 5], [9, 2, 11], [2, 6, 11]]
+    slotted = sections_at(Mesh(corner, np.vstack([plain.faces[[0, 1, 4, 5]], bottom]).astype(np.int32)), 2.0)
+    np.testing.assert_allclose(slotted.radius, box_sections.radius, atol=2e-3)
+    side = np.array([[5.0, BEAM / 2, 1.0]])
+    np.testing.assert_allclose(slotted.girth_at(side), box_sections.girth_at(side), atol=2e-3)
+
+
 def test_rays_count_the_outer_of_two_skins() -> None:
     outer, inner = box(), box()
     tank = inner.vertices * [1.0, 0.5, 0.5] + [0.0, 0.0, 0.6]
