@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
+from geometry.spheres import sphere
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -71,3 +73,41 @@ def test_corners_at_equal_places_are_welded_and_faces_keep_their_order() -> None
     assert len(welded.vertices) == 4
     assert np.allclose(welded.vertices[welded.faces], vertices[[[0, 1, 2], [3, 5, 4]]], atol=1e-8)
     assert len(find_shared_edges(welded.faces).first) == 1
+
+
+@pytest.mark.parametrize("rounds", [0, 1, 3])
+def test_a_sphere_is_closed_and_has_eulers_number(rounds: int) -> None:
+    ball = sphere(rounds)
+    edges = find_edges(ball.faces)
+    assert len(ball.vertices) - len(edges.vertices) + len(ball.faces) == 2
+    assert (edges.face_count == 2).all()
+    assert find_shared_edges(ball.faces).same_winding.all()
+
+
+@given(st.integers(0, 10**6))
+def test_edges_do_not_depend_on_the_order_of_the_faces(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    faces = np.array([rng.choice(9, 3, replace=False) for _ in range(7)], np.int32)
+    order = rng.permutation(7)
+    plain, mixed = find_edges(faces), find_edges(faces[order])
+    np.testing.assert_array_equal(mixed.vertices, plain.vertices)
+    np.testing.assert_array_equal(mixed.face_count, plain.face_count)
+    np.testing.assert_array_equal(mixed.of_face, plain.of_face[order])
+    np.testing.assert_array_equal(mixed.forward, plain.forward[order])
+    np.testing.assert_array_equal(np.where(plain.forward, *plain.vertices[plain.of_face].transpose(2, 0, 1)), faces)
+
+
+def test_welding_undoes_taking_a_mesh_apart() -> None:
+    ball = sphere(2)
+    apart = Mesh(ball.vertices[ball.faces].reshape(-1, 3), np.arange(3 * len(ball.faces), dtype=np.int32).reshape(-1, 3))
+    assert len(find_shared_edges(apart.faces).first) == 0
+    welded = weld_vertices(apart)
+    assert len(welded.vertices) == len(ball.vertices)
+    np.testing.assert_array_equal(welded.vertices[welded.faces], ball.vertices[ball.faces])
+    assert (find_edges(welded.faces).face_count == 2).all()
+
+
+def test_a_wider_tolerance_welds_what_a_narrow_one_leaves_apart() -> None:
+    near = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 1, 0.002]]), np.array([[0, 1, 2], [0, 3, 1]], np.int32))
+    assert len(weld_vertices(near).vertices) == 4
+    assert len(weld_vertices(near, tolerance_m=0.01).vertices) == 3

@@ -5,9 +5,17 @@ from __future__ import annotations
 from collections import Counter
 
 import numpy as np
+import pytest
+from geometry.spheres import sphere
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh, face_areas
 from hullrecon.geometry.meshes.refinement import refine
+from hullrecon.geometry.meshes.topology import find_edges, find_shared_edges
+
+QUICK = settings(max_examples=30, deadline=None, derandomize=True)
 
 SQUARE = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
 
@@ -61,3 +69,55 @@ def test_one_long_edge_gives_two_faces_and_two_long_edges_three() -> None:
     wide = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0.6, 0.75, 0]]), np.array([[0, 1, 2]], np.int32))
     assert len(refine(thin, 0.9)[0].faces) == 2
     assert len(refine(wide, 0.9)[0].faces) == 3
+
+
+@QUICK
+@given(longest=st.floats(0.15, 1.5), seed=st.integers(0, 10**6))
+def test_a_closed_mesh_stays_closed_wherever_it_is_refined(longest: float, seed: int) -> None:
+    ball, center = sphere(1), np.random.default_rng(seed).normal(size=3)
+    center /= np.linalg.norm(center)
+    fine, values = refine(
+        ball, lambda at: np.where(np.linalg.norm(at - center, axis=1) < 0.6, longest, np.inf), ball.vertices @ np.eye(3)[:, :2]
+    )
+    edges = find_edges(fine.faces)
+    assert (edges.face_count == 2).all()
+    assert find_shared_edges(fine.faces).same_winding.all()
+    assert len(fine.vertices) - len(edges.vertices) + len(fine.faces) == 2
+    np.testing.assert_array_equal(fine.vertices[: len(ball.vertices)], ball.vertices)
+    np.testing.assert_allclose(values, fine.vertices[:, :2], atol=1e-12)
+    ends = fine.vertices[edges.vertices]
+    near = np.linalg.norm(ends.mean(axis=1) - center, axis=1) < 0.6
+    assert np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)[near].max(initial=0.0) <= longest
+
+
+@QUICK
+@given(longest=st.floats(0.1, 1.5))
+def test_new_vertices_lie_on_the_old_faces_and_the_area_stays(longest: float) -> None:
+    ball = sphere(1)
+    fine, _ = refine(ball, longest)
+    assert face_areas(fine).sum() == pytest.approx(face_areas(ball).sum(), rel=1e-12)
+    assert np.abs(Scene(ball).closest(fine.vertices).distance).max() < 1e-12
+    assert _lengths(fine).max() <= longest
+
+
+@QUICK
+@given(spared=st.floats(0.05, 0.99))
+def test_edges_that_are_short_already_are_not_asked_about(spared: float) -> None:
+    asked: list[np.ndarray] = []
+
+    def everywhere(middle: np.ndarray) -> np.ndarray:
+        asked.append(middle)
+        return np.full(len(middle), 0.0)
+
+    fine, _ = refine(SQUARE, everywhere, spared_m=spared)
+    assert _lengths(fine).max() <= spared
+    assert len(asked[0]) == 5
+    assert len(asked[-1]) == 0
+
+
+def test_a_mesh_that_is_fine_enough_comes_back_as_it_is() -> None:
+    same, values = refine(SQUARE, 2.0)
+    np.testing.assert_array_equal(same.vertices, SQUARE.vertices)
+    np.testing.assert_array_equal(same.faces, SQUARE.faces)
+    assert values.shape == (4, 0)
+    assert same.vertices is not SQUARE.vertices

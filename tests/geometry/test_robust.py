@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hullrecon.geometry.robust import robust_sigma
 
@@ -26,3 +28,26 @@ def test_about_a_middle_that_is_known_a_common_offset_counts() -> None:
 
 def test_of_nothing_it_is_unknown() -> None:
     assert np.isnan(robust_sigma(np.zeros(0)))
+
+
+VALUES = st.lists(st.integers(-(10**6), 10**6), min_size=1, max_size=40)
+
+
+@given(VALUES, st.integers(-1000, 1000), st.integers(1, 50))
+def test_it_scales_with_the_values_and_does_not_see_their_level(values: list[int], shift: int, factor: int) -> None:
+    plain = robust_sigma(np.array(values, float))
+    assert robust_sigma(factor * np.array(values, float) + shift) == pytest.approx(factor * plain)
+    assert robust_sigma(-np.array(values, float)) == pytest.approx(plain)
+
+
+@given(st.integers(0, 10**6), st.integers(0, 24), st.floats(1e3, 1e12))
+def test_nearly_half_of_the_values_may_be_as_wild_as_they_like(seed: int, wild: int, size: float) -> None:
+    values = np.random.default_rng(seed).uniform(-1, 1, 50)
+    values[:wild] = size
+    assert robust_sigma(values) <= 2 * 1.4826  # two tame values are never farther apart
+
+
+@given(VALUES)
+def test_about_their_median_is_what_it_does_by_itself(values: list[int]) -> None:
+    array = np.array(values, float)
+    assert robust_sigma(array, about=float(np.median(array))) == robust_sigma(array)
