@@ -14,3 +14,4 @@ Ints32 = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 Pixels = NDArray[np.uint8]  # (h, w) or (h, w, channels), RGB
 Arrays = dict[str, NDArray[np.generic]]  # the members of an .npz by name
+CholeskyFactor = tuple[Array, bool]  # of scipy.linalg.cho_factor

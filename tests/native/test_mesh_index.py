@@ -218,3 +218,23 @@ def test_a_query_that_cannot_be_is_refused_by_name() -> None:
         index.cast([[0, 0, 2.0]], [[0, 0, 0.0]])
     with pytest.raises(InputError, match="directions"):
         index.cast([[0, 0, 2.0]], np.ones((2, 3)))
+
+
+def test_answers_move_with_the_mesh_and_the_points() -> None:
+    vertices, faces = bumpy_hull()
+    rng = np.random.default_rng(11)
+    points, rays = 4 * rng.normal(size=(200, 3)), rng.normal(size=(200, 3))
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))  # a mirror would turn the faces inside out
+    shift = np.array([3.0, -40.0, 7.0])
+    here, there = MeshIndex(vertices, faces), MeshIndex(vertices @ turn.T + shift, faces)
+    before, after = here.closest(points), there.closest(points @ turn.T + shift)
+    np.testing.assert_allclose(after.distance, before.distance, atol=1e-11)
+    np.testing.assert_allclose(after.point, before.point @ turn.T + shift, atol=1e-11)
+    np.testing.assert_allclose(after.gradient, before.gradient @ turn.T, atol=1e-8)
+    first, second = here.cast(points, rays), there.cast(points @ turn.T + shift, rays @ turn.T)
+    assert np.array_equal(first.face < 0, second.face < 0)
+    met = first.face >= 0
+    assert met.any()
+    np.testing.assert_allclose(second.range[met], first.range[met], rtol=1e-10)
+    np.testing.assert_allclose(second.normal[met], first.normal[met] @ turn.T, atol=1e-12)

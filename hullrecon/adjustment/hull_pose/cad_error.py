@@ -9,14 +9,13 @@ common for other reasons (facets, smoothed landmarks): docs/adr/0010. An offset 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_solve
 
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.meshes.tessellation import tessellation_error
-from hullrecon.typing import Array, Mask
+from hullrecon.typing import Array, CholeskyFactor, Mask
 
 POINT_NOISE_M = 0.005  # of the mean of a voxel of landmarks and returns
 OFFSET_SHARE = 0.7  # sigma of the common offset in the CAD model's deviation_sigma
@@ -72,7 +71,7 @@ def _covariance(cad_error_model: CadError, along_girth: Array, facet_variance: f
     return out
 
 
-def find_outliers(factor: Any, distance: Array) -> Mask:
+def find_outliers(factor: CholeskyFactor, distance: Array) -> Mask:
     """Return which points (n,) the others do not predict: leave-one-out residuals beyond four of their sigmas, the worst first
     and the rest without it, lest a point on a structure take its neighbours along.
 

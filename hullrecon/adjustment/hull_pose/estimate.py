@@ -10,7 +10,6 @@ round holds.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_factor
@@ -24,7 +23,7 @@ from hullrecon.adjustment.problem.measurements import CadModel, Measurements, re
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry.poses import Poses
-from hullrecon.typing import Array, Ints32
+from hullrecon.typing import Array, CholeskyFactor, Ints32
 
 ALONG = np.array([1.0, 0.0, 0.0])
 MAX_PASSES = 3
@@ -99,7 +98,7 @@ def _valley(evidence: HullPoseEvidence, pose: Poses, direction: Array, index: na
     return profile_likelihood.Valley(cost=cost, direction=direction)
 
 
-def _factor(evidence: HullPoseEvidence, pose: Poses) -> Any:
+def _factor(evidence: HullPoseEvidence, pose: Poses) -> CholeskyFactor:
     return cho_factor(
         cad_error.distance_covariance(evidence.cad_error_model, evidence.cad_model, pose.inverse().apply(evidence.points)),
         lower=True,

@@ -11,7 +11,6 @@ over the chart, together with the package's prior. Its covariance says what the 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -24,7 +23,7 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.pose_solver import LinearisedCost, minimise_over_pose
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex
-from hullrecon.typing import Array
+from hullrecon.typing import Array, CholeskyFactor
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,7 +175,7 @@ class HullPoseCost:
     cad_model: CadModel
     center: Array
     index: MeshIndex
-    factor: Any
+    factor: CholeskyFactor
 
     def linearise(self, pose: Poses) -> LinearisedCost:
         """Return the cost at T_g_M with its gradient and information by the step of `perturb_pose`."""
