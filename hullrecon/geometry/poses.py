@@ -8,14 +8,14 @@ A 6-vector of a motion is (translation, rotation): `log` gives (t, w) with R = E
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import SupportsIndex
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Poses:
     def __len__(self) -> int:
         return len(self.quaternion)
 
-    def __getitem__(self, index: SupportsIndex | slice | ArrayLike) -> Poses:
+    def __getitem__(self, index: int | slice | NDArray[np.integer] | Mask | Sequence[int] | Sequence[np.integer]) -> Poses:
         """Return rows by slice, mask or index array; an integer gives a batch of one."""
         rows = np.atleast_1d(np.arange(len(self))[index if isinstance(index, slice) else np.asarray(index)])
         return Poses(self.quaternion[rows], self.translation[rows])
