@@ -17,7 +17,8 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.tracks import Tracks
-from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
+from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, VehiclePath
+from hullrecon.rig import SensorRig
 from hullrecon.typing import Array
 
 
@@ -122,8 +123,7 @@ def rig_from_config(
 
 
 def return_points(returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, T_s_d: Poses) -> tuple[Array, Array]:
-    """DVL returns in g, (m, 3), and the unit directions of their beams in g, (m, 3)."""
-    pinged = nodes[returns.node] @ Poses(returns.quaternion, returns.translation)
-    dvl = pinged @ poses.tray_poses(tray_origin, tray_angle[returns.node] + returns.tray_offset) @ T_s_d
-    points = dvl.apply(returns.beam * returns.range_m[:, None])
-    return points, np.asarray(dvl.rotation.apply(returns.beam))
+    """Return the ends of the DVL's beams in g, (m, 3), and their unit directions in g, (m, 3)."""
+    rig = SensorRig(tray_origin=tray_origin, pressure_origin=np.zeros(3), tray_from_dvl=T_s_d)
+    ends = rig.dvl_points(returns, VehiclePath(poses=nodes, tray=tray_angle))
+    return ends.points, ends.directions

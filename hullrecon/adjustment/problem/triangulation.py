@@ -7,17 +7,27 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.adjustment.problem.measurements import Rig
-from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.tracks import Tracks
+from hullrecon.records.trajectory import VehiclePath
+from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints
 
 
 def camera_poses(nodes: Poses, tray_angle: Array, rig: Rig, T_s_ct: Poses, T_ct_cb: Poses | None) -> tuple[Poses, Poses | None]:
-    """T_g_ct and T_g_cb at the nodes."""
-    top = nodes @ poses.tray_poses(rig.tray_origin, tray_angle) @ T_s_ct
-    return top, top @ T_ct_cb if T_ct_cb is not None else None
+    """Return T_g_ct and T_g_cb at the nodes; None for a camera without a mount."""
+    sensors = SensorRig(
+        tray_origin=rig.tray_origin,
+        pressure_origin=rig.pressure_origin,
+        tray_from_dvl=rig.T_s_d.nominal,
+        tray_from_camera=T_s_ct,
+        top_from_bottom=T_ct_cb,
+    )
+    path = VehiclePath(poses=nodes, tray=tray_angle)
+    bottom = None if T_ct_cb is None else sensors.camera_poses(path, Camera.BOTTOM)
+    return sensors.camera_poses(path, Camera.TOP), bottom
 
 
 def triangulate(tracks: Tracks, n_landmarks: int, top: Poses, bottom: Poses | None, rig: Rig) -> tuple[Array, Array]:
