@@ -8,7 +8,8 @@ import numpy as np
 
 from hullrecon.typing import Array
 
-_AXES = (("along the hull", 0), ("across the hull", 1), ("vertically", 2))
+_DIRECTIONS = ("along the hull", "across the hull", "vertically")  # of M's axes
+_ANGLES = ("heel", "trim", "heading")  # about them
 
 
 def find_weak_directions(
@@ -41,7 +42,7 @@ def find_weak_directions(
 
 
 def _sentence(kind: str, direction: Array, sigma: float) -> str:
-    axis = max(_AXES, key=lambda named: abs(direction[named[1]]))[0]
+    axis = int(np.argmax(np.abs(direction)))
     if kind == "position":
-        return f"The position {axis} is uncertain by {sigma:.2f} m (one sigma): the hull's form does not resolve it better."
-    return f"The rotation about the axis {axis} is uncertain by {np.degrees(sigma):.2f} degrees (one sigma)."
+        return f"The position {_DIRECTIONS[axis]} is uncertain by {sigma:.2f} m (one sigma): the hull's form does not resolve it better."
+    return f"The {_ANGLES[axis]} of the hull is uncertain by {np.degrees(sigma):.2f} degrees (one sigma)."
