@@ -65,9 +65,9 @@ class AdjustSummary(StepDocument, frozen=True):
 
 
 class SurfaceFacts(StepDocument, frozen=True):
-    """surface.json of surface. comparison: how far a comparison of the surface with the CAD model is circular."""
+    """surface.json of surface. comparison: how far one with the CAD model is circular; None without a CAD model."""
 
-    comparison: str = ""
+    comparison: str | None = None
 
 
 class DetectFacts(StepDocument, frozen=True):

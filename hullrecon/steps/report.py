@@ -115,7 +115,7 @@ def _surfaces(context: Context[ReportOptions], artifacts: InputArtifacts) -> Sur
     as_found = artifacts.detect.as_found if artifacts.detect is not None else None
     if surface is None:
         return Surfaces(chart=artifacts.adjust.chart if artifacts.adjust is not None else None, as_found=as_found)
-    comparison = msgspec.convert(surface.facts, SurfaceFacts).comparison
+    comparison = msgspec.convert(surface.facts, SurfaceFacts).comparison or ""
     return Surfaces(chart=surface.chart, dvl=surface.surface, as_found=as_found, comparison=comparison)
 
 

@@ -8,6 +8,7 @@ import hashlib
 import json
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 from PIL import Image
@@ -16,6 +17,7 @@ from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config.schema import Dive, DiveConfig, Logs
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Trajectory
+from hullrecon.report.step_documents import SurfaceFacts
 from hullrecon.steps.report import STAGE
 
 
@@ -97,3 +99,8 @@ def test_objects_that_were_not_looked_for_are_absent_not_none(navigated: dict[st
     deliver = run({**navigated, "detect": detect}, tmp_path / "report")
     assert not (deliver / "objects.json").exists()
     assert "looked for with a camera" in json.loads((deliver / "summary.json").read_text())["absent"]["objects.json"]
+
+
+def test_the_facts_of_a_surface_without_a_cad_model_compare_it_with_nothing() -> None:
+    facts = {"reference": "plane", "comparison": None, "method": "gp"}
+    assert msgspec.convert(facts, SurfaceFacts).comparison is None
