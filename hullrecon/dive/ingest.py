@@ -100,7 +100,11 @@ def ingest(package: Path, request: IngestRequest, open_file: OpenFile, watch: Wa
         if index is not None:
             out.images[name] = index
     if not out.records.by_name() and not out.images:
-        raise InputError("no sensor could be read from the logs", where=", ".join(request.logs), remedy="see `hullrecon check`")
+        raise InputError(
+            "no sensor could be read from the logs",
+            where=", ".join(request.logs),
+            remedy="`hullrecon init LOG` lists what a log holds; a run needs a DVL with an IMU, or two cameras, in [topics]",
+        )
     return out
 
 
