@@ -91,7 +91,7 @@ def footprint_windows(grid: TexelGrid, footprints: Footprints, margin_share: flo
 
 
 def camera_views(cameras: Sequence[CameraImages], light: LightModel | None) -> list[CameraView]:
-    """Sights whose pictures are correct for the light."""
+    """Return views whose pictures are corrected for the light."""
     image_views: list[CameraView] = []
     for k, images in enumerate(cameras):
         for i, row in enumerate(images.rows.tolist()):
