@@ -17,9 +17,10 @@ from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import hard_em, intrinsics, iteration_history, pruning, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection, assemble, state_from_unknowns
 from hullrecon.adjustment.problem.deviation_field import grid_over
-from hullrecon.adjustment.problem.measurements import CadModel, Measurements, Rig, return_points
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements, return_points
 from hullrecon.adjustment.problem.state import HullState, State, Weights
 from hullrecon.errors import StageError
+from hullrecon.estimation.rig_priors import Rig
 from hullrecon.records.iterations import reached
 from hullrecon.typing import Array
 

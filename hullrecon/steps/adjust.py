@@ -14,12 +14,13 @@ import numpy as np
 from hullrecon.adjustment.bundle_adjustment import Adjusted, adjust
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.intrinsics import camera_fields
-from hullrecon.adjustment.problem.measurements import CadModel, Measurements, rig_from_config
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.dive.config import schema
+from hullrecon.estimation.rig_priors import rig_from_config
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.frames import Camera

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hullrecon.adjustment.problem.measurements import Mount, Rig
+from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.records.tracks import Tracks

@@ -12,7 +12,8 @@ from functools import lru_cache
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.adjustment.problem.measurements import CadModel, Measurements, Mount, Rig
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements
+from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.meshes.mesh import Mesh

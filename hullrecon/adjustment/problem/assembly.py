@@ -15,8 +15,15 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.hull_pose.registration import frame_at
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid, prior_rows
-from hullrecon.adjustment.problem.measurements import Measurements, Mount, return_points
+from hullrecon.adjustment.problem.measurements import Measurements, return_points
 from hullrecon.adjustment.problem.state import HullState, State, Weights
+from hullrecon.estimation.navigation_tables import (
+    attitude_table,
+    gauge_prior,
+    mount_prior_table,
+    odometry_table,
+    tray_table,
+)
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.tracks import Tracks
@@ -50,9 +57,9 @@ def assemble(
         constant=_held_blocks(priors, state, as_published, hold_hull_pose),
         lever_arms=native.LeverArms(tray=m.rig.tray_origin, pressure=m.rig.pressure_origin),
         priors=priors,
-        attitude=_attitude_table(m, weights),
-        tray=_tray_table(m, weights),
-        odometry=_odometry_table(m),
+        attitude=attitude_table(m.attitude, weights.depth),
+        tray=tray_table(m.trajectory.tray, weights.tray_direction, weights.tray),
+        odometry=odometry_table(m.odometry, m.trajectory.tray, m.rig.T_s_d.nominal),
     )
     if m.tracks is not None:
         stereo, mono = _image_tables(m.tracks, state, chosen)
@@ -121,22 +128,13 @@ def _held_blocks(priors: native.Priors, state: State, as_published: bool, hold_h
     return tuple(sorted(held))
 
 
-def _mount_prior(mount: Mount | None, value: Poses | None) -> native.MotionPrior | None:
-    """Return the prior of a mount; None where it is held or its sensor was not carried."""
-    if mount is None or mount.sqrt_information is None or value is None:
-        return None
-    return native.MotionPrior(value=pose_vector(mount.nominal), sqrt_information=mount.sqrt_information)
-
-
 def _priors(m: Measurements, state: State) -> native.Priors:
     """Return the priors of mounts, navigation, hull pose and deviation field, and that which fixes g by the first pose."""
-    first = np.hstack([state.nodes.translation, state.nodes.quaternion])[:1]
-    rows = _gauge_rows(m.trajectory.poses(), levelled=len(m.attitude.node) > 0)[None]
     priors = native.Priors(
-        T_s_d=_mount_prior(m.rig.T_s_d, state.T_s_d),
-        T_s_ct=_mount_prior(m.rig.T_s_ct, state.T_s_ct),
-        T_ct_cb=_mount_prior(m.rig.T_ct_cb, state.T_ct_cb if m.rig.bottom is not None else None),
-        pose=native.PosePriors(node=np.zeros(1, np.int32), value=first, sqrt_information=rows),
+        T_s_d=mount_prior_table(m.rig.T_s_d, state.T_s_d),
+        T_s_ct=mount_prior_table(m.rig.T_s_ct, state.T_s_ct),
+        T_ct_cb=mount_prior_table(m.rig.T_ct_cb, state.T_ct_cb if m.rig.bottom is not None else None),
+        pose=gauge_prior(state.nodes, levelled=len(m.attitude.node) > 0),
         navigation_sigma=m.rig.navigation_sigma,
     )
     if state.hull is None:
@@ -152,50 +150,6 @@ def _priors(m: Measurements, state: State) -> native.Priors:
     field = prior_rows(grid, cad_model.deviation_sigma, cad_model.deviation_length)
     sparse = native.SparseRows(start=field.indptr.astype(np.int32), index=field.indices.astype(np.int32), value=field.data)
     return replace(priors, deviation=sparse)
-
-
-def _gauge_rows(nodes: Poses, levelled: bool) -> Array:
-    """Return the square root of the information (6, 6) that fixes g: x, y and heading are those of the first pose; depth, roll
-    and pitch are left to their sensors where there are any."""
-    tight_m, tight_rad = 1e-4, 1e-5
-    free = (10.0, 1.0, 1.0) if levelled else (tight_m, tight_rad, tight_rad)  # m, rad, rad
-    sigma_in_global = np.array([tight_m, tight_m, *free, tight_rad])
-    to_global = nodes.rotation.as_matrix()[0]
-    return np.asarray(np.kron(np.eye(2), to_global) / sigma_in_global[:, None])
-
-
-def _attitude_table(m: Measurements, weights: Weights) -> native.AttitudeTable:
-    attitude = m.attitude
-    return native.AttitudeTable(
-        node=attitude.node.astype(np.int32),
-        measured=np.stack([attitude.depth, attitude.roll, attitude.pitch], axis=1),
-        sigma=attitude.sigma * np.array([weights.depth, 1.0, 1.0]),
-    )
-
-
-def _tray_table(m: Measurements, weights: Weights) -> native.TrayTable:
-    n = len(m.trajectory.t_ns)
-    return native.TrayTable(
-        node=np.arange(n, dtype=np.int32),
-        measured=m.trajectory.tray,
-        direction=weights.tray_direction,
-        sigma=np.full(n, weights.tray),
-    )
-
-
-def _odometry_table(m: Measurements) -> native.OdometryTable:
-    odometry, tray = m.odometry, m.trajectory.tray
-    return native.OdometryTable(
-        first=odometry.first.astype(np.int32),
-        second=odometry.second.astype(np.int32),
-        measured=np.hstack([odometry.translation, odometry.quaternion]),
-        sqrt_information=np.linalg.inv(np.linalg.cholesky(odometry.covariance)),
-        by_navigation=odometry.by_navigation,
-        by_mount=odometry.by_mount,
-        by_tray=odometry.by_tray,
-        tray=0.5 * (tray[odometry.first] + tray[odometry.second]),
-        mount=pose_vector(m.rig.T_s_d.nominal),
-    )
 
 
 def _image_tables(tracks: Tracks, state: State, chosen: Selection) -> tuple[native.StereoTable, native.MonoTable]:

@@ -14,7 +14,8 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.problem.measurements import Measurements, Rig
+from hullrecon.adjustment.problem.measurements import Measurements
+from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.typing import Array
 

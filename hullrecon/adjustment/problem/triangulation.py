@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.adjustment.problem.measurements import Rig
+from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses

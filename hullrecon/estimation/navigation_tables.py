@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The tables of a native.Problem that come from navigation: attitude and depth, tray, odometry, and what fixes frame g."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hullrecon import native
+from hullrecon.estimation.rig_priors import Mount
+from hullrecon.geometry.poses import Poses, pose_vector
+from hullrecon.records.trajectory import Attitude, Odometry
+from hullrecon.typing import Array
+
+
+def attitude_table(attitude: Attitude, depth_weight: float = 1.0) -> native.AttitudeTable:
+    """Return depth, roll and pitch as measured; depth_weight multiplies the sigma of the depths."""
+    return native.AttitudeTable(
+        node=attitude.node.astype(np.int32),
+        measured=np.stack([attitude.depth, attitude.roll, attitude.pitch], axis=1),
+        sigma=attitude.sigma * np.array([depth_weight, 1.0, 1.0]),
+    )
+
+
+def tray_table(tray_rad: Array, direction: Array, sigma_rad: float) -> native.TrayTable:
+    """Return the tray's angle as measured at every node (n,); direction (n,): the sense in which the backlash lies."""
+    n = len(tray_rad)
+    return native.TrayTable(
+        node=np.arange(n, dtype=np.int32), measured=tray_rad, direction=direction, sigma=np.full(n, sigma_rad)
+    )
+
+
+def odometry_table(odometry: Odometry, tray_rad: Array, tray_from_dvl: Poses) -> native.OdometryTable:
+    """Return the odometry; tray_rad (n,) and tray_from_dvl: the angles and the mount that dead reckoning used."""
+    return native.OdometryTable(
+        first=odometry.first.astype(np.int32),
+        second=odometry.second.astype(np.int32),
+        measured=np.hstack([odometry.translation, odometry.quaternion]),
+        sqrt_information=np.linalg.inv(np.linalg.cholesky(odometry.covariance)),
+        by_navigation=odometry.by_navigation,
+        by_mount=odometry.by_mount,
+        by_tray=odometry.by_tray,
+        tray=0.5 * (tray_rad[odometry.first] + tray_rad[odometry.second]),
+        mount=pose_vector(tray_from_dvl),
+    )
+
+
+def gauge_prior(nodes: Poses, levelled: bool) -> native.PosePriors:
+    """Return the prior that fixes g: x, y and heading are those of the first pose; depth, roll and pitch are left to their
+    sensors where there are any (levelled)."""
+    tight_m, tight_rad = 1e-4, 1e-5
+    free = (10.0, 1.0, 1.0) if levelled else (tight_m, tight_rad, tight_rad)  # m, rad, rad
+    sigma_in_global = np.array([tight_m, tight_m, *free, tight_rad])
+    to_global = nodes.rotation.as_matrix()[0]
+    rows = np.asarray(np.kron(np.eye(2), to_global) / sigma_in_global[:, None])
+    first = np.hstack([nodes.translation, nodes.quaternion])[:1]
+    return native.PosePriors(node=np.zeros(1, np.int32), value=first, sqrt_information=rows[None])
+
+
+def mount_prior_table(mount: Mount | None, value: Poses | None) -> native.MotionPrior | None:
+    """Return the prior of a mount; None where it is held or its sensor was not carried."""
+    if mount is None or mount.sqrt_information is None or value is None:
+        return None
+    return native.MotionPrior(value=pose_vector(mount.nominal), sqrt_information=mount.sqrt_information)
