@@ -1,19 +1,20 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the cameras stood according to navigation, how well two nodes' relative pose is known, and how far the scene was."""
+"""Where the cameras stood, how well two nodes' relative pose is known, and how far the scene was."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import cross_matrix
-from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel, VehiclePath
 from hullrecon.rig import SensorRig
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.node_view import DepthPrior
@@ -26,23 +27,21 @@ WINDOW = 4  # nodes to either side whose returns count: some seconds, a footprin
 MOST_RELIEF = 0.5  # scatter off the plane over that spread: more has no normal
 
 
+class RelativeErrors(Protocol):
+    """How well the relative pose of two nodes' leading cameras is known."""
+
+    def relative_covariance(self, first: Ints, second: Ints) -> Array:
+        """Return the covariance (m, 6, 6) of second_from_first as Motion defines it."""
+        ...
+
+
 @dataclass(frozen=True, kw_only=True)
-class CameraTrack:
-    """global_from_camera: T_g_ct by node (of the bottom camera where that leads). errors: of these poses, the servo's backlash
-    in its white part."""
+class NavigationErrors:
+    """The errors of dead reckoning by cause. global_from_camera: T_g_c by node; model: of these poses, the servo's backlash in
+    its white part."""
 
     global_from_camera: Poses
-    errors: TrajectoryErrorModel
-
-    def __len__(self) -> int:
-        return len(self.global_from_camera)
-
-    def motion(self, first: int, second: int) -> Motion:
-        """Return second_from_first of the cameras with the covariance of that relative pose."""
-        a, b = self.global_from_camera[first], self.global_from_camera[second]
-        floor = np.diag(np.repeat([WHITE_TRANSLATION_M**2, WHITE_ROTATION_RAD**2], 3))
-        covariance = self.relative_covariance(np.array([first]), np.array([second]))[0]
-        return Motion((b.inverse() @ a).matrix()[0], covariance + floor)
+    model: TrajectoryErrorModel
 
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
         """Return (m, 6, 6) of second_from_first as Motion defines it: (J_b - J_a) P (J_b - J_a)' for the errors that are one
@@ -50,7 +49,7 @@ class CameraTrack:
 
         T_b^-1 Exp(twist_a - twist_b) T_a: the translation moves by R_b' (rho + omega x p_a), the rotation by R_a' omega.
         """
-        e = self.errors
+        e = self.model
         apart = e.by_error[first] - e.by_error[second]
         gained = e.walk[np.maximum(first, second)] - e.walk[np.minimum(first, second)]
         twist = apart @ e.error_covariance @ apart.swapaxes(1, 2) + gained + e.white[first] + e.white[second]
@@ -61,27 +60,60 @@ class CameraTrack:
         by_twist[:, 3:, 3:] = a
         return np.asarray(by_twist @ twist @ by_twist.swapaxes(1, 2))
 
+
+@dataclass(frozen=True, kw_only=True)
+class CameraTrack:
+    """global_from_camera: T_g_c of the leading camera of every node (the top one, or the bottom one where that leads), and how
+    well the nodes are known relative to each other."""
+
+    global_from_camera: Poses
+    errors: RelativeErrors
+
+    def __len__(self) -> int:
+        return len(self.global_from_camera)
+
+    def motions(self, first: Ints, second: Ints) -> list[Motion]:
+        """Return second_from_first of the cameras with the covariance of that relative pose, for m pairs."""
+        relative = (self.global_from_camera[second].inverse() @ self.global_from_camera[first]).matrix()
+        floor = np.diag(np.repeat([WHITE_TRANSLATION_M**2, WHITE_ROTATION_RAD**2], 3))
+        covariance = self.errors.relative_covariance(first, second) + floor
+        return [Motion(*pair) for pair in zip(relative, covariance, strict=True)]
+
+    def motion(self, first: int, second: int) -> Motion:
+        """Return second_from_first of one pair."""
+        return self.motions(np.array([first]), np.array([second]))[0]
+
     def relative_sigma(self, first: Ints, second: Ints) -> Array:
         """Return the sigma (m,) in metres of the relative position, the mean over the axes."""
-        covariance = self.relative_covariance(first, second)[:, :3, :3]
+        covariance = self.errors.relative_covariance(first, second)[:, :3, :3]
         return np.asarray(np.sqrt(np.trace(covariance, axis1=1, axis2=2) / 3))
 
 
 def track_cameras(
     trajectory: Trajectory, errors: TrajectoryErrorModel, cameras: CameraRig, tray_sigma_rad: float
 ) -> CameraTrack:
-    """Return the leading camera of every node: the top one, or the bottom one at nodes that have no top image."""
-    rig, path = cameras.rig, trajectory.track().path
-    leading = rig.camera_poses(path, Camera.TOP)
-    if cameras.stereo:
-        bottom = rig.camera_poses(path, Camera.BOTTOM)
-        bottom_leads = ((trajectory.image[:, 0] < 0) & (trajectory.image[:, 1] >= 0))[:, None]
-        leading = Poses(
-            np.where(bottom_leads, bottom.quaternion, leading.quaternion),
-            np.where(bottom_leads, bottom.translation, leading.translation),
-        )
-    backlash = _backlash_twist(path.poses, rig.tray_origin, tray_sigma_rad)
-    return CameraTrack(global_from_camera=leading, errors=replace(errors, white=errors.white + backlash))
+    """Return the leading camera of every node as dead reckoning has it."""
+    path = trajectory.track().path
+    leading = leading_cameras(cameras, path, trajectory.image)
+    backlash = _backlash_twist(path.poses, cameras.rig.tray_origin, tray_sigma_rad)
+    model = replace(errors, white=errors.white + backlash)
+    return CameraTrack(global_from_camera=leading, errors=NavigationErrors(global_from_camera=leading, model=model))
+
+
+def bottom_leads(cameras: CameraRig, image: Ints) -> Mask:
+    """Return at which nodes (n,) the bottom camera alone has an image. image (n, 2): rows in the cameras' indices, or -1."""
+    return np.asarray(cameras.stereo & (image[:, 0] < 0) & (image[:, 1] >= 0))
+
+
+def leading_cameras(cameras: CameraRig, path: VehiclePath, image: Ints) -> Poses:
+    """Return T_g_c of the leading camera of every node: the top one, or the bottom one at nodes that have no top image."""
+    leading = cameras.rig.camera_poses(path, Camera.TOP)
+    if not cameras.stereo:
+        return leading
+    bottom, leads = cameras.rig.camera_poses(path, Camera.BOTTOM), bottom_leads(cameras, image)[:, None]
+    return Poses(
+        np.where(leads, bottom.quaternion, leading.quaternion), np.where(leads, bottom.translation, leading.translation)
+    )
 
 
 def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: float) -> Array:

@@ -7,8 +7,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import norm
 
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import CameraTrack
@@ -16,6 +18,8 @@ from hullrecon.vision.pairs.camera_track import CameraTrack
 RETURN = 0.2  # of overlap: the vehicle had gone and come back, it did not just move on slowly
 GRID = 8  # cells of the footprint along each side
 FINE_GRID = 32  # where small steps count
+QUANTILES = 6  # of a relative position along each axis
+BLOCK = 1000  # pairs at a time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,51 +36,114 @@ class Proposal:
         return len(self.first)
 
 
-def propose(
-    track: CameraTrack, usable: Mask, depth_m: Array, camera: CameraModel, options: MatchOptions, salient: Mask
-) -> tuple[Ints, Proposal]:
-    """Return the keyframes, and the pairs among them. usable (n,): the node has an image; depth_m (n,) of the scene, NaN
-    where unknown."""
-    keyframes = _keyframes(track, np.flatnonzero(usable), depth_m, camera, options.max_overlap)
+def select_keyframes(track: CameraTrack, usable: Mask, depth_m: Array, camera: CameraModel, options: MatchOptions) -> Ints:
+    """Return the nodes that are compared with others. usable (n,): the node has an image; depth_m (n,) of the scene, NaN where
+    unknown."""
+    return _keyframes(track, np.flatnonzero(usable), depth_m, camera, options.max_overlap)
+
+
+def propose_neighbours(
+    track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel, options: MatchOptions
+) -> Proposal:
+    """Return the pairs of following keyframes."""
     first, second = _sequential(keyframes, options.sequential)
-    overlap = footprint_overlap(track, first, second, depth_m, camera)
-    legs = _across(track, keyframes[salient[keyframes]], depth_m, camera, options)
-    across = np.repeat([False, True], [len(first), len(legs[0])])
-    first, second, overlap = (np.concatenate(p) for p in zip((first, second, overlap), legs, strict=True))
     order = np.lexsort((second, first))
-    return keyframes, Proposal(first=first[order], second=second[order], across=across[order], overlap=overlap[order])
+    first, second = first[order], second[order]
+    overlap = footprint_overlap(track, first, second, depth_m, camera)
+    return Proposal(first=first, second=second, across=np.zeros(len(first), bool), overlap=overlap)
 
 
-def footprint_overlap(
-    track: CameraTrack, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, sigmas: float = 0.0, grid: int = GRID
-) -> Array:
-    """Return the share (m,) of a grid on each image that falls into the other, the smaller of both ways; NaN where depth is
-    unknown.
+def propose_revisits(
+    track: CameraTrack,
+    keyframes: Ints,
+    depth_m: Array,
+    camera: CameraModel,
+    options: MatchOptions,
+    min_probability: float,
+    compared: Ints,
+) -> Proposal:
+    """Return for each keyframe those to which the vehicle came back and that most probably show the same piece of hull.
 
-    sigmas: the image looked into is widened by that many sigmas of the relative position.
+    min_probability: that two nodes' footprints have min_overlap in common, given how well their relative pose is known
+    [KimEustice2009]. compared: pairs (first * n + second) that are not proposed again, but count among those of their nodes.
     """
-    if len(first) == 0:
-        return np.zeros(0)
-    one = _share(track, first, second, depth_m, camera, sigmas, grid)
-    other = _share(track, second, first, depth_m, camera, sigmas, grid)
-    return np.minimum(one, other)
+    first, second = _near(track, keyframes, depth_m, camera, options.sequential)
+    overlap = footprint_overlap(track, first, second, depth_m, camera)
+    probability = overlap_probability(track, first, second, depth_m, camera, options.min_overlap)
+    ranks = np.searchsorted(keyframes, first), np.searchsorted(keyframes, second)
+    lowest = _lowest_between(track, keyframes, *ranks, depth_m, camera, options.min_overlap)
+    keep = (probability >= min_probability) & ((lowest == 0) | (overlap > lowest + RETURN))
+    first, second, overlap, score = (x[keep] for x in (first, second, overlap, probability + overlap))
+    best = _top(second, score, options.across) | _top(first, score, options.across)
+    best &= ~np.isin(first * len(track) + second, compared)
+    first, second, overlap = first[best], second[best], overlap[best]
+    return Proposal(first=first, second=second, across=np.ones(len(first), bool), overlap=overlap)
 
 
-def _share(
-    track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, sigmas: float, grid: int
+def overlap_probability(
+    track: CameraTrack, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, min_overlap: float
 ) -> Array:
+    """Return the probability (m,) that the middle of the first node's scene lies where the second's footprint covers
+    min_overlap of the first's, by quantiles of the relative pose; 0 where depth is unknown."""
+    out = np.zeros(len(first))
+    for start in range(0, len(first), BLOCK):
+        rows = slice(start, start + BLOCK)
+        out[rows] = _overlap_probability(track, first[rows], second[rows], depth_m, camera, min_overlap)
+    return out
+
+
+def _overlap_probability(
+    track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, min_overlap: float
+) -> Array:
+    relative = (track.global_from_camera[target].inverse() @ track.global_from_camera[source]).matrix()
+    depth = np.nan_to_num(depth_m[source], nan=1.0)
+    middle = np.stack([0 * depth, 0 * depth, depth], axis=1)
+    by_motion = np.concatenate(
+        [np.broadcast_to(np.eye(3), (len(source), 3, 3)), -relative[:, :3, :3] @ cross_matrix(middle)], axis=2
+    )
+    covariance = by_motion @ track.errors.relative_covariance(source, target) @ by_motion.swapaxes(1, 2)
+    values, vectors = np.linalg.eigh(covariance[:, :2, :2])
+    root = vectors * np.sqrt(np.maximum(values, 0))[:, None]
+    quantile = norm.ppf((np.arange(QUANTILES) + 0.5) / QUANTILES)
+    drawn = np.stack(np.meshgrid(quantile, quantile), axis=-1).reshape(-1, 2)
+    shift = np.einsum("mij,qj->mqi", root, drawn) / depth[:, None, None]
+    image = _ideal_in_target(relative, depth, camera, GRID)
+    low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
+    moved = image[:, None] + shift[:, :, None]
+    share = ((moved >= low) & (moved <= high)).all(axis=3).mean(axis=2)
+    return np.asarray(np.where(np.isfinite(depth_m[source]), (share >= min_overlap).mean(axis=1), 0.0))
+
+
+def _ideal_in_target(relative: Array, depth: Array, camera: CameraModel, grid: int) -> Array:
+    """Return where a grid on the source image, at one depth (m,), lies in the target camera, ideal coordinates (m, grid^2, 2);
+    inf behind it."""
     middle = (np.arange(grid) + 0.5) / grid
     u, v = np.meshgrid(middle * camera.width - 0.5, middle * camera.height - 0.5)
     rays = np.hstack([camera.undistort(np.stack([u.ravel(), v.ravel()], 1)), np.ones((grid**2, 1))])
-    poses = track.global_from_camera
-    relative = (poses[target].inverse() @ poses[source]).matrix()
-    points = rays[None] * depth_m[source][:, None, None]
+    points = rays[None] * depth[:, None, None]
     seen = points @ relative[:, :3, :3].swapaxes(1, 2) + relative[:, None, :3, 3]
     ahead = seen[..., 2] > 0.05
-    image = np.where(ahead[..., None], seen[..., :2] / np.where(ahead, seen[..., 2], 1.0)[..., None], np.inf)
-    margin = sigmas * track.relative_sigma(source, target) / np.where(np.isfinite(depth_m[source]), depth_m[source], 1.0)
+    return np.asarray(np.where(ahead[..., None], seen[..., :2] / np.where(ahead, seen[..., 2], 1.0)[..., None], np.inf))
+
+
+def footprint_overlap(
+    track: CameraTrack, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, grid: int = GRID
+) -> Array:
+    """Return the share (m,) of a grid on each image that falls into the other, the smaller of both ways; NaN where depth is
+    unknown."""
+    if len(first) == 0:
+        return np.zeros(0)
+    one = _share(track, first, second, depth_m, camera, grid)
+    other = _share(track, second, first, depth_m, camera, grid)
+    return np.minimum(one, other)
+
+
+def _share(track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, grid: int) -> Array:
+    poses = track.global_from_camera
+    relative = (poses[target].inverse() @ poses[source]).matrix()
+    image = _ideal_in_target(relative, depth_m[source], camera, grid)
     low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
-    inside = ((image >= low - margin[:, None, None]) & (image <= high + margin[:, None, None])).all(axis=2)
+    inside = ((image >= low) & (image <= high)).all(axis=2)
     return np.asarray(np.where(np.isfinite(depth_m[source]), inside.mean(axis=1), np.nan))
 
 
@@ -102,23 +169,6 @@ def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
     second = [nodes[k:] for k in steps]
     none = np.zeros(0, np.int64)
     return np.concatenate([none, *first]), np.concatenate([none, *second])
-
-
-def _across(
-    track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, options: MatchOptions
-) -> tuple[Ints, Ints, Array]:
-    """Return for each node those to which the vehicle came back and whose footprints overlap most, were navigation right; of
-    the ones that overlap by min_overlap within 3 sigma of it."""
-    first, second = _near(track, nodes, depth_m, camera, options.sequential)
-    possible = footprint_overlap(track, first, second, depth_m, camera, sigmas=3.0) >= options.min_overlap
-    first, second = first[possible], second[possible]
-    overlap = footprint_overlap(track, first, second, depth_m, camera)
-    ranks = np.searchsorted(nodes, first), np.searchsorted(nodes, second)
-    lowest = _lowest_between(track, nodes, *ranks, depth_m, camera, options.min_overlap)
-    keep = (lowest == 0) | (overlap > lowest + RETURN)
-    first, second, overlap = first[keep], second[keep], overlap[keep]
-    best = _top(second, overlap, options.across) | _top(first, overlap, options.across)
-    return first[best], second[best], overlap[best]
 
 
 def _near(track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, reach: int) -> tuple[Ints, Ints]:

@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Cycles of three links: around each, the relative rotations must close; a link that most of its cycles contradict is wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.records.links import CameraLinks
+from hullrecon.typing import Array, Ints, Mask
+
+MAX_CHI2 = 16.3  # of three angles, 99.9 %
+LEAST_SIGMA_RAD = np.radians(0.1)  # of one link: what two-view covariances leave out
+
+
+def contradicted_links(links: CameraLinks, across: Mask) -> Mask:
+    """Return which links of two legs (m,) are contradicted by more of their cycles of three than confirm them.
+
+    The worst goes first and its cycles with it, until none is left: a wrong link makes its neighbours' cycles fail too.
+    """
+    out = np.zeros(len(links), bool)
+    cycle = _cycles(links)
+    if len(cycle) == 0:
+        return out
+    closed = _chi2(links, cycle) < MAX_CHI2
+    alive = np.ones(len(cycle), bool)
+    while True:
+        bad = np.bincount(cycle[alive & ~closed].ravel(), minlength=len(links))
+        good = np.bincount(cycle[alive & closed].ravel(), minlength=len(links))
+        excess = np.where(across & ~out, bad - good, 0)
+        worst = int(np.argmax(excess))
+        if excess[worst] <= 0:
+            return out
+        out[worst] = True
+        alive &= ~(cycle == worst).any(axis=1)
+
+
+def _cycles(links: CameraLinks) -> Ints:
+    """Return the rows (c, 3) of the links a-b, b-c, a-c of every cycle a < b < c."""
+    n = int(max(links.first.max(initial=-1), links.second.max(initial=-1))) + 1
+    order = np.argsort(links.first * n + links.second, kind="stable")
+    keys, first, second = (links.first * n + links.second)[order], links.first[order], links.second[order]
+    start, stop = np.searchsorted(first, second), np.searchsorted(first, second, side="right")
+    count = stop - start
+    ab = np.repeat(np.arange(len(keys)), count)
+    bc = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count) + np.repeat(start, count)
+    wanted = first[ab] * n + second[bc]
+    at = np.minimum(np.searchsorted(keys, wanted), max(len(keys) - 1, 0))
+    found = keys[at] == wanted if len(keys) else np.zeros(0, bool)
+    return np.asarray(order[np.column_stack([ab[found], bc[found], at[found]])])
+
+
+def _chi2(links: CameraLinks, cycle: Ints) -> Array:
+    """Return the squared angle (c,) by which each cycle fails to close, over its variance."""
+    ab, bc, ac = (Rotation.from_quat(links.quaternion[cycle[:, k]]) for k in range(3))
+    gap = (ac.inv() * bc * ab).as_rotvec()
+    # Each link's rotation is perturbed on its right; the angles are small, so their covariances add in their own axes turned.
+    turn_ab = ab.inv().as_matrix()
+    covariance = [links.covariance[cycle[:, k], 3:, 3:] for k in range(3)]
+    total = covariance[0] + turn_ab @ covariance[1] @ turn_ab.swapaxes(1, 2) + covariance[2]
+    total = total + 3 * LEAST_SIGMA_RAD**2 * np.eye(3)
+    return np.einsum("ci,cij,cj->c", gap, np.linalg.inv(total), gap)
