@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.poses import exp
 from hullrecon.vision.pairs import mono_motion, two_view
 from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.stereo_adjustment import correlation_inflation, image_cells
 from hullrecon.vision.pairs.two_view import PossibleMotion
 
 TRUE = exp([[0.3, 0.02, 0.05, 0.02, -0.05, 0.01]]).matrix()[0]
@@ -107,7 +108,20 @@ def test_a_vehicle_that_moved_loses_no_information_by_it():
     motion, covariance = mono_motion.refine(UNIT, *matches())
     residual, jacobian = mono_motion._linearised(motion, *matches())
     plain = np.linalg.inv(mono_motion._information(jacobian, mono_motion._variance(residual)))
-    np.testing.assert_allclose(np.sqrt(np.diag(covariance)), np.sqrt(np.diag(plain)), rtol=1e-3)
+    each = jacobian[:, :, None] * jacobian[:, None]
+    shared = correlation_inflation(
+        each, jacobian * residual[:, None], mono_motion._variance(residual), image_cells(matches()[0])
+    )
+    np.testing.assert_allclose(np.sqrt(np.diag(covariance)), np.sqrt(shared * np.diag(plain)), rtol=1e-3)
+
+
+def test_errors_that_neighbours_share_are_in_the_covariance():
+    """Each point found six times, with one error: six witnesses are one."""
+    chi2 = []
+    for seed in range(60):
+        motion, covariance = mono_motion.refine(UNIT, *(np.repeat(xy, 6, axis=0) for xy in matches(seed=seed)))
+        chi2.append(five(motion) @ np.linalg.solve(covariance, five(motion)) / 5)
+    assert 0.85 < np.sqrt(np.mean(chi2)) < 1.25
 
 
 @pytest.mark.parametrize("direction", [[1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0], [0.6, 0, 0.8]])

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array
 from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.stereo_adjustment import correlation_inflation, image_cells
 from hullrecon.vision.pairs.two_view import PossibleMotion, essential_of
 
 ITERATIONS = 10
@@ -28,7 +29,7 @@ def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
 
     Its unknowns: the rotation perturbed on the right (3), the direction of t in `tangent_basis` (2). To first order the Sampson
     distance is what a bundle adjustment of two views leaves of a match once its point is solved for, so this information is
-    that adjustment's. The covariance takes its scale from the residuals, and what the
+    that adjustment's. The covariance takes its scale from the residuals and from how far neighbours err together, and what the
     matches' own noise adds to the information about the direction is taken off.
     """
     residual, jacobian = _linearised(motion, first, second)
@@ -45,10 +46,13 @@ def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
         motion, residual, jacobian, damping = trial, trial_residual, trial_jacobian, damping * 0.1
         if np.abs(step).max() < 1e-10:
             break
-    own = jacobian.T @ jacobian / _variance(residual)
-    moved = has_parallax(motion, first, second, _variance(residual))
+    variance = _variance(residual)
+    own = jacobian.T @ jacobian / variance
+    moved = has_parallax(motion, first, second, variance)
     information = without_noise_share(own, noise_share(motion, first, second)) if moved else _without_direction(own)
-    return motion, np.asarray(np.linalg.inv(information + DIRECTION_PRIOR))
+    each = jacobian[:, :, None] * jacobian[:, None]
+    inflation = correlation_inflation(each, jacobian * residual[:, None], variance, image_cells(first))
+    return motion, np.asarray(np.linalg.inv(information / inflation + DIRECTION_PRIOR))
 
 
 def with_length(motion: Array, covariance: Array, prior: Motion | None) -> Motion:

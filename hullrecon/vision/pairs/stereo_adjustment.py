@@ -1,0 +1,195 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The motion between two stereo nodes by bundle adjustment of both, their points eliminated, with the covariance that its
+residuals show.
+
+A feature seen by both cameras of both nodes has eight coordinates and three unknowns: five of them say something about the
+motion. Counted as eight, as if triangulated points were known, the covariance is four times too small.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.typing import Array, Ints, Mask
+
+ITERATIONS = 3
+CHI2_MEDIAN = 0.87  # of chi-square over its degrees of freedom, five of them
+OUTLIER_SIGMAS = 3.9  # of a feature's whole residual: 0.9999 of a Gaussian's
+CELL = 0.1  # ideal units, rad: features nearer than that share blur, light, relief and what the camera's model lacks
+WEAK_POINT = 1e-9  # of a point's information: keeps a feature that only one camera saw from dividing by zero
+
+
+@dataclass(frozen=True, kw_only=True)
+class NodeObservations:
+    """m features of one node. lead (m, 2): ideal coordinates in its leading camera; other (m, 2): in the bottom camera of its
+    stereo match, NaN where none; point (m, 3): triangulated in the leading camera, m, NaN where none."""
+
+    lead: Array
+    other: Array
+    point: Array
+
+    def __getitem__(self, rows: Ints | Mask) -> NodeObservations:
+        return NodeObservations(lead=self.lead[rows], other=self.other[rows], point=self.point[rows])
+
+
+@dataclass(frozen=True, kw_only=True)
+class AdjustedMotion:
+    """second_from_first (4, 4); covariance (6, 6) of (translation in second's axes, rotation perturbed on the right);
+    by_rig (6, 6): derivative of that 6-vector by an error of T_ct_cb, (translation, rotation vector) in the top camera's
+    axes."""
+
+    second_from_first: Array
+    covariance: Array
+    by_rig: Array
+
+
+def adjust_stereo_motion(
+    motion: Array, first: NodeObservations, second: NodeObservations, bottom_from_top: Array
+) -> AdjustedMotion | None:
+    """Return the motion (4, 4) adjusted to the same m features of both nodes; None where too few have a stereo point."""
+    known = np.isfinite(first.point[:, 0]) | np.isfinite(second.point[:, 0])
+    first, second = first[known], second[known]
+    if len(first.lead) < 6:
+        return None
+    back = (second.point - motion[:3, 3]) @ motion[:3, :3]
+    points = np.where(np.isfinite(first.point), first.point, back)
+    for _ in range(ITERATIONS):
+        system = _reduce(motion, points, first, second, bottom_from_top)
+        good = _inliers(system)
+        step = np.asarray(-np.linalg.solve(system.information[good].sum(axis=0), system.gradient[good].sum(axis=0)))
+        points = points + system.point_step(step)
+        motion = _moved(motion, step)
+    system = _reduce(motion, points, first, second, bottom_from_top)
+    good = _inliers(system)
+    information = system.information[good].sum(axis=0)
+    inverse = np.linalg.inv(information)
+    variance = max(float(system.cost[good].sum()) / max(1, int(system.freedom[good].sum()) - 6), 1e-14)
+    inflation = correlation_inflation(system.information[good], system.gradient[good], variance, image_cells(first.lead[good]))
+    return AdjustedMotion(
+        second_from_first=motion,
+        covariance=variance * inflation * inverse,
+        by_rig=-inverse @ system.by_rig[good].sum(axis=0),
+    )
+
+
+def correlation_inflation(information: Array, gradient: Array, variance: float, cell: Ints) -> float:
+    """Return by how much the variance of a motion exceeds that of independent features, at least 1.
+
+    information (m, k, k), gradient (m, k) of each feature at the solution; cell (m,): which of them may share errors. The
+    gradients of a cell add up to more than their sum of squares where its features err together (one point found at two scales,
+    light from one side, a wrong lens): the cluster-robust covariance [Liang1986], as one factor, against what independent
+    features of that variance would leave once the motion is fitted to them.
+    """
+    whole = np.linalg.inv(information.sum(axis=0))
+    count, size = int(cell.max()) + 1, len(whole)
+    summed, own = np.zeros((count, size)), np.zeros((count, size, size))
+    np.add.at(summed, cell, gradient)
+    np.add.at(own, cell, information)
+    share = whole @ own
+    expected = variance * (size - float(np.einsum("cij,cji->", share, share)))
+    found = float(np.einsum("ci,ij,cj->", summed, whole, summed))
+    return max(found / expected, 1.0) if expected > 0.5 * variance else 1.0
+
+
+def image_cells(xy: Array) -> Ints:
+    """Return the number of the cell of CELL by CELL in which each of the ideal coordinates (m, 2) lies."""
+    return np.asarray(np.unique(np.floor(xy / CELL), axis=0, return_inverse=True)[1], np.int64).ravel()
+
+
+@dataclass(frozen=True, kw_only=True)
+class _ReducedSystem:
+    """Of m features, their points eliminated: information (m, 6, 6), gradient (m, 6), by_rig (m, 6, 6) of the gradient; cost
+    (m,), the sum of squares at the best points; freedom (m,); what brings the points along with a step of the motion."""
+
+    information: Array
+    gradient: Array
+    by_rig: Array
+    cost: Array
+    freedom: Ints
+    point_inverse: Array
+    point_gradient: Array
+    point_by_motion: Array
+
+    def point_step(self, step: Array) -> Array:
+        """Return how far the points (m, 3) move when the motion does by (6,)."""
+        wanted = self.point_gradient + np.einsum("mji,j->mi", self.point_by_motion, step)
+        return np.asarray(-np.einsum("mij,mj->mi", self.point_inverse, wanted))
+
+
+def _reduce(
+    motion: Array, points: Array, first: NodeObservations, second: NodeObservations, bottom_from_top: Array
+) -> _ReducedSystem:
+    residual, by_point, by_motion, by_rig = _linearise(motion, points, first, second, bottom_from_top)
+    turned = by_point.swapaxes(1, 2)
+    own = turned @ by_point
+    inverse = np.linalg.inv(own + WEAK_POINT * np.trace(own, axis1=1, axis2=2)[:, None, None] * np.eye(3))
+    gradient = np.einsum("mri,mr->mi", by_point, residual)
+    cross = by_motion.swapaxes(1, 2) @ by_point
+    carried = cross @ inverse
+    return _ReducedSystem(
+        information=by_motion.swapaxes(1, 2) @ by_motion - carried @ cross.swapaxes(1, 2),
+        gradient=np.einsum("mri,mr->mi", by_motion, residual) - np.einsum("mij,mj->mi", carried, gradient),
+        by_rig=by_motion.swapaxes(1, 2) @ by_rig - carried @ (turned @ by_rig),
+        cost=(residual**2).sum(axis=1) - np.einsum("mi,mij,mj->m", gradient, inverse, gradient),
+        freedom=np.asarray((by_point != 0).any(axis=2).sum(axis=1) - 3),
+        point_inverse=inverse,
+        point_gradient=gradient,
+        point_by_motion=cross,
+    )
+
+
+def _linearise(
+    motion: Array, points: Array, first: NodeObservations, second: NodeObservations, bottom_from_top: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Return residuals (m, 8) and their derivatives by the points (m, 8, 3), the motion (m, 8, 6) and the rig (m, 8, 6); rows
+    that were not seen are zero."""
+    count, turn = len(points), motion[:3, :3]
+    there = points @ turn.T + motion[:3, 3]
+    residual, by_point = np.zeros((count, 4, 2)), np.zeros((count, 4, 2, 3))
+    by_motion, by_rig = np.zeros((count, 4, 2, 6)), np.zeros((count, 4, 2, 6))
+    views = (
+        (points, np.eye(4), first.lead), (points, bottom_from_top, first.other),
+        (there, np.eye(4), second.lead), (there, bottom_from_top, second.other),
+    )  # fmt: skip
+    for k, (seen_from_lead, camera, xy) in enumerate(views):
+        seen = seen_from_lead @ camera[:3, :3].T + camera[:3, 3]
+        depth = np.where(seen[:, 2] > 1e-6, seen[:, 2], np.nan)
+        image = seen[:, :2] / depth[:, None]
+        by_seen = np.zeros((count, 2, 3))
+        by_seen[:, 0, 0] = by_seen[:, 1, 1] = 1 / depth
+        by_seen[:, :, 2] = -image / depth[:, None]
+        by_lead = by_seen @ camera[:3, :3]
+        residual[:, k] = image - xy
+        by_point[:, k] = by_lead if k < 2 else by_lead @ turn
+        if k >= 2:
+            by_motion[:, k, :, :3] = by_lead
+            by_motion[:, k, :, 3:] = -by_lead @ (turn @ cross_matrix(points))
+        if k % 2:
+            by_rig[:, k, :, :3] = -by_lead
+            by_rig[:, k, :, 3:] = by_lead @ cross_matrix(seen_from_lead + camera[:3, :3].T @ camera[:3, 3])
+    hidden = ~np.isfinite(residual)
+    residual[hidden] = 0
+    for derivative in (by_point, by_motion, by_rig):
+        derivative[hidden] = 0
+    return (residual.reshape(count, 8), by_point.reshape(count, 8, 3), by_motion.reshape(count, 8, 6),
+            by_rig.reshape(count, 8, 6))  # fmt: skip
+
+
+def _inliers(system: _ReducedSystem) -> Mask:
+    """Return the features whose residuals fit to the scale of the median one. A chi-square's tail, by Wilson and Hilferty."""
+    freedom = np.maximum(system.freedom, 1)
+    variance = float(np.median(system.cost / freedom)) / CHI2_MEDIAN
+    limit = freedom * (1 - 2 / (9 * freedom) + OUTLIER_SIGMAS * np.sqrt(2 / (9 * freedom))) ** 3
+    return np.asarray((system.freedom > 0) & (system.cost <= max(variance, 1e-14) * limit))
+
+
+def _moved(motion: Array, step: Array) -> Array:
+    out = motion.copy()
+    out[:3, 3] += step[:3]
+    out[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[3:]).as_matrix()
+    return out
