@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,6 +16,10 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
+
+RIG_SECTIONS = ("tray", "imu", "pressure", "dvl", "camera.top", "camera.bottom")
+
+Section = TypeVar("Section")
 
 
 @dataclass(frozen=True)
@@ -60,17 +65,14 @@ def mount_prior(mount: tuple[float, ...], sigma: tuple[float, ...]) -> Mount:
     return Mount(nominal, rows)
 
 
-def rig_from_config(
-    tray: schema.Tray,
-    imu: schema.Imu,
-    pressure: schema.Pressure,
-    dvl: schema.Dvl,
-    top: schema.CameraTop | None,
-    bottom: schema.CameraBottom | None,
-    cameras: Mapping[Camera, CameraModel],
-    free_dvl_position: bool = False,
+def rig_priors_from_settings(
+    settings: Mapping[str, object], cameras: Mapping[Camera, CameraModel], free_dvl_position: bool = False
 ) -> Rig:
-    """Return the rig of a dive package."""
+    """Return the rig of a dive from the sections of dive.toml named in RIG_SECTIONS, None where not carried."""
+    tray, imu = _section(settings, "tray", schema.Tray), _section(settings, "imu", schema.Imu)
+    pressure, dvl = _section(settings, "pressure", schema.Pressure), _section(settings, "dvl", schema.Dvl)
+    top = None if settings["camera.top"] is None else _section(settings, "camera.top", schema.CameraTop)
+    bottom = None if settings["camera.bottom"] is None else _section(settings, "camera.bottom", schema.CameraBottom)
     degree = np.pi / 180
     held = np.zeros(3) if free_dvl_position else np.array(dvl.mount_sigma[:3])
     dvl_sigma = dvl.mount_sigma if free_dvl_position else (1e-6, 1e-6, 1e-6, *dvl.mount_sigma[3:])
@@ -90,3 +92,10 @@ def rig_from_config(
         sigma_range=dvl.sigma_range,
         navigation_sigma=np.maximum(sigma, 1e-9),
     )
+
+
+def _section(settings: Mapping[str, object], name: str, kind: type[Section]) -> Section:
+    found = settings[name]
+    if not isinstance(found, kind):
+        raise TypeError(f"section {name} is {found!r}, where {kind.__name__} is expected")
+    return found

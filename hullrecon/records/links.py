@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.trajectory import VehiclePath
 from hullrecon.typing import Array, Floats32, Ints, Mask
@@ -54,7 +56,7 @@ class NodePairs:
     @property
     def joined(self) -> Mask:
         """Return which pairs (m,) matched and were kept."""
-        return (self.reason == 0) & ~self.rejected
+        return np.asarray((self.reason == 0) & ~self.rejected)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +73,8 @@ class PairFeatures:
 @dataclass(frozen=True, kw_only=True)
 class NodeStereo:
     """What the two cameras of each node have in common. features (n,): number of the leading camera's features; start
-    (n + 1,): where each node's rows begin; top, bottom (k,): rows of the cameras' features; point (k, 3) m in the top camera."""
+    (n + 1,): where each node's rows begin; top, bottom (k,): rows of the cameras' features; point (k, 3) m in the top
+    camera."""
 
     features: Ints
     start: Ints

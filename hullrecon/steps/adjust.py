@@ -20,7 +20,7 @@ from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.dive.config import schema
-from hullrecon.estimation.rig_priors import rig_from_config
+from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.frames import Camera
@@ -57,16 +57,8 @@ def _measurements(context: Context[AdjustOptions]) -> Measurements:
         returns=inputs.navigate.returns,
         attitude=inputs.navigate.attitude,
         tracks=inputs.matches.tracks if inputs.matches is not None else None,
-        rig=rig_from_config(
-            settings.read("tray", schema.Tray),
-            settings.read("imu", schema.Imu),
-            settings.read("pressure", schema.Pressure),
-            settings.read("dvl", schema.Dvl),
-            settings.read_optional("camera.top", schema.CameraTop),
-            settings.read_optional("camera.bottom", schema.CameraBottom),
-            inputs.ingest.camera_models,
-            context.parameters.free_dvl_position,
-        ),
+        start=inputs.links.path.path() if inputs.links is not None else None,
+        rig=rig_priors_from_settings(settings, inputs.ingest.camera_models, context.parameters.free_dvl_position),
         cad_model=_cad_model(inputs.ingest.hull, settings.read_optional("hull", schema.Hull)),
     )
 
@@ -123,9 +115,9 @@ STAGE = Stage(
     name="adjust",
     summary="adjust images, DVL ranges and the CAD model together",
     inputs=("ingest", "navigate"),
-    optional=("matches",),
-    uses=("tray", "imu", "pressure", "dvl", "camera.top", "camera.bottom", "hull"),
+    optional=("links", "matches"),
+    uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=5,
+    version=6,
     run=run,
 )

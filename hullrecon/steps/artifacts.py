@@ -21,6 +21,7 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import Chart, chart_from_arrays
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.records.links import CameraLinks, LinkedPath, NodePairs, NodeStereo, PairFeatures
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SonarPings
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.solution import Solution
@@ -139,6 +140,34 @@ class NavigateArtifact(StepArtifact):
         return self._document("navigation.json")
 
 
+class LinksArtifact(StepArtifact):
+    """Pairs of nodes, what their images have in common, and the path that this ties together."""
+
+    @property
+    def pairs(self) -> NodePairs:
+        return self._required("pairs.npz", NodePairs)
+
+    @property
+    def features(self) -> PairFeatures:
+        return self._required("features.npz", PairFeatures)
+
+    @property
+    def links(self) -> CameraLinks:
+        return self._required("links.npz", CameraLinks)
+
+    @property
+    def stereo(self) -> NodeStereo:
+        return self._required("stereo.npz", NodeStereo)
+
+    @cached_property
+    def path(self) -> LinkedPath:
+        return self._required("path.npz", LinkedPath)
+
+    @property
+    def facts(self) -> Document:
+        return self._document("links.json")
+
+
 class MatchesArtifact(StepArtifact):
     """Pairs and tracks."""
 
@@ -230,6 +259,10 @@ class InputArtifacts:
     @property
     def navigate(self) -> NavigateArtifact:
         return NavigateArtifact(self.inputs["navigate"])
+
+    @property
+    def links(self) -> LinksArtifact | None:
+        return LinksArtifact(self.inputs["links"]) if "links" in self.inputs else None
 
     @property
     def matches(self) -> MatchesArtifact | None:

@@ -10,7 +10,8 @@ from typing import cast
 from hullrecon.artifacts.graph.stage import Stage
 
 NAMES = (
-    "ingest", "navigate", "features", "matches", "adjust", "surface", "detect", "mosaic-optical", "mosaic-sonar", "report",
+    "ingest", "navigate", "features", "links", "matches", "adjust", "surface", "detect",
+    "mosaic-optical", "mosaic-sonar", "report",
 )  # fmt: skip
 
 

@@ -1,27 +1,20 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""matches: images compared pair by pair, and the tracks that their matches join to."""
+"""matches: the matches of linked images joined to tracks."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-import numpy as np
-
 from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.errors import InputError
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.vision.match_images import MatchedImages, NavigatedDive, match_images
+from hullrecon.steps.links import applies
+from hullrecon.vision.match_images import MatchedImages, join_images
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.match_worker import MatchWorker
 from hullrecon.vision.pairs.matching import REASON_TEXTS
 from hullrecon.vision.stereo.camera_rig import CameraRig
-
-
-def applies(settings: Mapping[str, object]) -> str | None:
-    """Return why a dive cannot have this step; None where it can."""
-    return None if settings["camera.top.mount"] is not None else "no camera was carried"
 
 
 def run(context: Context[MatchOptions]) -> None:
@@ -29,24 +22,25 @@ def run(context: Context[MatchOptions]) -> None:
     inputs = InputArtifacts(context.inputs)
     rig = rig_from_settings(context.settings, inputs.ingest.camera_models)
     worker = MatchWorker(features=context.inputs["features"], rig=CameraRig(rig), options=context.parameters)
-    dive = NavigatedDive(
-        trajectory=inputs.navigate.trajectory,
-        errors=inputs.navigate.error_model,
-        returns=inputs.navigate.returns,
-        tray_sigma_rad=float(np.radians(context.settings.read("tray.sigma_deg", float))),
+    links = inputs.links
+    if links is None:
+        raise InputError("the links are missing", where="matches", remedy="run the step links")
+    found = join_images(
+        worker,
+        inputs.navigate.trajectory.image,
+        links.pairs,
+        links.links,
+        links.features,
+        links.stereo,
+        int(str(links.facts["keyframes"])),
     )
-    found = match_images(worker, dive, context.map)
     context.out.arrays("tracks.npz", to_arrays(found.tracks))
     _write_pairs(context, found)
 
 
 def _write_pairs(context: Context[MatchOptions], found: MatchedImages) -> None:
-    proposal, chains = found.proposal, found.chains()
-    context.out.arrays("pairs.npz", {
-        "first": proposal.first, "second": proposal.second, "across": proposal.across, "overlap": proposal.overlap,
-        "putative": np.array([pair.putative for pair in found.pairs], np.int64), "inliers": found.inliers,
-        "reason": found.reason,
-    })  # fmt: skip
+    pairs, chains = found.pairs, found.chains()
+    context.out.arrays("pairs.npz", {**to_arrays(pairs), "inliers": found.inliers})
     if len(chains) > 1:
         context.warn(
             f"the images fall into {len(chains)} chains without a match between them; the longest has {chains[0]} nodes"
@@ -57,11 +51,11 @@ def _write_pairs(context: Context[MatchOptions], found: MatchedImages) -> None:
 
 STAGE = Stage(
     name="matches",
-    summary="match images and build feature tracks",
-    inputs=("ingest", "navigate", "features"),
+    summary="join matches of linked images to feature tracks",
+    inputs=("ingest", "navigate", "features", "links"),
     parameters=MatchOptions,
-    version=4,
+    version=5,
     run=run,
-    uses=(*RIG_KEYS, "tray.sigma_deg"),
+    uses=RIG_KEYS,
     applies=applies,
 )

@@ -38,7 +38,6 @@ BLOCK = 48  # pairs that one call of a worker compares: neighbours share views
 MIN_STEREO_POINTS = 8  # from which their median is the depth of the scene
 # A round compares pairs that overlap at least so probably; the next step is taken when one finds nothing.
 PROBABILITIES = (0.5, 0.2, 0.05)
-MAX_ROUNDS = 12
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -51,10 +50,17 @@ class Map(Protocol):
 
 
 class SolvedPath(Protocol):
-    """The path that navigation and links give. rejected (m,): links that contradict it."""
+    """The path that navigation and links give."""
 
-    path: VehiclePath
-    rejected: Mask
+    @property
+    def path(self) -> VehiclePath:
+        """Return the vehicle and its tray at the nodes."""
+        ...
+
+    @property
+    def rejected(self) -> Mask:
+        """Return which links contradict the rest."""
+        ...
 
     def relative_errors(self) -> RelativeErrors:
         """Return how well nodes are known relative to each other."""
@@ -65,7 +71,7 @@ class SolvedPath(Protocol):
         ...
 
 
-PathSolver = Callable[[CameraLinks], SolvedPath]
+PathSolver = Callable[[CameraLinks, VehiclePath], SolvedPath]  # links, and where to begin
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,9 +96,24 @@ class LinkedImages:
     path: LinkedPath
     keyframes: Ints
 
+    def rounds(self) -> list[dict[str, int]]:
+        """Return how many pairs each round compared, joined and rejected."""
+        p = self.pairs
+        numbers = range(int(p.round.max(initial=-1)) + 1)
+        return [
+            {
+                "compared": int((p.round == k).sum()),
+                "joined": int((p.joined & (p.round == k)).sum()),
+                "rejected": int((p.rejected & (p.round == k)).sum()),
+            }
+            for k in numbers
+        ]
 
-def link_images(worker: MatchWorker, dive: NavigatedDive, solve_path: PathSolver, map_items: Map) -> LinkedImages:
-    """Return the images of a dive linked, with the path that the links and navigation give."""
+
+def link_images(
+    worker: MatchWorker, dive: NavigatedDive, solve_path: PathSolver, map_items: Map, max_rounds: int
+) -> LinkedImages:
+    """Return the images of a dive linked, with the path that the links and navigation give. max_rounds: across legs."""
     track = track_cameras(dive.trajectory, dive.errors, worker.rig, dive.tray_sigma_rad)
     usable = np.asarray((dive.trajectory.image >= 0).any(axis=1))
     nodes, count = _match_stereo(worker, _nodes(worker, dive, track), np.flatnonzero(usable), map_items)
@@ -100,10 +121,10 @@ def link_images(worker: MatchWorker, dive: NavigatedDive, solve_path: PathSolver
     keyframes = select_keyframes(track, usable, scene.depth_m, scene.camera, worker.options)
     neighbours = propose_neighbours(track, keyframes, scene.depth_m, scene.camera, worker.options)
     compared = _Compared.none().joined_with(neighbours, scene.match(track, neighbours, map_items), number=0)
-    solved = solve_path(compared.links(scene))
+    solved = solve_path(compared.links(scene), dive.trajectory.track().path)
     salient = np.array([worker.saliency(nodes[k]) >= worker.options.min_saliency for k in keyframes], bool)
     if worker.options.across > 0:
-        compared, solved = _link_legs(scene, keyframes[salient], compared, solved, solve_path, map_items)
+        compared, solved = _link_legs(scene, keyframes[salient], compared, solved, solve_path, map_items, max_rounds)
     return _linked(scene, keyframes, count, compared, solved)
 
 
@@ -114,10 +135,11 @@ def _link_legs(
     solved: SolvedPath,
     solve_path: PathSolver,
     map_items: Map,
+    max_rounds: int,
 ) -> tuple[_Compared, SolvedPath]:
     """Return what rounds of comparisons across legs add."""
     options, level = scene.worker.options, 0
-    for number in range(1, MAX_ROUNDS + 1):
+    for number in range(1, max_rounds + 1):
         track = scene.track(solved)
         proposal = propose_revisits(
             track, keyframes, scene.depth_m, scene.camera, options, PROBABILITIES[level], compared.keys(len(track))
@@ -127,7 +149,7 @@ def _link_legs(
             compared = compared.joined_with(proposal, found, number)
             links = compared.links(scene)
             compared = compared.rejecting(contradicted_links(links, compared.across()))
-            solved = solve_path(compared.links(scene))
+            solved = solve_path(compared.links(scene), solved.path)
             compared = compared.rejecting(solved.rejected)
             continue
         compared = compared.joined_with(proposal, found, number)

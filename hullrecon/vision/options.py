@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from msgspec import Meta
 
@@ -65,3 +65,13 @@ class MatchOptions(Section, frozen=True):
     single_node: Annotated[bool, Meta(description="keep landmarks that only the two cameras of one node saw")] = True
 
     seed: Annotated[int, Meta(ge=0, description="seed of the random numbers")] = 1
+
+
+class LinkOptions(Section, frozen=True):
+    """Section [links] of dive.toml; how pairs are matched is in [matches]."""
+
+    max_rounds: Annotated[int, Meta(ge=0, le=50, description="rounds of comparisons across legs at most")] = 12
+    kernel: Annotated[
+        Literal["scaling", "switch", "none"],
+        Meta(description="what guards the path against wrong links: dynamic covariance scaling, switches, nothing"),
+    ] = "scaling"

@@ -32,7 +32,8 @@ class CadModel:
 
 @dataclass(frozen=True)
 class Measurements:
-    """All that enters the adjustment. tracks None: no camera; CAD model None: no CAD."""
+    """All that enters the adjustment. tracks None: no camera; CAD model None: no CAD; start None: dead reckoning is the path to
+    begin with."""
 
     trajectory: Trajectory
     odometry: Odometry
@@ -41,6 +42,7 @@ class Measurements:
     tracks: Tracks | None
     rig: Rig
     cad_model: CadModel | None
+    start: VehiclePath | None = None
 
 
 def return_points(returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, T_s_d: Poses) -> tuple[Array, Array]:

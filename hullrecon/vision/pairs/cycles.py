@@ -60,4 +60,4 @@ def _chi2(links: CameraLinks, cycle: Ints) -> Array:
     covariance = [links.covariance[cycle[:, k], 3:, 3:] for k in range(3)]
     total = covariance[0] + turn_ab @ covariance[1] @ turn_ab.swapaxes(1, 2) + covariance[2]
     total = total + 3 * LEAST_SIGMA_RAD**2 * np.eye(3)
-    return np.einsum("ci,cij,cj->c", gap, np.linalg.inv(total), gap)
+    return np.asarray(np.einsum("ci,cij,cj->c", gap, np.linalg.inv(total), gap))

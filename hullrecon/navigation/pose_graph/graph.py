@@ -1,0 +1,235 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The pose graph [KimEustice2009; Ozog2016 2]: odometry, depth, attitude and links, with navigation's systematic errors and
+the cameras' mount as unknowns, solved by the native module."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from hullrecon import native
+from hullrecon.estimation.navigation_tables import (
+    attitude_table,
+    gauge_prior,
+    mount_prior_table,
+    odometry_table,
+    tray_table,
+)
+from hullrecon.estimation.rig_priors import Rig
+from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
+from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.records.links import CameraLinks, LinkedPath
+from hullrecon.records.trajectory import Attitude, Odometry, Trajectory, VehiclePath
+from hullrecon.typing import Array, Ints, Mask
+
+REJECTED_CHI2 = 5.0  # of a link's whitened square in units of its rows: dynamic covariance scaling has all but dropped it
+SHARED_IMAGES = 2.0  # links of a node that speak as if alone; more of them share its features' noise
+KERNELS = {"scaling": native.LinkKernel.SCALING, "switch": native.LinkKernel.SWITCH, "none": native.LinkKernel.NONE}
+OPTIONS = native.Options(method="naive", max_iterations=60, function_tolerance=1e-7)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoseGraph:
+    """What navigation measured, the rig with its priors, and what guards against wrong links: scaling, switch or none."""
+
+    trajectory: Trajectory
+    odometry: Odometry
+    attitude: Attitude
+    rig: Rig
+    kernel: str = "scaling"
+
+    def solve(self, links: CameraLinks, start: VehiclePath) -> GraphSolution:
+        """Return the path of least cost. start: where to begin.
+
+        Raises StageError where nothing determines the path.
+        """
+        problem = self._problem(links, start)
+        result = native.solve(problem, OPTIONS)
+        solved = problem.started_from(result.unknowns)
+        return GraphSolution(
+            graph=self, links=links, problem=solved, rejected=_rejected(solved, len(links)), converged=result.converged
+        )
+
+    def _problem(self, links: CameraLinks, start: VehiclePath) -> native.Problem:
+        rig, t = self.rig, self.trajectory
+        mounts = {"T_s_d": rig.T_s_d, "T_s_ct": rig.T_s_ct, "T_ct_cb": rig.T_ct_cb}
+        nominal = {name: None if mount is None else mount.nominal for name, mount in mounts.items()}
+        priors = {name: mount_prior_table(mount, nominal[name]) for name, mount in mounts.items()}
+        linked = {"T_s_ct": len(links) > 0, "T_ct_cb": bool(links.bottom.any()), "T_s_d": True}
+        priors = {name: prior if linked[name] else None for name, prior in priors.items()}
+        held = {name for name, prior in priors.items() if prior is None}
+        return native.Problem(
+            unknowns=_unknowns(start, nominal),
+            constant=tuple(sorted(held | {"T_g_M", "deviation", "intrinsics_top", "intrinsics_bottom"})),
+            lever_arms=native.LeverArms(tray=rig.tray_origin, pressure=rig.pressure_origin),
+            priors=native.Priors(
+                T_s_d=priors["T_s_d"],
+                T_s_ct=priors["T_s_ct"],
+                T_ct_cb=priors["T_ct_cb"],
+                pose=gauge_prior(start.poses, levelled=len(self.attitude.node) > 0),
+                navigation_sigma=rig.navigation_sigma,
+            ),
+            attitude=attitude_table(self.attitude),
+            tray=tray_table(t.tray, self.attitude.tray_direction, rig.tray_sigma),
+            odometry=odometry_table(self.odometry, t.tray, rig.T_s_d.nominal),
+            links=link_table(links, len(t.t_ns), KERNELS[self.kernel]),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class GraphSolution:
+    """A solved pose graph. problem: at its solution; rejected (m,): links that the rest contradicts."""
+
+    graph: PoseGraph
+    links: CameraLinks
+    problem: native.Problem
+    rejected: Mask
+    converged: bool
+
+    @property
+    def path(self) -> VehiclePath:
+        """Return the vehicle and its tray."""
+        pose = self.problem.unknowns.pose
+        return VehiclePath(poses=Poses(pose[:, 3:7].copy(), pose[:, :3].copy()), tray=pose[:, 7].copy())
+
+    @property
+    def tray_from_camera(self) -> Poses:
+        """Return T_s_ct as found."""
+        return pose_from_vector(self.problem.unknowns.T_s_ct)
+
+    def relative_errors(self) -> GraphErrors:
+        """Return how well nodes are known relative to each other."""
+        return GraphErrors(problem=self.problem)
+
+    def record(self) -> LinkedPath:
+        """Return the path with its covariance, and the parts that links tie together."""
+        marginals = native.covariance(self.problem, OPTIONS)
+        pose = self.problem.unknowns.pose
+        kept = ~self.rejected
+        return LinkedPath(
+            pose=pose[:, :7].copy(),
+            tray=pose[:, 7].copy(),
+            covariance=marginals.pose[:, :6, :6],
+            part=linked_parts(len(pose), self.links.first[kept], self.links.second[kept]),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class GraphErrors:
+    """Relative covariances of the leading cameras from the joint marginals of a solved graph."""
+
+    problem: native.Problem
+
+    def relative_covariance(self, first: Ints, second: Ints) -> Array:
+        """Return the covariance (m, 6, 6) of second_from_first: (translation in second's axes, rotation perturbed on its
+        right). The camera's mount is taken as known: its error is common to both.
+        """
+        if len(first) == 0:
+            return np.zeros((0, 6, 6))
+        pairs = np.column_stack([first, second]).astype(np.int32)
+        joint = native.pair_covariance(self.problem, pairs, OPTIONS).pose
+        by_first, by_second = self._by_vehicle(first), self._by_vehicle(second)
+        rotation, position = self._cameras()
+        back = rotation[second].swapaxes(1, 2)
+        relative = back @ rotation[first]
+        shift = np.einsum("mij,mj->mi", back, position[first] - position[second])
+        jacobian = np.zeros((len(first), 6, 14))
+        jacobian[:, :3, :7] = back @ by_first[:, :3]
+        jacobian[:, :3, 7:] = -back @ by_second[:, :3] + cross_matrix(shift) @ by_second[:, 3:]
+        jacobian[:, 3:, :7] = by_first[:, 3:]
+        jacobian[:, 3:, 7:] = -relative.swapaxes(1, 2) @ by_second[:, 3:]
+        return np.asarray(jacobian @ joint @ jacobian.swapaxes(1, 2))
+
+    def _cameras(self) -> tuple[Array, Array]:
+        """Return rotation (n, 3, 3) and position (n, 3) of the top camera in g."""
+        vehicle, tray, mount = self._chain()
+        lever = self.problem.lever_arms.tray + np.einsum("nij,j->ni", tray, mount[:3, 3])
+        position = self.problem.unknowns.pose[:, :3] + np.einsum("nij,nj->ni", vehicle, lever)
+        return np.asarray(vehicle @ tray @ mount[:3, :3]), np.asarray(position)
+
+    def _chain(self) -> tuple[Array, Array, Array]:
+        """Return R_g_v (n, 3, 3), R_v_s (n, 3, 3) and T_s_ct (4, 4)."""
+        pose = self.problem.unknowns.pose
+        vehicle = Poses(pose[:, 3:7], pose[:, :3]).rotation.as_matrix()
+        cos, sin, zero, one = np.cos(pose[:, 7]), np.sin(pose[:, 7]), np.zeros(len(pose)), np.ones(len(pose))
+        tray = np.stack([cos, zero, sin, zero, one, zero, -sin, zero, cos], axis=1).reshape(-1, 3, 3)
+        return vehicle, tray, pose_from_vector(self.problem.unknowns.T_s_ct).matrix()[0]
+
+    def _by_vehicle(self, nodes: Ints) -> Array:
+        """Return the derivative (m, 6, 7) of the camera's (position in g, rotation on the right) by the vehicle's (translation,
+        rotation, tray)."""
+        vehicle, tray, mount = (x[nodes] if x.ndim == 3 else x for x in self._chain())
+        axis = np.array([0.0, 1.0, 0.0])
+        arm = np.einsum("nij,j->ni", tray, mount[:3, 3])
+        out = np.zeros((len(nodes), 6, 7))
+        out[:, :3, :3] = np.eye(3)
+        out[:, :3, 3:6] = -vehicle @ cross_matrix(self.problem.lever_arms.tray + arm)
+        out[:, :3, 6] = np.einsum("nij,nj->ni", vehicle, np.cross(axis, arm))
+        out[:, 3:, 3:6] = (tray @ mount[:3, :3]).swapaxes(1, 2)
+        out[:, 3:, 6] = mount[:3, :3].T @ axis
+        return out
+
+
+def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> native.LinkTable:
+    """Return the links as factors. A node's links share its features' noise: the more there are, the less each says."""
+    degree = np.bincount(np.concatenate([links.first, links.second]), minlength=nodes)
+    shared = np.maximum(0.5 * (degree[links.first] + degree[links.second]) / SHARED_IMAGES, 1.0)
+    # a link's first camera is the one that the other is seen from
+    return native.LinkTable(
+        first=links.second.astype(np.int32),
+        second=links.first.astype(np.int32),
+        camera_first=links.bottom[:, 1].astype(np.int32),
+        camera_second=links.bottom[:, 0].astype(np.int32),
+        measured=np.hstack([links.translation, links.quaternion]),
+        sqrt_information=_whitening(links) / np.sqrt(shared)[:, None, None],
+        scaled=links.scaled,
+        kernel=np.full(len(links), int(kernel), np.int32),
+    )
+
+
+def _whitening(links: CameraLinks) -> Array:
+    """Return the square root of the information (m, 6, 6); of a link without a length, of its five numbers, in the leading
+    block."""
+    covariance = links.covariance.copy()
+    free = np.flatnonzero(~links.scaled)
+    out = np.zeros_like(covariance)
+    full = np.flatnonzero(links.scaled)
+    out[full] = np.linalg.inv(np.linalg.cholesky(covariance[full]))
+    length = np.linalg.norm(links.translation[free], axis=1)
+    to_five = np.zeros((len(free), 5, 6))
+    to_five[:, :2, :3] = native.bearing_basis(links.translation[free]).swapaxes(1, 2) / length[:, None, None]
+    to_five[:, 2:, 3:] = np.eye(3)
+    five = to_five @ covariance[free] @ to_five.swapaxes(1, 2)
+    out[free, :5, :5] = np.linalg.inv(np.linalg.cholesky(five))
+    return out
+
+
+def _rejected(problem: native.Problem, count: int) -> Mask:
+    """Return which links have a whitened square beyond what dynamic covariance scaling lets speak."""
+    found = native.evaluate(problem, OPTIONS)
+    rows = found.factor == native.FACTORS.index("link")
+    square = np.bincount(found.table_row[rows], found.residual[rows] ** 2, minlength=count)
+    freedoms = np.bincount(found.table_row[rows], minlength=count)
+    return np.asarray(square > REJECTED_CHI2 * np.maximum(freedoms, 1))
+
+
+def _unknowns(start: VehiclePath, nominal: Mapping[str, Poses | None]) -> native.Unknowns:
+    unknowns = native.Unknowns(pose=np.hstack([start.poses.translation, start.poses.quaternion, start.tray[:, None]]))
+    return replace(unknowns, **{name: pose_vector(pose) for name, pose in nominal.items() if pose is not None})
+
+
+def linked_parts(nodes: int, first: Ints, second: Ints) -> Ints:
+    """Return for each node the part that it belongs to, 0 the largest; -1 where no link touches it."""
+    graph = coo_array((np.ones(len(first)), (first, second)), shape=(nodes, nodes))
+    label = connected_components(graph, directed=False)[1]
+    touched = np.zeros(nodes, bool)
+    touched[first] = touched[second] = True
+    labels, size = np.unique(label[touched], return_counts=True)
+    rank = np.full(label.max(initial=-1) + 1, -1, np.int64)
+    rank[labels[np.lexsort((labels, -size))]] = np.arange(len(labels))
+    return np.asarray(np.where(touched, rank[label], -1))
