@@ -11,6 +11,7 @@ over the chart, together with the package's prior. Its covariance says what the 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -25,12 +26,20 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, CholeskyFactor
 
+GOOD_FITNESS = 0.6  # share of points within three sigma of the CAD model, from which it is the hull that was surveyed
+DISTANT_SIGMA = np.r_[5.0, 2.0, 0.5, np.radians([2.0, 2.0, 15.0])]  # m, rad: how far a wrong guess may be off
+DISTANT_STARTS = 8
+
 
 @dataclass(frozen=True, kw_only=True)
 class Registration:
     """global_from_hull: T_g_M (batch of one). covariance (6, 6) of (translation in g, rotation in M) about `center` (3,) in M.
-    residual (n,): signed distances of the points used, metres. fitness: share of points within three sigma."""
+    residual (n,): signed distances of the points used, metres. fitness: share of points within three sigma. cad_model: with the
+    guess as it was needed: its sigmas are wider where the hull was found farther from the guess than these say, `sigmas_off`
+    times (1 where it was not)."""
 
+    cad_model: CadModel
+    sigmas_off: float
     global_from_hull: Poses
     covariance: Array
     center: Array
@@ -39,15 +48,63 @@ class Registration:
 
 
 def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int = 0) -> Registration:
-    """T_g_M from returns (n, 3) in g, started from the package's guess and from a grid around it within its sigma."""
+    """Return T_g_M from returns (n, 3) in g, started from the package's guess and from a grid around it within its sigma; where
+    that does not fit, from wherever within metres the points lie nearest to the CAD model."""
     kept = thin_points(points, 0.10, 2500)
     center = cad_model.guess.inverse().apply(kept).mean(0)
     index = MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
-    target = _target_cloud(cad_model.mesh, cad_model.guess.inverse().apply(kept), seed)
-    candidates = [_gicp(kept, target, start) for start in _starts(cad_model, center)]
-    candidates.append(cad_model.guess)
-    costs = [_trimmed_cost(kept, pose, cad_model, center, index) for pose in candidates]
-    return fit_correlated(kept, candidates[int(np.argmin(costs))], cad_model, center, index, sigma_range)
+    found = _register_from(_starts(cad_model, center), kept, cad_model, center, index, sigma_range, seed)
+    if found.fitness >= GOOD_FITNESS:
+        return found
+    starts = _distant_starts(kept, cad_model, center, index)
+    loose = replace(cad_model, guess_sigma=cad_model.guess_sigma + DISTANT_SIGMA)
+    distant = _register_from(starts, kept, loose, center, index, sigma_range, seed)
+    if distant.fitness < max(GOOD_FITNESS, found.fitness + 0.1):
+        return found
+    return _with_wider_guess(distant, kept, cad_model, index, sigma_range)
+
+
+def _register_from(
+    starts: list[Poses],
+    points: Array,
+    cad_model: CadModel,
+    center: Array,
+    index: MeshIndex,
+    sigma_range: float,
+    seed: int,
+) -> Registration:
+    """Return the best of what generalised ICP makes of each start, fitted."""
+    target = _target_cloud(cad_model.mesh, np.vstack([start.inverse().apply(points[::10]) for start in starts]), seed)
+    candidates = [_gicp(points, target, start) for start in starts]
+    candidates.append(starts[0])
+    costs = [_trimmed_cost(points, pose, cad_model, center, index) for pose in candidates]
+    return fit_correlated(points, candidates[int(np.argmin(costs))], cad_model, center, index, sigma_range)
+
+
+def _distant_starts(points: Array, cad_model: CadModel, center: Array, index: MeshIndex) -> list[Poses]:
+    """Return the poses of a coarse grid around the guess, metres and degrees wide, on which points lie nearest to the CAD
+    model."""
+    rotate = cad_model.guess.rotation.as_matrix()[0]
+    few = points[:: max(1, len(points) // 400)]
+    found: list[tuple[float, int, Poses]] = []
+    for along, across, yaw in product(np.arange(-8.0, 8.1, 1.0), (-2.0, 0.0, 2.0), np.radians(np.arange(-25, 26, 5.0))):
+        step = np.r_[rotate @ np.array([along, across, 0.0]), 0.0, 0.0, yaw]
+        pose = perturb_pose(cad_model.guess, center, step)
+        distance = np.sort(np.abs(index.closest(pose.inverse().apply(few)).distance))
+        found.append((float(np.mean(distance[: int(0.8 * len(distance))])), len(found), pose))
+    return [pose for _, _, pose in sorted(found, key=lambda entry: entry[:2])[:DISTANT_STARTS]]
+
+
+def _with_wider_guess(
+    found: Registration, points: Array, cad_model: CadModel, index: MeshIndex, sigma_range: float
+) -> Registration:
+    """Return the registration with the guess's sigmas scaled so that it lies within one of them: a guess that is wrong in one
+    direction is not to be believed in the others."""
+    step = prior_step(found.global_from_hull, cad_model, found.center)
+    off = max(1.0, float(np.abs(step / cad_model.guess_sigma).max()))
+    wider = replace(cad_model, guess_sigma=cad_model.guess_sigma * off)
+    again = fit_correlated(points, found.global_from_hull, wider, found.center, index, sigma_range)
+    return replace(again, sigmas_off=off)
 
 
 def thin_points(points: Array, voxel: float, most: int) -> Array:
@@ -156,6 +213,8 @@ def fit_correlated(
     distance, _ = signed_distances(points, found.pose, center, index)
     within = float(np.mean(np.abs(distance) < 3 * np.hypot(sigma_range, cad_model.deviation_sigma)))
     return Registration(
+        cad_model=cad_model,
+        sigmas_off=1.0,
         global_from_hull=found.pose,
         covariance=np.asarray(np.linalg.inv(found.at_minimum.information)),
         center=center,

@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The CAD model laid onto a path that was solved without it, and whether what follows from it may be believed.
+
+The path that images and navigation give is known to centimetres over the survey; registered under a path that is still bent, a
+CAD model pulls it into a wrong basin. So the CAD model comes after the path, and has to leave what the path explained as well
+explained as it was.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hullrecon import native
+from hullrecon.adjustment.hull_pose import estimate, registration
+from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.problem import selection
+from hullrecon.adjustment.problem.deviation_field import grid_over
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements, return_points
+from hullrecon.adjustment.problem.state import HullState, State
+from hullrecon.adjustment.rounds import Estimate, Report, RoundResult
+from hullrecon.errors import StageError
+from hullrecon.typing import Array
+
+MIN_POINTS = 30
+MAX_MISSED = 0.2  # share of the beams that miss the CAD model
+MIN_ON_HULL = 0.2  # share of the landmarks on its surface
+# The whitened residuals of what the path explained may grow by so much, root mean square.
+MAX_GROWTH = {"images": 1.03, "odometry": 1.15, "attitude": 1.15}
+GROUPS = {"images": ("stereo", "mono"), "odometry": ("odometry",), "attitude": ("attitude", "tray")}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Placement:
+    """The estimate with the CAD model laid onto it; refusal: why it may not be believed, None where it may."""
+
+    estimate: Estimate
+    registration: registration.Registration
+    refusal: str | None
+
+
+def place_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOptions, report: Report) -> Placement:
+    """Return the CAD model registered to a solved path. Raises StageError where there is nothing to register."""
+    measured = solved.measured
+    points = _points_to_register(measured, solved.state)
+    found = registration.register(points, cad_model, measured.rig.sigma_range)
+    report(f"registered {len(points)} points to the CAD model, {100 * found.fitness:.0f} % within three sigma")
+    state = replace(solved.state, hull=_hull_state(found, points, options))
+    refusal = None
+    if found.fitness < registration.GOOD_FITNESS:
+        refusal = (
+            f"only {100 * found.fitness:.0f} % of the surveyed points lie within three sigma of it, wherever it is laid: it is "
+            "another ship's, in other units, or far from where hull.pose says"
+        )
+    return Placement(estimate=replace(solved, state=state), registration=found, refusal=refusal)
+
+
+def reason_against(found: RoundResult, options: AdjustOptions) -> str | None:
+    """Return why a solution with the CAD model is not to be believed, None where it may be: it misses the hull, or it explains
+    images and navigation worse than the same measurements without the CAD model do."""
+    ray_hit, label = found.result.ray_hit, found.result.label
+    missed = float(np.mean(~ray_hit)) if len(ray_hit) else 0.0
+    if missed > MAX_MISSED:
+        return f"{100 * missed:.0f} % of the DVL's beams miss it"
+    if options.method == "maxmix" and len(label) and float(np.mean(label == 1)) < MIN_ON_HULL:
+        return f"only {100 * float(np.mean(label == 1)):.0f} % of the landmarks lie on its surface"
+    growth = residual_growth(found.problem)
+    worse = [name for name, ratio in growth.items() if ratio > MAX_GROWTH[name]]
+    if not worse:
+        return None
+    parts = ", ".join(f"{name} by {100 * (growth[name] - 1):.0f} %" for name in worse)
+    return f"laid onto it, the residuals grow: {parts}"
+
+
+def residual_growth(problem: native.Problem) -> dict[str, float]:
+    """Return by how much the CAD model makes what the path explains worse: the root mean square of the robust, whitened
+    residuals of each group at the problem's values, over that of the same measurements solved without it."""
+    without = replace(problem, ranges=native.RangeTable(), surface=native.SurfaceTable()).hold("T_g_M", "deviation")
+    free = without.started_from(native.solve(without, native.Options(method="naive", max_iterations=15)).unknowns)
+    here, there = (native.evaluate(p, native.Options(method="naive")).cost_by_factor for p in (without, free))
+    growth = {}
+    for name, factors in GROUPS.items():
+        before, after = (sum(cost.get(factor, 0.0) for factor in factors) for cost in (there, here))
+        if before > 0:
+            growth[name] = float(np.sqrt(after / before))
+    return growth
+
+
+def _hull_state(found: registration.Registration, points: Array, options: AdjustOptions) -> HullState:
+    hull = HullState(
+        cad_model=found.cad_model,
+        global_from_hull=found.global_from_hull,
+        survey_center=found.center,
+        grid=None,
+        field=np.zeros(0),
+    )
+    if options.as_published:
+        return hull
+    at = hull.to_chart(points)
+    grid = grid_over(at[np.isfinite(at).all(1)], found.cad_model.deviation_length)
+    return replace(hull, grid=grid, field=np.zeros(grid.size))
+
+
+def _points_to_register(measured: Measurements, state: State) -> Array:
+    """Return what is laid onto the CAD model, in g: DVL returns, or stereo landmarks where no ranges were carried."""
+    if measured.returns is not None and (~measured.returns.flagged).sum() >= MIN_POINTS:
+        points, _ = return_points(measured.returns, state.nodes, state.tray, measured.rig.tray_origin, state.T_s_d)
+        return points[~measured.returns.flagged]
+    landmarks = selection.triangulate_landmarks(measured, state)
+    landmarks = landmarks[np.isfinite(landmarks[:, 0])]
+    if len(landmarks) < MIN_POINTS:
+        raise StageError(
+            f"nothing to lay onto the CAD model: fewer than {MIN_POINTS} DVL returns and landmarks",
+            remedy="check topics.dvl and the cameras, or remove [hull] to run without a CAD model",
+        )
+    return landmarks
+
+
+def estimate_hull_pose(last: RoundResult, options: AdjustOptions) -> tuple[estimate.HullPoseEvidence | None, Estimate]:
+    """Return what the hull pose was fitted to, and the last estimate with the pose at the mean of its profile; as published and
+    without a CAD model, the estimate as it is."""
+    ready = last.after
+    hull = ready.state.hull
+    if hull is None or options.as_published:
+        return None, ready
+    points = estimate.collect_hull_points(ready.measured, ready.state, last.chosen, last.result.label)
+    evidence, best = estimate.fit_hull_pose(points, hull.global_from_hull, hull.cad_model, hull.survey_center)
+    hull = replace(hull, global_from_hull=estimate.profile_mean_pose(evidence, best))
+    return evidence, replace(ready, state=replace(ready.state, hull=hull))
