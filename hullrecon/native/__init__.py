@@ -6,9 +6,10 @@ The module is built by the (editable) installation and found through it, from wh
 a checkout that was never installed has no hullrecon._native. Importing this package does not load it yet.
 """
 
+from hullrecon.native.columns import IDENTITY
+from hullrecon.native.links import LinkKernel, LinkTable, bearing_basis
 from hullrecon.native.mesh_index import Closest, Hits, MeshIndex
 from hullrecon.native.problem import (
-    IDENTITY,
     AttitudeTable,
     CadMesh,
     FieldNodes,
@@ -28,18 +29,22 @@ from hullrecon.native.problem import (
 )
 from hullrecon.native.solver import (
     FACTORS,
+    GRAPH_FACTORS,
     Covariance,
     Evaluation,
     IterationRecord,
     Options,
+    PairCovariance,
     Result,
     covariance,
     evaluate,
+    pair_covariance,
     solve,
 )
 
 __all__ = [
     "FACTORS",
+    "GRAPH_FACTORS",
     "IDENTITY",
     "AttitudeTable",
     "CadMesh",
@@ -50,11 +55,14 @@ __all__ = [
     "Hits",
     "IterationRecord",
     "LeverArms",
+    "LinkKernel",
+    "LinkTable",
     "MeshIndex",
     "MonoTable",
     "MotionPrior",
     "OdometryTable",
     "Options",
+    "PairCovariance",
     "PosePriors",
     "Priors",
     "Problem",
@@ -65,7 +73,9 @@ __all__ = [
     "SurfaceTable",
     "TrayTable",
     "Unknowns",
+    "bearing_basis",
     "covariance",
     "evaluate",
+    "pair_covariance",
     "solve",
 ]

@@ -16,34 +16,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from hullrecon.native.columns import floats, integers, motion, pinhole
+from hullrecon.native.links import LinkTable
 from hullrecon.typing import Array, Ints32
-
-IDENTITY: Array = np.array([0.0, 0, 0, 0, 0, 0, 1])
-IDENTITY.setflags(write=False)
-
-
-def _floats(*shape: int) -> Array:
-    """Return the default of a field: a table without rows, or zeros."""
-    default: Array = field(default_factory=lambda: np.zeros(shape))
-    return default
-
-
-def _integers(*shape: int) -> Ints32:
-    """Return the default of a field: a table without rows."""
-    default: Ints32 = field(default_factory=lambda: np.zeros(shape, np.int32))
-    return default
-
-
-def _motion() -> Array:
-    """Return the default of a field: the identity."""
-    default: Array = field(default_factory=IDENTITY.copy)
-    return default
-
-
-def _pinhole() -> Array:
-    """Return the default of a field: intrinsics of unit focal length."""
-    default: Array = field(default_factory=lambda: np.array([1.0, 1, 0, 0, 0, 0, 0, 0, 0]))
-    return default
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,35 +28,37 @@ class Unknowns:
     pose (n, 8): T_g_v and the tray's angle, x y z qx qy qz qw tray. landmark (L, 3) in g. T_g_M, T_s_ct, T_ct_cb, T_s_d (7,).
     navigation (6,): DVL scale error, heading drift rad/s, roll and pitch bias rad, depth bias m, tray backlash rad. deviation
     (F,) m: normal offsets of the hull from the CAD model, outward positive, at the nodes of the deviation field (empty: no
-    field). intrinsics_top, intrinsics_bottom (9,): fx fy cx cy k1 k2 p1 p2 k3.
+    field). intrinsics_top, intrinsics_bottom (9,): fx fy cx cy k1 k2 p1 p2 k3. link_switch (s,): one for each row of links
+    under LinkKernel.SWITCH, in their order; 1 is closed, 0 open.
     """
 
     pose: Array
-    landmark: Array = _floats(0, 3)
-    T_g_M: Array = _motion()
-    T_s_ct: Array = _motion()
-    T_ct_cb: Array = _motion()
-    T_s_d: Array = _motion()
-    navigation: Array = _floats(6)
-    deviation: Array = _floats(0)
-    intrinsics_top: Array = _pinhole()
-    intrinsics_bottom: Array = _pinhole()
+    landmark: Array = floats(0, 3)
+    T_g_M: Array = motion()
+    T_s_ct: Array = motion()
+    T_ct_cb: Array = motion()
+    T_s_d: Array = motion()
+    navigation: Array = floats(6)
+    deviation: Array = floats(0)
+    intrinsics_top: Array = pinhole()
+    intrinsics_bottom: Array = pinhole()
+    link_switch: Array = floats(0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class CadMesh:
     """vertices (n, 3) m and faces (m, 3) of the CAD model in the problem's hull frame."""
 
-    vertices: Array = _floats(0, 3)
-    faces: Ints32 = _integers(0, 3)
+    vertices: Array = floats(0, 3)
+    faces: Ints32 = integers(0, 3)
 
 
 @dataclass(frozen=True, kw_only=True)
 class LeverArms:
     """Where the tray's axis and the pressure sensor sit in the vehicle frame, (3,) m each."""
 
-    tray: Array = _floats(3)
-    pressure: Array = _floats(3)
+    tray: Array = floats(3)
+    pressure: Array = floats(3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,18 +76,18 @@ class MotionPrior:
 class PosePriors:
     """Priors as MotionPrior on poses. node (m,), value (m, 7), sqrt_information (m, 6, 6)."""
 
-    node: Ints32 = _integers(0)
-    value: Array = _floats(0, 7)
-    sqrt_information: Array = _floats(0, 6, 6)
+    node: Ints32 = integers(0)
+    value: Array = floats(0, 7)
+    sqrt_information: Array = floats(0, 6, 6)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SparseRows:
     """Rows of a sparse matrix, compressed: start (rows + 1,), index (k,) of the column, value (k,)."""
 
-    start: Ints32 = _integers(0)
-    index: Ints32 = _integers(0)
-    value: Array = _floats(0)
+    start: Ints32 = integers(0)
+    index: Ints32 = integers(0)
+    value: Array = floats(0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,19 +112,19 @@ class AttitudeTable:
     """Depth, roll, pitch [Ozog2016 eq. 4.9]: z of the pressure sensor + depth bias, roll + its bias, pitch + its bias, less
     measured. node (m,); measured (m, 3): depth m, roll, pitch rad; sigma (m, 3)."""
 
-    node: Ints32 = _integers(0)
-    measured: Array = _floats(0, 3)
-    sigma: Array = _floats(0, 3)
+    node: Ints32 = integers(0)
+    measured: Array = floats(0, 3)
+    sigma: Array = floats(0, 3)
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrayTable:
     """The tray's angle [Ozog2016 eq. 4.10]: (angle + backlash * direction - measured) / sigma. All (m,), rad."""
 
-    node: Ints32 = _integers(0)
-    measured: Array = _floats(0)
-    direction: Array = _floats(0)
-    sigma: Array = _floats(0)
+    node: Ints32 = integers(0)
+    measured: Array = floats(0)
+    direction: Array = floats(0)
+    sigma: Array = floats(0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,15 +138,15 @@ class OdometryTable:
     by the mean tray angle of the two nodes away from tray (m,) rad, which it used.
     """
 
-    first: Ints32 = _integers(0)
-    second: Ints32 = _integers(0)
-    measured: Array = _floats(0, 7)
-    sqrt_information: Array = _floats(0, 6, 6)
-    by_navigation: Array = _floats(0, 6, 2)
-    by_mount: Array = _floats(0, 6, 3)
-    by_tray: Array = _floats(0, 6)
-    tray: Array = _floats(0)
-    mount: Array = _motion()
+    first: Ints32 = integers(0)
+    second: Ints32 = integers(0)
+    measured: Array = floats(0, 7)
+    sqrt_information: Array = floats(0, 6, 6)
+    by_navigation: Array = floats(0, 6, 2)
+    by_mount: Array = floats(0, 6, 3)
+    by_tray: Array = floats(0, 6)
+    tray: Array = floats(0)
+    mount: Array = motion()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,9 +157,9 @@ class StereoTable:
     derivative.
     """
 
-    node: Ints32 = _integers(0)
-    landmark: Ints32 = _integers(0)
-    pixel: Array = _floats(0, 4)
+    node: Ints32 = integers(0)
+    landmark: Ints32 = integers(0)
+    pixel: Array = floats(0, 4)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,18 +167,18 @@ class MonoTable:
     """Landmarks in one image [Ozog2016 eq. 4.13]. node, landmark (m,); camera (m,): 0 top, 1 bottom; pixel (m, 2) raw. The loss
     is as in StereoTable, on 2 rows (Options.huber_mono)."""
 
-    node: Ints32 = _integers(0)
-    landmark: Ints32 = _integers(0)
-    camera: Ints32 = _integers(0)
-    pixel: Array = _floats(0, 2)
+    node: Ints32 = integers(0)
+    landmark: Ints32 = integers(0)
+    camera: Ints32 = integers(0)
+    pixel: Array = floats(0, 2)
 
 
 @dataclass(frozen=True, kw_only=True)
 class FieldNodes:
     """Where rows stand in the deviation field: index (m, 4) of nodes and their weight (m, 4); empty without a field."""
 
-    index: Ints32 = _integers(0, 4)
-    weight: Array = _floats(0, 4)
+    index: Ints32 = integers(0, 4)
+    weight: Array = floats(0, 4)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -213,12 +190,12 @@ class RangeTable:
     measured, sigma (m,) m.
     """
 
-    node: Ints32 = _integers(0)
-    offset: Array = _floats(0, 7)
-    tray_offset: Array = _floats(0)
-    beam: Array = _floats(0, 3)
-    measured: Array = _floats(0)
-    sigma: Array = _floats(0)
+    node: Ints32 = integers(0)
+    offset: Array = floats(0, 7)
+    tray_offset: Array = floats(0)
+    beam: Array = floats(0, 3)
+    measured: Array = floats(0)
+    sigma: Array = floats(0)
     field: FieldNodes = FieldNodes()
 
 
@@ -227,8 +204,8 @@ class SurfaceTable:
     """Signed distance of landmarks to the CAD model minus the field [Ozog2016 eqs 4.4, 4.5, 4.7]. landmark (m,); weight (m,)
     multiplies the cost of the mixture."""
 
-    landmark: Ints32 = _integers(0)
-    weight: Array = _floats(0)
+    landmark: Ints32 = integers(0)
+    weight: Array = floats(0)
     field: FieldNodes = FieldNodes()
 
 
@@ -253,6 +230,7 @@ class Problem:
     sigma_px: float = 1.0
     ranges: RangeTable = RangeTable()
     surface: SurfaceTable = SurfaceTable()
+    links: LinkTable = LinkTable()
 
     def hold(self, *blocks: str) -> Problem:
         """Return the problem with these blocks held too."""

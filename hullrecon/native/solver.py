@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from hullrecon.native.problem import Problem, Unknowns
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
-FACTORS = ("prior", "attitude", "tray", "odometry", "stereo", "mono", "range", "surface", "deviation")
+GRAPH_FACTORS = ("link",)  # of the pose graph alone
+FACTORS = ("prior", "attitude", "tray", "odometry", "stereo", "mono", "range", "surface", "deviation", *GRAPH_FACTORS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +29,7 @@ class Options:
     huber_stereo: float = 2.508  # norm of 4 rows
     huber_mono: float = 1.856  # norm of 2 rows
     huber_range: float = 1.345  # 1 row
+    link_phi: float = 5.0  # of LinkKernel, in units of a link's whitened square
     max_iterations: int = 100
     function_tolerance: float = 1e-6
     gradient_tolerance: float = 1e-10
@@ -83,8 +85,9 @@ class Evaluation:
     residual (R,), whitened; weight (R,): square root of rho', by which the loss multiplies residual and row; factor (R,):
     index into FACTORS; table_row (R,) in the factor's table; jacobian_*: compressed rows, start (R + 1,), column, value; width:
     how many columns. Columns: poses 7 each (6 when "tray" is held), landmarks 3 each, then, where free, T_g_M, T_s_ct, T_ct_cb,
-    T_s_d 6 each, navigation 6, intrinsics_top, intrinsics_bottom 9 each, the deviation's nodes 1 each; `columns` maps a block's
-    name ("pose 0", "landmark 3", "T_g_M", "deviation 2") to (first column, count). cost_by_factor: robustified.
+    T_s_d 6 each, navigation 6, intrinsics_top, intrinsics_bottom 9 each, the deviation's nodes and the links' switches 1 each;
+    `columns` maps a block's name ("pose 0", "landmark 3", "T_g_M", "deviation 2", "link_switch 1") to (first column, count).
+    cost_by_factor: robustified.
     """
 
     residual: Array
@@ -123,6 +126,19 @@ class Covariance:
     deviation_T_g_M: Array
 
 
+@dataclass(frozen=True, kw_only=True)
+class PairCovariance:
+    """Joint covariances of pairs of poses and T_s_ct, in tangent coordinates at the start values; zero where a block is held.
+
+    pose (m, 14, 14): of (translation 3, rotation 3, tray 1) of the first pose, then of the second. pose_T_s_ct (m, 14, 6);
+    T_s_ct (6, 6).
+    """
+
+    pose: Array
+    pose_T_s_ct: Array
+    T_s_ct: Array
+
+
 def solve(problem: Problem, options: Options = DEFAULTS) -> Result:
     """Return the unknowns of least cost, by Levenberg-Marquardt with the landmarks eliminated.
 
@@ -155,3 +171,16 @@ def covariance(problem: Problem, options: Options = DEFAULTS) -> Covariance:
     import hullrecon._native as _native
 
     return Covariance(**_native.covariance(problem, options))
+
+
+def pair_covariance(problem: Problem, pairs: Ints32, options: Options = DEFAULTS) -> PairCovariance:
+    """Return the joint covariance of any pairs (m, 2) of poses, from the information at the start as `covariance` has it.
+
+    Pairs need no factor between them and may be many: each pose that is named costs one sparse solve along its path in the
+    elimination tree, each pair one product. A candidate link's innovation: add it to the problem's links without a kernel,
+    take its rows J and r from `evaluate`; then r' (J S J' + 1)^-1 r is chi-square with as many degrees of freedom as rows, S
+    being the joint covariance here of the problem without it. Raises as `covariance`; InputError naming "pairs".
+    """
+    import hullrecon._native as _native
+
+    return PairCovariance(**_native.pair_covariance(problem, pairs, options))

@@ -12,6 +12,8 @@
 #include <cmath>
 #include <limits>
 
+#include "factors/scaling_loss.h"
+
 namespace hullrecon {
 
 class Mixture {
@@ -55,10 +57,11 @@ class MixtureLoss final : public ceres::LossFunction {
   double ratio_, constant_, weight_, change_;
 };
 
-// The loss of a factor: Huber's, the mixture's or none. rho and its slope at s, the whitened residual squared.
+// The loss of a factor: Huber's, the mixture's, that of links or none. rho and its slope at s, the whitened residual squared.
 struct Robust {
   double huber = std::numeric_limits<double>::infinity();
   const MixtureLoss* mixture = nullptr;
+  double scaling = std::numeric_limits<double>::infinity();  // Phi of ScalingLoss
 
   void operator()(double s, double& rho, double& slope) const {
     rho = s, slope = 1;
@@ -69,6 +72,10 @@ struct Robust {
     } else if (s > huber * huber) {
       const double r = std::sqrt(s);
       rho = 2 * huber * r - huber * huber, slope = huber / r;
+    } else if (s > scaling) {
+      double all[3];
+      ScalingLoss(scaling).Evaluate(s, all);
+      rho = all[0], slope = all[1];
     }
   }
 };

@@ -6,4 +6,5 @@
 
 #include "factors/hull_residuals.h"
 #include "factors/image_residuals.h"
+#include "factors/link_residuals.h"
 #include "factors/navigation_residuals.h"

@@ -44,12 +44,13 @@ void Model::add_blocks() {
   const Tables& t = tables_;
   std::vector<size_t> start;
   for (const Table<double>* table : {&t.pose, &t.landmark, &t.T_g_M, &t.T_s_ct, &t.T_ct_cb, &t.T_s_d, &t.navigation,
-                                     &t.intrinsics_top, &t.intrinsics_bottom, &t.deviation}) {
+                                     &t.intrinsics_top, &t.intrinsics_bottom, &t.deviation, &t.link_switch}) {
     start.push_back(unknowns_.size());
     unknowns_.insert(unknowns_.end(), table->data, table->data + table->rows() * table->width());
   }
   double* const all = unknowns_.data();
-  double *const pose = all, *const motion = all + start[2], *const deviation = all + start[9];
+  double *const pose = all, *const motion = all + start[2], *const deviation = all + start[9],
+                *const switches = all + start[10];
   landmark_ = all + start[1], intrinsics_ = all + start[7];
   for (int64_t i = 0; i < poses(); ++i) add_block(&pose[8 * i], 8, t.held("tray") ? 6 : 7, "pose " + std::to_string(i));
   for (int64_t i = 0; i < landmarks(); ++i) add_block(&landmark_[3 * i], 3, 3, "landmark " + std::to_string(i));
@@ -58,8 +59,8 @@ void Model::add_blocks() {
   add_block(all + start[6], 6, tangent("navigation", 6), "navigation");
   for (int k = 0; k < 2; ++k)
     add_block(&intrinsics_[9 * k], 9, tangent(kGlobals[kTopIntrinsics + k], 9), kGlobals[kTopIntrinsics + k]);
-  for (size_t k = 0; k < unknowns_.size() - start[9]; ++k)
-    add_block(&deviation[k], 1, tangent("deviation", 1), "deviation " + std::to_string(k));
+  for (int k = 0; k < nodes(); ++k) add_block(&deviation[k], 1, tangent("deviation", 1), "deviation " + std::to_string(k));
+  for (int64_t k = 0; k < t.link_switch.rows(); ++k) add_block(&switches[k], 1, 1, "link_switch " + std::to_string(k));
 }
 
 int Model::block(const char* name) const {
@@ -86,19 +87,23 @@ void Model::number_factors() {
     prior_nodes_.add(t.field_prior_index.data + first, t.field_prior_value.data + first, count);
     if (!prior_nodes_.nodes(i).empty()) field_rows_.push_back(i);
   }
+  for (int32_t i = 0, next = 0; i < t.link_kernel.rows(); ++i) {
+    switch_of_link_.push_back(t.link_kernel.data[i] == kSwitch ? next++ : -1);
+  }
   hold_labels();
   for (int32_t i = 0; options_.method != "naive" && i < t.surface_landmark.rows(); ++i) {
     if (t.surface_weight.data[i] > 0) surface_rows_.push_back(i);
   }
-  const std::array<int64_t, 9> counts{t.prior_pose_node.rows() + static_cast<int64_t>(global_priors_.size()),
-                                      t.attitude_node.rows(),
-                                      t.tray_node.rows(),
-                                      t.odometry_first.rows(),
-                                      t.stereo_node.rows(),
-                                      t.mono_node.rows(),
-                                      t.range_node.rows(),
-                                      static_cast<int64_t>(surface_rows_.size()),
-                                      static_cast<int64_t>(field_rows_.size())};
+  const std::array<int64_t, 10> counts{t.prior_pose_node.rows() + static_cast<int64_t>(global_priors_.size()),
+                                       t.attitude_node.rows(),
+                                       t.tray_node.rows(),
+                                       t.odometry_first.rows(),
+                                       t.stereo_node.rows(),
+                                       t.mono_node.rows(),
+                                       t.range_node.rows(),
+                                       static_cast<int64_t>(surface_rows_.size()),
+                                       static_cast<int64_t>(field_rows_.size()),
+                                       t.link_first.rows()};
   for (size_t k = 0; k < counts.size(); ++k) first_[k + 1] = first_[k] + counts[k];
 }
 
@@ -173,6 +178,11 @@ void Model::blocks_of(int64_t factor, std::vector<int32_t>& out) const {
       out.clear();
       also(prior_nodes_.nodes(i));
       break;
+    case Kind::Link:
+      out = {t.link_first.data[i], t.link_second.data[i], global + kCamera};
+      if (t.link_camera_first.data[i] == 1 || t.link_camera_second.data[i] == 1) out.push_back(global + kBottom);
+      if (switch_of_link_[i] >= 0) out.push_back(first_switch() + switch_of_link_[i]);
+      break;
   }
 }
 
@@ -183,6 +193,7 @@ Factor Model::factor(int64_t i) const {
     out.cost = std::make_unique<Cost<std::decay_t<decltype(residual)>, std::decay_t<decltype(whitening)>>>(residual, whitening);
     if (robust.mixture) out.loss = std::make_unique<MixtureLoss>(*robust.mixture);
     if (std::isfinite(robust.huber)) out.loss = std::make_unique<ceres::HuberLoss>(robust.huber);
+    if (std::isfinite(robust.scaling)) out.loss = std::make_unique<ScalingLoss>(robust.scaling);
   });
   return out;
 }

@@ -20,9 +20,9 @@
 
 namespace hullrecon {
 
-enum class Kind : int8_t { Prior, Attitude, Tray, Odometry, Stereo, Mono, Range, Surface, Deviation };
-constexpr std::array<const char*, 9> kKindNames{"prior", "attitude", "tray",    "odometry", "stereo",
-                                                "mono",  "range",    "surface", "deviation"};
+enum class Kind : int8_t { Prior, Attitude, Tray, Odometry, Stereo, Mono, Range, Surface, Deviation, Link };
+constexpr std::array<const char*, 10> kKindNames{"prior", "attitude", "tray",    "odometry",  "stereo",
+                                                 "mono",  "range",    "surface", "deviation", "link"};
 
 // Blocks that every factor may meet, in this order after poses and landmarks.
 enum Global { kHull, kCamera, kBottom, kDvl, kNavigation, kTopIntrinsics, kBottomIntrinsics };
@@ -49,7 +49,7 @@ class Model {
   Model(const Tables& tables, const Options& options);
 
   // Blocks in the order of columns: poses, landmarks, T_g_M, T_s_ct, T_ct_cb, T_s_d, navigation, intrinsics_top,
-  // intrinsics_bottom, nodes of the deviation field.
+  // intrinsics_bottom, nodes of the deviation field, switches of links.
   const std::vector<Block>& blocks() const { return blocks_; }
 
   // Factors are numbered by kind, then by row. They are made when asked for: half a million kept would cost 300 MB.
@@ -67,7 +67,10 @@ class Model {
   int64_t landmarks() const { return tables_.landmark.rows(); }
   int64_t columns() const { return columns_; }
   int block(const char* name) const;  // a global block by name
+  bool is_landmark(int32_t block) const { return block >= poses() && block < poses() + landmarks(); }
   int first_node() const { return static_cast<int>(poses() + landmarks() + 7); }
+  int nodes() const { return static_cast<int>(tables_.deviation.rows()); }
+  int first_switch() const { return first_node() + nodes(); }
   const Tables& tables() const { return tables_; }
   const Options& options() const { return options_; }
   const Mixture& mixture() const { return mixture_; }
@@ -96,6 +99,8 @@ class Model {
   void hold_labels();
   template <class Use>
   void visit_prior(int64_t row, const Use& use) const;
+  template <class Use>
+  void visit_link(int64_t row, const Use& use) const;
   Odometry odometry(int64_t row) const;
   Range range(int64_t row) const;
 
@@ -112,6 +117,7 @@ class Model {
   NodeTable range_nodes_, surface_nodes_, prior_nodes_;
   std::vector<int> global_priors_;                  // of the blocks that have one and are free
   std::vector<int32_t> surface_rows_, field_rows_;  // that make factors
+  std::vector<int32_t> switch_of_link_;             // -1: none
   std::array<double, 18> intrinsics_start_;
   std::array<int64_t, kKindNames.size() + 1> first_{};  // factor of each kind
   std::vector<int32_t> held_labels_;                    // empty: labels are free
@@ -149,6 +155,26 @@ void Model::visit_prior(int64_t row, const Use& use) const {
 }
 
 template <class Use>
+void Model::visit_link(int64_t row, const Use& use) const {
+  const Tables& t = tables_;
+  const CameraPair pair{Vec3(t.tray_origin.data), Motion(t.link_measured.row(row)), t.link_camera_first.data[row] == 1,
+                        t.link_camera_second.data[row] == 1};
+  const auto under_kernel = [&]<class Link>(const Link& link) {
+    constexpr int n = Link::kRows;
+    const Eigen::Matrix<double, n, n> root = matrix<6, 6>(t.link_sqrt.row(row)).template topLeftCorner<n, n>();
+    if (t.link_kernel.data[row] == kSwitch) {
+      Full<n + 1> with_switch{Eigen::Matrix<double, n + 1, n + 1>::Zero()};
+      with_switch.root.template topLeftCorner<n, n>() = root, with_switch.root(n, n) = std::sqrt(options_.link_phi);
+      return use(SwitchedLink<Link>{link}, with_switch, Robust{});
+    }
+    Robust robust;
+    if (t.link_kernel.data[row] == kScaling) robust.scaling = options_.link_phi;
+    use(link, Full<n>{root}, robust);
+  };
+  t.link_scaled.data[row] == 1 ? under_kernel(ScaledLink{pair}) : under_kernel(BearingLink{pair});
+}
+
+template <class Use>
 void Model::visit(int64_t factor, const Use& use) const {
   const Tables& t = tables_;
   const Kind kind = kind_of(factor);
@@ -181,6 +207,8 @@ void Model::visit(int64_t factor, const Use& use) const {
     }
     case Kind::Deviation:
       return use(FieldPrior{prior_nodes_.at(field_rows_[i])}, Scalar{1.0}, none);
+    case Kind::Link:
+      return visit_link(i, use);
   }
 }
 

@@ -40,11 +40,12 @@ struct Table {
   X(odometry_mount) X(stereo_pixel) X(mono_pixel) X(range_offset) \
   X(range_tray_offset) X(range_beam) X(range_measured) X(range_sigma) \
   X(range_field_weight) X(surface_weight) X(surface_field_weight) \
-  X(field_prior_value)
+  X(field_prior_value) X(link_switch) X(link_measured) X(link_sqrt)
 #define HULLRECON_INT_TABLES(X) \
   X(faces) X(prior_pose_node) X(attitude_node) X(tray_node) X(odometry_first) X(odometry_second) X(stereo_node) \
   X(stereo_landmark) X(mono_node) X(mono_landmark) X(mono_camera) X(range_node) X(range_field_index) X(surface_landmark) \
-  X(surface_field_index) X(field_prior_start) X(field_prior_index)
+  X(surface_field_index) X(field_prior_start) X(field_prior_index) X(link_first) X(link_second) X(link_camera_first) \
+  X(link_camera_second) X(link_scaled) X(link_kernel)
 // clang-format on
 
 struct Tables {
@@ -65,10 +66,14 @@ struct Tables {
   }
 };
 
+// Of a row of links, in link_kernel.
+enum LinkKernel : int32_t { kNoKernel, kScaling, kSwitch, kLinkKernels };
+
 struct Options {
   std::string method = "maxmix", core = "schur";
   double sigma_on = 0.02, sigma_off = 1.0;
   double huber_stereo = 2.508, huber_mono = 1.856, huber_range = 1.345;
+  double link_phi = 5.0;
   int max_iterations = 100;
   double function_tolerance = 1e-6, gradient_tolerance = 1e-10, parameter_tolerance = 1e-8;
   double initial_radius = 1e4;

@@ -190,6 +190,28 @@ void field_prior(const Tables& t) {
   }
 }
 
+void links(const Tables& t) {
+  const int64_t m = t.link_first.rows();
+  for (const Ints* end : {&t.link_first, &t.link_second}) shape(*end, {m}), index(*end, t.pose.rows());
+  for (const Ints* camera : {&t.link_camera_first, &t.link_camera_second}) shape(*camera, {m}), index(*camera, 2);
+  shape(t.link_scaled, {m});
+  shape(t.link_kernel, {m});
+  index(t.link_kernel, kLinkKernels);
+  shape(t.link_measured, {m, 7});
+  unit(t.link_measured, 3, 4);
+  shape(t.link_sqrt, {m, 6, 6});
+  int64_t switches = 0;
+  for (int64_t i = 0; i < m; ++i) {
+    const std::string row = "row " + std::to_string(i);
+    if (t.link_first.data[i] == t.link_second.data[i])
+      throw InputError(row + " joins a pose to itself", t.link_second.name, "");
+    if (t.link_scaled.data[i] == 0 && !(Eigen::Map<const Eigen::Vector3d>(t.link_measured.row(i)).norm() > 0))
+      throw InputError(row + " has no direction", t.link_measured.name, "give the direction to the second camera");
+    switches += t.link_kernel.data[i] == kSwitch;
+  }
+  shape(t.link_switch, {switches});
+}
+
 void option(bool good, const char* name, const char* what) {
   if (!good) throw UsageError(what, name, "");
 }
@@ -206,6 +228,7 @@ void validate(const Tables& t) {
   images(t);
   hull(t);
   field_prior(t);
+  links(t);
 }
 
 void validate(const Options& o) {
@@ -217,6 +240,7 @@ void validate(const Options& o) {
   option(o.huber_stereo > 0, "huber_stereo", "it must be positive; inf switches it off");
   option(o.huber_mono > 0, "huber_mono", "it must be positive; inf switches it off");
   option(o.huber_range > 0, "huber_range", "it must be positive; inf switches it off");
+  option(positive(o.link_phi), "link_phi", "it must be positive");
   option(o.max_iterations >= 0, "max_iterations", "it must not be negative");
   option(o.function_tolerance >= 0, "function_tolerance", "it must not be negative");
   option(o.gradient_tolerance >= 0, "gradient_tolerance", "it must not be negative");

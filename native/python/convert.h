@@ -8,6 +8,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -23,15 +24,15 @@ class TableReader {
  public:
   TableReader(const py::object& problem, std::vector<py::object>& alive) : problem_(problem), alive_(alive) {}
 
-  // An array left out (None, or a field of a part that is None) stays empty.
+  // An array left out (None, or a field of a part that is None) stays empty. mask: of True and False.
   template <class Number>
-  void read(Table<Number>& table, const char* path) const {
+  void read(Table<Number>& table, const char* path, bool mask = false) const {
     table.name = path;
     const py::object value = attribute(path);
     if (value.is_none()) return;
     const py::array raw = py::array::ensure(value);
     const char kind = raw ? raw.dtype().kind() : '?';
-    const bool integers = kind == 'i' || kind == 'u';
+    const bool integers = mask ? kind == 'b' : kind == 'i' || kind == 'u';
     if (!(integers || (std::is_same_v<Number, double> && kind == 'f'))) {
       throw InputError("the numbers are of the wrong type", path, "");
     }
@@ -96,6 +97,14 @@ inline void read_images(const TableReader& from, Tables& t) {
   from.read(t.mono_camera, "mono.camera"), from.read(t.mono_pixel, "mono.pixel");
 }
 
+inline void read_links(const TableReader& from, Tables& t) {
+  from.read(t.link_switch, "unknowns.link_switch");
+  from.read(t.link_first, "links.first"), from.read(t.link_second, "links.second");
+  from.read(t.link_camera_first, "links.camera_first"), from.read(t.link_camera_second, "links.camera_second");
+  from.read(t.link_measured, "links.measured"), from.read(t.link_sqrt, "links.sqrt_information");
+  from.read(t.link_scaled, "links.scaled", true), from.read(t.link_kernel, "links.kernel");
+}
+
 inline void read_hull(const TableReader& from, Tables& t) {
   from.read(t.vertices, "cad_mesh.vertices"), from.read(t.faces, "cad_mesh.faces");
   from.read(t.tray_origin, "lever_arms.tray"), from.read(t.pressure_origin, "lever_arms.pressure");
@@ -115,6 +124,7 @@ inline Tables read_tables(const py::object& problem, std::vector<py::object>& al
   read_navigation(from, t);
   read_images(from, t);
   read_hull(from, t);
+  read_links(from, t);
   t.constant = problem.attr("constant").cast<std::vector<std::string>>();
   t.sigma_px = problem.attr("sigma_px").cast<double>();
   return t;
@@ -131,6 +141,7 @@ inline Options read_options(const py::object& options) {
   };
   read("method", o.method), read("core", o.core), read("sigma_on", o.sigma_on), read("sigma_off", o.sigma_off);
   read("huber_stereo", o.huber_stereo), read("huber_mono", o.huber_mono), read("huber_range", o.huber_range);
+  read("link_phi", o.link_phi);
   read("max_iterations", o.max_iterations), read("function_tolerance", o.function_tolerance),
       read("gradient_tolerance", o.gradient_tolerance);
   read("parameter_tolerance", o.parameter_tolerance), read("initial_radius", o.initial_radius), read("threads", o.threads);
@@ -151,6 +162,27 @@ struct BoundProblem {
     validate(options);
   }
 };
+
+// Pairs of poses, (m, 2).
+inline std::vector<std::array<int32_t, 2>> read_pairs(const py::object& value, int64_t poses) {
+  const py::array raw = py::array::ensure(value);
+  const char kind = raw ? raw.dtype().kind() : '?';
+  if (kind != 'i' && kind != 'u') throw InputError("the numbers are of the wrong type", "pairs", "");
+  if (raw.ndim() != 2 || raw.shape(1) != 2) throw InputError("the array must be (m, 2)", "pairs", "");
+  const py::array_t<int64_t, py::array::c_style | py::array::forcecast> array(raw);
+  std::vector<std::array<int32_t, 2>> out(array.shape(0));
+  for (size_t k = 0; k < out.size(); ++k) {
+    for (int e = 0; e < 2; ++e) {
+      const int64_t i = array.at(k, e);
+      if (i < 0 || i >= poses)
+        throw InputError(
+            "pose " + std::to_string(i) + " of row " + std::to_string(k) + " is not below " + std::to_string(poses), "pairs",
+            "");
+      out[k][e] = static_cast<int32_t>(i);
+    }
+  }
+  return out;
+}
 
 inline void raise(const char* type, const Error& error) {
   const py::object kind = py::module_::import("hullrecon.errors").attr(type);

@@ -13,6 +13,7 @@
 #include "python/convert.h"
 #include "solve/covariance.h"
 #include "solve/evaluate.h"
+#include "solve/pair_covariance.h"
 #include "solve/solve.h"
 
 namespace py = pybind11;
@@ -114,8 +115,9 @@ py::dict unknowns(const Model& model) {
     const Block& block = model.blocks()[b];
     out[block.name.c_str()] = py::array_t<double>(block.size, block.data);
   }
-  const auto nodes = static_cast<int64_t>(model.blocks().size()) - model.first_node();
-  out["deviation"] = gather(model.first_node(), nodes, 1).reshape({static_cast<py::ssize_t>(nodes)});
+  const auto numbers = [&](int first, py::ssize_t count) { return gather(first, count, 1).reshape({count}); };
+  out["deviation"] = numbers(model.first_node(), model.nodes());
+  out["link_switch"] = numbers(model.first_switch(), model.tables().link_switch.rows());
   return out;
 }
 
@@ -219,6 +221,23 @@ py::dict run_covariance(const py::object& problem, const py::object& settings) {
   return out;
 }
 
+py::dict run_pair_covariance(const py::object& problem, const py::object& which, const py::object& settings) {
+  const BoundProblem bound(problem, settings);
+  const auto pairs = read_pairs(which, bound.tables.pose.rows());
+  PairCovariance c;
+  {
+    py::gil_scoped_release free;
+    Model model(bound.tables, bound.options);
+    c = pair_covariance(model, pairs);
+  }
+  const auto m = static_cast<int64_t>(pairs.size());
+  py::dict out;
+  out["pose"] = column<double>(c.pose).reshape({m, int64_t{14}, int64_t{14}});
+  out["pose_T_s_ct"] = column<double>(c.pose_mount).reshape({m, int64_t{14}, int64_t{6}});
+  out["T_s_ct"] = column<double>(c.mount).reshape({6, 6});
+  return out;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_native, m) {
@@ -232,6 +251,7 @@ PYBIND11_MODULE(_native, m) {
   m.def("solve", &run_solve);
   m.def("evaluate", &run_evaluate);
   m.def("covariance", &run_covariance);
+  m.def("pair_covariance", &run_pair_covariance);
 }
 
 }  // namespace hullrecon

@@ -9,15 +9,17 @@
 
 namespace hullrecon {
 
-// Poses, then nodes of the deviation field, each a column block of its own; then the border, one block of all free globals,
-// which nearly every factor meets.
+// Poses, then nodes of the deviation field, then switches of links, each a column block of its own; then the border, one block
+// of all free globals, which nearly every factor meets.
 class ReducedLayout {
  public:
   explicit ReducedLayout(const Model& model)
       : poses_(static_cast<int>(model.poses())),
-        nodes_(static_cast<int>(model.blocks().size()) - model.first_node()),
+        nodes_(model.nodes()),
+        others_(static_cast<int>(model.blocks().size()) - model.first_switch()),
         pose_width_(model.blocks()[0].tangent),
         first_node_(model.first_node()),
+        first_other_(model.first_switch()),
         landmarks_end_(static_cast<int>(model.poses() + model.landmarks())) {
     if (nodes_ > 0 && model.blocks()[first_node_].tangent == 0) nodes_ = 0;
     for (int k = 0; k < 7; ++k) {
@@ -29,15 +31,20 @@ class ReducedLayout {
 
   int poses() const { return poses_; }
   int nodes() const { return nodes_; }
-  int blocks() const { return poses_ + nodes_; }  // the border is the next
-  int border() const { return border_; }          // its width
+  int others() const { return others_; }                    // met by small factors alone
+  int blocks() const { return poses_ + nodes_ + others_; }  // the border is the next
+  int border() const { return border_; }                    // its width
   int width(int block) const { return block < poses_ ? pose_width_ : block < blocks() ? 1 : border_; }
-  int size() const { return poses_ * pose_width_ + nodes_ + border_; }
-  int node(int k) const { return poses_ + k; }  // block of node k
+  int size() const { return poses_ * pose_width_ + nodes_ + others_ + border_; }
+  int node(int k) const { return poses_ + k; }            // block of node k
+  int other(int k) const { return poses_ + nodes_ + k; }  // and of other block k
   // First column of a global (enum Global) in the border; -1: held.
   int column(int global) const { return column_[global]; }
 
-  int model_block(int block) const { return block < poses_ ? block : first_node_ + block - poses_; }
+  int model_block(int block) const {
+    if (block < poses_) return block;
+    return block < other(0) ? first_node_ + block - poses_ : first_other_ + block - other(0);
+  }
   int model_global(int global) const { return landmarks_end_ + global; }
   int global_of(int model_block) const { return model_block - landmarks_end_; }
   // Block of a model's block; blocks() for a global; -1: held or a landmark.
@@ -45,11 +52,12 @@ class ReducedLayout {
     if (model_block < poses_) return model_block;
     if (model_block < landmarks_end_) return -1;
     if (model_block < first_node_) return column_[global_of(model_block)] >= 0 ? blocks() : -1;
+    if (model_block >= first_other_) return other(model_block - first_other_);
     return nodes_ > 0 ? poses_ + model_block - first_node_ : -1;
   }
 
  private:
-  int poses_, nodes_, pose_width_, border_ = 0, first_node_, landmarks_end_;
+  int poses_, nodes_, others_, pose_width_, border_ = 0, first_node_, first_other_, landmarks_end_;
   std::array<int, 7> column_;
 };
 

@@ -36,6 +36,7 @@ void add_product_of(double* to, int64_t stride, const double* a, int a_columns, 
 void add_product(double* to, int64_t stride, const double* a, int a_columns, const double* b, int b_columns, int64_t rows) {
   const auto of = rows == 1   ? add_product_of<1>
                   : rows == 3 ? add_product_of<3>
+                  : rows == 5 ? add_product_of<5>
                   : rows == 6 ? add_product_of<6>
                               : add_product_of<0>;
   of(to, stride, a, a_columns, b, b_columns, rows);
@@ -82,6 +83,7 @@ void Schur::linearise() {
   differentiate_landmarks();
   differentiate_poses();
   differentiate_nodes();
+  differentiate_others();
   differentiate_border();
 }
 
@@ -152,6 +154,25 @@ void Schur::differentiate_nodes() {
         }
       }
       gradient_.reduced[offset(block)] = g, diagonal_.reduced[offset(block)] = d;
+    }
+  });
+}
+
+void Schur::differentiate_others() {
+  for_slabs(layout_.others(), threads_, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) {
+      const int block = layout_.other(static_cast<int>(k));
+      auto g = gradient_.reduced.segment(offset(block), layout_.width(block));
+      auto d = diagonal_.reduced.segment(offset(block), layout_.width(block));
+      g.setZero(), d.setZero();
+      for (int32_t f : small_.of_block(block)) {
+        const auto rows = small_.rows(f);
+        for (const SmallFactors::Part& part : small_.parts(f)) {
+          if (part.block != block) continue;
+          g += rows.middleCols(part.column, part.width).transpose() * rows.rightCols<1>();
+          d += rows.middleCols(part.column, part.width).colwise().squaredNorm().transpose();
+        }
+      }
     }
   });
 }
@@ -253,6 +274,9 @@ void Schur::eliminate() {
         for (int64_t n = begin; n < end; ++n) reduce_node(static_cast<int>(n), row);
       },
       8);
+  for_slabs(layout_.others(), threads_, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) reduce_other(layout_.other(static_cast<int>(k)));
+  });
   const Border of_landmarks =
       chunked(model_.landmarks(), kLandmarks, [&](int64_t r, Border& b) { reduce_landmark_border(r, b); });
   const Border of_small = chunked(small_.count(), kFactors, [&](int64_t f, Border& b) { add_small_border(f, b); });
@@ -400,6 +424,15 @@ void Schur::reduce_node(int node, std::vector<double>& row) {
     if (mount_ >= 0)
       border.middleRows<6>(mount_) += images_.chains()[j].by_mount.transpose() * Eigen::Map<const Twist>(&x_[place]);
   }
+  add_small(block, own, border);
+  reduced_->add_own(block, own);
+  reduced_->add_border(block, border);
+}
+
+// Row of a block that small factors alone meet.
+void Schur::reduce_other(int block) {
+  const int width = layout_.width(block);
+  Eigen::MatrixXd own = Eigen::MatrixXd::Zero(width, width), border = Eigen::MatrixXd::Zero(layout_.border(), width);
   add_small(block, own, border);
   reduced_->add_own(block, own);
   reduced_->add_border(block, border);

@@ -67,6 +67,7 @@ class Schur {
   void differentiate_landmarks();
   void differentiate_poses();
   void differentiate_nodes();
+  void differentiate_others();
   void differentiate_border();
 
   bool invert(const StepVector& damping);
@@ -74,6 +75,7 @@ class Schur {
   void eliminate_row(int pose, std::vector<int64_t>& place);
   void reduce_row(int pose, Border& sum);
   void reduce_node(int node, std::vector<double>& row);
+  void reduce_other(int block);
   void add_small(int block, Eigen::MatrixXd& own, Eigen::MatrixXd& border);
   void reduce_landmark_border(int64_t rank, Border& sum) const;
   void add_small_border(int64_t f, Border& sum) const;

@@ -39,7 +39,7 @@ TwistPattern::Neighbours TwistPattern::neighbours_of(int block, std::vector<char
   met[block] = 1;
   if (block < layout_.poses()) {
     for (int32_t v : images_.views_of_pose(block)) meet_landmark(images_.view(v).landmark);
-  } else {
+  } else if (block < layout_.other(0)) {
     for (int32_t k : surface_.of_node(block - layout_.poses())) meet_landmark(surface_[k].rank);
   }
   to = &out.by_factors;

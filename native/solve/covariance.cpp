@@ -2,81 +2,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solve/covariance.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdio>
-
 #include "common/blas_guard.h"
 #include "common/errors.h"
 #include "common/parallel.h"
-#include "solve/information.h"
+#include "solve/scaled_information.h"
 #include "sparse/selected_inversion.h"
 
 namespace hullrecon {
 namespace {
 
-const char* coordinate(const Block& block, int k) {
-  static constexpr std::array<const char*, 7> motion{"x", "y", "z", "rotation x", "rotation y", "rotation z", "tray angle"};
-  static constexpr std::array<const char*, 6> navigation{"DVL scale",  "heading drift", "roll bias",
-                                                         "pitch bias", "depth bias",    "tray backlash"};
-  static constexpr std::array<const char*, 9> intrinsics{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
-  if (block.name == "navigation") return navigation[k];
-  return block.size == 9 ? intrinsics[k] : block.size == 1 ? "offset" : motion[k];
-}
-
-std::string name_of(const Model& model, const Information& information, int scalar) {
-  const BlockMatrix& m = information.reduced();
-  int p = 0;
-  while (m.offset(p + 1) <= scalar) ++p;
-  const Block& block = model.blocks()[information.block_at(p)];
-  return block.name + " " + coordinate(block, scalar - m.offset(p));
-}
-
-// The three largest entries of the direction that the information leaves free, in words.
-[[noreturn]] void refuse(const Model& model, const Information& information, const std::vector<double>& scaled) {
-  std::vector<int> order(scaled.size());
-  for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
-  const auto larger = [&](int a, int b) { return std::abs(scaled[a]) > std::abs(scaled[b]); };
-  const size_t shown = std::min<size_t>(3, order.size());
-  std::partial_sort(order.begin(), order.begin() + static_cast<long>(shown), order.end(), larger);
-  std::string where;
-  for (size_t k = 0; k < shown; ++k) where += (k ? ", " : "") + name_of(model, information, order[k]);
-  throw StageError("the factors leave a direction undetermined, foremost in it", where, "add a prior or hold a block");
-}
-
-// The reduced information scaled to a unit diagonal, so that a pivot says what share of an unknown is determined.
-Lower scaled_lower(const Model& model, Information& information, std::vector<double>& scale) {
-  BlockMatrix& m = information.reduced();
-  scale.assign(m.size(), 0.0);
-  m.each_scalar([&](int r, int c, double& v) {
-    if (r == c) scale[r] = v > 0 ? 1 / std::sqrt(v) : 0;
-  });
-  for (int i = 0; i < m.size(); ++i) {
-    if (scale[i] > 0) continue;
-    throw StageError("no factor determines it", name_of(model, information, i), "add a prior or hold the block");
-  }
-  Lower a;
-  a.size = m.size();
-  int column = -1;
-  m.each_scalar([&](int r, int c, double& v) {
-    for (; column < c; ++column) a.start.push_back(static_cast<int>(a.row.size()));
-    a.row.push_back(r);
-    a.value.push_back(r == c ? 1.0 : v * scale[r] * scale[c]);
-  });
-  a.start.push_back(static_cast<int>(a.row.size()));
-  return a;
-}
-
 // Replaces the information by the entries of its inverse.
 void invert(const Model& model, Information& information) {
-  std::vector<double> scale;
-  const Lower a = scaled_lower(model, information, scale);
+  const ScaledInformation scaled(model, information);
+  const std::vector<double>& scale = scaled.scale;
   try {
-    const SelectedInverse inverse(a);
+    const SelectedInverse inverse(scaled.lower);
     information.reduced().each_scalar([&](int r, int c, double& v) { v = inverse(r, c) * scale[r] * scale[c]; });
   } catch (const Singular&) {
-    refuse(model, information, weakest_direction(a));
+    scaled.refuse(model, information);
   }
   BlockMatrix& m = information.reduced();  // each_scalar sees one half of a diagonal block
   for (int p = 0; p < m.blocks(); ++p) m.lower(p, p).triangularView<Eigen::StrictlyUpper>() = m.lower(p, p).transpose();
@@ -102,7 +45,7 @@ void poses_and_globals(const Model& model, const Information& information, Covar
     const int width = model.blocks()[b].size == 7 ? 6 : model.blocks()[b].size;
     out.global[model.blocks()[b].name] = p >= 0 ? z.get(p, p) : Eigen::MatrixXd::Zero(width, width);
   }
-  const auto nodes = static_cast<int>(model.blocks().size()) - model.first_node();
+  const int nodes = model.nodes();
   out.deviation.assign(nodes, 0.0), out.deviation_hull.assign(static_cast<size_t>(nodes) * 6, 0.0);
   for (int k = 0; k < nodes; ++k) {
     const int p = information.position(model.first_node() + k);

@@ -83,7 +83,7 @@ void LandmarkInformation::gather(const Model& model, const std::vector<int64_t>&
     linear.at(model, i);
     const double information = linear.weight * linear.weight;
     const size_t self =
-        std::find_if(linear.blocks.begin(), linear.blocks.end(), [&](int32_t b) { return model.blocks()[b].size == 3; }) -
+        std::find_if(linear.blocks.begin(), linear.blocks.end(), [&](int32_t b) { return model.is_landmark(b); }) -
         linear.blocks.begin();
     own.noalias() += information * linear.by[self].transpose() * linear.by[self];
     for (size_t k = 0; k < linear.blocks.size(); ++k) {

@@ -113,7 +113,7 @@ void fill(ceres::Problem& problem, Manifolds& manifolds, Model& model, ceres::Pa
                           block.tangent == 7 ? static_cast<ceres::Manifold*>(&manifolds.pose) : &manifolds.pose_tray_held);
     if (block.size == 7) problem.SetManifold(block.data, &manifolds.rigid);
     if (block.tangent == 0) problem.SetParameterBlockConstant(block.data);
-    order.AddElementToGroup(block.data, block.size == 3 ? 0 : 1);
+    order.AddElementToGroup(block.data, model.is_landmark(static_cast<int32_t>(b)) ? 0 : 1);
   }
 }
 

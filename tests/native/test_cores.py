@@ -12,7 +12,8 @@ import pytest
 from drafts import Draft, clear, solve
 
 from hullrecon.errors import StageError
-from hullrecon.native import MotionPrior, Options, Result
+from hullrecon.geometry.poses import Poses, exp, tray_poses
+from hullrecon.native import LinkKernel, MotionPrior, Options, Result
 
 Survey = Callable[..., Draft]
 Change = Callable[[Draft], None]
@@ -109,6 +110,34 @@ def no_landmarks(p: Draft) -> None:
     p.unknowns.landmark = p.unknowns.landmark[:0]
 
 
+def links(p: Draft) -> None:
+    """Links of both forms between all cameras, under each kernel, every seventh of them wrong."""
+    rng = np.random.default_rng(6)
+    m, n = 28, len(p.unknowns.pose)
+    first = rng.integers(0, n, m)
+    second = (first + rng.integers(1, n, m)) % n
+    camera = rng.integers(0, 2, (2, m))
+    place = [camera_poses(p, node, which) for node, which in zip((first, second), camera, strict=True)]
+    noise = rng.normal(size=(m, 6)) * np.repeat([0.02, 0.005], 3)
+    noise[::7] *= 40
+    measured = place[0].inverse() @ place[1] @ exp(noise)
+    p.links.first, p.links.second = first.astype(np.int32), second.astype(np.int32)
+    p.links.camera_first, p.links.camera_second = camera.astype(np.int32)
+    p.links.measured = np.hstack([measured.translation, measured.quaternion])
+    p.links.sqrt_information = np.diag([50.0] * 3 + [200.0] * 3) + rng.normal(size=(m, 6, 6))
+    p.links.scaled, p.links.kernel = np.arange(m) % 2 == 0, (np.arange(m) // 2 % 3).astype(np.int32)
+    p.unknowns.link_switch = rng.uniform(0.5, 1, np.count_nonzero(p.links.kernel == LinkKernel.SWITCH))
+
+
+def camera_poses(p: Draft, node: np.ndarray, camera: np.ndarray) -> Poses:
+    """T_g_c of the top (0) or bottom (1) cameras."""
+    pose, mount, bottom = p.unknowns.pose[node], p.unknowns.T_s_ct, p.unknowns.T_ct_cb
+    top = Poses(pose[:, 3:7], pose[:, :3]) @ tray_poses(p.lever_arms.tray, pose[:, 7]) @ Poses(mount[None, 3:], mount[None, :3])
+    below = top @ Poses(bottom[None, 3:], bottom[None, :3])
+    choose = np.asarray(camera == 1)[:, None]
+    return Poses(np.where(choose, below.quaternion, top.quaternion), np.where(choose, below.translation, top.translation))
+
+
 CASES: dict[str, tuple[Change, ...]] = {
     "as it is": (),
     "mono": (mono,),
@@ -130,6 +159,10 @@ CASES: dict[str, tuple[Change, ...]] = {
     "isolated": (isolated,),
     "no landmarks": (no_landmarks,),
     "no landmarks, field": (field, no_landmarks),
+    "links": (links,),
+    "everything free, links": (free(*BLOCKS), field, mono_beside_stereo, links),
+    "links, tray held": (hold("tray"), links),
+    "links alone": (hold("T_g_M"), links, no_landmarks, leave("attitude", "tray")),
 }
 
 
@@ -157,7 +190,9 @@ def test_both_cores_come_to_one_optimum(case: str, method: str, make_survey: Sur
     np.testing.assert_array_equal(schur.label, ceres.label)
 
 
-@pytest.mark.parametrize("case", ["as it is", "outliers", "everything free, mono", "tray held", "no landmarks"])
+@pytest.mark.parametrize(
+    "case", ["as it is", "outliers", "everything free, mono", "tray held", "no landmarks", "links", "links alone"]
+)
 def test_both_cores_take_the_same_steps(case: str, make_survey: Survey, shaken: Survey) -> None:
     schur, ceres = (r.iterations for r in both(problem(case, make_survey, shaken), Options(max_iterations=4)))
     rows = min(len(schur.cost), len(ceres.cost))
@@ -179,7 +214,7 @@ def test_steps_that_fail_shrink_the_radius_alike(seed: int, make_survey: Survey,
     assert schur.cost[-1] == pytest.approx(ceres.cost[-1], rel=1e-6)
 
 
-@pytest.mark.parametrize("case", ["as it is", "everything free, mono", "two surfaces"])
+@pytest.mark.parametrize("case", ["as it is", "everything free, mono", "two surfaces", "everything free, links"])
 def test_the_bytes_do_not_depend_on_the_threads(case: str, make_survey: Survey, shaken: Survey) -> None:
     p = problem(case, make_survey, shaken)
     one, two, three = (solve(p, Options(threads=threads)) for threads in (1, 2, 3))

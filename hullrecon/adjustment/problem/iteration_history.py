@@ -51,6 +51,8 @@ def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
     for name in (*STEP, *COUNTS):
         found[name] = np.concatenate([getattr(r.record, name) for r in rounds])
     for name in native.FACTORS:
+        if name in native.GRAPH_FACTORS:  # the adjustment has none
+            continue
         found[f"cost_{name}"] = np.concatenate([r.record.cost_by_factor[name] for r in rounds])
     return found
 
