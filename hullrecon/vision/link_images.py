@@ -71,7 +71,8 @@ class SolvedPath(Protocol):
         ...
 
 
-PathSolver = Callable[[CameraLinks, VehiclePath], SolvedPath]  # links, and where to begin
+Solved = TypeVar("Solved", bound=SolvedPath)
+PathSolver = Callable[[CameraLinks, Solved | None], Solved]  # from the links, and a solution with fewer of them
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +112,7 @@ class LinkedImages:
 
 
 def link_images(
-    worker: MatchWorker, dive: NavigatedDive, solve_path: PathSolver, map_items: Map, max_rounds: int
+    worker: MatchWorker, dive: NavigatedDive, solve_path: PathSolver[Solved], map_items: Map, max_rounds: int
 ) -> LinkedImages:
     """Return the images of a dive linked, with the path that the links and navigation give. max_rounds: across legs."""
     track = track_cameras(dive.trajectory, dive.errors, worker.rig, dive.tray_sigma_rad)
@@ -121,7 +122,7 @@ def link_images(
     keyframes = select_keyframes(track, usable, scene.depth_m, scene.camera, worker.options)
     neighbours = propose_neighbours(track, keyframes, scene.depth_m, scene.camera, worker.options)
     compared = _Compared.none().joined_with(neighbours, scene.match(track, neighbours, map_items), number=0)
-    solved = solve_path(compared.links(scene), dive.trajectory.track().path)
+    solved = solve_path(compared.links(scene), None)
     salient = np.array([worker.saliency(nodes[k]) >= worker.options.min_saliency for k in keyframes], bool)
     if worker.options.across > 0:
         compared, solved = _link_legs(scene, keyframes[salient], compared, solved, solve_path, map_items, max_rounds)
@@ -132,11 +133,11 @@ def _link_legs(
     scene: _Scene,
     keyframes: Ints,
     compared: _Compared,
-    solved: SolvedPath,
-    solve_path: PathSolver,
+    solved: Solved,
+    solve_path: PathSolver[Solved],
     map_items: Map,
     max_rounds: int,
-) -> tuple[_Compared, SolvedPath]:
+) -> tuple[_Compared, Solved]:
     """Return what rounds of comparisons across legs add."""
     options, level = scene.worker.options, 0
     for number in range(1, max_rounds + 1):
@@ -149,7 +150,7 @@ def _link_legs(
             compared = compared.joined_with(proposal, found, number)
             links = compared.links(scene)
             compared = compared.rejecting(contradicted_links(links, compared.across()))
-            solved = solve_path(compared.links(scene), solved.path)
+            solved = solve_path(compared.links(scene), solved)
             compared = compared.rejecting(solved.rejected)
             continue
         compared = compared.joined_with(proposal, found, number)

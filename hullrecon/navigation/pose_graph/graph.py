@@ -43,20 +43,29 @@ class PoseGraph:
     rig: Rig
     kernel: str = "scaling"
 
-    def solve(self, links: CameraLinks, start: VehiclePath) -> GraphSolution:
-        """Return the path of least cost. start: where to begin.
+    def solve(self, links: CameraLinks, before: GraphSolution | None = None) -> GraphSolution:
+        """Return the path of least cost. before: a solution with fewer links, to begin with.
 
-        Raises StageError where nothing determines the path.
+        Without one the start is dead reckoning, from which right links look as wrong as wrong ones: the first solve then guards
+        against none. Raises StageError where nothing determines the path.
         """
-        problem = self._problem(links, start)
-        result = native.solve(problem, OPTIONS)
+        problem = self._problem(links, KERNELS[self.kernel])
+        if before is None:
+            unguarded = self._problem(links, native.LinkKernel.NONE)
+            unknowns = native.solve(unguarded, OPTIONS).unknowns
+        else:
+            unknowns = before.problem.unknowns
+        start = replace(unknowns, link_switch=problem.unknowns.link_switch)
+        result = native.solve(problem.started_from(start), OPTIONS)
         solved = problem.started_from(result.unknowns)
         return GraphSolution(
             graph=self, links=links, problem=solved, rejected=_rejected(solved, len(links)), converged=result.converged
         )
 
-    def _problem(self, links: CameraLinks, start: VehiclePath) -> native.Problem:
-        rig, t = self.rig, self.trajectory
+    def _problem(self, links: CameraLinks, kernel: native.LinkKernel) -> native.Problem:
+        """Return the problem, started from dead reckoning."""
+        rig, t, start = self.rig, self.trajectory, self.trajectory.track().path
+        switches = len(links) if kernel == native.LinkKernel.SWITCH else 0
         mounts = {"T_s_d": rig.T_s_d, "T_s_ct": rig.T_s_ct, "T_ct_cb": rig.T_ct_cb}
         nominal = {name: None if mount is None else mount.nominal for name, mount in mounts.items()}
         priors = {name: mount_prior_table(mount, nominal[name]) for name, mount in mounts.items()}
@@ -64,7 +73,7 @@ class PoseGraph:
         priors = {name: prior if linked[name] else None for name, prior in priors.items()}
         held = {name for name, prior in priors.items() if prior is None}
         return native.Problem(
-            unknowns=_unknowns(start, nominal),
+            unknowns=_unknowns(start, nominal, switches),
             constant=tuple(sorted(held | {"T_g_M", "deviation", "intrinsics_top", "intrinsics_bottom"})),
             lever_arms=native.LeverArms(tray=rig.tray_origin, pressure=rig.pressure_origin),
             priors=native.Priors(
@@ -77,7 +86,7 @@ class PoseGraph:
             attitude=attitude_table(self.attitude),
             tray=tray_table(t.tray, self.attitude.tray_direction, rig.tray_sigma),
             odometry=odometry_table(self.odometry, t.tray, rig.T_s_d.nominal),
-            links=link_table(links, len(t.t_ns), KERNELS[self.kernel]),
+            links=link_table(links, len(t.t_ns), kernel),
         )
 
 
@@ -218,8 +227,10 @@ def _rejected(problem: native.Problem, count: int) -> Mask:
     return np.asarray(square > REJECTED_CHI2 * np.maximum(freedoms, 1))
 
 
-def _unknowns(start: VehiclePath, nominal: Mapping[str, Poses | None]) -> native.Unknowns:
-    unknowns = native.Unknowns(pose=np.hstack([start.poses.translation, start.poses.quaternion, start.tray[:, None]]))
+def _unknowns(start: VehiclePath, nominal: Mapping[str, Poses | None], switches: int) -> native.Unknowns:
+    unknowns = native.Unknowns(
+        pose=np.hstack([start.poses.translation, start.poses.quaternion, start.tray[:, None]]), link_switch=np.ones(switches)
+    )
     return replace(unknowns, **{name: pose_vector(pose) for name, pose in nominal.items() if pose is not None})
 
 

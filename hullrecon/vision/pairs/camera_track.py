@@ -86,7 +86,7 @@ class CameraTrack:
     def relative_sigma(self, first: Ints, second: Ints) -> Array:
         """Return the sigma (m,) in metres of the relative position, the mean over the axes."""
         covariance = self.errors.relative_covariance(first, second)[:, :3, :3]
-        return np.asarray(np.sqrt(np.trace(covariance, axis1=1, axis2=2) / 3))
+        return np.asarray(np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0) / 3))  # of a node to itself: 0
 
 
 def track_cameras(
