@@ -25,10 +25,11 @@ from hullrecon.errors import StageError
 from hullrecon.typing import Array
 
 MIN_POINTS = 30
+MAX_SIGMAS_OFF = 8.0  # of the package's guess of the hull pose
 MAX_MISSED = 0.2  # share of the beams that miss the CAD model
 MIN_ON_HULL = 0.2  # share of the landmarks on its surface
 # The whitened residuals of what the path explained may grow by so much, root mean square.
-MAX_GROWTH = {"images": 1.03, "odometry": 1.15, "attitude": 1.15}
+MAX_GROWTH = {"images": 1.02, "odometry": 1.1, "attitude": 1.1}
 GROUPS = {"images": ("stereo", "mono"), "odometry": ("odometry",), "attitude": ("attitude", "tray")}
 
 
@@ -54,6 +55,8 @@ def place_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOption
             f"only {100 * found.fitness:.0f} % of the surveyed points lie within three sigma of it, wherever it is laid: it is "
             "another ship's, in other units, or far from where hull.pose says"
         )
+    elif found.sigmas_off > MAX_SIGMAS_OFF:
+        refusal = f"it fits only {found.sigmas_off:.0f} times farther from hull.pose than hull.pose_sigma says"
     return Placement(estimate=replace(solved, state=state), registration=found, refusal=refusal)
 
 

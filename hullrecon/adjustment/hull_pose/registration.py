@@ -29,6 +29,7 @@ from hullrecon.typing import Array, CholeskyFactor
 GOOD_FITNESS = 0.6  # share of points within three sigma of the CAD model, from which it is the hull that was surveyed
 DISTANT_SIGMA = np.r_[5.0, 2.0, 0.5, np.radians([2.0, 2.0, 15.0])]  # m, rad: how far a wrong guess may be off
 DISTANT_STARTS = 8
+GUESS_SIGMAS = 3.5  # beyond which the package's guess is contradicted
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +56,7 @@ def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int =
     index = MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
     found = _register_from(_starts(cad_model, center), kept, cad_model, center, index, sigma_range, seed)
     if found.fitness >= GOOD_FITNESS:
-        return found
+        return _with_wider_guess(found, kept, cad_model, index, sigma_range)
     starts = _distant_starts(kept, cad_model, center, index)
     loose = replace(cad_model, guess_sigma=cad_model.guess_sigma + DISTANT_SIGMA)
     distant = _register_from(starts, kept, loose, center, index, sigma_range, seed)
@@ -98,10 +99,12 @@ def _distant_starts(points: Array, cad_model: CadModel, center: Array, index: Me
 def _with_wider_guess(
     found: Registration, points: Array, cad_model: CadModel, index: MeshIndex, sigma_range: float
 ) -> Registration:
-    """Return the registration with the guess's sigmas scaled so that it lies within one of them: a guess that is wrong in one
-    direction is not to be believed in the others."""
+    """Return the registration; where it lies farther from the guess than its sigmas allow, with these scaled so that it lies
+    within one: a guess that is wrong in one direction is not to be believed in the others."""
     step = prior_step(found.global_from_hull, cad_model, found.center)
-    off = max(1.0, float(np.abs(step / cad_model.guess_sigma).max()))
+    off = float(np.abs(step / cad_model.guess_sigma).max())
+    if off <= GUESS_SIGMAS:
+        return found
     wider = replace(cad_model, guess_sigma=cad_model.guess_sigma * off)
     again = fit_correlated(points, found.global_from_hull, wider, found.center, index, sigma_range)
     return replace(again, sigmas_off=off)
