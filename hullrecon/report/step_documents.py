@@ -55,13 +55,14 @@ class WeakDirection(StepDocument, frozen=True):
 
 
 class AdjustSummary(StepDocument, frozen=True):
-    """adjust.json of adjust."""
+    """adjust.json of adjust. cad_model_refused: why the CAD model was left out; None where it was not."""
 
     method: str = "maxmix"
     observations: int = 0
     observations_left_out: int = 0
     residuals_before: Mapping[str, FactorResiduals] = {}
     residuals_after: Mapping[str, FactorResiduals] = {}
+    cad_model_refused: str | None = None
 
 
 class SurfaceFacts(StepDocument, frozen=True):

@@ -40,8 +40,8 @@ def run(context: Context[AdjustOptions]) -> None:
     context.out.arrays("iterations.npz", outcome.iterations)
     context.record_times("iterations_s", outcome.iterations_s.tolist())
     context.out.json("adjust.json", outcome.summary)
-    if measured.cad_model is not None:
-        context.out.arrays("chart.npz", measured.cad_model.chart.to_arrays())
+    if adjusted.state.hull is not None:
+        context.out.arrays("chart.npz", adjusted.state.hull.cad_model.chart.to_arrays())
     if context.parameters.refine_intrinsics:
         found = {"top": adjusted.rig.top, "bottom": adjusted.rig.bottom}
         context.out.json("cameras.json", {name: camera_fields(camera) for name, camera in found.items() if camera is not None})

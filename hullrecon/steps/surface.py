@@ -25,6 +25,8 @@ DVL_KEYS = ("tray.origin", "dvl.mount")  # of the rig, what places the DVL's bea
 def run(context: Context[SurfaceOptions]) -> None:
     inputs, settings = InputArtifacts(context.inputs), context.settings
     adjust, cad_model = inputs.adjust, inputs.ingest.hull
+    if adjust is not None and adjust.solution.hull_pose is None:
+        cad_model = None  # there is none, or the adjustment refused it
     rig = rig_from_settings({key: settings[key] for key in DVL_KEYS})
     if adjust is not None:
         track, source = adjust.solution.track(), "adjusted"
@@ -60,7 +62,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("adjust",),
     parameters=SurfaceOptions,
-    version=2,
+    version=3,
     run=run,
     uses=(*DVL_KEYS, "dvl.sigma_range", "hull.pose", "hull.pose_sigma"),
 )

@@ -51,6 +51,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
         "residuals_before": residual_statistics.by_factor(native.evaluate(adjusted.start, settings)),
         "residuals_after": residual_statistics.by_factor(native.evaluate(adjusted.problem, settings)),
         **_registration(adjusted),
+        "cad_model_refused": adjusted.refusal,
         **({"intrinsics": seen_with} if seen_with else {}),
     }
     return Outcome(
@@ -111,9 +112,25 @@ def _left_out(m: Measurements, adjusted: Adjusted) -> int:
     return int(seen - adjusted.chosen.top.sum() - adjusted.chosen.bottom.sum())
 
 
+def _placement_warnings(adjusted: Adjusted) -> list[str]:
+    """Return what was found of the CAD model against what the package says of it."""
+    if adjusted.refusal is not None:
+        return [
+            f"The CAD model was left out: {adjusted.refusal}. What is delivered comes from images and navigation alone, in "
+            "frame g: positions are relative to where the dive began. Check [hull] mesh, units and pose in dive.toml."
+        ]
+    found = adjusted.registration
+    if found is None or found.sigmas_off <= 1:
+        return []
+    return [
+        f"The hull lies {found.sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma says; the sigmas of that pose "
+        "were widened as much. Where the hull's form does not tell, positions are no better than that."
+    ]
+
+
 def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
     """Return what an inspector should know before trusting the result."""
-    found = []
+    found = _placement_warnings(adjusted)
     if not adjusted.result.converged:
         found.append(f"The adjustment stopped before it converged ({adjusted.result.message}): raise adjust.max_iterations.")
     missed = float(np.mean(~adjusted.result.ray_hit)) if len(adjusted.result.ray_hit) else 0.0

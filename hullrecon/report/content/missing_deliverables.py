@@ -32,7 +32,11 @@ def missing_deliverables(carried: Carried, steps: Collection[str], solution: Sol
     reasons: dict[str, str] = {}
     if solution is None or solution.hull_pose is None:
         reasons["alignment.json"] = (
-            "the adjustment did not run" if carried.cad_model else "no CAD model was given, so there is nothing to align to"
+            "no CAD model was given, so there is nothing to align to"
+            if not carried.cad_model
+            else (
+                "the adjustment did not run" if solution is None else "the CAD model does not fit the survey and was left out"
+            )
         )
     for step, names in _BY_STEP.items():
         reason = "" if step in steps else _reason(step, carried)
