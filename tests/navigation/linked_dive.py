@@ -66,7 +66,9 @@ def simulate(seed: int, per_leg: int = 30, drift: float | None = None) -> Linked
     navigation[1] = navigation[1] if drift is None else drift
     odometry = measured_steps(rng, truth, navigation)
     roll_pitch = Rotation.from_matrix(truth[:, :3, :3]).as_euler("xyz")[:, :2] + navigation[2:4]
-    measured = np.column_stack([truth[:, 2, 3] + navigation[4], roll_pitch]) + ATTITUDE_SIGMA * rng.standard_normal((len(truth), 3))
+    measured = np.column_stack([truth[:, 2, 3] + navigation[4], roll_pitch]) + ATTITUDE_SIGMA * rng.standard_normal(
+        (len(truth), 3)
+    )
     attitude = Attitude(
         node=np.arange(len(truth)),
         depth=measured[:, 0],

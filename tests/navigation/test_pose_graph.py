@@ -30,9 +30,7 @@ DRIFT = 1.5e-3  # rad/s: 10 degrees over the two minutes of the dive
 
 
 def graph_of(dive: LinkedDive, kernel: str = "scaling") -> PoseGraph:
-    return PoseGraph(
-        trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig, kernel=kernel
-    )
+    return PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig, kernel=kernel)
 
 
 def error_m(found: GraphSolution, dive: LinkedDive) -> float:
