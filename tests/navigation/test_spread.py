@@ -24,7 +24,7 @@ from hullrecon.navigation.sensors.velocity import usable_velocities
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.rig import SensorRig
-from hullrecon.vision.pairs.camera_track import CameraTrack
+from hullrecon.vision.pairs.camera_track import CameraTrack, NavigationErrors
 
 NO_HOLES = np.zeros((0, 2), np.int64)
 
@@ -116,7 +116,7 @@ def test_the_relative_covariance_of_two_nodes_is_that_of_paths_reckoned_anew(per
     none = np.zeros((len(truth.t_ns), 6, 6))
     model = TrajectoryErrorModel(by_error=by_error, error_covariance=np.diag(sigma**2), walk=none, white=none)
     first, second = np.array([0, 3, 9]), np.array([12, 5, 1])
-    predicted = CameraTrack(global_from_camera=truth.poses(), errors=model).relative_covariance(first, second)
+    predicted = NavigationErrors(global_from_camera=truth.poses(), model=model).relative_covariance(first, second)
     J = relative_by_error(perfect, rig, first, second)
     wanted = (J * sigma**2) @ J.swapaxes(1, 2)
     for p in range(len(first)):
@@ -156,7 +156,9 @@ def test_with_pressure_no_error_of_the_dvl_moves_the_depth(perfect, rig) -> None
 def test_without_pressure_the_depth_of_the_start_is_one_unknown_for_the_dive(perfect, rig) -> None:
     found = dead_reckon(replace(perfect, pressure=None), rig, SIGMAS, NavigateOptions())
     assert found.trajectory.covariance[30, 2, 2] > 100.0
-    track = CameraTrack(global_from_camera=found.trajectory.poses(), errors=found.error_model)
+    poses_found = found.trajectory.poses()
+    errors = NavigationErrors(global_from_camera=poses_found, model=found.error_model)
+    track = CameraTrack(global_from_camera=poses_found, errors=errors)
     assert track.relative_sigma(np.array([30]), np.array([32]))[0] < 0.05
 
 

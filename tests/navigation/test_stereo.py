@@ -22,7 +22,7 @@ from hullrecon.navigation.stereo_odometry.pair_motion import StereoMotion
 from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stereo_navigate
 from hullrecon.navigation.stereo_odometry.visual_odometry import chain_errors, compose, follow
 from hullrecon.records.sensors import ImuSamples, PressureSamples
-from hullrecon.vision.pairs.camera_track import CameraTrack
+from hullrecon.vision.pairs.camera_track import NavigationErrors
 
 START_NS = 10**15
 PATH = [poses.from_mount([0.15 * k, 0.01 * k, 0.0, 0.5 * k, 0.0, 1.0 * k]) for k in range(6)]
@@ -104,8 +104,8 @@ def test_two_nodes_of_a_chain_know_nothing_of_the_steps_before_them() -> None:
     step = poses.exp(np.tile([0.4, 0.05, 0.0, 0.02, 0.05, 0.1], (8, 1)))
     covariance = np.tile(np.diag([4e-3, 3e-3, 2e-3, 1e-3, 2e-3, 3e-3]) ** 2, (8, 1, 1))
     path = compose(poses.from_mount([50.0, -20.0, 3.0, 5.0, 10.0, 70.0]), step)
-    track = CameraTrack(global_from_camera=path, errors=chain_errors(path, covariance))
-    found = track.relative_covariance(np.array([7]), np.array([3]))[0]
+    errors = NavigationErrors(global_from_camera=path, model=chain_errors(path, covariance))
+    found = errors.relative_covariance(np.array([7]), np.array([3]))[0]
     anew = compose(poses.identity(), step[3:7])
     wanted = trajectory_covariance(chain_errors(anew, covariance[3:7]), anew)[-1]
     assert np.allclose(found, wanted, atol=1e-7)  # 1e-8 is new at each node

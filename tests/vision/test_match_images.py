@@ -5,21 +5,28 @@
 import numpy as np
 import pytest
 
+from hullrecon.records.links import NodePairs
 from hullrecon.records.tracks import Tracks
 from hullrecon.vision.match_images import MatchedImages
-from hullrecon.vision.pairs.matching import REASON_TEXTS, PairMatch, Reason
-from hullrecon.vision.pairs.selection import Proposal
+from hullrecon.vision.pairs.matching import REASON_TEXTS, Reason
 
 
-def pair(reason, count=0):
-    rows = np.arange(count)
-    return PairMatch(first=rows, second=rows, distance=np.zeros(count, np.float32), putative=20, reason=reason)
-
-
-def matched(nodes, reasons, across=None):
-    """Matched images of pairs `nodes` [(first, second)] with those reasons; two landmarks in three observations."""
+def matched(nodes, reasons, across=None, rejected=None):
+    """Matched images of pairs `nodes` [(first, second)] with those reasons, 15 features each; two landmarks in three
+    observations."""
     first, second = (np.array(side, np.int64) for side in (zip(*nodes, strict=True) if nodes else ((), ())))
     nan = np.full(2, np.nan)
+    none = np.zeros(len(first), bool)
+    pairs = NodePairs(
+        first=first,
+        second=second,
+        across=none if across is None else np.array(across),
+        overlap=np.ones(len(first)),
+        round=np.zeros(len(first), np.int64),
+        putative=np.full(len(first), 20),
+        reason=np.array(reasons, np.int64),
+        rejected=none if rejected is None else np.array(rejected),
+    )
     return MatchedImages(
         tracks=Tracks(
             landmark=np.array([0, 0, 1]),
@@ -28,13 +35,8 @@ def matched(nodes, reasons, across=None):
             bottom=np.stack([nan, nan, np.array([7.0, 8.0])]),
             color=np.zeros((2, 3), np.uint8),
         ),
-        proposal=Proposal(
-            first=first,
-            second=second,
-            across=np.zeros(len(first), bool) if across is None else np.array(across),
-            overlap=np.ones(len(first)),
-        ),
-        pairs=[pair(reason, 15 if reason is Reason.MATCHED else 0) for reason in reasons],
+        pairs=pairs,
+        inliers=np.where(pairs.joined, 15, 0),
         keyframes=4,
         nodes=6,
     )
@@ -48,12 +50,12 @@ def test_counts_are_of_pairs_landmarks_and_observations():
         "pairs": 3,
         "matched": 2,
         "matched_across_legs": 1,
+        "rejected": 0,
         "landmarks": 2,
         "observations": 3,
         "stereo_observations": 1,
         "landmarks_of_several_nodes": 1,
     }
-    assert found.inliers.tolist() == [15, 0, 15]
 
 
 def test_failures_are_counted_by_their_reason():
@@ -67,6 +69,13 @@ def test_failures_are_counted_by_their_reason():
 )
 def test_a_pair_that_failed_parts_two_chains(reasons, sizes):
     assert matched([(0, 1), (1, 2), (2, 3)], [Reason(code) for code in reasons]).chains() == sizes
+
+
+def test_a_pair_that_the_path_contradicts_joins_nothing_and_is_counted_apart():
+    found = matched([(0, 1), (1, 2), (0, 3)], [Reason.MATCHED] * 3, [False, False, True], rejected=[False, False, True])
+    assert found.chains() == [3, 1]
+    assert (found.counts()["matched"], found.counts()["rejected"], found.counts()["matched_across_legs"]) == (2, 1, 0)
+    assert found.failures() == {}
 
 
 def test_without_pairs_there_is_no_chain():

@@ -7,7 +7,7 @@ import pytest
 
 from hullrecon.geometry.poses import Poses, exp
 from hullrecon.records.trajectory import TrajectoryErrorModel
-from hullrecon.vision.pairs.camera_track import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, CameraTrack
+from hullrecon.vision.pairs.camera_track import WHITE_ROTATION_RAD, WHITE_TRANSLATION_M, CameraTrack, NavigationErrors
 
 
 def model(n, by_error=None, sigma=(), walk=None, white=None):
@@ -37,27 +37,31 @@ def by_heading(n):
     return out
 
 
+def dead_reckoned(poses, errors):
+    return CameraTrack(global_from_camera=poses, errors=NavigationErrors(global_from_camera=poses, model=errors))
+
+
 def relative(track, first, second):
-    return track.relative_covariance(np.array([first]), np.array([second]))[0]
+    return track.errors.relative_covariance(np.array([first]), np.array([second]))[0]
 
 
 def test_two_nodes_on_either_side_of_the_start_are_apart_by_both_errors_of_scale():
     """Each is off by 1 % of 10 m, the other way; the difference of their covariances would be nothing."""
     poses = level([[10.0, 0, 0], [-10.0, 0, 0]])
-    found = relative(CameraTrack(global_from_camera=poses, errors=model(2, by_scale(poses), [0.01])), 0, 1)
+    found = relative(dead_reckoned(poses, model(2, by_scale(poses), [0.01])), 0, 1)
     np.testing.assert_allclose(found[:3, :3], np.diag([0.2**2, 0, 0]), atol=1e-15)
 
 
 def test_a_vehicle_that_comes_back_to_a_place_has_no_error_of_scale_there():
     poses = level([[10.0, 4.0, 0], [30.0, 4.0, 0], [10.0, 4.0, 0]])
-    track = CameraTrack(global_from_camera=poses, errors=model(3, by_scale(poses), [0.01]))
+    track = dead_reckoned(poses, model(3, by_scale(poses), [0.01]))
     np.testing.assert_allclose(relative(track, 0, 2), 0, atol=1e-15)
     assert relative(track, 0, 1)[0, 0] == pytest.approx(0.2**2)
 
 
 def test_a_heading_that_is_wrong_from_the_start_on_leaves_relative_poses_as_they_are():
     poses = exp([[30.0, 5.0, 2.0, 0.1, 0.2, 0.3], [32.0, -4.0, 1.0, 0.0, -0.2, 1.3]])
-    found = relative(CameraTrack(global_from_camera=poses, errors=model(2, by_heading(2), [0.1])), 0, 1)
+    found = relative(dead_reckoned(poses, model(2, by_heading(2), [0.1])), 0, 1)
     np.testing.assert_allclose(found, 0, atol=1e-14)
 
 
@@ -65,31 +69,29 @@ def test_a_turn_of_the_second_node_swings_the_first_about_it():
     poses = level([[2.0, 0, 0], [0.0, 0, 0]])
     errors = by_heading(2)
     errors[0] = 0.0
-    found = relative(CameraTrack(global_from_camera=poses, errors=model(2, errors, [0.01])), 0, 1)
+    found = relative(dead_reckoned(poses, model(2, errors, [0.01])), 0, 1)
     np.testing.assert_allclose(np.diag(found), [0, 0.02**2, 0, 0, 0, 0.01**2], atol=1e-15)
 
 
 def test_what_accumulated_between_two_nodes_counts_and_not_what_came_before():
     walk = np.zeros((5, 6, 6))
     walk[:, 0, 0] = [0.0, 1.0, 4.0, 5.0, 9.0]
-    track = CameraTrack(global_from_camera=level(np.zeros((5, 3))), errors=model(5, walk=walk))
+    track = dead_reckoned(level(np.zeros((5, 3))), model(5, walk=walk))
     assert relative(track, 2, 4)[0, 0] == relative(track, 4, 2)[0, 0] == 5.0
 
 
 def test_what_is_new_at_each_node_counts_twice():
     white = np.tile(np.diag([1.0, 0, 0, 0, 0, 0]), (2, 1, 1))
-    track = CameraTrack(global_from_camera=level(np.zeros((2, 3))), errors=model(2, white=white))
+    track = dead_reckoned(level(np.zeros((2, 3))), model(2, white=white))
     assert relative(track, 0, 1)[0, 0] == 2.0
     assert track.relative_sigma(np.array([0]), np.array([1]))[0] == pytest.approx(np.sqrt(2 / 3))
 
 
 def test_a_batch_gives_what_each_pair_gives_alone():
     rng = np.random.default_rng(2)
-    track = CameraTrack(
-        global_from_camera=exp(rng.normal(0, 1, (6, 6))), errors=model(6, rng.normal(0, 1, (6, 6, 3)), [0.1, 0.2, 0.3])
-    )
+    track = dead_reckoned(exp(rng.normal(0, 1, (6, 6))), model(6, rng.normal(0, 1, (6, 6, 3)), [0.1, 0.2, 0.3]))
     first, second = np.array([0, 5, 3]), np.array([2, 1, 4])
-    together = track.relative_covariance(first, second)
+    together = track.errors.relative_covariance(first, second)
     for k in range(3):
         np.testing.assert_allclose(together[k], relative(track, first[k], second[k]), atol=1e-15)
 
@@ -102,7 +104,7 @@ def test_relative_poses_scatter_as_their_covariance_says():
     roots = [0.002 * rng.normal(0, 1, (6, 6)) for _ in range(4)]
     gained = [root @ root.T for root in roots]
     walk = np.stack([gained[0], gained[0] + gained[1]])
-    track = CameraTrack(global_from_camera=poses, errors=model(2, by_error, sigma, walk, np.stack(gained[2:])))
+    track = dead_reckoned(poses, model(2, by_error, sigma, walk, np.stack(gained[2:])))
     n = 10_000
     cause = sigma * rng.standard_normal((n, 2))
     steps = [rng.standard_normal((n, 6)) @ root.T for root in roots]
@@ -116,6 +118,6 @@ def test_relative_poses_scatter_as_their_covariance_says():
 
 
 def test_a_motion_adds_what_the_model_does_not_hold():
-    motion = CameraTrack(global_from_camera=level([[1.0, 0, 0], [0, 0, 0]]), errors=model(2)).motion(0, 1)
+    motion = dead_reckoned(level([[1.0, 0, 0], [0, 0, 0]]), model(2)).motion(0, 1)
     np.testing.assert_allclose(motion.second_from_first[:3, 3], [1, 0, 0])
     np.testing.assert_allclose(np.diag(motion.covariance), [WHITE_TRANSLATION_M**2] * 3 + [WHITE_ROTATION_RAD**2] * 3)

@@ -1,0 +1,220 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Two long legs with truth, there and back, in plain NumPy: what navigation measures of them under a drifting heading, and what
+pairs of images measure.
+
+Every error is drawn from the sigma that the records state: scale, drift and mount of the DVL, biases, white noise, links.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.estimation.rig_priors import Mount, Rig
+from hullrecon.geometry.poses import Poses, from_mount, identity
+from hullrecon.records.links import CameraLinks
+from hullrecon.records.trajectory import Attitude, Odometry, Trajectory
+
+STEP_S, STEP_M, APART_M = 2.0, 0.5, 0.6
+STEP_SIGMA = np.r_[np.full(3, 3e-3), np.full(3, 5e-4)]  # m, rad of odometry a step
+LINK_SIGMA = np.r_[np.full(3, 3e-3), np.full(3, 1e-3)]
+ATTITUDE_SIGMA = np.array([0.01, 1e-3, 1e-3])  # m, rad, rad
+NAVIGATION_SIGMA = np.array([0.01, 1e-3, 2e-3, 2e-3, 0.02, 1e-3])  # scale, drift rad/s, roll, pitch, depth m, backlash
+DVL_TURN_SIGMA = np.radians(0.3)
+TRAY_ORIGIN_M = np.array([0.4, 0.0, 0.1])
+TRAY_FROM_TOP, TOP_FROM_BOTTOM = from_mount([0.03, 0.05, -0.05, 90, 0, 90]), from_mount([0.0, 0.1, 0.0, 0.5, -0.3, 0.2])
+
+
+def matrices(translation: np.ndarray, rotation: Rotation) -> np.ndarray:
+    """T (n, 4, 4)."""
+    out = np.tile(np.eye(4), (len(translation), 1, 1))
+    out[:, :3, :3], out[:, :3, 3] = rotation.as_matrix(), translation
+    return out
+
+
+def poses(transform: np.ndarray) -> Poses:
+    return Poses(Rotation.from_matrix(transform[:, :3, :3]).as_quat(), transform[:, :3, 3].copy())
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkedDive:
+    """global_from_vehicle (n, 4, 4): the truth, tray at zero; what navigation made of it; the rig."""
+
+    global_from_vehicle: np.ndarray
+    trajectory: Trajectory
+    odometry: Odometry
+    attitude: Attitude
+    rig: Rig
+
+    def cameras(self, bottom: np.ndarray | bool = False) -> np.ndarray:
+        """T_g_c (n, 4, 4) of the top camera, or of the bottom one at the nodes where that is asked for."""
+        offset = np.eye(4)
+        offset[:3, 3] = TRAY_ORIGIN_M
+        top = self.global_from_vehicle @ offset @ TRAY_FROM_TOP.matrix()[0]
+        lower = np.broadcast_to(bottom, len(top))[:, None, None]
+        return np.where(lower, top @ TOP_FROM_BOTTOM.matrix()[0], top)
+
+
+def simulate(seed: int, per_leg: int = 30, drift: float | None = None) -> LinkedDive:
+    """The dive. drift: rad/s of the heading; drawn where it is not stated."""
+    rng = np.random.default_rng(seed)
+    truth = true_path(per_leg)
+    navigation = NAVIGATION_SIGMA * rng.standard_normal(6)
+    navigation[1] = navigation[1] if drift is None else drift
+    odometry = measured_steps(rng, truth, navigation)
+    roll_pitch = Rotation.from_matrix(truth[:, :3, :3]).as_euler("xyz")[:, :2] + navigation[2:4]
+    measured = np.column_stack([truth[:, 2, 3] + navigation[4], roll_pitch]) + ATTITUDE_SIGMA * rng.standard_normal(
+        (len(truth), 3)
+    )
+    attitude = Attitude(
+        node=np.arange(len(truth)),
+        depth=measured[:, 0],
+        roll=measured[:, 1],
+        pitch=measured[:, 2],
+        sigma=np.tile(ATTITUDE_SIGMA, (len(truth), 1)),
+        tray_direction=np.ones(len(truth)),
+    )
+    return LinkedDive(
+        global_from_vehicle=truth,
+        trajectory=reckoned(truth, odometry),
+        odometry=odometry,
+        attitude=attitude,
+        rig=rig(),
+    )
+
+
+def rig() -> Rig:
+    """The DVL's turn is known to 0.3 degrees, its place and both cameras' mounts are known."""
+    return Rig(
+        tray_origin=TRAY_ORIGIN_M,
+        tray_sigma=1e-3,
+        pressure_origin=np.zeros(3),
+        T_s_d=Mount(identity(1), np.diag(1 / np.r_[np.full(3, 1e-6), np.full(3, DVL_TURN_SIGMA)])),
+        dvl_position_sigma=np.zeros(3),
+        T_s_ct=Mount(TRAY_FROM_TOP, None),
+        T_ct_cb=Mount(TOP_FROM_BOTTOM, None),
+        top=None,
+        bottom=None,
+        sigma_px=1.0,
+        sigma_range=0.01,
+        navigation_sigma=NAVIGATION_SIGMA,
+    )
+
+
+def true_path(per_leg: int) -> np.ndarray:
+    """A vehicle that faces the hull and goes sideways along it, out and back, half a metre deeper on its way back."""
+    k = np.arange(2 * per_leg)
+    back = k >= per_leg
+    along = STEP_M * np.where(back, 2 * per_leg - 1 - k, k)
+    place = np.column_stack([0.05 * np.sin(0.3 * k), along, 3.0 + APART_M * back + 0.05 * np.sin(0.2 * k)])
+    turn = np.column_stack([0.03 * np.sin(0.2 * k), 0.02 * np.cos(0.3 * k), 0.1 * np.sin(0.1 * k)])
+    return matrices(place, Rotation.from_euler("xyz", turn))
+
+
+def measured_steps(rng: np.random.Generator, truth: np.ndarray, navigation: np.ndarray) -> Odometry:
+    """Steps with a wrong scale, a drifting heading and a turned mount, besides white noise."""
+    first, second = np.arange(len(truth) - 1), np.arange(1, len(truth))
+    step = np.linalg.inv(truth[first]) @ truth[second]
+    t, m = step[:, :3, 3], len(first)
+    by_navigation, by_mount, by_tray = np.zeros((m, 6, 2)), np.zeros((m, 6, 3)), np.zeros((m, 6))
+    by_navigation[:, :3, 0] = t
+    by_navigation[:, :3, 1] = 0.5 * STEP_S * np.cross(truth[first, 2, :3], t)
+    by_navigation[:, 3:, 1] = STEP_S * truth[second, 2, :3]
+    by_mount[:, :3] = np.cross(t[:, None], np.eye(3))  # what a small turn of the mount does: turn x t
+    by_tray[:, :3] = np.cross([0.0, 1.0, 0.0], t)
+    mount = DVL_TURN_SIGMA * rng.standard_normal(3)
+    error = by_navigation @ navigation[:2] + by_mount @ mount + STEP_SIGMA * rng.standard_normal((m, 6))
+    turn = Rotation.from_matrix(step[:, :3, :3]) * Rotation.from_rotvec(-error[:, 3:])
+    return Odometry(
+        first=first,
+        second=second,
+        quaternion=turn.as_quat(),
+        translation=t - error[:, :3],
+        covariance=np.tile(np.diag(STEP_SIGMA**2), (m, 1, 1)),
+        by_navigation=by_navigation,
+        by_mount=by_mount,
+        by_tray=by_tray,
+    )
+
+
+def reckoned(truth: np.ndarray, odometry: Odometry) -> Trajectory:
+    """Step by step from the true first pose."""
+    track = [truth[0]]
+    for step in matrices(odometry.translation, Rotation.from_quat(odometry.quaternion)):
+        track.append(track[-1] @ step)
+    found, n = poses(np.array(track)), len(truth)
+    return Trajectory(
+        t_ns=(STEP_S * 1e9 * np.arange(n)).astype(np.int64),
+        quaternion=found.quaternion,
+        translation=found.translation,
+        covariance=np.tile(np.eye(6), (n, 1, 1)),
+        tray=np.zeros(n),
+        image=np.tile(np.arange(n)[:, None], (1, 2)),
+    )
+
+
+def neighbours(per_leg: int = 30, reach: int = 2) -> np.ndarray:
+    """Pairs (m, 2) of following nodes."""
+    n = 2 * per_leg
+    return np.array([(k, k + s) for s in range(1, reach + 1) for k in range(n - s)])
+
+
+def opposite(per_leg: int = 30, every: int = 1) -> np.ndarray:
+    """Pairs (m, 2) of nodes of the two legs that stand before the same piece of hull; the turn's four are neighbours."""
+    k = np.arange(0, per_leg - 2, every)
+    return np.column_stack([k, 2 * per_leg - 1 - k])
+
+
+def link(
+    dive: LinkedDive, pairs: np.ndarray, rng: np.random.Generator, *, scaled: bool = True, bottom: np.ndarray | bool = False
+) -> CameraLinks:
+    """The relative poses of pairs (m, 2), with noise of LINK_SIGMA times the root of how many links share each image; without
+    scale, the translation's length is one metre."""
+    camera = dive.cameras(bottom)
+    first, second = pairs.T
+    relative = np.linalg.inv(camera[second]) @ camera[first]
+    degree = np.bincount(pairs.ravel(), minlength=len(camera))
+    shared = np.maximum((degree[first] + degree[second]) / 4, 1.0)
+    noise = np.sqrt(shared)[:, None] * LINK_SIGMA * rng.standard_normal((len(pairs), 6))
+    turn = Rotation.from_matrix(relative[:, :3, :3]) * Rotation.from_rotvec(noise[:, 3:])
+    length = np.linalg.norm(relative[:, :3, 3], axis=1, keepdims=True)
+    shift, sigma = relative[:, :3, 3] + noise[:, :3], np.tile(LINK_SIGMA, (len(pairs), 1))
+    if not scaled:
+        shift, sigma = shift / length, np.hstack([sigma[:, :3] / length, sigma[:, 3:]])
+    lower = np.broadcast_to(bottom, len(camera))
+    return CameraLinks(
+        first=first,
+        second=second,
+        translation=shift,
+        quaternion=turn.as_quat(),
+        covariance=np.einsum("mi,ij->mij", sigma**2, np.eye(6)),
+        scaled=np.full(len(pairs), scaled),
+        bottom=np.column_stack([lower[first], lower[second]]),
+    )
+
+
+def joined(*parts: CameraLinks) -> CameraLinks:
+    """Links one after the other."""
+    names = ("first", "second", "translation", "quaternion", "covariance", "scaled", "bottom")
+    return CameraLinks(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
+
+
+def disturbed(links: CameraLinks, rows: np.ndarray, shift_m: float, turn_rad: float, rng: np.random.Generator) -> CameraLinks:
+    """Some of the links made wrong, each in another direction."""
+    translation, rotation = links.translation.copy(), Rotation.from_quat(links.quaternion)
+    way, axis = (rng.standard_normal((len(rows), 3)) for _ in range(2))
+    translation[rows] += shift_m * way / np.linalg.norm(way, axis=1, keepdims=True)
+    wrong = np.zeros((len(links), 3))
+    wrong[rows] = turn_rad * axis / np.linalg.norm(axis, axis=1, keepdims=True)
+    return replace(links, translation=translation, quaternion=(rotation * Rotation.from_rotvec(wrong)).as_quat())
+
+
+def aligned_error_m(found: Poses, truth: np.ndarray) -> float:
+    """Root mean square distance of positions after the best rigid alignment."""
+    a, b = found.translation, truth[:, :3, 3]
+    u, _, vt = np.linalg.svd((b - b.mean(0)).T @ (a - a.mean(0)))
+    rotation = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
+    return float(np.sqrt(np.mean(np.sum(((a - a.mean(0)) @ rotation.T - (b - b.mean(0))) ** 2, axis=1))))
