@@ -87,12 +87,14 @@ class NodeStereo:
 class LinkedPath:
     """The vehicle as navigation and links have it: pose (n, 7) T_g_v as x y z qx qy qz qw, tray (n,) rad, covariance (n, 6, 6)
     of (translation in g, rotation perturbed on the right); part (n,): nodes of one number are tied to each other by images,
-    0 the largest; -1 where no image of the node matched."""
+    0 the largest; -1 where no image of the node matched. part_sigma (parts,) m: of the middle of each part relative to that of
+    the largest."""
 
     pose: Array
     tray: Array
     covariance: Array
     part: Ints
+    part_sigma: Array
 
     def path(self) -> VehiclePath:
         """Return the vehicle and its tray."""

@@ -11,6 +11,7 @@ import numpy as np
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
 from hullrecon.navigation.pose_graph.graph import PoseGraph
+from hullrecon.navigation.pose_graph.ties import describe_parts
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
@@ -52,6 +53,9 @@ def run(context: Context[LinkOptions]) -> None:
     context.out.arrays("links.npz", to_arrays(found.links))
     context.out.arrays("stereo.npz", to_arrays(found.stereo))
     context.out.arrays("path.npz", to_arrays(found.path))
+    sentence = describe_parts(found.path, navigate.trajectory.t_ns)
+    if sentence is not None:
+        context.warn(sentence)
     context.out.json("links.json", {"keyframes": len(found.keyframes), "rounds": found.rounds()})
 
 

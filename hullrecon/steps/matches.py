@@ -41,10 +41,6 @@ def run(context: Context[MatchOptions]) -> None:
 def _write_pairs(context: Context[MatchOptions], found: MatchedImages) -> None:
     pairs, chains = found.pairs, found.chains()
     context.out.arrays("pairs.npz", {**to_arrays(pairs), "inliers": found.inliers})
-    if len(chains) > 1:
-        context.warn(
-            f"the images fall into {len(chains)} chains without a match between them; the longest has {chains[0]} nodes"
-        )
     reasons = {str(int(code)): text for code, text in REASON_TEXTS.items()}
     context.out.json("pairs.json", {"reasons": reasons, "failed": found.failures(), "chains": chains, "counts": found.counts()})
 

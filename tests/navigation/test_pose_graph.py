@@ -90,7 +90,7 @@ def test_a_second_solve_starts_from_the_first_and_ends_where_one_solve_does(
 
 
 def test_with_scaling_both_ways_end_in_paths_of_one_shape(dive: LinkedDive, links: CameraLinks) -> None:
-    """Scaling is not convex: which of the right links are weighed down depends on the start, which turns the path by a little."""
+    """Scaling is not convex: which right links are weighed down depends on the start, which turns the path a little."""
     graph = graph_of(dive)
     again = graph.solve(links, graph.solve(link(dive, neighbours(), np.random.default_rng(2))))
     shape = np.tile(np.eye(4), (60, 1, 1))

@@ -120,12 +120,22 @@ class GraphSolution:
         marginals = native.covariance(self.problem, OPTIONS)
         pose = self.problem.unknowns.pose
         kept = ~self.rejected
+        part = linked_parts(len(pose), self.links.first[kept], self.links.second[kept])
         return LinkedPath(
             pose=pose[:, :7].copy(),
             tray=pose[:, 7].copy(),
             covariance=marginals.pose[:, :6, :6],
-            part=linked_parts(len(pose), self.links.first[kept], self.links.second[kept]),
+            part=part,
+            part_sigma=self._sigma_of_parts(part),
         )
+
+    def _sigma_of_parts(self, part: Ints) -> Array:
+        """Return the sigma (parts,) m of the middle of each part relative to that of the largest."""
+        middle = np.array([np.median(np.flatnonzero(part == k)) for k in range(part.max(initial=-1) + 1)], np.int64)
+        if len(middle) == 0:
+            return np.zeros(0)
+        covariance = self.relative_errors().relative_covariance(np.full(len(middle), middle[0]), middle)[:, :3, :3]
+        return np.asarray(np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0)))
 
 
 @dataclass(frozen=True, kw_only=True)
