@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.dive.config.schema import Tray
 from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
 from hullrecon.navigation.pose_graph.graph import PoseGraph
 from hullrecon.navigation.pose_graph.ties import describe_parts
@@ -23,13 +24,13 @@ from hullrecon.vision.stereo.camera_rig import CameraRig
 
 def applies(settings: Mapping[str, object]) -> str | None:
     """Return why a dive cannot have this step; None where it can."""
-    return None if settings["camera.top.mount"] is not None else "no camera was carried"
+    return None if settings["camera.top"] is not None else "no camera was carried"
 
 
 def run(context: Context[LinkOptions]) -> None:
     """Leave what pairs of images have in common, and the path that this ties together."""
     inputs, settings = InputArtifacts(context.inputs), context.settings
-    rig = rig_from_settings(settings, inputs.ingest.camera_models)
+    rig = rig_from_settings(_rig_values(settings), inputs.ingest.camera_models)
     worker = MatchWorker(
         features=context.inputs["features"], rig=CameraRig(rig), options=settings.read("matches", MatchOptions)
     )
@@ -38,7 +39,7 @@ def run(context: Context[LinkOptions]) -> None:
         trajectory=navigate.trajectory,
         errors=navigate.error_model,
         returns=navigate.returns,
-        tray_sigma_rad=float(np.radians(settings.read("tray.sigma_deg", float))),
+        tray_sigma_rad=float(np.radians(settings.read("tray", Tray).sigma_deg)),
     )
     graph = PoseGraph(
         trajectory=navigate.trajectory,
@@ -59,6 +60,12 @@ def run(context: Context[LinkOptions]) -> None:
     context.out.json("links.json", {"keyframes": len(found.keyframes), "rounds": found.rounds()})
 
 
+def _rig_values(settings: Mapping[str, object]) -> dict[str, object]:
+    """Return the values that a rig is made of, out of the sections, which are read whole for their sigmas."""
+    sections = {key: key.rpartition(".") for key in RIG_KEYS if not key.startswith("sonar")}
+    return {key: getattr(settings[section], name, None) for key, (section, _, name) in sections.items()}
+
+
 STAGE = Stage(
     name="links",
     summary="link images in rounds and straighten the path with them",
@@ -66,6 +73,6 @@ STAGE = Stage(
     parameters=LinkOptions,
     version=1,
     run=run,
-    uses=(*RIG_KEYS, *RIG_SECTIONS, "tray.sigma_deg", "matches"),
+    uses=(*RIG_SECTIONS, "matches"),
     applies=applies,
 )

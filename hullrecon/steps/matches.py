@@ -4,17 +4,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.errors import InputError
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.steps.links import applies
 from hullrecon.vision.match_images import MatchedImages, join_images
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.match_worker import MatchWorker
 from hullrecon.vision.pairs.matching import REASON_TEXTS
 from hullrecon.vision.stereo.camera_rig import CameraRig
+
+
+def applies(settings: Mapping[str, object]) -> str | None:
+    """Return why a dive cannot have this step; None where it can."""
+    return None if settings["camera.top.mount"] is not None else "no camera was carried"
 
 
 def run(context: Context[MatchOptions]) -> None:
