@@ -158,6 +158,7 @@ def test_two_runs_give_the_same_bytes_whatever_the_threads():
 def test_each_round_is_told_in_a_line_with_its_landmarks():
     told = []
     adjust(simulate().measured, AdjustOptions(rounds=2), told.append)
-    assert len(told) == 3
-    assert "points to the CAD model" in told[0]
-    assert [line.split(":")[0] for line in told[1:]] == ["round 1", "round 2"]
+    assert len(told) == 4  # a round without the CAD model, its registration, a round and the last one with it
+    assert "points to the CAD model" in told[1]
+    assert [line.split(":")[0] for line in (told[0], *told[2:])] == ["round 1", "round 2", "round 3"]
+    assert "0 on the hull" in told[0]

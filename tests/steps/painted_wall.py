@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two legs of five nodes along a flat painted wall with truth, and what navigation and the features of its images left of them."""
+"""Two legs of five nodes along a flat painted wall with truth; what navigation and the features of the images left."""
 
 import dataclasses
 import json

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from steps.painted_wall import build_dive, run_links, with_navigation
 
+from hullrecon.dive.config.schema import CameraTop
 from hullrecon.geometry.poses import Poses, exp
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.steps.artifacts import LinksArtifact, NavigateArtifact
@@ -182,5 +183,5 @@ def test_a_dive_on_which_nothing_matches_keeps_its_dead_reckoned_path(dive, tmp_
 
 
 def test_a_dive_without_camera_has_no_links():
-    assert STAGE.applies({"camera.top.mount": None}) == "no camera was carried"
-    assert STAGE.applies({"camera.top.mount": (0,) * 6}) is None
+    assert STAGE.applies({"camera.top": None}) == "no camera was carried"
+    assert STAGE.applies({"camera.top": CameraTop(calibration="t")}) is None
