@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Navigation's records as the tables of a native problem."""
+
+import numpy as np
+import pytest
+from navigation.linked_dive import STEP_SIGMA, simulate
+from scipy.spatial.transform import Rotation
+
+from hullrecon.estimation.navigation_tables import (
+    attitude_table,
+    gauge_prior,
+    mount_prior_table,
+    odometry_table,
+    tray_table,
+)
+from hullrecon.estimation.rig_priors import Mount, mount_prior
+from hullrecon.geometry.poses import Poses, exp, from_mount
+
+
+@pytest.fixture(scope="module")
+def dive():
+    return simulate(3, per_leg=6)
+
+
+def test_attitude_holds_depth_roll_and_pitch_in_this_order(dive):
+    table = attitude_table(dive.attitude)
+    np.testing.assert_array_equal(table.node, np.arange(12))
+    np.testing.assert_array_equal(table.measured[:, 0], dive.attitude.depth)
+    np.testing.assert_array_equal(table.measured[:, 2], dive.attitude.pitch)
+
+
+def test_the_weight_of_depths_leaves_roll_and_pitch_alone(dive):
+    one, two = attitude_table(dive.attitude), attitude_table(dive.attitude, depth_weight=2.0)
+    np.testing.assert_allclose(two.sigma, one.sigma * [2, 1, 1])
+
+
+def test_every_node_has_the_trays_angle_and_the_sense_of_its_backlash():
+    table = tray_table(np.array([0.1, 0.2]), np.array([1.0, -1.0]), 0.01)
+    assert table.node.tolist() == [0, 1]
+    assert table.measured.tolist() == [0.1, 0.2]
+    assert table.direction.tolist() == [1.0, -1.0]
+    assert table.sigma.tolist() == [0.01, 0.01]
+
+
+def test_odometry_is_whitened_by_its_covariance(dive):
+    table = odometry_table(dive.odometry, np.zeros(12), dive.rig.T_s_d.nominal)
+    np.testing.assert_allclose(table.sqrt_information[4], np.diag(1 / STEP_SIGMA))
+    np.testing.assert_array_equal(table.measured[:, :3], dive.odometry.translation)
+    np.testing.assert_array_equal(table.measured[:, 3:], dive.odometry.quaternion)
+
+
+def test_a_step_was_reckoned_with_the_mean_of_its_two_angles(dive):
+    tray = np.linspace(0, 1.1, 12)
+    table = odometry_table(dive.odometry, tray, from_mount([0, 0, 0.08, 0, 90, 0]))
+    np.testing.assert_allclose(table.tray, 0.05 + 0.1 * np.arange(11))
+    np.testing.assert_allclose(table.mount[:3], [0, 0, 0.08])
+
+
+def whitened(prior, start, step):
+    """Rows of a pose that is off by (translation in g, rotation vector in g)."""
+    moved = Poses((Rotation.from_rotvec(step[3:]) * start.rotation).as_quat(), start.translation + step[:3])
+    back = start.rotation.as_matrix()[0].T
+    local = np.r_[back @ (moved.translation - start.translation)[0], (start.rotation.inv() * moved.rotation).as_rotvec()[0]]
+    return np.linalg.norm(prior.sqrt_information[0] @ local)
+
+
+@pytest.mark.parametrize("levelled", [True, False])
+def test_the_gauge_fixes_place_and_heading_and_leaves_the_rest_to_sensors(levelled):
+    start = exp([[5.0, -3.0, 2.0, 0.3, -0.2, 1.1]])
+    prior = gauge_prior(start, levelled)
+    assert prior.node.tolist() == [0]
+    np.testing.assert_allclose(prior.value[0, :3], start.translation[0])
+    for axis in (0, 1):
+        assert whitened(prior, start, 1e-4 * np.eye(6)[axis]) == pytest.approx(1, rel=1e-6)
+    assert whitened(prior, start, 1e-5 * np.eye(6)[5]) == pytest.approx(1, rel=1e-4)
+    depth, roll = (whitened(prior, start, step * np.eye(6)[axis]) for axis, step in ((2, 1e-4), (3, 1e-5)))
+    assert (depth, roll) == pytest.approx((1e-5, 1e-5) if levelled else (1, 1), rel=1e-3)
+
+
+def test_only_the_first_of_many_poses_is_held():
+    prior = gauge_prior(exp(np.zeros((5, 6))), levelled=True)
+    assert prior.value.shape == (1, 7)
+    assert prior.sqrt_information.shape == (1, 6, 6)
+
+
+def test_a_mount_that_is_held_or_was_not_carried_has_no_prior():
+    mount = mount_prior((0, 0, 0, 0, 0, 0), (0.01,) * 6)
+    assert mount_prior_table(None, None) is None
+    assert mount_prior_table(Mount(mount.nominal, None), mount.nominal) is None
+    assert mount_prior_table(mount, None) is None
+    table = mount_prior_table(mount, mount.nominal)
+    np.testing.assert_array_equal(table.value, [0, 0, 0, 0, 0, 0, 1])
+    assert table.sqrt_information is mount.sqrt_information

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The rig with its priors, from the sections of dive.toml."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.config.schema import CameraBottom, CameraTop, Dvl, Imu, Pressure, Tray
+from hullrecon.estimation.rig_priors import RIG_SECTIONS, mount_prior, rig_priors_from_settings
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.poses import Poses, from_mount
+
+MODEL = CameraModel(640, 512, 650.0, 651.0, 322.0, 255.0)
+MOUNT, SIGMA = (0.1, 0.2, -0.05, 90.0, 0.0, 90.0), (0.01, 0.02, 0.03, 0.5, 1.0, 2.0)
+
+
+def sections(**changed):
+    """A stereo rig as dive.toml may have it."""
+    return {
+        "tray": Tray(origin=(0.4, 0.0, 0.1), sigma_deg=0.8),
+        "imu": Imu(heading_drift_deg_per_hour=7.2, bias_sigma_deg=0.2),
+        "pressure": Pressure(origin=(-0.3, 0.0, 0.1), bias_sigma_m=0.05),
+        "dvl": Dvl(mount=(0, 0, 0.08, 0, 90, 0), mount_sigma=(0.01, 0.01, 0.02, 0.5, 0.5, 0.5), scale_sigma=0.004),
+        "camera.top": CameraTop(calibration="t", mount=MOUNT, mount_sigma=SIGMA, sigma_px=0.7),
+        "camera.bottom": CameraBottom(calibration="b", pose_in_top=(0, 0.1, 0, 0, 0, 0), pose_sigma=(0.0,) * 6),
+    } | changed
+
+
+def rig_of(free_dvl_position=False, **changed):
+    cameras = {Camera.TOP: MODEL, Camera.BOTTOM: MODEL}
+    return rig_priors_from_settings(sections(**changed), cameras, free_dvl_position)
+
+
+def test_the_sections_named_are_those_that_are_read():
+    assert set(sections()) == set(RIG_SECTIONS)
+
+
+def test_lengths_stay_metres_and_angles_become_radians():
+    rig = rig_of()
+    np.testing.assert_array_equal(rig.tray_origin, [0.4, 0, 0.1])
+    np.testing.assert_array_equal(rig.pressure_origin, [-0.3, 0, 0.1])
+    assert rig.tray_sigma == pytest.approx(np.radians(0.8))
+    assert rig.sigma_px == 0.7
+    wanted = [0.004, np.radians(7.2) / 3600, np.radians(0.2), np.radians(0.2), 0.05, np.radians(0.8)]
+    np.testing.assert_allclose(rig.navigation_sigma, wanted)
+
+
+def test_an_error_that_is_said_not_to_exist_keeps_a_sigma_that_can_be_divided_by():
+    rig = rig_of(pressure=Pressure(bias_sigma_m=0.0), dvl=Dvl(scale_sigma=0.0))
+    assert rig.navigation_sigma[0] == rig.navigation_sigma[4] == 1e-9
+
+
+def test_a_mounts_sigma_whitens_small_motions_in_the_parents_axes():
+    """A shift of one sigma along an axis of the tray, or a turn of one sigma about it, costs one."""
+    prior = mount_prior(MOUNT, SIGMA)
+    for axis in range(3):
+        e = np.eye(3)[axis]
+        shifted = Poses(prior.nominal.quaternion, prior.nominal.translation + SIGMA[axis] * e)
+        turn = Rotation.from_rotvec(np.radians(SIGMA[3 + axis]) * e)
+        turned = Poses((turn * prior.nominal.rotation).as_quat(), prior.nominal.translation)
+        for moved in (shifted, turned):
+            row = prior.sqrt_information @ (prior.nominal.inverse() @ moved).log()[0]
+            assert np.linalg.norm(row) == pytest.approx(1.0, rel=1e-9)
+            assert np.abs(row).max() == pytest.approx(1.0, rel=1e-9)
+
+
+def test_a_mount_without_any_sigma_is_held():
+    assert mount_prior(MOUNT, (0.0,) * 6).sqrt_information is None
+    assert rig_of().T_ct_cb.sqrt_information is None
+
+
+def test_a_single_sigma_of_zero_is_all_but_held():
+    rows = mount_prior((0, 0, 0, 0, 0, 0), (0.0, 0.01, 0.01, 0.5, 0.5, 0.5)).sqrt_information
+    assert rows[0, 0] == pytest.approx(1e6)
+    assert np.isfinite(rows).all()
+
+
+def test_the_dvls_position_is_held_and_its_sigma_kept_for_the_poses():
+    held = rig_of()
+    np.testing.assert_array_equal(held.dvl_position_sigma, [0.01, 0.01, 0.02])
+    assert np.linalg.norm(held.T_s_d.sqrt_information[0, :3]) == pytest.approx(1e6)
+    free = rig_of(free_dvl_position=True)
+    np.testing.assert_array_equal(free.dvl_position_sigma, 0)
+    assert np.linalg.norm(free.T_s_d.sqrt_information[0, :3]) == pytest.approx(100)
+
+
+def test_both_cameras_stand_where_dive_toml_has_them():
+    rig = rig_of()
+    np.testing.assert_allclose(rig.T_s_ct.nominal.matrix(), from_mount(MOUNT).matrix())
+    np.testing.assert_allclose(rig.T_ct_cb.nominal.translation, [[0, 0.1, 0]])
+    assert rig.top is MODEL
+
+
+@pytest.mark.parametrize(
+    ("absent", "top", "bottom"), [(("camera.bottom",), True, False), (("camera.top", "camera.bottom"), False, False)]
+)
+def test_a_camera_that_was_not_carried_has_no_mount(absent, top, bottom):
+    rig = rig_priors_from_settings(sections(**dict.fromkeys(absent)), {})
+    assert (rig.T_s_ct is not None, rig.T_ct_cb is not None) == (top, bottom)
+    assert rig.top is None
+
+
+def test_a_section_of_another_kind_is_named():
+    with pytest.raises(TypeError, match=r"section imu is .*, where Imu is expected"):
+        rig_of(imu=Tray())
