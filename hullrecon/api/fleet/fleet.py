@@ -140,7 +140,7 @@ def _note(
     if now.exit_code is not None and (now.ran or not now.known):
         record = DiveRecord(
             name=dive.name, package=dive.listing.signature, result=result_signature(runs, dive.name), program=dive.program,
-            exit_code=now.exit_code, reason=as_utf8(now.reason), ended_s=time.time(),
+            exit_code=now.exit_code, reason=as_utf8(now.reason), refused=dive.refused is not None, ended_s=time.time(),
         )  # fmt: skip
         records.put(dive.package, record)
     if now.state == "failed" and on_failure is not None:

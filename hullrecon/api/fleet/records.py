@@ -21,7 +21,7 @@ TRIED_AGAIN_S = 86_400.0  # a failure may have other causes all the same, such a
 
 
 class DiveRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How a dive ended. package, result, program: signatures; ended_s: seconds since 1970."""
+    """How a dive ended. package, result, program: signatures; refused: it was not run; ended_s: seconds since 1970."""
 
     name: str | None
     package: str
@@ -29,12 +29,13 @@ class DiveRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     program: str
     exit_code: int
     reason: str
+    refused: bool
     ended_s: float
 
     @property
     def holds(self) -> bool:
         """Whether a failure would most likely come again."""
-        return self.exit_code in LASTING and 0 <= time.time() - self.ended_s < TRIED_AGAIN_S
+        return self.exit_code in LASTING and not self.refused and 0 <= time.time() - self.ended_s < TRIED_AGAIN_S
 
 
 class FleetRecords:
