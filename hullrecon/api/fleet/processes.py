@@ -66,7 +66,7 @@ def run_each(commands: Mapping[Key, Sequence[str]], jobs: int, scratch: Path) ->
             if not ended:
                 time.sleep(_POLL_S)
     finally:
-        _stop([r.process for r in running])
+        _stop(running)
 
 
 def end_with_parent(parent: int) -> None:
@@ -110,14 +110,15 @@ def _last_line(errors: IO[bytes]) -> str:
     return next((line.strip() for line in reversed(lines) if line.strip()), "it said nothing")
 
 
-def _stop(processes: Sequence[subprocess.Popen[bytes]]) -> None:
+def _stop(running: Sequence[_Running[Key]]) -> None:
     """End processes: a run that gets SIGTERM leaves what it has finished; one that does not listen is killed."""
-    for process in processes:
-        process.terminate()
+    for r in running:
+        r.process.terminate()
     until = time.monotonic() + _PATIENCE_S
-    for process in processes:
-        try:
-            process.wait(max(0.0, until - time.monotonic()))
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+    for r in running:
+        with r.output, r.errors:
+            try:
+                r.process.wait(max(0.0, until - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                r.process.kill()
+                r.process.wait()
