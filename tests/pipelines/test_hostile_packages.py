@@ -11,15 +11,12 @@ from pathlib import Path
 import pytest
 from dive.conftest import Entry, Kit
 
-SHELL = ("$(shell touch {mark})", "$(touch {mark})", "`touch {mark}`", "'; touch {mark}; '", '"; touch {mark}; "')
+# A file that appears when code of a package has run; without a slash it can be part of a file's name.
+MARK = "code-has-run"
+ATTACK = f"$(shell touch {MARK})$(touch {MARK})`touch {MARK}`; touch {MARK}; '; touch {MARK}; '\"; touch {MARK}; \""
+QUOTED = ATTACK.replace('"', '\\"')  # in a TOML string
 LOGS = '[logs]\nfiles = ["log.mcap"]\n[topics]\ndvl = "/dvl"\n'
 Pipeline = Callable[[Path], object]
-
-
-@pytest.fixture
-def mark(tmp_path: Path) -> Path:
-    """A file that appears when code of a package has run. Without a slash it can be part of a file's name."""
-    return Path("code-has-run")
 
 
 @pytest.fixture(params=["fleet", "make"])
@@ -36,60 +33,50 @@ def pipeline(request, call, pipelines: Path, program: Path, tmp_path: Path) -> P
         else:
             answer = call("make", "-f", pipelines / "dive.mk", f"PACKAGE={package}", f"RUNS={runs}", env=environment, cwd=here)
         assert list(here.iterdir()) == [], answer.stderr
-        assert not [p for p in tmp_path.rglob("code-has-run") if p.parent != package]
+        assert not [p for p in tmp_path.rglob(MARK) if p.parent != package]
         return answer
 
     return run
 
 
-@pytest.mark.parametrize("text", SHELL)
-def test_a_dives_name_runs_no_code(text: str, pipeline: Pipeline, make_package, mark: Path, tmp_path: Path) -> None:
+def test_a_dives_name_runs_no_code(pipeline: Pipeline, make_package, tmp_path: Path) -> None:
     package = make_package(tmp_path / "dives" / "a", "kestrel")
-    quoted = ("x" + text.format(mark=mark)).replace('"', '\\"')
-    (package / "dive.toml").write_text(f'[dive]\nname = "{quoted}"\n{LOGS}')
+    (package / "dive.toml").write_text(f'[dive]\nname = "x{QUOTED}"\n{LOGS}')
     answer = pipeline(package)
     assert answer.returncode != 0
     assert not list((tmp_path / "runs").glob("[!.]*"))
 
 
-@pytest.mark.parametrize("text", SHELL)
 def test_the_name_of_a_packages_folder_or_file_runs_no_code(
-    text: str, pipeline: Pipeline, make_package, trace: Path, mark: Path, tmp_path: Path
+    pipeline: Pipeline, make_package, trace: Path, tmp_path: Path
 ) -> None:
-    name = text.format(mark=mark)
-    package = make_package(tmp_path / "dives" / name, "kestrel")
-    (package / name).write_text("x")
-    (package / f"{name}\nend").write_text("x")
+    package = make_package(tmp_path / "dives" / ATTACK, "kestrel")
+    (package / ATTACK).write_text("x")
+    (package / f"{ATTACK}\nend").write_text("x")
     (package / "logs of today").mkdir()
-    (package / "log.mcap").rename(package / "logs of today" / f"{name}.mcap")
-    quoted = name.replace('"', '\\"')
-    (package / "dive.toml").write_text(f'[dive]\nname = "kestrel"\n[logs]\nfiles = ["logs of today/{quoted}.mcap"]\n')
+    (package / "log.mcap").rename(package / "logs of today" / f"{ATTACK}.mcap")
+    (package / "dive.toml").write_text(f'[dive]\nname = "kestrel"\n[logs]\nfiles = ["logs of today/{QUOTED}.mcap"]\n')
     answer = pipeline(package)
     assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
     assert (tmp_path / "runs/kestrel/deliver/report.txt").exists()
 
 
-@pytest.mark.parametrize("text", SHELL)
 def test_a_vessel_of_several_lines_that_looks_like_a_name_is_only_a_vessel(
-    text: str, pipeline: Pipeline, make_package, trace: Path, mark: Path, tmp_path: Path
+    pipeline: Pipeline, make_package, trace: Path, tmp_path: Path
 ) -> None:
     package = make_package(tmp_path / "dives" / "a", "kestrel")
-    vessel = f"'''\nname = \"x{text.format(mark=mark)}\"\n[dive]\nname = \"{text.format(mark=mark)}\"\n''' "
-    if "'" in text:
-        vessel = f'"""\nname = {text.format(mark=mark).strip(chr(34))}\n"""'
+    vessel = f'"""\nname = "x{QUOTED}"\n[dive]\nname = \'{QUOTED}\'\n"""'
     (package / "dive.toml").write_text(f'[dive]\nvessel = {vessel}\n  name = "kestrel"\n{LOGS}')
     answer = pipeline(package)
     assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
     assert {p.name for p in (tmp_path / "runs").iterdir()} - {".fleet"} == {"kestrel"}
 
 
-@pytest.mark.parametrize("text", SHELL)
 def test_a_topics_name_that_init_writes_into_dive_toml_runs_no_code(
-    text: str, pipeline: Pipeline, call, program: Path, trace: Path, mark: Path, tmp_path: Path
+    pipeline: Pipeline, call, program: Path, trace: Path, tmp_path: Path
 ) -> None:
     kit = Kit()
-    attack = text.format(mark=mark)
-    topics = [f'/imu"\nname = "x{attack}"\n[dive]\nname = "{attack}', f"/other\nname = {attack} # "]
+    topics = [f'/imu"\nname = "x{ATTACK}"\n[dive]\nname = "{ATTACK}', f"/other\nname = {ATTACK} # "]
     package = tmp_path / "dives" / "kestrel"
     entries = [Entry(topic, "sensor_msgs/msg/Imu", kit.start_ns + k, kit.imu(kit.start_ns)) for k, topic in enumerate(topics)]
     kit.mcap(package / "log.mcap", entries)
@@ -99,21 +86,37 @@ def test_a_topics_name_that_init_writes_into_dive_toml_runs_no_code(
     assert {p.name for p in (tmp_path / "runs").glob("[!.]*")} <= {"kestrel"}
 
 
-@pytest.mark.parametrize("name", ["..", ".", "kestrel\\n", "../kestrel", "/kestrel", "a/../../kestrel", "", "-rf", "x" * 300])
+NO_NAMES = ("..", ".", "kestrel\\n", "../kestrel", "/kestrel", "a/../../kestrel", "", "-rf", "x" * 300)
+
+
 def test_a_dives_name_writes_nothing_outside_its_folder_of_runs(
-    name: str, pipeline: Pipeline, make_package, tmp_path: Path
+    call, pipelines: Path, program: Path, make_package, tmp_path: Path
 ) -> None:
     (tmp_path / "kestrel").mkdir()
     (tmp_path / "kestrel" / "letter.txt").write_text("not ours")
-    package = make_package(tmp_path / "dives" / "a", "kestrel")
-    (package / "dive.toml").write_text(f'[dive]\nname = "{name}"\n{LOGS}')
+    for k, name in enumerate(NO_NAMES):
+        make_package(tmp_path / "dives" / str(k), "kestrel")
+        (tmp_path / "dives" / str(k) / "dive.toml").write_text(f'[dive]\nname = "{name}"\n{LOGS}')
     before = sorted(p for p in tmp_path.rglob("*") if p.is_file())
-    answer = pipeline(package)
-    assert answer.returncode != 0
-    assert len(answer.stderr.splitlines()) <= 2  # make adds one of its own
-    assert "Traceback" not in answer.stderr
-    after = sorted(p for p in tmp_path.rglob("*") if p.is_file() and ".fleet" not in p.parts)
-    assert after == before
+    answer = call(pipelines / "fleet", tmp_path / "dives", tmp_path / "runs", env=os.environ | {"HULLRECON": str(program)})
+    assert answer.returncode == 4
+    assert [line.split(": ")[:3] for line in sorted(answer.stderr.splitlines())] == [
+        ["failed", str(k), "exit code 2"] for k in range(len(NO_NAMES))
+    ]
+    assert sorted(p for p in tmp_path.rglob("*") if p.is_file() and ".fleet" not in p.parts) == before
+
+
+@pytest.mark.parametrize("name", ["..", "kestrel\\n"])
+def test_make_of_a_dive_with_no_valid_name_writes_nothing(
+    name: str, call, pipelines: Path, program: Path, make_package, tmp_path: Path
+) -> None:
+    package = make_package(tmp_path / "a", "kestrel")
+    (package / "dive.toml").write_text(f'[dive]\nname = "{name}"\n{LOGS}')
+    before = sorted(tmp_path.rglob("*"))
+    answer = call("make", "-f", pipelines / "dive.mk", f"PACKAGE={package}", f"RUNS={tmp_path}", f"HULLRECON={program}")
+    assert answer.returncode == 2
+    assert "dive.name" in answer.stderr
+    assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_runs_that_are_the_folder_of_dives_are_refused(
