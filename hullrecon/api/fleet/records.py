@@ -34,7 +34,7 @@ class DiveRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
     @property
     def holds(self) -> bool:
-        """Whether a failure would most likely come again."""
+        """Tell whether a failure would most likely come again."""
         return self.exit_code in LASTING and not self.refused and 0 <= time.time() - self.ended_s < TRIED_AGAIN_S
 
 
