@@ -50,7 +50,9 @@ def fleet(
 def _emit(result: FleetResult, lines: list[str]) -> None:
     for skipped in result.skipped:
         log.info("%s", one_line(f"skipped: {skipped.path.relative_to(result.dives_folder)}: {skipped.reason}"))
-    state_of().emit(result.document(), [*map(one_line, lines), result.summary()])
+    state = state_of()
+    document = result.document() if state.json else {}  # it lists every file
+    state.emit(document, [*map(one_line, lines), result.summary()])
 
 
 def _print_failure(dive: FleetDive) -> None:

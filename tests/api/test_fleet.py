@@ -223,6 +223,11 @@ def test_runs_may_lie_beside_the_packages(dive: Dive, dives: Path) -> None:
 def test_a_wrong_folder_of_dives_is_said_and_leaves_no_runs(tmp_path: Path, runs: Path, dive: Dive) -> None:
     (tmp_path / "file").touch()
     (tmp_path / "empty").mkdir()
+    (tmp_path / "loop").symlink_to("loop")
+    with pytest.raises(InputError, match="cannot be read: Too many levels"):
+        run_fleet(tmp_path / "loop", runs)
+    with pytest.raises(InputError, match="cannot be read: File name too long"):
+        run_fleet("x" * 5000, runs)
     with pytest.raises(InputError, match="cannot be read: No such file"):
         run_fleet(tmp_path / "nowhere", runs)
     with pytest.raises(InputError, match="cannot be read: Not a directory"):

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
@@ -34,7 +35,7 @@ def run_fleet(
     not changed since. on_failure: called with each failed dive, as it fails. Raises LockedError when another fleet works for
     these runs, InputError when there is no package, StorageError when RUNS cannot be written; for a failed dive nothing.
     """
-    here, out = Path(dives).resolve(), Path(runs).resolve()
+    here, out = Path(os.path.realpath(dives)), Path(os.path.realpath(runs))
     packages_for(here, out)  # a wrong folder is said before anything is written
     with _lock(out):
         records = FleetRecords(out)
@@ -59,7 +60,7 @@ def run_fleet(
 
 def preview_fleet(dives: Path | str, runs: Path | str = "runs", *, retry: bool = False) -> FleetResult:
     """Return what `run_fleet` would do, without changing anything. Raises InputError when there is no package."""
-    here, out = Path(dives).resolve(), Path(runs).resolve()
+    here, out = Path(os.path.realpath(dives)), Path(os.path.realpath(runs))
     planned, skipped = plan_fleet(here, out, FleetRecords(out), retry=retry)
     return FleetResult(
         dives_folder=here, runs=out, dives=tuple(_standing(dive, out) for dive in planned), skipped=tuple(skipped)

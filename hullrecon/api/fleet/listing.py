@@ -8,6 +8,7 @@ import hashlib
 import os
 import stat
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,7 +34,7 @@ def list_folder(folder: Path, inside: Path, leave_out: tuple[str, ...] = ()) -> 
     inside: links to folders are followed inside this one alone. leave_out: names at the folder's top that do not count.
     """
     files, special, marks = list[str](), list[tuple[str, str]](), hashlib.sha256()
-    for name, status in _walk(folder, "", inside, {os.path.realpath(folder)}, leave_out):
+    for name, status in _walk(str(folder), "", inside, _identity(folder), leave_out):
         kind = special_kind(status.st_mode)
         if kind is not None:
             special.append((name, kind))
@@ -41,6 +42,13 @@ def list_folder(folder: Path, inside: Path, leave_out: tuple[str, ...] = ()) -> 
             files.append(name)
         marks.update(os.fsencode(name) + b"\0%d %d %d %d\n" % _mark(status))
     return Listing(files=tuple(files), special=tuple(special), signature=marks.hexdigest())
+
+
+def _identity(folder: Path) -> set[tuple[int, int]]:
+    with suppress(OSError):
+        status = folder.stat()
+        return {(status.st_dev, status.st_ino)}
+    return set()
 
 
 def program_signature() -> str:
@@ -57,33 +65,29 @@ def _mark(status: os.stat_result) -> tuple[int, int, int, int]:
 
 
 def _walk(
-    folder: Path, prefix: str, inside: Path, seen: set[str], leave_out: tuple[str, ...] = ()
+    folder: str, prefix: str, inside: Path, seen: set[tuple[int, int]], leave_out: tuple[str, ...] = ()
 ) -> Iterator[tuple[str, os.stat_result]]:
-    """Yield each file below a folder, and each link that is not followed, with its status; sorted by name."""
+    """Yield each file below a folder, and each link that has no target, with its status; sorted by name."""
     try:
         entries = sorted(os.scandir(folder), key=lambda entry: os.fsencode(entry.name))
     except OSError:
         return
     for entry in entries:
-        path, name = folder / entry.name, prefix + entry.name
-        status = _status(path)
+        name, status = prefix + entry.name, _status(entry)
         if status is None or entry.name in leave_out:
             continue
         if not stat.S_ISDIR(status.st_mode):
             yield name, status
             continue
-        real = os.path.realpath(path)
-        if real not in seen and (Path(real).is_relative_to(inside) or not entry.is_symlink()):
-            seen.add(real)
-            yield from _walk(path, f"{name}/", inside, seen)
+        identity = (status.st_dev, status.st_ino)
+        if identity not in seen and (not entry.is_symlink() or Path(os.path.realpath(entry)).is_relative_to(inside)):
+            seen.add(identity)
+            yield from _walk(entry.path, f"{name}/", inside, seen)
 
 
-def _status(path: Path) -> os.stat_result | None:
+def _status(entry: os.DirEntry[str]) -> os.stat_result | None:
     """Return the status of a file, of a link the one of its target; that of the link where it has none."""
-    try:
-        return os.stat(path)
-    except OSError:
-        try:
-            return os.lstat(path)
-        except OSError:
-            return None
+    for follow in (True, False):
+        with suppress(OSError):
+            return entry.stat(follow_symlinks=follow)
+    return None

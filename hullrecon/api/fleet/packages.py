@@ -60,7 +60,7 @@ def find_packages(dives: Path) -> tuple[list[Path], list[Skipped]]:
         if reason:
             skipped.append(Skipped(path=path, reason=reason))
         elif reason is None:
-            packages[path.resolve()] = None
+            packages[Path(os.path.realpath(path))] = None
     return sorted(packages, key=os.fsencode), sorted(skipped, key=lambda s: os.fsencode(s.path))
 
 
