@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hullrecon.artifacts.execution.runner import RunContext, build
 from hullrecon.artifacts.graph.chain import Chain, inputs_of
 from hullrecon.artifacts.graph.job import Job, make_job
 from hullrecon.artifacts.graph.plan import StepStatus, assess_chain, assess_step
+from hullrecon.artifacts.graph.source_watch import SourceWatch
 from hullrecon.artifacts.storage.manifest import Manifest
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import HullreconError
@@ -36,8 +37,10 @@ def run_chain(
     """Bring every step of the chain up to date and publishes what is to be delivered.
 
     preflight gets the status of every step before anything is done; an error that it raises ends the run.
-    LockedError when another run holds the workspace; a stage's own errors pass, and what was finished before is kept.
+    LockedError when another run holds the workspace; InputError when the package changed meanwhile; a stage's own errors pass,
+    and what was finished before is kept.
     """
+    workspace.refuse_package(chain.package)
     with workspace.lock(wait_s):
         workspace.tidy(stage.name for stage in chain.stages)
         workspace.remember_package(chain.package)
@@ -52,6 +55,8 @@ def run_chain(
 def _run_all(chain: Chain, workspace: Workspace, run_context: RunContext, from_scratch: bool) -> list[StepOutcome]:
     skipped = chain.skip_reasons()
     done: list[StepOutcome] = []
+    watch = SourceWatch(run_context.hashes, chain.package, chain.read_before)
+    run_context = replace(run_context, watch=watch)
     for stage in chain.stages:
         if stage.name in skipped:
             log.info("%s: skipped: %s", stage.name, skipped[stage.name])
@@ -59,8 +64,12 @@ def _run_all(chain: Chain, workspace: Workspace, run_context: RunContext, from_s
             continue
         inputs = inputs_of(stage, chain, workspace, skipped)
         job = make_job(stage, chain.sections, inputs, chain.package, run_context.hashes)
+        watch.begin(job)
         done.append(_bring_up_to_date(job, workspace, run_context, from_scratch))
-        workspace.publish(stage.name)
+        watch.end(job)
+        restored = workspace.publish(stage.name, run_context.hashes)
+        if restored is not None:
+            log.warning("%s", restored)
     return done
 
 

@@ -16,6 +16,7 @@ from hullrecon.artifacts.execution.executor import Executor, choose_executor
 from hullrecon.artifacts.execution.machine import host, peak_rss, reset_peak_rss, versions
 from hullrecon.artifacts.execution.progress import Progress, Silent, choose_progress
 from hullrecon.artifacts.graph.job import Job, make_job
+from hullrecon.artifacts.graph.source_watch import SourceWatch
 from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.artifacts.storage.disk import commit_folder, make_folder, remove, storage_errors
 from hullrecon.artifacts.storage.hashing import HashCache, files_below, hash_file
@@ -31,6 +32,7 @@ class RunContext:
     hashes: HashCache
     executor: Executor
     progress: Progress = field(default_factory=Silent)
+    watch: SourceWatch | None = None  # of the run that a step is part of; a step by itself has one of its own
 
 
 def run_stage(
@@ -56,13 +58,17 @@ def run_stage(
 def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manifest:
     """Run the stage's function into the folder `building` and puts that, manifest last, at `out` in one step.
 
-    Whatever goes wrong, `out` is as it was. StorageError when the disk refuses; StageError when the memory ran out.
+    Whatever goes wrong, `out` is as it was. StorageError when the disk refuses; StageError when the memory ran out; InputError
+    when a file of the package changed meanwhile.
     """
+    watch = run_context.watch or SourceWatch(run_context.hashes, job.source or Path())
+    watch.begin(job)
     with storage_errors(building.parent):
         remove(building)
     make_folder(building)
     try:
         manifest = _fill(job, building, run_context)
+        watch.end(job)
         commit_folder(building, out)
     except BaseException:
         remove(building)
