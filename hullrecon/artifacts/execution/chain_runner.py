@@ -8,6 +8,7 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from hullrecon.artifacts.execution.memory_limit import refuse_small_address_space
 from hullrecon.artifacts.execution.runner import RunContext, build
 from hullrecon.artifacts.graph.chain import Chain, inputs_of
 from hullrecon.artifacts.graph.job import Job, make_job
@@ -40,6 +41,7 @@ def run_chain(
     LockedError when another run holds the workspace; InputError when the package changed meanwhile; a stage's own errors pass,
     and what was finished before is kept.
     """
+    refuse_small_address_space()
     workspace.refuse_package(chain.package)
     with workspace.lock(wait_s):
         workspace.tidy(stage.name for stage in chain.stages)

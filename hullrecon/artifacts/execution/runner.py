@@ -13,7 +13,9 @@ from pathlib import Path
 
 from hullrecon.artifacts.execution.context import StageContext
 from hullrecon.artifacts.execution.executor import Executor, choose_executor
+from hullrecon.artifacts.execution.interruption import raise_if_requested
 from hullrecon.artifacts.execution.machine import host, peak_rss, reset_peak_rss, versions
+from hullrecon.artifacts.execution.memory_limit import is_lack_of_memory
 from hullrecon.artifacts.execution.progress import Progress, Silent, choose_progress
 from hullrecon.artifacts.graph.job import Job, make_job
 from hullrecon.artifacts.graph.source_watch import SourceWatch
@@ -22,7 +24,7 @@ from hullrecon.artifacts.storage.disk import commit_folder, make_folder, remove,
 from hullrecon.artifacts.storage.hashing import HashCache, files_below, hash_file
 from hullrecon.artifacts.storage.manifest import JsonTable, Manifest, write_manifest
 from hullrecon.artifacts.storage.writer import ArtifactWriter
-from hullrecon.errors import InputError, StageError
+from hullrecon.errors import HullreconError, InputError, StageError
 
 
 @dataclass(frozen=True)
@@ -97,11 +99,14 @@ def _call(stage: Stage, context: StageContext, building: Path) -> JsonTable:
     try:
         with storage_errors(building, only_below=building):
             stage.run(context)
-    except MemoryError as error:
-        remedy = "run on a machine with more, or with a smaller --jobs"
-        raise StageError(f"{stage.name} ran out of memory", remedy=remedy) from error
+            raise_if_requested()
     except PermissionError as error:
         raise InputError(f"{stage.name} may not read a file", where=str(error.filename)) from error
+    except Exception as error:
+        if isinstance(error, HullreconError) or not is_lack_of_memory(error):
+            raise
+        remedy = "run on a machine with more, or with a smaller --jobs"
+        raise StageError(f"{stage.name} ran out of memory", remedy=remedy) from error
     finally:
         _take_back_sigterm()
     return {

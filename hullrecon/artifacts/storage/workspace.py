@@ -85,7 +85,7 @@ class Workspace:
         """Ends what a killed run left half done."""
         with storage_errors(self.root):
             remove(self.root / PRIVATE / "building")
-            for unfinished in (self.root / PRIVATE).glob(f"{temporary_name(Path('*')).name}"):
+            for unfinished in (self.root / PRIVATE).glob(temporary_name(Path("*")).name):
                 remove(unfinished)
         for name in names:
             recover(self.root / name)

@@ -69,7 +69,7 @@ def changing(toy: ModuleType, package: Path, step: str, change: Change) -> Chain
 def test_a_package_that_changes_during_a_run_ends_it_and_nothing_is_delivered(
     step: str, change: Change, toy: ModuleType, package: Path, workspace: Workspace
 ) -> None:
-    with pytest.raises(InputError, match="numbers.txt") as caught:
+    with pytest.raises(InputError, match=r"numbers\.txt") as caught:
         run(changing(toy, package, step, change), workspace)
     assert caught.value.exit_code == 3
     assert "\n" not in caught.value.line()
@@ -114,7 +114,7 @@ def test_a_configuration_that_changes_during_a_run_ends_it_too(toy: ModuleType, 
     path = package / "dive.toml"
     path.write_text("before")
     chain = changing(toy, package, "left", lambda folder: path.write_text("after") and None)
-    with pytest.raises(InputError, match="dive.toml changed during the run"):
+    with pytest.raises(InputError, match=r"dive\.toml changed during the run"):
         run(replace(chain, read_before={"dive.toml": hash_file(path)}), workspace)
 
 

@@ -10,6 +10,10 @@ from types import ModuleType
 
 import pytest
 
+from hullrecon.artifacts.execution.chain_runner import run_chain
+from hullrecon.artifacts.execution.executor import Serial
+from hullrecon.artifacts.execution.runner import RunContext
+from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import StorageError, UsageError
 
@@ -108,7 +112,7 @@ def test_a_place_that_takes_no_folders_is_said(toy: ModuleType, package: Path) -
 
 def test_a_name_that_no_file_system_takes_is_said(toy: ModuleType, package: Path, tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="the name of the run's folder is too long"):
-        toy.run(package, Workspace(tmp_path / ("x" * 300)))
+        run_chain(toy.chain(package), Workspace(tmp_path / ("x" * 300)), RunContext(HashCache(), Serial()))
 
 
 def test_a_lock_is_empty_when_nobody_holds_it(workspace: Workspace) -> None:
