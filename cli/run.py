@@ -27,6 +27,10 @@ from .dives import FOLDER, Command, open_dive, runs_option, set_option
 from .state import state_of
 
 log = logging.getLogger("hullrecon.cli")
+SCHEDULER_HELP = (
+    "a Dask scheduler instead of worker processes. tcp://HOST:PORT is plain TCP with pickle: whoever reaches the port runs"
+    " programs on all machines of the cluster. tls://HOST:PORT takes its certificates from Dask's configuration (distributed.comm.tls)"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +53,7 @@ def run_options(command: Command) -> Command:
             "--read-data", is_flag=True, help="read every byte that a step depends on instead of trusting times and sizes"
         ),
         click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="worker processes inside a step"),
-        click.option("--scheduler", metavar="ADDRESS", help="a Dask scheduler instead of worker processes"),
+        click.option("--scheduler", metavar="ADDRESS", help=SCHEDULER_HELP),
         click.option(
             "--wait", "wait_s", type=click.FloatRange(min=0), default=0.0, help="seconds to wait for another run on this dive"
         ),
