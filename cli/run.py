@@ -29,7 +29,8 @@ from .state import state_of
 log = logging.getLogger("hullrecon.cli")
 SCHEDULER_HELP = (
     "a Dask scheduler instead of worker processes. tcp://HOST:PORT is plain TCP with pickle: whoever reaches the port runs"
-    " programs on all machines of the cluster. tls://HOST:PORT takes its certificates from Dask's configuration (distributed.comm.tls)"
+    " programs on all machines of the cluster. tls://HOST:PORT takes its certificates from Dask's configuration"
+    " (distributed.comm.tls)"
 )
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from contextlib import suppress
 from typing import NoReturn
@@ -18,6 +19,8 @@ def start() -> NoReturn:
         from .main import main
 
         code = main()
+        for number in (signal.SIGINT, signal.SIGTERM):  # all is said: one that comes now changes nothing
+            signal.signal(number, signal.SIG_IGN)
     except KeyboardInterrupt:  # before there was a command
         print("error: interrupted", file=sys.stderr)
         code = INTERRUPTED
