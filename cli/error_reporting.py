@@ -66,7 +66,7 @@ def _report(state: CallState, line: str, kind: str, code: int, **more: str) -> i
     try:
         click.echo(f"error: {one_line}", err=True)
         log_to_file(f"error: {one_line}")
-        if state.json:
+        if state.json and not state.is_emitted:
             state.emit({"error": {"kind": kind, "message": one_line, "exit_code": code, **more}}, ())
     except OSError:  # nobody can be told: standard error or output is full or closed; the exit code remains
         pass

@@ -24,16 +24,19 @@ _LONG = 100  # characters of a path that is shown
 
 @dataclass
 class CallState:
-    """workspace: RUNS/<dive> once it is known, where the traceback of an unexpected fault goes."""
+    """workspace: RUNS/<dive> once it is known, where the traceback of an unexpected fault goes. is_emitted: the result has been
+    printed, one document with --json."""
 
     verbose: bool = False
     quiet: bool = False
     json: bool = False
     log_file: Path | None = None
     workspace: Path | None = None
+    is_emitted: bool = False
 
     def emit(self, document: object, lines: Iterable[str]) -> None:
         """Print the result on standard output: the document with --json, else the lines, nothing when quiet."""
+        self.is_emitted = True
         if self.json:
             from hullrecon.artifacts.storage.documents import encode
 

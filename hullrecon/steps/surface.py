@@ -62,5 +62,6 @@ STAGE = Stage(
     parameters=SurfaceOptions,
     version=2,
     run=run,
+    fails_alone=True,
     uses=(*DVL_KEYS, "dvl.sigma_range", "hull.pose", "hull.pose_sigma"),
 )

@@ -14,8 +14,8 @@ from hullrecon.artifacts.execution.executor import Executor
 from hullrecon.artifacts.execution.interruption import raise_if_requested
 from hullrecon.artifacts.execution.machine import peak_rss
 from hullrecon.artifacts.execution.progress import Progress, length
-from hullrecon.artifacts.graph.stage import Stage, Writer
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.graph.job import Job
+from hullrecon.artifacts.graph.stage import Writer
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -27,14 +27,14 @@ class StageContext:
     the stage has ended."""
 
     def __init__(
-        self, stage: Stage, settings: StageSettings, inputs: Mapping[str, Path], source: Path | None, out: Writer,
-        executor: Executor, progress: Progress,
+        self, job: Job, out: Writer, executor: Executor, progress: Progress
     ) -> None:  # fmt: skip
-        self.settings, self.inputs, self.out = settings, inputs, out
+        self.settings, self.inputs, self.out = job.settings, job.inputs, out
+        self.failures: Mapping[str, str] = job.recipe.failures
         self.warnings: list[str] = []
         self.times: dict[str, list[float]] = {}
         self.workers_peak_rss = 0
-        self._stage, self._source = stage, source
+        self._stage, self._source = job.stage, job.source
         self._executor, self._progress = executor, progress
 
     @property

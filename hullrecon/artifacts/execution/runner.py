@@ -81,9 +81,7 @@ def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manif
 
 
 def _fill(job: Job, building: Path, run_context: RunContext) -> Manifest:
-    context = StageContext(
-        job.stage, job.settings, job.inputs, job.source, ArtifactWriter(building), run_context.executor, run_context.progress
-    )
+    context = StageContext(job, ArtifactWriter(building), run_context.executor, run_context.progress)
     spent = _call(job.stage, context, building)
     outputs = {name: hash_file(building / name) for name in files_below(building)}
     run: JsonTable = {"versions": versions(), "host": host(), **spent}

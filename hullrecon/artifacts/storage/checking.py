@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from hullrecon.artifacts.storage.claim import COMPARED, PRIVATE
-from hullrecon.artifacts.storage.delivery import PUBLISHED, delivered_records
+from hullrecon.artifacts.storage.delivery import PUBLISHED, delivered_records, unlike_files
 from hullrecon.artifacts.storage.documents import DamagedArtifactError, unseal
 from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.manifest import Manifest
@@ -84,7 +84,7 @@ def _check_artifact(workspace: Workspace, name: str, manifest: Manifest, hashes:
     if delivered:
         result.files += len(delivered)
         result.read_bytes += sum(record.size for record in delivered.values())
-        unlike = workspace.delivery.unlike(folder / PUBLISHED, delivered, hashes)
+        unlike = unlike_files(workspace.delivery.folder, delivered, hashes)
         result.damaged += [f"{PUBLISHED}/{file} {what}: `run --read-data` restores it" for file, what in unlike.items()]
 
 

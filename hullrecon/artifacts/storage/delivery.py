@@ -69,6 +69,7 @@ class Delivery:
 
     def __init__(self, folder: Path, private: Path, building: Path) -> None:
         self.folder, self._record, self._building = folder, private / RECORD, building
+        self.withdrawn = folder.with_name(f"{folder.name}-out-of-date")
 
     def recorded(self) -> dict[str, FileRecord] | None:
         """Return what was copied last; None where nothing was, or the record is damaged."""
@@ -124,7 +125,23 @@ class Delivery:
         """Remove the folder and its record."""
         remove(self.folder)
         remove(set_aside(self.folder))
+        remove(self.withdrawn)
         remove(self._record)
+
+    def withdraw(self) -> bool:
+        """Rename the folder, so that what an earlier run delivered does not look like today's; False where there is none."""
+        if not self.folder.is_dir():
+            return False
+        with storage_errors(self.folder.parent):
+            remove(self.withdrawn)
+            os.rename(self.folder, self.withdrawn)
+        return True
+
+    def restore(self) -> None:
+        """Rename a withdrawn folder back, where nothing else was delivered since."""
+        if self.withdrawn.is_dir() and not self.folder.exists():
+            with storage_errors(self.folder.parent):
+                os.rename(self.withdrawn, self.folder)
 
     def recover(self) -> None:
         """End what a killed run left half done."""

@@ -128,6 +128,7 @@ class Workspace:
         records = delivered_records(manifest) if manifest is not None else {}
         if not records:
             return None
+        delivery.restore()
         original = self.artifact(name) / PUBLISHED
         if not delivery.unlike(original, records, hashes):
             delivery.note(records)
