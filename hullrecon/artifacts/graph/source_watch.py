@@ -13,7 +13,7 @@ from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.manifest import FileRecord
 from hullrecon.errors import InputError
 
-_SAID = 3  # files that the error names one by one
+_LISTED = 3  # files that the error names one by one
 REMEDY = "nothing was delivered: run again when nobody writes there"
 
 
@@ -48,5 +48,5 @@ class SourceWatch:
 
 
 def _changed_error(names: list[str], package: Path) -> InputError:
-    listed = ", ".join(names[:_SAID]) + (f" and {len(names) - _SAID} more" if len(names) > _SAID else "")
+    listed = ", ".join(names[:_LISTED]) + (f" and {len(names) - _LISTED} more" if len(names) > _LISTED else "")
     return InputError(f"{listed} changed during the run", where=str(package), remedy=REMEDY)

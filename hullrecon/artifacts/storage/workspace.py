@@ -26,7 +26,7 @@ from hullrecon.artifacts.storage.lock import hold_lock
 from hullrecon.artifacts.storage.manifest import FILE_NAME, Manifest, read_manifest
 
 __all__ = ["PRIVATE", "PUBLISHED", "Workspace", "damaged_files"]
-_SAID = 3  # deliverables that a sentence names one by one
+_LISTED = 3  # deliverables that a sentence names one by one
 
 
 class Workspace:
@@ -147,7 +147,7 @@ class Workspace:
 
 
 def _list_changes(changed: dict[str, str]) -> str:
-    listed = [f"{PUBLISHED}/{name} {what}" for name, what in list(changed.items())[:_SAID]]
+    listed = [f"{PUBLISHED}/{name} {what}" for name, what in list(changed.items())[:_LISTED]]
     more = len(changed) - len(listed)
     return "; ".join(listed) + (f"; and {more} more" if more else "")
 
