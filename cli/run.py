@@ -14,19 +14,24 @@ from pathlib import Path
 import click
 
 from hullrecon.api.dive_run import DiveRun
-from hullrecon.artifacts.execution.chain_runner import StepOutcome, run_chain
+from hullrecon.artifacts.execution.chain_runner import StepOutcome, first_failure, run_chain
 from hullrecon.artifacts.execution.executor import choose_executor
 from hullrecon.artifacts.execution.progress import choose_progress
 from hullrecon.artifacts.execution.runner import RunContext
 from hullrecon.artifacts.graph.chain import unknown_step
 from hullrecon.artifacts.graph.plan import StepStatus, assess_chain
-from hullrecon.artifacts.storage.workspace import PUBLISHED
-from hullrecon.errors import StorageError
+from hullrecon.artifacts.storage.delivery import PUBLISHED, delivered_records
+from hullrecon.errors import HullreconError, StorageError
 
 from .dives import FOLDER, Command, open_dive, runs_option, set_option
 from .state import state_of
 
 log = logging.getLogger("hullrecon.cli")
+SCHEDULER_HELP = (
+    "a Dask scheduler instead of worker processes. tcp://HOST:PORT is plain TCP with pickle: whoever reaches the port runs"
+    " programs on all machines of the cluster. tls://HOST:PORT takes its certificates from Dask's configuration"
+    " (distributed.comm.tls)"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +54,7 @@ def run_options(command: Command) -> Command:
             "--read-data", is_flag=True, help="read every byte that a step depends on instead of trusting times and sizes"
         ),
         click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="worker processes inside a step"),
-        click.option("--scheduler", metavar="ADDRESS", help="a Dask scheduler instead of worker processes"),
+        click.option("--scheduler", metavar="ADDRESS", help=SCHEDULER_HELP),
         click.option(
             "--wait", "wait_s", type=click.FloatRange(min=0), default=0.0, help="seconds to wait for another run on this dive"
         ),
@@ -99,16 +104,22 @@ def execute(dive: DiveRun, last: str | None, options: RunOptions) -> None:
             from_scratch=options.from_scratch,
             wait_s=options.wait_s,
             preflight=lambda plan: _preflight(dive, plan),
+            keep_going=True,
         )
     shown = dive.workspace.root / PUBLISHED
-    delivered = str(shown) if shown.is_dir() else None
+    is_delivered = any(o.manifest is not None and delivered_records(o.manifest) for o in outcomes)  # by this run, not before it
+    delivered = str(shown) if is_delivered else None
     document = {
         "dive": dive.name,
         "workspace": str(dive.workspace.root),
         "deliver": delivered,
         "steps": [_outcome(o) for o in outcomes],
     }
-    state.emit(document, [*(_line(o) for o in outcomes), *_warning_lines(outcomes), *delivery_lines(shown)])
+    findings = delivery_lines(shown) if is_delivered else []
+    state.emit(document, [*(_line(o) for o in outcomes), *_warning_lines(outcomes), *findings])
+    failure = first_failure(outcomes)
+    if failure is not None:
+        raise failure
 
 
 def _preflight(dive: DiveRun, plan: list[StepStatus]) -> None:
@@ -128,7 +139,7 @@ def _preflight(dive: DiveRun, plan: list[StepStatus]) -> None:
 def _outcome(outcome: StepOutcome) -> dict[str, object]:
     manifest = outcome.manifest
     spent = {k: manifest.run.get(k) for k in ("seconds", "peak_rss_bytes")} if manifest is not None and outcome.made else {}
-    state = "made" if outcome.made else outcome.before.state
+    state = "failed" if outcome.failure is not None else "made" if outcome.made else outcome.before.state
     warnings = manifest.warnings if manifest is not None else []
     return {"name": outcome.before.stage.name, "state": state, "reasons": outcome.before.reasons, "warnings": warnings, **spent}
 
@@ -145,6 +156,9 @@ def _warning_lines(outcomes: Sequence[StepOutcome]) -> list[str]:
 
 def _line(outcome: StepOutcome) -> str:
     step = outcome.before
+    if outcome.failure is not None:
+        reason = outcome.failure.line() if isinstance(outcome.failure, HullreconError) else "internal error"
+        return f"{step.stage.name:16}failed: {reason}"
     if outcome.made and outcome.manifest is not None:
         return f"{step.stage.name:16}ran in {outcome.manifest.run['seconds']:.1f} s: {step.why_run()}"
     return _status_line(step)

@@ -83,5 +83,6 @@ STAGE = Stage(
     parameters=DetectOptions,
     version=3,
     run=run,
+    fails_alone=True,
     uses=(*CAMERA_KEYS, "hull.frame_spacing", *SONAR_KEYS, "sonar.joint", "sonar.elevation_deg"),
 )

@@ -65,6 +65,7 @@ STAGE = Stage(
     parameters=OpticalOptions,
     version=3,
     run=run,
+    fails_alone=True,
     uses=("camera.top.calibration", *CAMERA_KEYS, "logs", "hull.frame_spacing"),
     external=external,
     applies=applies,

@@ -73,6 +73,7 @@ STAGE = Stage(
     parameters=SonarOptions,
     version=3,
     run=run,
+    fails_alone=True,
     uses=(*SONAR_KEYS, "sonar.joint", "sonar.mount_sigma", "sonar.elevation_deg", "topics.sonar", "hull.frame_spacing"),
     applies=applies,
 )

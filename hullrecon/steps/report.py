@@ -156,7 +156,7 @@ def _missing(
         sonar=context.settings["sonar.mount"] is not None,
         cad_model=context.settings["hull"] is not None,
     )
-    missing = missing_deliverables(carried, context.inputs, solution)
+    missing = missing_deliverables(carried, context.inputs, solution, context.failures)
     if detect.objects is not None:
         missing |= dict.fromkeys(("objects.json", "objects.csv"), detect.objects)
     for name, mosaic in mosaics.items():

@@ -41,3 +41,9 @@ def test_a_step_that_left_nothing_is_named() -> None:
     reasons = missing_deliverables(ALL, ("ingest", "navigate"), None)
     assert reasons["surface.ply"] == "the step surface left no result"
     assert reasons["alignment.json"] == "the adjustment did not run"
+
+
+def test_a_step_that_failed_gives_its_reason(solution: Solution) -> None:
+    failures = {"mosaic-sonar": "no sonar mosaic: no ping meets the surface"}
+    reasons = missing_deliverables(ALL, CHAIN[:-1], solution, failures)
+    assert reasons == dict.fromkeys(("ortho_sonar.tif", "ortho_sonar.png", "mosaic_sonar.glb"), failures["mosaic-sonar"])

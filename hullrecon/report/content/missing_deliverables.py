@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from hullrecon.records.solution import Solution
 
@@ -27,8 +28,10 @@ class Carried:
     cad_model: bool
 
 
-def missing_deliverables(carried: Carried, steps: Collection[str], solution: Solution | None) -> dict[str, str]:
-    """Return the reason of each missing file by name. steps: those that left an artifact."""
+def missing_deliverables(
+    carried: Carried, steps: Collection[str], solution: Solution | None, failures: Mapping[str, str] = MappingProxyType({})
+) -> dict[str, str]:
+    """Return the reason of each missing file by name. steps: those that left an artifact; failures: why others did not."""
     reasons: dict[str, str] = {}
     if solution is None or solution.hull_pose is None:
         reasons["alignment.json"] = (
@@ -39,7 +42,7 @@ def missing_deliverables(carried: Carried, steps: Collection[str], solution: Sol
             )
         )
     for step, names in _BY_STEP.items():
-        reason = "" if step in steps else _reason(step, carried)
+        reason = "" if step in steps else failures.get(step) or _reason(step, carried)
         if reason:
             reasons.update(dict.fromkeys(names, reason))
     if carried.camera and solution is not None and not len(solution.landmarks):

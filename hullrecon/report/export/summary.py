@@ -39,8 +39,17 @@ def summary_document(survey: Survey, deliverables: Mapping[str, FileEntry]) -> d
         "lost": list(survey.facts.log.lost),
         "deliverables": {name: asdict(entry) for name, entry in deliverables.items()},
         "absent": dict(provenance.missing),
-        "run": {"steps": {step.name: {k: v for k, v in step.run.items() if k != "times"} for step in provenance.steps}},
+        "run": {"steps": {step.name: _public_run(step.run) for step in provenance.steps}},
     }
+
+
+def _public_run(run: Mapping[str, object]) -> dict[str, object]:
+    """Return a step's run block as others may see it: without times of single iterations and the host's name."""
+    public = {name: value for name, value in run.items() if name != "times"}
+    host = public.get("host")
+    if isinstance(host, Mapping):
+        public["host"] = {name: value for name, value in host.items() if name != "name"}
+    return public
 
 
 def _iterations(adjusted: AdjustedDive) -> int | None:
