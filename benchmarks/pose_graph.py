@@ -24,7 +24,7 @@ from benchmarks.bundle import peak_mb
 from benchmarks.peers import THEIRS
 from benchmarks.subprocess_runner import call, load, load_truth, run, save
 from hullrecon import native
-from hullrecon.geometry.poses import Poses, exp, from_rpy
+from hullrecon.geometry.poses import Poses, exp, from_matrix, from_rpy
 from hullrecon.typing import Array, Ints
 
 LINKS_A_NODE, SIGHTINGS_A_NODE = 200_000 / 45_000, 97_000 / 45_000
@@ -118,11 +118,9 @@ def make(nodes: int, seed: int = 0) -> tuple[native.Problem, Poses]:
 def summed(steps: Poses) -> Poses:
     """The path from the first pose of `path_of` by these steps."""
     matrix = np.tile(np.eye(4), (len(steps) + 1, 1, 1))
-    matrix[0], by = path_of(LEG_NODES)[0][:1].matrix[0], steps.matrix
+    matrix[0], by = path_of(LEG_NODES)[0][:1].matrix()[0], steps.matrix()
     for k in range(len(steps)):
         matrix[k + 1] = matrix[k] @ by[k]
-    from hullrecon.geometry.poses import from_matrix
-
     return from_matrix(matrix)
 
 

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the curvature of a hull makes of two planes on it, by two characteristic radii [Ozog2016 2.3.4, B.6].
 
-Azimuth runs about z of the vehicle, elevation towards z. The normal of a plane at azimuth a and elevation e leans by
-t_a / radius_azimuth and t_e / radius_elevation where the vehicle has moved by t_a and t_e along the surface. The print adds
-t_y and t_z whatever the normal's direction; that holds for a normal along +x of the vehicle alone, and has the wrong sign in
-azimuth for a vehicle that looks ahead at the hull. The printed distance stays, too; here the plane touches the surface that
-has curved away meanwhile.
+Azimuth runs about z of the vehicle, elevation towards z. Where the vehicle moves by t_a and t_e across the normal of a plane at
+the distance p, the normal leans by t_a / (radius_azimuth + p) and t_e / (radius_elevation + p). The print adds t_y over
+radius_azimuth and t_z over radius_elevation whatever the normal's direction; that holds for a normal along +x of the vehicle
+alone, has the wrong sign in azimuth for a vehicle that looks ahead at the hull, and forgets that the vehicle's way is longer
+than that on the hull. The printed distance stays, too; here the plane touches the surface that has curved away meanwhile.
 """
 
 from __future__ import annotations
@@ -29,7 +29,9 @@ def curvature_difference(plane: Array, moved: Array, radius_azimuth: Array, radi
     along_azimuth = np.stack([-np.sin(azimuth), np.cos(azimuth), np.zeros_like(azimuth)], axis=-1)
     along_elevation = np.cross(n, along_azimuth)
     step = np.stack([np.sum(moved * along, axis=-1) for along in (along_azimuth, along_elevation)], axis=-1)
-    lean = step / np.stack(np.broadcast_arrays(radius_azimuth, radius_elevation), axis=-1)
+    radius = np.stack(np.broadcast_arrays(radius_azimuth, radius_elevation), axis=-1)
+    step /= 1 + distance / radius  # on the hull
+    lean = step / radius
     angle = np.linalg.norm(lean, axis=-1, keepdims=True)
     towards = (lean[:, :1] * along_azimuth + lean[:, 1:] * along_elevation) / np.where(angle > 0, angle, 1)
     normal = np.cos(angle) * n + np.sin(angle) * towards

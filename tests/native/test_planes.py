@@ -182,7 +182,7 @@ def test_planes_seen_again_take_the_drift_out_of_what_their_normals_reach(core: 
 
 def sphere(n: int, radius: float, standoff: float) -> tuple[Poses, np.ndarray]:
     """Poses that look along their x at the middle of a sphere from outside, by spirals; what plane each sees."""
-    turn, tilt = np.linspace(0, 6 * np.pi, n), np.linspace(-0.9, 0.9, n)
+    turn, tilt = np.linspace(0, 20 * np.pi, n), np.linspace(-0.9, 0.9, n)
     out = np.c_[np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)]
     at = from_rpy((radius + standoff) * out, np.c_[np.zeros(n), tilt, turn + np.pi])
     return at, np.tile([-standoff, 0, 0.0], (n, 1))
@@ -190,14 +190,14 @@ def sphere(n: int, radius: float, standoff: float) -> tuple[Poses, np.ndarray]:
 
 def test_the_curvature_of_a_sphere_is_its_radius_in_both_directions() -> None:
     """The difference that the radius predicts, against that of the true planes, to the third order of the step."""
-    at, plane = sphere(400, 8.0, 1.0)
+    n = 1200
+    at, plane = sphere(n, 8.0, 1.0)
     step = at[:-1].inverse() @ at[1:]
-    true = planes_seen(at, plane[1:], np.arange(1, 400), np.arange(399)) - plane[:-1]
+    true = planes_seen(at, plane[1:], np.arange(1, n), np.arange(n - 1)) - plane[:-1]
     flat = np.linalg.norm(true, axis=1)
-    # the vehicle moves on a sphere that is larger by its standoff
-    made = curvature_difference(plane[:-1], step.translation * 8 / 9, np.full(399, 8.0), np.full(399, 8.0))
+    made = curvature_difference(plane[:-1], step.translation, np.full(n - 1, 8.0), np.full(n - 1, 8.0))
     assert np.median(flat) > 0.02
-    assert np.linalg.norm(true - made, axis=1).max() < 0.05 * flat.max()
+    assert np.linalg.norm(true - made, axis=1).max() < 0.03 * flat.max()
 
 
 def test_azimuth_and_elevation_have_radii_of_their_own_and_the_right_sign() -> None:
@@ -205,8 +205,8 @@ def test_azimuth_and_elevation_have_radii_of_their_own_and_the_right_sign() -> N
     plane, inf = np.array([[-2.0, 0, 0]]), np.array([np.inf])
     aside = curvature_difference(plane, np.array([[0, 0.1, 0]]), np.array([5.0]), inf)[0]
     above = curvature_difference(plane, np.array([[0, 0, 0.1]]), inf, np.array([4.0]))[0]
-    np.testing.assert_allclose(aside[1:], [2 * 0.02, 0], atol=1e-4)
-    np.testing.assert_allclose(above[1:], [0, 2 * 0.025], atol=1e-4)
+    np.testing.assert_allclose(aside[1:], [2 * 0.1 / 7, 0], atol=1e-4)
+    np.testing.assert_allclose(above[1:], [0, 2 * 0.1 / 6], atol=1e-4)
     assert (curvature_difference(plane, np.array([[0.3, 0.1, 0.2]]), inf, inf) == 0).all()
     np.testing.assert_allclose(curvature_difference(plane, np.array([[0.3, 0, 0]]), np.ones(1), np.ones(1)), 0, atol=1e-15)
 
@@ -234,9 +234,9 @@ def test_the_weight_counts_the_curvature_the_poses_and_the_floor() -> None:
 
 
 def test_pairs_by_curvature_tie_a_spiral_around_a_sphere() -> None:
-    """The sphere of [Ozog2016 C]: no plane is seen twice, pairs with the right radius take most of the drift out, and radii
-    from half to twice as large do as well."""
-    at, plane = sphere(150, 8.0, 1.0)
+    """The sphere of [Ozog2016 C]: no plane is seen twice; pairs hold the path on its sphere, with the right radius best, with half
+    of it and more than twice of it nearly as well."""
+    at, plane = sphere(400, 8.0, 1.0)
     rng = np.random.default_rng(3)
     n = len(at)
     step = at[:-1].inverse() @ at[1:] @ exp(np.r_[0.01, 0.005, 0.0, 0, 0, 0] + 0.002 * rng.normal(size=(n - 1, 6)))
@@ -276,6 +276,13 @@ def test_pairs_by_curvature_tie_a_spiral_around_a_sphere() -> None:
             p.plane_pairs.sqrt_information = curvature_information(
                 plane[first], moved, radii, radii, at[first].rotation.as_matrix(), none, 0.05
             )
-        errors[radius] = rms_m(solve(p, Options(function_tolerance=1e-9)).unknowns.pose, at)
-    assert errors[8.0] < 0.5 * errors[None]
-    assert max(errors[4.0], errors[20.0]) < 0.9 * errors[None]
+        errors[radius] = off_sphere_m(solve(p, Options(function_tolerance=1e-9)).unknowns.pose[:, :3])
+    assert errors[None] > 0.05
+    assert errors[8.0] < 0.2 * errors[None]
+    assert max(errors[4.0], errors[20.0]) < 0.4 * errors[None]
+
+
+def off_sphere_m(points: np.ndarray) -> float:
+    """Spread of the distances from the middle of the sphere that fits best."""
+    (*middle, _), *_ = np.linalg.lstsq(np.c_[2 * points, np.ones(len(points))], np.sum(points**2, axis=1), rcond=None)
+    return float(np.linalg.norm(points - middle, axis=1).std())
