@@ -101,7 +101,7 @@ struct PlanePair {
   }
 };
 
-// Range of a DVL beam to a plane [Ozog2016 2.4; its sign and square are misprinted, docs/methods.md 6].
+// Range of a DVL beam to a plane [Ozog2016 2.4; its sign and square are misprinted, docs/methods.md 16].
 // Rows: 1, m. Blocks: plane, node, T_s_d and, unless the node is it, the plane's anchor. Frames: as Range. Sign: predicted -
 // measured; predicted is -(h + n . o) / (n . d), o the beam's origin and d its direction in the vehicle of the node. Sigma: one
 // a beam, under Huber's loss. Returns false where the beam runs along the plane.

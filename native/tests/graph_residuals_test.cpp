@@ -124,7 +124,7 @@ TEST_CASE("the axes of a bearing are across it and of one turn, whatever the dir
     const Eigen::Matrix<double, 3, 2> b = bearing_basis(3 * z);
     CHECK((b.transpose() * b - Eigen::Matrix2d::Identity()).norm() < 1e-14);
     CHECK((b.transpose() * z).norm() < 1e-14 * (1 + z.norm()));
-    CHECK(b.col(0).cross(b.col(1)).dot(z) < 0 == false);
+    CHECK(b.col(0).cross(b.col(1)).dot(z) > 0);
   }
 }
 

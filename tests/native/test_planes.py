@@ -234,8 +234,8 @@ def test_the_weight_counts_the_curvature_the_poses_and_the_floor() -> None:
 
 
 def test_pairs_by_curvature_tie_a_spiral_around_a_sphere() -> None:
-    """The sphere of [Ozog2016 C]: no plane is seen twice; pairs hold the path on its sphere, with the right radius best, with half
-    of it and more than twice of it nearly as well."""
+    """The sphere of [Ozog2016 C]: no plane is seen twice; pairs hold the path on its sphere, with the right radius best, with
+    half of it and more than twice of it nearly as well."""
     at, plane = sphere(400, 8.0, 1.0)
     rng = np.random.default_rng(3)
     n = len(at)
