@@ -65,7 +65,7 @@ def sightings(at: Ints) -> tuple[Ints, Ints, Ints]:
     anchor = at[:, 2::5].ravel()
     plane = np.arange(anchor.size).reshape(legs, columns // 5)
     seen = []
-    for below, offsets in ((0, (-2, -1, 1, 2)), (1, (-2, -1, 0, 1, 2)), (-1, (0, -1))):
+    for below, offsets in ((0, (-2, -1, 1, 2)), (1, (-2, -1, 0, 1, 2)), (-1, (0, -1, 1))):
         for offset in offsets:
             rows = np.arange(max(0, -below), legs - max(0, below))
             seen.append(np.c_[at[rows + below, 2 + offset :: 5][:, : plane.shape[1]].ravel(), plane[rows].ravel()])
