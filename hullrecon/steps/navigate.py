@@ -21,7 +21,6 @@ from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, NavigationLogs, dead_reckon, usable_frames
-from hullrecon.navigation.dead_reckoning.nodes import pair_frames
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sigmas import SIGMA_KEYS, sigmas_from_settings
 from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, StereoMotion
@@ -29,10 +28,9 @@ from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stere
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
+from hullrecon.steps.stereo_check import find_rig_problem
 from hullrecon.vision.odometry import OdometryFrame, StereoOdometer, stereo_odometer
 from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
-from hullrecon.vision.stereo.camera_rig import CameraRig
-from hullrecon.vision.stereo.rig_check import StereoFrames, check_baseline, check_stereo_rig
 
 Samples = TypeVar("Samples", bound=Stream)
 
@@ -86,16 +84,13 @@ def run(context: Context[NavigateOptions]) -> None:
 def _refuse_wrong_rig(context: Context[NavigateOptions]) -> None:
     """Raise InputError where a few pairs of images contradict the calibration or the stamps, before hours are spent on them."""
     ingest, settings = InputArtifacts(context.inputs).ingest, context.settings
+    index = {camera: found for camera in Camera if (found := ingest.image_index(camera)) is not None}
     rig = rig_from_settings(settings, ingest.camera_models)
-    if not all(ingest.image_index(camera) is not None for camera in Camera) or len(rig.cameras) < len(Camera):
+    if len(index) < len(Camera):
         return
     images = {camera: ingest.images(camera, context.source) for camera in Camera}
-    top, bottom = (usable_frames(images[camera].index) for camera in Camera)
-    frames = StereoFrames(pair=pair_frames(top[0], bottom[0]), top=top, bottom=bottom)
-    sigma_deg = float(np.max(settings.read("camera.bottom.pose_sigma", tuple)[3:]))
-    found = check_stereo_rig(CameraRig(rig), frames, lambda camera, row: images[camera].read(row), float(np.radians(sigma_deg)))
-    dvl = _unless_empty(ingest.dvl)
-    problem = None if found is None else found.problem or (None if dvl is None else check_baseline(found, dvl, rig))
+    sigma_rad = float(np.radians(np.max(settings.read("camera.bottom.pose_sigma", tuple)[3:])))
+    problem = find_rig_problem(rig, index, lambda camera, row: images[camera].read(row), sigma_rad, ingest.dvl)
     if problem is not None:
         raise InputError(problem.what, where="camera.bottom", remedy=problem.remedy)
 
