@@ -63,13 +63,16 @@ def check_of_package(package: Path, overrides: tuple[str, ...]) -> None:
     from hullrecon.dive.config.load import load_config
     from hullrecon.steps.chain import stages
     from hullrecon.steps.ingest import STAGE, USES, request_of
+    from hullrecon.steps.stereo_check import describe_rig_problem
 
     step_sections = {stage.name: stage.parameters for stage in (*stages(), STAGE)}
     with name_overrides(step_sections, overrides):
         loaded = load_config(package, step_sections, overrides)
     request = request_of(StageSettings(STAGE.name, {name: loaded.value(name) for name in USES}))
     progress = choose_progress()
-    found = check_package(loaded, request, lambda messages: progress.track(messages, "check: messages", None))
+    found = check_package(
+        loaded, request, lambda messages: progress.track(messages, "check: messages", None), describe_rig_problem
+    )
     state_of().emit(found.document(), found.lines())
     if found.run_is_possible:
         return

@@ -111,8 +111,10 @@ def test_an_error_of_the_rig_moves_the_motion_as_its_derivative_says(axis):
     turned = Rotation.from_rotvec(step[3:]) * TOP_FROM_BOTTOM.rotation
     true = type(TOP_FROM_BOTTOM)(turned.as_quat(), TOP_FROM_BOTTOM.translation + step[:3])
     as_told, as_built = adjust(both_nodes(noise=0.0)), adjust(both_nodes(noise=0.0, rig=true))
-    expected = -as_told.by_rig @ step  # the rig that is told is off by minus the step
-    np.testing.assert_allclose(error(as_built.second_from_first), expected, atol=0.03 * np.abs(as_told.by_rig * 2e-4).max())
+    expected = -as_told.calibration.by_calibration[:, :6] @ step  # the rig that is told is off by minus the step
+    np.testing.assert_allclose(
+        error(as_built.second_from_first), expected, atol=0.03 * np.abs(as_told.calibration.by_calibration[:, :6] * 2e-4).max()
+    )
 
 
 def test_the_derivatives_are_those_of_numeric_differences():
@@ -139,7 +141,7 @@ def test_independent_errors_inflate_nothing_and_shared_ones_by_their_number():
 
     def factor(noise):
         fitted = np.linalg.lstsq(jacobian, noise, rcond=None)[0]
-        return correlation_inflation(information, jacobian * (noise - jacobian @ fitted)[:, None], 1.0, cell)
+        return stereo_adjustment._cluster_factor(information, jacobian * (noise - jacobian @ fitted)[:, None], 1.0, cell)
 
     assert np.mean([factor(rng.standard_normal(800)) for _ in range(50)]) < 1.1
     jacobian = np.repeat(rng.standard_normal((200, 5)), 4, axis=0)  # one point, four times
@@ -151,10 +153,10 @@ def test_independent_errors_inflate_nothing_and_shared_ones_by_their_number():
 def test_one_cell_alone_says_nothing_about_correlation():
     rng = np.random.default_rng(3)
     jacobian = rng.standard_normal((50, 5))
-    assert correlation_inflation(jacobian[:, :, None] * jacobian[:, None], jacobian, 1.0, np.zeros(50, int)) == 1.0
+    assert correlation_inflation(jacobian[:, :, None] * jacobian[:, None], jacobian, 1.0, np.full((50, 2), 0.01)) == 1.0
 
 
 def test_cells_are_numbered_by_where_features_lie():
-    cell = image_cells(np.array([[0.01, 0.01], [0.09, 0.02], [0.11, 0.01], [-0.01, 0.01]]))
+    cell = image_cells(np.array([[0.01, 0.01], [0.09, 0.02], [0.11, 0.01], [-0.01, 0.01]]), 0.1)
     assert cell[0] == cell[1]
     assert len(set(cell.tolist())) == 3
