@@ -9,8 +9,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles, parse
 from hullrecon.dive.logs.readers.pd0 import Pd0Log, earth_from_instrument, from_beams, to_sample
-from hullrecon.dive.logs.readers.pd0_ensemble import Ensemble, ensembles, parse
 
 QUICK = settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
 DEG = np.pi / 180

@@ -10,8 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from hullrecon.dive.logs.readers.loss_tracker import LossTracker
-from hullrecon.dive.logs.readers.mcap_records import (
+from hullrecon.dive.logs.formats.mcap_records import (
     CHANNEL,
     CHUNK,
     DATA_END,
@@ -28,6 +27,7 @@ from hullrecon.dive.logs.readers.mcap_records import (
     read_chunk,
     read_summary,
 )  # fmt: skip
+from hullrecon.dive.logs.readers.loss_tracker import LossTracker
 from hullrecon.dive.logs.readers.protocol import Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, fields
 

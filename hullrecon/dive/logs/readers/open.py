@@ -7,7 +7,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from hullrecon.dive.logs.readers import mcap_records, pd0_ensemble, rosbag1, sqlite
+from hullrecon.dive.logs.formats import mcap_records, pd0_ensemble
+from hullrecon.dive.logs.readers import rosbag1, sqlite
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
 from hullrecon.dive.logs.readers.plain import COLUMNS, PlainLog

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
+from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles
 from hullrecon.dive.logs.readers.loss_tracker import LossTracker
-from hullrecon.dive.logs.readers.pd0_ensemble import Ensemble, ensembles
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
 from hullrecon.dive.logs.samples import DvlSample
 from hullrecon.typing import Array
