@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import gzip
+import io
 import shutil
 import struct
 
@@ -164,7 +165,7 @@ def reference(text: str, key: str) -> list[np.ndarray]:
 def test_velocities_attitude_and_cells_equal_the_independent_decode(data):
     folder = data / "dvl-pd0-slocum"
     text = gzip.decompress((folder / "LA101636_20.yml.gz").read_bytes()).decode()
-    found = [e for _, _, e in ensembles((folder / "LA101636_20.PD0").read_bytes())]
+    found = [e for _, _, e in ensembles(io.BytesIO((folder / "LA101636_20.PD0").read_bytes()))]
     assert len(found) == 20
     assert all(isinstance(e, Ensemble) for e in found)
     names = ("water_velocity_east", "water_velocity_north", "water_velocity_up", "error_velocity")
@@ -186,7 +187,7 @@ def test_velocities_attitude_and_cells_equal_the_independent_decode(data):
 
 
 def test_a_bottom_track_of_a_glider_is_read_as_its_source_prints_it(data):
-    found = [e for _, _, e in ensembles((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes())]
+    found = [e for _, _, e in ensembles(io.BytesIO((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes()))]
     assert len(found) == 107
     assert sum(np.isfinite(e.bottom[:3]).all() for e in found) == 51
     ping = next(e for e in found if e.number == 58)
@@ -197,7 +198,7 @@ def test_a_bottom_track_of_a_glider_is_read_as_its_source_prints_it(data):
 
 def test_a_diving_glider_sinks_and_moves_ahead(data):
     """Signs against physics: over the first bottom track depth grows, and a glider flies nose first."""
-    found = [e for _, _, e in ensembles((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes())]
+    found = [e for _, _, e in ensembles(io.BytesIO((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes()))]
     tracked = [e for e in found if np.isfinite(e.bottom[:3]).all()]
     climbing = -np.mean([e.bottom[2] for e in tracked[:20]])  # of the vehicle, upward
     sinking = (tracked[19].depth_m - tracked[0].depth_m) / (tracked[19].t_ns - tracked[0].t_ns) * 1e9

@@ -10,14 +10,19 @@ from dataclasses import dataclass
 from typing import BinaryIO
 
 from hullrecon.dive.logs.readers.protocol import Channel, Message
-from hullrecon.dive.logs.readers.unpack import DamagedError, decompress, fields, text
+from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget, decompress, fields, text
 
 MAGIC = b"\x89MCAP0\r\n"
-FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0F
-OPCODES = range(0x01, 0x10)
+HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(0x01, 0x09)
+ATTACHMENT, ATTACHMENT_INDEX, STATISTICS, METADATA, METADATA_INDEX, SUMMARY_OFFSET, DATA_END = range(0x09, 0x10)
+PRIVATE = 0x80  # and above: records of somebody's own
+IN_DATA = {HEADER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, ATTACHMENT, METADATA, DATA_END}
+IN_SUMMARY = {SCHEMA, CHANNEL, STATISTICS, CHUNK_INDEX, ATTACHMENT_INDEX, METADATA_INDEX, SUMMARY_OFFSET}
 HEAD = 9  # bytes: opcode, length
-STATISTICS, CHUNK_INDEX = 0x0B, 0x08
-FOOTER_SIZE = HEAD + 20
+FOOTER_SIZE, DATA_END_SIZE = HEAD + 20, HEAD + 4
+COMPRESSIONS = {b"", b"none", b"zstd", b"lz4"}
+CHUNK_HEAD = 28 + 4 + 4 + 8  # bytes of a chunk's body before what is packed, at most
+LONGEST_DEFINITION = 1 << 20  # bytes
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,8 @@ class Definitions:
             name, at = _string(body, 2)
             form, at = _string(body, at)
             (length,) = fields("<I", body, at)
+            if length > min(len(body) - at - 4, LONGEST_DEFINITION):
+                raise DamagedError(f"a definition claims {length} bytes")
             self._schemas[fields("<H", body)[0]] = (name, form, text(body[at + 4 : at + 4 + length]))
         elif opcode == CHANNEL:
             number, schema = fields("<HH", body)
@@ -54,6 +61,7 @@ class Definitions:
             self.channels[number] = Channel(topic, kind, _string(body, at)[0], definition, form)
         elif opcode == MESSAGE:
             number, _, log_ns = fields("<HIQ", body)
+            fields("<Q", body, 14)
             if number in self.channels:
                 return Message(self.channels[number], log_ns, body[22:])
             self.unknown += 1
@@ -64,34 +72,54 @@ def head(stream: BinaryIO, at: int, end: int) -> tuple[int, int]:
     """Opcode and length of the record at byte `at`; DamagedError when it is no record or reaches beyond `end`."""
     stream.seek(at)
     opcode, length = fields("<BQ", stream.read(HEAD))
-    if opcode not in OPCODES and opcode < 0x80:
+    if not (HEADER <= opcode <= DATA_END or opcode >= PRIVATE):
         raise DamagedError("no record starts there")
     if at + HEAD + length > end:
         raise DamagedError("the record there is cut off")
     return opcode, length
 
 
+def packed_at(body: bytes, length: int) -> int | None:
+    """Return where the packed records of a chunk's body of that length start; None when the body is none of a chunk.
+
+    body: its first bytes suffice. A chunk's lengths agree with each other, which no other record's bytes do by chance.
+    """
+    if len(body) < 40:
+        return None
+    named = int.from_bytes(body[28:32], "little")
+    at = 32 + named
+    if named > 4 or body[32:at] not in COMPRESSIONS or int.from_bytes(body[at : at + 8], "little") != length - at - 8:
+        return None
+    return at + 8
+
+
 def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
-    """Return the chunk at byte `at`; its lengths must agree with each other."""
-    opcode, length = head(stream, at, end)
-    if opcode != CHUNK:
-        raise DamagedError("no chunk starts there")
+    """Return the chunk at byte `at`, whatever its opcode says; its lengths must agree with each other."""
+    _, length = head(stream, at, end)
+    start = packed_at(stream.read(min(length, CHUNK_HEAD)), length)
+    if start is None:
+        raise DamagedError("its lengths contradict each other")
+    if length > LARGEST_CHUNK:
+        raise DamagedError(f"it claims {length} bytes")
+    stream.seek(at + HEAD)
     body = stream.read(length)
     start_ns, end_ns, size, crc = fields("<QQQI", body)
-    compression, at_size = _string(body, 28)
-    (packed,) = fields("<Q", body, at_size)
-    if at_size + 8 + packed != length:
-        raise DamagedError("its lengths contradict each other")
-    return Chunk(start_ns, end_ns, size, crc, compression, body[at_size + 8 :])
+    return Chunk(start_ns, end_ns, size, crc, body[32 : start - 8].decode(), body[start:])
 
 
-def messages_of(chunk: Chunk, definitions: Definitions) -> list[Message]:
+def messages_of(chunk: Chunk, definitions: Definitions, budget: UnpackBudget | None = None) -> list[Message]:
     """Return all messages of a whole chunk. Raises DamagedError."""
-    data = decompress(chunk.packed, chunk.compression, chunk.size)
+    data = decompress(chunk.packed, chunk.compression, chunk.size, budget)
     if chunk.crc and zlib.crc32(data) != chunk.crc:
         raise DamagedError("its checksum is wrong")
-    taken = (definitions.take(opcode, body) for opcode, body in records(data))
-    return [message for message in taken if message is not None]
+    out = []
+    for opcode, body in records(data):
+        if not (SCHEMA <= opcode <= MESSAGE or opcode >= PRIVATE):
+            raise DamagedError("it holds a record of a kind that no chunk holds")
+        message = definitions.take(opcode, body)
+        if message is not None:
+            out.append(message)
+    return out
 
 
 def records(data: bytes) -> Iterator[tuple[int, bytes]]:
@@ -111,66 +139,3 @@ def _string(body: bytes, at: int) -> tuple[str, int]:
     if at + 4 + length > len(body):
         raise DamagedError("a string reaches beyond its record")
     return text(body[at + 4 : at + 4 + length]), at + 4 + length
-
-
-@dataclass(frozen=True)
-class ChunkNote:
-    """What the summary says about one chunk. topics: those it holds, empty when the writer did not say."""
-
-    offset: int
-    start_ns: int
-    end_ns: int
-    topics: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Summary:
-    """chunks in the order of the file; counts of messages by topic (empty without statistics)."""
-
-    chunks: tuple[ChunkNote, ...]
-    counts: dict[str, int]
-    definitions: Definitions
-
-
-def read_summary(stream: BinaryIO, size: int) -> Summary | None:
-    """Return the summary; None when there is none that can be trusted (its checksum, where it has one, must hold)."""
-    try:
-        return _parse(_section(stream, size))
-    except DamagedError:
-        return None
-
-
-def _section(stream: BinaryIO, size: int) -> bytes:
-    at = size - FOOTER_SIZE - len(MAGIC)
-    if at < len(MAGIC) or head(stream, at, size) != (FOOTER, 20):
-        raise DamagedError("no footer")
-    start, _, crc = fields("<QQI", stream.read(20))
-    if not len(MAGIC) <= start < at:
-        raise DamagedError("no summary")
-    stream.seek(start)
-    section = stream.read(at - start)
-    stream.seek(at)
-    if crc and zlib.crc32(stream.read(FOOTER_SIZE - 4), zlib.crc32(section)) != crc:
-        raise DamagedError("its checksum is wrong")
-    return section
-
-
-def _parse(section: bytes) -> Summary:
-    definitions, notes = Definitions(), []
-    by_channel: dict[int, int] = {}
-    for opcode, body in records(section):
-        if opcode == CHUNK_INDEX:
-            start, end, offset, _, length = fields("<QQQQI", body)
-            notes.append((offset, start, end, [fields("<H", body, at)[0] for at in range(36, 36 + length, 10)]))
-        elif opcode == STATISTICS:
-            (length,) = fields("<I", body, 42)
-            by_channel = dict(fields("<HQ", body, at) for at in range(46, 46 + length, 10))  # type: ignore[misc]
-        else:
-            definitions.take(opcode, body)
-    names = {number: channel.topic for number, channel in definitions.channels.items()}
-    chunks = [ChunkNote(o, s, e, tuple(sorted({names[c] for c in held if c in names}))) for o, s, e, held in sorted(notes)]
-    counts: dict[str, int] = {}
-    for number, count in by_channel.items():
-        if number in names:
-            counts[names[number]] = counts.get(names[number], 0) + count
-    return Summary(tuple(chunks), counts, definitions)
