@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The .db3 files of rosbag2, row by row, with the write-ahead log that a recorder leaves beside them when it is stopped short."""
+"""The .db3 files of rosbag2, row by row, with the write-ahead log that a recorder which was cut short leaves beside them."""
 
 from __future__ import annotations
 

@@ -11,6 +11,7 @@ from typing import Protocol
 LARGEST_CHUNK = 1 << 27  # bytes; recorders write chunks of 1 to 4 MiB, or of one message; a larger size is a damaged field
 FREE_BYTES, RATIO = 1 << 25, 256  # a log unpacks to at most so many bytes and so many times its own size
 LONGEST_NAME = 1000  # characters; ROS allows 255
+LONGEST_REASON = 200  # characters of what a library says about damaged bytes: they may quote all of them
 
 
 class DamagedError(ValueError):
@@ -49,6 +50,23 @@ def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = N
         raise DamagedError(f"it cannot be decompressed: {error}") from None
     if len(out) != size:
         raise DamagedError(f"it holds {len(out)} bytes instead of {size}")
+    return out
+
+
+def unpack_frame(data: bytes, budget: UnpackBudget) -> bytes:
+    """Return what one zstd frame holds. Raises DamagedError."""
+    import zstandard
+
+    try:
+        size = zstandard.frame_content_size(data)
+        if size >= 0:
+            return decompress(data, "zstd", size, budget)
+        out = bytes(zstandard.ZstdDecompressor().stream_reader(data).read(LARGEST_CHUNK + 1))
+    except zstandard.ZstdError as error:
+        raise DamagedError(f"it cannot be decompressed: {error}") from None
+    if len(out) > LARGEST_CHUNK:
+        raise DamagedError(f"it holds more than {LARGEST_CHUNK} bytes")
+    budget.take(len(out))
     return out
 
 
