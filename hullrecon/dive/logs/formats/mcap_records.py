@@ -57,6 +57,8 @@ class Definitions:
         elif opcode == CHANNEL:
             number, schema = fields("<HH", body)
             topic, at = _string(body, 4)
+            if schema and schema not in self._schemas:
+                return None  # its type was lost: nobody can say what its messages are
             kind, form, definition = self._schemas.get(schema, ("", "", ""))
             self.channels[number] = Channel(topic, kind, _string(body, at)[0], definition, form)
         elif opcode == MESSAGE:
