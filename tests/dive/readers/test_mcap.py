@@ -217,7 +217,7 @@ def test_an_inserted_byte_in_a_cut_file_costs_a_chunk_at_most(kit, whole, tmp_pa
     content = whole.read_bytes()
     cut = content[: int(0.9 * len(content))]
     expected, _ = read(broken(tmp_path, cut))
-    at = int(share * len(cut))
+    at = next(at for at in boundaries(whole) if at > share * len(cut))
     messages, log = read(broken(tmp_path, cut[:at] + b"\x02" + cut[at:]))
     assert len(messages) > 0.8 * len(expected)
     assert len(messages) == len(expected) or any("damaged" in loss.why for loss in log.losses())

@@ -10,8 +10,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from hullrecon.dive.logs.formats import pd0_ensemble
 from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles, parse
 from hullrecon.dive.logs.readers.pd0 import Pd0Log, earth_from_instrument, from_beams, to_sample
+from hullrecon.dive.logs.readers.unpack import DamagedError, fields
 
 QUICK = settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
 DEG = np.pi / 180
@@ -218,3 +220,29 @@ def test_a_current_profiler_without_bottom_track_gives_pings_that_are_all_lost(d
     samples, _ = read(data / "dvl-pd0-slocum" / "ADCP_CCE1T_20.000")
     assert len(samples) == 20
     assert all(np.isnan(s.velocity).all() and np.isnan(s.ranges).all() for s in samples)
+
+
+def test_heads_that_look_like_ensembles_cost_one_sum_over_the_file(monkeypatch):
+    """Every byte of it may start an ensemble that claims half of 64 KiB, whose checksum is another sum each time."""
+    tried = []
+    monkeypatch.setattr(pd0_ensemble, "fields", lambda layout, data, at=0: tried.append(at) or fields(layout, data, at))
+    content = b"\x7f" * (3 << 20) + ensemble_bytes(1)
+    found = list(ensembles(io.BytesIO(content)))
+    assert [(start, end) for start, end, _ in found] == [(0, 3 << 20), (3 << 20, len(content))]
+    assert len(tried) < 100
+
+
+def test_ensembles_across_the_edge_of_what_is_read_at_a_time_are_found(monkeypatch):
+    monkeypatch.setattr(pd0_ensemble, "BLOCK", 300)
+    content = b"".join(ensemble_bytes(n) for n in range(20)) + b"rubbish" + ensemble_bytes(20)
+    found = list(ensembles(io.BytesIO(content)))
+    assert [e.number for _, _, e in found if isinstance(e, Ensemble)] == list(range(21))
+    assert [(e - s, why) for s, e, why in found if isinstance(why, str)] == [(7, "no ensemble starts there")]
+
+
+@pytest.mark.parametrize("angle", [0, 90, 255])
+def test_beams_that_stand_nowhere_are_damage(angle):
+    content = bytearray(ensemble_bytes(system=0x0300))
+    content[6 + 6 + 58] = angle
+    with pytest.raises(DamagedError, match=f"{angle} degrees off the axis"):
+        parse(bytes(content[:-2]))

@@ -16,6 +16,7 @@ NEIGHBOURS = 512  # rows behind a damaged one that are asked for one by one; the
 ROWS_A_PAGE = 64  # of damaged pages: so many failures a page are followed
 FREE_STEPS, STEPS_A_BYTE = 4_000_000, 20  # of SQLite's machine; a sound row takes some ten steps and has at least 20 bytes
 HANDLER_STEPS = 1000
+READ_ERRORS = (sqlite3.Error, UnicodeDecodeError, OverflowError, DamagedError)  # sqlite3 decodes its own messages strictly
 
 Row = tuple[object, object, object]  # topic, time, data
 
@@ -68,7 +69,7 @@ class Database:
                         return
                     yield row[0], row[1], row[2]
                 return
-            except (sqlite3.Error, DamagedError, OverflowError):
+            except READ_ERRORS:
                 if not misses:
                     open_gap(f"the database is damaged from row {at} on")
                 if at >= HIGHEST:
@@ -86,7 +87,7 @@ class Database:
             try:
                 self._probe(middle)
                 good = middle
-            except sqlite3.Error:
+            except READ_ERRORS:
                 bad = middle
         return good
 
@@ -94,14 +95,14 @@ class Database:
         """The first row's number; 1, where rosbag2 starts, in a database too damaged to say."""
         try:
             (low,) = self.connection.execute("SELECT min(rowid) FROM messages").fetchone()
-        except sqlite3.Error:
+        except READ_ERRORS:
             return 1
         return low if isinstance(low, int) else HIGHEST
 
     def _pages(self) -> int:
         try:
             return int(self.connection.execute("PRAGMA page_count").fetchone()[0])
-        except sqlite3.Error:
+        except READ_ERRORS:
             return 0
 
     def _is_computed(self, table: str) -> bool:

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
+from typing import BinaryIO
 
 HEADER, FRAME_HEAD = 32, 24  # bytes
 MAGICS = {0x377F0682: "<", 0x377F0683: ">"}  # byte order of the checksums
 WORD = 0xFFFFFFFF
+BLOCK = 1 << 20
 
 
 def describe_damage(path: Path) -> str:
@@ -36,18 +38,21 @@ def describe_damage(path: Path) -> str:
                 break
             sums, count = found, count + 1
             finished = count if any(frame[4:8]) else finished
-        else:
-            return "it is cut off" if frame else _unfinished(count, finished)
-        rest = 1
-        while len(frame) == FRAME_HEAD + page and frame[8:16] != header[16:24]:
-            frame, rest = stream.read(FRAME_HEAD + page), rest + 1
-    if len(frame) >= 16 and frame[8:16] == header[16:24]:
-        return f"it is damaged from frame {count + rest} on"
-    return _unfinished(count, finished)
-
-
-def _unfinished(count: int, finished: int) -> str:
+        if _holds(stream, frame, header[16:24]):
+            return f"it is damaged from frame {count + 1} on"
+    if frame and len(frame) < FRAME_HEAD + page:
+        return "it is cut off"
     return "its last transaction was not finished" if count > finished else ""
+
+
+def _holds(stream: BinaryIO, start: bytes, salt: bytes) -> bool:
+    """Whether the salt stands anywhere in what is left: there, frames of the last generation follow, in whatever place."""
+    while start:
+        if salt in start:
+            return True
+        following = stream.read(BLOCK)
+        start = start[-len(salt) + 1 :] + following if following else b""
+    return False
 
 
 def _checksum(data: bytes, order: str, sums: tuple[int, int]) -> tuple[int, int]:

@@ -28,7 +28,7 @@ COLUMNS = {
 UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 EARLIEST_S, LATEST_S = 3e8, 4.2e9  # 1979 and 2103: no log of a dive lies outside
 LISTED_LINES = 5
-LONGEST_FILE_NAME = 255  # of what file systems take
+LONGEST_FILE_NAME, LONGEST_PATH = 255, 1000  # characters; file systems take no longer names, and paths of up to 4096 in all
 RATES, ACCELERATION = ("wx", "wy", "wz"), ("ax", "ay", "az")
 
 
@@ -116,9 +116,11 @@ class PlainLog:
         return beside if is_there(beside) else self.package / name.strip()
 
     def _image(self, camera: str, row: Row) -> ImageSample:
-        path = self._locate(row["file"])
-        if not row["file"].strip() or len(path.name) > LONGEST_FILE_NAME or (is_there(path) and not is_file(path)):
-            raise ValueError(f"{printable(row['file'], LONGEST_REASON)!r} is no file")
+        name = row["file"].strip()
+        path = self._locate(name)
+        is_name = 0 < len(name) <= LONGEST_PATH and len(path.name) <= LONGEST_FILE_NAME
+        if not is_name or (is_there(path) and not is_file(path)):
+            raise ValueError(f"{printable(name, LONGEST_REASON)!r} is no file")
         return ImageSample(_ns(row), camera, b"", self._in_package(path).as_posix())
 
     def _in_package(self, path: Path) -> Path:

@@ -5,17 +5,16 @@
 from __future__ import annotations
 
 import shutil
-import sqlite3
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
 
-from hullrecon.dive.logs.formats.db3_tables import Database
+from hullrecon.dive.logs.formats.db3_tables import READ_ERRORS, Database
 from hullrecon.dive.logs.formats.sqlite_wal import describe_damage
 from hullrecon.dive.logs.readers.file_log import FileLog, require_regular_file
 from hullrecon.dive.logs.readers.protocol import Message
-from hullrecon.dive.logs.readers.unpack import DamagedError, printable
+from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.errors import InputError
 
 MAGIC = b"SQLite format 3\0"
@@ -36,7 +35,7 @@ class SqliteLog(FileLog):
                 database = Database(address, size)
                 stack.enter_context(closing(database.connection))
                 yield from self._messages(database)
-            except (sqlite3.Error, DamagedError) as error:
+            except READ_ERRORS as error:
                 name, where = printable(self.path.name), printable(str(self.path.parent))
                 raise InputError(f"{name} cannot be read: {printable(str(error), 200)}", where=where) from None
             missing = bytes_missing(self.path) if merged is None else 0
@@ -67,7 +66,7 @@ class SqliteLog(FileLog):
         """
         log = write_ahead_log(self.path)
         try:
-            if not log.exists() or not log.stat().st_size:
+            if not log.exists() or (log.is_file() and not log.stat().st_size):
                 return None
             require_regular_file(log)
             damage = describe_damage(log)
