@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from hullrecon.dive.logs.readers.plain import PlainLog
+from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.errors import InputError
 
 QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
@@ -284,3 +285,31 @@ def test_a_ping_that_stands_in_two_rows_is_read_once(tmp_path):
 def test_names_of_joints_are_escaped(tmp_path):
     (tmp_path / "joints.csv").write_text("t,name,rad\n0,tray\x1b[31m,0.1\n")
     assert read(tmp_path)[0][0].name == "tray\\x1b[31m"
+
+
+def test_pings_together_unpack_to_a_multiple_of_their_files_and_no_further(tmp_path):
+    """Hundreds of files of some kilobytes, or links to one, would fill the memory."""
+    ping = {"azimuth": np.zeros(1000), "range": np.arange(4000.0)}
+    np.savez_compressed(tmp_path / "p.npz", image=np.zeros((1000, 4000), np.uint8), **ping)
+    content = (tmp_path / "p.npz").read_bytes()
+    for n in range(60):
+        (tmp_path / f"{n}.npz").write_bytes(content)
+        (tmp_path / f"link{n}.npz").symlink_to("p.npz")
+    rows = "".join(f"{n},{n}.npz\n{n}.5,link{n}.npz\n" for n in range(60))
+    (tmp_path / "sonar.csv").write_text("t,file\n" + rows)
+    samples, log = read(tmp_path)
+    assert sum(s.image.nbytes for s in samples) < (1 << 26) + 64 * 61 * len(content)
+    assert 10 < len(samples) < 61
+    assert log.losses()[0].messages == 120 - len(samples)
+
+
+def test_links_in_a_circle_cost_their_row_alone(tmp_path):
+    np.savez(tmp_path / "p.npz", image=np.eye(2, dtype=np.uint8), azimuth=[0.0, 0.1], range=[1.0, 2.0])
+    (tmp_path / "a.npz").symlink_to("b.npz")
+    (tmp_path / "b.npz").symlink_to("a.npz")
+    for sensor in ("sonar", "camera_top"):
+        (tmp_path / f"{sensor}.csv").write_text("t,file\n0,p.npz\n1,a.npz\n")
+    samples, log = read(tmp_path)
+    assert sum(isinstance(s, SonarSample) for s in samples) == 1
+    assert [loss.topic for loss in log.losses()] == ["sonar"]
+    assert log.named_files() == [Path("p.npz")]

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -28,6 +29,7 @@ COLUMNS = {
 UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 EARLIEST_S, LATEST_S = 3e8, 4.2e9  # 1979 and 2103: no log of a dive lies outside
 LISTED_LINES = 5
+PING_FREE_BYTES, PING_RATIO = 1 << 26, 64  # all pings together unpack to at most so many bytes and so many times their files
 LONGEST_FILE_NAME, LONGEST_PATH = 255, 1000  # characters; file systems take no longer names, and paths of up to 4096 in all
 RATES, ACCELERATION = ("wx", "wy", "wz"), ("ax", "ay", "az")
 
@@ -43,10 +45,11 @@ class PlainLog:
         self.remarks: list[str] = []
         self._losses: list[Loss] = []
         self._pings: set[Path] = set()
+        self._ping_bytes_left = PING_FREE_BYTES
 
     def messages(self) -> Iterator[Message]:
         """Yield the rows of all tables, table by table. Raises InputError for a table of which nothing can be read."""
-        self.remarks, self._losses, self._pings = [], [], set()
+        self.remarks, self._losses, self._pings, self._ping_bytes_left = [], [], set(), PING_FREE_BYTES
         for table in self.tables():
             yield from self._table(table.removesuffix(".csv"))
 
@@ -129,7 +132,7 @@ class PlainLog:
     def _sonar(self, row: Row) -> SonarSample:
         """Beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
         name = printable(row["file"], LONGEST_REASON)
-        path = self._locate(row["file"])
+        path = Path(os.path.realpath(self._locate(row["file"])))  # of links in a circle, too
         if path in self._pings:
             raise ValueError(f"{name}: it was another ping's file already")
         try:
@@ -137,6 +140,9 @@ class PlainLog:
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from None
         self._pings.add(path)
+        self._ping_bytes_left += PING_RATIO * path.stat().st_size - image.nbytes
+        if self._ping_bytes_left < 0:
+            raise ValueError(f"{name}: with it the pings would unpack to more than {PING_RATIO} times their size")
         directions = np.stack([np.zeros(len(azimuth)), np.sin(azimuth), np.cos(azimuth)], axis=1)
         return SonarSample(_ns(row), image, directions, range_m)
 
