@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hullrecon.dive.config.config_errors import shorten
+from hullrecon.dive.config.config_errors import shorten, show_value
 from hullrecon.dive.files import MIB, read_text
 from hullrecon.dive.images.header import fits
 from hullrecon.errors import InputError
@@ -54,11 +54,10 @@ def read_yaml(path: Path) -> Mapping[str, object]:
 
 
 def _distortion(data: Mapping[str, object], path: Path) -> list[float]:
-    model = str(data.get("distortion_model", "plumb_bob"))
+    model = data.get("distortion_model", "plumb_bob")
     if model not in PINHOLE:
-        raise InputError(
-            f"the distortion model {shorten(model)} is not read", where=str(path), remedy="calibrate with plumb_bob"
-        )
+        shown = shorten(model) if isinstance(model, str) else show_value(model)
+        raise InputError(f"the distortion model {shown} is not read", where=str(path), remedy="calibrate with plumb_bob")
     if "distortion_coefficients" not in data:
         return [0.0] * 5
     values = _numbers(data, "distortion_coefficients", None, path)
@@ -85,5 +84,5 @@ def _numbers(data: Mapping[str, object], key: str, count: int | None, path: Path
 def _whole(data: Mapping[str, object], key: str, path: Path) -> int:
     value = data.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or not 0 < value < 100_000:
-        raise InputError(f"{key} is {shorten(repr(value))}, not a number of pixels", where=str(path))
+        raise InputError(f"{key} is {show_value(value)}, not a number of pixels", where=str(path))
     return value

@@ -39,7 +39,7 @@ def explain_error(message: str, raw: object, kind: type, prefix: str, more: Sequ
     wanted = text.replace("`", "").replace("Expected", "expected").replace("Object", "table").replace("object", "table")
     if text.endswith(f"matching regex {ONE_LINE!r}"):
         wanted = "expected text on one line, without control characters"
-    return UsageError(f"{shorten(dotted) or 'the file'} = {_show(_look_up(raw, path))}: {wanted}", where=file)
+    return UsageError(f"{shorten(dotted) or 'the file'} = {show_value(_look_up(raw, path))}: {wanted}", where=file)
 
 
 def refuse_not_finite(raw: object, file: str, path: str = "") -> None:
@@ -105,7 +105,8 @@ def _look_up(raw: object, path: Sequence[str]) -> object:
     return raw
 
 
-def _show(value: object) -> str:
+def show_value(value: object) -> str:
+    """Return a foreign value as a message may show it."""
     try:
         return "a table" if isinstance(value, Mapping) else shorten(repr(value))
     except ValueError:  # Python prints no whole number of more than some thousand digits

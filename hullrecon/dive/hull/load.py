@@ -12,10 +12,10 @@ import numpy as np
 from hullrecon.dive.check.messages import count_noun
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.files import MIB, gunzip, read_regular
-from hullrecon.dive.hull.claimed_counts import check_counts, check_instances
 from hullrecon.dive.hull.cleaning import clean_mesh
 from hullrecon.dive.hull.mirrors import find_boundary
 from hullrecon.dive.hull.orientation import orient_outward
+from hullrecon.dive.hull.parser_limits import check_instances, prepare
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.units import METRES_PER_UNIT, UNIT_NAMES
@@ -79,8 +79,7 @@ def _parse(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
     import trimesh
 
     try:
-        check_counts(data, kind)
-        scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False, skip_materials=True)
+        scene = trimesh.load_scene(io.BytesIO(prepare(data, kind)), file_type=kind, process=False, skip_materials=True)
         check_instances(scene, len(data))
         mesh = scene.to_mesh()
         vertices, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
