@@ -18,7 +18,8 @@ from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
 
 TRIANGLE = "v 0 0 0\nv 20 0 0\nv 0 9 0\n"
-SOLID = "solid {0}\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0.{0}\nvertex 20 0 0.{0}\nvertex 0 9 0.{0}\nendloop\nendfacet\nendsolid {0}\n"
+FACET = "facet normal 0 0 1\nouter loop\nvertex 0 0 0.{0}\nvertex 20 0 0.{0}\nvertex 0 9 0.{0}\nendloop\nendfacet\n"
+SOLID = f"solid {{0}}\n{FACET}endsolid {{0}}\n"
 
 
 def refusal(path, content: bytes) -> str:
@@ -57,8 +58,8 @@ def placed(times: int) -> bytes:
 
 @pytest.mark.parametrize(
     "text",
-    ["v 0 0 0\nv 20 0\nv 0 9 0 1\nf 1 2 3\nf 1 2\n", "v 0 0\nv 20 0\nv 0 9\nf 1 2 3\n", TRIANGLE + "f 1 2\nf 1 3\n", TRIANGLE + "f 1\n",
-     TRIANGLE + "f 1 2 3 x\n", TRIANGLE + "f 1/2 2/ 3//4\nf 1 2 3 1 2\n"],
+    ["v 0 0 0\nv 20 0\nv 0 9 0 1\nf 1 2 3\nf 1 2\n", "v 0 0\nv 20 0\nv 0 9\nf 1 2 3\n", TRIANGLE + "f 1 2\nf 1 3\n",
+     TRIANGLE + "f 1\n", TRIANGLE + "f 1 2 3 x\n", TRIANGLE + "f 1/2 2/ 3//4\nf 1 2 3 1 2\n"],
 )  # fmt: skip
 def test_an_obj_with_uneven_rows_is_a_mesh_or_an_input_error(tmp_path, text):
     (tmp_path / "h.obj").write_text(text)
