@@ -65,7 +65,7 @@ class Campaign:
 
 
 def signature(verdict: Verdict) -> str:
-    """Return what failures of one cause share: of a traceback where it was raised, in the innermost frame of ours, and its type."""
+    """Return what failures of one cause share: of a traceback the innermost place of ours, and its type."""
     if verdict.kind not in ("traceback", "hang", "memory"):
         return ""
     places = [line.strip() for line in verdict.text.splitlines() if line.strip().startswith('File "')]

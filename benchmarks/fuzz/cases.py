@@ -17,6 +17,7 @@ from types import FrameType
 from benchmarks.fuzz.formats import Seed, seeds
 from benchmarks.fuzz.mutators import mutate
 from benchmarks.fuzz.readings import READERS, Reading
+from benchmarks.fuzz.records import record_starts
 from hullrecon.errors import HullreconError
 
 SECONDS = 2.0  # of the processor: other programs on the machine do not count
@@ -54,7 +55,7 @@ class Bench:
         """Return the verdict on damaged bytes in place of those of a sound input of that number."""
         sound, start = seeds()[form][number], self._baseline(form, number)
         place = self._place(form, number)
-        _put(place / sound.target, data)
+        _put(place / sound.target, sound.finish(data))
         try:
             return judge(sound, start, place)
         finally:
@@ -76,11 +77,12 @@ class Bench:
 
 
 def damaged_input(form: str, seed: int, case: int) -> tuple[int, bytes]:
-    """Return the number of a sound input of the format and the bytes that stand in for its target."""
+    """Return the number of a sound input of the format and the bytes that stand in for its target, before they are finished."""
     dice = Random(f"{form} {seed} {case}")
     number = dice.randrange(len(seeds()[form]))
     sound, other = seeds()[form][number], dice.choice(seeds()[form])
-    return number, sound.finish(mutate(sound.files[sound.target], other.files[other.target], dice, text=sound.text))
+    marks = record_starts(sound.files[sound.target])
+    return number, mutate(sound.files[sound.target], other.files[other.target], dice, text=sound.text, marks=marks)
 
 
 def judge(sound: Seed, start: Reading, place: Path) -> Verdict:

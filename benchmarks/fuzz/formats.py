@@ -108,9 +108,7 @@ def _plain() -> tuple[Seed, ...]:
 
 def _npz() -> tuple[Seed, ...]:
     pings = [seed_files.ping_npz(0), seed_files.ping_npz(1)]
-    files = {name: data for name, data in _tables().items() if "camera" not in name} | {
-        CALIBRATION: seed_files.CALIBRATION.encode()
-    }
+    files = {name: data for name, data in _tables().items() if not name.endswith("camera_top.csv")}
     return tuple(
         Seed(read="log", files={**files, "logs/p.npz": ping}, target="logs/p.npz", given="logs", checksummed=True)
         for ping in pings

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from random import Random
 
 import numpy as np
@@ -32,19 +32,42 @@ BYTES = bytes((0, 1, 2, 6, 0x0F, 0x20, 0x7F, 0x80, 0xFF))
 TOKEN = re.compile(rb"[A-Za-z0-9_.+-]+|[^\sA-Za-z0-9_.+-]")
 TOKENS = (
     b"", b"-1", b"0", b"nan", b"inf", b"-inf", b"1e308", b"1e999", b"-0.0", b"9223372036854775808", b"9" * 40, b"1" * 10_000,
-    b"0x" + b"f" * 6_000, b"[" * 900, b"{" * 900, b"a." * 900 + b"a", b"[[1]]", b"true", b"'''", b'"', b'"""', b"\\u0000", b"\0",
-    b"\xff\xfe", b"\xef\xbb\xbf", b"\x1b[31m", b"&a [*a]", b"&a [1, 1]", b"*a", b"<<: *a", b"!!python/object:os.system x", b"- - -",
-    b"? ", b"1979-05-27T07:32:00Z", b"1/2/3", b"x" * 5_000, b"\n", b",,,,", b"\r", b"/dev/null", b"..", b"\xc3\xa9", b"\xe2\x80\xa8",
+    b"0x" + b"f" * 6_000, b"[" * 900, b"{" * 900, b"a." * 900 + b"a", b"[[1]]", b"true", b"'''", b'"', b'"""', b"\\u0000",
+    b"\0", b"\xff\xfe", b"\xef\xbb\xbf", b"\x1b[31m", b"&a [*a]", b"&a [1, 1]", b"*a", b"<<: *a", b"!!python/object:x y",
+    b"- - -", b"? ", b"1979-05-27T07:32:00Z", b"1/2/3", b"x" * 5_000, b"\n", b",,,,", b"\r", b"/dev/null", b"..", b"\xc3\xa9",
+    b"\xe2\x80\xa8",
 )  # fmt: skip
 
 
-def mutate(data: bytes, other: bytes, dice: Random, *, text: bool) -> bytes:
-    """Return the bytes with one to four damages. other: a sound input of the same format, for splices; text: lines of tokens."""
+def mutate(data: bytes, other: bytes, dice: Random, *, text: bool, marks: Sequence[int] = ()) -> bytes:
+    """Return the bytes with one to four damages.
+
+    other: a sound input of the same format, for splices. text: the bytes are lines of tokens. marks: offsets where records
+    start, whose first bytes are damaged at times before all else.
+    """
     out = bytearray(data)
+    if marks and dice.random() < 0.2:
+        at = dice.choice(marks) + int(dice.expovariate(0.5))
+        out = _at_mark(out, min(at, len(out) - 1), dice)
+        if dice.random() < 0.5:
+            return bytes(out)
     choices = [*BINARY, *TEXT, *TEXT] if text else BINARY
     for _ in range(1 + min(3, int(dice.expovariate(1.2)))):
         out = dice.choice(choices)(out, other, dice)
     return bytes(out)
+
+
+def _at_mark(data: bytearray, at: int, dice: Random) -> bytearray:
+    how = dice.randrange(4)
+    if how == 0:
+        data[at] ^= 1 << dice.randrange(8)
+    elif how == 1:
+        data[at] = dice.choice(BYTES)
+    elif how == 2:
+        data[at:at] = dice.choice((b"\x02", b"\x0f", b"\0", b"\x06", bytes(9)))
+    else:
+        del data[at : at + dice.choice((1, 4, 9))]
+    return data
 
 
 def _place(data: bytearray, dice: Random) -> int:
@@ -179,7 +202,7 @@ def _shorten_line(data: bytearray, other: bytes, dice: Random) -> bytearray:
 
 
 BINARY: list[Mutator] = [
-    _flip_bit, _flip_bit, _set_byte, _set_run, _cut_end, _cut_out, _insert, _insert_zeros, _splice, _go_on_with, _duplicate, _swap,
-    _change_length, _change_length,
+    _flip_bit, _flip_bit, _set_byte, _set_run, _cut_end, _cut_out, _insert, _insert_zeros, _splice, _go_on_with, _duplicate,
+    _swap, _change_length, _change_length,
 ]  # fmt: skip
 TEXT: list[Mutator] = [_replace_token, _replace_token, _swap_tokens, _drop_or_double_line, _shorten_line]

@@ -43,8 +43,9 @@ def read_log(folder: Path, name: str) -> Reading:
     """Read a log of any form with all its sensors, images and pings, as `ingest` does."""
     kept: dict[str, BytesIO] = {}
     request = IngestRequest(
-        logs=(name,), topics=TOPICS, joints={"tray": "tray"}, imu_frame="ned", pressure=PressureModel(1025.0, 9.81, 101325.0),
-        beams=BEAMS, sigma_velocity=0.003, calibration={"camera_top": CALIBRATION}, offset_ns={"camera_top": 0}, mesh=None, units="m",
+        logs=(name,), topics=TOPICS, joints={"tray": "tray"}, imu_frame="ned",
+        pressure=PressureModel(1025.0, 9.81, 101325.0), beams=BEAMS, sigma_velocity=0.003,
+        calibration={"camera_top": CALIBRATION}, offset_ns={"camera_top": 0}, mesh=None, units="m",
     )  # fmt: skip
     found = ingest(folder, request, lambda camera: kept.setdefault(camera, BytesIO()))
     parts = [("", np.frombuffer(b"".join(f.getvalue() for f in kept.values()), np.uint8))]
@@ -92,5 +93,6 @@ def _digest(parts: Iterable[tuple[str, np.ndarray]]) -> str:
 
 
 READERS: Mapping[str, Read] = {
-    "log": read_log, "configuration": read_configuration, "calibration": read_calibration, "cad": read_cad_model, "image": read_image,
+    "log": read_log, "configuration": read_configuration, "calibration": read_calibration, "cad": read_cad_model,
+    "image": read_image,
 }  # fmt: skip

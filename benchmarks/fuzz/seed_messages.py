@@ -43,7 +43,7 @@ def store(ros: int) -> Any:
 
 
 def tiny_dive(ros: int, jpeg: bytes) -> list[LoggedMessage]:
-    """Return one second of a dive: ten readings of the IMU, four of pressure and joints, two pings and images, one sonar ping."""
+    """Return one second of a dive: ten IMU readings, four of pressure and joints, two DVL pings and images, a sonar ping."""
     types = store(ros)
 
     def make(kind: str, **given: Any) -> Any:
@@ -58,9 +58,10 @@ def tiny_dive(ros: int, jpeg: bytes) -> list[LoggedMessage]:
 
     def imu(t: int) -> Any:
         return make(
-            "sensor_msgs/msg/Imu", header=header(t), orientation=make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
+            "sensor_msgs/msg/Imu", header=header(t),
+            orientation=make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
             angular_velocity=vector(0.1, 0.2, 0.3), linear_acceleration=vector(0, 0, -9.81),
-            orientation_covariance=np.zeros(9), angular_velocity_covariance=np.zeros(9), linear_acceleration_covariance=np.zeros(9),
+            **{f"{name}_covariance": np.zeros(9) for name in ("orientation", "angular_velocity", "linear_acceleration")},
         )  # fmt: skip
 
     def dvl(t: int) -> Any:

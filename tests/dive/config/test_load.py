@@ -170,11 +170,11 @@ def test_a_number_that_cannot_be_printed_is_refused_in_a_short_line(package, key
 
 
 @pytest.mark.parametrize(
-    "text", ["a." * 900 + "a = 1", "[" + "a." * 900 + "a]", "'a'. \"b\" ." * 40 + "a = 1", "x = {" + "a." * 900 + "a = 1}"]
+    "text", ["a." * 900 + "a = 1", "[" + "a." * 900 + "a]", "'a'. \"b c\" ." * 140 + "a = 1", "x = {" + "a." * 900 + "a = 1}"]
 )
 def test_a_key_of_hundreds_of_parts_is_refused_before_it_is_parsed(package, text):
     (package / "dive.toml").write_text(text)
-    assert "a key of more than 30 parts" in refusal(package)
+    assert "a line with more than 100 dots" in refusal(package)
 
 
 def test_values_that_lie_deep_in_each_other_are_refused(package):
@@ -219,7 +219,7 @@ def test_a_dive_toml_that_is_a_fifo_or_endless_is_refused_in_one_line(tmp_path):
     (tmp_path / "dive.toml").unlink()
     with (tmp_path / "dive.toml").open("wb") as stream:
         stream.truncate(1 << 30)
-    with pytest.raises(InputError, match="more than 1 MiB"):
+    with pytest.raises(InputError, match=r"more than 0\.25 MiB"):
         load_config(tmp_path)
 
 
