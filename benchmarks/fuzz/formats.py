@@ -42,7 +42,7 @@ def seeds() -> dict[str, tuple[Seed, ...]]:
 
 
 def _log(name: str, data: bytes, **more: object) -> Seed:
-    files = {name: data, CALIBRATION: seed_files.CALIBRATION.encode()}
+    files = {name: data, CALIBRATION: seed_files.SHORT_CALIBRATION.encode()}
     return Seed(read="log", files=files, target=name, **more)  # type: ignore[arg-type]
 
 
@@ -68,7 +68,7 @@ def _rosbag2() -> tuple[Seed, ...]:
     out = []
     for storage, targets in (("SQLITE3", ("dive.db3", "dive.db3", "metadata.yaml")), ("MCAP", ("metadata.yaml",))):
         files = {f"dive/{name}": data for name, data in seed_messages.as_ros2_folder(entries, storage).items()}
-        files[CALIBRATION] = seed_files.CALIBRATION.encode()
+        files[CALIBRATION] = seed_files.SHORT_CALIBRATION.encode()
         for name in targets:
             text = name.endswith("yaml")
             out.append(Seed(read="log", files=files, target=f"dive/{name}", given="dive", text=text))
@@ -97,7 +97,7 @@ def _tables() -> dict[str, bytes]:
     pictures = seed_files.images()
     files = {f"logs/{name}.csv": text.encode() for name, text in seed_files.TABLES.items()}
     files |= {"logs/a.png": pictures["a.png"], "logs/b.png": pictures["a.bmp"], "logs/p.npz": seed_files.ping_npz()}
-    return files | {CALIBRATION: seed_files.CALIBRATION.encode()}
+    return files | {CALIBRATION: seed_files.SHORT_CALIBRATION.encode()}
 
 
 def _plain() -> tuple[Seed, ...]:

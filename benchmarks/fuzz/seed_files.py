@@ -57,6 +57,7 @@ rectification_matrix:
   cols: 3
   data: [1, 0, 0, 0, 1, 0, 0, 0, 1]
 """
+SHORT_CALIBRATION = f"{{image_width: {WIDTH}, image_height: {HEIGHT}, camera_matrix: [50, 0, 23.5, 0, 51, 15.5, 0, 0, 1]}}"
 TABLES = {
     "dvl": "t,vx,vy,vz,range_1,range_2,range_3,range_4\n1700000000,1,0,0,1,1,1,\n1700000001,1,0,0,2,2,2,2\n"
     "1700000002,1,0,0,2,2,2,2\n",
