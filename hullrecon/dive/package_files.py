@@ -10,13 +10,16 @@ from pathlib import Path
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.files import special_kind
+from hullrecon.dive.logs.readers.file_log import require_regular_file
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.plain import PlainLog
 from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE
+from hullrecon.dive.logs.readers.sqlite import write_ahead_log
 from hullrecon.errors import InputError
 from hullrecon.geometry.frames import Camera
 
 TABLE = ".csv"
+STORED = (*STORAGE, *(f"{suffix}-wal" for suffix in STORAGE))
 REMEDY = "put it into the package, or give --allow-outside if you trust who wrote the package"
 
 
@@ -59,13 +62,16 @@ def log_files(package: Path, name: str) -> list[Path]:
     folder = package / name
     try:
         if not folder.is_dir():
-            return [Path(name)]
+            if folder.exists():
+                require_regular_file(folder)
+            return [Path(name), *([Path(f"{name}-wal")] if write_ahead_log(folder).is_file() else [])]
     except OSError:  # a name that no file can have: the reader says so
         open_log(folder, package)
     log = open_log(folder, package)
     if isinstance(log, PlainLog):
         return [*(Path(name) / table for table in log.tables()), *log.named_files()]
-    return [Path(name) / path.name for path in sorted(folder.iterdir()) if path.name == METADATA or path.suffix in STORAGE]
+    files = sorted(path for path in folder.iterdir() if path.name == METADATA or path.suffix in STORED)
+    return [Path(name) / path.name for path in files if path.is_file()]
 
 
 def _named_files(loaded: LoadedConfig) -> Iterator[tuple[str, Path]]:
@@ -85,8 +91,9 @@ def _files_of_log(key: str, log: Path, package: Path) -> Iterator[tuple[str, Pat
     """Yield a log, what lies in its folder, and then what its tables name, each before it is read."""
     yield key, log
     if not _is_folder(log):
+        yield key, write_ahead_log(log)
         return
-    members = [p for p in sorted(log.iterdir()) if p.name == METADATA or p.suffix in (*STORAGE, TABLE)]
+    members = [p for p in sorted(log.iterdir()) if p.name == METADATA or p.suffix in (*STORED, TABLE)]
     yield from ((key, member) for member in members)
     if any(member.suffix == TABLE for member in members) and _is_plain(log, package):
         yield from ((f"a table of {shorten(log.name)}", package / file) for file in log_files(package, str(log.absolute())))

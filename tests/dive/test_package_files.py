@@ -119,6 +119,16 @@ def test_a_recording_whose_storage_is_a_link_out_of_the_package_is_refused(packa
     assert outside("logs.files", "logs/a.db3") in refusal(package)
 
 
+@pytest.mark.parametrize("log", ["logs/a.db3", "logs"])
+def test_a_write_ahead_log_that_is_a_link_out_of_the_package_is_refused(package, log):
+    shutil.rmtree(package / "logs")
+    (package / "logs").mkdir()
+    (package / "logs" / "a.db3").write_text("x")
+    (package / "logs" / "a.db3-wal").symlink_to(package.parent / "other" / "secret.bag")
+    change(package, '"logs"', f'"{log}"')
+    assert outside("logs.files", "logs/a.db3-wal") in refusal(package)
+
+
 @pytest.mark.parametrize("name", ["../../other/secret.png", "{other}/secret.png"])
 def test_a_file_that_a_table_names_outside_is_refused(package, name):
     name = name.format(other=package.parent / "other")
