@@ -13,6 +13,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from benchmarks.fuzz.seed_files import HEIGHT, WIDTH
 from benchmarks.fuzz.seed_messages import TOPICS
 from hullrecon.dive.config.calibration import read_camera
 from hullrecon.dive.config.load import load_config
@@ -76,8 +77,8 @@ def read_cad_model(folder: Path, name: str) -> Reading:
 def read_image(folder: Path, name: str) -> Reading:
     """Read an image: a damaged one is said to be damaged by the count of the images left out."""
     encoded = (folder / name).read_bytes()
-    size = size_of(encoded)
-    image = None if size is None else decode(encoded)
+    size = size_of(encoded, (WIDTH, HEIGHT))
+    image = decode(encoded) if size == (WIDTH, HEIGHT) else None
     if image is None:
         return Reading("", frozenset(["the image is left out"]))
     assert image.shape[1::-1] == size

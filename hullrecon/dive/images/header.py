@@ -20,7 +20,7 @@ def header_size(encoded: bytes) -> Size | None:
     if encoded.startswith(JPEG):
         return _jpeg_size(encoded)
     if encoded.startswith(PNG):
-        return _pair(encoded, 16, 4, "big") if encoded[12:16] == b"IHDR" else None
+        return _png_size(encoded)
     if encoded.startswith(RIFF):
         return _webp_size(encoded)
     return _other_size(encoded)
@@ -29,6 +29,15 @@ def header_size(encoded: bytes) -> Size | None:
 def fits(size: Size) -> bool:
     """Return whether an image of that size may be decoded."""
     return 0 < size[0] * size[1] <= LARGEST_PIXELS
+
+
+def _png_size(encoded: bytes) -> Size | None:
+    """Return the size of a PNG whose chunks are all there: OpenCV makes room for what each claims, up to four gigabytes."""
+    at = len(PNG)
+    while at + 12 <= len(encoded) and encoded[at + 4 : at + 8] != b"IEND":
+        at += 12 + int.from_bytes(encoded[at : at + 4], "big")
+    is_whole = at + 12 <= len(encoded) and encoded[12:16] == b"IHDR"
+    return _pair(encoded, 16, 4, "big") if is_whole else None
 
 
 def _jpeg_size(encoded: bytes) -> Size | None:

@@ -89,6 +89,21 @@ def test_a_png_that_claims_a_billion_pixels_is_never_decoded(no_decoder):
     assert decode(bomb) is None
 
 
+def test_a_png_with_a_chunk_longer_than_the_file_is_not_decoded(no_decoder):
+    """OpenCV made room for four gigabytes, and filled it."""
+    data = bytearray(encoded(".png"))
+    at = data.find(b"IDAT")
+    data[at - 4] = 0xFF
+    assert header_size(bytes(data)) is None
+    assert size_of(bytes(data)) is None
+    assert decode(bytes(data)) is None
+
+
+@pytest.mark.parametrize("missing", [1, 12, 13, 100])
+def test_a_png_without_its_end_has_no_size(missing):
+    assert header_size(encoded(".png")[:-missing]) is None
+
+
 def test_what_fits_is_bounded_by_the_memory_of_its_decoding():
     assert fits((1, LARGEST_PIXELS))
     assert not fits((2, LARGEST_PIXELS))
