@@ -15,7 +15,8 @@ from typing import TextIO
 from benchmarks.fuzz.cases import LARGEST_BYTES, Bench, Verdict
 
 ROOM_BYTES = 2 * LARGEST_BYTES  # of addresses beyond those at the start; what is used beyond LARGEST_BYTES is a failure already
-PATIENCE_S = 60.0  # of the clock: a case that waits for something uses no processor
+PATIENCE_S = 120.0  # of the clock: a case that waits for something uses no processor
+START_S = 1800.0  # of the clock, for the imports on a machine that others use
 
 
 class Worker:
@@ -27,15 +28,21 @@ class Worker:
 
     def run(self, form: str, seed: int, case: int) -> Verdict:
         """Return the verdict on a case; the end of the process is one too."""
-        self._connection.send((form, seed, case))
         try:
+            self._connection.send((form, seed, case))
             if self._connection.poll(PATIENCE_S):
                 kind, text = self._connection.recv()
                 return Verdict(kind, text)
             return self._replace(Verdict("hang", f"no answer in {PATIENCE_S:g} s"))
-        except EOFError:
+        except (EOFError, BrokenPipeError, ConnectionResetError):
             self._process.join()
             return self._replace(Verdict("crash", f"the process ended with {self._process.exitcode}"))
+
+    @property
+    def pid(self) -> int:
+        """Return the number of the process that runs the cases now."""
+        assert self._process.pid is not None
+        return self._process.pid
 
     def stop(self) -> None:
         """End the process."""
@@ -51,6 +58,9 @@ class Worker:
         self._process = context.Process(target=_serve, args=(theirs, str(self._folder)), daemon=True)
         self._process.start()
         theirs.close()
+        if not self._connection.poll(START_S):
+            raise TimeoutError("a worker process does not start")
+        self._connection.recv()
 
     def _replace(self, verdict: Verdict) -> Verdict:
         self._process.kill()
@@ -64,6 +74,7 @@ def _serve(connection: Connection, folder: str) -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
     with tempfile.TemporaryDirectory(dir=folder) as own:
         bench = Bench(Path(own))
+        connection.send("ready")
         limited = False
         while True:
             try:
