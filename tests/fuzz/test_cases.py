@@ -93,6 +93,15 @@ def test_the_sound_inputs_are_sound_and_made_alike_each_time(bench: Bench, form:
     ]
 
 
+def test_damage_that_a_sum_of_bytes_cannot_see_is_no_silence(bench):
+    data = seeds()["pd0"][0].files["dive.pd0"]
+    at = data.find(b"\xe8\x03\x4c\x04")  # two ranges that change places
+    swapped = data[:at] + data[at + 2 : at + 4] + data[at : at + 2] + data[at + 4 :]
+    assert bench.judge("pd0", 0, swapped).kind == "unnoticed"
+    raised = data[:at] + b"\xe9" + data[at + 1 :]
+    assert bench.judge("pd0", 0, raised).kind == "named"
+
+
 @pytest.mark.parametrize("form", seeds())
 def test_a_case_is_the_same_wherever_it_runs(form: str) -> None:
     assert [damaged_input(form, 3, k) for k in range(20)] == [damaged_input(form, 3, k) for k in range(20)]

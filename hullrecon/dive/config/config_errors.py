@@ -19,6 +19,7 @@ ONE_LINE = (
     r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*\Z"  # a pattern of the schema: what reaches a terminal, a path or a report's line
 )
 LONGEST_SHOWN = 60  # characters of a foreign value in a message
+LONGEST_REASON = 200  # characters of what a parser says
 DEEPEST = 30  # tables and lists within each other; the schema has five
 
 
@@ -39,7 +40,8 @@ def explain_error(message: str, raw: object, kind: type, prefix: str, more: Sequ
     wanted = text.replace("`", "").replace("Expected", "expected").replace("Object", "table").replace("object", "table")
     if text.endswith(f"matching regex {ONE_LINE!r}"):
         wanted = "expected text on one line, without control characters"
-    return UsageError(f"{shorten(dotted) or 'the file'} = {show_value(_look_up(raw, path))}: {wanted}", where=file)
+    shown = show_value(_look_up(raw, path))
+    return UsageError(f"{shorten(dotted) or 'the file'} = {shown}: {shorten(wanted, LONGEST_REASON)}", where=file)
 
 
 def refuse_not_finite(raw: object, file: str, path: str = "") -> None:

@@ -191,6 +191,12 @@ def test_a_key_of_thousands_of_letters_is_shown_by_its_start(package):
     assert len(line) < 300
 
 
+def test_a_choice_of_thousands_of_letters_is_shown_by_its_start(package):
+    line = refusal(package, f"imu.frame={'x' * 5000}")
+    assert line.startswith("imu.frame = 'xxx")
+    assert len(line) < 400
+
+
 @pytest.mark.parametrize(
     "key", ["dive.vessel", "topics.dvl", "tray.joint", "hull.mesh", "camera.top.calibration", "logs.files", "sonar.joint"]
 )
