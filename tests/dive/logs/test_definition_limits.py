@@ -62,7 +62,16 @@ def test_a_definition_that_fails_is_tried_once_and_not_for_each_message(monkeypa
 
 @pytest.mark.parametrize(
     "expression",
-    ["1 << 100000000000", "((((((((((1))))))))))", "(((((((((((((((((((((((("],
+    [
+        "1 << 100000000000",
+        "((1))",
+        ")))((1))",
+        "((((((((((((((((((((((((",
+        "/* " * 10_000,
+        '"' + "\\" * 9,
+        "/*/",
+        "sequence<" * 30,
+    ],
 )
 def test_idl_that_computes_is_refused_before_it_is_parsed(expression):
     text = f"module p {{ module msg {{ const long N = {expression}; struct T {{ uint8 a; }}; }}; }};"

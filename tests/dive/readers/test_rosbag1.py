@@ -219,3 +219,21 @@ def test_a_compressed_chunk_that_stops_before_its_checksum_is_damaged(kit, tmp_p
 def test_a_bag_says_that_its_chunks_carry_no_checksum_where_they_do_not(kit, tmp_path):
     assert read(kit.bag1(tmp_path / "a.bag", kit.dive(ros=1)))[1].remarks == [NO_CHECKSUM]
     assert read(kit.bag1(tmp_path / "b.bag", kit.dive(ros=1), compression="BZ2"))[1].remarks == []
+
+
+def test_a_bag_that_ends_between_two_records_is_a_gap_to_the_end(tmp_path, whole):
+    data = whole.read_bytes()
+    with whole.open("rb") as stream:
+        at = 13
+        while at < len(data) // 2:
+            *_, at = record(stream, at, len(data))
+    messages, log = read(broken(tmp_path, data[:at]))
+    assert messages
+    assert {loss.why for loss in log.losses()} == {f"the file ends at byte {at} without its index"}
+
+
+@pytest.mark.parametrize("size", [1, 13])
+def test_a_bag_that_is_no_more_than_its_first_bytes_is_a_loss(tmp_path, whole, size):
+    messages, log = read(broken(tmp_path, whole.read_bytes()[:size]))
+    assert messages == []
+    assert log.losses()

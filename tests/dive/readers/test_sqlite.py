@@ -207,3 +207,10 @@ def test_a_damaged_definition_costs_its_topic_alone(database):
     log = open_log(database)
     found = read_streams([log], {"/imu": "imu", "/pressure": "pressure"}, lambda *_: None)
     assert len(found.samples["pressure"]) == 20
+
+
+def test_row_numbers_that_are_missing_are_counted(database):
+    """A page that lost its cells without a trace shows in nothing else."""
+    change(database, "DELETE FROM messages WHERE id IN (1, 7, 8)")
+    _, log = read(database)
+    assert "3 row numbers are missing: rows were deleted, or lost by damage" in log.remarks

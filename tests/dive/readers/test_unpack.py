@@ -70,7 +70,7 @@ def test_fields_beyond_the_end_and_names_that_are_no_text_are_damage():
 @pytest.mark.parametrize("how", ["zstd", "lz4", "bz2"])
 def test_a_log_unpacks_to_a_multiple_of_its_size_and_no_further(how):
     packed, budget = PACK[how](bytes(1 << 22)), UnpackBudget(1000)
-    for _ in range(8):
+    for _ in range(2):
         assert len(decompress(packed, how, 1 << 22, budget)) == 1 << 22
     with pytest.raises(DamagedError, match="more than 256 times its size"):
         decompress(packed, how, 1 << 22, budget)

@@ -26,6 +26,7 @@ class Database:
 
     def __init__(self, address: str, size: int) -> None:
         self.connection = sqlite3.connect(address, uri=True)
+        self.skipped = 0  # numbers between those of the rows that were read; recorders leave none out
         self._size, self._steps = size, 0
         self.connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_CHUNK)
         self.connection.text_factory = lambda data: data.decode(errors="replace")
@@ -53,6 +54,7 @@ class Database:
     def rows(self, open_gap: Callable[[str], None]) -> Iterator[Row]:
         """Yield the rows in the order of their numbers; behind one that cannot be read the next that can is looked for."""
         at = bad = self._first()
+        self.skipped = max(0, at - 1) if at < HIGHEST else 0
         patience, misses, left = NEIGHBOURS + ROWS_A_PAGE * self._pages(), 0, 2 * self._size
         while patience >= 0:
             try:
@@ -62,6 +64,7 @@ class Database:
                 for number, *row in self.connection.execute(ROWS, (at,)):
                     if not isinstance(number, int) or number < at:
                         raise DamagedError("its pages are out of order")
+                    self.skipped += number - at
                     at, misses = number + 1, 0
                     left -= len(row[2]) if isinstance(row[2], bytes | str) else 0
                     if left < 0:

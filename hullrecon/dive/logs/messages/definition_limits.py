@@ -19,9 +19,11 @@ MOST_TYPES, MOST_FIELDS = 200, 2000
 MOST_ELEMENTS = 1000  # of fixed arrays of messages or strings, which are compiled one by one
 LARGEST_ARRAY = 1 << 27  # elements of a fixed array of numbers: none that a chunk could hold is larger
 DEEPEST = 32  # types within types
-MOST_PARENTHESES = 4  # within each other: each multiplies the time of the IDL parser by sixty
+LONGEST_IDL = 1 << 16
+MOST_PARENTHESES = 1  # within each other: each more multiplies the time of the IDL parser by sixty; annotations have one
+MOST_ANGLES = 2  # likewise, by two
 
-TEXT = re.compile(r'"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
+TEXT = re.compile(r'"(?:\\.|[^"\\])*(?:"|\\?\Z)|//[^\n]*|/\*(?:.*?\*/|.*)', re.DOTALL)  # with those that do not end
 BASE, NAME, ARRAY, SEQUENCE = 1, 2, 3, 4  # rosbags' kinds of fields
 WIDTHS = {"string": 4, "wstring": 4}  # bytes that are there at least; one for every other base type
 
@@ -36,15 +38,30 @@ def check_text(text: str) -> None:
 
 
 def check_idl(text: str) -> None:
-    """Raise DamagedError for IDL that the parser would take for ever over: nested expressions, or shifts into the millions."""
-    code = TEXT.sub('""', text)
-    depth = 0
-    for character in code:
-        depth += (character == "(") - (character == ")")
-        if depth > MOST_PARENTHESES:
-            raise DamagedError("it nests parentheses")
+    """Raise DamagedError for IDL that the parser would take for ever over: what nests or does not end, or shifts into the
+    millions."""
+    if len(text) > LONGEST_IDL:
+        raise DamagedError(f"it has {len(text)} characters")
+    code = TEXT.sub(_blank, text)
+    for opening, closing, deepest in (("(", ")", MOST_PARENTHESES), ("<", ">", MOST_ANGLES)):
+        depth = 0
+        for character in code:
+            depth = max(0, depth + (character == opening) - (character == closing))
+            if depth > deepest:
+                raise DamagedError(f"it nests {opening}{closing}")
     if "<<" in code:
         raise DamagedError("it computes its constants")
+
+
+def _blank(match: re.Match[str]) -> str:
+    """What stands for a string or a comment where only the code matters. Raises DamagedError for one without an end."""
+    found = match.group()
+    if found.startswith("//"):
+        return " "
+    end = '"' if found.startswith('"') else "*/"
+    if len(found) < 2 * len(end) or not found.endswith(end):
+        raise DamagedError("a string or comment of it does not end")
+    return '""' if end == '"' else " "
 
 
 def check_types(types: Types, name: str) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Collection, Mapping
 from hullrecon.dive.logs.readers.protocol import Loss, Message
 
 MOST_LOSSES = 2000  # that are told apart; what a hostile file adds to them is counted
+MOST_TOPICS = 200
 MOST_REASONS = 16  # for one and the same gap
 
 
@@ -36,9 +37,7 @@ class LossTracker:
         """Add the loss of a part with a known span; without topics, of every topic seen so far."""
         if self._is_full():
             return
-        self.losses += [Loss(why, topic, start_ns, end_ns) for topic in sorted(topics or self._last)] or [
-            Loss(why, "", start_ns, end_ns)
-        ]
+        self._add(why, dict.fromkeys(topics or self._last, start_ns), end_ns, start_ns)
 
     def open_gap(self, why: str) -> None:
         """Open the loss of a part of unknown content: of each topic what lies between its last message and the next message
@@ -77,7 +76,10 @@ class LossTracker:
 
     def _close(self, end_ns: int | None) -> None:
         for why, last in self._open:
-            self.losses += [Loss(why, topic, start, end_ns) for topic, start in sorted(last.items())] or [
-                Loss(why, "", None, end_ns)
-            ]
+            self._add(why, last, end_ns, min(last.values(), default=None))
         self._open = []
+
+    def _add(self, why: str, starts: Mapping[str, int], end_ns: int | None, start_ns: int | None) -> None:
+        """Add a loss of each topic from its start on; one of all topics where there are none, or too many to be told apart."""
+        named = sorted(starts.items()) if len(starts) <= MOST_TOPICS else []
+        self.losses += [Loss(why, topic, start, end_ns) for topic, start in named] or [Loss(why, "", start_ns, end_ns)]

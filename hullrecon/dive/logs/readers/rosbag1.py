@@ -10,6 +10,7 @@ from typing import BinaryIO
 
 from hullrecon.dive.logs.formats.bag_records import (
     CHUNK,
+    CHUNK_INFO,
     MAGIC,
     MESSAGE,
     BagChunk,
@@ -75,6 +76,7 @@ class Rosbag1Log(FileLog):
 
     def _from_start(self, stream: BinaryIO, size: int, connections: Connections, budget: UnpackBudget) -> Iterator[Message]:
         at, patience = len(MAGIC), PATIENCE * size
+        closed = False
         while at < size:
             following = at
             try:
@@ -85,9 +87,13 @@ class Rosbag1Log(FileLog):
                 self._tracker.open_gap(f"the file is damaged at byte {at}: {error}")
                 patience -= min(following - at, LARGEST_CHUNK)
                 at = find_chunk(stream, at + 1, size) if patience >= 0 else size
+                if at == size:
+                    return
                 continue
             yield from map(self._tracker.record, found)
-            at = following
+            at, closed = following, op_of(head) == CHUNK_INFO
+        if not closed:
+            self._tracker.open_gap(f"the file ends at byte {size} without its index")
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:

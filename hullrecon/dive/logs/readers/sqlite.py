@@ -58,6 +58,8 @@ class SqliteLog(FileLog):
                 yield self._tracker.record(Message(channels[number], t_ns, data))
         self._tracker.count_lost("their rows hold other things than a topic, a time and bytes", strange)
         self._tracker.count_lost("they belong to no topic of the database", foreign)
+        if database.skipped:
+            self.remarks.append(f"{database.skipped} row numbers are missing: rows were deleted, or lost by damage")
 
     def _merge(self, stack: ExitStack) -> Path | None:
         """Return a copy of database and write-ahead log that SQLite may merge; None where there is no such log.

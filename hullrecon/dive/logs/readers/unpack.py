@@ -9,7 +9,7 @@ import struct
 from typing import Protocol
 
 LARGEST_CHUNK = 1 << 27  # bytes; recorders write chunks of 1 to 4 MiB, or of one message; a larger size is a damaged field
-FREE_BYTES, RATIO = 1 << 25, 256  # a log unpacks to at most so many bytes and so many times its own size
+FREE_BYTES, RATIO = 1 << 23, 256  # a log unpacks to at most so many bytes and so many times its own size
 LONGEST_NAME = 1000  # characters; ROS allows 255
 LONGEST_REASON = 200  # characters of what a library says about damaged bytes: they may quote all of them
 
