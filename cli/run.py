@@ -23,7 +23,7 @@ from hullrecon.artifacts.graph.plan import StepStatus, assess_chain
 from hullrecon.artifacts.storage.delivery import PUBLISHED, delivered_records
 from hullrecon.errors import HullreconError, StorageError
 
-from .dives import FOLDER, Command, open_dive, runs_option, set_option
+from .dives import FOLDER, Command, allow_outside_option, open_dive, runs_option, set_option
 from .state import state_of
 
 log = logging.getLogger("hullrecon.cli")
@@ -58,6 +58,7 @@ def run_options(command: Command) -> Command:
         click.option(
             "--wait", "wait_s", type=click.FloatRange(min=0), default=0.0, help="seconds to wait for another run on this dive"
         ),
+        allow_outside_option,
         set_option,
         runs_option,
     ):
@@ -71,10 +72,10 @@ def run_options(command: Command) -> Command:
 @click.option("--to", "last", metavar="STEP", help="stop after this step, running only what it needs")
 def run(
     package: Path, runs: Path, last: str | None, overrides: tuple[str, ...], from_scratch: bool, read_data: bool, jobs: int,
-    scheduler: str | None, wait_s: float,
+    scheduler: str | None, wait_s: float, allow_outside: bool,
 ) -> None:  # fmt: skip
     """Run the chain on a dive PACKAGE; steps that are up to date are left as they are."""
-    dive = open_dive(package, runs, overrides)
+    dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
     _warn_of_defaults(dive, overrides)
     options = RunOptions(from_scratch=from_scratch, read_data=read_data, jobs=jobs, scheduler=scheduler, wait_s=wait_s)
     execute(dive, last, options)
@@ -168,9 +169,10 @@ def _line(outcome: StepOutcome) -> str:
 @click.argument("target", type=FOLDER)
 @set_option
 @runs_option
-def status(target: Path, runs: Path, overrides: tuple[str, ...]) -> None:
+@allow_outside_option
+def status(target: Path, runs: Path, overrides: tuple[str, ...], allow_outside: bool) -> None:
     """Say of each step whether it is up to date. TARGET is a dive package or a run's folder."""
-    dive = open_dive(target, runs, overrides)
+    dive = open_dive(target, runs, overrides, allow_outside=allow_outside)
     plan = assess_chain(dive.chain, dive.workspace, dive.workspace.hashes())
     state_of().emit(_document(dive, plan), map(_status_line, plan))
 
@@ -180,9 +182,10 @@ def status(target: Path, runs: Path, overrides: tuple[str, ...]) -> None:
 @click.argument("steps", nargs=-1, metavar="[STEP]...")
 @set_option
 @runs_option
-def explain(target: Path, steps: tuple[str, ...], runs: Path, overrides: tuple[str, ...]) -> None:
+@allow_outside_option
+def explain(target: Path, steps: tuple[str, ...], runs: Path, overrides: tuple[str, ...], allow_outside: bool) -> None:
     """Say why steps would run again: which option, input or file changed, and from what to what."""
-    dive = open_dive(target, runs, overrides)
+    dive = open_dive(target, runs, overrides, allow_outside=allow_outside)
     refuse_unknown(steps, [stage.name for stage in dive.chain.stages])
     plan = [s for s in assess_chain(dive.chain, dive.workspace, dive.workspace.hashes()) if not steps or s.stage.name in steps]
     lines = (f"{s.stage.name}: {reason}" for s in plan for reason in s.reasons or (f"{s.state}",))
