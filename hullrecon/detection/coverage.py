@@ -167,7 +167,7 @@ def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
     distance, row = nearest(at[known], middle, 1, 0.75 * PATCH_M)
     near = np.isfinite(distance[:, 0]) & (area.ravel() == 0)
     image.ravel()[near] = seen[known][row[near, 0]]
-    on_hull = np.isfinite(chart.from_chart(middle)[0]).all(axis=1).reshape(image.shape)
+    on_hull = np.asarray(np.isfinite(chart.from_chart(middle)[0]).all(axis=1)).reshape(image.shape)
     return _ChartCells(low=low, seen=image, area=np.where(area > 0, area, CELL_M**2), on_hull=on_hull)
 
 

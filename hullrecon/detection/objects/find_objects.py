@@ -53,7 +53,8 @@ class HullObject:
     def as_json(self) -> dict[str, object]:
         """Return a row of objects.json, the place's members beside the others."""
         row = asdict(self)
-        return row | row.pop("position")
+        del row["position"]
+        return row | self.position
 
 
 @dataclass(frozen=True, kw_only=True)

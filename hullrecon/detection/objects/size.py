@@ -13,7 +13,7 @@ from hullrecon.detection.objects.regions import Region
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.typing import Array
 
-EDGE_SIGMA_M = 0.012  # of an edge's place: heights are regressed from landmarks some centimetres around
+EDGE_SIGMA_M = 0.016  # of an edge's place: heights are regressed from landmarks some centimetres around
 
 
 @dataclass(frozen=True, kw_only=True)
