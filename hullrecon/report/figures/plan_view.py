@@ -19,14 +19,30 @@ LEFT, TOP, WIDTH, FOOT = 62.0, 14.0, 960.0, 78.0
 
 
 @dataclass(frozen=True, kw_only=True)
+class SigmaEllipse:
+    """Half axes in metres, and the angle (rad) of the first from along towards girth."""
+
+    half_axes: tuple[float, float]
+    angle_rad: float
+
+
+def sigma_ellipse(covariance: Array) -> SigmaEllipse:
+    """Return the one-sigma ellipse of a covariance (2, 2), m2, of along and girth."""
+    variance, axes = np.linalg.eigh(covariance)
+    half = np.sqrt(np.maximum(variance, 0.0))
+    return SigmaEllipse(half_axes=(float(half[1]), float(half[0])), angle_rad=math.atan2(float(axes[1, 1]), float(axes[0, 1])))
+
+
+@dataclass(frozen=True, kw_only=True)
 class Mark:
-    """An object on the plan: along, girth in metres, its sigma in both, and a text for it."""
+    """An object on the plan: along, girth in metres, a text for it, and the one-sigma ellipse of its own place, None where that
+    is not known."""
 
     label: str
     along: float
     girth: float
-    sigma: tuple[float, float]
     text: str
+    ellipse: SigmaEllipse | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,13 +145,21 @@ def _path(plan: Plan, scale: float, height: float) -> str:
 
 def _mark(mark: Mark, plan: Plan, scale: float, height: float) -> str:
     x, y = _x(mark.along, plan, scale), _y(mark.girth, plan, scale, height)
-    reach = [max(s, 0.0) * scale if math.isfinite(s) else 0.0 for s in mark.sigma]
-    ellipse = f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{max(reach[0], 9):.1f}" ry="{max(reach[1], 9):.1f}" class="sigma"/>'
+    ellipse = "" if mark.ellipse is None else _ellipse(mark.ellipse, x, y, plan.extent.flips, scale)
     return (
         f'<a href="#object-{escape(mark.label)}"><g><title>{escape(mark.text)}</title>{ellipse}'
         f'<circle cx="{x:.1f}" cy="{y:.1f}" r="11" class="object"/>'
         f'<text x="{x:.1f}" y="{y + 4.5:.1f}" class="label">{escape(mark.label)}</text></g></a>'
     )
+
+
+def _ellipse(ellipse: SigmaEllipse, x: float, y: float, flips: tuple[bool, bool], scale: float) -> str:
+    """SVG's y grows downwards, and so does its angle."""
+    along, girth = math.cos(ellipse.angle_rad), math.sin(ellipse.angle_rad)
+    angle = math.degrees(math.atan2(girth if flips[1] else -girth, -along if flips[0] else along))
+    rx, ry = (scale * half for half in ellipse.half_axes)
+    turn = f'transform="rotate({angle:.1f} {x:.1f} {y:.1f})"'
+    return f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{rx:.1f}" ry="{ry:.1f}" {turn} class="sigma"/>'
 
 
 def _scale_bar(scale: float, height: float) -> str:
