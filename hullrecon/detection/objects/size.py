@@ -15,6 +15,8 @@ from hullrecon.typing import Array
 
 EDGE_SIGMA_M = 0.016  # of an edge's place: heights are regressed from landmarks some centimetres around
 
+SHARED_EDGE = 0.6  # of the edge's sigma that is the same all around: heights are smoothed in the same way everywhere
+
 
 @dataclass(frozen=True, kw_only=True)
 class ObjectSize:
@@ -35,8 +37,7 @@ def measure_size(
     foot = region.foot
     extent, size = _extent(found.base.vertices[foot], normal, chart), float(area[foot].sum())
     edge = float(np.sqrt(2) * EDGE_SIGMA_M)  # of two opposite edges, each on its own
-    # An edge that is drawn too far out is so all around: heights are smoothed the same way everywhere
-    area_sigma = 2 * float(np.sqrt(np.pi * size)) * EDGE_SIGMA_M
+    area_sigma = SHARED_EDGE * 2 * float(np.sqrt(np.pi * size)) * EDGE_SIGMA_M
     volume = float(((found.height[foot] - region.level) * area[foot]).sum())
     volume_sigma = float(np.hypot(size * height_sigma, 0.25 * abs(region.height) * area_sigma))
     return ObjectSize(

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.meshes.mesh import vertex_areas
-from hullrecon.report.content.phrases import length
 from hullrecon.report.figures.chart_map import weighted_percentiles
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
@@ -32,7 +31,7 @@ class DeviationFigures:
         """Return the offset in a sentence's part, with what its sigma makes of it."""
         side = "outside" if self.offset > 0 else "inside"
         known = "" if abs(self.offset) > 2 * self.offset_sigma else ", which is not told from zero"
-        return f"{length(abs(self.offset))} {side} it (one sigma {length(self.offset_sigma)}{known})"
+        return f"{1000 * abs(self.offset):.0f} mm {side} it (one sigma {1000 * self.offset_sigma:.0f} mm{known})"
 
     @property
     def form_words(self) -> str:
@@ -81,7 +80,7 @@ def deviation_rows(figures: DeviationFigures | None) -> list[tuple[str, str]]:
         return []
     slopes = " / ".join(f"{1000 * t:+.1f} ± {1000 * s:.1f}" for t, s in zip(figures.tilt, figures.tilt_sigma, strict=True))
     return [
-        ("Form, 5th to 95th percentile of the area", figures.form_words),
+        ("Form", figures.form_words),
         ("Offset of the surveyed patch", f"{1000 * figures.offset:+.0f} ± {1000 * figures.offset_sigma:.0f} mm"),
         ("Tilt of the surveyed patch, along / in girth", f"{slopes} mm per m"),
     ]

@@ -151,7 +151,7 @@ def mark_of(found: ReportedObject, at: Array, ellipse: SigmaEllipse | None) -> M
 def deviation_map(survey: Survey, view: ChartView) -> str | None:
     """Return the map of the deviation's form as a data URI; None without a CAD model or a hull as found."""
     split = survey.surfaces.deviation
-    if split is None or survey.surfaces.as_found is None or view.found is None or not np.isfinite(split.form).any():
+    if split is None or not survey.is_in_hull_frame or view.found is None or not np.isfinite(split.form).any():
         return None
     objects = survey.findings.objects or ()
     marks = [(str(o.id), float(a[0]), float(a[1])) for o, a in zip(objects, view.objects, strict=True)]

@@ -15,7 +15,7 @@ import numpy as np
 from hullrecon.report.figures.chart_map import Extent
 from hullrecon.typing import Array
 
-LEFT, TOP, WIDTH, FOOT = 62.0, 14.0, 960.0, 78.0
+LEFT, TOP, WIDTH, FOOT = 62.0, 14.0, 960.0, 92.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,9 +109,11 @@ def _ticks(plan: Plan, scale: float, height: float) -> list[str]:
     parts = []
     for value in _multiples(plan.extent.along, step):
         x = _x(value, plan, scale)
-        frame = f" · fr {value / plan.frame_spacing_m:.1f}" if plan.frame_spacing_m else ""
         parts.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{TOP}" y2="{TOP + height:.1f}" class="grid"/>')
-        parts.append(f'<text x="{x:.1f}" y="{TOP + height + 17:.1f}" class="tick mid">{value:g} m{frame}</text>')
+        parts.append(f'<text x="{x:.1f}" y="{TOP + height + 17:.1f}" class="tick mid">{value:g} m</text>')
+        if plan.frame_spacing_m:
+            frame = f"fr {value / plan.frame_spacing_m:.1f}"
+            parts.append(f'<text x="{x:.1f}" y="{TOP + height + 33:.1f}" class="tick mid">{frame}</text>')
     for value in _multiples(plan.extent.girth, step):
         y = _y(value, plan, scale, height)
         parts.append(f'<line x1="{LEFT}" x2="{LEFT + WIDTH}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>')
@@ -164,7 +166,7 @@ def _ellipse(ellipse: SigmaEllipse, x: float, y: float, flips: tuple[bool, bool]
 
 def _scale_bar(scale: float, height: float) -> str:
     metres = nice_step(WIDTH / scale, 5)
-    y = TOP + height + 44
+    y = TOP + height + 58
     return (
         f'<path d="M{LEFT} {y - 5:.1f}v10M{LEFT} {y:.1f}h{metres * scale:.1f}m0 -5v10" class="bar"/>'
         f'<text x="{LEFT + metres * scale + 8:.1f}" y="{y + 4:.1f}" class="tick">{metres:g} m</text>'
@@ -175,7 +177,7 @@ def _sigma_bar(plan: Plan, scale: float, height: float) -> str:
     along, girth = plan.path_sigma
     if not math.isfinite(along + girth):
         return ""
-    y, right = TOP + height + 44, LEFT + WIDTH
+    y, right = TOP + height + 58, LEFT + WIDTH
     reach = min(along * scale, WIDTH / 3)
     text = f"one sigma of the vehicle: {along:.3f} m along, {girth:.3f} m in girth"
     return (
