@@ -14,7 +14,7 @@ from hullrecon.dive.config.schema import Dive, Hull
 from hullrecon.geometry.charts.outside_map import outside_map
 from hullrecon.records.deliverables import Coverage, ReportedObject
 from hullrecon.records.solution import Solution
-from hullrecon.report.content.missing_deliverables import Carried, missing_deliverables
+from hullrecon.report.content.missing_deliverables import OF_OBJECTS, Carried, missing_deliverables
 from hullrecon.report.deliver import deliver
 from hullrecon.report.export.trajectory import track_of
 from hullrecon.report.step_documents import (
@@ -172,7 +172,7 @@ def _missing(
     )
     missing = missing_deliverables(carried, context.inputs, solution)
     if detect.objects is not None:
-        missing |= dict.fromkeys(("objects.json", "objects.csv"), detect.objects)
+        missing |= dict.fromkeys(OF_OBJECTS, detect.objects)
     for name, mosaic in mosaics.items():
         if mosaic is not None and not mosaic.has_mesh:
             missing[f"mosaic_{name}.glb"] = "too little was seen for a textured mesh"

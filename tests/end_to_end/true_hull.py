@@ -39,7 +39,12 @@ class TrueHull:
     cad: Steel
     rotation: np.ndarray
     shift: np.ndarray
+    global_from_hull: np.ndarray
     objects: list
+
+    def depth(self, point):
+        """Depth of a point (3,) of the ship below the water surface."""
+        return float((self.global_from_hull[:3, :3] @ point + self.global_from_hull[:3, 3])[2])
 
     def lay(self, points):
         return points @ self.rotation.T + self.shift
@@ -78,6 +83,17 @@ def read_table(path):
     return {name: [row[name] for row in rows] for name in rows[0]}
 
 
+def read_ply(path):
+    """Vertices as a structured array, and triangles (m, 3), of a binary file."""
+    kinds = {"float": "<f4", "double": "<f8", "uchar": "u1", "int": "<i4"}
+    head, body = path.read_bytes().split(b"end_header\n", 1)
+    lines = [line.split() for line in head.decode().splitlines()]
+    count = {line[1]: int(line[2]) for line in lines if line[0] == "element"}
+    dtype = [(line[2], kinds[line[1]]) for line in lines if line[0] == "property" and line[1] != "list"]
+    vertices = np.frombuffer(body, dtype, count["vertex"])
+    return vertices, np.frombuffer(body[vertices.nbytes :], [("n", "u1"), ("v", "<i4", 3)])["v"]
+
+
 def true_hull(deliver, package):
     """The truth of a package beside what `deliver` holds."""
     truth = package / "truth"
@@ -93,6 +109,7 @@ def true_hull(deliver, package):
         cad=Steel(package / hull),
         rotation=rotation,
         shift=shift,
+        global_from_hull=np.array(json.loads((truth / "alignment.json").read_text())["T_g_M"]["matrix"]),
         objects=objects["objects"] if isinstance(objects, dict) else objects,
     )
 

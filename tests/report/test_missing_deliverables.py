@@ -41,3 +41,13 @@ def test_a_step_that_left_nothing_is_named() -> None:
     reasons = missing_deliverables(ALL, ("ingest", "navigate"), None)
     assert reasons["surface.ply"] == "the step surface left no result"
     assert reasons["alignment.json"] == "the adjustment did not run"
+
+
+def test_without_a_cad_model_the_rasters_of_the_deviation_are_named() -> None:
+    reasons = missing_deliverables(Carried(camera=True, sonar=True, cad_model=False), ("adjust",), None)
+    assert (
+        reasons["deviation.tif"] == reasons["form_sigma.tif"] == "no CAD model was given, so there is nothing to deviate from"
+    )
+    assert reasons["objects.gpkg"] == "the step detect left no result"
+    with_cad = missing_deliverables(Carried(camera=True, sonar=True, cad_model=True), ("adjust",), None)
+    assert "form.tif" not in with_cad

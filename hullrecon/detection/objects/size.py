@@ -39,7 +39,7 @@ def measure_size(
     edge = float(np.sqrt(2) * EDGE_SIGMA_M)  # of two opposite edges, each on its own
     area_sigma = SHARED_EDGE * 2 * float(np.sqrt(np.pi * size)) * EDGE_SIGMA_M
     volume = float(((found.height[foot] - region.level) * area[foot]).sum())
-    volume_sigma = float(np.hypot(size * height_sigma, 0.25 * abs(region.height) * area_sigma))
+    volume_sigma = float(np.hypot(size * height_sigma, 0.6 * abs(region.height) * area_sigma))
     return ObjectSize(
         extent=[round(float(v), 5) for v in extent],
         extent_sigma=[round(edge, 5)] * 2,
