@@ -54,3 +54,8 @@ def test_without_a_pressure_sensor_no_depth_is_given(base: BaseSurface) -> None:
     row = object_position(CENTER, NORMAL, SHARED, 0.0, 0.0, dry).as_json(dry)
     assert (row["depth"], row["depth_sigma"]) == (None, None)
     assert "waterline" not in str(row["address"])
+
+
+def test_off_the_chart_an_object_has_no_chart_coordinates(base: BaseSurface) -> None:
+    lost = object_position(np.full(3, np.nan), NORMAL, SHARED, 0.0, 0.0, base).as_json(replace(base, depth_known=False))
+    assert (lost["along"], lost["girth"], lost["side"]) == (None, None, None)

@@ -8,7 +8,6 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +53,7 @@ class RasterPlace:
         return self.outside.x_sign * along, self.outside.y_sign * girth
 
 
-def write_raster(path: Path, tiles: Iterable[NDArray[Any]], place: RasterPlace, bands: RasterBands) -> None:
+def write_raster(path: Path, tiles: Iterable[NDArray[np.generic]], place: RasterPlace, bands: RasterBands) -> None:
     """Write tiles (size, size, bands), or (size, size), in the order of grid.tiles(size). Same bytes for the same tiles.
 
     GDAL's driver for cloud-optimised files copies a whole file with its overviews; the first, deflated, stays in memory.
@@ -85,7 +84,7 @@ def write_raster(path: Path, tiles: Iterable[NDArray[Any]], place: RasterPlace, 
         )  # fmt: skip
 
 
-def description(place: RasterPlace, bands: RasterBands) -> dict[str, Any]:
+def description(place: RasterPlace, bands: RasterBands) -> dict[str, object]:
     """Return what ImageDescription says."""
     x, y = place.corner
     return {
@@ -100,7 +99,9 @@ def description(place: RasterPlace, bands: RasterBands) -> dict[str, Any]:
     }
 
 
-def _windows(tiles: Iterable[NDArray[Any]], place: RasterPlace) -> Iterable[tuple[tuple[int, int, int, int], NDArray[Any]]]:
+def _windows(
+    tiles: Iterable[NDArray[np.generic]], place: RasterPlace
+) -> Iterable[tuple[tuple[int, int, int, int], NDArray[np.generic]]]:
     """Yield column, row, width, height of each tile in the raster, and its values (bands, height, width) as they are seen."""
     grid, (mirrored, upset) = place.grid, place.outside.flips
     for window, tile in zip(grid.tiles(place.size), tiles, strict=True):
