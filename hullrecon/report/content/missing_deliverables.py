@@ -10,13 +10,17 @@ from types import MappingProxyType
 
 from hullrecon.records.solution import Solution
 
+OF_OBJECTS = ("objects.json", "objects.csv", "objects.geojson", "objects.gpkg", "objects/")
+OF_DEVIATION = ("deviation.tif", "deviation_sigma.tif", "form.tif", "form_sigma.tif")
 _BY_STEP = {
     "adjust": ("colmap/", "landmarks.ply"),
-    "surface": ("surface.ply",),
-    "detect": ("as_found.ply", "objects.json", "objects.csv", "coverage.json"),
-    "mosaic-optical": ("ortho_optical.tif", "ortho_optical.png", "mosaic_optical.glb"),
-    "mosaic-sonar": ("ortho_sonar.tif", "ortho_sonar.png", "mosaic_sonar.glb"),
-}
+    "surface": ("surface.ply", "chart.json", "chart.ply"),
+    "detect": ("as_found.ply", *OF_OBJECTS, "coverage.json"),
+    "mosaic-optical": (
+        "ortho_optical.tif", "ortho_optical.png", "mosaic_optical.glb", "variance_optical.tif", "views_optical.tif",
+    ),
+    "mosaic-sonar": ("ortho_sonar.tif", "ortho_sonar.png", "mosaic_sonar.glb", "variance_sonar.tif", "views_sonar.tif"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +45,8 @@ def missing_deliverables(
                 "the adjustment did not run" if solution is None else "the CAD model does not fit the survey and was left out"
             )
         )
+    if not carried.cad_model:
+        reasons.update(dict.fromkeys(OF_DEVIATION, "no CAD model was given, so there is nothing to deviate from"))
     for step, names in _BY_STEP.items():
         reason = "" if step in steps else failures.get(step) or _reason(step, carried)
         if reason:
