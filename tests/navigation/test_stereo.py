@@ -22,7 +22,7 @@ from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, 
 from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stereo_navigate
 from hullrecon.navigation.stereo_odometry.visual_odometry import chain_errors, compose, follow
 from hullrecon.records.sensors import ImuSamples, PressureSamples
-from hullrecon.vision.pairs.camera_track import NavigationErrors
+from hullrecon.vision.pairs.camera_track import CameraTrack, NavigationErrors
 
 START_NS = 10**15
 PATH = [poses.from_mount([0.15 * k, 0.01 * k, 0.0, 0.5 * k, 0.0, 1.0 * k]) for k in range(6)]
