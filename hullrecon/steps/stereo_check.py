@@ -19,7 +19,7 @@ from hullrecon.records.sensors import DvlPings, ImageIndex
 from hullrecon.rig import RIG_KEYS, SensorRig, rig_from_settings
 from hullrecon.typing import Pixels
 from hullrecon.vision.stereo.camera_rig import CameraRig
-from hullrecon.vision.stereo.rig_check import RigProblem, ReadImage, StereoFrames, check_baseline, check_stereo_rig
+from hullrecon.vision.stereo.rig_check import ReadImage, RigProblem, StereoFrames, check_baseline, check_stereo_rig
 
 
 def find_rig_problem(
