@@ -19,12 +19,12 @@ from hullrecon.records.sensors import DvlPings, ImageIndex
 from hullrecon.rig import RIG_KEYS, SensorRig, rig_from_settings
 from hullrecon.typing import Pixels
 from hullrecon.vision.stereo.camera_rig import CameraRig
-from hullrecon.vision.stereo.rig_check import Problem, ReadImage, StereoFrames, check_baseline, check_stereo_rig
+from hullrecon.vision.stereo.rig_check import ReadImage, RigProblem, StereoFrames, check_baseline, check_stereo_rig
 
 
 def find_rig_problem(
     rig: SensorRig, index: Mapping[Camera, ImageIndex], read: ReadImage, sigma_rad: float, dvl: DvlPings | None
-) -> Problem | None:
+) -> RigProblem | None:
     """Return what some images contradict in calibration, stamps or baseline; None where nothing, or without two cameras."""
     if len(index) < len(Camera) or len(rig.cameras) < len(Camera):
         return None

@@ -132,3 +132,19 @@ def test_the_right_baseline_agrees_with_the_dvl(rig, dive):
 
 def test_a_dvl_that_saw_nothing_says_nothing_of_the_baseline(rig, dive):
     assert check_baseline(check(rig), *pings(rig, range_m=np.nan)) is None
+
+
+def test_a_wrong_lens_is_no_pose_of_the_camera(rig, dive):
+    """A bottom camera with the distortion of another: no turn of it brings the matches onto their lines."""
+    models = dict(rig.rig.camera_models)
+    models[Camera.BOTTOM] = replace(models[Camera.BOTTOM], k1=0.4, fx=900.0)
+    problem = check(CameraRig(replace(rig.rig, camera_models=models))).problem
+    assert problem is not None
+    assert "contradict the stereo calibration" in problem.what
+
+
+def test_the_figure_is_that_of_the_median_match(rig, dive):
+    """Half a degree about the axis that looks ahead moves a match by its distance from the middle of the image."""
+    sound, off = check(rig), check(with_rig(rig, turned(rig.top_from_bottom, 1, 0.5)))
+    assert off.error_px > 5 * sound.error_px
+    assert f"{off.error_px:.1f} px" in off.problem.what

@@ -50,7 +50,7 @@ class StereoFrames:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Problem:
+class RigProblem:
     """What does not fit, with its figures, and what to do."""
 
     what: str
@@ -65,7 +65,7 @@ class RigCheck:
     error_px: float
     depth_m: Array
     at_ns: Ints
-    problem: Problem | None = None
+    problem: RigProblem | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +111,7 @@ def check_stereo_rig(rig: CameraRig, frames: StereoFrames, read: ReadImage, sigm
     )
 
 
-def check_baseline(found: RigCheck, dvl: DvlPings, rig: SensorRig) -> Problem | None:
+def check_baseline(found: RigCheck, dvl: DvlPings, rig: SensorRig) -> RigProblem | None:
     """Return words where stereo and the DVL's ranges put the scene at different depths; None where they agree or did not meet.
 
     The images alone say nothing of the baseline's length. The DVL sits on the tray with the cameras: no path is needed.
@@ -127,7 +127,7 @@ def check_baseline(found: RigCheck, dvl: DvlPings, rig: SensorRig) -> Problem | 
         return None
     length_m = float(np.linalg.norm(rig.tray_from(Camera.TOP).inverse().apply(rig.tray_from(Camera.BOTTOM).translation)))
     middle = float(np.median(ratio))
-    return Problem(
+    return RigProblem(
         what=f"stereo sees the hull at {middle:.2f} of the distance that the DVL measures: the baseline of {length_m:.3f} m "
         f"would have to be {length_m / middle:.3f} m",
         remedy="correct camera.bottom.pose_in_top (or the DVL's mount and beams)",
@@ -188,7 +188,7 @@ def _error(matched: _Matched, bottom_from_top: Array) -> float:
     return float(np.sqrt(np.median(sampson_squared(essential_of(bottom_from_top), matched.top, matched.bottom))))
 
 
-def _find_shift(look: _Look, frames: StereoFrames, places: Ints, limit_px: float) -> Problem | None:
+def _find_shift(look: _Look, frames: StereoFrames, places: Ints, limit_px: float) -> RigProblem | None:
     """Return words where the bottom camera's images fit a whole number of frames earlier or later; None where they do not."""
     top_ns, bottom_ns = frames.top[0], frames.bottom[0]
     best = (limit_px, 0)
@@ -204,25 +204,25 @@ def _find_shift(look: _Look, frames: StereoFrames, places: Ints, limit_px: float
     inside = frames.pair[(frames.pair[:, 1] + shift >= 0) & (frames.pair[:, 1] + shift < len(bottom_ns))]
     late_s = float(np.median(bottom_ns[inside[:, 1] + shift] - top_ns[inside[:, 0]])) * 1e-9
     many = "1 frame" if abs(shift) == 1 else f"{abs(shift)} frames"
-    return Problem(
+    return RigProblem(
         what="the two cameras' images are paired wrongly: the bottom camera's fit "
         f"{many} {'later' if shift > 0 else 'earlier'}, {error_px:.1f} px from their epipolar lines",
         remedy=f"add {-late_s:+.3f} s to camera.bottom.time_offset, or correct the stamps",
     )
 
 
-def _explain(look: _Look, pairs: Sequence[_Matched], error_px: float) -> Problem:
+def _explain(look: _Look, pairs: Sequence[_Matched], error_px: float) -> RigProblem:
     """Return words for a rig that the images contradict: swapped, turned, or no one rig at all."""
     found, _, fitted_px = _fit(pairs, look.focal_px)
     each_px = np.array([_error(m, found) for m in pairs]) * look.focal_px
     if (each_px > MAX_ERROR_PX).mean() > MAX_SHARE:
-        return Problem(
+        return RigProblem(
             what=f"the images contradict the stereo calibration: {error_px:.1f} px from the epipolar lines in the median, and "
             "no one pose of the bottom camera fits them",
             remedy="check the two calibration files, and that the cameras are triggered together",
         )
     if found[:3, 3] @ look.given[:3, 3] < 0:
-        return Problem(
+        return RigProblem(
             what="the two cameras are swapped: the images put the bottom camera on the other side of the top one, "
             f"{error_px:.1f} px from the epipolar lines",
             remedy="exchange the topics and calibrations of camera_top and camera_bottom, or invert camera.bottom.pose_in_top",
@@ -230,7 +230,7 @@ def _explain(look: _Look, pairs: Sequence[_Matched], error_px: float) -> Problem
     return _contradiction(found, look.given, error_px, fitted_px)
 
 
-def _turned(look: _Look, pairs: Sequence[_Matched], error_px: float, sigma_rad: float) -> Problem | None:
+def _turned(look: _Look, pairs: Sequence[_Matched], error_px: float, sigma_rad: float) -> RigProblem | None:
     """Return words where the matches lie near their lines and yet show the bottom camera turned towards the top one."""
     found, covariance, fitted_px = _fit(pairs, look.focal_px)
     turn = np.linalg.norm(Rotation.from_matrix(look.given[:3, :3].T @ found[:3, :3]).as_rotvec())
@@ -240,9 +240,9 @@ def _turned(look: _Look, pairs: Sequence[_Matched], error_px: float, sigma_rad: 
     return _contradiction(found, look.given, error_px, fitted_px)
 
 
-def _contradiction(found: Array, given: Array, error_px: float, fitted_px: float) -> Problem:
+def _contradiction(found: Array, given: Array, error_px: float, fitted_px: float) -> RigProblem:
     turn = float(np.degrees(np.linalg.norm(Rotation.from_matrix(given[:3, :3].T @ found[:3, :3]).as_rotvec())))
-    return Problem(
+    return RigProblem(
         what=f"the images contradict the stereo calibration: {error_px:.1f} px from the epipolar lines in the median, "
         f"{fitted_px:.1f} px with the bottom camera turned by {turn:.1f} degrees",
         remedy="correct camera.bottom.pose_in_top, or calibrate the two cameras again, under water",
