@@ -31,8 +31,8 @@ def tray_table(tray_rad: Array, direction: Array, sigma_rad: float) -> native.Tr
 
 
 def odometry_table(odometry: Odometry, tray_rad: Array, tray_from_dvl: Poses, path: Poses) -> native.OdometryTable:
-    """Return the odometry; tray_rad (n,) and tray_from_dvl: the angles and the mount that dead reckoning used; path: T_g_v (n) as
-    it is known by now.
+    """Return the odometry; tray_rad (n,) and tray_from_dvl: the angles and the mount that dead reckoning used; path: T_g_v (n)
+    as it is known by now.
 
     A wrong scale stretches the true motion, not the noise of the measured one: taken from what was measured, the derivative by
     the scale lets a shorter scale explain noise across the motion away, where images tell its direction (errors in variables).
