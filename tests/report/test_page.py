@@ -258,3 +258,11 @@ def test_the_summary_of_a_bare_dive_names_what_is_absent(bare: Survey) -> None:
     document = summary_document(bare, FILES)
     assert (document["frame"], document["method"]) == ("g", "dead reckoning")
     assert document["absent"]["objects.json"] == "no camera was carried"
+
+
+def test_the_page_links_only_rasters_that_are_delivered(survey: Survey) -> None:
+    assert "../form.tif" not in page_of(survey).with_attribute("href")
+    files = {**FILES, "form.tif": FILES["trajectory.csv"]}
+    text = render_page(page_context(survey, [], files, {}))
+    assert 'href="../form.tif"' in text
+    assert "where images saw it" not in text
