@@ -12,6 +12,7 @@ import click
 from hullrecon.errors import UsageError
 
 from .dives import FOLDER, find_workspace, runs_option
+from .printing import printable
 from .run import refuse_unknown
 from .state import state_of
 
@@ -54,5 +55,5 @@ def _ask(root: Path, names: list[str]) -> None:
     if not sys.stdin.isatty():
         remedy = "name the steps, or give --yes; --dry-run lists them"
         raise UsageError(f"clean without steps would remove all artifacts: {listed}", where=str(root), remedy=remedy)
-    if not click.confirm(f"Remove the artifacts of {listed} in {root}?", err=True):
+    if not click.confirm(printable(f"Remove the artifacts of {listed} in {root}?"), err=True):
         raise UsageError("nothing was removed")

@@ -20,6 +20,7 @@ ON_A_DIVE = {
     "init": Entry("package", "init", "write a dive.toml by looking into a log"),
     "check": Entry("package", "check", "say what a dive package or a run's folder holds and what is wrong with it"),
     "run": Entry("run", "run", "run the chain: every step that is not up to date"),
+    "fleet": Entry("fleet", "fleet", "run every dive of a folder that is new or out of date"),
     "status": Entry("run", "status", "say which steps are up to date"),
     "explain": Entry("run", "explain", "say why a step would run again"),
     "clean": Entry("clean", "clean", "remove artifacts, after asking"),

@@ -38,16 +38,25 @@ def set_option(command: Command) -> Command:
     return click.option("--set", "overrides", multiple=True, metavar="SECTION.KEY=VALUE", help=text)(command)
 
 
-def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> DiveRun:
+def allow_outside_option(command: Command) -> Command:
+    """Add --allow-outside to a command."""
+    return click.option(
+        "--allow-outside", is_flag=True, envvar="HULLRECON_ALLOW_OUTSIDE", show_envvar=True,
+        help="read files outside the package too, where dive.toml or a table names them",
+    )(command)  # fmt: skip
+
+
+def open_dive(target: Path, runs: Path, overrides: Sequence[str] = (), *, allow_outside: bool = False) -> DiveRun:
     """Return the dive of a target: a package, or the folder of a run, whose package is the one that it last read.
 
-    Raises InputError when it is neither, UsageError for a wrong configuration.
+    Raises InputError when it is neither, or names files outside its folder that are not allowed; UsageError for a wrong
+    configuration.
     """
     from hullrecon.api.dive_run import open_dive as open_dive_run
     from hullrecon.steps.chain import stages
 
     with name_overrides({stage.name: stage.parameters for stage in stages()}, overrides):
-        dive = open_dive_run(target, runs, overrides)
+        dive = open_dive_run(target, runs, overrides, allow_outside=allow_outside)
     state_of().workspace = dive.workspace.root
     return dive
 
@@ -55,7 +64,7 @@ def open_dive(target: Path, runs: Path, overrides: Sequence[str] = ()) -> DiveRu
 def find_workspace(target: Path, runs: Path) -> Workspace:
     """Return the workspace of a run, given by its own folder or by its package; the former needs no valid configuration."""
     workspace = Workspace(target)
-    return workspace if workspace.exists() else open_dive(target, runs).workspace
+    return workspace if workspace.exists() else open_dive(target, runs, allow_outside=True).workspace
 
 
 @contextmanager

@@ -4,59 +4,70 @@
 
 from __future__ import annotations
 
+import errno
 import os
-import tempfile
-import time
-import traceback
-from pathlib import Path
 
 import click
 
-from hullrecon.errors import HullreconError, StorageError
+from hullrecon.artifacts.execution.interruption import is_requested
+from hullrecon.errors import HullreconError, InputError, StageError, StorageError, UsageError
 
+from .fault_file import write_fault_file
+from .printing import printable
 from .state import CallState, log_to_file
 
 UNEXPECTED, USAGE, INTERRUPTED = 1, 2, 130
+_STORAGE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM}
+_LONG = 100  # characters of a name that is shown
 
 
 def exit_code_of(error: BaseException, state: CallState) -> int:
     """Print in one line on standard error what happened and return the exit code (docs/deliverables.md)."""
-    if isinstance(error, HullreconError):
-        return _report(state, error.line(), type(error).__name__, error.exit_code, where=error.where, remedy=error.remedy)
+    if isinstance(error, KeyboardInterrupt | click.Abort) or is_requested():
+        return _report(state, "interrupted: what is finished is kept, run again to go on", "Interrupted", INTERRUPTED)
+    known = _as_known(error)
+    if known is not None:
+        return _report(state, known.line(), type(known).__name__, known.exit_code, where=known.where, remedy=known.remedy)
     if isinstance(error, click.ClickException):
         context = getattr(error, "ctx", None)
         remedy = f"see {context.command_path} --help" if context is not None else ""
         return _report(state, f"{error.format_message()} ({remedy})" if remedy else error.format_message(), "UsageError", USAGE)
-    if isinstance(error, KeyboardInterrupt | click.Abort):
-        return _report(state, "interrupted: what is finished is kept, run again to go on", "Interrupted", INTERRUPTED)
     if isinstance(
         error, SystemExit
     ):  # click: completion has been printed, or the reader of our output has left, as `head` does
         return error.code if isinstance(error.code, int) else UNEXPECTED
-    line = f"internal error; traceback in {_write_traceback(error, state)}"
-    return _report(state, line, "InternalError", UNEXPECTED)
+    path = write_fault_file(error, state.workspace)
+    place = f"traceback in {path}" if path is not None else f"{type(error).__name__}: {error} (no place for its traceback)"
+    return _report(state, f"internal error; {place}", "InternalError", UNEXPECTED)
+
+
+def _as_known(error: BaseException) -> HullreconError | None:
+    """Return the error that a user can act on: as raised, or what a full disk, a missing permission or a lack of memory means
+    wherever it was met; None for a fault of ours."""
+    from hullrecon.artifacts.execution.memory_limit import is_lack_of_memory
+
+    if isinstance(error, HullreconError):
+        return error
+    if is_lack_of_memory(error):
+        return StageError("the memory ran out", remedy="give the program more, or look at `ulimit -v`")
+    if not isinstance(error, OSError) or error.errno is None:
+        return None
+    what, name = os.strerror(error.errno), str(error.filename or "")
+    where = name if len(name) <= _LONG else f"{name[:_LONG]}..., {len(name)} characters"
+    if error.errno in _STORAGE:
+        return StorageError(what, where=where)
+    if error.errno == errno.ENAMETOOLONG:
+        return UsageError(what, where=where)
+    return InputError(what, where=where) if error.errno == errno.ELOOP else None
 
 
 def _report(state: CallState, line: str, kind: str, code: int, **more: str) -> int:
-    one_line = " ".join(line.split())
-    click.echo(f"error: {one_line}", err=True)
-    log_to_file(f"error: {one_line}")
-    if state.json:
-        state.emit({"error": {"kind": kind, "message": one_line, "exit_code": code, **more}}, ())
-    return code
-
-
-def _write_traceback(error: BaseException, state: CallState) -> Path:
-    """Below the dive's folder, or where temporary files go when there is none or no room."""
-    from hullrecon.artifacts.storage.disk import write_file
-
-    name = f"fault-{time.strftime('%Y%m%dT%H%M%S')}-{os.getpid()}.txt"
-    text = "".join(traceback.format_exception(error)).encode()
-    temporary = Path(tempfile.gettempdir()) / f"{name}"
+    one_line = printable(" ".join(line.split()))
     try:
-        path = temporary if state.workspace is None else state.workspace / "logs" / name
-        write_file(path, text)
-    except (OSError, StorageError):
-        path = temporary
-        write_file(path, text)
-    return path
+        click.echo(f"error: {one_line}", err=True)
+        log_to_file(f"error: {one_line}")
+        if state.json and not state.is_emitted:
+            state.emit({"error": {"kind": kind, "message": one_line, "exit_code": code, **more}}, ())
+    except OSError:  # nobody can be told: standard error or output is full or closed; the exit code remains
+        pass
+    return code

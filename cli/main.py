@@ -5,19 +5,19 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
-from types import FrameType
 
 import click
 from click.shell_completion import get_completion_class
 
 from hullrecon import __version__
+from hullrecon.artifacts.execution.interruption import listen
 
 from .commands import COMMANDS, SECTIONS
 from .error_reporting import exit_code_of
+from .printing import write_out_what_cannot_be_encoded
 from .state import CallState, add_common_options, common_options, configure_logging
 
 PROGRAM = "hullrecon"
@@ -89,7 +89,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit code."""
     # One thread for BLAS: sums must not depend on the number of cores, and worker processes take the same.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    signal.signal(signal.SIGTERM, _interrupt)
+    listen()
+    write_out_what_cannot_be_encoded()
     state = CallState()
     configure_logging(state)
     try:
@@ -98,10 +99,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BaseException as error:
         return exit_code_of(error, state)
     return result if isinstance(result, int) else 0
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    raise KeyboardInterrupt
 
 
 if __name__ == "__main__":

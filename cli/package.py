@@ -10,7 +10,7 @@ import click
 
 from hullrecon.errors import InputError, UsageError
 
-from .dives import CONFIGURATION, FOLDER, name_overrides, set_option
+from .dives import CONFIGURATION, FOLDER, allow_outside_option, name_overrides, set_option
 from .state import state_of
 
 
@@ -18,7 +18,8 @@ from .state import state_of
 @click.argument("log", type=FOLDER)
 @click.option("--out", type=FOLDER, help="the package's folder  [default: LOG where it is a folder, else the current one]")
 @click.option("--force", is_flag=True, help=f"replace a {CONFIGURATION} that is there")
-def init(log: Path, out: Path | None, force: bool) -> None:
+@allow_outside_option
+def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
     """Write a commented dive.toml by looking into LOG, a file or a folder with one."""
     from hullrecon.artifacts.storage.disk import storage_errors, write_file
     from hullrecon.dive.check.to_fill_in import to_fill_in
@@ -27,8 +28,11 @@ def init(log: Path, out: Path | None, force: bool) -> None:
     from hullrecon.dive.logs.dvl_beams import ask_for_beams
     from hullrecon.dive.logs.readers.open import find_logs, open_log
     from hullrecon.dive.logs.summary import guess_topics, summarise_logs
+    from hullrecon.dive.package_files import check_log, lies_inside
 
     logs = find_logs(log)
+    for path in logs if log.is_dir() else ():
+        check_log(path, log, allow_outside=allow_outside)
     found = summarise_logs([open_log(path) for path in logs])
     if not found.topics:
         raise InputError("nothing could be read of the log", where=str(log))
@@ -39,7 +43,9 @@ def init(log: Path, out: Path | None, force: bool) -> None:
     with storage_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
     write_file(path, fill_template(found, logs, folder).encode())
+    outside = [] if allow_outside else [path for path in logs if not lies_inside(path, folder)]
     unknown = to_fill_in(load_config(folder), guess_topics(found.topics).keys())
+    unknown += [f"outside the package: {p}; put it there, or give --allow-outside to check and run" for p in outside]
     beams = beams_to_ask_for(found)
     unknown += [f"to fill in: {ask_for_beams(beams).line()}"] if beams else []
     lines = [*found.lines(), f"wrote {path}", *unknown, f"next: read it through, then `hullrecon check {folder}`"]
@@ -49,27 +55,33 @@ def init(log: Path, out: Path | None, force: bool) -> None:
 @click.command("check")
 @click.argument("package", type=FOLDER)
 @set_option
-def check_of_package(package: Path, overrides: tuple[str, ...]) -> None:
+@allow_outside_option
+def check_of_package(package: Path, overrides: tuple[str, ...], allow_outside: bool) -> None:
     """Describe what PACKAGE holds, or a bare log, and what is missing for a run.
 
     Exits with 3 when no run of the package is possible.
     """
     if package.is_file() or (package.is_dir() and not (package / CONFIGURATION).exists() and _is_log(package)):
-        _check_log(package)
+        _check_log(package, allow_outside)
         return
     from hullrecon.artifacts.execution.progress import choose_progress
     from hullrecon.artifacts.graph.stage_settings import StageSettings
     from hullrecon.dive.check.package_check import check_package
     from hullrecon.dive.config.load import load_config
+    from hullrecon.dive.package_files import check_files
     from hullrecon.steps.chain import stages
     from hullrecon.steps.ingest import STAGE, USES, request_of
+    from hullrecon.steps.stereo_check import describe_rig_problem
 
     step_sections = {stage.name: stage.parameters for stage in (*stages(), STAGE)}
     with name_overrides(step_sections, overrides):
         loaded = load_config(package, step_sections, overrides)
+    check_files(loaded, allow_outside=allow_outside, trusted_keys=[text.partition("=")[0].strip() for text in overrides])
     request = request_of(StageSettings(STAGE.name, {name: loaded.value(name) for name in USES}))
     progress = choose_progress()
-    found = check_package(loaded, request, lambda messages: progress.track(messages, "check: messages", None))
+    found = check_package(
+        loaded, request, lambda messages: progress.track(messages, "check: messages", None), describe_rig_problem
+    )
     state_of().emit(found.document(), found.lines())
     if found.run_is_possible:
         return
@@ -79,10 +91,13 @@ def check_of_package(package: Path, overrides: tuple[str, ...]) -> None:
     raise InputError(f"no run is possible: {lacking}", where=str(package), remedy="see the lines above")
 
 
-def _check_log(path: Path) -> None:
+def _check_log(path: Path, allow_outside: bool) -> None:
     from hullrecon.dive.logs.readers.open import open_log
     from hullrecon.dive.logs.summary import summarise_log
+    from hullrecon.dive.package_files import check_log
 
+    if path.is_dir():
+        check_log(path, path, allow_outside=allow_outside)
     found = summarise_log(open_log(path))
     advice = "this is a log without a dive.toml: `hullrecon init` writes one beside it"
     state_of().emit(found.document(), [*found.lines(), advice])

@@ -14,19 +14,24 @@ from pathlib import Path
 import click
 
 from hullrecon.api.dive_run import DiveRun
-from hullrecon.artifacts.execution.chain_runner import StepOutcome, run_chain
+from hullrecon.artifacts.execution.chain_runner import StepOutcome, first_failure, run_chain
 from hullrecon.artifacts.execution.executor import choose_executor
 from hullrecon.artifacts.execution.progress import choose_progress
 from hullrecon.artifacts.execution.runner import RunContext
 from hullrecon.artifacts.graph.chain import unknown_step
 from hullrecon.artifacts.graph.plan import StepStatus, assess_chain
-from hullrecon.artifacts.storage.workspace import PUBLISHED
-from hullrecon.errors import StorageError
+from hullrecon.artifacts.storage.delivery import PUBLISHED, delivered_records
+from hullrecon.errors import HullreconError, StorageError
 
-from .dives import FOLDER, Command, open_dive, runs_option, set_option
+from .dives import FOLDER, Command, allow_outside_option, open_dive, runs_option, set_option
 from .state import state_of
 
 log = logging.getLogger("hullrecon.cli")
+SCHEDULER_HELP = (
+    "a Dask scheduler instead of worker processes. tcp://HOST:PORT is plain TCP with pickle: whoever reaches the port runs"
+    " programs on all machines of the cluster. tls://HOST:PORT takes its certificates from Dask's configuration"
+    " (distributed.comm.tls)"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,10 +54,11 @@ def run_options(command: Command) -> Command:
             "--read-data", is_flag=True, help="read every byte that a step depends on instead of trusting times and sizes"
         ),
         click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="worker processes inside a step"),
-        click.option("--scheduler", metavar="ADDRESS", help="a Dask scheduler instead of worker processes"),
+        click.option("--scheduler", metavar="ADDRESS", help=SCHEDULER_HELP),
         click.option(
             "--wait", "wait_s", type=click.FloatRange(min=0), default=0.0, help="seconds to wait for another run on this dive"
         ),
+        allow_outside_option,
         set_option,
         runs_option,
     ):
@@ -66,10 +72,10 @@ def run_options(command: Command) -> Command:
 @click.option("--to", "last", metavar="STEP", help="stop after this step, running only what it needs")
 def run(
     package: Path, runs: Path, last: str | None, overrides: tuple[str, ...], from_scratch: bool, read_data: bool, jobs: int,
-    scheduler: str | None, wait_s: float,
+    scheduler: str | None, wait_s: float, allow_outside: bool,
 ) -> None:  # fmt: skip
     """Run the chain on a dive PACKAGE; steps that are up to date are left as they are."""
-    dive = open_dive(package, runs, overrides)
+    dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
     _warn_of_defaults(dive, overrides)
     options = RunOptions(from_scratch=from_scratch, read_data=read_data, jobs=jobs, scheduler=scheduler, wait_s=wait_s)
     execute(dive, last, options)
@@ -99,16 +105,22 @@ def execute(dive: DiveRun, last: str | None, options: RunOptions) -> None:
             from_scratch=options.from_scratch,
             wait_s=options.wait_s,
             preflight=lambda plan: _preflight(dive, plan),
+            keep_going=True,
         )
     shown = dive.workspace.root / PUBLISHED
-    delivered = str(shown) if shown.is_dir() else None
+    is_delivered = any(o.manifest is not None and delivered_records(o.manifest) for o in outcomes)  # by this run, not before it
+    delivered = str(shown) if is_delivered else None
     document = {
         "dive": dive.name,
         "workspace": str(dive.workspace.root),
         "deliver": delivered,
         "steps": [_outcome(o) for o in outcomes],
     }
-    state.emit(document, [*(_line(o) for o in outcomes), *_warning_lines(outcomes), *delivery_lines(shown)])
+    findings = delivery_lines(shown) if is_delivered else []
+    state.emit(document, [*(_line(o) for o in outcomes), *_warning_lines(outcomes), *findings])
+    failure = first_failure(outcomes)
+    if failure is not None:
+        raise failure
 
 
 def _preflight(dive: DiveRun, plan: list[StepStatus]) -> None:
@@ -128,7 +140,7 @@ def _preflight(dive: DiveRun, plan: list[StepStatus]) -> None:
 def _outcome(outcome: StepOutcome) -> dict[str, object]:
     manifest = outcome.manifest
     spent = {k: manifest.run.get(k) for k in ("seconds", "peak_rss_bytes")} if manifest is not None and outcome.made else {}
-    state = "made" if outcome.made else outcome.before.state
+    state = "failed" if outcome.failure is not None else "made" if outcome.made else outcome.before.state
     warnings = manifest.warnings if manifest is not None else []
     return {"name": outcome.before.stage.name, "state": state, "reasons": outcome.before.reasons, "warnings": warnings, **spent}
 
@@ -145,6 +157,9 @@ def _warning_lines(outcomes: Sequence[StepOutcome]) -> list[str]:
 
 def _line(outcome: StepOutcome) -> str:
     step = outcome.before
+    if outcome.failure is not None:
+        reason = outcome.failure.line() if isinstance(outcome.failure, HullreconError) else "internal error"
+        return f"{step.stage.name:16}failed: {reason}"
     if outcome.made and outcome.manifest is not None:
         return f"{step.stage.name:16}ran in {outcome.manifest.run['seconds']:.1f} s: {step.why_run()}"
     return _status_line(step)
@@ -154,9 +169,10 @@ def _line(outcome: StepOutcome) -> str:
 @click.argument("target", type=FOLDER)
 @set_option
 @runs_option
-def status(target: Path, runs: Path, overrides: tuple[str, ...]) -> None:
+@allow_outside_option
+def status(target: Path, runs: Path, overrides: tuple[str, ...], allow_outside: bool) -> None:
     """Say of each step whether it is up to date. TARGET is a dive package or a run's folder."""
-    dive = open_dive(target, runs, overrides)
+    dive = open_dive(target, runs, overrides, allow_outside=allow_outside)
     plan = assess_chain(dive.chain, dive.workspace, dive.workspace.hashes())
     state_of().emit(_document(dive, plan), map(_status_line, plan))
 
@@ -166,9 +182,10 @@ def status(target: Path, runs: Path, overrides: tuple[str, ...]) -> None:
 @click.argument("steps", nargs=-1, metavar="[STEP]...")
 @set_option
 @runs_option
-def explain(target: Path, steps: tuple[str, ...], runs: Path, overrides: tuple[str, ...]) -> None:
+@allow_outside_option
+def explain(target: Path, steps: tuple[str, ...], runs: Path, overrides: tuple[str, ...], allow_outside: bool) -> None:
     """Say why steps would run again: which option, input or file changed, and from what to what."""
-    dive = open_dive(target, runs, overrides)
+    dive = open_dive(target, runs, overrides, allow_outside=allow_outside)
     refuse_unknown(steps, [stage.name for stage in dive.chain.stages])
     plan = [s for s in assess_chain(dive.chain, dive.workspace, dive.workspace.hashes()) if not steps or s.stage.name in steps]
     lines = (f"{s.stage.name}: {reason}" for s in plan for reason in s.reasons or (f"{s.state}",))

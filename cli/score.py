@@ -11,7 +11,7 @@ import click
 
 from hullrecon.artifacts.execution.progress import choose_progress
 
-from .dives import FOLDER, open_dive, runs_option, set_option
+from .dives import FOLDER, allow_outside_option, open_dive, runs_option, set_option
 from .state import state_of
 
 _JOBS = click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="worker processes inside a step")
@@ -35,7 +35,8 @@ def evaluate(run: Path, package: Path) -> None:
 @_JOBS
 @set_option
 @runs_option
-def compare(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int) -> None:
+@allow_outside_option
+def compare(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool) -> None:
     """Compare naive, geva and maxmix, each as published and as weighted by us, on one simulated dive, in one table.
 
     The steps before `adjust` run once if they are out of date; `adjust` runs six times. As published is one solve from
@@ -44,7 +45,7 @@ def compare(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int) ->
     from hullrecon.api.commands import compare as compare_dive
     from hullrecon.evaluation.scoring.score import without_nan
 
-    dive = open_dive(package, runs, overrides)
+    dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
     comparison = compare_dive(dive, jobs=jobs, progress=choose_progress(quiet=state_of().quiet))
     state_of().emit(without_nan(comparison.figures), _table(comparison.heads, comparison.rows))
 
@@ -54,7 +55,8 @@ def compare(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int) ->
 @_JOBS
 @set_option
 @runs_option
-def figures(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int) -> None:
+@allow_outside_option
+def figures(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool) -> None:
     """Draw the sources' figures on one simulated dive: pictures and their tables, in RUNS/<dive>/compare/figures.
 
     Cross-sections of the three methods, labels by iteration, cost by iteration and by time, the DVL's residuals before and
@@ -63,7 +65,7 @@ def figures(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int) ->
     """
     from hullrecon.api.commands import draw_figures
 
-    dive = open_dive(package, runs, overrides)
+    dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
     folder, drawn = draw_figures(dive, jobs=jobs, progress=choose_progress(quiet=state_of().quiet))
     lines = [f"{folder / figure.name}.png: {figure.caption}" for figure in drawn]
     state_of().emit({"folder": str(folder), "figures": {f.name: f.caption for f in drawn}}, lines)

@@ -4,35 +4,46 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import sys
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
 import click
 
+from hullrecon.errors import StorageError, UsageError
+
+from .printing import printable
+
+_LONG = 100  # characters of a path that is shown
+
 
 @dataclass
 class CallState:
-    """workspace: RUNS/<dive> once it is known, where the traceback of an unexpected fault goes."""
+    """workspace: RUNS/<dive> once it is known, where the traceback of an unexpected fault goes. is_emitted: the result has been
+    printed, one document with --json."""
 
     verbose: bool = False
     quiet: bool = False
     json: bool = False
     log_file: Path | None = None
     workspace: Path | None = None
+    is_emitted: bool = False
 
     def emit(self, document: object, lines: Iterable[str]) -> None:
         """Print the result on standard output: the document with --json, else the lines, nothing when quiet."""
+        self.is_emitted = True
         if self.json:
             from hullrecon.artifacts.storage.documents import encode
 
-            click.echo(encode(document), nl=False)
+            click.echo(printable(encode(document).decode()), nl=False)
         elif not self.quiet:
             for line in lines:
-                click.echo(line)
+                click.echo(printable(line))
 
 
 def state_of(context: click.Context | None = None) -> CallState:
@@ -56,7 +67,7 @@ class _MessageFormatter(logging.Formatter):
     """The message alone, a warning marked as one."""
 
     def format(self, record: logging.LogRecord) -> str:
-        text = super().format(record)
+        text = printable(super().format(record))
         return f"{record.levelname.lower()}: {text}" if record.levelno >= logging.WARNING else text
 
 
@@ -82,11 +93,27 @@ def log_to_file(line: str) -> None:
             handler.handle(logging.LogRecord("hullrecon.cli", logging.ERROR, __file__, 0, line, None, None))
 
 
-def _file_handler(path: Path) -> logging.Handler:
-    from hullrecon.artifacts.storage.disk import storage_errors
+class _LogFile(logging.FileHandler):
+    """A log file that says once when it can no longer be written; the run goes on."""
 
-    with storage_errors(path.parent):
-        handler = logging.FileHandler(path, encoding="utf-8")
+    def handleError(self, record: logging.LogRecord) -> None:
+        """Say why, and write no more to it."""
+        error = sys.exc_info()[1]
+        logging.getLogger("hullrecon").removeHandler(self)
+        with suppress(OSError):
+            self.close()
+        logging.getLogger("hullrecon.cli").warning("the log file ends here (%s): %s", self.baseFilename, error)
+
+
+def _file_handler(path: Path) -> logging.Handler:
+    """Return the handler of a log file. Raises UsageError where its folder does not exist, StorageError where it is refused."""
+    try:
+        handler = _LogFile(path, encoding="utf-8", errors="backslashreplace")
+    except OSError as error:
+        kind = UsageError if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.ENAMETOOLONG) else StorageError
+        where = str(path) if len(str(path)) <= _LONG else f"{str(path)[:_LONG]}..."
+        remedy = "give --log-file in a folder that exists and may be written"
+        raise kind(f"the log file cannot be written: {error.strerror}", where=where, remedy=remedy) from error
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
     return handler
 

@@ -28,11 +28,11 @@ def command(name: str) -> click.Command:
     @run_options
     def step(
         package: Path, runs: Path, overrides: tuple[str, ...], from_scratch: bool, read_data: bool, jobs: int,
-        scheduler: str | None, wait_s: float, **own: object,
+        scheduler: str | None, wait_s: float, allow_outside: bool, **own: object,
     ) -> None:  # fmt: skip
         given = [f"{name}.{option}={_toml(value)}" for option, value in own.items() if value is not None]
         options = RunOptions(from_scratch=from_scratch, read_data=read_data, jobs=jobs, scheduler=scheduler, wait_s=wait_s)
-        execute(open_dive(package, runs, [*overrides, *given]), name, options)
+        execute(open_dive(package, runs, [*overrides, *given], allow_outside=allow_outside), name, options)
 
     step.params = [*step.params, *(_option(f) for f in fields(stage))]
     return step

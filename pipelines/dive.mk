@@ -5,7 +5,7 @@
 #
 # Every step is a rule on its manifest.json, so that a rule of yours may depend on one. Steps that a dive cannot have (no camera,
 # no sonar) have no rule. A dive has one writer at a time: steps that -j starts together queue. `hullrecon run` does the same
-# in one process; this file is for those who join the chain with other tools.
+# in one process, `hullrecon fleet` for a folder of dives; this file is for those who join the chain with other tools.
 #
 # PACKAGE may be any path, and its files may have any names: make sees neither. RUNS must have no spaces.
 

@@ -19,7 +19,7 @@ from hullrecon.api.method_variants import (
     read_solutions,
     solve_all,
 )
-from hullrecon.artifacts.execution.chain_runner import run_chain
+from hullrecon.artifacts.execution.chain_runner import first_failure, run_chain
 from hullrecon.artifacts.execution.executor import choose_executor
 from hullrecon.artifacts.execution.progress import Progress, Silent
 from hullrecon.artifacts.execution.runner import RunContext
@@ -42,17 +42,20 @@ class MethodComparison:
 
 def run_dive(
     package: Path | str, runs: Path | str = "runs", *, last_step: str | None = None, overrides: Sequence[str] = (),
-    jobs: int = 1, progress: Progress | None = None,
+    jobs: int = 1, progress: Progress | None = None, allow_outside: bool = False,
 ) -> DiveRun:  # fmt: skip
     """Run the chain on a dive package, as `hullrecon run` does, and return the dive; its `deliver` folder holds the results.
 
-    last_step: stop after this step. overrides: `section.key=value`. jobs: worker processes inside a step. Raises the errors of
-    hullrecon.errors, all HullreconError.
+    last_step: stop after this step. overrides: `section.key=value`. jobs: worker processes inside a step. allow_outside: the
+    package may name files outside its folder. Raises the errors of hullrecon.errors, all HullreconError; that of a step that
+    fails alone, such as a mosaic, when all else is delivered.
     """
-    dive = open_dive(package, runs, overrides)
+    dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
     chain = dive.chain if last_step is None else dive.chain.up_to(last_step)
     with _run_context(dive, jobs, progress) as run_context:
-        run_chain(chain, dive.workspace, run_context)
+        failure = first_failure(run_chain(chain, dive.workspace, run_context, keep_going=True))
+    if failure is not None:
+        raise failure
     return dive
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hullrecon.artifacts.graph.chain import Chain
+from hullrecon.artifacts.storage.hashing import hash_file
 from hullrecon.artifacts.storage.workspace import PUBLISHED, Workspace
 from hullrecon.errors import InputError
 
@@ -27,22 +28,28 @@ class DiveRun:
         return self.workspace.root / PUBLISHED
 
 
-def open_dive(target: Path | str, runs: Path | str = "runs", overrides: Sequence[str] = ()) -> DiveRun:
+def open_dive(
+    target: Path | str, runs: Path | str = "runs", overrides: Sequence[str] = (), *, allow_outside: bool = False
+) -> DiveRun:
     """Return a dive, given its package, or the folder of a run, whose package is the one that it last read.
 
-    runs: folder of all runs. overrides: `section.key=value` in place of those of dive.toml. Raises InputError when the target
-    is neither package nor run, UsageError for a wrong configuration.
+    runs: folder of all runs. overrides: `section.key=value` in place of those of dive.toml. allow_outside: the package may name
+    files outside its folder. Raises InputError when the target is neither package nor run and for such files, UsageError for a
+    wrong configuration.
     """
-    from hullrecon.dive.config.load import load_config
+    from hullrecon.dive.config.load import FILE, load_config
+    from hullrecon.dive.package_files import check_files
     from hullrecon.steps.chain import stages
 
     given = Path(target)
     workspace = Workspace(given) if Workspace(given).exists() else None
     package = given if workspace is None else package_of(workspace)
     steps = stages()
+    read_before = {FILE: hash_file(package / FILE)} if (package / FILE).is_file() else {}
     config = load_config(package, {stage.name: stage.parameters for stage in steps}, overrides)
+    check_files(config, allow_outside=allow_outside, trusted_keys=[text.partition("=")[0].strip() for text in overrides])
     name = config.config.dive.name
-    return DiveRun(name, Chain(steps, config.sections, package), workspace or Workspace(Path(runs) / name))
+    return DiveRun(name, Chain(steps, config.sections, package, read_before), workspace or Workspace(Path(runs) / name))
 
 
 def package_of(workspace: Workspace) -> Path:

@@ -6,10 +6,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from hullrecon.geometry.charts.chart import Chart, address
+from hullrecon.geometry.charts.address import AddressSigma, address
+from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import Surface
 from hullrecon.typing import Array
 
@@ -20,6 +22,9 @@ class BaseSurface:
 
     surveyed: the surface from the DVL, which is the base itself where there is no CAD model. result_from_global: T_M_g, a batch
     of one (the identity without a CAD model). frame_spacing_m: between the ship's frames, None where it is not known.
+    hull_pose: where the hull lies in the dive's frame, None without a CAD model. depth_known: whether z = 0 of g is the water
+    surface (a pressure sensor was logged). from_dvl: whether the surveyed surface is the DVL's; else it is that of landmarks.
+    place_sigma: of the survey as a whole.
     """
 
     cad_model: Mesh | None
@@ -27,6 +32,10 @@ class BaseSurface:
     chart: Chart
     result_from_global: Poses
     frame_spacing_m: float | None
+    hull_pose: HullPose | None = None
+    depth_known: bool = True
+    from_dvl: bool = True
+    place_sigma: AddressSigma | None = None
 
     @property
     def mesh(self) -> Mesh:
@@ -43,7 +52,13 @@ class BaseSurface:
         """Return what heights are counted from, in words."""
         return "the surface step's own surface" if self.cad_model is None else "the CAD model"
 
-    def address_of(self, point: Array) -> str:
-        """Return where a point (3,) lies on the hull, in words; g has its origin at the water surface, z down."""
-        depth = self.result_from_global.inverse().apply(point[None])[:, 2]
-        return address(self.chart, point[None], self.frame_spacing_m, depth)[0]
+    def address_of(self, point: Array, sigma: AddressSigma | None = None) -> str:
+        """Return where a point (3,) lies on the hull, in words no finer than its sigma (that of the survey as a whole, if none
+        is given)."""
+        depth = self.depth_of(point)
+        depths = None if depth is None else [depth]
+        return address(self.chart, point[None], self.frame_spacing_m, depths, sigma or self.place_sigma)[0]
+
+    def depth_of(self, point: Array) -> float | None:
+        """Return how deep a point (3,) lies below the water surface, m; None where no depth was measured. g has z down."""
+        return float(self.result_from_global.inverse().apply(point[None])[0, 2]) if self.depth_known else None

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How much of the hull was seen, how well, and where the survey has find_holes."""
+"""How much of the hull was seen, how well, and where the survey has holes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ CELL_M = 0.1
 PATCH_M = 0.12  # edges of the patches on which coverage is summed
 PATCHES_REACH_M = 2.0  # from what the survey saw; beyond, the CAD model's own faces are the patches
 DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
-BRIDGE_CELLS = 6  # gaps of up to twice as many cells inside the surveyed area count as find_holes
+BRIDGE_CELLS = 6  # gaps of up to twice as many cells at the rim of the surveyed area count as holes; inside it, any
 MIN_HOLE_M2 = 0.03
 
 
@@ -54,7 +54,9 @@ def summarise_coverage(base: BaseSurface, views: CameraViews | None, sonar: Sona
     surveyed = base.surveyed.vertices
     patches, scene = hull_patches(refine_near(base.mesh, surveyed[::7], PATCH_M, PATCHES_REACH_M)), Scene(base.mesh)
     by_dvl = covered_by_surface(patches, surveyed[base.surveyed.support > 0], DVL_REACH_M)
-    report: Facts = {"frame": str(base.frame), "dvl": area_facts(patches, by_dvl), "camera": None, "sonar": None}
+    report: Facts = {"frame": str(base.frame), "dvl": None, "camera": None, "sonar": None}
+    if base.from_dvl:
+        report["dvl"] = area_facts(patches, by_dvl)
     seen = by_dvl
     if views is not None:
         by_camera = find_visibility(views, patches.mesh.vertices, patches.normal, scene)
@@ -64,6 +66,7 @@ def summarise_coverage(base: BaseSurface, views: CameraViews | None, sonar: Sona
         by_sonar = visible_to_sonar(patches, sonar, scene)
         report["sonar"] = {"pings": len(sonar.poses), **area_facts(patches, by_sonar)}
     report["holes"] = find_holes(patches, seen, base.chart, base.address_of)
+    report["min_hole_m2"] = MIN_HOLE_M2
     return report
 
 
@@ -120,39 +123,61 @@ def area_facts(hull: HullPatches, seen: Mask) -> Facts:
 
 
 def find_holes(hull: HullPatches, seen: Mask, chart: Chart, address: Callable[[Array], str]) -> list[Facts]:
-    """Unseen patches inside the surveyed area, the largest first: address, center, area."""
+    """Parts of the chart inside the surveyed area that nothing was seen of, the largest first: address, center, area.
+
+    Without a CAD model there is no patch where there was nothing to see; such parts are holes as well. What lies off the hull
+    is none.
+    """
     from scipy import ndimage
 
     if not seen.any():
         return []
-    at = chart.to_chart(hull.mesh.vertices)[:, :2]
-    known = np.asarray(np.isfinite(at).all(axis=1))
-    low = np.floor(at[known & seen].min(axis=0) / CELL_M).astype(np.int64) - BRIDGE_CELLS
-    size = np.ceil(at[known & seen].max(axis=0) / CELL_M).astype(np.int64) + BRIDGE_CELLS + 1 - low
-    cell = np.floor(np.where(known[:, None], at, 0.0) / CELL_M).astype(np.int64) - low
-    known &= ((cell >= 0) & (cell < size)).all(axis=1)
-    image = np.zeros(tuple(size), bool)
-    image[tuple(cell[known & seen].T)] = True
+    cells = _chart_cells(hull, seen, chart)
     disc = np.hypot(*np.mgrid[-BRIDGE_CELLS : BRIDGE_CELLS + 1, -BRIDGE_CELLS : BRIDGE_CELLS + 1]) <= BRIDGE_CELLS
-    closed = ndimage.binary_closing(image, disc)
-    inside = np.zeros(len(known), bool)
-    inside[known] = closed[tuple(cell[known].T)]
-    missed = np.zeros_like(image)
-    missed[tuple(cell[inside & ~seen].T)] = True
-    label, count = ndimage.label(missed & ~image)
-    number = np.where(inside & ~seen, label[tuple(np.where(inside[:, None], cell, 0).T)], 0)
-    found = [_hole_facts(hull, np.flatnonzero(number == k), address) for k in range(1, count + 1)]
+    surveyed = ndimage.binary_fill_holes(ndimage.binary_closing(cells.seen, disc))
+    label, count = ndimage.label(surveyed & ~cells.seen & cells.on_hull)
+    found = [_hole_facts(cells, np.argwhere(label == k), chart, address) for k in range(1, count + 1)]
     large = [hole for hole in found if hole["area_m2"] >= MIN_HOLE_M2]
     return sorted(large, key=lambda hole: (-hole["area_m2"], hole["address"]))
 
 
-def _hole_facts(hull: HullPatches, rows: Ints, address: Callable[[Array], str]) -> Facts:
-    middle = hull.mesh.vertices[rows].mean(axis=0)
-    center = hull.mesh.vertices[rows[np.argmin(np.linalg.norm(hull.mesh.vertices[rows] - middle, axis=1))]]
+@dataclass(frozen=True, kw_only=True)
+class _ChartCells:
+    """Squares of the chart, CELL_M wide, (a, g). low (2,): number of the first; seen: some patch in it was; area m2 of their
+    patches, of the square itself where there is none; on_hull: there is hull."""
+
+    low: Ints
+    seen: Mask
+    area: Array
+    on_hull: Mask
+
+
+def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
+    at = chart.to_chart(hull.mesh.vertices)[:, :2]
+    known = np.asarray(np.isfinite(at).all(axis=1))
+    low = np.floor(at[known & seen].min(axis=0) / CELL_M).astype(np.int64) - BRIDGE_CELLS
+    size = np.floor(at[known & seen].max(axis=0) / CELL_M).astype(np.int64) + BRIDGE_CELLS + 1 - low
+    cell = np.floor(np.where(known[:, None], at, 0.0) / CELL_M).astype(np.int64) - low
+    known &= ((cell >= 0) & (cell < size)).all(axis=1)
+    image, area = np.zeros(tuple(size), bool), np.zeros(tuple(size))
+    image[tuple(cell[known & seen].T)] = True
+    np.add.at(area, tuple(cell[known].T), hull.area[known])
+    middle = (np.argwhere(np.ones_like(image)) + low + 0.5) * CELL_M
+    # Patches are hardly smaller than cells: a cell that happens to hold none is as the nearest one
+    distance, row = nearest(at[known], middle, 1, 0.75 * PATCH_M)
+    near = np.isfinite(distance[:, 0]) & (area.ravel() == 0)
+    image.ravel()[near] = seen[known][row[near, 0]]
+    on_hull = np.asarray(np.isfinite(chart.from_chart(middle)[0]).all(axis=1)).reshape(image.shape)
+    return _ChartCells(low=low, seen=image, area=np.where(area > 0, area, CELL_M**2), on_hull=on_hull)
+
+
+def _hole_facts(cells: _ChartCells, which: Ints, chart: Chart, address: Callable[[Array], str]) -> Facts:
+    inner = which[np.argmin(np.linalg.norm(which - which.mean(axis=0), axis=1))]
+    center = chart.from_chart(((inner + cells.low + 0.5) * CELL_M)[None])[0][0]
     return {
         "address": address(center),
         "center": [round(float(v), 3) for v in center],
-        "area_m2": round(float(hull.area[rows].sum()), 4),
+        "area_m2": round(float(cells.area[tuple(which.T)].sum()), 4),
     }
 
 

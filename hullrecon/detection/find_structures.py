@@ -13,12 +13,14 @@ from hullrecon.detection.as_found.hull_as_found import estimate_hull_as_found
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks, measure_surface
 from hullrecon.detection.as_found.record import as_found_surface, surface_on_cad_model
 from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.detection.deviation import split_deviation
 from hullrecon.detection.objects.find_objects import find_objects
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.records.solution import DeviationField, Landmarks
-from hullrecon.records.surface import Surface
+from hullrecon.records.surface import DeviationSplit, Surface
+from hullrecon.typing import Array, Mask
 
 Facts = dict[str, object]
 CAD_EDGE_M = 0.12  # edges of a CAD model that is moved to the DVL's surface, whose own are 0.1 m
@@ -26,9 +28,11 @@ CAD_EDGE_M = 0.12  # edges of a CAD model that is moved to the DVL's surface, wh
 
 @dataclass(frozen=True, kw_only=True)
 class Structures:
-    """as_found: None where nothing but the surveyed surface is known. objects: the rows of objects.json. facts: detect.json."""
+    """as_found: None where nothing but the surveyed surface is known. deviation: from the CAD model by what is known of it,
+    None without one. objects: the rows of objects.json. facts: detect.json."""
 
     as_found: Surface | None
+    deviation: DeviationSplit | None
     objects: list[Facts]
     facts: Facts
 
@@ -59,15 +63,22 @@ def find_structures(
     # Structures: regions that stand off and are certain
     height = measured.offset - background.at(measured.foot)[0]
     objects, rejected = find_objects(found, measured, height, views, base, options)
-    rows: list[Facts] = [
-        {"id": k + 1, **item.as_json(), "address": base.address_of(np.array(item.center))} for k, item in enumerate(objects)
-    ]
+    rows: list[Facts] = [{"id": k + 1, **item.as_json()} for k, item in enumerate(objects)]
     facts: Facts = {
         "reference": base.description,
         "landmarks_used": len(measured),
         "not_reported": [item.as_json() for item in rejected],
     }
-    return Structures(as_found=as_found_surface(found, measured), objects=rows, facts=facts)
+    as_found = as_found_surface(found, measured, base.cad_model is not None)
+    bare = np.abs(found.height) < options.min_offset_m
+    deviation = _split(base, as_found, np.where(found.measured, found.sigma, 0.0), bare)
+    return Structures(as_found=as_found, deviation=deviation, objects=rows, facts=facts)
+
+
+def _split(base: BaseSurface, as_found: Surface, own_sigma: Array | None, bare: Mask) -> DeviationSplit | None:
+    if base.cad_model is None or base.hull_pose is None:
+        return None
+    return split_deviation(as_found, own_sigma, bare, base.cad_model, base.chart, base.hull_pose)
 
 
 def _choose_background(
@@ -87,7 +98,8 @@ def _without_landmarks(base: BaseSurface) -> Structures:
     }
     if base.cad_model is None:
         facts["as_found"] = "no landmarks and no CAD model: the surface from the DVL is what was found"
-        return Structures(as_found=None, objects=[], facts=facts)
+        return Structures(as_found=None, deviation=None, objects=[], facts=facts)
     facts["as_found"] = "from the DVL's surface"
     moved = surface_on_cad_model(base.cad_model, base.surveyed, CAD_EDGE_M)
-    return Structures(as_found=moved, objects=[], facts=facts)
+    deviation = _split(base, moved, None, np.ones(len(moved.vertices), bool))
+    return Structures(as_found=moved, deviation=deviation, objects=[], facts=facts)

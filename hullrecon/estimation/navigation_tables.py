@@ -30,14 +30,22 @@ def tray_table(tray_rad: Array, direction: Array, sigma_rad: float) -> native.Tr
     )
 
 
-def odometry_table(odometry: Odometry, tray_rad: Array, tray_from_dvl: Poses) -> native.OdometryTable:
-    """Return the odometry; tray_rad (n,) and tray_from_dvl: the angles and the mount that dead reckoning used."""
+def odometry_table(odometry: Odometry, tray_rad: Array, tray_from_dvl: Poses, path: Poses) -> native.OdometryTable:
+    """Return the odometry; tray_rad (n,) and tray_from_dvl: the angles and the mount that dead reckoning used; path: T_g_v (n)
+    as it is known by now.
+
+    A wrong scale stretches the true motion, not the noise of the measured one: taken from what was measured, the derivative by
+    the scale lets a shorter scale explain noise across the motion away, where images tell its direction (errors in variables).
+    """
+    motion = path[odometry.first].inverse() @ path[odometry.second]
+    by_navigation = odometry.by_navigation.copy()
+    by_navigation[:, :3, 0] += motion.translation - odometry.translation
     return native.OdometryTable(
         first=odometry.first.astype(np.int32),
         second=odometry.second.astype(np.int32),
         measured=np.hstack([odometry.translation, odometry.quaternion]),
         sqrt_information=np.linalg.inv(np.linalg.cholesky(odometry.covariance)),
-        by_navigation=odometry.by_navigation,
+        by_navigation=by_navigation,
         by_mount=odometry.by_mount,
         by_tray=odometry.by_tray,
         tray=0.5 * (tray_rad[odometry.first] + tray_rad[odometry.second]),

@@ -80,16 +80,15 @@ class TexelGrid:
                 yield Window(top, top + size, left, left + size)
 
 
-def grid_around(along_girth: Array, step_m: float, max_texels: float = 4e8) -> TexelGrid:
-    """Return the raster that holds the points (n, 2), its corner on a multiple of the step. ValueError without a finite
-    point, or
-    when it would be larger than max_texels."""
+def grid_around(along_girth: Array, step_m: float, max_texels: float = 1.5e8) -> TexelGrid:
+    """Return the raster that holds the points (n, 2), its corner on a multiple of the step. Where it would have more texels
+    than that, its step is so much longer. Raises ValueError without a finite point."""
     good = along_girth[np.isfinite(along_girth).all(axis=1)]
     if not len(good):
         raise ValueError("no point lies on the chart")
+    along, girth = np.ptp(good, axis=0)
+    step_m = max(step_m, float(np.sqrt(along * girth / max_texels)))
     west, south = np.floor(good.min(axis=0) / step_m) * step_m
     east, north = np.ceil(good.max(axis=0) / step_m) * step_m
     height, width = max(1, round((north - south) / step_m)), max(1, round((east - west) / step_m))
-    if float(height) * width > max_texels:
-        raise ValueError(f"{height} x {width} texels are too many")
     return TexelGrid(float(west), float(north), step_m, height, width)

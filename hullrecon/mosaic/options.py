@@ -17,11 +17,11 @@ class OpticalOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     resolution_m: Annotated[
         Metres | None, Meta(description="m, side of a texel; absent: from the images' ground sample distance")
     ] = None
-    min_resolution_m: Annotated[Metres, Meta(description="m, smallest side of a texel that is chosen")] = 0.003
+    min_resolution_m: Annotated[Metres, Meta(description="m, smallest side of a texel that is chosen")] = 0.001
     max_resolution_m: Annotated[Metres, Meta(description="m, largest side of a texel that is chosen")] = 0.02
     samples_per_texel: Annotated[
         float, Meta(gt=0, description="px, image pixels along a texel's side that the choice aims at")
-    ] = 2.0
+    ] = 1.0
     max_incidence_deg: Annotated[float, Meta(gt=0, lt=90, description="deg, views more oblique than this are not used")] = 70.0
     even_light: Annotated[bool, Meta(description="remove lamp, vignetting and each image's brightness before blending")] = True
     texture_px: Annotated[int, Meta(ge=256, le=16384, description="px, longer side of the GLB's texture")] = 4096

@@ -7,8 +7,10 @@ a checkout that was never installed has no hullrecon._native. Importing this pac
 """
 
 from hullrecon.native.columns import IDENTITY
+from hullrecon.native.curvature import curvature_difference, curvature_information
 from hullrecon.native.links import LinkKernel, LinkTable, bearing_basis
 from hullrecon.native.mesh_index import Closest, Hits, MeshIndex
+from hullrecon.native.planes import PlanePairTable, PlaneRangeTable, PlaneSightingTable, PlaneTable
 from hullrecon.native.problem import (
     AttitudeTable,
     CadMesh,
@@ -26,6 +28,7 @@ from hullrecon.native.problem import (
     SurfaceTable,
     TrayTable,
     Unknowns,
+    VelocityTable,
 )
 from hullrecon.native.solver import (
     FACTORS,
@@ -63,6 +66,10 @@ __all__ = [
     "OdometryTable",
     "Options",
     "PairCovariance",
+    "PlanePairTable",
+    "PlaneRangeTable",
+    "PlaneSightingTable",
+    "PlaneTable",
     "PosePriors",
     "Priors",
     "Problem",
@@ -73,8 +80,11 @@ __all__ = [
     "SurfaceTable",
     "TrayTable",
     "Unknowns",
+    "VelocityTable",
     "bearing_basis",
     "covariance",
+    "curvature_difference",
+    "curvature_information",
     "evaluate",
     "pair_covariance",
     "solve",

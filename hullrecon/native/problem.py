@@ -18,6 +18,7 @@ import numpy as np
 
 from hullrecon.native.columns import floats, integers, motion, pinhole
 from hullrecon.native.links import LinkTable
+from hullrecon.native.planes import PlanePairTable, PlaneRangeTable, PlaneSightingTable, PlaneTable
 from hullrecon.typing import Array, Ints32
 
 
@@ -29,7 +30,8 @@ class Unknowns:
     navigation (6,): DVL scale error, heading drift rad/s, roll and pitch bias rad, depth bias m, tray backlash rad. deviation
     (F,) m: normal offsets of the hull from the CAD model, outward positive, at the nodes of the deviation field (empty: no
     field). intrinsics_top, intrinsics_bottom (9,): fx fy cx cy k1 k2 p1 p2 k3. link_switch (s,): one for each row of links
-    under LinkKernel.SWITCH, in their order; 1 is closed, 0 open.
+    under LinkKernel.SWITCH, in their order; 1 is closed, 0 open. plane (p, 3) m: each in the vehicle frame of its anchor
+    (planes.py).
     """
 
     pose: Array
@@ -43,6 +45,7 @@ class Unknowns:
     intrinsics_top: Array = pinhole()
     intrinsics_bottom: Array = pinhole()
     link_switch: Array = floats(0)
+    plane: Array = floats(0, 3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,6 +153,24 @@ class OdometryTable:
 
 
 @dataclass(frozen=True, kw_only=True)
+class VelocityTable:
+    """Constant velocity over three poses in a row, across a gap of the sensors [KimEustice2009 II-A]: (mean velocity from the
+    second to the third - that from the first to the second) / sigma, translation in the axes of the second vehicle, rotation
+    vector of each step over its time.
+
+    first, second, third (m,): nodes; before, after (m,) s: the two intervals; sigma (m, 6): m/s, rad/s. Under white
+    acceleration of density q, (m/s^2)^2 s, sigma^2 = q (before + after) / 3.
+    """
+
+    first: Ints32 = integers(0)
+    second: Ints32 = integers(0)
+    third: Ints32 = integers(0)
+    before: Array = floats(0)
+    after: Array = floats(0)
+    sigma: Array = floats(0, 6)
+
+
+@dataclass(frozen=True, kw_only=True)
 class StereoTable:
     """Landmarks in both images [Ozog2016 eq. 4.12]. node, landmark (m,); pixel (m, 4) raw: top u v, bottom u v.
 
@@ -231,6 +252,11 @@ class Problem:
     ranges: RangeTable = RangeTable()
     surface: SurfaceTable = SurfaceTable()
     links: LinkTable = LinkTable()
+    planes: PlaneTable = PlaneTable()
+    plane_sightings: PlaneSightingTable = PlaneSightingTable()
+    plane_pairs: PlanePairTable = PlanePairTable()
+    plane_ranges: PlaneRangeTable = PlaneRangeTable()
+    velocities: VelocityTable = VelocityTable()
 
     def hold(self, *blocks: str) -> Problem:
         """Return the problem with these blocks held too."""

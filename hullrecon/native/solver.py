@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from hullrecon.native.problem import Problem, Unknowns
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
-GRAPH_FACTORS = ("link",)  # of the pose graph alone
+GRAPH_FACTORS = ("link", "plane", "plane_pair", "plane_range", "velocity")  # of the pose graph alone
 FACTORS = ("prior", "attitude", "tray", "odometry", "stereo", "mono", "range", "surface", "deviation", *GRAPH_FACTORS)
 
 
@@ -85,9 +85,9 @@ class Evaluation:
     residual (R,), whitened; weight (R,): square root of rho', by which the loss multiplies residual and row; factor (R,):
     index into FACTORS; table_row (R,) in the factor's table; jacobian_*: compressed rows, start (R + 1,), column, value; width:
     how many columns. Columns: poses 7 each (6 when "tray" is held), landmarks 3 each, then, where free, T_g_M, T_s_ct, T_ct_cb,
-    T_s_d 6 each, navigation 6, intrinsics_top, intrinsics_bottom 9 each, the deviation's nodes and the links' switches 1 each;
-    `columns` maps a block's name ("pose 0", "landmark 3", "T_g_M", "deviation 2", "link_switch 1") to (first column, count).
-    cost_by_factor: robustified.
+    T_s_d 6 each, navigation 6, intrinsics_top, intrinsics_bottom 9 each, the deviation's nodes 1 each, planes 3 each, links'
+    switches 1 each; `columns` maps a block's name ("pose 0", "landmark 3", "T_g_M", "deviation 2", "plane 4", "link_switch 1")
+    to (first column, count). cost_by_factor: robustified.
     """
 
     residual: Array

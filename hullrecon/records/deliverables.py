@@ -20,9 +20,24 @@ class ReportedObject:
     normal: Point = (0.0, 0.0, 0.0)
     height_sigma: float | None = None
     deviation: float | None = None
+    deviation_sigma: float | None = None
     extent: tuple[float, float] = (0.0, 0.0)
+    extent_sigma: tuple[float, float] | None = None
     area: float = 0.0
+    area_sigma: float | None = None
     volume: float = 0.0
+    volume_sigma: float | None = None
+    position_covariance: tuple[Point, Point, Point] | None = None
+    position_sigma: Point | None = None
+    sigma_along: float | None = None
+    sigma_girth: float | None = None
+    sigma_normal: float | None = None
+    along: float | None = None
+    girth: float | None = None
+    side: str | None = None
+    frame: float | None = None
+    depth: float | None = None
+    depth_sigma: float | None = None
     views: int = 0
     p_value: float | None = None
     address: str = ""
@@ -61,9 +76,10 @@ class CoverageHole:
 
 @dataclass(frozen=True, kw_only=True)
 class Coverage:
-    """coverage.json; None for a sensor that was not carried."""
+    """coverage.json; None for a sensor that was not carried. min_hole_m2: smaller holes are not listed."""
 
     camera: SensorCoverage | None = None
     sonar: SensorCoverage | None = None
     dvl: SensorCoverage | None = None
     holes: Sequence[CoverageHole] = field(default_factory=tuple)
+    min_hole_m2: float = 0.03

@@ -24,3 +24,21 @@ class Surface:
     def mesh(self) -> Mesh:
         """Return vertices and faces alone."""
         return Mesh(self.vertices, self.faces)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeviationSplit:
+    """How a hull as found deviates from its CAD model, parted by how well it is known.
+
+    Where the hull lies in the dive's frame is known to centimetres; an error of it moves and tilts the whole surveyed patch.
+    offset (): m, the patch's mean distance to the CAD model, outward positive, and tilt (2,): its slope along the hull and in
+    girth, m/m, each with such a sigma. form (n,): m, what is left of each vertex's deviation without offset and tilt, and its
+    sigma, which the hull's place hardly enters; NaN where nothing was seen.
+    """
+
+    offset: Array
+    offset_sigma: Array
+    tilt: Array
+    tilt_sigma: Array
+    form: Array
+    form_sigma: Array

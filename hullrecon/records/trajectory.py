@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.charts.tangents import tangents_at
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.poses import Poses, interpolate
 from hullrecon.typing import Array, Ints, Mask
@@ -55,6 +57,13 @@ class VehicleTrack:
     def sigma_towards(self, directions: Array) -> Array:
         """Return one sigma of the position (n,), m, along unit vectors (n, 3) of the frame."""
         return np.asarray(np.sqrt(np.einsum("ni,nij,nj->n", directions, self.covariance[:, :3, :3], directions)))
+
+    def sigma_on_chart(self, chart: Chart) -> tuple[float, float]:
+        """Return the median one sigma of the position along the hull and in girth, m, by the chart's tangents below the
+        vehicle; NaN where it is nowhere over the chart."""
+        along, girth = (self.sigma_towards(direction) for direction in tangents_at(chart, self.poses.translation))
+        known = np.isfinite(along) & np.isfinite(girth)
+        return (float(np.median(along[known])), float(np.median(girth[known]))) if known.any() else (np.nan, np.nan)
 
     def vehicle_at(self, t_ns: Ints) -> Poses:
         """Return the vehicle (m) at those times, held at both ends."""

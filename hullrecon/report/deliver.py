@@ -13,13 +13,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from hullrecon.report.content.objects import objects_csv
+from hullrecon.report.content.object_images import Crop, object_crops, photo_jpeg
+from hullrecon.report.content.objects import objects_table
 from hullrecon.report.content.page import render_page
 from hullrecon.report.content.page_context import page_context
+from hullrecon.report.export.chart_export import chart_document, chart_mesh, chart_ply
 from hullrecon.report.export.csv_export import csv_text
 from hullrecon.report.export.geometry_export import alignment_document, landmarks_ply, surface_ply
+from hullrecon.report.export.object_layers import object_layers, objects_geojson, objects_gpkg, photo_name
 from hullrecon.report.export.summary import summary_document
-from hullrecon.report.export.trajectory import trajectory_csv, trajectory_tum
+from hullrecon.report.export.table import csv_metadata
+from hullrecon.report.export.trajectory import trajectory_table, trajectory_tum
 from hullrecon.report.figures.all_plots import draw_all_plots
 from hullrecon.report.survey import Survey
 
@@ -81,20 +85,27 @@ class DeliverableWriter:
 def deliver(survey: Survey, out: FileWriter) -> None:
     """Write all deliverables of a survey, then the report, then summary.json, which lists them."""
     writer = DeliverableWriter(out)
+    photos = object_crops(survey)
     _write_motion(writer, survey)
     _write_surfaces(writer, survey)
+    _write_chart(writer, survey)
+    _write_objects(writer, survey, photos)
     for name, source in survey.provenance.copies.items():
         writer.copy(name, source)
     plots = draw_all_plots(survey)
     for plot in plots:
         writer.write(f"plots/{plot.name}.png", plot.png)
         writer.write(f"plots/{plot.name}.csv", csv_text(plot.table))
-    writer.write("report/index.html", render_page(page_context(survey, plots, writer.entries)))
+    writer.write("report/index.html", render_page(page_context(survey, plots, writer.entries, photos)))
     out.json(f"{FOLDER}/summary.json", summary_document(survey, writer.entries))
 
 
 def _write_motion(writer: DeliverableWriter, survey: Survey) -> None:
-    writer.write("trajectory.csv", trajectory_csv(survey.track))
+    trajectory = trajectory_table(survey)
+    tables = [trajectory] if survey.findings.objects is None else [trajectory, objects_table(survey.findings.objects)]
+    for table in tables:
+        writer.write(table.file, table.csv)
+    writer.write_json("csv-metadata.json", csv_metadata(tables))
     writer.write("trajectory.tum", trajectory_tum(survey.track))
     adjusted = survey.adjusted
     if adjusted is None:
@@ -103,14 +114,33 @@ def _write_motion(writer: DeliverableWriter, survey: Survey) -> None:
         alignment = alignment_document(adjusted.solution.hull_pose, survey.facts.hull, adjusted.weak_directions)
         writer.write_json("alignment.json", alignment)
     if len(adjusted.solution.landmarks):
-        writer.write("landmarks.ply", landmarks_ply(adjusted.solution))
+        writer.write("landmarks.ply", landmarks_ply(survey, adjusted.solution))
 
 
 def _write_surfaces(writer: DeliverableWriter, survey: Survey) -> None:
-    for name, surface in (("surface.ply", survey.surfaces.dvl), ("as_found.ply", survey.surfaces.as_found)):
+    surfaces = survey.surfaces
+    for name, surface in (("surface.ply", surfaces.surveyed), ("as_found.ply", surfaces.as_found)):
         if surface is not None:
-            writer.write(name, surface_ply(surface))
+            writer.write(name, surface_ply(survey, surface, surfaces.deviation))
     for name, document in survey.findings.documents.items():
         writer.write_json(name, document)
-    if survey.findings.objects is not None:
-        writer.write("objects.csv", objects_csv(survey.findings.objects))
+
+
+def _write_chart(writer: DeliverableWriter, survey: Survey) -> None:
+    surfaces = survey.surfaces
+    if surfaces.chart is None or surfaces.outside is None or surfaces.surveyed is None:
+        return
+    mesh = chart_mesh(surfaces.chart, surfaces.surveyed.vertices)
+    writer.write("chart.ply", chart_ply(survey, mesh))
+    writer.write_json("chart.json", chart_document(surfaces.chart, surfaces.outside, mesh))
+
+
+def _write_objects(writer: DeliverableWriter, survey: Survey, photos: Mapping[int, Crop]) -> None:
+    objects, surfaces = survey.findings.objects, survey.surfaces
+    for number, crop in photos.items():
+        writer.write(photo_name(number), photo_jpeg(crop))
+    if objects is None or surfaces.chart is None or surfaces.outside is None:
+        return
+    layers = object_layers(objects, photos, surfaces.chart, surfaces.outside)
+    writer.write_json("objects.geojson", objects_geojson(layers, surfaces.outside))
+    writer.write("objects.gpkg", objects_gpkg(layers, surfaces.outside, int(survey.track.t_ns[-1])))

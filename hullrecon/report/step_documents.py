@@ -79,7 +79,8 @@ class DetectFacts(StepDocument, frozen=True):
 
 
 class MosaicFacts(StepDocument, frozen=True):
-    """mosaic.json of a mosaic step."""
+    """mosaic.json of a mosaic step. gap_area_m2: of its gaps inside its outline."""
 
     caption: str = ""
     resolution_m: float | None = None
+    gap_area_m2: float = 0.0

@@ -11,11 +11,12 @@ from typing import Protocol
 
 from hullrecon.dive.config.schema import Dive, Hull
 from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.frames import Camera, Frame
 from hullrecon.records.deliverables import Coverage, RejectedRegion, ReportedObject
 from hullrecon.records.sensors import DvlPings, ImageIndex
 from hullrecon.records.solution import Solution
-from hullrecon.records.surface import Surface
+from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Trajectory, VehicleTrack
 from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts, NavigationFacts, PairFacts
 from hullrecon.rig import SensorRig
@@ -37,11 +38,14 @@ class ImageSource(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class DiveFacts:
-    """What was dived, what was carried, and what the log, its navigation and its image pairs say in sentences."""
+    """What was dived, what was carried, and what the log, its navigation and its image pairs say in sentences. has_depth: a
+    pressure sensor was logged; has_attitude: an IMU was."""
 
     dive: Dive
     hull: Hull | None = None
     dvl: DvlPings | None = None
+    has_depth: bool = True
+    has_attitude: bool = True
     rig: SensorRig
     images: Mapping[Camera, ImageSource] = field(default_factory=dict)
     log: LogFindings = field(default_factory=LogFindings)
@@ -66,12 +70,15 @@ class AdjustedDive:
 
 @dataclass(frozen=True, kw_only=True)
 class Surfaces:
-    """The hull chart, the surface from the DVL and the hull as found. comparison: how far a comparison of the DVL's surface
-    with the CAD model is circular, in a sentence."""
+    """The hull chart, the surveyed surface (the DVL's, of landmarks where there is none) and the hull as found with the parts
+    of its deviation. outside: the map in which rasters and vector layers lie. comparison: how far a comparison of the DVL's
+    surface with the CAD model is circular, in a sentence."""
 
     chart: Chart | None = None
-    dvl: Surface | None = None
+    outside: OutsideMap | None = None
+    surveyed: Surface | None = None
     as_found: Surface | None = None
+    deviation: DeviationSplit | None = None
     comparison: str = ""
 
 

@@ -18,6 +18,7 @@ from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.triangulation import camera_poses
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.summary import summarise_adjustment
+from hullrecon.artifacts.execution.memory_limit import refuse_small_address_space
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.dive.config import schema
 from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
@@ -31,6 +32,7 @@ from hullrecon.typing import Ints
 
 
 def run(context: Context[AdjustOptions]) -> None:
+    refuse_small_address_space(context.parameters.threads)
     measured = _measurements(context)
     adjusted = adjust(measured, context.parameters, logging.getLogger(__name__).info)
     outcome = summarise_adjustment(measured, adjusted, context.parameters)

@@ -25,7 +25,7 @@ from hullrecon.records.links import CameraLinks, LinkedPath, NodePairs, NodeSter
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SonarPings
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.solution import Solution
-from hullrecon.records.surface import Surface
+from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel
 from hullrecon.typing import Arrays
@@ -232,6 +232,11 @@ class DetectArtifact(StepArtifact):
     @property
     def as_found(self) -> Surface | None:
         return self._optional("as_found.npz", Surface)
+
+    @property
+    def deviation(self) -> DeviationSplit | None:
+        """Return offset, tilt and form of the deviation; None without a CAD model."""
+        return self._optional("deviation.npz", DeviationSplit)
 
     @property
     def objects(self) -> Document:

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.coverage import SonarSurvey, summarise_coverage
@@ -13,6 +15,8 @@ from hullrecon.detection.find_structures import find_structures
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews, views_of_top_camera
 from hullrecon.errors import StageError
+from hullrecon.geometry.charts.address import AddressSigma
+from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.solution import Solution
@@ -32,11 +36,17 @@ def run(context: Context[DetectOptions]) -> None:
         chart=surface.chart,
         result_from_global=solution.result_from_global(),
         frame_spacing_m=settings.read_optional("hull.frame_spacing", float),
+        hull_pose=solution.hull_pose,
+        depth_known=inputs.ingest.pressure is not None,
+        from_dvl=inputs.ingest.dvl is not None,
+        place_sigma=_place_sigma(solution, surface.chart),
     )
     views = _views(context, inputs, solution)
     structures = find_structures(base, solution.landmarks, solution.deviation_field, views, context.parameters)
     if structures.as_found is not None:
         context.out.arrays("as_found.npz", to_arrays(structures.as_found))
+        if structures.deviation is not None:
+            context.out.arrays("deviation.npz", to_arrays(structures.deviation))
     else:
         context.warn("as_found is absent: there is neither a camera nor a CAD model")
     context.out.json("objects.json", {"objects": structures.objects})
@@ -48,6 +58,15 @@ def _solution(inputs: InputArtifacts) -> Solution:
     if inputs.adjust is None:
         raise RuntimeError("the step detect is declared to have the artifact of adjust")
     return inputs.adjust.solution
+
+
+def _place_sigma(solution: Solution, chart: Chart) -> AddressSigma:
+    """Return how well the survey as a whole lies on the hull."""
+    track = solution.track()
+    along, girth = track.sigma_on_chart(chart)
+    down = solution.result_from_global().rotation.as_matrix()[:, :, 2]
+    depth = track.sigma_towards(np.broadcast_to(down, (len(track.t_ns), 3)))
+    return AddressSigma(along=along, girth=girth, depth=float(np.median(depth)))
 
 
 def _views(context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution) -> CameraViews | None:
@@ -81,7 +100,8 @@ STAGE = Stage(
     summary="find structures and remesh the hull as found",
     inputs=("ingest", "adjust", "surface"),
     parameters=DetectOptions,
-    version=3,
+    version=4,
     run=run,
+    fails_alone=True,
     uses=(*CAMERA_KEYS, "hull.frame_spacing", *SONAR_KEYS, "sonar.joint", "sonar.elevation_deg"),
 )

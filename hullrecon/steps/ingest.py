@@ -18,10 +18,8 @@ from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.schema import Logs, Topics
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest, offset_ns
 from hullrecon.dive.logs.dvl_beams import tilted_beams
-from hullrecon.dive.logs.readers.open import open_log
-from hullrecon.dive.logs.readers.plain import PlainLog
-from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE
 from hullrecon.dive.logs.streams import PressureModel
+from hullrecon.dive.package_files import log_files
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.typing import Array
@@ -72,23 +70,8 @@ def external(settings: StageSettings, package: Path) -> list[Path]:
     """Return the files that ingest reads, relative to the package: logs, files that tables name, calibrations, CAD model."""
     request = request_of(settings)
     names = [*request.calibration.values(), *([request.mesh] if request.mesh else [])]
-    logs = [file for name in request.logs for file in _log_files(package, name)]
+    logs = [file for name in request.logs for file in log_files(package, name)]
     return [*logs, *(Path(name) for name in names)]
-
-
-def _log_files(package: Path, name: str) -> list[Path]:
-    """Return the files of one log, relative to the package where they lie in it. Of a folder only those that are read: a run
-    may keep its own folder below it."""
-    folder = package / name
-    try:
-        if not folder.is_dir():
-            return [Path(name)]
-    except OSError:  # a name that no file can have: the reader says so
-        open_log(folder, package)
-    log = open_log(folder, package)
-    if isinstance(log, PlainLog):
-        return [*(Path(name) / table for table in log.tables()), *log.named_files()]
-    return [Path(name) / path.name for path in sorted(folder.iterdir()) if path.name == METADATA or path.suffix in STORAGE]
 
 
 def run(context: Context[IngestOptions]) -> None:

@@ -71,8 +71,9 @@ STAGE = Stage(
     inputs=("ingest", "navigate", "surface"),
     optional=("adjust", "detect"),
     parameters=SonarOptions,
-    version=3,
+    version=4,
     run=run,
+    fails_alone=True,
     uses=(*SONAR_KEYS, "sonar.joint", "sonar.mount_sigma", "sonar.elevation_deg", "topics.sonar", "hull.frame_spacing"),
     applies=applies,
 )

@@ -7,13 +7,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hullrecon.artifacts.graph.stage import Context
+from hullrecon.geometry.charts.outside_map import OutsideMap, outside_map
 from hullrecon.geometry.frames import Frame
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, build_mosaic_surface
 from hullrecon.mosaic.options import OpticalOptions, SonarOptions
 from hullrecon.mosaic.output.deliverables import Presentation, make_deliverables
-from hullrecon.mosaic.output.raster import write_raster
+from hullrecon.mosaic.output.raster import RasterBands, RasterPlace, write_raster
+from hullrecon.mosaic.output.surface_rasters import surface_bands, surface_tiles, surface_values
 from hullrecon.mosaic.output.tile_store import TileStore
 from hullrecon.records.solution import Mounts
+from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.steps.artifacts import InputArtifacts
 
@@ -24,10 +27,14 @@ MosaicContext = Context[OpticalOptions] | Context[SonarOptions]
 class MosaicInputs:
     """The surface with its chart, and the vehicle over it, in one frame (M, or g without a CAD model).
 
-    mounts: as adjusted, None before the adjustment; surface_name: which surface it is, for captions.
+    outside: the map that rasters are written in; as_found: the hull as found and its deviation, None without; mounts: as
+    adjusted, None before the adjustment; surface_name: which surface it is, for captions.
     """
 
     surface: MosaicSurface
+    outside: OutsideMap
+    as_found: Surface | None
+    deviation: DeviationSplit | None
     track: VehicleTrack
     mounts: Mounts | None
     surface_name: str
@@ -38,24 +45,28 @@ def read_mosaic_inputs(inputs: InputArtifacts, reach_m: float) -> MosaicInputs:
     as_found = inputs.detect.as_found if inputs.detect is not None else None
     solution = inputs.adjust.solution if inputs.adjust is not None else None
     surface = inputs.surface.surface if as_found is None else as_found
+    track, chart = inputs.navigate.trajectory.track() if solution is None else solution.track(), inputs.surface.chart
     return MosaicInputs(
-        surface=build_mosaic_surface(surface.mesh(), inputs.surface.chart, reach_m),
-        track=inputs.navigate.trajectory.track() if solution is None else solution.track(),
+        surface=build_mosaic_surface(surface.mesh(), chart, reach_m),
+        outside=outside_map(chart, inputs.surface.surface.vertices, track.frame),
+        as_found=as_found,
+        deviation=inputs.detect.deviation if inputs.detect is not None else None,
+        track=track,
         mounts=None if solution is None else solution.mounts,
         surface_name="of the survey" if as_found is None else "as found",
     )
 
 
 def write_mosaic(context: MosaicContext, inputs: MosaicInputs, store: TileStore, title: str, facts: dict[str, object]) -> None:
-    """Write ortho.tif, variance.tif, ortho.png, mosaic.glb and mosaic.json."""
-    grid, frame = store.grid, Frame(inputs.track.frame)
-    with context.out.path("ortho.tif") as path:
-        write_raster(path, store.color_tiles(), grid, store.size, store.channels + 1, "uint8", frame)
-    with context.out.path("variance.tif") as path:
-        write_raster(path, store.variance_tiles(), grid, store.size, 1, "float32", frame)
+    """Write ortho.tif, the rasters of its grid, ortho.png, mosaic.glb and mosaic.json."""
+    frame = Frame(inputs.track.frame)
+    place = RasterPlace(grid=store.grid, size=store.size, outside=inputs.outside)
+    _write_mosaic_rasters(context, place, store, title)
+    _write_surface_rasters(context, place, inputs)
     presentation = Presentation(
         title=title,
         frame=frame,
+        outside=inputs.outside,
         frame_spacing_m=context.settings.read_optional("hull.frame_spacing", float),
         max_faces=context.parameters.max_faces,
         facts={**facts, "surface": inputs.surface_name},
@@ -67,3 +78,26 @@ def write_mosaic(context: MosaicContext, inputs: MosaicInputs, store: TileStore,
     else:
         context.warn("too little was seen for a textured mesh")
     context.out.json("mosaic.json", made.document)
+
+
+def _write_mosaic_rasters(context: MosaicContext, place: RasterPlace, store: TileStore, title: str) -> None:
+    colors = ("red", "green", "blue", "alpha") if store.channels == 3 else ("intensity", "alpha")
+    rasters = (
+        ("ortho.tif", store.color, RasterBands(names=colors, unit="", dtype="uint8", title=title)),
+        ("variance.tif", store.variance, RasterBands(names=("variance",), unit="grey levels squared", dtype="float32",
+            title=f"{title}: variance of the intensities blended in a pixel", nodata=float("nan"))),
+        ("views.tif", store.counts, RasterBands(names=("views",), unit="", dtype="uint8",
+            title=f"{title}: views blended in a pixel", nodata=0)),
+    )  # fmt: skip
+    for name, tiles, bands in rasters:
+        with context.out.path(name) as path:
+            write_raster(path, tiles, place, bands)
+
+
+def _write_surface_rasters(context: MosaicContext, place: RasterPlace, inputs: MosaicInputs) -> None:
+    """Write what is known of the hull as found at the mosaic's pixels."""
+    if inputs.as_found is None:
+        return
+    for name, tiles in surface_tiles(inputs.surface, surface_values(inputs.as_found, inputs.deviation), place).items():
+        with context.out.path(f"{name}.tif") as path:
+            write_raster(path, tiles, place, surface_bands(name))

@@ -17,18 +17,20 @@ from hullrecon.dive.check.messages import Stream
 from hullrecon.dive.config.schema import Logs
 from hullrecon.dive.images.store import IMAGE_SUFFIXES, ImageStore
 from hullrecon.dive.logs.readers.plain import PlainLog
-from hullrecon.errors import StageError
+from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, NavigationLogs, dead_reckon, usable_frames
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sigmas import SIGMA_KEYS, sigmas_from_settings
-from hullrecon.navigation.stereo_odometry.pair_motion import StereoMotion
+from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, StereoMotion
 from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stereo_navigate
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
+from hullrecon.steps.stereo_check import find_rig_problem
 from hullrecon.vision.odometry import OdometryFrame, StereoOdometer, stereo_odometer
+from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
 
 Samples = TypeVar("Samples", bound=Stream)
 
@@ -51,7 +53,9 @@ class ImagePairMotion:
         if found is None:
             return None
         pose = from_matrix(found.motion.second_from_first)
-        return StereoMotion(pose=pose, covariance=found.motion.covariance, inliers=found.inliers)
+        seen = found.calibration
+        effect = CalibrationEffect(by_error=seen.by_calibration, information=seen.information, gradient=seen.gradient)
+        return StereoMotion(pose=pose, covariance=found.motion.covariance, inliers=found.inliers, calibration=effect)
 
 
 def external(settings: StageSettings, package: Path) -> list[Path]:
@@ -64,6 +68,7 @@ def external(settings: StageSettings, package: Path) -> list[Path]:
 def run(context: Context[NavigateOptions]) -> None:
     """Leave trajectory, error model, odometry, attitude, returns and navigation.json."""
     ingest = InputArtifacts(context.inputs).ingest
+    _refuse_wrong_rig(context)
     if ingest.dvl is not None:
         _write(context, _by_dvl(context), "dvl")
     elif all(ingest.image_index(camera) is not None for camera in Camera):
@@ -74,6 +79,20 @@ def run(context: Context[NavigateOptions]) -> None:
             where="no DVL and no stereo cameras were logged",
             remedy="name the DVL's topic in [topics], or both cameras with their calibration",
         )
+
+
+def _refuse_wrong_rig(context: Context[NavigateOptions]) -> None:
+    """Raise InputError where a few pairs of images contradict the calibration or the stamps, before hours are spent on them."""
+    ingest, settings = InputArtifacts(context.inputs).ingest, context.settings
+    index = {camera: found for camera in Camera if (found := ingest.image_index(camera)) is not None}
+    rig = rig_from_settings(settings, ingest.camera_models)
+    if len(index) < len(Camera):
+        return
+    images = {camera: ingest.images(camera, context.source) for camera in Camera}
+    sigma_rad = float(np.radians(np.max(settings.read("camera.bottom.pose_sigma", tuple)[3:])))
+    problem = find_rig_problem(rig, index, lambda camera, row: images[camera].read(row), sigma_rad, ingest.dvl)
+    if problem is not None:
+        raise InputError(problem.what, where="camera.bottom", remedy=problem.remedy)
 
 
 def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
@@ -98,8 +117,8 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
 def _by_stereo(context: Context[NavigateOptions]) -> Navigated:
     ingest, settings, options = InputArtifacts(context.inputs).ingest, context.settings, context.parameters
     rig = rig_from_settings(settings, ingest.camera_models)
-    rig_sigma_rad = float(np.radians(np.max(settings.read("camera.bottom.pose_sigma", tuple)[3:])))
-    odometer = stereo_odometer(rig, options.stereo_features, options.stereo_inliers, rig_sigma_rad)
+    rig_sigma = np.array(settings.read("camera.bottom.pose_sigma", tuple), float) * [1, 1, 1, *np.radians([1, 1, 1])]
+    odometer = stereo_odometer(rig, options.stereo_features, options.stereo_inliers, float(rig_sigma[3:].max()))
     top, bottom = (ingest.images(camera, context.source) for camera in Camera)
     aids = Aids(imu=_unless_empty(ingest.imu), pressure=_unless_empty(ingest.pressure), tray=_unless_empty(ingest.tray))
 
@@ -113,6 +132,7 @@ def _by_stereo(context: Context[NavigateOptions]) -> Navigated:
         rig,
         sigmas_from_settings(settings),
         options,
+        np.concatenate([rig_sigma, np.full(DISPARITY, np.nan)]),
         progress,
     )
 
@@ -139,7 +159,7 @@ STAGE = Stage(
     summary="compute the dead-reckoned trajectory",
     inputs=("ingest",),
     parameters=NavigateOptions,
-    version=3,
+    version=4,
     run=run,
     uses=(*RIG_KEYS, *SIGMA_KEYS, "camera.bottom.pose_sigma", "logs"),
     external=external,

@@ -11,9 +11,10 @@ import msgspec
 
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.dive.config.schema import Dive, Hull
+from hullrecon.geometry.charts.outside_map import outside_map
 from hullrecon.records.deliverables import Coverage, ReportedObject
 from hullrecon.records.solution import Solution
-from hullrecon.report.content.missing_deliverables import Carried, missing_deliverables
+from hullrecon.report.content.missing_deliverables import OF_OBJECTS, Carried, missing_deliverables
 from hullrecon.report.deliver import deliver
 from hullrecon.report.export.trajectory import track_of
 from hullrecon.report.step_documents import (
@@ -43,7 +44,9 @@ from hullrecon.steps.features import external
 
 CHAIN = ("ingest", "navigate", "features", "matches", "adjust", "surface", "detect", "mosaic-optical", "mosaic-sonar")
 MOSAICS = {"mosaic-optical": "optical", "mosaic-sonar": "sonar"}
-DELIVERED = {"ortho.tif": "ortho_{}.tif", "ortho.png": "ortho_{}.png", "mosaic.glb": "mosaic_{}.glb"}
+DELIVERED = {"ortho.tif": "ortho_{}.tif", "ortho.png": "ortho_{}.png", "mosaic.glb": "mosaic_{}.glb",
+             "variance.tif": "variance_{}.tif", "views.tif": "views_{}.tif"}  # fmt: skip
+SURFACE_RASTERS = tuple(f"{name}.tif" for name in ("deviation", "deviation_sigma", "form", "form_sigma", "support"))
 
 
 class ReportOptions(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -64,12 +67,13 @@ def read_survey(context: Context[ReportOptions]) -> Survey:
     mosaics = {name: _mosaic(context.inputs[step]) for step, name in MOSAICS.items() if step in context.inputs}
     facts = artifacts.detect.facts if artifacts.detect is not None else {}
     detect = msgspec.convert({**facts, "objects": _reason(facts)}, DetectFacts)
+    track = track_of(artifacts.navigate.trajectory, solution)
     return Survey(
         facts=_dive_facts(context, artifacts, rig if solution is None else rig.with_mounts(solution.mounts)),
-        track=track_of(artifacts.navigate.trajectory, solution),
+        track=track,
         trajectory=artifacts.navigate.trajectory,
         adjusted=adjusted,
-        surfaces=_surfaces(context, artifacts),
+        surfaces=_surfaces(context, artifacts, track.frame),
         findings=_findings(artifacts.detect, detect),
         mosaics=Mosaics(optical=mosaics.get("optical"), sonar=mosaics.get("sonar")),
         provenance=Provenance(
@@ -102,6 +106,8 @@ def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig:
         dive=context.settings.read_optional("dive", Dive) or Dive(name="dive"),
         hull=context.settings.read_optional("hull", Hull),
         dvl=ingest.dvl,
+        has_depth=ingest.pressure is not None,
+        has_attitude=ingest.imu is not None,
         rig=rig,
         images={camera: ingest.images(camera, context.source) for camera in rig.cameras},
         log=msgspec.convert(ingest.findings, LogFindings),
@@ -110,13 +116,21 @@ def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig:
     )
 
 
-def _surfaces(context: Context[ReportOptions], artifacts: InputArtifacts) -> Surfaces:
+def _surfaces(context: Context[ReportOptions], artifacts: InputArtifacts, frame: str) -> Surfaces:
     surface = artifacts.surface if "surface" in context.inputs else None
-    as_found = artifacts.detect.as_found if artifacts.detect is not None else None
+    detect = artifacts.detect
+    as_found = detect.as_found if detect is not None else None
     if surface is None:
         return Surfaces(chart=artifacts.adjust.chart if artifacts.adjust is not None else None, as_found=as_found)
-    comparison = msgspec.convert(surface.facts, SurfaceFacts).comparison or ""
-    return Surfaces(chart=surface.chart, dvl=surface.surface, as_found=as_found, comparison=comparison)
+    chart, surveyed = surface.chart, surface.surface
+    return Surfaces(
+        chart=chart,
+        outside=outside_map(chart, surveyed.vertices, frame),
+        surveyed=surveyed,
+        as_found=as_found,
+        deviation=detect.deviation if detect is not None else None,
+        comparison=msgspec.convert(surface.facts, SurfaceFacts).comparison or "",
+    )
 
 
 def _findings(artifact: DetectArtifact | None, detect: DetectFacts) -> Findings:
@@ -156,9 +170,9 @@ def _missing(
         sonar=context.settings["sonar.mount"] is not None,
         cad_model=context.settings["hull"] is not None,
     )
-    missing = missing_deliverables(carried, context.inputs, solution)
+    missing = missing_deliverables(carried, context.inputs, solution, context.failures)
     if detect.objects is not None:
-        missing |= dict.fromkeys(("objects.json", "objects.csv"), detect.objects)
+        missing |= dict.fromkeys(OF_OBJECTS, detect.objects)
     for name, mosaic in mosaics.items():
         if mosaic is not None and not mosaic.has_mesh:
             missing[f"mosaic_{name}.glb"] = "too little was seen for a textured mesh"
@@ -176,6 +190,10 @@ def _copies(context: Context[ReportOptions]) -> dict[str, Path]:
         for source, target in DELIVERED.items():
             if step in context.inputs and (context.inputs[step] / source).exists():
                 copies[target.format(name)] = context.inputs[step] / source
+    for step in reversed(MOSAICS):  # on the optical mosaic's grid where there is one
+        for name in SURFACE_RASTERS if step in context.inputs else ():
+            if (context.inputs[step] / name).exists():
+                copies[name] = context.inputs[step] / name
     return copies
 
 
@@ -200,7 +218,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=CHAIN[2:],
     parameters=ReportOptions,
-    version=3,
+    version=4,
     run=run,
     uses=("dive", "logs", "hull", "camera.top.calibration", *RIG_KEYS),
     external=external,

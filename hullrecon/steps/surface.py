@@ -64,5 +64,6 @@ STAGE = Stage(
     parameters=SurfaceOptions,
     version=3,
     run=run,
+    fails_alone=True,
     uses=(*DVL_KEYS, "dvl.sigma_range", "hull.pose", "hull.pose_sigma"),
 )

@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.rig import SensorRig
@@ -14,10 +15,16 @@ from hullrecon.typing import Pixels
 from hullrecon.vision.features.extraction import FeatureOptions, extract, no_features
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.matching import PairMatcher, Reason
+from hullrecon.vision.pairs.matching import PairMatch, PairMatcher
+from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence
 from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.node_view import NodeView, stereo_of_node, view_of_node
 from hullrecon.vision.tracks.landmarks import NodeFeatures
+
+# Of a feature where another pair's points predict it. Points of a rig whose calibration is rough lie pixels off where they move
+# (8 px on a real set): a narrow search keeps those that happen to agree, and the motion is theirs.
+SEARCH_SIGMA_PX = 2.0
+LOOSE = 5.0  # sigmas of a motion: how far from it the features are looked for again
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,9 +37,11 @@ class OdometryFrame:
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredMotion:
-    """first_from_second of the top cameras with its covariance, and the number of features that agree."""
+    """first_from_second of the top cameras with its covariance, as far as features err independently; what errors of the
+    calibration do to it; the number of features that agree."""
 
     motion: Motion
+    calibration: CalibrationEvidence
     inliers: int
 
 
@@ -58,22 +67,35 @@ class StereoOdometer:
     def motion(self, first: OdometryFrame, second: OdometryFrame) -> MeasuredMotion | None:
         """Return the motion from one pair to another; None where too few features agree or it has no length.
 
-        Its covariance is that of the features' noise and of the cameras' model, which a thousand features do not average out:
-        an angle of sigma_px, and that angle at the depth of the scene. Without it the steps of a simulated dive, 1.15 m from
-        the hull and off by 0.7 mm and 0.03 deg, would be 40 sigma off.
+        The pairs are matched twice: without a guess, then the other way round near what was found. Where features are few or
+        the calibration is rough the two may settle on different ones; by as much the motion is uncertain.
         """
         if Camera.BOTTOM in (first.view.camera, second.view.camera):
             return None
         options = self.match_options
-        matcher, seed = PairMatcher(self.rig, options), (options.seed, first.number, second.number)
-        found = matcher.match(first.view, second.view, None, seed, True)
-        if found.reason is not Reason.MATCHED or found.motion is None or not found.scaled:
+        matcher, seed = PairMatcher(self.rig, options), (options.seed, second.number, first.number)
+        found = _measured(matcher.match(second.view, first.view, None, seed, True))
+        if found is None:
             return None
-        inverse = found.motion.inverse()
-        angle = options.sigma_px / self.rig.focal_px(Camera.TOP)
-        depth_m = float(np.nanmedian(first.view.depth))
-        model = np.diag(np.repeat([(angle * depth_m) ** 2, angle**2], 3))
-        return MeasuredMotion(motion=replace(inverse, covariance=inverse.covariance + model), inliers=len(found.first))
+        near = replace(found.motion.inverse(), covariance=LOOSE**2 * found.motion.inverse().covariance)
+        again = _measured(matcher.match(first.view, second.view, near, seed, False))
+        return found if again is None else _with_disagreement(found, again)
+
+
+def _measured(found: PairMatch) -> MeasuredMotion | None:
+    if found.motion is None or found.calibration is None:
+        return None
+    return MeasuredMotion(motion=found.motion, calibration=found.calibration, inliers=len(found.first))
+
+
+def _with_disagreement(found: MeasuredMotion, again: MeasuredMotion) -> MeasuredMotion:
+    """Return the motion with half the square of its difference from that of the other way added to its covariance: of two
+    findings, either may be the one that is off."""
+    there = again.motion.inverse().second_from_first
+    turn = found.motion.second_from_first[:3, :3].T @ there[:3, :3]
+    gap = np.concatenate([there[:3, 3] - found.motion.second_from_first[:3, 3], Rotation.from_matrix(turn).as_rotvec()])
+    covariance = found.motion.covariance + 0.5 * np.outer(gap, gap)
+    return replace(found, motion=replace(found.motion, covariance=covariance))
 
 
 def stereo_odometer(rig: SensorRig, max_features: int, min_inliers: int, rig_sigma_rad: float) -> StereoOdometer:
@@ -85,5 +107,7 @@ def stereo_odometer(rig: SensorRig, max_features: int, min_inliers: int, rig_sig
     return StereoOdometer(
         rig=cameras,
         feature_options=FeatureOptions(max_features=max_features),
-        match_options=MatchOptions(min_inliers=min_inliers, column_px=options.column_px + widening_px),
+        match_options=MatchOptions(
+            min_inliers=min_inliers, column_px=options.column_px + widening_px, sigma_px=SEARCH_SIGMA_PX
+        ),
     )

@@ -123,6 +123,38 @@ struct Odometry {
   }
 };
 
+// Constant velocity over three poses in a row, across a gap of the sensors [KimEustice2009 II-A].
+// Rows: 6, (m/s, rad/s). Blocks: pose i, j, k. Frame: translation in the axes of vehicle j, rotation vectors of the two steps.
+// Sign: velocity from j to k less that from i to j, each the mean over its interval. Sigma: one a row.
+struct Velocity {
+  static constexpr int kRows = 6;
+  double before, after;  // s, from i to j and from j to k
+
+  std::vector<int> sizes() const { return {8, 8, 8}; }
+  bool operator()(const double* const* x, double* r, double* const* J) const {
+    const Motion i(x[0]), j(x[1]), k(x[2]);
+    const Mat3 from_global = j.rotation().transpose();
+    const Vec3 came = from_global * (j.t - i.t) / before, goes = from_global * (k.t - j.t) / after;
+    const Vec3 turned = log(i.q.conjugate() * j.q), turns = log(j.q.conjugate() * k.q);
+    Eigen::Map<Eigen::Matrix<double, 6, 1>>(r) << goes - came, turns / after - turned / before;
+    const Mat3 by_turned = log_derivative(turned) / before, by_turns = log_derivative(turns) / after;
+    derive<6, 8>(J, 0, [&](auto& d) {
+      d.template block<3, 3>(0, 0) = from_global / before;
+      d.template block<3, 3>(3, 3) = by_turned * (j.q.conjugate() * i.q).toRotationMatrix();
+    });
+    derive<6, 8>(J, 1, [&](auto& d) {
+      d.template block<3, 3>(0, 0) = -from_global * (1 / before + 1 / after);
+      d.template block<3, 3>(0, 3) = hat(goes - came);
+      d.template block<3, 3>(3, 3) = -by_turned - by_turns * (k.q.conjugate() * j.q).toRotationMatrix();
+    });
+    derive<6, 8>(J, 2, [&](auto& d) {
+      d.template block<3, 3>(0, 0) = from_global / after;
+      d.template block<3, 3>(3, 3) = by_turns;
+    });
+    return true;
+  }
+};
+
 // Prior of plain numbers: navigation about zero, intrinsics about the start.
 // Rows: Size, in the units of the numbers. Blocks: the numbers. Sign: x - expected. Sigma: one a row.
 template <int Size>

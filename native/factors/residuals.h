@@ -8,3 +8,4 @@
 #include "factors/image_residuals.h"
 #include "factors/link_residuals.h"
 #include "factors/navigation_residuals.h"
+#include "factors/plane_residuals.h"

@@ -5,7 +5,7 @@
 // The method weighs a link of whitened square u by s^2, s = min(1, 2 Phi / (Phi + u)). The loss whose slope that weight is:
 //   rho(u) = u                          for u <= Phi,
 //            3 Phi - 4 Phi^2 / (Phi + u)  beyond,
-// continuous with its slope, bounded by 3 Phi (docs/methods.md 6). Phi = 5 by default.
+// continuous with its slope, bounded by 3 Phi (docs/methods.md 16). Phi = 5 by default.
 #pragma once
 
 #include <ceres/loss_function.h>

@@ -44,13 +44,13 @@ void Model::add_blocks() {
   const Tables& t = tables_;
   std::vector<size_t> start;
   for (const Table<double>* table : {&t.pose, &t.landmark, &t.T_g_M, &t.T_s_ct, &t.T_ct_cb, &t.T_s_d, &t.navigation,
-                                     &t.intrinsics_top, &t.intrinsics_bottom, &t.deviation, &t.link_switch}) {
+                                     &t.intrinsics_top, &t.intrinsics_bottom, &t.deviation, &t.plane, &t.link_switch}) {
     start.push_back(unknowns_.size());
     unknowns_.insert(unknowns_.end(), table->data, table->data + table->rows() * table->width());
   }
   double* const all = unknowns_.data();
-  double *const pose = all, *const motion = all + start[2], *const deviation = all + start[9],
-                *const switches = all + start[10];
+  double *const pose = all, *const motion = all + start[2], *const deviation = all + start[9], *const plane = all + start[10],
+                *const switches = all + start[11];
   landmark_ = all + start[1], intrinsics_ = all + start[7];
   for (int64_t i = 0; i < poses(); ++i) add_block(&pose[8 * i], 8, t.held("tray") ? 6 : 7, "pose " + std::to_string(i));
   for (int64_t i = 0; i < landmarks(); ++i) add_block(&landmark_[3 * i], 3, 3, "landmark " + std::to_string(i));
@@ -60,6 +60,7 @@ void Model::add_blocks() {
   for (int k = 0; k < 2; ++k)
     add_block(&intrinsics_[9 * k], 9, tangent(kGlobals[kTopIntrinsics + k], 9), kGlobals[kTopIntrinsics + k]);
   for (int k = 0; k < nodes(); ++k) add_block(&deviation[k], 1, tangent("deviation", 1), "deviation " + std::to_string(k));
+  for (int k = 0; k < planes(); ++k) add_block(&plane[3 * k], 3, 3, "plane " + std::to_string(k));
   for (int64_t k = 0; k < t.link_switch.rows(); ++k) add_block(&switches[k], 1, 1, "link_switch " + std::to_string(k));
 }
 
@@ -94,7 +95,7 @@ void Model::number_factors() {
   for (int32_t i = 0; options_.method != "naive" && i < t.surface_landmark.rows(); ++i) {
     if (t.surface_weight.data[i] > 0) surface_rows_.push_back(i);
   }
-  const std::array<int64_t, 10> counts{t.prior_pose_node.rows() + static_cast<int64_t>(global_priors_.size()),
+  const std::array<int64_t, 14> counts{t.prior_pose_node.rows() + static_cast<int64_t>(global_priors_.size()),
                                        t.attitude_node.rows(),
                                        t.tray_node.rows(),
                                        t.odometry_first.rows(),
@@ -103,7 +104,11 @@ void Model::number_factors() {
                                        t.range_node.rows(),
                                        static_cast<int64_t>(surface_rows_.size()),
                                        static_cast<int64_t>(field_rows_.size()),
-                                       t.link_first.rows()};
+                                       t.link_first.rows(),
+                                       t.sighting_node.rows(),
+                                       t.pair_first.rows(),
+                                       t.plane_range_node.rows(),
+                                       t.velocity_first.rows()};
   for (size_t k = 0; k < counts.size(); ++k) first_[k + 1] = first_[k] + counts[k];
 }
 
@@ -137,6 +142,7 @@ void Model::blocks_of(int64_t factor, std::vector<int32_t>& out) const {
   const auto landmark = static_cast<int32_t>(poses()), global = static_cast<int32_t>(landmark + landmarks());
   const Kind kind = kind_of(factor);
   const int64_t i = row_of(factor), number = factor - first_[static_cast<size_t>(kind)];
+  const auto anchor = [&](int32_t plane) { return t.plane_anchor.data[plane]; };
   const auto also = [&](std::span<const int32_t> nodes) {
     for (int32_t node : nodes) out.push_back(first_node() + node);
   };
@@ -183,6 +189,26 @@ void Model::blocks_of(int64_t factor, std::vector<int32_t>& out) const {
       if (t.link_camera_first.data[i] == 1 || t.link_camera_second.data[i] == 1) out.push_back(global + kBottom);
       if (switch_of_link_[i] >= 0) out.push_back(first_switch() + switch_of_link_[i]);
       break;
+    case Kind::Plane:
+      out = {first_plane() + t.sighting_plane.data[i]};
+      if (t.sighting_node.data[i] != anchor(t.sighting_plane.data[i]))
+        out.insert(out.end(), {t.sighting_node.data[i], anchor(t.sighting_plane.data[i])});
+      break;
+    case Kind::PlanePair: {
+      const int32_t first = t.pair_first.data[i], second = t.pair_second.data[i];
+      out = {first_plane() + first, first_plane() + second};
+      if (anchor(first) != anchor(second)) out.insert(out.end(), {anchor(first), anchor(second)});
+      break;
+    }
+    case Kind::PlaneRange: {
+      const int32_t node = t.plane_range_node.data[i], plane = t.plane_range_plane.data[i];
+      out = {first_plane() + plane, node, global + kDvl};
+      if (node != anchor(plane)) out.push_back(anchor(plane));
+      break;
+    }
+    case Kind::Velocity:
+      out = {t.velocity_first.data[i], t.velocity_second.data[i], t.velocity_third.data[i]};
+      break;
   }
 }
 
@@ -213,6 +239,16 @@ Range Model::range(int64_t i) const {
   return {Motion(t.range_offset.row(i)), t.range_tray_offset.data[i], Vec3(t.range_beam.row(i)).normalized(),
           Vec3(t.tray_origin.data),      t.range_measured.data[i],    range_nodes_.at(i),
           association_.range(i),         association_.refused()};
+}
+
+PlaneRange Model::plane_range(int64_t i) const {
+  const Tables& t = tables_;
+  return {Motion(t.plane_range_offset.row(i)),
+          t.plane_range_tray_offset.data[i],
+          Vec3(t.plane_range_beam.row(i)).normalized(),
+          Vec3(t.tray_origin.data),
+          t.plane_range_measured.data[i],
+          t.plane_range_node.data[i] == t.plane_anchor.data[t.plane_range_plane.data[i]]};
 }
 
 MixtureLoss Model::surface_loss(int64_t row) const {

@@ -20,9 +20,25 @@
 
 namespace hullrecon {
 
-enum class Kind : int8_t { Prior, Attitude, Tray, Odometry, Stereo, Mono, Range, Surface, Deviation, Link };
-constexpr std::array<const char*, 10> kKindNames{"prior", "attitude", "tray",    "odometry",  "stereo",
-                                                 "mono",  "range",    "surface", "deviation", "link"};
+enum class Kind : int8_t {
+  Prior,
+  Attitude,
+  Tray,
+  Odometry,
+  Stereo,
+  Mono,
+  Range,
+  Surface,
+  Deviation,
+  Link,
+  Plane,
+  PlanePair,
+  PlaneRange,
+  Velocity
+};
+constexpr std::array<const char*, 14> kKindNames{"prior", "attitude",   "tray",        "odometry",  "stereo",
+                                                 "mono",  "range",      "surface",     "deviation", "link",
+                                                 "plane", "plane_pair", "plane_range", "velocity"};
 
 // Blocks that every factor may meet, in this order after poses and landmarks.
 enum Global { kHull, kCamera, kBottom, kDvl, kNavigation, kTopIntrinsics, kBottomIntrinsics };
@@ -49,7 +65,7 @@ class Model {
   Model(const Tables& tables, const Options& options);
 
   // Blocks in the order of columns: poses, landmarks, T_g_M, T_s_ct, T_ct_cb, T_s_d, navigation, intrinsics_top,
-  // intrinsics_bottom, nodes of the deviation field, switches of links.
+  // intrinsics_bottom, nodes of the deviation field, planes, switches of links.
   const std::vector<Block>& blocks() const { return blocks_; }
 
   // Factors are numbered by kind, then by row. They are made when asked for: half a million kept would cost 300 MB.
@@ -70,7 +86,9 @@ class Model {
   bool is_landmark(int32_t block) const { return block >= poses() && block < poses() + landmarks(); }
   int first_node() const { return static_cast<int>(poses() + landmarks() + 7); }
   int nodes() const { return static_cast<int>(tables_.deviation.rows()); }
-  int first_switch() const { return first_node() + nodes(); }
+  int first_plane() const { return first_node() + nodes(); }
+  int planes() const { return static_cast<int>(tables_.plane.rows()); }
+  int first_switch() const { return first_plane() + planes(); }
   const Tables& tables() const { return tables_; }
   const Options& options() const { return options_; }
   const Mixture& mixture() const { return mixture_; }
@@ -103,6 +121,7 @@ class Model {
   void visit_link(int64_t row, const Use& use) const;
   Odometry odometry(int64_t row) const;
   Range range(int64_t row) const;
+  PlaneRange plane_range(int64_t row) const;
 
   Tables tables_;
   Options options_;
@@ -209,6 +228,18 @@ void Model::visit(int64_t factor, const Use& use) const {
       return use(FieldPrior{prior_nodes_.at(field_rows_[i])}, Scalar{1.0}, none);
     case Kind::Link:
       return visit_link(i, use);
+    case Kind::Plane:
+      return use(PlaneSighting{Vec3(t.sighting_measured.row(i)),
+                               t.sighting_node.data[i] == t.plane_anchor.data[t.sighting_plane.data[i]]},
+                 Full<3>{matrix<3, 3>(t.sighting_sqrt.row(i))}, none);
+    case Kind::PlanePair:
+      return use(PlanePair{Vec3(t.pair_measured.row(i)),
+                           t.plane_anchor.data[t.pair_first.data[i]] == t.plane_anchor.data[t.pair_second.data[i]]},
+                 Full<3>{matrix<3, 3>(t.pair_sqrt.row(i))}, none);
+    case Kind::PlaneRange:
+      return use(plane_range(i), Scalar{1 / t.plane_range_sigma.data[i]}, Robust{options_.huber_range});
+    case Kind::Velocity:
+      return use(Velocity{t.velocity_before.data[i], t.velocity_after.data[i]}, diagonal<6>(t.velocity_sigma.row(i)), none);
   }
 }
 

@@ -40,12 +40,17 @@ struct Table {
   X(odometry_mount) X(stereo_pixel) X(mono_pixel) X(range_offset) \
   X(range_tray_offset) X(range_beam) X(range_measured) X(range_sigma) \
   X(range_field_weight) X(surface_weight) X(surface_field_weight) \
-  X(field_prior_value) X(link_switch) X(link_measured) X(link_sqrt)
+  X(field_prior_value) X(link_switch) X(link_measured) X(link_sqrt) \
+  X(plane) X(sighting_measured) X(sighting_sqrt) X(pair_measured) X(pair_sqrt) \
+  X(plane_range_offset) X(plane_range_tray_offset) X(plane_range_beam) \
+  X(plane_range_measured) X(plane_range_sigma) X(velocity_before) \
+  X(velocity_after) X(velocity_sigma)
 #define HULLRECON_INT_TABLES(X) \
   X(faces) X(prior_pose_node) X(attitude_node) X(tray_node) X(odometry_first) X(odometry_second) X(stereo_node) \
   X(stereo_landmark) X(mono_node) X(mono_landmark) X(mono_camera) X(range_node) X(range_field_index) X(surface_landmark) \
   X(surface_field_index) X(field_prior_start) X(field_prior_index) X(link_first) X(link_second) X(link_camera_first) \
-  X(link_camera_second) X(link_scaled) X(link_kernel)
+  X(link_camera_second) X(link_scaled) X(link_kernel) X(plane_anchor) X(sighting_node) X(sighting_plane) X(pair_first) \
+  X(pair_second) X(plane_range_node) X(plane_range_plane) X(velocity_first) X(velocity_second) X(velocity_third)
 // clang-format on
 
 struct Tables {

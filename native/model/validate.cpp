@@ -212,6 +212,56 @@ void links(const Tables& t) {
   shape(t.link_switch, {switches});
 }
 
+void planes(const Tables& t) {
+  const int64_t n = t.pose.rows(), p = t.plane.rows(), s = t.sighting_node.rows(), m = t.pair_first.rows(),
+                r = t.plane_range_node.rows();
+  shape(t.plane, {p, 3});
+  for (int64_t i = 0; i < p; ++i) {
+    if (!(Eigen::Map<const Eigen::Vector3d>(t.plane.row(i)).norm() > 0))
+      throw InputError("row " + std::to_string(i) + " passes through its anchor", t.plane.name, "anchor it at another node");
+  }
+  shape(t.plane_anchor, {p}), index(t.plane_anchor, n);
+  shape(t.sighting_node, {s}), index(t.sighting_node, n);
+  shape(t.sighting_plane, {s}), index(t.sighting_plane, p);
+  shape(t.sighting_measured, {s, 3});
+  shape(t.sighting_sqrt, {s, 3, 3});
+  for (const Ints* end : {&t.pair_first, &t.pair_second}) shape(*end, {m}), index(*end, p);
+  for (int64_t i = 0; i < m; ++i) {
+    if (t.pair_first.data[i] == t.pair_second.data[i])
+      throw InputError("row " + std::to_string(i) + " joins a plane to itself", t.pair_second.name, "");
+  }
+  shape(t.pair_measured, {m, 3});
+  shape(t.pair_sqrt, {m, 3, 3});
+  shape(t.plane_range_node, {r}), index(t.plane_range_node, n);
+  shape(t.plane_range_plane, {r}), index(t.plane_range_plane, p);
+  shape(t.plane_range_offset, {r, 7});
+  unit(t.plane_range_offset, 3, 4);
+  shape(t.plane_range_beam, {r, 3});
+  unit(t.plane_range_beam, 0, 3);
+  for (const Floats* table : {&t.plane_range_tray_offset, &t.plane_range_measured, &t.plane_range_sigma}) shape(*table, {r});
+  positive(t.plane_range_sigma);
+}
+
+void velocities(const Tables& t) {
+  const int64_t m = t.velocity_first.rows();
+  for (const Ints* node : {&t.velocity_first, &t.velocity_second, &t.velocity_third}) {
+    shape(*node, {m}), index(*node, t.pose.rows());
+  }
+  for (int64_t i = 0; i < m; ++i) {
+    const int32_t a = t.velocity_first.data[i], b = t.velocity_second.data[i], c = t.velocity_third.data[i];
+    if (a == b || b == c || a == c)
+      throw InputError("row " + std::to_string(i) + " names a pose twice", t.velocity_second.name, "");
+  }
+  for (const Floats* table : {&t.velocity_before, &t.velocity_after}) {
+    shape(*table, {m});
+    for (int64_t i = 0; i < m; ++i) {
+      if (!(table->data[i] > 0)) throw InputError("interval " + std::to_string(i) + " is not positive", table->name, "");
+    }
+  }
+  shape(t.velocity_sigma, {m, 6});
+  positive(t.velocity_sigma);
+}
+
 void option(bool good, const char* name, const char* what) {
   if (!good) throw UsageError(what, name, "");
 }
@@ -229,6 +279,8 @@ void validate(const Tables& t) {
   hull(t);
   field_prior(t);
   links(t);
+  planes(t);
+  velocities(t);
 }
 
 void validate(const Options& o) {

@@ -105,6 +105,24 @@ inline void read_links(const TableReader& from, Tables& t) {
   from.read(t.link_scaled, "links.scaled", true), from.read(t.link_kernel, "links.kernel");
 }
 
+inline void read_planes(const TableReader& from, Tables& t) {
+  from.read(t.plane, "unknowns.plane"), from.read(t.plane_anchor, "planes.anchor");
+  from.read(t.sighting_node, "plane_sightings.node"), from.read(t.sighting_plane, "plane_sightings.plane");
+  from.read(t.sighting_measured, "plane_sightings.measured"), from.read(t.sighting_sqrt, "plane_sightings.sqrt_information");
+  from.read(t.pair_first, "plane_pairs.first"), from.read(t.pair_second, "plane_pairs.second");
+  from.read(t.pair_measured, "plane_pairs.measured"), from.read(t.pair_sqrt, "plane_pairs.sqrt_information");
+  from.read(t.plane_range_node, "plane_ranges.node"), from.read(t.plane_range_plane, "plane_ranges.plane");
+  from.read(t.plane_range_offset, "plane_ranges.offset"), from.read(t.plane_range_tray_offset, "plane_ranges.tray_offset");
+  from.read(t.plane_range_beam, "plane_ranges.beam"), from.read(t.plane_range_measured, "plane_ranges.measured");
+  from.read(t.plane_range_sigma, "plane_ranges.sigma");
+}
+
+inline void read_velocities(const TableReader& from, Tables& t) {
+  from.read(t.velocity_first, "velocities.first"), from.read(t.velocity_second, "velocities.second");
+  from.read(t.velocity_third, "velocities.third"), from.read(t.velocity_before, "velocities.before");
+  from.read(t.velocity_after, "velocities.after"), from.read(t.velocity_sigma, "velocities.sigma");
+}
+
 inline void read_hull(const TableReader& from, Tables& t) {
   from.read(t.vertices, "cad_mesh.vertices"), from.read(t.faces, "cad_mesh.faces");
   from.read(t.tray_origin, "lever_arms.tray"), from.read(t.pressure_origin, "lever_arms.pressure");
@@ -125,6 +143,8 @@ inline Tables read_tables(const py::object& problem, std::vector<py::object>& al
   read_images(from, t);
   read_hull(from, t);
   read_links(from, t);
+  read_planes(from, t);
+  read_velocities(from, t);
   t.constant = problem.attr("constant").cast<std::vector<std::string>>();
   t.sigma_px = problem.attr("sigma_px").cast<double>();
   return t;

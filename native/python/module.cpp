@@ -117,6 +117,7 @@ py::dict unknowns(const Model& model) {
   }
   const auto numbers = [&](int first, py::ssize_t count) { return gather(first, count, 1).reshape({count}); };
   out["deviation"] = numbers(model.first_node(), model.nodes());
+  out["plane"] = gather(model.first_plane(), model.planes(), 3);
   out["link_switch"] = numbers(model.first_switch(), model.tables().link_switch.rows());
   return out;
 }

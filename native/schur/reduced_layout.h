@@ -9,17 +9,18 @@
 
 namespace hullrecon {
 
-// Poses, then nodes of the deviation field, then switches of links, each a column block of its own; then the border, one block
-// of all free globals, which nearly every factor meets.
+// Poses, then nodes of the deviation field, then planes and switches of links, each a column block of its own; then the border,
+// one block of all free globals, which nearly every factor meets.
 class ReducedLayout {
  public:
   explicit ReducedLayout(const Model& model)
       : poses_(static_cast<int>(model.poses())),
         nodes_(model.nodes()),
-        others_(static_cast<int>(model.blocks().size()) - model.first_switch()),
+        others_(static_cast<int>(model.blocks().size()) - model.first_plane()),
+        planes_(model.planes()),
         pose_width_(model.blocks()[0].tangent),
         first_node_(model.first_node()),
-        first_other_(model.first_switch()),
+        first_other_(model.first_plane()),
         landmarks_end_(static_cast<int>(model.poses() + model.landmarks())) {
     if (nodes_ > 0 && model.blocks()[first_node_].tangent == 0) nodes_ = 0;
     for (int k = 0; k < 7; ++k) {
@@ -34,8 +35,12 @@ class ReducedLayout {
   int others() const { return others_; }                    // met by small factors alone
   int blocks() const { return poses_ + nodes_ + others_; }  // the border is the next
   int border() const { return border_; }                    // its width
-  int width(int block) const { return block < poses_ ? pose_width_ : block < blocks() ? 1 : border_; }
-  int size() const { return poses_ * pose_width_ + nodes_ + others_ + border_; }
+  int width(int block) const {
+    if (block < poses_) return pose_width_;
+    if (block >= blocks()) return border_;
+    return block >= other(0) && block < other(planes_) ? 3 : 1;
+  }
+  int size() const { return poses_ * pose_width_ + nodes_ + others_ + 2 * planes_ + border_; }
   int node(int k) const { return poses_ + k; }            // block of node k
   int other(int k) const { return poses_ + nodes_ + k; }  // and of other block k
   // First column of a global (enum Global) in the border; -1: held.
@@ -57,7 +62,7 @@ class ReducedLayout {
   }
 
  private:
-  int poses_, nodes_, others_, pose_width_, border_ = 0, first_node_, first_other_, landmarks_end_;
+  int poses_, nodes_, others_, planes_, pose_width_, border_ = 0, first_node_, first_other_, landmarks_end_;
   std::array<int, 7> column_;
 };
 

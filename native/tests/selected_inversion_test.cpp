@@ -6,6 +6,7 @@
 #include <random>
 
 #include "expect.h"
+#include "sparse/inverse_columns.h"
 
 using namespace hullrecon;
 
@@ -62,6 +63,25 @@ TEST_CASE("an entry off the pattern is refused, not guessed") {
   const SelectedInverse inverse(lower(Eigen::MatrixXd::Identity(3, 3)));
   CHECK(inverse(1, 1) == 1.0);
   CHECK_THROWS_AS(inverse(2, 0), std::out_of_range);
+}
+
+TEST_CASE("chosen columns equal those of the dense inverse at chosen rows, on the pattern or off it") {
+  for (int n : {1, 2, 7, 40, 160}) {
+    const Eigen::MatrixXd a = chain(n, n, 0.01), dense = a.inverse();
+    const SupernodalFactor factor(lower(a));
+    InverseColumns inverse(factor);
+    std::mt19937 rng(n);
+    for (int trial = 0; trial < 6; ++trial) {  // the same object again: what it met before is forgotten
+      std::vector<int> columns, rows;
+      for (int k = 0; k < 1 + trial; ++k) columns.push_back(static_cast<int>(rng() % n));
+      for (int k = 0; k < trial; ++k) rows.push_back(static_cast<int>(rng() % n));
+      inverse.solve(columns, rows);
+      for (int c = 0; c <= trial; ++c) {
+        for (int r : rows) CHECK(inverse(r, c) == doctest::Approx(dense(r, columns[c])).epsilon(1e-9));
+        for (int r : columns) CHECK(inverse(r, c) == doctest::Approx(dense(r, columns[c])).epsilon(1e-9));
+      }
+    }
+  }
 }
 
 TEST_CASE("a chain that nothing ties down is singular, and the direction left is the common shift") {

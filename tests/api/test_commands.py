@@ -78,7 +78,7 @@ def opened(package: Path, solution: Solution, returns: Returns, tmp_path: Path) 
     record |= {"accepted": np.ones(3, bool), "label_changes": np.array([0, 20, 0])}
     dive = DiveRun("wall", Chain(stages, sections, package), Workspace(tmp_path / "runs" / "wall"))
 
-    def open_dive(*_: Any) -> DiveRun:
+    def open_dive(*_: Any, **__: Any) -> DiveRun:
         return dive
 
     open_dive.calls = calls  # type: ignore[attr-defined]

@@ -11,9 +11,9 @@ from pathlib import Path
 def test_a_whole_run_is_summed_up(program, package: Path, runs: Path) -> None:
     program("run", package, "--runs", runs)
     answer = program("check", runs / "toy", "--read-data")
-    assert (answer.code, answer.out) == (0, "3 artifacts, 4 files read, 0.0 MB, 0 damaged\n")
+    assert (answer.code, answer.out) == (0, "3 artifacts, 8 files read, 0.0 MB, 0 damaged\n")
     assert json.loads(program("check", runs / "toy", "--json").out) == {
-        "artifacts": 3, "files": 3, "read_data": False, "damaged": [],
+        "artifacts": 3, "files": 7, "read_data": False, "damaged": [],
     }  # fmt: skip
 
 

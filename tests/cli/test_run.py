@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import logging
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -278,3 +279,43 @@ def test_the_log_file_of_a_run_that_fails_holds_the_error(program, package: Path
     answer = program("run", package, "--runs", runs, "--quiet", "--log-file", tmp_path / "run.log")
     assert answer.code == 3
     assert answer.err.strip() in (tmp_path / "run.log").read_text()
+
+
+@pytest.mark.parametrize(
+    ("how", "code", "said"), [("badly", 4, "too few words (log.txt): write more"), ("fault", 1, "internal error")]
+)
+@pytest.mark.parametrize("as_json", [False, True])
+def test_a_step_that_fails_alone_leaves_the_delivery_and_ends_with_its_code(
+    as_json: bool,
+    how: str,
+    code: int,
+    said: str,
+    program,
+    package: Path,
+    runs: Path,
+    toy_stages,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ingest, navigate, report = toy_stages
+    alone = replace(
+        report, inputs=("ingest",), optional=("navigate",), run=lambda c: c.out.json("deliver/why.json", c.failures)
+    )
+    monkeypatch.setattr("hullrecon.steps.chain.stages", lambda: (ingest, replace(navigate, fails_alone=True), alone))
+    command = ["run", package, "--runs", runs, "--quiet", "--set", f"navigate.end={how}"]
+    answer = program(*command, *["--json"] * as_json)
+    assert answer.code == code
+    assert answer.err.startswith(f"error: {said}")
+    assert answer.err.count("\n") == 1
+    assert said in json.loads((runs / "toy" / "deliver" / "why.json").read_text())["navigate"]
+    if as_json:
+        assert states(answer) == {"ingest": "made", "navigate": "failed", "report": "made"}
+
+
+def test_what_an_earlier_run_delivered_is_not_shown_as_this_runs(program, package: Path, runs: Path) -> None:
+    program("run", package, "--runs", runs)
+    answer = program("run", package, "--runs", runs, "--to", "navigate", "--set", "navigate.times=2", "--json")
+    assert json.loads(answer.out)["deliver"] is None
+    failed = program("run", package, "--runs", runs, "--set", "navigate.end=badly")
+    assert failed.code == 4
+    assert not (runs / "toy" / "deliver").exists()
+    assert (runs / "toy" / "deliver-out-of-date" / "report.txt").exists()

@@ -80,6 +80,7 @@ def landmarks_on_wall(x: np.ndarray, z: np.ndarray, noise: np.ndarray) -> Surfac
         offset=offset,
         sigma=np.full(n, 0.003),
         common=np.full(n, 0.004),
+        covariance=np.tile(np.diag([0.3, 0.004, 0.05]) ** 2, (n, 1, 1)),
         views=np.full(n, 6),
     )
 

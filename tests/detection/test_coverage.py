@@ -8,6 +8,7 @@ import pytest
 from hullrecon.detection import coverage
 from hullrecon.detection.views import find_visibility
 from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.poses import Poses, from_rpy
 from hullrecon.records.sensors import SonarPings
@@ -114,3 +115,24 @@ def test_what_lies_outside_the_survey_is_no_hole(hull, scenery) -> None:
     seen = np.abs(hull.mesh.vertices[:, 0] - 2) < 1
     assert coverage.find_holes(hull, seen, scenery.chart, _address) == []
     assert coverage.find_holes(hull, np.zeros(len(seen), bool), scenery.chart, _address) == []
+
+
+def test_a_part_without_any_surface_inside_the_survey_is_a_hole(hull, scenery) -> None:
+    """Without a CAD model the hull itself ends where nothing was measured; so do its patches."""
+    middle = hull.mesh.vertices[hull.mesh.faces].mean(axis=1)
+    gap = np.maximum(np.abs(middle[:, 0] - 2.0), np.abs(middle[:, 2] - 1.0)) < 0.75
+    rest = coverage.hull_patches(Mesh(hull.mesh.vertices, hull.mesh.faces[~gap]))
+    torn = np.isin(np.arange(len(hull.mesh.vertices)), rest.mesh.faces)
+    rows = np.flatnonzero(torn)
+    number = np.full(len(torn), -1)
+    number[rows] = np.arange(len(rows))
+    rest = coverage.hull_patches(Mesh(hull.mesh.vertices[rows], number[rest.mesh.faces].astype(np.int32)))
+    (hole,) = coverage.find_holes(rest, np.ones(len(rows), bool), scenery.chart, _address)
+    assert hole["area_m2"] == pytest.approx(1.5**2, rel=0.3)
+    assert hole["address"] == "x 2.0"
+
+
+def test_patches_wider_than_a_cell_leave_no_holes_between_them(wall, scenery) -> None:
+    coarse = coverage.hull_patches(refine(wall, 0.12)[0])
+    seen = np.abs(coarse.mesh.vertices[:, 0] - 2) < 1.2
+    assert coverage.find_holes(coarse, seen, scenery.chart, _address) == []

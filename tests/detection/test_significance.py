@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.objects.regions import find_regions
+from hullrecon.detection.objects.regions import TOP_M2, find_regions
 from hullrecon.detection.objects.significance import height_sigma, p_value, relief_left, roughness
 from hullrecon.detection.options import DetectOptions
 
@@ -41,3 +41,16 @@ def test_relief_between_landmarks_is_what_their_noise_does_not_explain() -> None
     assert relief_left(noise, sigma) < 0.001
     assert relief_left(noise + relief, sigma) == pytest.approx(0.004, rel=0.1)
     assert relief_left(np.zeros(0), np.zeros(0)) == 0.0
+
+
+def test_a_small_object_and_a_large_one_were_looked_for_in_as_many_places() -> None:
+    """The places are those that the survey holds, whatever was found: every top of 8 cm2 of 8 m2."""
+    assert p_value(5.0, 1.0, 0.0, 8 / TOP_M2) == pytest.approx(10_000 * 5.733e-7, rel=1e-2)
+    assert p_value(5.0, 1.0, 0.0, 800 / TOP_M2) > 0.4
+
+
+def test_the_false_alarm_probability_of_bare_hull_is_what_it_says() -> None:
+    """Of a thousand surveys of bare hull with 200 places each as many exceed a height as its probability says."""
+    highest = np.abs(np.random.default_rng(4).normal(0, 0.003, (1000, 200))).max(axis=1)
+    for height in (0.009, 0.0105):
+        assert np.mean(highest > height) == pytest.approx(p_value(height, 0.0, 0.003, 200), abs=0.04)

@@ -11,7 +11,7 @@ import pytest
 from end_to_end.json_schema import violations
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-JSON = ("summary", "alignment", "objects", "coverage")
+JSON = ("summary", "alignment", "objects", "coverage", "chart")
 pytestmark = pytest.mark.slow
 
 
@@ -80,7 +80,7 @@ def test_the_costs_of_the_factors_add_up_to_the_cost(deliver):
         assert parts == pytest.approx(float(row["cost"]), rel=1e-6)
 
 
-@pytest.mark.parametrize("name", ["landmarks.ply", "surface.ply", "as_found.ply"])
+@pytest.mark.parametrize("name", ["landmarks.ply", "surface.ply", "as_found.ply", "chart.ply"])
 def test_a_point_cloud_has_the_properties_described(deliver, name):
     head = (deliver / name).read_bytes().split(b"end_header")[0].decode()
     properties = re.findall(r"^property (?!list)\S+ (\S+)$", head, re.MULTILINE)

@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hullrecon.errors import InputError
-from hullrecon.geometry.charts.chart import Chart, address, chart_for_hull, chart_for_points, chart_from_arrays
+from hullrecon.geometry.charts.address import address
+from hullrecon.geometry.charts.chart import Chart, chart_for_hull, chart_for_points, chart_from_arrays
 from hullrecon.geometry.meshes.mesh import Mesh
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True)

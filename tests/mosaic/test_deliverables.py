@@ -8,16 +8,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.frames import Frame
 from hullrecon.mosaic.blend import Tile
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
-from hullrecon.mosaic.output.deliverables import Presentation, make_deliverables, mosaic_document
+from hullrecon.mosaic.output.deliverables import Presentation, gap_area_m2, make_deliverables, mosaic_document
 from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
 
 GRID = TexelGrid(west=-0.4, north=0.3, step_m=0.01, height=60, width=80)
 SHOWN = Presentation(
-    title="Optical mosaic", frame=Frame.HULL, frame_spacing_m=0.5, max_faces=500, facts={"surface": "as found", "images": 3}
+    title="Optical mosaic",
+    frame=Frame.HULL,
+    outside=OutsideMap(x_sign=-1, y_sign=1, frame="M"),
+    frame_spacing_m=0.5,
+    max_faces=500,
+    facts={"surface": "as found", "images": 3},
 )
 
 
@@ -45,7 +51,7 @@ def test_the_document_says_where_and_how_large_the_mosaic_is() -> None:
 
 def test_the_caption_names_the_surface_and_the_known_uncertainty() -> None:
     plain = str(mosaic_document(tiles(2), Frame.HULL, SHOWN.facts)["caption"])
-    assert plain == "0.2 m² at 10.0 mm a pixel, at most four best views a pixel, laid on the surface as found."
+    assert plain == "10.0 mm a pixel, at most four best views a pixel, laid on the surface as found."
     known = str(mosaic_document(tiles(2), Frame.HULL, {**SHOWN.facts, "position_sigma_m": 0.0312})["caption"])
     assert known == plain + " A pixel's place on the hull is known to 31 mm (one sigma)."
     unknown = mosaic_document(tiles(2), Frame.HULL, {**SHOWN.facts, "position_sigma_m": None})["caption"]
@@ -73,3 +79,27 @@ def test_frame_numbers_are_shown_in_the_ships_frame_only(flat_surface: Callable[
         make_deliverables(flat_surface(), tiles(2), replace(SHOWN, frame=Frame.GLOBAL, frame_spacing_m=s)) for s in (0.5, None)
     )
     assert numbered.preview == bare.preview
+
+
+def test_gaps_inside_the_outline_are_told_and_the_mosaics_shape_is_none() -> None:
+    """A mosaic of 2 m by 1 m at 1 cm: a hole of 30 cm in it, a notch of 20 cm and a bay of 1 m at its rim."""
+    alpha = np.zeros((160, 260), np.uint8)
+    alpha[30:130, 30:230] = 255
+    assert gap_area_m2(alpha, 0.01) == 0.0
+    alpha[60:90, 60:90] = 0
+    assert gap_area_m2(alpha, 0.01) == pytest.approx(0.09)
+    alpha[30:60, 150:170] = 0
+    assert gap_area_m2(alpha, 0.01) == pytest.approx(0.09 + 0.06, rel=0.1)
+    alpha[30:130, 190:230] = 0
+    assert gap_area_m2(alpha, 0.01) == pytest.approx(0.09 + 0.06, rel=0.1)
+
+
+def test_a_mosaic_with_a_gap_says_so() -> None:
+    def torn(window: Window) -> Tile:
+        rows, columns = np.mgrid[window.top : window.bottom, window.left : window.right]
+        gone = (np.abs(columns - 40) < 10) & (np.abs(rows - 30) < 10)
+        return Tile(value=np.full((*window.shape, 1), 120, np.float32), variance=np.zeros(window.shape, np.float32),
+                    views=np.where(gone, 0, 2).astype(np.uint8))  # fmt: skip
+
+    document = mosaic_document(make_tiles(GRID, 1, 16, 80, torn, lambda windows: windows), Frame.HULL, SHOWN.facts)
+    assert "Gaps inside its outline: 0.04 m²." in str(document["caption"])

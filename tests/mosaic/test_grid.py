@@ -21,11 +21,16 @@ def test_a_grid_around_points_starts_on_a_multiple_of_its_step() -> None:
     np.testing.assert_allclose([grid.west, grid.north], [1.0, 3.0])
 
 
-def test_a_grid_around_nothing_and_a_grid_beyond_memory_are_refused() -> None:
+def test_a_grid_around_nothing_is_refused() -> None:
     with pytest.raises(ValueError, match="no point"):
         grid_around(np.full((3, 2), np.nan), 0.1)
-    with pytest.raises(ValueError, match="too many"):
-        grid_around(np.array([[0.0, 0.0], [100.0, 100.0]]), 0.001)
+
+
+def test_a_grid_beyond_memory_is_coarser() -> None:
+    grid = grid_around(np.array([[0.0, 0.0], [100.0, 50.0]]), 0.001, max_texels=2e6)
+    assert grid.step_m == pytest.approx(0.05)
+    assert grid.height * grid.width <= 2.02e6
+    assert grid.width * grid.step_m == pytest.approx(100.0)
 
 
 def test_tiles_cover_every_texel_once() -> None:

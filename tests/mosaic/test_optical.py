@@ -70,9 +70,9 @@ def test_without_correction_the_lamp_stays(flat_surface: Callable[..., MosaicSur
     assert row[:6].max() < 0.85 * row[len(row) // 2 - 6 : len(row) // 2 + 6].max()
 
 
-def test_texels_are_some_pixels_wide_within_bounds() -> None:
-    assert texel_size(0.0022, OpticalOptions()) == pytest.approx(0.0044)
-    assert texel_size(0.0005, OpticalOptions()) == pytest.approx(0.003)
+def test_texels_are_a_pixel_wide_within_bounds() -> None:
+    assert texel_size(0.0022, OpticalOptions()) == pytest.approx(0.0022)
+    assert texel_size(0.0005, OpticalOptions()) == pytest.approx(0.001)
     assert texel_size(0.1, OpticalOptions()) == pytest.approx(0.02)
     assert texel_size(0.1, OpticalOptions(resolution_m=0.0015)) == 0.0015
 

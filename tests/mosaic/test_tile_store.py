@@ -2,16 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
-import tifffile
 
 from hullrecon.mosaic.blend import Tile
 from hullrecon.mosaic.grid import TexelGrid, Window
-from hullrecon.mosaic.output.raster import write_raster
+from hullrecon.mosaic.output.compressed_tiles import CompressedTiles
 from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
 
 GRID = TexelGrid(west=30.0, north=6.0, step_m=0.01, height=100, width=150)
@@ -54,32 +50,18 @@ def test_variance_percentiles_are_those_of_the_texels(store: TileStore) -> None:
     assert high == pytest.approx(126, abs=2)
 
 
-def test_the_raster_carries_colours_alpha_metres_and_origin(store: TileStore, tmp_path: Path) -> None:
-    path = tmp_path / "ortho.tif"
-    write_raster(path, store.color_tiles(), GRID, 64, 4, "uint8", "M")
-    with tifffile.TiffFile(path) as file:
-        page = file.pages[0]
-        picture = page.asarray()
-        said = json.loads(page.tags["ImageDescription"].value)
-        assert page.tags[33550].value == pytest.approx((0.01, 0.01, 0.0))
-        assert page.tags[33922].value == pytest.approx((0, 0, 0, 30.0, 6.0, 0))
-        assert page.tags["XResolution"].value == (1, 1)  # one pixel a centimetre
-    assert picture.shape == (100, 150, 4)
-    np.testing.assert_array_equal(picture[7, 120], [120, 120, 120, 255])
-    np.testing.assert_array_equal(picture[7, 20], [0, 0, 0, 0])
-    assert said["chart_frame"] == "M"
-    assert said["metres_per_pixel"] == 0.01
+def test_tiles_come_back_as_they_were_made(store: TileStore) -> None:
+    windows = list(GRID.tiles(64))
+    made = [ramp(window) for window in windows]
+    assert len(store.color) == len(store.variance) == len(store.counts) == len(windows)
+    for color, variance, views, tile in zip(store.color, store.variance, store.counts, made, strict=True):
+        np.testing.assert_array_equal(color[..., 3] > 0, tile.views > 0)
+        np.testing.assert_array_equal(variance[tile.views > 0], tile.variance[tile.views > 0])
+        assert np.isnan(variance[tile.views == 0]).all()
+        np.testing.assert_array_equal(views, tile.views)
 
 
-def test_the_variance_raster_is_nan_where_nothing_was_seen(store: TileStore, tmp_path: Path) -> None:
-    path = tmp_path / "variance.tif"
-    write_raster(path, store.variance_tiles(), GRID, 64, 1, "float32", "g")
-    picture = tifffile.imread(path)
-    assert np.isnan(picture[3, 10])
-    assert picture[33, 100] == 33
-
-
-def test_the_same_tiles_give_the_same_bytes(store: TileStore, tmp_path: Path) -> None:
-    for name in ("one", "two"):
-        write_raster(tmp_path / name, store.color_tiles(), GRID, 64, 4, "uint8", "M")
-    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+def test_a_tile_of_another_shape_is_refused() -> None:
+    tiles = CompressedTiles((4, 4), "uint8")
+    with pytest.raises(ValueError, match="shape"):
+        tiles.add(np.zeros((4, 5), np.uint8))

@@ -138,6 +138,43 @@ def camera_poses(p: Draft, node: np.ndarray, camera: np.ndarray) -> Poses:
     return Poses(np.where(choose, below.quaternion, top.quaternion), np.where(choose, below.translation, top.translation))
 
 
+def planes(p: Draft) -> None:
+    """Planes below the nodes, some of them seen from several, ranges to them, pairs of them, and velocities."""
+    rng = np.random.default_rng(7)
+    n, count = len(p.unknowns.pose), 6
+    at = Poses(p.unknowns.pose[:, 3:7], p.unknowns.pose[:, :3])
+    p.planes.anchor = (np.arange(count) % 4).astype(np.int32)
+    p.unknowns.plane = np.array([0.1, 0.05, -1.6]) + 0.2 * rng.normal(size=(count, 3))
+    sightings = np.r_[np.arange(count), rng.integers(0, count, 14)]
+    node = np.r_[p.planes.anchor, rng.integers(0, n, 14)]
+    p.plane_sightings.plane, p.plane_sightings.node = sightings.astype(np.int32), node.astype(np.int32)
+    predicted = planes_seen(at, p.unknowns.plane[sightings], p.planes.anchor[sightings], node)
+    p.plane_sightings.measured = predicted + 0.02 * rng.normal(size=predicted.shape)
+    p.plane_sightings.sqrt_information = 50 * np.eye(3) + 5 * rng.normal(size=(len(node), 3, 3))
+    p.plane_pairs.first, p.plane_pairs.second = np.array([0, 1, 2, 4], np.int32), np.array([1, 2, 3, 0], np.int32)
+    p.plane_pairs.measured = 0.05 * rng.normal(size=(4, 3))
+    p.plane_pairs.sqrt_information = 10 * np.eye(3) + rng.normal(size=(4, 3, 3))
+    m = 12
+    p.plane_ranges.node, p.plane_ranges.plane = (rng.integers(0, k, m).astype(np.int32) for k in (n, count))
+    offset = exp(0.02 * rng.normal(size=(m, 6)))
+    p.plane_ranges.offset = np.hstack([offset.translation, offset.quaternion])
+    p.plane_ranges.tray_offset, p.plane_ranges.beam = 0.01 * rng.normal(size=m), np.tile([[0.5, 0, 0.75**0.5]], (m, 1))
+    p.plane_ranges.measured, p.plane_ranges.sigma = rng.uniform(1.5, 2, m), np.full(m, 0.05)
+    p.velocities.first, p.velocities.second, p.velocities.third = (
+        np.arange(3) + k for k in np.arange(3, dtype=np.int32)[:, None]
+    )
+    p.velocities.before, p.velocities.after = np.array([1.0, 1.5, 2.0]), np.array([1.5, 2.0, 1.0])
+    p.velocities.sigma = np.tile(np.repeat([0.1, 0.05], 3), (3, 1))
+
+
+def planes_seen(at: Poses, plane: np.ndarray, anchor: np.ndarray, node: np.ndarray) -> np.ndarray:
+    """Planes of their anchors in the vehicle frames of nodes: the foot of each node's origin on the plane, turned about."""
+    distance = np.linalg.norm(plane, axis=1, keepdims=True)
+    normal = at[anchor].rotation.apply(plane / distance)
+    height = np.sum(normal * (at[node].translation - at[anchor].translation), axis=1, keepdims=True) + distance
+    return np.asarray(at[node].rotation.inv().apply(height * normal))
+
+
 CASES: dict[str, tuple[Change, ...]] = {
     "as it is": (),
     "mono": (mono,),
@@ -162,6 +199,9 @@ CASES: dict[str, tuple[Change, ...]] = {
     "links": (links,),
     "everything free, links": (free(*BLOCKS), field, mono_beside_stereo, links),
     "links, tray held": (hold("tray"), links),
+    "planes": (planes,),
+    "everything free, planes": (free(*BLOCKS), field, mono_beside_stereo, planes, links),
+    "planes, tray held": (hold("tray"), planes, no_landmarks),
     "links alone": (hold("T_g_M"), links, no_landmarks, leave("attitude", "tray")),
 }
 
@@ -191,7 +231,7 @@ def test_both_cores_come_to_one_optimum(case: str, method: str, make_survey: Sur
 
 
 @pytest.mark.parametrize(
-    "case", ["as it is", "outliers", "everything free, mono", "tray held", "no landmarks", "links", "links alone"]
+    "case", ["as it is", "outliers", "everything free, mono", "tray held", "no landmarks", "links", "links alone", "planes"]
 )
 def test_both_cores_take_the_same_steps(case: str, make_survey: Survey, shaken: Survey) -> None:
     schur, ceres = (r.iterations for r in both(problem(case, make_survey, shaken), Options(max_iterations=4)))
@@ -214,7 +254,7 @@ def test_steps_that_fail_shrink_the_radius_alike(seed: int, make_survey: Survey,
     assert schur.cost[-1] == pytest.approx(ceres.cost[-1], rel=1e-6)
 
 
-@pytest.mark.parametrize("case", ["as it is", "everything free, mono", "two surfaces", "everything free, links"])
+@pytest.mark.parametrize("case", ["as it is", "everything free, mono", "two surfaces", "everything free, planes"])
 def test_the_bytes_do_not_depend_on_the_threads(case: str, make_survey: Survey, shaken: Survey) -> None:
     p = problem(case, make_survey, shaken)
     one, two, three = (solve(p, Options(threads=threads)) for threads in (1, 2, 3))

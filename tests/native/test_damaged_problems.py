@@ -14,9 +14,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from drafts import Draft, change, covariance, evaluate, leaves, solve
+from native.test_cores import links, no_landmarks, planes
 
 from hullrecon.errors import InputError, StageError, UsageError
-from hullrecon.native import Options
+from hullrecon.native import Options, pair_covariance
 
 BATCH = 50
 BATCHES = -(-int(os.environ.get("HULLRECON_DAMAGED_PROBLEMS", "300")) // BATCH)
@@ -116,6 +117,25 @@ def answer(call: Callable[[Draft, Options], list[np.ndarray]], p: Draft, options
     except TYPED as error:
         return str(error).strip()
     return "numbers" if all(np.isfinite(v).all() for v in values) else "no numbers"
+
+
+def joint(p: Draft, options: Options) -> list[np.ndarray]:
+    return list(vars(pair_covariance(p.build(), np.array([[0, 3], [5, 1]]), options)).values())
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::numpy.exceptions.ComplexWarning")
+@pytest.mark.parametrize("batch", range(BATCHES // 2))
+def test_a_damaged_pose_graph_is_refused_in_words_or_solved_in_numbers(batch: int, make_survey: Survey, shaken: Survey) -> None:
+    answers = {}
+    for seed in range(batch * BATCH, (batch + 1) * BATCH):
+        rng = np.random.default_rng(seed)
+        p, options = shaken(make_survey(landmarks=25), seed=seed), chosen(rng)
+        for change_it in (links, planes, no_landmarks):
+            change_it(p)
+        p = damaged(p, rng)
+        answers |= {(seed, call.__name__): answer(call, p, options) for call in (solved, evaluated, marginals, joint)}
+    assert {key for key, said in answers.items() if said in ("", "no numbers")} == set()
+    assert sum(said == "numbers" for said in answers.values()) > BATCH / 10, "too much was damaged to tell"
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::numpy.exceptions.ComplexWarning")

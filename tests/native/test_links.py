@@ -204,6 +204,35 @@ def test_wrong_links_without_a_kernel_bend_the_path(make_survey: Survey) -> None
     assert rms_m(solve(p).unknowns.pose, truth) > 0.15
 
 
+def test_noisy_bearings_across_take_the_drift_out(make_survey: Survey) -> None:
+    """Odometry has the length, links of one camera the direction and the turn."""
+    rng = np.random.default_rng(7)
+    p, truth = circle(80, rng, wrong=0)
+    p.links.measured[:79], p.links.sqrt_information[:79] = drifted(p.links.measured[:79]), np.diag([100.0] * 3 + [200.0] * 3)
+    across = np.arange(79, len(p.links.first))
+    p.links.second[across] = p.links.first[across] + 35
+    noise = exp(rng.normal(size=(len(across), 6)) * np.repeat([0.005, 0.001], 3))
+    step = truth[p.links.first[across]].inverse() @ truth[p.links.second[across]] @ noise
+    length = np.linalg.norm(step.translation, axis=1, keepdims=True)
+    p.links.measured[across] = np.c_[step.translation / length, step.quaternion]
+    p.links.scaled[across], p.links.kernel[across] = False, LinkKernel.NONE
+    p.links.sqrt_information[across] = 0
+    p.links.sqrt_information[across, :2, :2] = 200 * length[:, :, None] * np.eye(2)
+    p.links.sqrt_information[across, 2:5, 2:5] = 1000 * np.eye(3)
+    got = rms_m(solve(p, Options(function_tolerance=1e-10)).unknowns.pose, truth)
+    for name in ("first", "second", "camera_first", "camera_second", "measured", "sqrt_information", "scaled", "kernel"):
+        setattr(p.links, name, getattr(p.links, name)[:79])
+    alone = rms_m(solve(p).unknowns.pose, truth)
+    assert alone > 0.5
+    assert got < 0.1 * alone
+
+
+def drifted(measured: np.ndarray) -> np.ndarray:
+    """Steps with a turn of a gyro's drift added."""
+    found = Poses(measured[:, 3:], measured[:, :3]) @ exp(np.r_[0, 0, 0, 0, 0, 0.004])
+    return np.c_[found.translation, found.quaternion]
+
+
 def test_links_tie_the_camera_to_the_vehicle(make_survey: Survey) -> None:
     """Six turned pairs tell where the camera sits, when the path is known."""
     p = make_survey()

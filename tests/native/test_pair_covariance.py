@@ -43,7 +43,7 @@ def assert_equals_dense(p: Draft, got: PairCovariance, pairs: np.ndarray, option
     np.testing.assert_allclose(got.T_s_ct, block("T_s_ct", "T_s_ct"), rtol=1e-6, atol=1e-12)
 
 
-@pytest.mark.parametrize("case", ["as it is", "everything free, links", "links, tray held", "both held", "links alone"])
+@pytest.mark.parametrize("case", ["as it is", "everything free, planes", "links, tray held", "both held", "links alone"])
 @pytest.mark.parametrize("threads", [1, 2])
 def test_every_pair_equals_the_dense_inverse(case: str, threads: int, make_survey: Survey, shaken: Survey) -> None:
     p, pairs = problem(case, make_survey, shaken), all_pairs(8)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from drafts import Draft, change, covariance, evaluate, leaves, solve
-from native.test_cores import field, mono_beside_stereo
+from native.test_cores import field, links, mono_beside_stereo, planes
 from native.twins import array_fields
 
 from hullrecon.errors import InputError, UsageError
@@ -27,6 +27,8 @@ def whole(make_survey: Survey) -> Draft:
     p = make_survey()
     field(p)
     mono_beside_stereo(p)
+    links(p)
+    planes(p)
     p.priors.T_ct_cb = MotionPrior(value=p.unknowns.T_ct_cb.copy(), sqrt_information=np.eye(6))
     return p
 
@@ -111,6 +113,46 @@ REFUSALS: list[tuple[str, Callable[[np.ndarray], Any], str]] = [
     ("priors.deviation.start", lambda x: x[[0, 2, 1, 3, 4, 5]], "the rows' starts descend at 2"),
     ("priors.deviation.index", lambda x: x + 5, "is not below 5"),
     ("priors.deviation.value", lambda x: x[:-1], "expected"),
+    ("links.first", lambda x: x + 8, "is not below 8"),
+    ("links.second", lambda x: x - 8, "index -"),
+    ("links.second", lambda x: x[:-1], "expected"),
+    ("links.camera_first", lambda x: x + 2, "is not below 2"),
+    ("links.camera_second", lambda x: x[:0], "expected"),
+    ("links.measured", lambda x: x[:, :6], "expected"),
+    ("links.measured", lambda x: x * 2, "row 0 is not of unit length"),
+    ("links.measured", lambda x: x * np.r_[0, 0, 0, np.ones(4)], "row 1 has no direction"),
+    ("links.sqrt_information", lambda x: x[:, :5, :5], "expected"),
+    ("links.sqrt_information", lambda x: x * np.nan, "is not finite"),
+    ("links.scaled", lambda x: x.astype(np.int32), "the numbers are of the wrong type"),
+    ("links.scaled", lambda x: x[:-1], "expected"),
+    ("links.kernel", lambda x: x + 1, "index 3 of entry 4 is not below 3"),
+    ("unknowns.link_switch", lambda x: x[:-1], r"expected \(8, \)"),
+    ("unknowns.plane", lambda x: x[:, :2], "expected"),
+    ("unknowns.plane", lambda x: 0 * x, "row 0 passes through its anchor"),
+    ("planes.anchor", lambda x: x + 8, "is not below 8"),
+    ("planes.anchor", lambda x: x[:-1], "expected"),
+    ("plane_sightings.node", lambda x: x - 8, "index -"),
+    ("plane_sightings.plane", lambda x: x + 6, "is not below 6"),
+    ("plane_sightings.plane", lambda x: x[:-1], "expected"),
+    ("plane_sightings.measured", lambda x: x[:, :2], "expected"),
+    ("plane_sightings.sqrt_information", lambda x: x[:, :2], "expected"),
+    ("plane_pairs.first", lambda x: x + 6, "is not below 6"),
+    ("plane_pairs.second", lambda x: np.zeros_like(x), "row 0 joins a plane to itself"),
+    ("plane_pairs.measured", lambda x: x[:-1], "expected"),
+    ("plane_pairs.sqrt_information", lambda x: x[:-1], "expected"),
+    ("plane_ranges.node", lambda x: x + 8, "is not below 8"),
+    ("plane_ranges.plane", lambda x: x + 6, "is not below 6"),
+    ("plane_ranges.offset", lambda x: x * 2, "row 0 is not of unit length"),
+    ("plane_ranges.beam", lambda x: x * 2, "row 0 is not of unit length"),
+    ("plane_ranges.tray_offset", lambda x: x[:-1], "expected"),
+    ("plane_ranges.measured", lambda x: x[:-1], "expected"),
+    ("plane_ranges.sigma", lambda x: 0 * x, "sigma 0 is not positive"),
+    ("velocities.first", lambda x: x - 1, "index -1"),
+    ("velocities.second", lambda x: x - 1, "row 0 names a pose twice"),
+    ("velocities.third", lambda x: x + 8, "is not below 8"),
+    ("velocities.before", lambda x: 0 * x, "interval 0 is not positive"),
+    ("velocities.after", lambda x: x[:-1], "expected"),
+    ("velocities.sigma", lambda x: -x, "sigma 0 is not positive"),
     ("sigma_px", lambda _: -1.0, "it is not positive"),
     ("sigma_px", lambda _: np.nan, "it is not positive"),
     ("constant", lambda _: ("T_g_m",), "there is no block of the name T_g_m"),

@@ -18,15 +18,18 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated
 from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_covariance
 from hullrecon.navigation.options import NavigateOptions
-from hullrecon.navigation.stereo_odometry.pair_motion import StereoMotion
+from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, StereoMotion
 from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stereo_navigate
 from hullrecon.navigation.stereo_odometry.visual_odometry import chain_errors, compose, follow
 from hullrecon.records.sensors import ImuSamples, PressureSamples
-from hullrecon.vision.pairs.camera_track import NavigationErrors
+from hullrecon.vision.pairs.camera_track import CameraTrack, NavigationErrors
 
 START_NS = 10**15
 PATH = [poses.from_mount([0.15 * k, 0.01 * k, 0.0, 0.5 * k, 0.0, 1.0 * k]) for k in range(6)]
 SIGMA = np.array([2e-3, 2e-3, 2e-3, 1e-3, 1e-3, 1e-3])
+# Of one error of the calibration that changes nothing and of which nothing is seen.
+EFFECT = CalibrationEffect(by_error=np.zeros((6, 1)), information=np.zeros((1, 1)), gradient=np.zeros(1))
+NONE = np.zeros((8, 6, 0)), np.zeros((0, 0))
 
 
 @dataclass
@@ -47,7 +50,7 @@ class KnownMotion:
         w = SIGMA * np.random.default_rng((first, second)).standard_normal(6)
         step = PATH[first].inverse() @ PATH[second]
         noisy = Poses((step.rotation * Rotation.from_rotvec(w[3:])).as_quat(), step.translation + w[:3])
-        return StereoMotion(pose=noisy, covariance=np.diag(SIGMA**2), inliers=200)
+        return StereoMotion(pose=noisy, covariance=np.diag(SIGMA**2), inliers=200, calibration=EFFECT)
 
 
 def images(count: int) -> list[tuple[int, int]]:
@@ -94,9 +97,22 @@ def test_the_covariance_of_a_chain_is_the_spread_of_disturbed_chains() -> None:
     shift = np.vstack([e.translation for e in ends]) - path.translation[-1]
     turn = np.vstack([(path[[-1]].rotation.inv() * e.rotation).as_rotvec() for e in ends])
     spread = np.cov(np.hstack([shift, turn]).T)
-    predicted = trajectory_covariance(chain_errors(path, np.tile(np.diag(sigma**2), (8, 1, 1))), path)[-1]
+    predicted = trajectory_covariance(chain_errors(path, np.tile(np.diag(sigma**2), (8, 1, 1)), *NONE), path)[-1]
     assert np.allclose(np.sqrt(np.diag(predicted)), np.sqrt(np.diag(spread)), rtol=0.12)
     assert predicted[0, 5] == pytest.approx(spread[0, 5], rel=0.25)
+
+
+def test_an_error_of_the_calibration_grows_with_the_way_and_not_with_its_root() -> None:
+    """A share of 1 % too long: 1 % of the way at its end, where steps that err independently would leave a third of that."""
+    step = poses.exp(np.tile([0.4, 0.0, 0.0, 0.0, 0.0, 0.0], (9, 1)))
+    path = compose(poses.identity(), step)
+    by_scale = np.zeros((9, 6, 1))
+    by_scale[:, 0, 0] = 0.4
+    errors = chain_errors(path, np.zeros((9, 6, 6)), by_scale, np.array([[0.01**2]]))
+    sigma = np.sqrt(trajectory_covariance(errors, path)[:, 0, 0])
+    np.testing.assert_allclose(sigma, 0.01 * 0.4 * np.arange(10), atol=1e-4)
+    track = CameraTrack(global_from_camera=path, errors=errors)
+    assert np.sqrt(track.relative_covariance(np.array([3]), np.array([4]))[0, 0, 0]) == pytest.approx(0.004, rel=0.01)
 
 
 def test_two_nodes_of_a_chain_know_nothing_of_the_steps_before_them() -> None:
@@ -104,10 +120,10 @@ def test_two_nodes_of_a_chain_know_nothing_of_the_steps_before_them() -> None:
     step = poses.exp(np.tile([0.4, 0.05, 0.0, 0.02, 0.05, 0.1], (8, 1)))
     covariance = np.tile(np.diag([4e-3, 3e-3, 2e-3, 1e-3, 2e-3, 3e-3]) ** 2, (8, 1, 1))
     path = compose(poses.from_mount([50.0, -20.0, 3.0, 5.0, 10.0, 70.0]), step)
-    errors = NavigationErrors(global_from_camera=path, model=chain_errors(path, covariance))
+    errors = NavigationErrors(global_from_camera=path, model=chain_errors(path, covariance, *NONE))
     found = errors.relative_covariance(np.array([7]), np.array([3]))[0]
     anew = compose(poses.identity(), step[3:7])
-    wanted = trajectory_covariance(chain_errors(anew, covariance[3:7]), anew)[-1]
+    wanted = trajectory_covariance(chain_errors(anew, covariance[3:7], NONE[0][3:7], NONE[1]), anew)[-1]
     assert np.allclose(found, wanted, atol=1e-7)  # 1e-8 is new at each node
     assert np.sqrt(wanted[0, 0]) > 4e-3
 
@@ -117,7 +133,7 @@ def test_two_nodes_of_a_chain_know_nothing_of_the_steps_before_them() -> None:
 
 def navigated(rig, aids: Aids, blind: tuple[int, ...] = (), count: int = 6) -> Navigated:
     rows = (START_NS + 10**9 * np.arange(count), np.arange(count))
-    return stereo_navigate(Frames(top=rows, bottom=rows), aids, KnownMotion(blind), rig, SIGMAS, NavigateOptions())
+    return stereo_navigate(Frames(top=rows, bottom=rows), aids, KnownMotion(blind), rig, SIGMAS, NavigateOptions(), np.zeros(1))
 
 
 def true_path(rig) -> Poses:

@@ -17,6 +17,7 @@ from hullrecon_cli.main import main
 from msgspec import Struct
 
 import hullrecon.steps.chain as chain
+from hullrecon.api.fleet import processes
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.errors import StageError
 
@@ -50,6 +51,9 @@ def toy(name: str, inputs: list[str], optional: list[str], needs_camera: bool) -
 
 
 if __name__ == "__main__":
+    if sys.argv[1:2] and sys.argv[1].isdigit():  # started by a fleet, which gives its own process first
+        processes.end_with_parent(int(sys.argv.pop(1)))
+    processes.PROGRAM = (sys.executable, "-P", __file__)
     stages = {step[0]: toy(*step) for step in json.loads(Path(os.environ["TOY_STEPS"]).read_text())}
     chain.stages = lambda: tuple(stages.values())
     chain.stage = stages.__getitem__

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""pipelines/dive.mk and fleet: they run what is new or out of date, in order, and say nothing when all is well."""
+"""pipelines/dive.mk: it runs what is new or out of date, in order, and says nothing when all is well."""
 
 from __future__ import annotations
 
@@ -27,15 +27,6 @@ def make_dive(call, pipelines: Path, program: Path, tmp_path: Path):
             f"HULLRECON={program}",
             *more,
         )
-
-    return make
-
-
-@pytest.fixture
-def run_fleet(call, pipelines: Path, program: Path, tmp_path: Path):
-    def make(*more: object):
-        environment = os.environ | {"HULLRECON": str(program)}
-        return call(pipelines / "fleet", *(more or (tmp_path / "dives",)), tmp_path / "runs", 2, env=environment)
 
     return make
 
@@ -130,77 +121,3 @@ def test_a_folder_of_runs_with_spaces_is_refused_by_its_name(make_dive, make_pac
     answer = make_dive(make_package(tmp_path / "package", "kestrel"), f"RUNS={tmp_path}/all runs")
     assert answer.returncode == 2
     assert "all runs has spaces" in answer.stderr
-
-
-def test_a_fleet_is_made_and_then_left_alone_without_a_word(run_fleet, make_package, trace: Path, tmp_path: Path) -> None:
-    for name in ("kestrel", "merlin"):
-        make_package(tmp_path / "dives" / f"2026-{name}", name)
-    for _ in range(2):
-        answer = run_fleet()
-        assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
-    ran = trace.read_text().split()
-    assert ran.count("report") == 2
-    assert {p.name for p in (tmp_path / "runs").iterdir()} == {"kestrel", "merlin", "logs"}
-    assert "report: done" in (tmp_path / "runs" / "logs" / "2026-merlin.log").read_text()
-
-
-def test_a_new_dive_is_made_and_the_others_left_alone(run_fleet, make_package, trace: Path, tmp_path: Path) -> None:
-    make_package(tmp_path / "dives" / "a", "kestrel")
-    run_fleet()
-    make_package(tmp_path / "dives" / "b", "merlin")
-    run_fleet()
-    assert trace.read_text().split().count("report") == 2
-
-
-def test_a_dive_that_fails_is_one_line_and_the_others_are_made(
-    run_fleet, make_package, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for name in ("kestrel", "merlin"):
-        make_package(tmp_path / "dives" / name, name)
-    monkeypatch.setenv("TOY_FAIL", "kestrel")
-    answer = run_fleet()
-    assert answer.returncode == 2
-    assert answer.stderr == "kestrel: error: the path could not be reckoned: look at the DVL\n"
-    assert "look at the DVL" in (tmp_path / "runs/logs/kestrel.log").read_text()
-    assert (tmp_path / "runs/merlin/deliver/report.txt").exists()
-    monkeypatch.delenv("TOY_FAIL")
-    assert run_fleet().returncode == 0
-    assert (tmp_path / "runs/kestrel/deliver/report.txt").exists()
-
-
-def test_two_dives_of_one_name_are_refused(run_fleet, make_package, tmp_path: Path) -> None:
-    for folder in ("a", "b"):
-        make_package(tmp_path / "dives" / folder, "kestrel")
-    answer = run_fleet()
-    assert answer.returncode == 2
-    assert "the same name: kestrel" in answer.stderr
-
-
-def test_a_fleet_of_no_dives_is_said_and_fails(run_fleet, tmp_path: Path) -> None:
-    answer = run_fleet(tmp_path / "nowhere")
-    assert (answer.returncode, answer.stderr) == (2, f"fleet: there is no folder {tmp_path / 'nowhere'}\n")
-    (tmp_path / "empty").mkdir()
-    answer = run_fleet(tmp_path / "empty")
-    assert answer.returncode == 2
-    assert answer.stderr.count("\n") == 1
-    assert "no dive package" in answer.stderr
-
-
-def test_folders_of_a_fleet_may_have_spaces_and_their_names_are_only_names(
-    run_fleet, make_package, trace: Path, tmp_path: Path
-) -> None:
-    make_package(tmp_path / "all dives" / "port side", "kestrel")
-    make_package(tmp_path / "all dives" / "$(shell touch here)`touch here`", "merlin")
-    answer = run_fleet(tmp_path / "all dives")
-    assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
-    assert trace.read_text().split().count("report") == 2
-    assert not list(Path.cwd().glob("here"))
-
-
-def test_the_log_of_a_dive_that_cannot_be_read_says_why(run_fleet, make_package, tmp_path: Path) -> None:
-    package = make_package(tmp_path / "dives" / "a", "kestrel")
-    (package / "dive.toml").write_text("not toml")
-    answer = run_fleet()
-    assert answer.returncode == 2
-    assert answer.stderr.startswith("a: error: dive.toml is not valid TOML")
-    assert "is not valid TOML" in (tmp_path / "runs/logs/a.log").read_text()

@@ -29,26 +29,23 @@ def toy_steps() -> dict[str, str]:
     return {"TOY_STEPS": os.environ["TOY_STEPS"]}
 
 
-def cron_command(pipelines: Path) -> str:
-    (line,) = [line for line in (pipelines / "fleet.cron").read_text().splitlines() if line.startswith("*")]
-    return line.split(maxsplit=6)[6]
+def with_folders(text: str, home: Path, tmp_path: Path) -> str:
+    """The text with this test's folders in place of those that one sets."""
+    for fixed, here in (("/opt/hullrecon", home), ("/srv/dives", tmp_path / "dives"), ("/srv/runs", tmp_path / "runs")):
+        text = text.replace(fixed, str(here))
+    return text
 
 
 @pytest.fixture
 def cron(call, pipelines: Path, home: Path, tmp_path: Path):
-    """Runs the line as cron does: by sh, with the file's variables and hardly any others."""
-    folders = {"DIVES": str(tmp_path / "dives"), "RUNS": str(tmp_path / "runs"), "HULLRECON_HOME": str(home)}
+    """Runs the line as cron does: by sh, with hardly any variables."""
     (tmp_path / "runs").mkdir()
+    (line,) = [line for line in (pipelines / "fleet.cron").read_text().splitlines() if line.startswith("*")]
+    command = with_folders(line.split(maxsplit=5)[5], home, tmp_path)
 
     def run():
-        environment = {
-            "PATH": "/usr/bin:/bin",
-            "HOME": str(tmp_path),
-            "TOY_TRACE": os.environ["TOY_TRACE"],
-            **toy_steps(),
-            **folders,
-        }
-        return call("/bin/sh", "-c", cron_command(pipelines), env=environment)
+        toy = {"TOY_TRACE": os.environ["TOY_TRACE"], **toy_steps()}
+        return call("/bin/sh", "-c", command, env={"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), **toy})
 
     return run
 
@@ -73,19 +70,36 @@ def test_cron_gives_way_to_a_run_that_is_under_way(cron, make_package, trace: Pa
     assert trace.read_text() == ""
 
 
-def test_cron_reports_a_dive_that_cannot_be_run(cron, make_package, tmp_path: Path) -> None:
+def test_cron_mails_a_dive_that_cannot_be_run_once(cron, make_package, tmp_path: Path) -> None:
     package = make_package(tmp_path / "dives" / "a", "kestrel")
     (package / "log.mcap").unlink()
     answer = cron()
-    assert answer.returncode == 2
-    assert answer.stderr.startswith("a: error: log.mcap is missing")
+    assert (answer.returncode, answer.stdout) == (4, "")
+    assert answer.stderr.startswith("failed: a: exit code 3: log.mcap is missing")
     assert answer.stderr.count("\n") == 1
+    answer = cron()
+    assert (answer.returncode, answer.stdout, answer.stderr) == (4, "", "")
 
 
-def test_the_cron_line_has_five_times_and_no_percent_sign(pipelines: Path) -> None:
-    (line,) = [line for line in (pipelines / "fleet.cron").read_text().splitlines() if line.startswith("*")]
-    assert re.match(r"(\S+ ){5}hullrecon flock ", line)
+def test_the_cron_file_is_lines_of_a_users_crontab(pipelines: Path) -> None:
+    lines = (pipelines / "fleet.cron").read_text().splitlines()
+    (line,) = [line for line in lines if not line.startswith("#")]
+    assert re.match(r"(\S+ ){5}flock ", line)
     assert "%" not in line
+
+
+def test_the_cron_line_is_appended_to_a_crontab_as_the_file_says(call, pipelines: Path, home: Path, tmp_path: Path) -> None:
+    text = (pipelines / "fleet.cron").read_text()
+    (command,) = re.findall(r"sudo -u hullrecon sh -c '(.*)'", text)
+    tool = tmp_path / "tools" / "crontab"
+    tool.parent.mkdir()
+    tool.write_text(f'#!/bin/sh\n[ "$1" = -l ] && exec cat {tmp_path}/table\nnew=$(cat)\necho "$new" > {tmp_path}/table\n')
+    tool.chmod(0o755)
+    (tmp_path / "table").write_text("0 3 * * * backup\n")
+    command = with_folders(command, home, tmp_path)
+    answer = call("/bin/sh", "-c", command, env={"PATH": f"{tool.parent}:/usr/bin:/bin"})
+    assert (answer.returncode, answer.stderr) == (0, "")
+    assert (tmp_path / "table").read_text() == "0 3 * * * backup\n" + text
 
 
 @pytest.fixture
@@ -94,10 +108,7 @@ def units(pipelines: Path, home: Path, tmp_path: Path) -> Path:
     folder = tmp_path / "units"
     folder.mkdir()
     for name in ("hullrecon-fleet.service", "hullrecon-fleet.timer"):
-        text = (pipelines / name).read_text()
-        for fixed, here in (("/opt/hullrecon", home), ("/srv/dives", tmp_path / "dives"), ("/srv/runs", tmp_path / "runs")):
-            text = text.replace(fixed, str(here))
-        (folder / name).write_text(text)
+        (folder / name).write_text(with_folders((pipelines / name).read_text(), home, tmp_path))
     return folder
 
 
@@ -115,19 +126,42 @@ def test_the_services_command_makes_what_is_new_and_prints_nothing(
     make_package(tmp_path / "dives" / "a", "kestrel")
     text = (units / "hullrecon-fleet.service").read_text()
     (command,) = re.findall(r"^ExecStart=(.*)$", text, re.MULTILINE)
-    variables = " ".join(re.findall(r"^Environment=(.*)$", text, re.MULTILINE))
-    environment = dict(pair.split("=", 1) for pair in variables.split())
-    words = [re.sub(r"\$\{(\w+)\}", lambda m: environment[m[1]], word) for word in command.split()]
-    answer = call(*words, env={"PATH": "/usr/bin:/bin", "TOY_TRACE": str(trace), **toy_steps(), **environment})
+    answer = call(*command.split(), env={"PATH": "/usr/bin:/bin", "TOY_TRACE": str(trace), **toy_steps()})
     assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
     assert trace.read_text().split().count("report") == 1
 
 
-def test_neither_schedule_runs_as_root_or_replaces_a_crontab(pipelines: Path) -> None:
-    assert "\nUser=hullrecon\n" in (pipelines / "hullrecon-fleet.service").read_text()
-    text = (pipelines / "fleet.cron").read_text()
-    assert "/etc/cron.d/" in text
-    assert "crontab pipelines" not in text
+def directives(pipelines: Path) -> dict[str, list[str]]:
+    """What the service sets, by name, in order."""
+    found: dict[str, list[str]] = {}
+    for line in (pipelines / "hullrecon-fleet.service").read_text().splitlines():
+        name, equals, value = line.partition("=")
+        if equals and not line.startswith("#"):
+            found.setdefault(name, []).append(value)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("User", ["hullrecon"]), ("NoNewPrivileges", ["true"]), ("CapabilityBoundingSet", [""]), ("ProtectSystem", ["strict"]),
+        ("ReadWritePaths", ["/srv/runs"]), ("ProtectHome", ["true"]), ("PrivateTmp", ["true"]), ("PrivateDevices", ["true"]),
+        ("PrivateNetwork", ["true"]), ("RestrictAddressFamilies", ["AF_UNIX"]), ("RestrictSUIDSGID", ["true"]),
+        ("RestrictNamespaces", ["true"]), ("LockPersonality", ["true"]), ("SystemCallArchitectures", ["native"]),
+        ("SystemCallFilter", ["@system-service", "~@privileged @mount @debug"]), ("OOMPolicy", ["continue"]),
+        ("KillMode", ["control-group"]),
+    ],
+)  # fmt: skip
+def test_the_service_is_hardened(name: str, values: list[str], pipelines: Path) -> None:
+    assert directives(pipelines)[name] == values
+
+
+def test_the_services_exposure_is_at_most_three_of_ten(call, pipelines: Path) -> None:
+    if shutil.which("systemd-analyze") is None:
+        pytest.skip("systemd-analyze is not installed")
+    unit = pipelines / "hullrecon-fleet.service"
+    answer = call("systemd-analyze", "security", "--offline=true", "--threshold=30", unit)
+    assert answer.returncode == 0, answer.stdout
 
 
 def _free_port() -> str:

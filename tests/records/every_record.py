@@ -23,7 +23,7 @@ from hullrecon.records.sensors import (
     SonarPings,
 )
 from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Mounts, Solution
-from hullrecon.records.surface import Surface
+from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel, VehiclePath
 
@@ -55,6 +55,7 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
     Attitude: {"node": "m", "depth": "m", "roll": "m", "pitch": "m", "sigma": "m 3", "tray_direction": "n"},
     Tracks: {"landmark": "m", "node": "m", "top": "m 2", "bottom": "m 2", "color": "k 3"},
     Surface: {"vertices": "n 3", "faces": "m 3", "deviation": "n", "sigma": "n", "support": "n"},
+    DeviationSplit: {"offset": "", "offset_sigma": "", "tilt": "2", "tilt_sigma": "2", "form": "n", "form_sigma": "n"},
     Landmarks: {"position": "m 3", "covariance": "m 3 3", "label": "m", "deviation": "m", "views": "m", "color": "m 3"},
     HullPose: {"global_from_hull": {"p": "1"}, "covariance": "6 6", "survey_center": "3"},
     Mounts: {"tray_from_dvl": {"p": "1"}, "tray_from_camera": {"p": "1"}, "top_from_bottom": {"p": "1"}},

@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from hullrecon.dive.config.schema import Dive, Hull
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_rpy, identity
 from hullrecon.records.deliverables import Coverage, CoverageHole, ReportedObject, SensorCoverage
 from hullrecon.records.sensors import DvlPings, ImageIndex
 from hullrecon.records.solution import HullPose, Landmarks, Mounts, Solution
-from hullrecon.records.surface import Surface
+from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.report.export.trajectory import track_of
 from hullrecon.report.step_documents import AdjustSummary, NavigationFacts
@@ -107,12 +108,29 @@ def plate() -> Surface:
 
 
 @pytest.fixture
+def split(plate: Surface) -> DeviationSplit:
+    """The plate stands 6 mm off its CAD model, known to 20 mm; its form to 2 mm."""
+    seen = plate.support > 0
+    return DeviationSplit(
+        offset=np.asarray(0.006),
+        offset_sigma=np.asarray(0.02),
+        tilt=np.array([0.001, -0.002]),
+        tilt_sigma=np.array([0.004, 0.005]),
+        form=np.where(seen, 0.003 * np.sign(plate.vertices[:, 1] + 1), np.nan),
+        form_sigma=np.where(seen, 0.002, np.nan),
+    )
+
+
+@pytest.fixture
 def found() -> ReportedObject:
     ring = np.linspace(0, 2 * np.pi, 8, endpoint=False)
     outline = np.column_stack([1 + 0.1 * np.cos(ring), -1.2 + 0.08 * np.sin(ring), 0 * ring])
     return ReportedObject(
         id=1, center=(1.0, -1.2, -0.1), normal=(0.0, 0.0, -1.0), height=0.1, height_sigma=0.004, deviation=0.104,
-        extent=(0.2, 0.16), area=0.025, volume=0.0019, views=6, p_value=1e-9, address="frame 3 + 0.2 m, port",
+        deviation_sigma=0.021, extent_sigma=(0.01, 0.01), area_sigma=0.002, volume_sigma=0.0002,
+        position_covariance=((0.09, 0.0, 0.0), (0.0, 0.0004, 0.0), (0.0, 0.0, 0.0025)), position_sigma=(0.3, 0.02, 0.05),
+        sigma_along=0.3, sigma_girth=0.02, sigma_normal=0.05, along=1.0, girth=-1.2, side="starboard", frame=1.67, depth=2.9,
+        depth_sigma=0.05, extent=(0.2, 0.16), area=0.025, volume=0.0019, views=6, p_value=1e-9, address="frame 3 + 0.2 m, port",
         images=(f"camera_top/{START + 2 * 10**9}.jpg",), outline=tuple((x, y, z) for x, y, z in outline.tolist()),
     )  # fmt: skip
 
@@ -173,7 +191,8 @@ WEAK = {"direction": [1.0, 0, 0], "sigma": 0.5, "sentence": "The position along 
 
 @pytest.fixture
 def survey(
-    trajectory: Trajectory, solution: Solution, plate: Surface, found: ReportedObject, pictures: Pictures, rig: SensorRig,
+    trajectory: Trajectory, solution: Solution, plate: Surface, split: DeviationSplit, found: ReportedObject,
+    pictures: Pictures, rig: SensorRig,
     dvl: DvlPings,
 ) -> Survey:  # fmt: skip
     """With everything but mosaics."""
@@ -200,7 +219,10 @@ def survey(
                 "cost": np.array([100.0, 10.0, 9.0]), "on_surface": np.array([1, 2, 2]), "label_changes": np.array([0, 1, 0])
             },
         ),
-        surfaces=Surfaces(chart=FlatChart(), dvl=plate, as_found=plate, comparison="The comparison is partly circular."),
+        surfaces=Surfaces(
+            chart=FlatChart(), outside=OutsideMap(x_sign=-1, y_sign=1, frame="M"), surveyed=plate, as_found=plate,
+            deviation=split, comparison="The comparison is partly circular.",
+        ),
         findings=Findings(objects=(found,), coverage=coverage),
         provenance=Provenance(
             steps=(

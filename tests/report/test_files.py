@@ -16,13 +16,15 @@ import pytest
 from hullrecon.dive.config.schema import Hull
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import Solution
-from hullrecon.records.surface import Surface
+from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Trajectory
-from hullrecon.report.content.objects import objects_csv
+from hullrecon.report.content.objects import objects_table
 from hullrecon.report.export.csv_export import csv_text, numbers, seconds
 from hullrecon.report.export.geometry_export import alignment_document, landmarks_ply, surface_ply
 from hullrecon.report.export.ply import ply_bytes
-from hullrecon.report.export.trajectory import track_of, trajectory_csv, trajectory_tum
+from hullrecon.report.export.table import csv_metadata
+from hullrecon.report.export.trajectory import track_of, trajectory_table, trajectory_tum
+from hullrecon.report.survey import Survey
 
 Reader = Callable[[bytes], tuple[np.ndarray, np.ndarray | None]]
 
@@ -44,8 +46,8 @@ def test_cells_with_commas_and_quotes_are_read_back_as_they_were() -> None:
     assert rows_of(csv_text(table)) == [{"a": 'frame 3, "port"', "b": "1"}, {"a": "plain", "b": ""}]
 
 
-def test_the_trajectory_is_in_the_hull_frame(trajectory: Trajectory, solution: Solution) -> None:
-    row = rows_of(trajectory_csv(track_of(trajectory, solution)))[1]
+def test_the_trajectory_is_in_the_hull_frame(survey: Survey) -> None:
+    row = rows_of(trajectory_table(survey).csv)[1]
     # T_g_M turns by 180 degrees about x and moves by (10, 20, 3): (10.5, 21, 2) of g is (0.5, -1, 1) of M
     np.testing.assert_allclose([float(row[k]) for k in "xyz"], [0.5, -1.0, 1.0], atol=1e-9)
     np.testing.assert_allclose([abs(float(row[k])) for k in ("qx", "qy", "qz", "qw")], [1, 0, 0, 0], atol=1e-9)
@@ -56,10 +58,30 @@ def test_the_trajectory_is_in_the_hull_frame(trajectory: Trajectory, solution: S
     assert float(row["tray"]) == 0.1
 
 
-def test_without_a_solution_the_trajectory_is_dead_reckoned_in_g(trajectory: Trajectory) -> None:
-    track = track_of(trajectory, None)
-    row = rows_of(trajectory_csv(track))[4]
+def test_the_trajectory_says_where_on_the_ship_and_how_deep(survey: Survey) -> None:
+    row = rows_of(trajectory_table(survey).csv)[1]
+    assert (float(row["along_m"]), float(row["girth_m"]), float(row["depth_m"])) == pytest.approx((0.5, -1.0, 2.0))
+    dry = replace(survey, facts=replace(survey.facts, has_depth=False))
+    assert rows_of(trajectory_table(dry).csv)[1]["depth_m"] == ""
+
+
+def test_the_metadata_name_unit_and_meaning_of_every_column(survey: Survey, found: ReportedObject) -> None:
+    tables = [trajectory_table(survey), objects_table([found])]
+    for table, entry in zip(tables, csv_metadata(tables)["tables"], strict=True):  # type: ignore[arg-type]
+        columns = entry["tableSchema"]["columns"]
+        assert entry["url"] == table.file
+        assert [c["name"] for c in columns] == list(rows_of(table.csv)[0])
+        assert all(c["dc:description"] for c in columns)
+        units = {c["name"]: c.get("unit") for c in columns}
+        assert units.get("x", "m") == units.get("height", "m") == "m"
+        assert all(units[name] == name.rsplit("_", 1)[1] for name in units if name.endswith(("_m", "_m2", "_m3")))
+
+
+def test_without_a_solution_the_trajectory_is_dead_reckoned_in_g(bare: Survey) -> None:
+    track = bare.track
+    row = rows_of(trajectory_table(bare).csv)[4]
     assert track.frame == "g"
+    assert row["along_m"] == row["side"] == ""
     np.testing.assert_allclose([float(row[k]) for k in "xyz"], [12.0, 21.0, 2.0])
     assert float(row["sigma_x"]) == pytest.approx(0.1 * 5**0.5, rel=1e-5)
 
@@ -70,10 +92,9 @@ def test_without_a_cad_model_the_trajectory_is_adjusted_in_g(trajectory: Traject
     np.testing.assert_allclose(track.poses.translation, solution.global_from_vehicle.translation)
 
 
-def test_the_tum_file_holds_the_same_poses(trajectory: Trajectory, solution: Solution) -> None:
-    track = track_of(trajectory, solution)
-    lines = [line.split() for line in trajectory_tum(track).splitlines()]
-    table = rows_of(trajectory_csv(track))
+def test_the_tum_file_holds_the_same_poses(survey: Survey) -> None:
+    lines = [line.split() for line in trajectory_tum(survey.track).splitlines()]
+    table = rows_of(trajectory_table(survey).csv)
     assert [line[0] for line in lines] == [row["t"] for row in table]
     assert [line[1:] for line in lines] == [[row[k] for k in ("x", "y", "z", "qx", "qy", "qz", "qw")] for row in table]
 
@@ -87,8 +108,10 @@ def test_sigma_towards_a_direction_uses_the_whole_covariance(trajectory: Traject
     np.testing.assert_allclose(track.sigma_towards(-across * [1, -1, 1])[0], 0.1 * 2**0.5, rtol=1e-6)
 
 
-def test_landmarks_are_in_the_hull_frame_with_label_deviation_and_sigma(solution: Solution, ply_reader: Reader) -> None:
-    vertices, faces = ply_reader(landmarks_ply(solution))
+def test_landmarks_are_in_the_hull_frame_with_label_deviation_and_sigma(
+    survey: Survey, solution: Solution, ply_reader: Reader
+) -> None:
+    vertices, faces = ply_reader(landmarks_ply(survey, solution))
     assert faces is None
     np.testing.assert_allclose([vertices[k][1] for k in "xyz"], [1.0, -1.5, 0.1], atol=1e-9)
     np.testing.assert_array_equal(vertices["label"], [1, 0, 1])
@@ -98,16 +121,29 @@ def test_landmarks_are_in_the_hull_frame_with_label_deviation_and_sigma(solution
     np.testing.assert_array_equal([vertices[k][2] for k in ("red", "green", "blue")], [70, 80, 90])
 
 
-def test_a_surface_keeps_its_faces_and_values(plate: Surface, ply_reader: Reader) -> None:
-    vertices, faces = ply_reader(surface_ply(plate))
+def test_a_ply_says_its_frame_and_its_units(survey: Survey, plate: Surface) -> None:
+    head = surface_ply(survey, plate).split(b"end_header")[0].decode()
+    assert "comment frame M: the hull frame" in head
+    assert "comment unit metre" in head
+
+
+def test_the_hull_as_found_carries_its_form(survey: Survey, plate: Surface, split: DeviationSplit, ply_reader: Reader) -> None:
+    vertices, _ = ply_reader(surface_ply(survey, plate, split))
+    np.testing.assert_allclose(vertices["form"], split.form, rtol=1e-6)
+    np.testing.assert_allclose(vertices["form_sigma"], split.form_sigma, rtol=1e-6)
+    assert "form" not in ply_reader(surface_ply(survey, replace(plate)))[0].dtype.names
+
+
+def test_a_surface_keeps_its_faces_and_values(survey: Survey, plate: Surface, ply_reader: Reader) -> None:
+    vertices, faces = ply_reader(surface_ply(survey, plate))
     np.testing.assert_array_equal(faces, plate.faces)
     np.testing.assert_allclose(np.stack([vertices[k] for k in "xyz"], axis=1), plate.vertices)
     np.testing.assert_array_equal(vertices["support"], plate.support)
 
 
-def test_open3d_reads_the_ply(plate: Surface, tmp_path: Any) -> None:
+def test_open3d_reads_the_ply(survey: Survey, plate: Surface, tmp_path: Any) -> None:
     open3d = pytest.importorskip("open3d")
-    (tmp_path / "s.ply").write_bytes(surface_ply(plate))
+    (tmp_path / "s.ply").write_bytes(surface_ply(survey, plate))
     mesh = open3d.io.read_triangle_mesh(str(tmp_path / "s.ply"))
     assert (len(mesh.vertices), len(mesh.triangles)) == (15, 16)
 
@@ -128,6 +164,7 @@ def test_the_alignment_names_its_prior_and_its_weak_directions(solution: Solutio
 
 
 def test_objects_have_one_line_each(found: ReportedObject) -> None:
-    (row,) = rows_of(objects_csv([found]))
+    (row,) = rows_of(objects_table([found]).csv)
     assert row["address"] == "frame 3 + 0.2 m, port"
     assert (row["center_x"], row["height"], row["height_sigma"], row["views"], row["images"]) == ("1", "0.1", "0.004", "6", "1")
+    assert (row["sigma_along_m"], row["sigma_girth_m"], row["along_m"], row["side"]) == ("0.3", "0.02", "1", "starboard")

@@ -11,7 +11,7 @@ import pytest
 
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import Solution
-from hullrecon.records.surface import Surface
+from hullrecon.records.surface import DeviationSplit
 from hullrecon.report.content.headline import headline, path_length_m, weak_sentences
 from hullrecon.report.step_documents import LogFindings, MosaicFacts
 from hullrecon.report.survey import Mosaic, Mosaics, Provenance, Survey
@@ -36,7 +36,7 @@ def test_a_dive_without_a_camera_says_so(bare: Survey) -> None:
 
 
 def test_dead_reckoning_is_named_as_such(bare: Survey) -> None:
-    assert "dead reckoned in a local level frame (g)" in headline(bare)[1]
+    assert "dead reckoned in a local frame (g)" in headline(bare)[1]
 
 
 def test_an_adjusted_dive_names_method_and_frame(survey: Survey) -> None:
@@ -47,13 +47,13 @@ def test_an_adjusted_dive_without_a_cad_model_is_in_g(survey: Survey, solution: 
     assert survey.adjusted is not None
     free = replace(solution, hull_pose=None)
     in_g = replace(survey, track=free.track(), adjusted=replace(survey.adjusted, solution=free))
-    assert "a local level frame (g), as there is no CAD model" in headline(in_g)[1]
+    assert "a local frame (g), as there is no CAD model" in headline(in_g)[1]
     assert line_with(in_g, "landmarks were") == "3 landmarks were measured in the images."
 
 
 def test_landmarks_on_the_hull_are_a_share_of_all(survey: Survey) -> None:
     assert line_with(survey, "landmarks were") == (
-        "3 landmarks were measured in the images, 66.7 % of them on the hull's surface."
+        "3 landmarks were measured in the images, 66.7 % of them taken to lie on the CAD model's surface."
     )
 
 
@@ -80,17 +80,26 @@ def test_objects_that_were_not_looked_for_are_not_mentioned(bare: Survey) -> Non
     assert not any("object" in line.lower() for line in headline(bare))
 
 
-def test_the_side_of_the_deviation_is_named(survey: Survey, plate: Surface) -> None:
-    inside = replace(plate, deviation=np.full(15, -0.012))
-    line = line_with(replace(survey, surfaces=replace(survey.surfaces, as_found=inside)), "CAD model")
-    assert line.startswith("Where it was seen, the hull lies 12 mm inside its CAD model in the median (one sigma 2 mm)")
-
-
-def test_a_hull_that_was_not_seen_has_no_deviation(survey: Survey, plate: Surface) -> None:
-    unseen = replace(plate, support=np.zeros(15, np.int64))
-    assert not any(
-        "CAD model" in line for line in headline(replace(survey, surfaces=replace(survey.surfaces, as_found=unseen)))
+def test_form_and_offset_are_told_apart_each_with_its_sigma(survey: Survey) -> None:
+    assert line_with(survey, "CAD model by") == (
+        "Within the surveyed patch the hull's form departs from its CAD model by -3 to +3 mm (5th to 95th percentile; one "
+        "sigma 2.0 mm); as a whole the patch lies 6 mm outside it (one sigma 20 mm, which is not told from zero)."
     )
+
+
+def test_an_offset_beyond_two_sigmas_is_a_finding(survey: Survey, split: DeviationSplit) -> None:
+    far = replace(split, offset=np.asarray(-0.05))
+    line = line_with(replace(survey, surfaces=replace(survey.surfaces, deviation=far)), "CAD model by")
+    assert line.endswith("as a whole the patch lies 50 mm inside it (one sigma 20 mm).")
+
+
+def test_without_a_cad_model_no_sentence_speaks_of_a_deviation(survey: Survey, bare: Survey) -> None:
+    in_g = replace(survey, track=bare.track)
+    assert not any("patch" in line or "deviat" in line for line in headline(in_g))
+
+
+def test_holes_are_told_with_the_least_that_counts(survey: Survey) -> None:
+    assert line_with(survey, "Hull seen").endswith("; 1 hole of more than 0.03 m² in the coverage.")
 
 
 def test_a_dive_without_warnings_says_so(bare: Survey) -> None:
@@ -100,8 +109,8 @@ def test_a_dive_without_warnings_says_so(bare: Survey) -> None:
 
 def test_losses_and_warnings_are_counted(survey: Survey) -> None:
     facts = replace(survey.facts, log=LogFindings(lost=("a", "b")))
-    line = line_with(replace(survey, facts=facts), "section 9")
-    assert line == "2 spans of data were lost and 1 warning was raised; see section 9, rejected data and warnings."
+    line = line_with(replace(survey, facts=facts), "rejected data")
+    assert line == "2 spans of data were lost and 1 warning was raised; see rejected data and warnings."
 
 
 def test_a_mosaic_without_a_resolution_is_not_named(survey: Survey) -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from hullrecon.records.solution import Solution
-from hullrecon.report.content.missing_deliverables import Carried, missing_deliverables
+from hullrecon.report.content.missing_deliverables import OF_DEVIATION, Carried, missing_deliverables
 
 ALL = Carried(camera=True, sonar=True, cad_model=True)
 CHAIN = ("ingest", "navigate", "adjust", "surface", "detect", "mosaic-optical", "mosaic-sonar")
@@ -28,7 +28,8 @@ def test_without_cameras_all_that_needs_images_says_so(solution: Solution) -> No
 
 def test_without_a_cad_model_there_is_no_alignment(solution: Solution) -> None:
     reasons = missing_deliverables(replace(ALL, cad_model=False), CHAIN, replace(solution, hull_pose=None))
-    assert list(reasons) == ["alignment.json"]
+    assert next(iter(reasons)) == "alignment.json"
+    assert set(reasons) == {"alignment.json", *OF_DEVIATION}
     assert "no CAD model was given" in reasons["alignment.json"]
 
 
@@ -41,3 +42,19 @@ def test_a_step_that_left_nothing_is_named() -> None:
     reasons = missing_deliverables(ALL, ("ingest", "navigate"), None)
     assert reasons["surface.ply"] == "the step surface left no result"
     assert reasons["alignment.json"] == "the adjustment did not run"
+
+
+def test_a_step_that_failed_gives_its_reason(solution: Solution) -> None:
+    failures = {"mosaic-sonar": "no sonar mosaic: no ping meets the surface"}
+    reasons = missing_deliverables(ALL, CHAIN[:-1], solution, failures)
+    assert reasons == dict.fromkeys(("ortho_sonar.tif", "ortho_sonar.png", "mosaic_sonar.glb"), failures["mosaic-sonar"])
+
+
+def test_without_a_cad_model_the_rasters_of_the_deviation_are_named() -> None:
+    reasons = missing_deliverables(Carried(camera=True, sonar=True, cad_model=False), ("adjust",), None)
+    assert (
+        reasons["deviation.tif"] == reasons["form_sigma.tif"] == "no CAD model was given, so there is nothing to deviate from"
+    )
+    assert reasons["objects.gpkg"] == "the step detect left no result"
+    with_cad = missing_deliverables(Carried(camera=True, sonar=True, cad_model=True), ("adjust",), None)
+    assert "form.tif" not in with_cad

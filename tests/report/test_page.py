@@ -13,11 +13,13 @@ import numpy as np
 from hullrecon.dive.config.schema import Dive
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.deliverables import Coverage, RejectedRegion, ReportedObject, SensorCoverage
+from hullrecon.report.content.frame_words import frame_in_words
 from hullrecon.report.content.headline import headline, weak_sentences
+from hullrecon.report.content.object_images import object_crops
 from hullrecon.report.content.page import render_page
 from hullrecon.report.content.page_context import coverage_rows, page_context
 from hullrecon.report.deliver import FileEntry
-from hullrecon.report.export.summary import summary_document
+from hullrecon.report.export.summary import counts, summary_document
 from hullrecon.report.figures.all_plots import draw_all_plots
 from hullrecon.report.step_documents import LogFindings, MosaicFacts
 from hullrecon.report.survey import Mosaic, Mosaics, Survey
@@ -57,7 +59,7 @@ class Reader(HTMLParser):
 
 
 def page_of(survey: Survey, plots: bool = False) -> Reader:
-    return Reader(render_page(page_context(survey, draw_all_plots(survey) if plots else [], FILES)))
+    return Reader(render_page(page_context(survey, draw_all_plots(survey) if plots else [], FILES, object_crops(survey))))
 
 
 def test_the_page_needs_no_network(survey: Survey) -> None:
@@ -93,7 +95,7 @@ def test_the_page_says_what_was_found_and_how_sure_it_is(survey: Survey) -> None
 
 
 def test_the_card_shows_its_outline_on_the_image_that_it_names(survey: Survey) -> None:
-    (card,) = page_context(survey, [], FILES)["cards"]
+    (card,) = page_context(survey, [], FILES, object_crops(survey))["cards"]
     crop = card["crop"]["crop"]
     assert (crop.camera, crop.row) == (Camera.TOP, 2)
     center = crop.outline.mean(axis=0)
@@ -121,19 +123,23 @@ def test_a_bare_dive_gets_the_whole_page_with_reasons(bare: Survey) -> None:
 
 
 def test_the_same_survey_gives_the_same_bytes(survey: Survey) -> None:
-    first, second = (render_page(page_context(survey, draw_all_plots(survey), FILES)) for _ in range(2))
+    first, second = (render_page(page_context(survey, draw_all_plots(survey), FILES, object_crops(survey))) for _ in range(2))
     assert first == second
 
 
-def test_mosaics_are_shown_with_their_caption(survey: Survey) -> None:
+def gray_png() -> bytes:
     from io import BytesIO
 
     from PIL import Image
 
     buffer = BytesIO()
     Image.fromarray(np.full((40, 60, 3), 90, np.uint8)).save(buffer, format="PNG")
+    return buffer.getvalue()
+
+
+def test_mosaics_are_shown_with_their_caption(survey: Survey) -> None:
     mosaic = Mosaic(
-        facts=MosaicFacts(caption="31 m² at 17.6 mm per pixel.", resolution_m=0.0176), preview=buffer.getvalue(), has_mesh=True
+        facts=MosaicFacts(caption="31 m² at 17.6 mm per pixel.", resolution_m=0.0176), preview=gray_png(), has_mesh=True
     )
     shown = replace(survey, mosaics=Mosaics(sonar=mosaic))
     page = page_of(shown)
@@ -150,10 +156,7 @@ def test_the_summary_has_at_most_ten_lines_and_begins_with_the_dive(survey: Surv
     assert lines[0] == "Dive plate-1 on MV Plate: 4 s, 2.00 m of path, 5 poses, 5 images from 1 camera."
     assert "The position along the hull is uncertain by 0.50 m." in lines
     assert "1 object found on the hull (1 protrusion); the largest, no. 1, has a height of 0.100 ± 0.004 m." in lines
-    assert (
-        "Where it was seen, the hull lies 6 mm outside its CAD model in the median (one sigma 2 mm); "
-        "5th to 95th percentile +6 to +6 mm." in lines
-    )
+    assert any(line.startswith("Within the surveyed patch the hull's form departs from its CAD model by") for line in lines)
 
 
 def test_without_the_adjustments_words_a_large_sigma_is_said_all_the_same(survey: Survey, bare: Survey) -> None:
@@ -161,7 +164,7 @@ def test_without_the_adjustments_words_a_large_sigma_is_said_all_the_same(survey
         "The position along x of the ship is uncertain by 0.50 m (one sigma)."
     ]
     assert [s.split(" is ")[0] for s in weak_sentences(bare)] == [
-        "The position in x of the level frame", "The position in y of the level frame"]  # fmt: skip
+        "The position in x of the local frame", "The position in y of the local frame"]  # fmt: skip
 
 
 def test_a_place_that_was_not_reported_is_named_with_its_reason(survey: Survey) -> None:
@@ -171,8 +174,8 @@ def test_a_place_that_was_not_reported_is_named_with_its_reason(survey: Survey) 
 
 
 def test_an_object_without_a_cad_model_has_no_distance_to_it(survey: Survey, found: ReportedObject) -> None:
-    (card,) = page_context(with_objects(survey, replace(found, deviation=None)), [], FILES)["cards"]
-    assert ("Largest distance to the CAD model", "–") in card["rows"]
+    (card,) = page_context(with_objects(survey, replace(found, deviation=None)), [], FILES, {})["cards"]
+    assert not any("CAD model" in name for name, _ in card["rows"])
 
 
 def test_no_object_is_said_in_words(survey: Survey) -> None:
@@ -180,7 +183,7 @@ def test_no_object_is_said_in_words(survey: Survey) -> None:
 
 
 def test_a_sensor_that_was_not_carried_saw_no_area(survey: Survey) -> None:
-    assert "Hull seen: 4.0 m² by camera; 1 hole in the coverage." in headline(survey)
+    assert "Hull seen: 4.0 m² by camera; 1 hole of more than 0.03 m² in the coverage." in headline(survey)
     with_dvl = replace(survey.findings, coverage=Coverage(camera=None, dvl=SensorCoverage(area_m2=2.0)))
     assert "Hull seen: 2.0 m² by DVL." in headline(replace(survey, findings=with_dvl))
 
@@ -197,7 +200,31 @@ def test_the_page_says_how_circular_a_comparison_with_the_cad_model_is(survey: S
 
 def test_without_a_cad_model_no_deviation_is_claimed(survey: Survey, bare: Survey) -> None:
     in_g = replace(bare, surfaces=replace(survey.surfaces, chart=None))
-    assert not any("CAD model in the median" in line for line in headline(in_g))
+    assert not any("patch" in line for line in headline(in_g))
+    text = page_of(in_g).text
+    assert "Deviation from the CAD model" not in text
+    assert "3 Mosaics" in text
+    assert "deviation_histogram" not in [plot.name for plot in draw_all_plots(in_g)]
+
+
+def test_what_was_not_measured_is_not_spoken_of(survey: Survey, bare: Survey) -> None:
+    blind = replace(bare, facts=replace(bare.facts, has_depth=False, has_attitude=False))
+    assert "water surface" not in frame_in_words(blind)
+    assert "z = 0 at the depth of the first pose, which was not measured" in frame_in_words(blind)
+    assert "local level" not in frame_in_words(blind)
+    assert frame_in_words(bare) == "local level: z down, z = 0 at the water surface"
+    page = page_of(blind).text
+    assert "no heading was measured, and no depth was measured" in page
+    assert "Neither depth nor distance to the hull was measured." in page
+    assert "landmarks_on_surface" not in counts(blind)
+
+
+def test_no_page_denies_holes_beside_a_mosaic_with_gaps(survey: Survey) -> None:
+    whole = replace(survey, findings=replace(survey.findings, coverage=Coverage(camera=SensorCoverage(area_m2=4.0))))
+    assert "No hole of more than 0.03 m² was found within the outline of what was seen." in page_of(whole).text
+    gappy = Mosaic(facts=MosaicFacts(gap_area_m2=0.4), preview=gray_png(), has_mesh=False)
+    torn = replace(whole, mosaics=Mosaics(optical=gappy))
+    assert "the mosaics have gaps that their captions name" in page_of(torn).text
 
 
 def test_rejected_observations_are_counted_out_of_all(survey: Survey) -> None:

@@ -12,8 +12,9 @@ import pytest
 from PIL import Image
 
 from hullrecon.records.deliverables import Coverage, CoverageHole, ReportedObject, SensorCoverage
+from hullrecon.report.content.object_card import card_context
+from hullrecon.report.content.object_images import object_crops
 from hullrecon.report.content.page_context import (
-    card_context,
     chart_view,
     coverage_rows,
     deviation_map,
@@ -22,7 +23,9 @@ from hullrecon.report.content.page_context import (
     mark_of,
     mosaic_context,
     percentile_text,
+    place_words,
 )
+from hullrecon.report.figures.plan_view import SigmaEllipse
 from hullrecon.report.step_documents import MosaicFacts
 from hullrecon.report.survey import Mosaic, Survey
 
@@ -76,8 +79,9 @@ def test_the_plan_names_its_extent_and_its_objects(survey: Survey) -> None:
 
 
 def test_a_mark_stands_where_its_object_is(found: ReportedObject) -> None:
-    mark = mark_of(found, np.array([1.5, -2.0]), (0.3, 0.02))
-    assert (mark.label, mark.along, mark.girth, mark.sigma) == ("1", 1.5, -2.0, (0.3, 0.02))
+    ellipse = SigmaEllipse(half_axes=(0.3, 0.02), angle_rad=0.0)
+    mark = mark_of(found, np.array([1.5, -2.0]), ellipse)
+    assert (mark.label, mark.along, mark.girth, mark.ellipse) == ("1", 1.5, -2.0, ellipse)
 
 
 def test_without_a_cad_model_there_is_no_map_of_the_deviation(survey: Survey, bare: Survey) -> None:
@@ -88,13 +92,35 @@ def test_without_a_cad_model_there_is_no_map_of_the_deviation(survey: Survey, ba
 
 
 def test_a_recess_is_called_so(survey: Survey, found: ReportedObject) -> None:
-    assert card_context(replace(found, height=-0.1), survey)["kind"] == "Recess"
-    assert card_context(found, survey)["kind"] == "Protrusion"
+    assert card_context(replace(found, height=-0.1), survey, None)["kind"] == "Recess"
+    assert card_context(found, survey, None)["kind"] == "Protrusion"
 
 
 def test_a_card_without_a_picture_has_none(survey: Survey, found: ReportedObject) -> None:
-    facts = replace(survey.facts, images={})
-    assert card_context(found, replace(survey, facts=facts))["crop"] is None
+    assert object_crops(replace(survey, facts=replace(survey.facts, images={}))) == {}
+    assert card_context(found, survey, None)["crop"] is None
+
+
+def test_every_measured_number_of_a_card_has_its_sigma(survey: Survey, found: ReportedObject) -> None:
+    rows = dict(card_context(found, survey, None)["rows"])  # type: ignore[call-overload]
+    counted = ("Seen in", "False-alarm probability, anywhere in the survey")
+    assert all("±" in text for name, text in rows.items() if name not in counted)
+    assert rows["Largest distance to the CAD model"] == "0.10 ± 0.02 m"
+    assert rows["Along, girth"] == "1.0 ± 0.3 m, -1.20 ± 0.02 m"
+    assert rows["Centre (x, y, z)"] == "1.0 ± 0.3, -1.20 ± 0.02, -0.10 ± 0.05 m in M"
+
+
+def test_without_a_pressure_sensor_a_card_has_no_depth(survey: Survey, found: ReportedObject) -> None:
+    rows = dict(card_context(replace(found, depth=None), survey, None)["rows"])  # type: ignore[call-overload]
+    assert not any("epth" in name for name in rows)
+
+
+def test_the_place_of_the_whole_survey_is_told_with_its_sigma(survey: Survey, bare: Survey) -> None:
+    assert (
+        place_words(survey)
+        == "As a whole it lies in its place to 0.50 m along the hull and 20 mm in girth (one sigma, median)."
+    )
+    assert place_words(bare) == ""
 
 
 def test_a_wide_mosaic_is_reduced_for_the_page() -> None:

@@ -11,10 +11,22 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.surface import Surface
-from hullrecon.report.content.page_context import chart_view, path_sigma
+from hullrecon.report.content.page_context import chart_view, object_ellipses
 from hullrecon.report.figures.chart_map import Extent, extent_of, ground_png, project_surface, seen_faces, weighted_percentiles
-from hullrecon.report.figures.plan_view import LEFT, TOP, WIDTH, Mark, Plan, nice_below, nice_step, plan_svg
+from hullrecon.report.figures.plan_view import (
+    LEFT,
+    TOP,
+    WIDTH,
+    Mark,
+    Plan,
+    SigmaEllipse,
+    nice_below,
+    nice_step,
+    plan_svg,
+    sigma_ellipse,
+)
 from hullrecon.report.survey import Survey
 
 EXTENT = Extent(along=(30.0, 40.0), girth=(2.0, 7.0))
@@ -22,7 +34,7 @@ PLAN = Plan(
     extent=EXTENT,
     path=np.array([[31.0, 6.0], [39.0, 6.0], [np.nan, 0], [39.0, 3.0]]),
     path_sigma=(0.5, 0.02),
-    marks=[Mark(label="4", along=35.0, girth=4.5, sigma=(0.5, 0.02), text="a lump")],
+    marks=[Mark(label="4", along=35.0, girth=4.5, text="a lump", ellipse=SigmaEllipse(half_axes=(0.5, 0.02), angle_rad=0.1))],
 )
 
 
@@ -60,13 +72,15 @@ def test_the_uncertainty_is_drawn_and_said() -> None:
 
 
 def test_words_in_the_plan_are_escaped() -> None:
-    mark = Mark(label="4", along=35.0, girth=4.5, sigma=(0.1, 0.1), text='a "lump" <of> something')
+    mark = Mark(label="4", along=35.0, girth=4.5, text='a "lump" <of> something')
     texts = {e.text for e in ElementTree.fromstring(plan_svg(replace(PLAN, marks=[mark]), "a < b & c")).iter()}
     assert {"a < b & c", 'a "lump" <of> something'} <= texts
 
 
 def test_frame_numbers_stand_beside_metres() -> None:
-    assert "36 m · fr 60.0" in plan_svg(replace(PLAN, frame_spacing_m=0.6), "t")
+    svg = plan_svg(replace(PLAN, frame_spacing_m=0.6), "t")
+    assert ">36 m<" in svg
+    assert ">fr 60.0<" in svg
 
 
 def test_steps_are_one_two_or_five_times_a_power_of_ten() -> None:
@@ -110,5 +124,30 @@ def test_a_chart_seen_from_inside_is_drawn_flipped(survey: Survey) -> None:
     assert view.extent.flips == (True, False)
 
 
+def test_an_ellipse_has_the_axes_of_its_covariance() -> None:
+    turn = np.array([[np.cos(0.3), -np.sin(0.3)], [np.sin(0.3), np.cos(0.3)]])
+    ellipse = sigma_ellipse(turn @ np.diag([0.09, 0.0004]) @ turn.T)
+    assert ellipse.half_axes == pytest.approx((0.3, 0.02))
+    assert np.tan(ellipse.angle_rad) == pytest.approx(np.tan(0.3))
+
+
+@pytest.mark.parametrize(("flips", "degrees"), [((False, False), -10.0), ((True, False), -170.0), ((False, True), 10.0)])
+def test_an_ellipse_turns_with_the_picture(flips: tuple[bool, bool], degrees: float) -> None:
+    mark = replace(PLAN.marks[0], ellipse=SigmaEllipse(half_axes=(0.5, 0.02), angle_rad=np.radians(10)))
+    svg = plan_svg(replace(PLAN, marks=[mark], extent=replace(EXTENT, flips=flips)), "t")
+    drawn = next(e for e in ElementTree.fromstring(svg).iter() if e.tag.endswith("ellipse"))
+    assert float(re.findall(r"rotate\(([-0-9.]+)", drawn.get("transform", ""))[0]) == pytest.approx(degrees)
+
+
+def test_each_object_has_the_ellipse_of_its_own_place(survey: Survey, found: ReportedObject) -> None:
+    unknown = replace(found, position_covariance=None)
+    ellipse, none = object_ellipses([found, unknown], survey.surfaces.chart)  # type: ignore[arg-type]
+    assert ellipse is not None
+    assert ellipse.half_axes == pytest.approx((0.3, 0.02))
+    assert none is None
+
+
 def test_the_vehicles_sigma_is_given_along_and_in_girth(survey: Survey) -> None:
-    np.testing.assert_allclose(path_sigma(survey.track, survey.surfaces.chart), (0.5, 0.02), rtol=1e-6)
+    chart = survey.surfaces.chart
+    assert chart is not None
+    np.testing.assert_allclose(survey.track.sigma_on_chart(chart), (0.5, 0.02), rtol=1e-6)

@@ -11,9 +11,10 @@ from PIL import Image
 
 from hullrecon.records.sensors import DvlPings
 from hullrecon.records.solution import Solution
-from hullrecon.records.surface import Surface
+from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.report.figures.all_plots import draw_all_plots
-from hullrecon.report.figures.plots import convergence, depth_and_standoff, deviation_histogram, labels, residuals, standoff
+from hullrecon.report.figures.deviation_histogram import deviation_histogram
+from hullrecon.report.figures.plots import convergence, depth_and_standoff, labels, residuals, standoff
 from hullrecon.report.step_documents import FactorResiduals
 from hullrecon.report.survey import Survey
 
@@ -85,16 +86,33 @@ def test_residuals_compare_the_factors_that_both_have() -> None:
     assert plot.table == {"factor": ["stereo"], "rms_before": ["4"], "rms_after": ["1.1"], "count": [90]}
 
 
-def test_the_histogram_weighs_a_surface_by_its_area(plate: Surface, solution: Solution) -> None:
-    deviation = np.where(plate.vertices[:, 0] < 0.5, 0.048, 0.0)
-    plot = deviation_histogram(None, replace(plate, deviation=deviation))
+def test_without_depth_and_dvl_there_is_nothing_to_draw_of_them(dvl: DvlPings) -> None:
+    times = np.arange(3) * 10**9
+    assert depth_and_standoff(times, None, None) is None
+    plot = depth_and_standoff(times, None, dvl)
     assert plot is not None
-    share = dict(zip(plot.table["from_m"], map(float, plot.table["as_found_percent"]), strict=True))
-    # of the columns x = -1, 0, 1 (seen) the first has half the area of the others
-    assert share["0.046"] == pytest.approx(100 * 1.5 / 2.5, abs=1e-3)
-    assert share["-0.002"] == pytest.approx(100 * 1.0 / 2.5, abs=1e-3)
+    assert list(plot.table) == ["t", "standoff_m"]
+    assert plot.title == "Distance to the hull"
+
+
+def test_the_histogram_weighs_a_surface_by_its_area(plate: Surface, split: DeviationSplit) -> None:
+    deviation = np.where(plate.vertices[:, 0] < 0.5, 0.048, 0.0)
+    plot = deviation_histogram(None, replace(plate, deviation=deviation), replace(split, form=deviation - 0.02))
+    assert plot is not None
+    for column, first, second in (("as_found_percent", "0.046", "-0.002"), ("form_percent", "0.026", "-0.022")):
+        share = dict(zip(plot.table["from_m"], map(float, plot.table[column]), strict=True))
+        # of the columns x = -1, 0, 1 (seen) the first has half the area of the others
+        assert share[first] == pytest.approx(100 * 1.5 / 2.5, abs=1e-3)
+        assert share[second] == pytest.approx(100 * 1.0 / 2.5, abs=1e-3)
+
+
+def test_the_histogram_tells_the_offset_with_its_sigma(plate: Surface, split: DeviationSplit, solution: Solution) -> None:
+    plot = deviation_histogram(solution, plate, split)
+    assert plot is not None
+    assert "offset of the whole patch +6 mm, one sigma 20 mm" in plot.alt
+    assert "median one sigma 2.0 mm" in plot.alt
+    assert list(plot.table) == ["from_m", "to_m", "landmarks_percent", "as_found_percent", "form_percent"]
 
 
 def test_without_a_cad_model_there_is_no_histogram(plate: Surface, solution: Solution) -> None:
-    lost = replace(solution, landmarks=replace(solution.landmarks, deviation=np.full(3, np.nan)))
-    assert deviation_histogram(lost, replace(plate, deviation=np.full(15, np.nan))) is None
+    assert deviation_histogram(solution, plate, None) is None

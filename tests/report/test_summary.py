@@ -39,3 +39,12 @@ def test_clock_times_are_left_out_of_the_summary(survey: Survey) -> None:
 def test_the_frame_is_said_in_words(survey: Survey, bare: Survey) -> None:
     assert str(summary_document(survey, {})["frame_in_words"]).startswith("the hull frame")
     assert str(summary_document(bare, {})["frame_in_words"]).startswith("local level")
+
+
+def test_the_hosts_name_is_left_out_of_the_summary(survey: Survey) -> None:
+    (step,) = survey.provenance.steps
+    host = {"name": "bridge-laptop", "system": "Linux", "cores": 2}
+    hosted = replace(step, run={"seconds": 1.0, "host": host})
+    document = summary_document(replace(survey, provenance=replace(survey.provenance, steps=(hosted,))), {})
+    assert document["run"] == {"steps": {"adjust": {"seconds": 1.0, "host": {"system": "Linux", "cores": 2}}}}
+    assert "bridge-laptop" not in str(document)

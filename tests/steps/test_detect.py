@@ -20,10 +20,10 @@ from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.poses import Poses, from_mount, identity
-from hullrecon.records.sensors import ImageIndex, JointSamples, SonarPings
+from hullrecon.records.sensors import DvlPings, ImageIndex, JointSamples, PressureSamples, SonarPings
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Mounts, Solution
-from hullrecon.records.surface import Surface
+from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.steps.detect import STAGE
 
 OFF, HEIGHT = -0.010, 0.09  # the wall is 1 cm behind its CAD model and carries a disc 9 cm high
@@ -88,7 +88,7 @@ class EarlierSteps:
         self.root = root
         self.landmarks = _landmarks(np.random.default_rng(3))
         self.solution, self.surface = _solution(self.landmarks), _dvl_surface()
-        self.hull, self.camera, self.sonar = True, True, False
+        self.hull, self.camera, self.sonar, self.dvl, self.pressure = True, True, False, True, True
 
     def without_cad_model(self) -> None:
         self.hull = False
@@ -124,6 +124,12 @@ class EarlierSteps:
         if self.sonar:
             self._carry_sonar(ingest)
             sections["sonar"] = schema.Sonar(mount=(0, 0, 0, 0, 0, 90), elevation_deg=20)
+        none = np.zeros(0)
+        if self.dvl:
+            dvl = DvlPings(t_ns=none, velocity=none, velocity_sigma=none, ranges=none, beams=none)
+            np.savez(ingest / "dvl.npz", **to_arrays(dvl))
+        if self.pressure:
+            np.savez(ingest / "pressure.npz", **to_arrays(PressureSamples(t_ns=none, depth=none)))
         np.savez(adjust / "solution.npz", **to_arrays(self.solution))
         np.savez(surface / "surface.npz", **to_arrays(self.surface))
         origin, axes = (
@@ -199,6 +205,35 @@ def test_coverage_tells_each_sensors_area(earlier: EarlierSteps) -> None:
     assert facts["sonar"]["pings"] == 2
     assert facts["sonar"]["area_m2"] > 0
     assert facts["holes"] == []
+
+
+def test_without_a_dvl_nothing_was_seen_by_one(earlier: EarlierSteps) -> None:
+    earlier.dvl = False
+    facts = _json(earlier.run(), "coverage.json")
+    assert facts["dvl"] is None
+    assert facts["camera"]["area_m2"] > 1
+
+
+def test_without_a_pressure_sensor_no_depth_is_told(earlier: EarlierSteps) -> None:
+    earlier.pressure = False
+    (item,) = _json(earlier.run(), "objects.json")["objects"]
+    assert item["depth"] is None
+    assert "waterline" not in item["address"]
+
+
+def test_the_deviation_is_parted_into_offset_and_form(earlier: EarlierSteps) -> None:
+    split = from_arrays(DeviationSplit, load_arrays(earlier.run() / "deviation.npz"))
+    assert float(split.offset) == pytest.approx(OFF, abs=0.003)
+    assert np.nanmax(split.form) == pytest.approx(HEIGHT, abs=0.006)
+    assert float(split.offset_sigma) > 10 * np.nanmedian(split.form_sigma)
+
+
+def test_without_a_cad_model_there_is_nothing_to_deviate_from(earlier: EarlierSteps) -> None:
+    earlier.without_cad_model()
+    out = earlier.run()
+    assert not (out / "deviation.npz").exists()
+    assert np.isnan(from_arrays(Surface, load_arrays(out / "as_found.npz")).deviation).all()
+    assert _json(out, "objects.json")["objects"][0]["deviation_sigma"] is None
 
 
 def test_without_a_sonar_coverage_says_null(earlier: EarlierSteps) -> None:

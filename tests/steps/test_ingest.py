@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import json
+import os
 from pathlib import Path
 
 import cv2
@@ -197,3 +198,26 @@ def test_the_files_of_a_ros2_folder_are_its_own(package):
     found = external(StageSettings("ingest", {name: loaded.value(name) for name in USES}), package)
     assert [f.as_posix() for f in found[:2]] == ["bag/a.mcap", "bag/metadata.yaml"]
     assert len([f for f in found if f.parts[0] == "bag"]) == 2
+
+
+def files_of(package: Path) -> list[Path]:
+    loaded = load_config(package)
+    return external(StageSettings("ingest", {name: loaded.value(name) for name in USES}), package)
+
+
+def test_a_write_ahead_log_is_one_of_the_files_that_ingest_depends_on(tmp_path: Path) -> None:
+    """Else a run would not notice that it came, went or changed."""
+    (tmp_path / "bag").mkdir()
+    for name in ("dive.db3", "dive.db3-wal", "bag/a.db3", "bag/a.db3-wal", "bag/metadata.yaml", "bag/notes.txt"):
+        (tmp_path / name).write_bytes(b"x")
+    os.mkfifo(tmp_path / "bag" / "b.mcap")
+    (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["dive.db3", "bag"]\n')
+    names = ["dive.db3", "dive.db3-wal", "bag/a.db3", "bag/a.db3-wal", "bag/metadata.yaml"]
+    assert [path.as_posix() for path in files_of(tmp_path)] == names
+
+
+def test_a_pipe_in_place_of_a_log_is_refused_before_anybody_waits_for_it(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "dive.mcap")
+    (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["dive.mcap"]\n')
+    with pytest.raises(InputError, match=r"dive\.mcap is a pipe"):
+        files_of(tmp_path)

@@ -11,6 +11,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+import rasterio
 import tifffile
 from numpy.typing import NDArray
 
@@ -112,14 +113,15 @@ def test_the_optical_mosaic_of_a_dead_reckoned_dive_shows_the_disc_where_it_is(p
     document = json.loads((out / "mosaic.json").read_text())
     picture = tifffile.imread(out / "ortho.tif")
     assert {p.name for p in out.iterdir()} == {
-        "ortho.tif", "variance.tif", "ortho.png", "mosaic.glb", "mosaic.json", "manifest.json"}  # fmt: skip
+        "ortho.tif", "variance.tif", "views.tif", "ortho.png", "mosaic.glb", "mosaic.json", "manifest.json"}  # fmt: skip
     assert document["frame"] == "g"
     assert document["images"] == NODES - 1  # one was unusable
     bright = (picture[..., 0] > 1.4 * np.median(picture[..., 0][picture[..., 3] > 0])) & (picture[..., 3] > 0)
     assert bright.sum() * document["resolution_m"] ** 2 == pytest.approx(np.pi * 0.15**2, rel=0.05)
     rows, columns = np.nonzero(bright)
-    along = document["origin_along_m"] + (columns.mean() + 0.5) * document["resolution_m"]
-    girth = document["origin_girth_m"] - (rows.mean() + 0.5) * document["resolution_m"]
+    with rasterio.open(out / "ortho.tif") as file:
+        x, y = file.transform @ (columns.mean() + 0.5, rows.mean() + 0.5)
+    along, girth = document["along_from_x"] * x, document["girth_from_y"] * y
     chart = chart_for_points(wall().vertices, toward=[1.0, 0.0, 2.0])
     point, _ = chart.from_chart(np.array([[along, girth]]))
     np.testing.assert_allclose(point[0], [1.0, 1.0, 2.0], atol=0.01)
@@ -127,7 +129,7 @@ def test_the_optical_mosaic_of_a_dead_reckoned_dive_shows_the_disc_where_it_is(p
 
 def test_a_mosaic_run_twice_gives_the_same_bytes(passed: dict[str, Path], tmp_path: Path) -> None:
     one, two = (run_stage(mosaic_optical.STAGE, settings(), passed, tmp_path / n, source=tmp_path) for n in ("one", "two"))
-    for name in ("ortho.tif", "variance.tif", "ortho.png", "mosaic.glb", "mosaic.json"):
+    for name in ("ortho.tif", "variance.tif", "views.tif", "ortho.png", "mosaic.glb", "mosaic.json"):
         assert (one / name).read_bytes() == (two / name).read_bytes(), name
 
 

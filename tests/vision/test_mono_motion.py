@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.poses import exp
 from hullrecon.vision.pairs import mono_motion, two_view
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.stereo_adjustment import correlation_inflation, image_cells
+from hullrecon.vision.pairs.stereo_adjustment import correlation_inflation
 from hullrecon.vision.pairs.two_view import PossibleMotion
 
 TRUE = exp([[0.3, 0.02, 0.05, 0.02, -0.05, 0.01]]).matrix()[0]
@@ -109,9 +109,7 @@ def test_a_vehicle_that_moved_loses_no_information_by_it():
     residual, jacobian = mono_motion._linearised(motion, *matches())
     plain = np.linalg.inv(mono_motion._information(jacobian, mono_motion._variance(residual)))
     each = jacobian[:, :, None] * jacobian[:, None]
-    shared = correlation_inflation(
-        each, jacobian * residual[:, None], mono_motion._variance(residual), image_cells(matches()[0])
-    )
+    shared = correlation_inflation(each, jacobian * residual[:, None], mono_motion._variance(residual), matches()[0])
     np.testing.assert_allclose(np.sqrt(np.diag(covariance)), np.sqrt(shared * np.diag(plain)), rtol=1e-3)
 
 

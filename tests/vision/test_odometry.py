@@ -1,13 +1,19 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from vision.scene import follow_nodes
 
 from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.poses import exp
 from hullrecon.vision.features.extraction import FeatureOptions, no_features
-from hullrecon.vision.odometry import StereoOdometer, stereo_odometer
+from hullrecon.vision.odometry import MeasuredMotion, StereoOdometer, _with_disagreement, stereo_odometer
 from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence
 from hullrecon.vision.tracks.landmarks import NodeFeatures
 
 
@@ -27,11 +33,28 @@ def test_each_step_has_its_length_and_a_covariance_that_covers_the_error(rig, lo
         assert step.inliers > 100
 
 
-def test_the_sigma_is_never_below_that_of_the_cameras_model(rig, look):
-    [step] = follow_nodes(rig, range(2), pairs(look, [0.0, 0.2]))
-    angle = MatchOptions().sigma_px / rig.focal_px(Camera.TOP)
-    assert np.sqrt(np.linalg.eigvalsh(step.motion.covariance)[:3].min()) >= angle
-    assert np.sqrt(np.diag(step.motion.covariance)[:3].min()) >= angle * 1.25  # at a depth of 1.3 m
+def test_the_steps_of_many_pairs_scatter_as_their_covariance_says(rig, look):
+    chi2 = []
+    for seed in range(12):
+        nodes = [look([x, 0, 0, 0, 0, 0], seed=2 * seed + k) for k, x in enumerate((0.0, 0.25))]
+        [step] = follow_nodes(rig, range(2), lambda k, n=nodes: NodeFeatures(top=n[k].top, bottom=n[k].bottom))
+        found = step.motion.second_from_first
+        gap = np.r_[found[:3, 3] - [0.25, 0, 0], Rotation.from_matrix(found[:3, :3]).as_rotvec()]
+        chi2.append(gap @ np.linalg.solve(step.motion.covariance, gap) / 6)
+    assert 0.75 < np.sqrt(np.mean(chi2)) < 1.3
+
+
+def test_two_ways_that_disagree_widen_the_covariance_by_as_much():
+    def measured(shift):
+        motion = exp([[shift, 0, 0, 0, 0, 0.02]]).matrix()[0]
+        evidence = CalibrationEvidence(by_calibration=np.zeros((6, 12)), information=np.zeros((12, 12)), gradient=np.zeros(12))
+        return MeasuredMotion(motion=Motion(motion, 1e-6 * np.eye(6)), calibration=evidence, inliers=100)
+
+    there, back = measured(0.30), measured(0.31)
+    found = _with_disagreement(there, replace(back, motion=back.motion.inverse())).motion
+    np.testing.assert_array_equal(found.second_from_first, there.motion.second_from_first)
+    assert found.covariance[0, 0] == pytest.approx(1e-6 + 0.5 * 0.01**2)
+    assert found.covariance[1, 1] == pytest.approx(1e-6)
 
 
 def test_a_lost_image_breaks_two_links_and_no_more(rig, look):

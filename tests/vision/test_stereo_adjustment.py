@@ -111,8 +111,10 @@ def test_an_error_of_the_rig_moves_the_motion_as_its_derivative_says(axis):
     turned = Rotation.from_rotvec(step[3:]) * TOP_FROM_BOTTOM.rotation
     true = type(TOP_FROM_BOTTOM)(turned.as_quat(), TOP_FROM_BOTTOM.translation + step[:3])
     as_told, as_built = adjust(both_nodes(noise=0.0)), adjust(both_nodes(noise=0.0, rig=true))
-    expected = -as_told.by_rig @ step  # the rig that is told is off by minus the step
-    np.testing.assert_allclose(error(as_built.second_from_first), expected, atol=0.03 * np.abs(as_told.by_rig * 2e-4).max())
+    expected = -as_told.calibration.by_calibration[:, :6] @ step  # the rig that is told is off by minus the step
+    np.testing.assert_allclose(
+        error(as_built.second_from_first), expected, atol=0.03 * np.abs(as_told.calibration.by_calibration[:, :6] * 2e-4).max()
+    )
 
 
 def test_the_derivatives_are_those_of_numeric_differences():
@@ -139,7 +141,7 @@ def test_independent_errors_inflate_nothing_and_shared_ones_by_their_number():
 
     def factor(noise):
         fitted = np.linalg.lstsq(jacobian, noise, rcond=None)[0]
-        return correlation_inflation(information, jacobian * (noise - jacobian @ fitted)[:, None], 1.0, cell)
+        return stereo_adjustment._cluster_factor(information, jacobian * (noise - jacobian @ fitted)[:, None], 1.0, cell)
 
     assert np.mean([factor(rng.standard_normal(800)) for _ in range(50)]) < 1.1
     jacobian = np.repeat(rng.standard_normal((200, 5)), 4, axis=0)  # one point, four times
@@ -151,10 +153,60 @@ def test_independent_errors_inflate_nothing_and_shared_ones_by_their_number():
 def test_one_cell_alone_says_nothing_about_correlation():
     rng = np.random.default_rng(3)
     jacobian = rng.standard_normal((50, 5))
-    assert correlation_inflation(jacobian[:, :, None] * jacobian[:, None], jacobian, 1.0, np.zeros(50, int)) == 1.0
+    assert correlation_inflation(jacobian[:, :, None] * jacobian[:, None], jacobian, 1.0, np.full((50, 2), 0.01)) == 1.0
 
 
 def test_cells_are_numbered_by_where_features_lie():
-    cell = image_cells(np.array([[0.01, 0.01], [0.09, 0.02], [0.11, 0.01], [-0.01, 0.01]]))
+    cell = image_cells(np.array([[0.01, 0.01], [0.09, 0.02], [0.11, 0.01], [-0.01, 0.01]]), 0.1)
     assert cell[0] == cell[1]
     assert len(set(cell.tolist())) == 3
+
+
+def disparity_error(nodes, coefficients):
+    """The two nodes as a lens would show them whose disparity is off by that field (6,), ideal units."""
+    baseline = np.array([0.0, 1.0])  # the bottom camera stands below: a nearer point moves up in it
+
+    def seen(node):
+        field = stereo_adjustment._disparity_field(node.lead) @ coefficients
+        other = node.other - field[:, None] * baseline
+        turned = rectify(TOP_FROM_BOTTOM)
+        point = triangulate(turned, turned.rectify_top(node.lead), turned.rectify_bottom(other))
+        return NodeObservations(lead=node.lead, other=other, point=point)
+
+    return [seen(node) for node in nodes]
+
+
+def test_an_error_of_the_disparity_is_seen_by_its_slope():
+    """A motion cannot take up a depth that changes over the image."""
+    slope = 6e-4 * np.eye(6)[1]
+    found = adjust(disparity_error(both_nodes(points=wall(2000)), slope))
+    prior = np.eye(6) * 1e-2**-2
+    evidence = found.calibration
+    covariance = np.linalg.inv(evidence.information[6:, 6:] + prior)
+    estimate = -covariance @ evidence.gradient[6:]
+    sigma = np.sqrt(covariance[1, 1])
+    assert abs(estimate[1]) > 4 * sigma
+    assert abs(abs(estimate[1]) - 6e-4) < 4 * sigma
+
+
+def test_a_sound_calibration_shows_no_error_of_the_disparity():
+    evidence = adjust(both_nodes()).calibration
+    covariance = np.linalg.inv(evidence.information[6:, 6:] + np.eye(6) * 1e-2**-2)
+    estimate = -covariance @ evidence.gradient[6:]
+    assert (np.abs(estimate) < 4 * np.sqrt(np.diag(covariance))).all()
+
+
+@pytest.mark.parametrize("term", range(6))
+def test_an_error_of_the_disparity_moves_the_motion_as_its_derivative_says(term):
+    field = 5e-5 * np.eye(6)[term]
+    sound, off = adjust(both_nodes()), adjust(disparity_error(both_nodes(), field))
+    moved = error(off.second_from_first, sound.second_from_first)
+    expected = sound.calibration.by_calibration[:, 6 + term] * 5e-5
+    sign = np.sign(moved @ expected)
+    np.testing.assert_allclose(sign * moved, expected, atol=0.1 * np.abs(expected).max() + 2e-6)
+
+
+def test_the_evidence_is_symmetric_and_not_negative():
+    information = adjust(both_nodes()).calibration.information
+    np.testing.assert_allclose(information, information.T, rtol=1e-6, atol=1e-3 * np.abs(information).max() * 1e-6)
+    assert np.linalg.eigvalsh(information).min() > -1e-6 * np.abs(information).max()

@@ -59,7 +59,7 @@ def assemble(
         priors=priors,
         attitude=attitude_table(m.attitude, weights.depth),
         tray=tray_table(m.trajectory.tray, weights.tray_direction, weights.tray),
-        odometry=odometry_table(m.odometry, m.trajectory.tray, m.rig.T_s_d.nominal),
+        odometry=odometry_table(m.odometry, m.trajectory.tray, m.rig.T_s_d.nominal, state.nodes),
     )
     if m.tracks is not None:
         stereo, mono = _image_tables(m.tracks, state, chosen)

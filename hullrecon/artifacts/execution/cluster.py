@@ -1,9 +1,13 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""`context.map` on a Dask cluster. Its workers need hullrecon installed and the same paths to the package and to RUNS."""
+"""`context.map` on a Dask cluster. Its workers need hullrecon installed and the same paths to the package and to RUNS.
+
+What goes over the wire is pickled: whoever reaches a port of a plain cluster runs what he likes on all its machines.
+"""
 
 from __future__ import annotations
 
+import logging
 import socket
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -15,6 +19,8 @@ from hullrecon.errors import StageError, UsageError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+log = logging.getLogger(__name__)
+_CERTIFICATES = ("distributed.comm.tls.ca-file", "distributed.comm.tls.client.cert")
 _CONNECT_S = 10
 _RETRY_S = 0.1
 
@@ -50,10 +56,24 @@ def _connect(address: str) -> Any:
     except ImportError as error:
         raise UsageError("--scheduler needs Dask", remedy="install hullrecon[cluster]") from error
     _refuse_unreachable(address)
+    if urlsplit(address).scheme == "tls":
+        _refuse_without_certificates(address)
+    else:
+        log.warning("%s is plain TCP: whoever reaches its port runs programs here; give tls:// where others can", address)
     try:
         return Client(address, timeout=_CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:
         raise _no_scheduler(address) from error
+
+
+def _refuse_without_certificates(address: str) -> None:
+    """Raise UsageError where Dask's configuration names no certificates."""
+    import dask
+
+    missing = [key for key in _CERTIFICATES if not dask.config.get(key, None)]
+    if missing:
+        remedy = "set them in ~/.config/dask, or as DASK_DISTRIBUTED__COMM__TLS__CA_FILE and so on"
+        raise UsageError(f"Dask's configuration lacks {' and '.join(missing)}", where=address, remedy=remedy)
 
 
 def _refuse_unreachable(address: str) -> None:
@@ -67,7 +87,9 @@ def _refuse_unreachable(address: str) -> None:
         if parts.scheme not in ("tcp", "tls") or host is None or port is None:
             raise ValueError(address)
     except ValueError:
-        raise UsageError("not an address of a Dask scheduler", where=address, remedy="give tcp://HOST:PORT") from None
+        raise UsageError(
+            "not an address of a Dask scheduler", where=address, remedy="give tcp://HOST:PORT or tls://HOST:PORT"
+        ) from None
     until = time.monotonic() + _CONNECT_S
     while True:
         try:

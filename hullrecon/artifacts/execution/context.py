@@ -6,15 +6,16 @@ from __future__ import annotations
 
 import logging
 import multiprocessing
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
 from hullrecon.artifacts.execution.executor import Executor
+from hullrecon.artifacts.execution.interruption import raise_if_requested
 from hullrecon.artifacts.execution.machine import peak_rss
 from hullrecon.artifacts.execution.progress import Progress, length
-from hullrecon.artifacts.graph.stage import Stage, Writer
-from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.artifacts.graph.job import Job
+from hullrecon.artifacts.graph.stage import Writer
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -26,14 +27,14 @@ class StageContext:
     the stage has ended."""
 
     def __init__(
-        self, stage: Stage, settings: StageSettings, inputs: Mapping[str, Path], source: Path | None, out: Writer,
-        executor: Executor, progress: Progress,
+        self, job: Job, out: Writer, executor: Executor, progress: Progress
     ) -> None:  # fmt: skip
-        self.settings, self.inputs, self.out = settings, inputs, out
+        self.settings, self.inputs, self.out = job.settings, job.inputs, out
+        self.failures: Mapping[str, str] = job.recipe.failures
         self.warnings: list[str] = []
         self.times: dict[str, list[float]] = {}
         self.workers_peak_rss = 0
-        self._stage, self._source = stage, source
+        self._stage, self._source = job.stage, job.source
         self._executor, self._progress = executor, progress
 
     @property
@@ -47,7 +48,8 @@ class StageContext:
         return self.settings[self._stage.name]
 
     def progress(self, items: Iterable[Item], label: str, total: int | None = None) -> Iterable[Item]:
-        return self._progress.track(items, f"{self._stage.name}: {label}", total if total is not None else length(items))
+        total = total if total is not None else length(items)
+        return self._progress.track(_until_interrupted(items), f"{self._stage.name}: {label}", total)
 
     def map(self, function: Callable[[Item], Result], items: Sequence[Item], label: str) -> list[Result]:
         results = list(self.progress(self._executor.map(function, items), label, len(items)))
@@ -61,3 +63,9 @@ class StageContext:
 
     def record_times(self, name: str, seconds: Sequence[float]) -> None:
         self.times[name] = [round(float(s), 3) for s in seconds]
+
+
+def _until_interrupted(items: Iterable[Item]) -> Iterator[Item]:
+    for item in items:
+        raise_if_requested()
+        yield item

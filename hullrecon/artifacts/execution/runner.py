@@ -13,15 +13,18 @@ from pathlib import Path
 
 from hullrecon.artifacts.execution.context import StageContext
 from hullrecon.artifacts.execution.executor import Executor, choose_executor
+from hullrecon.artifacts.execution.interruption import raise_if_requested
 from hullrecon.artifacts.execution.machine import host, peak_rss, reset_peak_rss, versions
+from hullrecon.artifacts.execution.memory_limit import is_lack_of_memory
 from hullrecon.artifacts.execution.progress import Progress, Silent, choose_progress
 from hullrecon.artifacts.graph.job import Job, make_job
+from hullrecon.artifacts.graph.source_watch import SourceWatch
 from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.artifacts.storage.disk import commit_folder, make_folder, remove, storage_errors
 from hullrecon.artifacts.storage.hashing import HashCache, files_below, hash_file
 from hullrecon.artifacts.storage.manifest import JsonTable, Manifest, write_manifest
 from hullrecon.artifacts.storage.writer import ArtifactWriter
-from hullrecon.errors import InputError, StageError
+from hullrecon.errors import HullreconError, InputError, StageError
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,7 @@ class RunContext:
     hashes: HashCache
     executor: Executor
     progress: Progress = field(default_factory=Silent)
+    watch: SourceWatch | None = None  # of the run that a step is part of; a step by itself has one of its own
 
 
 def run_stage(
@@ -56,13 +60,17 @@ def run_stage(
 def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manifest:
     """Run the stage's function into the folder `building` and puts that, manifest last, at `out` in one step.
 
-    Whatever goes wrong, `out` is as it was. StorageError when the disk refuses; StageError when the memory ran out.
+    Whatever goes wrong, `out` is as it was. StorageError when the disk refuses; StageError when the memory ran out; InputError
+    when a file of the package changed meanwhile.
     """
+    watch = run_context.watch or SourceWatch(run_context.hashes, job.source or Path())
+    watch.begin(job)
     with storage_errors(building.parent):
         remove(building)
     make_folder(building)
     try:
         manifest = _fill(job, building, run_context)
+        watch.end(job)
         commit_folder(building, out)
     except BaseException:
         remove(building)
@@ -73,9 +81,7 @@ def build(job: Job, out: Path, building: Path, run_context: RunContext) -> Manif
 
 
 def _fill(job: Job, building: Path, run_context: RunContext) -> Manifest:
-    context = StageContext(
-        job.stage, job.settings, job.inputs, job.source, ArtifactWriter(building), run_context.executor, run_context.progress
-    )
+    context = StageContext(job, ArtifactWriter(building), run_context.executor, run_context.progress)
     spent = _call(job.stage, context, building)
     outputs = {name: hash_file(building / name) for name in files_below(building)}
     run: JsonTable = {"versions": versions(), "host": host(), **spent}
@@ -91,11 +97,14 @@ def _call(stage: Stage, context: StageContext, building: Path) -> JsonTable:
     try:
         with storage_errors(building, only_below=building):
             stage.run(context)
-    except MemoryError as error:
-        remedy = "run on a machine with more, or with a smaller --jobs"
-        raise StageError(f"{stage.name} ran out of memory", remedy=remedy) from error
+            raise_if_requested()
     except PermissionError as error:
         raise InputError(f"{stage.name} may not read a file", where=str(error.filename)) from error
+    except Exception as error:
+        if isinstance(error, HullreconError) or not is_lack_of_memory(error):
+            raise
+        remedy = "run on a machine with more, or with a smaller --jobs"
+        raise StageError(f"{stage.name} ran out of memory", remedy=remedy) from error
     finally:
         _take_back_sigterm()
     return {

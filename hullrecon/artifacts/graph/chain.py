@@ -5,23 +5,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
 
 from hullrecon.artifacts.graph.settings import settings_for
 from hullrecon.artifacts.graph.stage import Stage
+from hullrecon.artifacts.storage.manifest import FileRecord
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import UsageError
 
 
 @dataclass(frozen=True)
 class Chain:
-    """Stages in an order in which each comes after its inputs, with the configuration and the package that they run on."""
+    """Stages in an order in which each comes after its inputs, with the configuration and the package that they run on.
+
+    read_before: the files of the package that the configuration came from, by their path relative to it.
+    """
 
     stages: tuple[Stage, ...]
     sections: Mapping[str, object]
     package: Path
+    read_before: Mapping[str, FileRecord] = field(default_factory=dict)
 
     def up_to(self, name: str) -> Chain:
         """Return the part of the chain that `name` needs. Raises UsageError when there is no such step."""

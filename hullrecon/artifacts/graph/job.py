@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from hullrecon.artifacts.graph.recipe import make_recipe
 from hullrecon.artifacts.graph.settings import settings_for
@@ -28,8 +29,13 @@ class Job:
 
 
 def make_job(
-    stage: Stage, sections: Mapping[str, object], inputs: Mapping[str, Path], source: Path | None, hashes: HashCache
-) -> Job:
-    """InputError when a file of the package is missing; UsageError for an option that is not finite."""
+    stage: Stage, sections: Mapping[str, object], inputs: Mapping[str, Path], source: Path | None, hashes: HashCache,
+    failures: Mapping[str, str] = MappingProxyType({}),
+) -> Job:  # fmt: skip
+    """Return the job; failures: why steps of this run left no artifact, of which those that it could use count.
+
+    Raises InputError when a file of the package is missing, UsageError for an option that is not finite.
+    """
     settings = settings_for(stage, sections)
-    return Job(stage, settings, inputs, source, make_recipe(stage, settings, inputs, source, hashes))
+    own = {name: failures[name] for name in stage.optional if name in failures}
+    return Job(stage, settings, inputs, source, make_recipe(stage, settings, inputs, source, hashes, own))

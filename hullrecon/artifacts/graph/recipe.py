@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from hullrecon.artifacts.graph.settings import resolve_settings
 from hullrecon.artifacts.graph.stage import Stage
@@ -17,8 +18,9 @@ from hullrecon.errors import InputError
 
 
 def make_recipe(
-    stage: Stage, settings: StageSettings, inputs: Mapping[str, Path], source: Path | None, hashes: HashCache
-) -> Recipe:
+    stage: Stage, settings: StageSettings, inputs: Mapping[str, Path], source: Path | None, hashes: HashCache,
+    failures: Mapping[str, str] = MappingProxyType({}),
+) -> Recipe:  # fmt: skip
     """Return the recipe as things are now. Raises InputError when a file of the package is missing."""
     return Recipe(
         stage=stage.name,
@@ -26,6 +28,7 @@ def make_recipe(
         settings=resolve_settings(settings),
         inputs={name: content_hash(folder, hashes) for name, folder in sorted(inputs.items())},
         external=external_files(stage, settings, source, hashes),
+        failures=dict(failures),
     )
 
 

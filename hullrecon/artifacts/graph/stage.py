@@ -43,6 +43,7 @@ class Context(Protocol[Parameters]):
 
     settings: StageSettings  # those in the stage's `uses` and its own
     inputs: Mapping[str, Path]  # folder of each input artifact that exists, by stage name
+    failures: Mapping[str, str]  # why optional inputs left no artifact, a sentence by stage name
     out: Writer
 
     @property
@@ -78,6 +79,7 @@ class Stage:
     version: raised when the function's result changes for the same input.
     external: for stages that read files of the package: from the settings and the package's folder to those files.
     applies: None, or a function from the settings to None (applies) or the reason why this dive cannot have it.
+    fails_alone: where it reaches no result, steps that only use it when it is there go on without it.
     """
 
     name: str
@@ -90,6 +92,7 @@ class Stage:
     optional: tuple[str, ...] = ()
     external: Callable[[StageSettings, Path], list[Path]] | None = None
     applies: Callable[[StageSettings], str | None] | None = None
+    fails_alone: bool = False
 
 
 def load_arrays(path: Path) -> dict[str, NDArray[Any]]:

@@ -20,6 +20,7 @@ def differences(made: Recipe, now: Recipe) -> list[str]:
         *_options(made.settings, now.settings),
         *_inputs(made.inputs, now.inputs),
         *_external(made.external, now.external),
+        *_failures(made.failures, now.failures),
         *([f"code version {made.version} -> {now.version}"] if made.version != now.version else []),
         *([f"it was made by step {made.stage}"] if made.stage != now.stage else []),
     ]
@@ -56,6 +57,12 @@ def _external(made: Mapping[str, FileRecord], now: Mapping[str, FileRecord]) -> 
     for name in sorted({*made, *now}):
         if made.get(name) != now.get(name):
             yield f"external file {name} {_verb(name in made, name in now)}"
+
+
+def _failures(made: Mapping[str, str], now: Mapping[str, str]) -> Iterator[str]:
+    for name in sorted({*made, *now}):
+        if made.get(name) != now.get(name):
+            yield f"{name} failed: {now[name]}" if name in now else f"it was made without {name}, which had failed"
 
 
 def _verb(before: bool, after: bool) -> str:

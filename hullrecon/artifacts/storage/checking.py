@@ -7,10 +7,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from hullrecon.artifacts.storage.documents import DamagedArtifactError
+from hullrecon.artifacts.storage.claim import COMPARED, PRIVATE
+from hullrecon.artifacts.storage.delivery import PUBLISHED, delivered_records, unlike_files
+from hullrecon.artifacts.storage.documents import DamagedArtifactError, unseal
 from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.manifest import Manifest
-from hullrecon.artifacts.storage.workspace import PUBLISHED, Workspace, damaged_files, unequal_files
+from hullrecon.artifacts.storage.workspace import Workspace, damaged_files
 
 
 @dataclass
@@ -24,9 +26,40 @@ class WorkspaceCheck:
 
 
 def check_workspace(workspace: Workspace, names: Sequence[str], *, read_data: bool) -> WorkspaceCheck:
-    """Compare presence and size of every file with the manifests; with read_data every byte, the package's files too."""
+    """Compare presence and size of every file with the manifests; with read_data every byte, the package's files too.
+
+    deliver/ is compared with what the artifacts deliver, and what `compare` left is looked at like the chain's own.
+    """
     result = WorkspaceCheck()
     hashes = workspace.hashes(trusting=not read_data)
+    _check_own_documents(workspace, result)
+    _check_artifacts(workspace, names, hashes, read_data, result)
+    for variant in sorted((workspace.root / COMPARED).glob("*/")):
+        found = WorkspaceCheck()
+        _check_artifacts(Workspace(variant), names, hashes, False, found)
+        result.artifacts += found.artifacts
+        result.files += found.files
+        result.read_bytes += found.read_bytes
+        remedy = "remove it with its step's folder, and `hullrecon compare` solves it again"
+        result.damaged += [f"{COMPARED}/{variant.name}/{sentence}: {remedy}" for sentence in found.damaged]
+    return result
+
+
+def _check_own_documents(workspace: Workspace, result: WorkspaceCheck) -> None:
+    """Look at what the workspace keeps for itself: the next run writes anew what is damaged of it."""
+    for path in sorted((workspace.root / PRIVATE).glob("[!.]*.json")):
+        result.files += 1
+        try:
+            data = path.read_bytes()
+            result.read_bytes += len(data)
+            unseal(data)
+        except (OSError, DamagedArtifactError) as error:
+            result.damaged.append(f"{PRIVATE}/{path.name}: {error}")
+
+
+def _check_artifacts(
+    workspace: Workspace, names: Sequence[str], hashes: HashCache, read_data: bool, result: WorkspaceCheck
+) -> None:
     for name in names:
         try:
             manifest = workspace.manifest(name)
@@ -37,7 +70,6 @@ def check_workspace(workspace: Workspace, names: Sequence[str], *, read_data: bo
             _check_artifact(workspace, name, manifest, hashes, result)
             if read_data:
                 _check_package(workspace, manifest, hashes, result)
-    return result
 
 
 def _check_artifact(workspace: Workspace, name: str, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck) -> None:
@@ -48,9 +80,12 @@ def _check_artifact(workspace: Workspace, name: str, manifest: Manifest, hashes:
     result.damaged += [f"{name}/{sentence}" for sentence in damaged_files(folder, manifest, hashes)]
     if manifest.recipe.key != manifest.key:
         result.damaged.append(f"{name}/manifest.json: its key does not fit its recipe")
-    if (folder / PUBLISHED).is_dir():
-        shown = unequal_files(folder / PUBLISHED, workspace.root / PUBLISHED)
-        result.damaged += [f"{PUBLISHED}/{file} is not the one of {name}: `run` puts it right" for file in shown]
+    delivered = delivered_records(manifest)
+    if delivered:
+        result.files += len(delivered)
+        result.read_bytes += sum(record.size for record in delivered.values())
+        unlike = unlike_files(workspace.delivery.folder, delivered, hashes)
+        result.damaged += [f"{PUBLISHED}/{file} {what}: `run --read-data` restores it" for file, what in unlike.items()]
 
 
 def _check_package(workspace: Workspace, manifest: Manifest, hashes: HashCache, result: WorkspaceCheck) -> None:

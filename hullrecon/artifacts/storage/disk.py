@@ -24,10 +24,14 @@ _REMEDIES = {
     errno.EPERM: "write permission is missing: choose another folder with --runs",
     errno.ENOTDIR: "a file lies where a folder is needed: choose another folder with --runs",
     errno.EEXIST: "a file lies where a folder is needed: choose another folder with --runs",
+    errno.ELOOP: "a symbolic link lies where the run keeps a file of its own: remove it",
+    errno.ENAMETOOLONG: "the name is too long: choose another folder with --runs",
 }
 _AT_FDCWD = -100
 _RENAME_EXCHANGE = 2
 _NO_EXCHANGE = {errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EXDEV}
+_NO_COPY_RANGE = _NO_EXCHANGE | {errno.EBADF, errno.EPERM}
+_COPY_BYTES = 1 << 30
 
 
 @contextmanager
@@ -52,8 +56,9 @@ def durable_file(path: Path) -> Iterator[BinaryIO]:
     temporary = temporary_name(path)
     with storage_errors(path.parent):
         make_folder(path.parent)
+        temporary.unlink(missing_ok=True)
         try:
-            with open(temporary, "wb") as file:
+            with open(temporary, "xb") as file:  # made anew: a link that lies under that name is not followed
                 yield file
                 file.flush()
                 os.fsync(file.fileno())
@@ -98,9 +103,27 @@ def make_folder(path: Path) -> None:
     """Creates the folder and its parents, and syncs each parent that got a new entry."""
     with storage_errors(path):
         missing = [p for p in (path, *path.parents) if not p.exists()]
-        path.mkdir(parents=True, exist_ok=True)
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except FileNotFoundError as error:  # a place that takes no folders, such as /proc
+            raise StorageError(f"cannot write: {error.strerror}", where=str(path), remedy=_REMEDIES[errno.EACCES]) from error
         for created in missing:
             sync_folder(created.parent)
+
+
+def copy_file(source: Path, target: Path) -> None:
+    """Copy a file's bytes to a new file: editing one leaves the other.
+
+    Where the file system can (Btrfs, XFS), the two share their blocks until one of them is written.
+    """
+    with open(source, "rb") as original, open(target, "xb") as copy:
+        try:
+            while os.copy_file_range(original.fileno(), copy.fileno(), _COPY_BYTES):
+                pass
+        except OSError as error:
+            if error.errno not in _NO_COPY_RANGE:
+                raise
+            shutil.copyfileobj(original, copy)
 
 
 def sync_folder(path: Path) -> None:
@@ -142,7 +165,7 @@ def commit_folder(built: Path, final: Path) -> None:
     with storage_errors(final.parent):
         make_folder(final.parent)
         old = built
-        if not final.exists():
+        if not os.path.lexists(final):
             os.rename(built, final)
         elif not exchange(built, final):
             old = set_aside(final)

@@ -27,7 +27,7 @@ def encode(value: object) -> bytes:
         text = json.dumps(shown, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
     except ValueError as error:
         raise ValueError(f"not a finite number at {_not_finite(shown, '') or 'an unknown path'}") from error
-    return (text + "\n").encode()
+    return (text + "\n").encode(errors="backslashreplace")  # bytes of a file name that are no UTF-8, as JSON escapes them
 
 
 def digest(value: object) -> str:

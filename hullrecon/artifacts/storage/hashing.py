@@ -4,7 +4,10 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
+import os
+import stat
 from pathlib import Path
 
 from hullrecon.artifacts.storage.disk import write_file
@@ -13,6 +16,7 @@ from hullrecon.artifacts.storage.manifest import FileRecord
 
 
 def hash_file(path: Path) -> FileRecord:
+    """Return size and hash of a file, read whole."""
     with path.open("rb") as file:
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()
         return FileRecord(sha256, file.tell())
@@ -29,7 +33,7 @@ class HashCache:
     def __init__(self, store: Path | None = None, *, trusting: bool = True) -> None:
         self._store, self._trusting, self._changed = store, trusting, False
         self._known: dict[str, object] = {}
-        self._read_here: set[str] = set()
+        self._read_here: dict[str, int] = {}  # time of the last change of inode or bytes, ns, of what this process has seen
         if store is not None and store.is_file():
             try:
                 self._known = unseal(store.read_bytes())
@@ -37,21 +41,29 @@ class HashCache:
                 self._changed = True
 
     def record(self, path: Path) -> FileRecord:
-        """Return size and hash of a file. Raises FileNotFoundError when it is not there."""
+        """Return size and hash of a file. Raises OSError when it is not there, or is a device, FIFO or socket."""
         status = path.stat()
-        mark = [status.st_size, status.st_mtime_ns, status.st_ino]
+        if not stat.S_ISREG(status.st_mode):
+            raise OSError(errno.EINVAL, "not a regular file", str(path))
         known = self._known.get(str(path))
-        trusted = self._trusting or str(path) in self._read_here
-        if trusted and isinstance(known, list) and known[:3] == mark:
+        if isinstance(known, list) and known[:3] == _mark(status) and self._is_trusted(path, status):
+            self._read_here.setdefault(str(path), status.st_ctime_ns)
             return FileRecord(str(known[3]), status.st_size)
         record = hash_file(path)
-        self._note(path, [*mark, record.sha256])
+        self._note(path, status, record)
         return record
+
+    def _is_trusted(self, path: Path, status: os.stat_result) -> bool:
+        """Return whether a file of known size, time and inode need not be read.
+
+        What this process has seen must also have kept its ctime, which no program can set back.
+        """
+        seen_ns = self._read_here.get(str(path))
+        return self._trusting if seen_ns is None else seen_ns == status.st_ctime_ns
 
     def learn(self, path: Path, record: FileRecord) -> None:
         """Note the hash of a file that was just written."""
-        status = path.stat()
-        self._note(path, [status.st_size, status.st_mtime_ns, status.st_ino, record.sha256])
+        self._note(path, path.stat(), record)
 
     def save(self) -> None:
         """Write the cache when it changed; only the holder of the lock may."""
@@ -59,8 +71,14 @@ class HashCache:
             write_file(self._store, seal(self._known))
             self._changed = False
 
-    def _note(self, path: Path, entry: list[int | str]) -> None:
-        self._read_here.add(str(path))
+    def _note(self, path: Path, status: os.stat_result, record: FileRecord) -> None:
+        self._read_here[str(path)] = status.st_ctime_ns
+        entry = [*_mark(status), record.sha256]
         if self._known.get(str(path)) != entry:
             self._known[str(path)] = entry
             self._changed = True
+
+
+def _mark(status: os.stat_result) -> list[int]:
+    """Return what changes with a file's bytes: size, time of modification and inode."""
+    return [status.st_size, status.st_mtime_ns, status.st_ino]

@@ -8,7 +8,7 @@ import fcntl
 import os
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from hullrecon.artifacts.storage.disk import make_folder, storage_errors
@@ -22,13 +22,17 @@ def hold_lock(path: Path, wait_s: float = 0.0) -> Iterator[None]:
     """Holds the lock of the workspace whose lock file is `path`. LockedError when another holds it after `wait_s` seconds."""
     make_folder(path.parent)
     with storage_errors(path.parent):
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
     try:
         _acquire(descriptor, path, time.monotonic() + wait_s)
         with storage_errors(path.parent):
             os.truncate(descriptor, 0)
             os.pwrite(descriptor, f"{os.getpid()}\n".encode(), 0)
-        yield
+        try:
+            yield
+        finally:
+            with suppress(OSError):
+                os.truncate(descriptor, 0)  # nobody holds it: no file of a finished run is without a checksum
     finally:
         os.close(descriptor)
 

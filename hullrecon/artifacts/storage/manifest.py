@@ -27,7 +27,7 @@ class Recipe(Struct, frozen=True, kw_only=True):
     """What decides an artifact's content: equal recipe, equal bytes.
 
     settings: resolved options by section, None for an absent section. inputs: content hash of each input artifact.
-    external: files of the package by their path relative to it.
+    external: files of the package by their path relative to it. failures: why optional inputs left no artifact, by stage name.
     """
 
     stage: str
@@ -35,10 +35,19 @@ class Recipe(Struct, frozen=True, kw_only=True):
     settings: JsonTable
     inputs: dict[str, str] = {}
     external: dict[str, FileRecord] = {}
+    failures: dict[str, str] = {}
 
     @property
     def key(self) -> str:
-        return digest(msgspec.to_builtins(self))
+        return digest(self.content)
+
+    @property
+    def content(self) -> JsonTable:
+        """Return what the key is the hash of; `failures` only where there are some, as older versions had none."""
+        content: JsonTable = msgspec.to_builtins(self)
+        if not self.failures:
+            del content["failures"]
+        return content
 
 
 class Manifest(Struct, frozen=True, kw_only=True):
@@ -54,7 +63,7 @@ class Manifest(Struct, frozen=True, kw_only=True):
     @property
     def content_hash(self) -> str:
         """Return the hash of all but the `run` block: what a step that takes this artifact depends on."""
-        content = msgspec.to_builtins(self)
+        content = msgspec.to_builtins(self) | {"recipe": self.recipe.content}
         del content["run"]
         return digest(content)
 

@@ -1,32 +1,32 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""RUNS/<dive>: where artifacts lie, how damaged ones are set apart, how deliverables are shown."""
+"""RUNS/<dive>: where artifacts lie, how damaged ones are set apart, how deliverables are published."""
 
 from __future__ import annotations
 
 import os
-import shutil
-from collections.abc import Iterable
-from contextlib import AbstractContextManager
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+from hullrecon.artifacts.storage.claim import PRIVATE, refuse_foreign, refuse_package
+from hullrecon.artifacts.storage.delivery import PUBLISHED, Delivery, delivered_records, unlike_files
 from hullrecon.artifacts.storage.disk import (
-    commit_folder,
     existing_folder,
     make_folder,
     recover,
     remove,
     storage_errors,
-    sync_tree,
+    temporary_name,
     write_file,
 )
 from hullrecon.artifacts.storage.documents import DamagedArtifactError, seal, unseal
-from hullrecon.artifacts.storage.hashing import HashCache, files_below
+from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.lock import hold_lock
 from hullrecon.artifacts.storage.manifest import FILE_NAME, Manifest, read_manifest
 
-PRIVATE = ".hullrecon"  # lock, hashes, where the package lies, folders under construction
-PUBLISHED = "deliver"  # a folder of that name in an artifact is shown at the workspace's top as well
+__all__ = ["PRIVATE", "PUBLISHED", "Workspace", "damaged_files"]
+_LISTED = 3  # deliverables that a sentence names one by one
 
 
 class Workspace:
@@ -49,8 +49,17 @@ class Workspace:
     def hashes(self, *, trusting: bool = True) -> HashCache:
         return HashCache(self.root / PRIVATE / "hashes.json", trusting=trusting)
 
-    def lock(self, wait_s: float = 0.0) -> AbstractContextManager[None]:
-        return hold_lock(self.root / PRIVATE / "lock", wait_s)
+    @contextmanager
+    def lock(self, wait_s: float = 0.0) -> Iterator[None]:
+        """Hold the workspace. Raises LockedError when another does after wait_s, UsageError where the folder is not a run's."""
+        with storage_errors(self.root):
+            refuse_foreign(self.root)
+        with hold_lock(self.root / PRIVATE / "lock", wait_s):
+            yield
+
+    @property
+    def delivery(self) -> Delivery:
+        return Delivery(self.root / PUBLISHED, self.root / PRIVATE, self.build_folder(PUBLISHED))
 
     def exists(self) -> bool:
         return (self.root / PRIVATE).is_dir()
@@ -63,6 +72,11 @@ class Workspace:
         except (OSError, DamagedArtifactError, KeyError):
             return None
 
+    def refuse_package(self, package: Path) -> None:
+        """Raise UsageError where this folder is the dive package, or holds it."""
+        with storage_errors(self.root):
+            refuse_package(self.root, package)
+
     def remember_package(self, package: Path) -> None:
         if self.package != package.resolve():
             write_file(self.root / PRIVATE / "workspace.json", seal({"package": str(package.resolve())}))
@@ -71,8 +85,11 @@ class Workspace:
         """Ends what a killed run left half done."""
         with storage_errors(self.root):
             remove(self.root / PRIVATE / "building")
-        for name in (*names, PUBLISHED):
+            for unfinished in (self.root / PRIVATE).glob(temporary_name(Path("*")).name):
+                remove(unfinished)
+        for name in names:
             recover(self.root / name)
+        self.delivery.recover()
 
     def remove(self, name: str) -> bool:
         """Removes an artifact; it is out of sight at once. False when there was none."""
@@ -86,69 +103,56 @@ class Workspace:
             os.rename(folder, gone)
             remove(gone)
             if not any(self.root.glob(f"*/{PUBLISHED}")):
-                remove(self.root / PUBLISHED)
+                self.delivery.remove()
         return True
 
     def quarantine(self, name: str) -> Path:
         """Sets a damaged artifact apart under a new name: what can still be read of it is not ours to throw away."""
-        make_folder(self.root / "quarantine")
-        taken = {p.name for p in (self.root / "quarantine").iterdir()}
-        target = next(self.root / "quarantine" / n for i in range(1, len(taken) + 2) if (n := f"{name}-{i}") not in taken)
+        target = self._quarantine_folder(name)
         with storage_errors(self.root):
             os.rename(self.artifact(name), target)
         return target
 
-    def publish(self, name: str) -> Path | None:
-        """Shows the artifact's `deliver` folder at the workspace's top, as hard links where the file system has them."""
-        inside, shown = self.artifact(name) / PUBLISHED, self.root / PUBLISHED
-        if not inside.is_dir():
+    def _quarantine_folder(self, name: str) -> Path:
+        """Return a name in quarantine that is not taken."""
+        make_folder(self.root / "quarantine")
+        taken = {p.name for p in (self.root / "quarantine").iterdir()}
+        return next(self.root / "quarantine" / n for i in range(1, len(taken) + 2) if (n := f"{name}-{i}") not in taken)
+
+    def publish(self, name: str, hashes: HashCache) -> str | None:
+        """Copy the artifact's `deliver` folder to the workspace's top, unless it lies there as it should.
+
+        Returns a sentence where others had changed what was delivered; what they changed is kept in quarantine.
+        """
+        manifest, delivery = self.manifest(name), self.delivery
+        records = delivered_records(manifest) if manifest is not None else {}
+        if not records:
             return None
-        if not unequal_files(inside, shown):
-            return shown
-        copy = self.build_folder(PUBLISHED)
-        with storage_errors(self.root):
-            remove(copy)
-            for file in files_below(inside):
-                make_folder((copy / file).parent)
-                _link(inside / file, copy / file)
-            sync_tree(copy)
-        commit_folder(copy, shown)
-        return shown
+        delivery.restore()
+        original = self.artifact(name) / PUBLISHED
+        if not delivery.unlike(original, records, hashes):
+            delivery.note(records)
+            return None
+        changed = delivery.changed_since(hashes)
+        kept = self._keep(changed)
+        delivery.replace(original, records, hashes)
+        return f"{_list_changes(changed)}: restored{kept}" if changed else None
+
+    def _keep(self, changed: dict[str, str]) -> str:
+        if all(what == "is missing" for what in changed.values()):
+            return ""
+        apart = self._quarantine_folder(PUBLISHED)
+        self.delivery.save_changed(changed, apart)
+        return f", what lay there is in {apart}"
+
+
+def _list_changes(changed: dict[str, str]) -> str:
+    listed = [f"{PUBLISHED}/{name} {what}" for name, what in list(changed.items())[:_LISTED]]
+    more = len(changed) - len(listed)
+    return "; ".join(listed) + (f"; and {more} more" if more else "")
 
 
 def damaged_files(folder: Path, manifest: Manifest, hashes: HashCache) -> list[str]:
     """Return a sentence for each file of an artifact that is not as its manifest has it."""
-    found = []
-    for name, record in sorted(manifest.outputs.items()):
-        try:
-            now = hashes.record(folder / name)
-        except OSError:
-            found.append(f"{name} is missing")
-            continue
-        if now.size != record.size:
-            found.append(f"{name} has {now.size} bytes, not {record.size}")
-        elif now != record:
-            found.append(f"{name} is altered")
-    strange = set(files_below(folder)) - set(manifest.outputs) - {FILE_NAME}
-    return found + [f"{name} does not belong there" for name in sorted(strange)]
-
-
-def unequal_files(original: Path, shown: Path) -> list[str]:
-    """Files that are not the same in both folders: other inode and other size or time."""
-    names = sorted({*files_below(original), *(files_below(shown) if shown.is_dir() else [])})
-    return [name for name in names if not _same(original / name, shown / name)]
-
-
-def _same(first: Path, second: Path) -> bool:
-    try:
-        one, two = first.stat(), second.stat()
-    except FileNotFoundError:
-        return False
-    return os.path.samestat(one, two) or (one.st_size, one.st_mtime_ns) == (two.st_size, two.st_mtime_ns)
-
-
-def _link(source: Path, target: Path) -> None:
-    try:
-        os.link(source, target)
-    except OSError:
-        shutil.copy2(source, target)
+    found = unlike_files(folder, manifest.outputs, hashes)
+    return [f"{name} {what}" for name, what in found.items() if name != FILE_NAME]

@@ -20,7 +20,8 @@ class SurfaceLandmarks:
     """Landmarks that measure the base surface, in its frame. row (n,): in the Solution; position, foot on the base
     and outward
     normal there (n, 3); offset (n,) m, signed distance to the base; sigma (n,) m along the normal, of each on its own;
-    common (n,) m, what it shares with its neighbours (the dive's place on the hull); views (n,)."""
+    common (n,) m, what it shares with its neighbours (the dive's place on the hull); covariance (n, 3, 3) of each; views
+    (n,)."""
 
     row: Ints
     position: Array
@@ -29,6 +30,7 @@ class SurfaceLandmarks:
     offset: Array
     sigma: Array
     common: Array
+    covariance: Array
     views: Ints
 
     def __len__(self) -> int:
@@ -58,7 +60,7 @@ def measure_surface(
     kept = SurfaceLandmarks(
         row=row[good], position=position[row[good]], foot=near.foot[good], normal=near.normal[good],
         offset=near.distance[good], sigma=sigma, common=np.sqrt(common),
-        views=views[row[good]],
+        covariance=covariance[row[good]], views=views[row[good]],
     )  # fmt: skip
     return kept.take(sigma <= largest_sigma_m)
 

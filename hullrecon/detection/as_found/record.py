@@ -17,16 +17,15 @@ from hullrecon.typing import Array
 SEAM_SIGMA_M = 0.01  # of a height carried over the width of one triangle of the DVL's surface
 
 
-def as_found_surface(found: HullAsFound, measured: SurfaceLandmarks) -> Surface:
+def as_found_surface(found: HullAsFound, measured: SurfaceLandmarks, has_cad_model: bool = True) -> Surface:
     """support: views that saw the vertex where landmarks measured it, 0 elsewhere (unseen, or seen without texture). sigma:
-    of the place in the hull's frame, so with what all landmarks around share."""
+    of the place in the hull's frame, so with what all landmarks around share. deviation: NaN without a CAD model."""
     _, row = nearest(measured.foot, found.base.vertices, 1)
     shared = measured.common[row[:, 0]]
     sigma = np.where(found.measured, np.hypot(found.sigma, shared), np.hypot(found.sigma, found.hull_sigma))
     support = np.where(found.measured, found.seen.views, 0)
-    return Surface(
-        vertices=found.mesh.vertices, faces=found.mesh.faces, deviation=found.deviation, sigma=sigma, support=support
-    )
+    deviation = found.deviation if has_cad_model else np.full(len(sigma), np.nan)
+    return Surface(vertices=found.mesh.vertices, faces=found.mesh.faces, deviation=deviation, sigma=sigma, support=support)
 
 
 def surface_on_cad_model(cad_model: Mesh, surface: Surface, edge_m: float) -> Surface:

@@ -12,11 +12,12 @@ from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.objects.outline import outline
-from hullrecon.detection.objects.regions import Region, find_regions, weighted_quantile
+from hullrecon.detection.objects.position import object_position
+from hullrecon.detection.objects.regions import TOP_M2, Region, find_regions, weighted_quantile
 from hullrecon.detection.objects.significance import height_sigma, p_value, relief_left, roughness
+from hullrecon.detection.objects.size import measure_size
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews, rows_in_image, visible_rows
-from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
@@ -36,16 +37,24 @@ class HullObject:
     height: float
     height_sigma: float
     deviation: float | None
+    deviation_sigma: float | None
     extent: list[float]
+    extent_sigma: list[float]
     area: float
+    area_sigma: float
     volume: float
+    volume_sigma: float
     views: int
     p_value: float
     images: list[str]
     outline: list[list[float]]
+    position: dict[str, object]
 
     def as_json(self) -> dict[str, object]:
-        return asdict(self)
+        """Return a row of objects.json, the place's members beside the others."""
+        row = asdict(self)
+        del row["position"]
+        return row | self.position
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +88,13 @@ class _Landmarks:
         height, surface = self.height[near[on]], found.height[vertices[row[on, 0]]]
         stands = region.side * (height - region.level) > 0.5 * np.abs(surface - region.level)
         return stands, height - surface, self.measured.sigma[near[on]]
+
+    def covariances(self, found: HullAsFound, region: Region) -> Array:
+        """Return those (n, 3, 3) of the landmarks on a region that stand off the hull as it does."""
+        at = found.base.vertices[region.core]
+        near = self.around.ball(at, NEAR_M)
+        on = near[np.isfinite(nearest(at, self.measured.foot[near], 1, NEAR_M)[0][:, 0])]
+        return self.measured.covariance[on[self.on(found, region, region.core)[0]]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,7 +136,7 @@ def find_objects(
                 )
             )
         else:
-            objects.append(_object(found, evidence, area, views, base))
+            objects.append(_object(found, evidence, area, views, base, landmarks))
     return objects, rejected
 
 
@@ -128,7 +144,7 @@ def _collect_evidence(
     found: HullAsFound, region: Region, area: Array, rough: float, landmarks: _Landmarks, seen: Ints
 ) -> _RegionEvidence:
     sigma = height_sigma(found, region)
-    places = float(area[found.measured].sum() / max(area[region.foot].sum(), 1e-9))
+    places = float(area[found.measured].sum() / TOP_M2)  # a height is that of a top: so many were looked at
     chance = p_value(region.height, sigma, rough, places)
     # Where its top and the hull around it are said to be is no finer than the hull; and a peak is read where enough of it
     # reaches: how far it may go on above that, its bluntness says. Nor is it finer than the relief between landmarks.
@@ -192,27 +208,30 @@ def _top_rows(found: HullAsFound, region: Region) -> Ints:
     return top if len(top) else region.core
 
 
-def _object(found: HullAsFound, evidence: _RegionEvidence, area: Array, views: CameraViews, base: BaseSurface) -> HullObject:
+def _object(
+    found: HullAsFound, evidence: _RegionEvidence, area: Array, views: CameraViews, base: BaseSurface, landmarks: _Landmarks
+) -> HullObject:
     region = evidence.region
     foot, core = region.foot, region.core
     normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
     normal /= np.linalg.norm(normal)
-    line = outline(found.mesh, foot)
     deviation = region.side * weighted_quantile(region.side * found.deviation[core], area[core], 0.98)
-    above = found.height[foot] - region.level
+    size = measure_size(found, region, area, evidence.sigma, normal, base.chart)
+    center, extent = _top(found, region, evidence.center), np.array(size.extent)
+    position = object_position(center, normal, landmarks.covariances(found, region), evidence.sigma, float(extent.max()), base)
     return HullObject(
-        center=_round(_top(found, region, evidence.center)),
+        center=_round(center),
         normal=_round(normal),
         height=round(region.height, 5),
         height_sigma=round(evidence.sigma, 5),
         deviation=round(deviation, 5) if base.cad_model is not None else None,
-        extent=_round(_extent(found.base.vertices[foot], normal, base.chart)),
-        area=round(float(area[foot].sum()), 6),
-        volume=round(float((above * area[foot]).sum()), 7),
+        deviation_sigma=round(float(position.sigma[2]), 5) if base.cad_model is not None else None,
+        **asdict(size),
         views=len(evidence.seen),
         p_value=float(f"{evidence.chance:.3g}"),
         images=[views.name[view] for view in evidence.seen[:IMAGES]],
-        outline=[_round(point) for point in line],
+        outline=[_round(point) for point in outline(found.mesh, foot)],
+        position=position.as_json(base),
     )
 
 
@@ -220,18 +239,6 @@ def _top(found: HullAsFound, region: Region, center: int) -> Array:
     """The center's foot on the base, lifted to the region's height."""
     lift = found.hull[center] + region.level + region.height
     return np.asarray(found.base.vertices[center] + found.normal[center] * lift)
-
-
-def _extent(points: Array, normal: Array, chart: Chart) -> Array:
-    """Size (2,) along the hull and around the girth."""
-    middle = points.mean(axis=0)
-    at = chart.to_chart(middle[None])[0, :2]
-    ends, _ = chart.from_chart(at + np.array([[-0.05, 0], [0.05, 0]]))
-    along = ends[1] - ends[0] if np.isfinite(ends).all() else np.array([1.0, 0, 0])
-    along = along - normal * (along @ normal)
-    along /= np.linalg.norm(along)
-    flat = (points - middle) @ np.stack([along, np.cross(normal, along)], axis=1)
-    return np.asarray(np.percentile(flat, 99, axis=0) - np.percentile(flat, 1, axis=0))
 
 
 def _round(values: Array) -> list[float]:

@@ -4,17 +4,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO
 
 import msgspec
 from msgspec import Struct
 
 from hullrecon.dive.check.consistency_checks import check_consistency, describe_start_offset
 from hullrecon.dive.check.messages import Stream
+from hullrecon.dive.check.sampled_images import SampledImages
 from hullrecon.dive.check.to_fill_in import to_fill_in
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest
@@ -28,16 +27,7 @@ from hullrecon.geometry.frames import Camera
 VEHICLE_SECTIONS = ("tray", "imu", "pressure", "dvl", *(camera.section for camera in Camera), "sonar", "hull")
 
 
-class _NullFile(BytesIO):
-    """A file that keeps nothing."""
-
-    def write(self, data: object, /) -> int:
-        assert isinstance(data, bytes)
-        return len(data)
-
-
-def _open_null(camera: str) -> BinaryIO:
-    return _NullFile()
+CheckImages = Callable[[LoadedConfig, IngestResult, Mapping[str, SampledImages]], list[str]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,10 +70,16 @@ class PackageCheck:
         }  # fmt: skip
 
 
-def check_package(loaded: LoadedConfig, request: IngestRequest, watch: Watch = iter) -> PackageCheck:
-    """Return what the package holds and lacks, all of it read. Raises InputError for what cannot be used."""
+def check_package(
+    loaded: LoadedConfig, request: IngestRequest, watch: Watch = iter, check_images: CheckImages | None = None
+) -> PackageCheck:
+    """Return what the package holds and lacks, all of it read. Raises InputError for what cannot be used.
+
+    check_images: looks at some of the images, by camera, and returns what contradicts the configuration.
+    """
     request, missing_files = _leave_out_missing(loaded.package, request)
-    found = ingest(loaded.package, request, _open_null, watch)
+    sampled: dict[str, SampledImages] = {}
+    found = ingest(loaded.package, request, lambda camera: sampled.setdefault(camera, SampledImages()), watch)
     streams: Mapping[str, Stream] = {**found.records.by_name(), **found.images}
     present = {"joints" if name == "tray" else name for name, stream in streams.items() if len(stream.t_ns)}
     named = {sensor for sensor, topic in request.topics.items() if topic in found.counts}
@@ -95,7 +91,10 @@ def check_package(loaded: LoadedConfig, request: IngestRequest, watch: Watch = i
         missing_files=missing_files,
         missing=missing(present, hull=found.hull is not None),
         to_fill_in=to_fill_in(loaded, logged),
-        warnings=check_consistency(loaded.config, found.records, found.images),
+        warnings=[
+            *check_consistency(loaded.config, found.records, found.images),
+            *(check_images(loaded, found, sampled) if check_images is not None else []),
+        ],
         defaults=defaults_of(loaded),
         run_is_possible=is_runnable(present) and not missing_files,
     )

@@ -9,9 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
+from hullrecon.dive.config.config_errors import shorten, show_value
+from hullrecon.dive.files import MIB, read_text
+from hullrecon.dive.images.header import fits
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 
+LARGEST_YAML = 4 * MIB  # bytes; a calibration has a thousand, the metadata of a long recording some hundred thousand
 PINHOLE = ("plumb_bob", "none", "rational_polynomial", "")
 
 
@@ -19,6 +23,8 @@ def read_camera(path: Path) -> CameraModel:
     """Return a pinhole with plumb_bob distortion. Raises InputError that names the key for anything else."""
     data = read_yaml(path)
     width, height = (_whole(data, key, path) for key in ("image_width", "image_height"))
+    if not fits((width, height)):
+        raise InputError(f"images of {width} x {height} pixels are too large to be read", where=str(path))
     matrix = _numbers(data, "camera_matrix", 9, path)
     fx, fy, cx, cy = matrix[0], matrix[4], matrix[2], matrix[5]
     if not (0 < fx < 1e6 and 0 < fy < 1e6):
@@ -31,28 +37,27 @@ def read_camera(path: Path) -> CameraModel:
 
 def read_yaml(path: Path) -> Mapping[str, object]:
     """Return the table of a YAML file. Raises InputError when it holds none."""
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
+    from hullrecon.dive.config.bounded_yaml import parse_yaml
 
+    where = str(path.parent)
     try:
-        data = YAML(typ="safe", pure=True).load(path.read_text(encoding="utf-8").removeprefix("%YAML:1.0\n"))
+        data = parse_yaml(read_text(path, LARGEST_YAML))
     except FileNotFoundError:
-        raise InputError(f"{path.name} is missing", where=str(path.parent), remedy="correct the path in dive.toml") from None
+        raise InputError(f"{path.name} is missing", where=where, remedy="correct the path in dive.toml") from None
     except OSError as error:
-        raise InputError(f"{path.name} cannot be read: {error.strerror}", where=str(path.parent)) from None
-    except RecursionError:
-        raise InputError(f"{path.name} is not YAML: nested too deeply", where=str(path.parent)) from None
-    except (YAMLError, UnicodeDecodeError, ValueError) as error:
-        raise InputError(f"{path.name} is not YAML: {str(error).splitlines()[0]}", where=str(path.parent)) from None
+        raise InputError(f"{path.name} cannot be read: {error.strerror}", where=where) from None
+    except ValueError as error:
+        raise InputError(f"{path.name} is not YAML: {shorten(str(error), 160)}", where=where) from None
     if not isinstance(data, Mapping):
-        raise InputError(f"{path.name} holds no table", where=str(path.parent))
+        raise InputError(f"{path.name} holds no table", where=where)
     return data
 
 
 def _distortion(data: Mapping[str, object], path: Path) -> list[float]:
-    model = str(data.get("distortion_model", "plumb_bob"))
+    model = data.get("distortion_model", "plumb_bob")
     if model not in PINHOLE:
-        raise InputError(f"the distortion model {model} is not read", where=str(path), remedy="calibrate with plumb_bob")
+        shown = shorten(model) if isinstance(model, str) else show_value(model)
+        raise InputError(f"the distortion model {shown} is not read", where=str(path), remedy="calibrate with plumb_bob")
     if "distortion_coefficients" not in data:
         return [0.0] * 5
     values = _numbers(data, "distortion_coefficients", None, path)
@@ -67,7 +72,7 @@ def _numbers(data: Mapping[str, object], key: str, count: int | None, path: Path
     found = found.get("data") if isinstance(found, Mapping) else found
     try:
         values = [float(v) for v in found] if isinstance(found, list | tuple) else None
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         values = None
     if values is None:
         raise InputError(f"{key} holds no numbers", where=str(path)) from None
@@ -79,5 +84,5 @@ def _numbers(data: Mapping[str, object], key: str, count: int | None, path: Path
 def _whole(data: Mapping[str, object], key: str, path: Path) -> int:
     value = data.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or not 0 < value < 100_000:
-        raise InputError(f"{key} is {value!r}, not a number of pixels", where=str(path))
+        raise InputError(f"{key} is {show_value(value)}, not a number of pixels", where=str(path))
     return value

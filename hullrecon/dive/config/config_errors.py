@@ -7,13 +7,20 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import get_args
 
 import msgspec
 from msgspec import Struct
 
 from hullrecon.errors import UsageError
+
+ONE_LINE = (
+    r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*\Z"  # a pattern of the schema: what reaches a terminal, a path or a report's line
+)
+LONGEST_SHOWN = 60  # characters of a foreign value in a message
+LONGEST_REASON = 200  # characters of what a parser says
+DEEPEST = 30  # tables and lists within each other; the schema has five
 
 
 def explain_error(message: str, raw: object, kind: type, prefix: str, more: Sequence[str], file: str) -> UsageError:
@@ -31,7 +38,10 @@ def explain_error(message: str, raw: object, kind: type, prefix: str, more: Sequ
     if missing:
         return UsageError(f"{_join([dotted, missing[1]])} is missing", where=file, remedy="this key has no default")
     wanted = text.replace("`", "").replace("Expected", "expected").replace("Object", "table").replace("object", "table")
-    return UsageError(f"{dotted or 'the file'} = {_show(_look_up(raw, path))}: {wanted}", where=file)
+    if text.endswith(f"matching regex {ONE_LINE!r}"):
+        wanted = "expected text on one line, without control characters"
+    shown = show_value(_look_up(raw, path))
+    return UsageError(f"{shorten(dotted) or 'the file'} = {shown}: {shorten(wanted, LONGEST_REASON)}", where=file)
 
 
 def refuse_not_finite(raw: object, file: str, path: str = "") -> None:
@@ -41,6 +51,20 @@ def refuse_not_finite(raw: object, file: str, path: str = "") -> None:
     members = raw.items() if isinstance(raw, dict) else enumerate(raw) if isinstance(raw, list) else ()
     for key, value in members:
         refuse_not_finite(value, file, f"{path}[{key}]" if isinstance(raw, list) else _join([path, str(key)]))
+
+
+def refuse_deep(raw: object, file: str) -> None:
+    """Raise UsageError for tables and lists that lie deeper within each other than DEEPEST."""
+    level = [raw]
+    for _ in range(DEEPEST):
+        level = [member for table in level for member in _members(table)]
+        if not level:
+            return
+    raise UsageError(f"{file} is not valid: its values are nested too deeply", where=file)
+
+
+def _members(table: object) -> Iterable[object]:
+    return table.values() if isinstance(table, Mapping) else table if isinstance(table, list) else ()
 
 
 def known_keys(kind: type, prefix: str = "") -> Iterator[str]:
@@ -57,9 +81,12 @@ def _unknown(key: str, section: str, kind: type, prefix: str, more: Sequence[str
     dotted = _join([section, key])
     known = [*known_keys(kind, prefix), *more]
     beside = [name for name in known if name.rpartition(".")[0] == section]
+    dotted = dotted[:200]
     nearest = [name for name in beside if name.startswith(dotted)] or difflib.get_close_matches(dotted, beside, 1, 0.75)
     nearest = nearest or _same_last_name(key, known) or difflib.get_close_matches(dotted, beside or known, 1, 0.0)
-    return UsageError(f"unknown key {dotted}", where=file, remedy=f"the nearest known key is {nearest[0]}" if nearest else "")
+    return UsageError(
+        f"unknown key {shorten(dotted)}", where=file, remedy=f"the nearest known key is {nearest[0]}" if nearest else ""
+    )
 
 
 def _same_last_name(key: str, known: Sequence[str]) -> list[str]:
@@ -80,6 +107,15 @@ def _look_up(raw: object, path: Sequence[str]) -> object:
     return raw
 
 
-def _show(value: object) -> str:
-    text = "a table" if isinstance(value, Mapping) else repr(value)
-    return text if len(text) < 60 else text[:57] + "..."
+def show_value(value: object) -> str:
+    """Return a foreign value as a message may show it."""
+    try:
+        return "a table" if isinstance(value, Mapping) else shorten(repr(value))
+    except ValueError:  # Python prints no whole number of more than some thousand digits
+        return "a number of thousands of digits"
+
+
+def shorten(text: str, longest: int = LONGEST_SHOWN) -> str:
+    """Return foreign text as a message may show it: no longer than that, and control characters and line breaks escaped."""
+    cut = text if len(text) < longest else text[: longest - 3] + "..."
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in cut)

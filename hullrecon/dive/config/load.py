@@ -16,11 +16,14 @@ from typing import TypeVar
 import msgspec
 from msgspec import Struct
 
-from hullrecon.dive.config.config_errors import explain_error, refuse_not_finite
+from hullrecon.dive.config.config_errors import explain_error, refuse_deep, refuse_not_finite, shorten
 from hullrecon.dive.config.schema import DiveConfig, Dvl, Topics
+from hullrecon.dive.files import MIB, read_text
 from hullrecon.errors import InputError, UsageError
 
 FILE = "dive.toml"
+LARGEST_BYTES = MIB // 4  # of dive.toml; one with everything set and explained has some ten thousand
+MOST_DOTS = 100  # in a line: tomllib takes the square of a dotted key's length
 Table = dict[str, object]  # of TOML, not yet decoded
 Kind = TypeVar("Kind")
 
@@ -56,6 +59,7 @@ def load_config(
     raw = _read(package)
     for text in overrides:
         _apply(raw, text)
+    refuse_deep(raw, FILE)
     given = frozenset(_leaves(raw))
     steps = {name: raw.pop(name, {}) for name in step_sections}
     refuse_not_finite({**raw, **steps}, FILE)
@@ -70,14 +74,17 @@ def load_config(
 def _read(package: Path) -> Table:
     path = package / FILE
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        text = read_text(path, LARGEST_BYTES)
+        if max(line.count(".") for line in text.split("\n")) > MOST_DOTS:
+            raise UsageError(f"{FILE} is not valid: a line with more than {MOST_DOTS} dots", where=str(path))
+        return tomllib.loads(text)
     except (FileNotFoundError, NotADirectoryError):
         advice = f"give the folder that holds {FILE}; `hullrecon init LOG` writes one from a log"
         raise InputError(f"no {FILE} here", where=str(package), remedy=advice) from None
     except OSError as error:
         raise InputError(f"{FILE} cannot be read: {error.strerror}", where=str(path)) from None
     except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"{FILE} is not valid TOML: {error}", where=str(path)) from None
+        raise UsageError(f"{FILE} is not valid TOML: {shorten(str(error), 160)}", where=str(path)) from None
     except UnicodeDecodeError as error:
         raise UsageError(f"{FILE} is not UTF-8: byte {error.start}", where=str(path)) from None
     except RecursionError:

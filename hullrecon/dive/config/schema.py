@@ -14,6 +14,8 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct, field
 
+from hullrecon.dive.config.config_errors import ONE_LINE
+
 Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]
 Offset = Annotated[float, Meta(ge=-4e9, le=4e9)]
@@ -26,9 +28,11 @@ Three = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 Origin = Annotated[Three, Meta(description="m, in the vehicle's frame")]
 MountSigma = Annotated[Six, Meta(description="m and deg, sigma of x, y, z and of a small rotation vector, in the parent frame")]
-Calibration = Annotated[str, Meta(description="camera_info YAML of the camera, relative to dive.toml")]
+FileName = Annotated[str, Meta(pattern=ONE_LINE, min_length=1, max_length=1000)]
+Calibration = Annotated[FileName, Meta(description="camera_info YAML of the camera, relative to dive.toml")]
 TimeOffset = Annotated[Offset, Meta(description="s, added to the stamps")]
-Topic = Annotated[str | None, Meta(description="topic; absent: not carried")]
+TopicName = Annotated[str, Meta(pattern=ONE_LINE, max_length=1000)]
+Topic = Annotated[TopicName | None, Meta(description="topic; absent: not carried")]
 
 
 class Section(Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -46,7 +50,7 @@ class Dive(Section, frozen=True):
             description="name of the dive and of its folder of results",
         ),
     ]
-    vessel: Annotated[str, Meta(description="name of the ship, for the report")] = ""
+    vessel: Annotated[str, Meta(pattern=ONE_LINE, max_length=200, description="name of the ship, for the report")] = ""
     date: Annotated[datetime | None, Meta(description="start of the dive, for the report")] = None
 
 
@@ -54,7 +58,7 @@ class Logs(Section, frozen=True):
     """The recorded files."""
 
     files: Annotated[
-        tuple[str, ...], Meta(min_length=1, description="bags, MCAP files, ROS 2 folders, PD0 files or a folder of CSVs")
+        tuple[FileName, ...], Meta(min_length=1, description="bags, MCAP files, ROS 2 folders, PD0 files or a folder of CSVs")
     ]
 
 
@@ -73,7 +77,14 @@ class Topics(Section, frozen=True):
 class Tray(Section, frozen=True):
     """The servo that tilts DVL and cameras about the vehicle's y axis."""
 
-    joint: Annotated[str, Meta(description="name of the tray's joint in the joint messages; empty: nothing turns")] = "tray"
+    joint: Annotated[
+        str,
+        Meta(
+            pattern=ONE_LINE,
+            max_length=1000,
+            description="name of the tray's joint in the joint messages; empty: nothing turns",
+        ),
+    ] = "tray"
     origin: Origin = (0.0, 0.0, 0.0)
     sigma_deg: Annotated[Positive, Meta(description="deg, sigma of the servo's angle, its backlash included")] = 0.8
 
@@ -146,7 +157,7 @@ class Cameras(Section, frozen=True):
 class Sonar(Section, frozen=True):
     """An imaging sonar."""
 
-    joint: Annotated[str | None, Meta(description="name of the joint of its own servo; absent: fixed")] = None
+    joint: Annotated[TopicName | None, Meta(description="name of the joint of its own servo; absent: fixed")] = None
     origin: Origin = (0.0, 0.0, 0.0)
     mount: Annotated[Six, Meta(description="m and deg, frame of that servo to sonar")] = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
@@ -156,7 +167,7 @@ class Sonar(Section, frozen=True):
 class Hull(Section, frozen=True):
     """The CAD model of the ship, and where it roughly lies."""
 
-    mesh: Annotated[str, Meta(description="STL, PLY, OBJ, OFF or GLB, relative to dive.toml")]
+    mesh: Annotated[FileName, Meta(description="STL, PLY, OBJ, OFF or GLB, relative to dive.toml")]
     units: Annotated[Literal["m", "mm", "cm", "ft", "in"], Meta(description="of the mesh")] = "m"
     pose: Annotated[Six, Meta(description="m and deg, first guess of T_g_M")] = (0.0, 0.0, 0.0, 180.0, 0.0, 0.0)
     pose_sigma: Annotated[

@@ -4,22 +4,26 @@
 
 from __future__ import annotations
 
-import gzip
 import io
 from pathlib import Path
 
 import numpy as np
 
 from hullrecon.dive.check.messages import count_noun
+from hullrecon.dive.config.config_errors import shorten
+from hullrecon.dive.files import MIB, gunzip, read_regular
 from hullrecon.dive.hull.cleaning import clean_mesh
 from hullrecon.dive.hull.mirrors import find_boundary
 from hullrecon.dive.hull.orientation import orient_outward
+from hullrecon.dive.hull.parser_limits import check_instances, prepare
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.units import METRES_PER_UNIT, UNIT_NAMES
 from hullrecon.typing import Array, Ints, Ints32
 
 FORMATS = ("stl", "ply", "obj", "off", "glb")
+LARGEST_BYTES = 2048 * MIB  # of a file, unpacked: 40 million triangles of a binary STL
+FREE_BYTES, PACKED_BY = 64 * MIB, 50  # what any small file may unpack to, and how tightly; hulls pack by 2 to 15
 SHORTEST_M, LONGEST_M = 5.0, 500.0  # of a ship hull
 
 
@@ -54,12 +58,14 @@ def _load(path: Path) -> tuple[Array, Ints32]:
             f"{path.name} is no CAD model that is read here", where="hull.mesh", remedy=f"give {', '.join(FORMATS)}"
         )
     try:
-        data = path.read_bytes()
-        data = gzip.decompress(data) if path.suffix.lower() == ".gz" else data
+        data = read_regular(path, LARGEST_BYTES)
+        if path.suffix.lower() == ".gz":
+            data = gunzip(data, min(LARGEST_BYTES, max(FREE_BYTES, PACKED_BY * len(data))))
     except FileNotFoundError:
         raise InputError(f"the CAD model {path.name} is missing", where=str(path.parent), remedy="correct hull.mesh") from None
-    except (OSError, EOFError, ValueError) as error:
-        raise InputError(f"the CAD model {path.name} cannot be read: {error}", where=str(path.parent)) from None
+    except (OSError, ValueError) as error:
+        why = shorten(getattr(error, "strerror", None) or str(error), 160)
+        raise InputError(f"the CAD model {path.name} cannot be read: {why}", where=str(path.parent)) from None
     vertices, faces = _parse(data, kind, path)
     if not len(faces):
         raise InputError(f"the CAD model {path.name} holds no faces", where=str(path.parent))
@@ -73,11 +79,16 @@ def _parse(data: bytes, kind: str, path: Path) -> tuple[Array, Ints]:
     import trimesh
 
     try:
-        mesh = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False).to_mesh()
-        return np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
+        scene = trimesh.load_scene(io.BytesIO(prepare(data, kind)), file_type=kind, process=False, skip_materials=True)
+        check_instances(scene, len(data))
+        mesh = scene.to_mesh()
+        vertices, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
+        if vertices.shape[1:] != (3,) or faces.shape[1:] != (3,) or faces.dtype.kind not in "iu":
+            raise ValueError(f"it has vertices of {vertices.shape[1:]} and faces of {faces.shape[1:]} numbers")
     except Exception as error:  # trimesh's parsers raise whatever damaged bytes lead them to
-        reason = f"{type(error).__name__} {error}".splitlines()[0][:120]
+        reason = shorten(f"{type(error).__name__} {error}", 120)
         raise InputError(f"the CAD model {path.name} is no {kind.upper()}: {reason}", where=str(path.parent)) from None
+    return vertices, faces
 
 
 def _check_extent(corners: Array, units: str, path: Path, messages: list[str]) -> None:

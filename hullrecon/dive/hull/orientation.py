@@ -19,6 +19,7 @@ from hullrecon.geometry.meshes.topology import SharedEdges, find_edges, find_sha
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
 SAMPLES = 200  # faces of a piece from which rays start
+MOST_PIECES = 20_000  # open ones from which rays start, the largest first; smaller ones have no clear outer side
 RAYS = 32  # directions over the hemisphere of each side
 LIFT = 1e-5  # of the largest extent: how far from its face a ray starts
 CLEAR = 0.05  # difference of the escaping shares below which a piece's outer side is unclear
@@ -50,14 +51,17 @@ def _unify_winding(count: int, shared: SharedEdges) -> tuple[Ints32, Ints]:
     pairs = np.stack([shared.first, shared.second], axis=1)
     agree = np.where(shared.same_winding, 1, -1)
     graph = coo_matrix((np.ones(len(pairs)), (shared.first, shared.second)), shape=(count, count)).tocsr()
-    pieces, piece = connected_components(graph, directed=False)
+    piece = connected_components(graph, directed=False)[1]
     relation = dict(zip(map(tuple, pairs.tolist()), agree.tolist(), strict=True))
+    # One search for all pieces, from a node beyond the faces that leads to the first face of each: a mesh may have as many
+    # pieces as faces.
+    root, first = count, np.unique(piece, return_index=True)[1]
+    rows, columns = np.r_[shared.first, np.full(len(first), root)], np.r_[shared.second, first]
+    joined = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(count + 1, count + 1)).tocsr()
+    order, parent = breadth_first_order(joined, root, directed=False)
     sign = np.ones(count, np.int64)
-    first = np.unique(piece, return_index=True)[1]
-    for number in range(pieces):
-        order, parent = breadth_first_order(graph, int(first[number]), directed=False)
-        for face in order[1:].tolist():
-            above = int(parent[face])
+    for face, above in zip(order[1:].tolist(), parent[order[1:]].tolist(), strict=True):
+        if above != root:
             sign[face] = sign[above] * (relation.get((above, face)) or relation[face, above])
     return piece, sign
 
@@ -70,7 +74,8 @@ def _find_outer_sides(mesh: Mesh, piece: Ints32) -> Array:
     unpaired = (edges.face_count[edges.of_face] != 2).any(axis=1)
     is_open = np.bincount(piece, unpaired) > 0
     side = np.sign(volume)
-    picked = _sample_faces(mesh, piece, np.flatnonzero(is_open))
+    size = np.bincount(piece, face_areas(mesh)) * is_open
+    picked = _sample_faces(mesh, piece, np.sort(np.argsort(-size, kind="stable")[: min(int(is_open.sum()), MOST_PIECES)]))
     return np.where(is_open, _measure_sides(mesh, piece, picked), side) if len(picked) else side
 
 

@@ -8,13 +8,22 @@ import re
 
 import numpy as np
 
+from hullrecon.dive.images.header import Size, fits, header_size
+
 MARKER = re.compile(rb"\xff([\x01-\xfe])")
 START, END, SCAN = 0xD8, 0xD9, 0xDA
 RESTART = range(0xD0, 0xD8)
 
 
-def size_of(encoded: bytes) -> tuple[int, int] | None:
-    """Return (width, height) of a whole image; None for a damaged one or for other bytes."""
+def size_of(encoded: bytes, wanted: Size | None = None) -> Size | None:
+    """Return (width, height) of a whole image; None for a damaged one or for other bytes.
+
+    wanted: of an image whose header says another size nothing is decoded; that size is returned. So it is for one that is too
+    large to be decoded at all.
+    """
+    size = header_size(encoded)
+    if size is None or not fits(size) or wanted not in (None, size):
+        return size
     if encoded[:2] == b"\xff\xd8" and not jpeg_is_whole(encoded):
         return None
     return _decoded_size(encoded)
@@ -55,11 +64,9 @@ def _behind_scan(encoded: bytes, at: int) -> int | None:
     return None
 
 
-def _decoded_size(encoded: bytes) -> tuple[int, int] | None:
+def _decoded_size(encoded: bytes) -> Size | None:
     import cv2
 
-    if not encoded:
-        return None
     try:
         image = cv2.imdecode(np.frombuffer(encoded, np.uint8), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
     except cv2.error:

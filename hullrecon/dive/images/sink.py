@@ -11,7 +11,9 @@ from typing import BinaryIO
 
 import numpy as np
 
+from hullrecon.dive.files import read_regular
 from hullrecon.dive.images.integrity import size_of
+from hullrecon.dive.images.store import LARGEST_BYTES
 from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.dive.logs.timeline import put_in_order
 from hullrecon.errors import InputError
@@ -35,7 +37,7 @@ class ImageSink:
     def take(self, sample: ImageSample, logged_ns: int) -> None:
         """Check one image and keep its bytes, unless they lie in a file of the package."""
         encoded = self._bytes(sample)
-        size = size_of(encoded)
+        size = size_of(encoded, self._size)
         if size is not None:
             self._sizes[size] += 1
         offset, kept = (0, 0) if sample.file else (self._keep(encoded), len(encoded))
@@ -68,8 +70,8 @@ class ImageSink:
         if not sample.file:
             return sample.encoded
         try:
-            return (self._package / sample.file).read_bytes()
-        except OSError:
+            return read_regular(self._package / sample.file, LARGEST_BYTES)
+        except (OSError, ValueError):
             return b""  # counted among those that do not decode
 
     def _keep(self, encoded: bytes) -> int:

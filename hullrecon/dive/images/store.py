@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from hullrecon.dive.files import read_regular
+from hullrecon.dive.images.header import LARGEST_PIXELS, fits, header_size
 from hullrecon.errors import InputError
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import ImageIndex
@@ -18,6 +20,7 @@ from hullrecon.typing import Pixels
 
 CAMERAS = tuple(camera.key for camera in Camera)
 IMAGE_SUFFIXES = frozenset((".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff"))  # of files with one image
+LARGEST_BYTES = 4 * LARGEST_PIXELS  # of one image in a file, unpacked pixels with some room
 
 
 @dataclass(frozen=True)
@@ -50,9 +53,11 @@ class ImageStore:
                 raise InputError(f"image {file} lies in the package", remedy="give the package's folder")
             path = self.package / file
         try:
+            if file:
+                return read_regular(path, LARGEST_BYTES)
             with path.open("rb") as stream:
-                stream.seek(0 if file else int(index.offset[i]))
-                return stream.read() if file else stream.read(int(index.size[i]))
+                stream.seek(int(index.offset[i]))
+                return stream.read(int(index.size[i]))
         except OSError as error:
             raise InputError(f"an image cannot be read: {error.strerror}", where=str(path)) from error
 
@@ -62,10 +67,14 @@ class ImageStore:
 
 
 def decode(encoded: bytes) -> Pixels | None:
-    """Return the image (h, w, 3) RGB of JPEG, PNG or any format of OpenCV's, without EXIF rotation; None if it is none."""
+    """Return the image (h, w, 3) RGB of JPEG, PNG, TIFF, BMP, PNM, WebP, GIF or JPEG 2000, without EXIF rotation.
+
+    None for bytes that are none of these, that are damaged beyond decoding, or that say a size of more than LARGEST_PIXELS.
+    """
     import cv2
 
-    if not encoded:
+    size = header_size(encoded)
+    if size is None or not fits(size):
         return None
     flags = cv2.IMREAD_COLOR_RGB | cv2.IMREAD_IGNORE_ORIENTATION
     try:

@@ -8,22 +8,27 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from hullrecon.dive.logs.messages.decode import decode, type_name
+import numpy as np
+
+from hullrecon.dive.logs.messages.decode import decode, describe, type_name
 from hullrecon.dive.logs.messages.samples import TYPES, stamp_ns
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Loss, Message
-from hullrecon.dive.logs.readers.unpack import DamagedError
+from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import ImageSample, Sample
 from hullrecon.errors import InputError
 
 TakeImage = Callable[[ImageSample, int], None]  # the sample and when it was logged, ns
 Watch = Callable[[Iterable[Message]], Iterable[Message]]
-LIMIT_NS = 1 << 63  # of int64, the year 2262
+LIMIT_NS = 1 << 62  # the year 2116; differences of such stamps are int64 too
+MOST_REASONS = 5  # a topic for which messages could not be used, that are told apart
+MOST_DEFINITIONS = 16  # a topic: each is compiled anew
 SENSORS = tuple(TYPES)
 
 
 @dataclass
 class LogContents:
-    """What the logs held. samples and logged_ns by sensor ("dvl", ...; images go to their sinks); counts by topic."""
+    """What the logs held. samples and logged_ns by sensor ("dvl", ...; images go to their sinks); counts by topic; used: topics
+    of which a message could be used; definitions: the channels by which a topic was decoded."""
 
     samples: dict[str, list[Sample]] = field(default_factory=lambda: {name: [] for name in SENSORS})
     logged_ns: dict[str, list[int]] = field(default_factory=lambda: {name: [] for name in SENSORS})
@@ -32,6 +37,8 @@ class LogContents:
     unstamped: Counter[str] = field(default_factory=Counter)
     passed_over: Counter[Channel] = field(default_factory=Counter)
     losses: list[tuple[str, Loss]] = field(default_factory=list)
+    used: set[str] = field(default_factory=set)
+    definitions: dict[str, set[Channel]] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
 
 
@@ -52,8 +59,9 @@ def read_streams(logs: Sequence[Log], topics: Mapping[str, str], take_image: Tak
                 else:
                     out.samples[sensor].append(sample)
                     out.logged_ns[sensor].append(message.t_ns)
-        out.losses += [(log.path.name, loss) for loss in log.losses()]
-        out.remarks += [f"{log.path.name}: {remark}" for remark in log.remarks]
+        name = printable(log.path.name)
+        out.losses += [(name, loss) for loss in log.losses()]
+        out.remarks += [f"{name}: {remark}" for remark in log.remarks]
     out.remarks += [f"{topic}: {n} messages could not be used: {why}" for (topic, why), n in sorted(out.undecoded.items())]
     out.remarks += [
         f"{topic}: {n} messages have no stamp; their logging time was used" for topic, n in sorted(out.unstamped.items())
@@ -65,31 +73,60 @@ def read_streams(logs: Sequence[Log], topics: Mapping[str, str], take_image: Tak
 
 
 def _samples(message: Message, topics: Mapping[str, str], out: LogContents) -> Iterator[tuple[str, Sample]]:
+    """Yield the samples of a message with their sensor. A message that cannot be used costs itself, and is counted."""
     channel = message.channel
-    if not isinstance(message.data, bytes):
-        if channel.topic in topics.values():
-            out.passed_over[channel] += 1
-        else:
-            yield channel.topic, message.data
-        return
-    sensor = topics.get(channel.topic)
+    sensor = channel.topic if not isinstance(message.data, bytes) else topics.get(channel.topic)
     if sensor is None:
         return
+    if not isinstance(message.data, bytes) and channel.topic in topics.values():
+        out.passed_over[channel] += 1
+        return
+    try:
+        found = [message.data] if not isinstance(message.data, bytes) else _translate(message, message.data, sensor, out)
+        if any(abs(t_ns) >= LIMIT_NS for t_ns in (message.t_ns, *(sample.t_ns for sample in found))):
+            raise DamagedError("their stamps lie beyond the year 2116")
+    except DamagedError as error:
+        out.undecoded[channel.topic, _reason(channel.topic, str(error), out)] += 1
+        return
+    out.used.add(channel.topic)
+    yield from ((sensor, sample) for sample in found)
+
+
+def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> Sequence[Sample]:
+    """Return the samples of a serialised message.
+
+    Raises DamagedError where it gives none, and InputError for a topic of a type that is not read, unless others of its
+    messages were: then the type is what is damaged.
+    """
+    channel = message.channel
     translate = TYPES[sensor].get(type_name(channel))
+    if translate is None and channel.topic in out.used:
+        raise DamagedError(f"they are {channel.type}, unlike those before")
     if translate is None:
         raise InputError(
             f"topic {channel.topic} holds {channel.type}, which is not read as {sensor}",
             where=f"topics.{sensor}", remedy=f"name a topic of {' or '.join(sorted(TYPES[sensor]))}",
         )  # fmt: skip
+    known = out.definitions.setdefault(channel.topic, set())
+    if channel not in known and len(known) >= MOST_DEFINITIONS:
+        raise DamagedError("the definition of their type changes over and over")
+    known.add(channel)
+    fields = decode(channel, data)
     try:
-        fields = decode(channel, message.data)
-        stamp = stamp_ns(fields.header)
-        if stamp == 0:
-            out.unstamped[channel.topic] += 1
-        if not (abs(stamp) < LIMIT_NS and abs(message.t_ns) < LIMIT_NS):
-            raise DamagedError("their stamps lie beyond the year 2262")
-        found = translate(fields, stamp or message.t_ns, sensor)
-    except DamagedError as error:
-        out.undecoded[channel.topic, str(error)] += 1
-        return
-    yield from ((sensor, sample) for sample in found)
+        with np.errstate(all="ignore"):
+            stamp = stamp_ns(fields.header)
+            found = translate(fields, stamp or message.t_ns, sensor)
+    except DamagedError:
+        raise
+    except Exception as error:  # fields of any names and types, where the definition that the log carries is damaged
+        raise DamagedError(f"a {channel.type} is not what its name says: {describe(error)}") from None
+    if stamp == 0:
+        out.unstamped[channel.topic] += 1
+    return found
+
+
+def _reason(topic: str, reason: str, out: LogContents) -> str:
+    """The reason, or a common one where a topic has too many: each damaged message may have one of its own."""
+    if (topic, reason) in out.undecoded or sum(t == topic for t, _ in out.undecoded) < MOST_REASONS:
+        return reason
+    return "for other reasons"

@@ -25,6 +25,10 @@ class DvlSample:
     beams: Array | None
     instrument: str = ""
 
+    def __post_init__(self) -> None:
+        _require(self.velocity.shape == (3,) and self.ranges.ndim == 1)
+        _require(self.beams is None or (self.beams.ndim == 2 and self.beams.shape[1] == 3))
+
 
 @dataclass(frozen=True, slots=True)
 class ImuSample:
@@ -34,6 +38,9 @@ class ImuSample:
     quaternion: Array
     rates: Array
     acceleration: Array
+
+    def __post_init__(self) -> None:
+        _require(self.quaternion.shape == (4,) and self.rates.shape == self.acceleration.shape == (3,))
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +74,16 @@ class SonarSample:
     image: NDArray[np.generic]
     directions: Array
     range_m: Array
+
+    def __post_init__(self) -> None:
+        _require(self.image.shape == (len(self.directions), len(self.range_m)) and self.image.size > 0)
+        _require(bool(np.isfinite(self.directions).all() and np.isfinite(self.range_m).all()))
+
+
+def _require(holds: bool) -> None:
+    """A damaged definition gives fields of other shapes, which would fail far from here."""
+    if not holds:
+        raise ValueError("its values are not of the shape of such a reading")
 
 
 Sample = DvlSample | ImuSample | PressureSample | JointSample | ImageSample | SonarSample

@@ -30,6 +30,7 @@ class PressureModel:
     atmosphere: float  # Pa
 
 
+@np.errstate(all="ignore")  # values of any size: what is absurd is left out below
 def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, remarks: list[str]) -> DvlPings:
     """beams: those of dive.toml, for messages without (docs/configuration.md); sigma m/s where a message has none. InputError
     for ranges along beams that nothing describes."""
@@ -60,6 +61,7 @@ def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, r
     )
 
 
+@np.errstate(all="ignore")
 def imu_samples(samples: Sequence[ImuSample], frame: str, remarks: list[str]) -> ImuSamples:
     """frame "ned": body forward-starboard-down in north-east-down; "enu": body forward-port-up in east-north-up. Rows
     without an attitude are left out; InputError when none has one."""
@@ -81,6 +83,7 @@ def imu_samples(samples: Sequence[ImuSample], frame: str, remarks: list[str]) ->
     )
 
 
+@np.errstate(all="ignore")
 def pressure_samples(samples: Sequence[PressureSample], model: PressureModel, remarks: list[str]) -> PressureSamples:
     """Return the depth of the sensor, positive down; readings that are not finite are left out."""
     pascal = np.array([s.pascal for s in samples])
@@ -93,6 +96,7 @@ def pressure_samples(samples: Sequence[PressureSample], model: PressureModel, re
     return PressureSamples(t_ns=_times(samples)[good], depth=depth)
 
 
+@np.errstate(all="ignore")
 def joint_samples(samples: Sequence[JointSample], name: str, remarks: list[str]) -> JointSamples:
     """Return one servo's angle; readings that are not finite are left out."""
     angle = np.array([s.angle for s in samples])
@@ -102,6 +106,7 @@ def joint_samples(samples: Sequence[JointSample], name: str, remarks: list[str])
     return JointSamples(t_ns=_times(samples)[good], angle=angle[good])
 
 
+@np.errstate(all="ignore")
 def sonar_pings(samples: Sequence[SonarSample], remarks: list[str]) -> SonarPings | None:
     """Return pings of the most common geometry, as 8 bits; None without any."""
     shapes = Counter((s.image.shape, round(float(s.range_m[-1]), 6)) for s in samples)

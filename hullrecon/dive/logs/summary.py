@@ -11,13 +11,14 @@ from hullrecon.dive.check import messages
 from hullrecon.dive.logs.messages.decode import ENCODINGS, decode, type_name
 from hullrecon.dive.logs.messages.samples import IMAGE_TYPES, TYPES
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
-from hullrecon.dive.logs.readers.unpack import DamagedError
+from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.timeline import NS, format_time
 from hullrecon.geometry.frames import Camera
 
 NAMED = {"dvl": ("dvl",), "imu": ("imu", "ahrs"), "pressure": ("pressure", "depth"), "joints": ("joint",), "sonar": ("sonar",)}
 UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "cam1")
 COMPRESSED = "/compressed"
+MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
 
 
 @dataclass
@@ -88,12 +89,18 @@ def summarise_log(log: Log) -> LogSummary:
     """Read the log once, decoding the first message of each topic alone."""
     notes: dict[Channel, TopicNote] = {}
     for message in log.messages():
-        note = notes.setdefault(message.channel, TopicNote(message.channel, _first(message), 0, message.t_ns, message.t_ns))
+        note = notes.get(message.channel)
+        if note is None:
+            first = _first(message) if len(notes) < MOST_DECODED else None
+            note = notes[message.channel] = TopicNote(message.channel, first, 0, message.t_ns, message.t_ns)
         note.count += 1
         note.start_ns, note.end_ns = min(note.start_ns, message.t_ns), max(note.end_ns, message.t_ns)
     topics = sorted(notes.values(), key=lambda n: n.channel.topic)
     return LogSummary(
-        log.kind, topics, messages.describe_losses([(log.path.name, loss) for loss in log.losses()]), list(log.remarks)
+        log.kind,
+        topics,
+        messages.describe_losses([(printable(log.path.name), loss) for loss in log.losses()]),
+        list(log.remarks),
     )
 
 
@@ -183,10 +190,15 @@ def _fits(note: TopicNote, types: Mapping[str, object]) -> bool:
 
 
 def _first(message: Message) -> object:
+    """The message decoded, where it is of a type that is read and holds what its type says."""
     if not isinstance(message.data, bytes):
         return message.data
+    kind = type_name(message.channel)
+    reads = [(sensor, types[kind]) for sensor, types in TYPES.items() if kind in types and types is not IMAGE_TYPES]
     try:
-        fields: object = decode(message.channel, message.data)
-    except DamagedError:
+        fields: object = decode(message.channel, message.data) if reads else None
+        for sensor, translate in reads:
+            translate(fields, 0, sensor)
+    except Exception:  # fields of any names and types, where the definition that the log carries is damaged
         return None
     return fields

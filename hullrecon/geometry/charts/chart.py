@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The hull chart: a two-dimensional coordinate (along, girth) in metres on the hull, and hull addresses.
+"""The hull chart: a two-dimensional coordinate (along, girth) in metres on the hull.
 
 Every chart is left-handed about the outward normal: along x girth points inward. A raster whose columns grow with `along` and
 whose rows grow downward with `girth` therefore shows the surface as a diver outside sees it, not mirrored.
@@ -60,33 +60,3 @@ def chart_from_arrays(arrays: Mapping[str, NDArray[np.generic]]) -> Chart:
     from hullrecon.geometry.charts.plane_chart import PlaneChart
 
     return (AxisChart if str(arrays["kind"]) == "axis" else PlaneChart).from_arrays(arrays)
-
-
-def address(
-    chart: Chart, points: ArrayLike, frame_spacing_m: float | None = None, depths_m: ArrayLike | None = None
-) -> list[str]:
-    """Return points (n, 3) as text: 'frame 52.3 (31.4 m from AP), port, 2.31 m girth from keel, 1.8 m below waterline'.
-
-    depths_m (n,): below the water surface, positive down; left out of the words when absent or NaN. Without a CAD model the
-    address counts metres on the fitted plane.
-    """
-    at = chart.to_chart(np.atleast_2d(np.asarray(points, float)))
-    depths = np.full(len(at), np.nan) if depths_m is None else np.broadcast_to(np.asarray(depths_m, float), len(at))
-    hull = str(chart.to_arrays()["kind"]) == "axis"
-    return [_words(row, depth, frame_spacing_m, hull) for row, depth in zip(at, depths, strict=True)]
-
-
-def _words(at: Array, depth_m: float, frame_spacing_m: float | None, hull: bool) -> str:
-    along, girth = float(at[0]), float(at[1])
-    if not np.isfinite(at[:2]).all():
-        parts = ["outside the hull chart"]
-    elif not hull:
-        parts = [f"{along:.2f} m along", f"{girth:.2f} m across"]
-    else:
-        station = f"{along:.1f} m from AP"
-        parts = [station if frame_spacing_m is None else f"frame {along / frame_spacing_m:.1f} ({station})"]
-        side = "keel" if abs(girth) < 0.005 else "port" if girth > 0 else "starboard"
-        parts += [side] if side == "keel" else [side, f"{abs(girth):.2f} m girth from keel"]
-    if np.isfinite(depth_m):
-        parts.append(f"{abs(depth_m):.1f} m {'below' if depth_m >= 0 else 'above'} waterline")
-    return ", ".join(parts)

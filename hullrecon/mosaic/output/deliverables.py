@@ -8,8 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hullrecon.geometry.charts.viewing_side import UP, flips
+from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.frames import Frame
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.output.preview import Caption, preview_png
@@ -17,6 +18,8 @@ from hullrecon.mosaic.output.textured_mesh import build_textured_mesh, encode_gl
 from hullrecon.mosaic.output.tile_store import TileStore
 
 PERCENT = (50, 90, 95, 99)
+GAP_BRIDGE_M = 0.6  # narrower gaps at the rim are gaps of the mosaic, wider ones its shape
+MIN_GAP_M2 = 0.005  # smaller ones are shadows at the foot of structures
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +38,7 @@ class Presentation:
 
     title: str
     frame: Frame
+    outside: OutsideMap
     frame_spacing_m: float | None
     max_faces: int
     facts: Mapping[str, object]
@@ -49,11 +53,11 @@ def make_deliverables(surface: MosaicSurface, store: TileStore, presentation: Pr
         legend=f"{document['caption']} Seen from outside; contrast stretched; light gray: not seen.",
         frame=frame,
         frame_spacing_m=presentation.frame_spacing_m if frame is Frame.HULL else None,
-        flips=_flips_seen_from_outside(surface, store, frame),
+        flips=presentation.outside.flips,
     )
     mesh = build_textured_mesh(surface, grid, store.small[..., -1], store.reduction, presentation.max_faces)
     return MosaicDeliverables(
-        document=document,
+        document={**document, "along_from_x": presentation.outside.x_sign, "girth_from_y": presentation.outside.y_sign},
         preview=preview_png(store.small, grid.west, grid.north, grid.step_m * store.reduction, caption),
         textured_mesh=encode_glb(mesh, store.small, upright=frame is Frame.HULL) if len(mesh.faces) else None,
     )
@@ -65,10 +69,9 @@ def mosaic_document(store: TileStore, frame: Frame, facts: Mapping[str, object])
     seen = int(store.views[1:].sum())
     area = seen * grid.step_m**2
     spread = dict(zip((f"p{p}" for p in PERCENT), store.variance_percentiles(PERCENT), strict=True))
-    caption = (
-        f"{area:.1f} m² at {1000 * grid.step_m:.1f} mm a pixel, at most four best views a pixel, "
-        f"laid on the surface {facts['surface']}."
-    )
+    gaps = gap_area_m2(store.small[..., -1], grid.step_m * store.reduction)
+    caption = f"{1000 * grid.step_m:.1f} mm a pixel, at most four best views a pixel, laid on the surface {facts['surface']}."
+    caption += f" Gaps inside its outline: {gaps:.2f} m²." if gaps else ""
     known = facts.get("position_sigma_m")
     if isinstance(known, float):
         caption += f" A pixel's place on the hull is known to {1000 * known:.0f} mm (one sigma)."
@@ -82,6 +85,7 @@ def mosaic_document(store: TileStore, frame: Frame, facts: Mapping[str, object])
         "along_m": [grid.west, grid.west + grid.width * grid.step_m],
         "girth_m": [grid.north - grid.height * grid.step_m, grid.north],
         "area_m2": area,
+        "gap_area_m2": gaps,
         "texels_by_views": {str(k): int(n) for k, n in enumerate(store.views)},
         "variance_gray_levels_squared": spread if seen else {},
         "caption": caption,
@@ -89,8 +93,17 @@ def mosaic_document(store: TileStore, frame: Frame, facts: Mapping[str, object])
     }
 
 
-def _flips_seen_from_outside(surface: MosaicSurface, store: TileStore, frame: Frame) -> tuple[bool, bool]:
-    """Return whether along grows to the left, and girth downwards, for a viewer outside the hull."""
-    grid = store.grid
-    rows, columns = (np.linspace(0, n - 1, 12) for n in (grid.height, grid.width))
-    return flips(surface.chart, grid.centers(rows, columns).reshape(-1, 2), UP[frame])
+def gap_area_m2(alpha: NDArray[np.uint8], step_m: float) -> float:
+    """Return the area on the chart, m2, of parts of at least MIN_GAP_M2 that nothing was seen of inside the outline of what was
+    seen; alpha (h, w), step_m: side of its pixels. Gaps up to GAP_BRIDGE_M wide at the rim count as inside."""
+    from scipy import ndimage
+
+    seen = np.pad(alpha > 0, 2)
+    bridge = max(1, round(0.5 * GAP_BRIDGE_M / step_m))
+    away = ndimage.distance_transform_edt(~np.pad(seen, bridge))
+    grown = away <= bridge
+    closed = ndimage.distance_transform_edt(grown) > bridge
+    inside = ndimage.binary_fill_holes(closed | np.pad(seen, bridge))[bridge:-bridge, bridge:-bridge]
+    label, count = ndimage.label(inside & ~seen)
+    sizes = np.bincount(label.ravel(), minlength=count + 1)[1:] * step_m**2
+    return float(sizes[sizes >= MIN_GAP_M2].sum())

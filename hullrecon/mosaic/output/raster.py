@@ -1,59 +1,114 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes tiles as a GeoTIFF in chart coordinates; BigTIFF when it would not fit into 4 GB."""
+"""Writes tiles as a cloud-optimised GeoTIFF in map coordinates: the hull seen from outside, as other programs show it."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.mosaic.grid import TexelGrid
 
-_PIXEL_SCALE, _TIEPOINT = 33550, 33922  # GeoTIFF's ModelPixelScale and ModelTiepoint: metres a pixel, and where (0, 0) lies
-_DOUBLE = 12
+
+@dataclass(frozen=True, kw_only=True)
+class RasterBands:
+    """What a raster holds. names of its bands, of which the last may be `alpha`; unit of the others, "" for grey levels and
+    counts; dtype; title: what it is, in words; nodata: the value of texels without one, None with an alpha."""
+
+    names: tuple[str, ...]
+    unit: str
+    dtype: str
+    title: str
+    nodata: float | None = None
+
+    @property
+    def creation_options(self) -> dict[str, object]:
+        """Return how GDAL stores them."""
+        if self.names[-1] != "alpha":
+            return {"predictor": 3 if self.dtype.startswith("float") else 2}
+        photometric = "RGB" if len(self.names) == 4 else "MINISBLACK"
+        return {"photometric": photometric, "alpha": "NON-PREMULTIPLIED", "interleave": "pixel", "predictor": 2}
 
 
-def write_raster(
-    path: Path, tiles: Iterator[NDArray[Any]], grid: TexelGrid, size: int, channels: int, dtype: str, frame: str
-) -> None:
-    """Deflated tiles. The description is JSON: frame of the chart, metres per pixel, origin, directions."""
-    import tifffile
+@dataclass(frozen=True, kw_only=True)
+class RasterPlace:
+    """Where a raster lies: the texels of the chart in tiles of `size`, and the map that they are written in."""
 
-    shape = (grid.height, grid.width) if channels == 1 else (grid.height, grid.width, channels)
-    step = grid.step_m
-    tags = [
-        (_PIXEL_SCALE, _DOUBLE, 3, (step, step, 0.0), True),
-        (_TIEPOINT, _DOUBLE, 6, (0.0, 0.0, 0.0, grid.west, grid.north, 0.0), True),
-    ]
-    with tifffile.TiffWriter(path, bigtiff=grid.height * grid.width * channels * np.dtype(dtype).itemsize > 3.5e9) as file:
-        file.write(
-            tiles,
-            shape=shape,
-            dtype=dtype,
-            tile=(size, size),
-            photometric="rgb" if channels >= 3 else "minisblack",
-            extrasamples=["unassalpha"] if channels in (2, 4) else None,
-            planarconfig="contig" if channels > 1 else None,
-            compression="zlib",
-            resolution=(0.01 / step, 0.01 / step),
-            resolutionunit="CENTIMETER",
-            description=json.dumps(description(grid, frame), sort_keys=True),
-            software="hullrecon",
-            metadata=None,
-            extratags=tags,
-        )
+    grid: TexelGrid
+    size: int
+    outside: OutsideMap
+
+    @property
+    def corner(self) -> tuple[float, float]:
+        """Return x and y of the outer corner of the first pixel, upper left for a viewer outside."""
+        grid = self.grid
+        along = grid.west + (grid.width * grid.step_m if self.outside.x_sign < 0 else 0)
+        girth = grid.north - (grid.height * grid.step_m if self.outside.y_sign < 0 else 0)
+        return self.outside.x_sign * along, self.outside.y_sign * girth
 
 
-def description(grid: TexelGrid, frame: str) -> dict[str, Any]:
+def write_raster(path: Path, tiles: Iterable[NDArray[np.generic]], place: RasterPlace, bands: RasterBands) -> None:
+    """Write tiles (size, size, bands), or (size, size), in the order of grid.tiles(size). Same bytes for the same tiles.
+
+    GDAL's driver for cloud-optimised files copies a whole file with its overviews; the first, deflated, stays in memory.
+    """
+    import rasterio
+    from rasterio.io import MemoryFile
+    from rasterio.shutil import copy
+
+    grid, (west, north) = place.grid, place.corner
+    options = bands.creation_options
+    with rasterio.Env(GDAL_NUM_THREADS=1), MemoryFile() as memory:
+        with memory.open(
+            driver="GTiff", width=grid.width, height=grid.height, count=len(bands.names), dtype=bands.dtype,
+            crs=rasterio.CRS.from_wkt(place.outside.wkt), nodata=bands.nodata, tiled=True, blockxsize=512, blockysize=512,
+            transform=rasterio.Affine(grid.step_m, 0, west, 0, -grid.step_m, north), compress="DEFLATE", zlevel=1,
+            bigtiff="IF_SAFER", **options,
+        ) as file:  # fmt: skip
+            for window, values in _windows(tiles, place):
+                file.write(values, window=rasterio.windows.Window(*window))
+            for k, name in enumerate(bands.names, start=1):
+                file.set_band_description(k, name)
+                file.set_band_unit(k, "" if name == "alpha" else bands.unit)
+            file.update_tags(TIFFTAG_IMAGEDESCRIPTION=json.dumps(description(place, bands), sort_keys=True))
+            file.update_tags(TIFFTAG_SOFTWARE="hullrecon")
+        copy(
+            memory.name, path, driver="COG", compress="DEFLATE", blocksize=512, bigtiff="IF_SAFER",
+            predictor="YES", overview_resampling="average",
+        )  # fmt: skip
+
+
+def description(place: RasterPlace, bands: RasterBands) -> dict[str, object]:
+    """Return what ImageDescription says."""
+    x, y = place.corner
     return {
-        "metres_per_pixel": grid.step_m,
-        "origin_along_m": grid.west,
-        "origin_girth_m": grid.north,
-        "origin": "outer corner of the first pixel; along grows to the right, girth upwards: a hull is seen from inside",
-        "chart_frame": frame,
+        "title": bands.title,
+        "metres_per_pixel": place.grid.step_m,
+        "origin_along_m": place.outside.x_sign * x,
+        "origin_girth_m": place.outside.y_sign * y,
+        "origin": "outer corner of the first pixel, upper left for a viewer outside the hull",
+        "along_from_x": place.outside.x_sign,
+        "girth_from_y": place.outside.y_sign,
+        "chart_frame": place.outside.frame,
     }
+
+
+def _windows(
+    tiles: Iterable[NDArray[np.generic]], place: RasterPlace
+) -> Iterable[tuple[tuple[int, int, int, int], NDArray[np.generic]]]:
+    """Yield column, row, width, height of each tile in the raster, and its values (bands, height, width) as they are seen."""
+    grid, (mirrored, upset) = place.grid, place.outside.flips
+    for window, tile in zip(grid.tiles(place.size), tiles, strict=True):
+        held = window.meet(grid.whole)
+        height, width = held.shape
+        values = np.atleast_3d(tile)[:height, :width]
+        values = values[:: -1 if upset else 1, :: -1 if mirrored else 1]
+        column = grid.width - held.right if mirrored else held.left
+        row = grid.height - held.bottom if upset else held.top
+        yield (column, row, width, height), np.ascontiguousarray(np.moveaxis(values, 2, 0))

@@ -1,12 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tiles of a mosaic, kept compressed until they are written, and a small copy of the whole for pictures."""
+"""Tiles of a mosaic, and a small copy of the whole for pictures."""
 
 from __future__ import annotations
 
-import zlib
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from hullrecon.mosaic.blend import Tile
 from hullrecon.mosaic.grid import TexelGrid, Window
+from hullrecon.mosaic.output.compressed_tiles import CompressedTiles
 
 VARIANCE_STEP = 0.25  # squared gray levels; finer is noise, and compresses badly
 
@@ -29,16 +29,18 @@ class TileStore:
     small: NDArray[np.uint8]
     histogram: NDArray[np.int64]  # of the variance, by VARIANCE_STEP up to 1024
     views: NDArray[np.int64]  # texels by number of views blended, 0 to 4
-    _color: list[bytes] = field(default_factory=list)
-    _variance: list[bytes] = field(default_factory=list)
+    color: CompressedTiles  # (size, size, channels + 1) uint8, the last is alpha
+    variance: CompressedTiles  # (size, size) float32, NaN where nothing was seen
+    counts: CompressedTiles  # (size, size) uint8, views blended
 
     def add(self, window: Window, tile: Tile) -> None:
         seen = tile.views > 0
         alpha = np.where(seen, 255, 0).astype(np.uint8)[..., None]
         color = np.concatenate([np.rint(tile.value).astype(np.uint8) * (alpha > 0), alpha], axis=2)
         variance = np.where(seen, np.rint(tile.variance / VARIANCE_STEP) * VARIANCE_STEP, np.nan).astype(np.float32)
-        self._color.append(zlib.compress(color.tobytes(), 1))
-        self._variance.append(zlib.compress(variance.tobytes(), 1))
+        self.color.add(color)
+        self.variance.add(variance)
+        self.counts.add(tile.views)
         rows = np.minimum(variance[seen] / VARIANCE_STEP, len(self.histogram) - 1).astype(int)
         self.histogram += np.bincount(rows, minlength=len(self.histogram))
         inside = tile.views[: self.grid.height - window.top, : self.grid.width - window.left]
@@ -56,14 +58,6 @@ class TileStore:
         top, left = window.top // n, window.left // n
         target = self.small[top : top + self.size // n, left : left + self.size // n]
         target[...] = np.rint(small[: target.shape[0], : target.shape[1]])
-
-    def color_tiles(self) -> Iterator[NDArray[np.uint8]]:
-        shape = (self.size, self.size, self.channels + 1)
-        return (np.frombuffer(zlib.decompress(t), np.uint8).reshape(shape) for t in self._color)
-
-    def variance_tiles(self) -> Iterator[NDArray[np.float32]]:
-        shape = (self.size, self.size)
-        return (np.frombuffer(zlib.decompress(t), np.float32).reshape(shape) for t in self._variance)
 
     def variance_percentiles(self, percent: Sequence[float]) -> list[float]:
         """Upper ends of the histogram's bins."""
@@ -88,6 +82,9 @@ def make_tiles(
         small=small,
         histogram=np.zeros(4096, np.int64),
         views=np.zeros(5, np.int64),
+        color=CompressedTiles((size, size, channels + 1), "uint8"),
+        variance=CompressedTiles((size, size), "float32"),
+        counts=CompressedTiles((size, size), "uint8"),
     )
     for window in progress(list(grid.tiles(size))):
         store.add(window, make(window))

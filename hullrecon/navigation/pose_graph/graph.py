@@ -49,12 +49,12 @@ class PoseGraph:
         Without one the start is dead reckoning, from which right links look as wrong as wrong ones: the first solve then guards
         against none. Raises StageError where nothing determines the path.
         """
-        problem = self._problem(links, KERNELS[self.kernel])
         if before is None:
-            unguarded = self._problem(links, native.LinkKernel.NONE)
-            unknowns = native.solve(unguarded, OPTIONS).unknowns
+            reckoned = self.trajectory.poses()
+            unknowns = native.solve(self._problem(links, native.LinkKernel.NONE, reckoned), OPTIONS).unknowns
         else:
             unknowns = before.problem.unknowns
+        problem = self._problem(links, KERNELS[self.kernel], Poses(unknowns.pose[:, 3:7], unknowns.pose[:, :3]))
         start = replace(unknowns, link_switch=problem.unknowns.link_switch)
         result = native.solve(problem.started_from(start), OPTIONS)
         solved = problem.started_from(result.unknowns)
@@ -62,8 +62,8 @@ class PoseGraph:
             graph=self, links=links, problem=solved, rejected=_rejected(solved, len(links)), converged=result.converged
         )
 
-    def _problem(self, links: CameraLinks, kernel: native.LinkKernel) -> native.Problem:
-        """Return the problem, started from dead reckoning."""
+    def _problem(self, links: CameraLinks, kernel: native.LinkKernel, path: Poses) -> native.Problem:
+        """Return the problem, started from dead reckoning. path: T_g_v as it is known by now."""
         rig, t, start = self.rig, self.trajectory, self.trajectory.track().path
         switches = len(links) if kernel == native.LinkKernel.SWITCH else 0
         mounts = {"T_s_d": rig.T_s_d, "T_s_ct": rig.T_s_ct, "T_ct_cb": rig.T_ct_cb}
@@ -85,7 +85,7 @@ class PoseGraph:
             ),
             attitude=attitude_table(self.attitude),
             tray=tray_table(t.tray, self.attitude.tray_direction, rig.tray_sigma),
-            odometry=odometry_table(self.odometry, t.tray, rig.T_s_d.nominal),
+            odometry=odometry_table(self.odometry, t.tray, rig.T_s_d.nominal, path),
             links=link_table(links, len(t.t_ns), kernel),
         )
 

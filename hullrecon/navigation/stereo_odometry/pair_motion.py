@@ -14,13 +14,24 @@ Frame = TypeVar("Frame")
 
 
 @dataclass(frozen=True, kw_only=True)
+class CalibrationEffect:
+    """The k errors of the cameras' calibration, one unknown each for the dive. by_error (6, k): derivative of a motion by them;
+    information (k, k), gradient (k,): what its features say of them once the motion is free."""
+
+    by_error: Array
+    information: Array
+    gradient: Array
+
+
+@dataclass(frozen=True, kw_only=True)
 class StereoMotion:
-    """pose: T_i_j of the top camera, one; covariance (6, 6) of (translation in i, m, rotation perturbed on the right, rad);
-    inliers: features that agree on it."""
+    """pose: T_i_j of the top camera, one; covariance (6, 6) of (translation in i, m, rotation perturbed on the right, rad), of
+    its white part; inliers: features that agree on it; calibration: what the errors of the calibration do to it."""
 
     pose: Poses
     covariance: Array
     inliers: int
+    calibration: CalibrationEffect
 
 
 class PairMotion(Protocol[Frame]):

@@ -21,6 +21,7 @@ from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_hist
 from hullrecon.navigation.sensors.clock import in_order, seconds
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sigmas import NavigationSigmas
+from hullrecon.navigation.stereo_odometry.calibration_errors import calibration_moment
 from hullrecon.navigation.stereo_odometry.pair_motion import Frame, PairMotion
 from hullrecon.navigation.stereo_odometry.visual_odometry import StereoChain, chain_errors, compose, follow, in_vehicle
 from hullrecon.records.sensors import ImuSamples, JointSamples, PressureSamples
@@ -53,11 +54,13 @@ def stereo_navigate(
     rig: SensorRig,
     sigmas: NavigationSigmas,
     options: NavigateOptions,
+    calibration_sigma: Array,
     progress: Callable[[Sequence[int]], Iterable[int]] = list,
 ) -> Navigated:
     """Return the records of a dive whose vehicle was followed by its stereo cameras.
 
     g starts at the first pair: x = y = 0; attitude by the IMU, else level with heading 0; depth by the pressure sensor, else 0.
+    calibration_sigma (k,): of the errors of the calibration that motions are told with, NaN where the dive has to show it.
     Raises StageError where there are fewer than two pairs or fewer than half of them can be joined.
     """
     pair = pair_frames(frames.top[0], frames.bottom[0])
@@ -71,11 +74,12 @@ def stereo_navigate(
         raise StageError("the stereo pairs do not join", where=where, remedy=remedy)
     tray = servo(aids.tray if aids.tray is None else in_order(aids.tray, "tray")[0], int(t_ns[0]))
     angle = tray.angle_at(t_ns)
-    step, covariance = in_vehicle(chain, tray_poses(rig.tray_origin, angle) @ rig.tray_from(Camera.TOP))
+    step, covariance, by_calibration = in_vehicle(chain, tray_poses(rig.tray_origin, angle) @ rig.tray_from(Camera.TOP))
     history = _history(aids.imu, sigmas.tilt_rad, options)
     depth = _depths(aids.pressure, t_ns)
     path = compose(_start(history, depth, t_ns, rig), step)
-    errors = chain_errors(path, covariance)
+    calibration = calibration_moment(chain.evidence, calibration_sigma)
+    errors = chain_errors(path, covariance, by_calibration, calibration)
     trajectory = Trajectory(
         t_ns=t_ns,
         quaternion=path.quaternion,
@@ -88,7 +92,7 @@ def stereo_navigate(
     return Navigated(
         trajectory=trajectory,
         error_model=errors,
-        odometry=_edges(step, covariance),
+        odometry=_edges(step, covariance + by_calibration @ calibration @ np.swapaxes(by_calibration, 1, 2)),
         returns=no_returns(),
         attitude=_attitude(history, depth, t_ns, sigmas, tray.direction_at(t_ns)),
         remarks=_remarks(chain, unpaired, aids),

@@ -9,29 +9,32 @@ taken to be level and at the surface, and a remark says so.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hullrecon.geometry.poses import Poses, identity
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.dead_reckoning.error_propagation import twist_by_pose_error
-from hullrecon.navigation.stereo_odometry.pair_motion import Frame, PairMotion, StereoMotion
+from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, Frame, PairMotion, StereoMotion
 from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.typing import Array, Ints
 
 LOOK_BACK = 3  # pairs that a motion is sought from, the nearest first
-LEAST_VARIANCE = 1e-8  # m2, rad2: keeps the covariance of the first pose invertible
+LEAST_VARIANCE = 1e-10  # m2, rad2: keeps the covariance of the first pose invertible
 LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # of a step that no pair could tell
 
 
 @dataclass(frozen=True, kw_only=True)
 class StereoChain:
     """step: T_i_j of the top camera between neighbouring pairs (n - 1); covariance (n - 1, 6, 6) of (translation in i, rotation
-    perturbed on the right); inliers (n - 1,); `lost` (k,): steps that were guessed."""
+    perturbed on the right), of its white part; by_calibration (n - 1, 6, k): derivative by the errors of the calibration;
+    evidence: what was seen of them; inliers (n - 1,); `lost` (k,): steps that were guessed."""
 
     step: Poses
     covariance: Array
+    by_calibration: Array
+    evidence: list[CalibrationEffect]
     inliers: Ints
     lost: Ints
 
@@ -62,6 +65,8 @@ def follow(
             np.vstack([s.pose.translation for s in steps]).reshape(-1, 3),
         ),
         covariance=np.stack([s.covariance for s in steps]),
+        by_calibration=_stack_effects(steps),
+        evidence=[s.calibration for s in steps if s.inliers],
         inliers=np.array([s.inliers for s in steps]),
         lost=np.array(lost, np.int64),
     )
@@ -75,17 +80,15 @@ def _from_recent(
         found = motion.between(recent[-back], new)
         if found is None:
             continue
-        pose, covariance = found.pose, found.covariance
         for between in steps[len(steps) - back + 1 :]:
-            rest = between.pose.inverse() @ pose
-            covariance = _remainder_covariance(between, rest, covariance)
-            pose = rest
-        return StereoMotion(pose=pose, covariance=covariance, inliers=found.inliers)
+            found = _remainder(between, found)
+        return found
     return None
 
 
-def _remainder_covariance(first: StereoMotion, rest: Poses, covariance: Array) -> Array:
-    """Return the covariance (6, 6) of first^-1 whole: that of the whole, turned into the later pair's axes, and the first's."""
+def _remainder(first: StereoMotion, whole: StereoMotion) -> StereoMotion:
+    """Return first^-1 whole: its errors are those of the whole, turned into the later pair's axes, and the first's."""
+    rest = first.pose.inverse() @ whole.pose
     back = first.pose.rotation.inv().as_matrix()[0]
     of_whole = np.eye(6)
     of_whole[:3, :3] = back
@@ -93,18 +96,34 @@ def _remainder_covariance(first: StereoMotion, rest: Poses, covariance: Array) -
     of_first[:3, :3] = -back
     of_first[:3, 3:] = cross_matrix(rest.translation)[0]
     of_first[3:, 3:] = -rest.rotation.inv().as_matrix()[0]
-    return of_whole @ covariance @ of_whole.T + of_first @ first.covariance @ of_first.T
+    by_error = of_whole @ whole.calibration.by_error
+    if first.inliers:  # a guess knows nothing of the calibration
+        by_error = by_error + of_first @ first.calibration.by_error
+    return replace(
+        whole,
+        pose=rest,
+        covariance=of_whole @ whole.covariance @ of_whole.T + of_first @ first.covariance @ of_first.T,
+        calibration=replace(whole.calibration, by_error=by_error),
+    )
+
+
+def _stack_effects(steps: Sequence[StereoMotion]) -> Array:
+    """Return the derivatives (n - 1, 6, k) by the errors of the calibration; zero for steps that were guessed."""
+    count = max(s.calibration.by_error.shape[1] for s in steps)
+    return np.stack([s.calibration.by_error if s.inliers else np.zeros((6, count)) for s in steps])
 
 
 def _repeat_last(steps: Sequence[StereoMotion]) -> StereoMotion:
     """Return the step before once more, known as badly as a guess."""
     pose = steps[-1].pose if steps else identity()
     sigma = np.repeat([LOST_SIGMA_M, LOST_SIGMA_RAD], 3)
-    return StereoMotion(pose=pose, covariance=np.diag(sigma**2), inliers=0)
+    none = CalibrationEffect(by_error=np.zeros((6, 0)), information=np.zeros((0, 0)), gradient=np.zeros(0))
+    return StereoMotion(pose=pose, covariance=np.diag(sigma**2), inliers=0, calibration=none)
 
 
-def in_vehicle(chain: StereoChain, T_v_ct: Poses) -> tuple[Poses, Array]:
-    """Return the steps T_i_j of the vehicle (n - 1) and their covariance, from those of the camera; T_v_ct (n) at each pair."""
+def in_vehicle(chain: StereoChain, T_v_ct: Poses) -> tuple[Poses, Array, Array]:
+    """Return the steps T_i_j of the vehicle (n - 1), the covariance of their white part and their derivatives by the errors of
+    the calibration, from those of the camera; T_v_ct (n) at each pair."""
     before, after = T_v_ct[np.arange(len(chain.step))], T_v_ct[np.arange(1, len(chain.step) + 1)]
     step = before @ chain.step @ after.inverse()
     J = np.zeros((len(step), 6, 6))
@@ -112,7 +131,7 @@ def in_vehicle(chain: StereoChain, T_v_ct: Poses) -> tuple[Poses, Array]:
     J[:, :3, :3] = before.rotation.as_matrix()
     J[:, :3, 3:] = -(before.rotation * chain.step.rotation).as_matrix() @ cross_matrix(lever)
     J[:, 3:, 3:] = after.rotation.as_matrix()
-    return step, J @ chain.covariance @ np.swapaxes(J, 1, 2)
+    return step, J @ chain.covariance @ np.swapaxes(J, 1, 2), J @ chain.by_calibration
 
 
 def compose(start: Poses, step: Poses) -> Poses:
@@ -123,8 +142,9 @@ def compose(start: Poses, step: Poses) -> Poses:
     return Poses(np.vstack([p.quaternion for p in found]), np.vstack([p.translation for p in found]))
 
 
-def chain_errors(path: Poses, covariance: Array) -> TrajectoryErrorModel:
-    """Return what makes T_g_v (n,) wrong relative to the first, from the covariance (n - 1, 6, 6) of the steps.
+def chain_errors(path: Poses, covariance: Array, by_calibration: Array, calibration: Array) -> TrajectoryErrorModel:
+    """Return what makes T_g_v (n,) wrong relative to the first: the steps' white covariance (n - 1, 6, 6), and the errors of
+    the calibration by which the steps change as by_calibration (n - 1, 6, k), of covariance (k, k).
 
     Written as twists about the origin of g the steps' errors simply add: omega = R_j w, rho = R_i t + p_j x omega.
     """
@@ -135,9 +155,11 @@ def chain_errors(path: Poses, covariance: Array) -> TrajectoryErrorModel:
     to_twist[:, :3, 3:] = cross_matrix(p[1:]) @ R[1:]
     steps = to_twist @ covariance @ np.swapaxes(to_twist, 1, 2)
     at_node = twist_by_pose_error(path)
+    # The derivative is that of the measured motion: what the calibration adds is taken off.
+    by_error = -np.cumsum(to_twist @ by_calibration, axis=0)
     return TrajectoryErrorModel(
-        by_error=np.zeros((len(R), 6, 0)),
-        error_covariance=np.zeros((0, 0)),
+        by_error=np.concatenate([np.zeros((1, *by_error.shape[1:])), by_error]),
+        error_covariance=calibration,
         walk=np.concatenate([np.zeros((1, 6, 6)), np.cumsum(steps, axis=0)]),
         white=LEAST_VARIANCE * at_node @ np.swapaxes(at_node, 1, 2),
     )

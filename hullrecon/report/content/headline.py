@@ -6,15 +6,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.records.deliverables import Coverage, SensorCoverage
+from hullrecon.report.content.deviation import deviation_figures
 from hullrecon.report.content.phrases import count, duration, join, length, lengths, with_sigma
-from hullrecon.report.figures.chart_map import weighted_percentiles
 from hullrecon.report.survey import AdjustedDive, Survey
 
 _AXES = {
     "M": ("along x of the ship", "along y of the ship", "along z of the ship"),
-    "g": ("in x of the level frame", "in y of the level frame", "in depth"),
+    "g": ("in x of the local frame", "in y of the local frame", "in z of the local frame"),
 }
 
 
@@ -43,8 +42,8 @@ def _dive(survey: Survey) -> str:
 def _position(survey: Survey) -> str:
     sigma = lengths(np.median(survey.track.sigma[:, :3], axis=0).tolist())
     if survey.adjusted is None:
-        return f"Positions are dead reckoned in a local level frame (g); median one sigma in x / y / z: {sigma}."
-    frame = "the ship's frame (M)" if survey.is_in_hull_frame else "a local level frame (g), as there is no CAD model"
+        return f"Positions are dead reckoned in a local frame (g); median one sigma in x / y / z: {sigma}."
+    frame = "the ship's frame (M)" if survey.is_in_hull_frame else "a local frame (g), as there is no CAD model"
     return f"Positions are adjusted by method {survey.method} and given in {frame}; median one sigma in x / y / z: {sigma}."
 
 
@@ -78,19 +77,12 @@ def _objects(survey: Survey) -> str:
 
 
 def _deviation(survey: Survey) -> str:
-    found = survey.surfaces.as_found
-    if found is None or not survey.is_in_hull_frame:
+    figures = deviation_figures(survey)
+    if figures is None:
         return ""
-    seen = (found.support > 0) & np.isfinite(found.deviation)
-    weight = vertex_areas(found.mesh())[seen]
-    if not weight.sum() > 0:
-        return ""
-    low, middle, high = 1000 * weighted_percentiles(found.deviation[seen], weight, (5, 50, 95))
-    sigma = 1000 * weighted_percentiles(found.sigma[seen], weight, (50,))[0]
-    side = "outside" if middle > 0 else "inside"
     return (
-        f"Where it was seen, the hull lies {abs(middle):.0f} mm {side} its CAD model in the median (one sigma {sigma:.0f} mm); "
-        f"5th to 95th percentile {low:+.0f} to {high:+.0f} mm."
+        f"Within the surveyed patch the hull's form departs from its CAD model by {figures.form_words}; "
+        f"as a whole the patch lies {figures.offset_words}."
     )
 
 
@@ -101,7 +93,8 @@ def _coverage(coverage: Coverage | None) -> str:
         ("camera", coverage.camera), ("sonar", coverage.sonar), ("DVL", coverage.dvl)
     )  # fmt: skip
     parts = [f"{seen.area_m2:.1f} m² by {name}" for name, seen in sensors if seen is not None and seen.area_m2]
-    gaps = f"; {count(len(coverage.holes), 'hole')} in the coverage" if coverage.holes else ""
+    holes = f"{count(len(coverage.holes), 'hole')} of more than {coverage.min_hole_m2:g} m² in the coverage"
+    gaps = f"; {holes}" if coverage.holes else ""
     return f"Hull seen: {join(parts)}{gaps}." if parts else ""
 
 
@@ -110,7 +103,8 @@ def _landmarks(adjusted: AdjustedDive | None) -> str:
         return ""
     label = adjusted.solution.landmarks.label
     text = f"{count(len(label), 'landmark was', 'landmarks were')} measured in the images"
-    on_hull = f", {100 * float(np.mean(label == 1)):.1f} % of them on the hull's surface" if adjusted.has_cad_model else ""
+    share = 100 * float(np.mean(label == 1))
+    on_hull = f", {share:.1f} % of them taken to lie on the CAD model's surface" if adjusted.has_cad_model else ""
     return f"{text}{on_hull}."
 
 
@@ -126,4 +120,4 @@ def _rejected(survey: Survey) -> str:
         return "The log was read completely and no step raised a warning."
     parts = [count(len(lost), "span of data was lost", "spans of data were lost")] if lost else []
     parts += [count(len(warnings), "warning was raised", "warnings were raised")] if warnings else []
-    return f"{join(parts)[0].upper()}{join(parts)[1:]}; see section 9, rejected data and warnings."
+    return f"{join(parts)[0].upper()}{join(parts)[1:]}; see rejected data and warnings."

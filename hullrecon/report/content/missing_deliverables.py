@@ -4,18 +4,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from hullrecon.records.solution import Solution
 
+OF_OBJECTS = ("objects.json", "objects.csv", "objects.geojson", "objects.gpkg", "objects/")
+OF_DEVIATION = ("deviation.tif", "deviation_sigma.tif", "form.tif", "form_sigma.tif")
 _BY_STEP = {
     "adjust": ("colmap/", "landmarks.ply"),
-    "surface": ("surface.ply",),
-    "detect": ("as_found.ply", "objects.json", "objects.csv", "coverage.json"),
-    "mosaic-optical": ("ortho_optical.tif", "ortho_optical.png", "mosaic_optical.glb"),
-    "mosaic-sonar": ("ortho_sonar.tif", "ortho_sonar.png", "mosaic_sonar.glb"),
-}
+    "surface": ("surface.ply", "chart.json", "chart.ply"),
+    "detect": ("as_found.ply", *OF_OBJECTS, "coverage.json"),
+    "mosaic-optical": (
+        "ortho_optical.tif", "ortho_optical.png", "mosaic_optical.glb", "variance_optical.tif", "views_optical.tif",
+    ),
+    "mosaic-sonar": ("ortho_sonar.tif", "ortho_sonar.png", "mosaic_sonar.glb", "variance_sonar.tif", "views_sonar.tif"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,8 +32,10 @@ class Carried:
     cad_model: bool
 
 
-def missing_deliverables(carried: Carried, steps: Collection[str], solution: Solution | None) -> dict[str, str]:
-    """Return the reason of each missing file by name. steps: those that left an artifact."""
+def missing_deliverables(
+    carried: Carried, steps: Collection[str], solution: Solution | None, failures: Mapping[str, str] = MappingProxyType({})
+) -> dict[str, str]:
+    """Return the reason of each missing file by name. steps: those that left an artifact; failures: why others did not."""
     reasons: dict[str, str] = {}
     if solution is None or solution.hull_pose is None:
         reasons["alignment.json"] = (
@@ -38,8 +45,10 @@ def missing_deliverables(carried: Carried, steps: Collection[str], solution: Sol
                 "the adjustment did not run" if solution is None else "the CAD model does not fit the survey and was left out"
             )
         )
+    if not carried.cad_model:
+        reasons.update(dict.fromkeys(OF_DEVIATION, "no CAD model was given, so there is nothing to deviate from"))
     for step, names in _BY_STEP.items():
-        reason = "" if step in steps else _reason(step, carried)
+        reason = "" if step in steps else failures.get(step) or _reason(step, carried)
         if reason:
             reasons.update(dict.fromkeys(names, reason))
     if carried.camera and solution is not None and not len(solution.landmarks):

@@ -16,23 +16,56 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.report.survey import ImageSource
+from hullrecon.report.survey import ImageSource, Survey
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints, Pixels
 
 
 @dataclass(frozen=True, kw_only=True)
 class Crop:
-    """A part of one image: data URI, size and outline (n, 2) in its pixels, pixels per metre there, and where it is from."""
+    """A part of one image with its contrast stretched: picture (h, w, 3) RGB, outline (n, 2) in its pixels, pixels per metre
+    there, and where it is from."""
 
-    data: str
-    width: int
-    height: int
+    picture: Pixels
     outline: Array
     pixels_per_m: float
     camera: Camera
     row: int
     t_ns: int
+
+    @property
+    def width(self) -> int:
+        """Return the picture's width, px."""
+        return int(self.picture.shape[1])
+
+    @property
+    def height(self) -> int:
+        """Return the picture's height, px."""
+        return int(self.picture.shape[0])
+
+    @property
+    def data(self) -> str:
+        """Return the picture as a data URI."""
+        return jpeg_uri(self.picture)
+
+
+def object_crops(survey: Survey) -> dict[int, Crop]:
+    """Return the picture of each object by its number; objects that no image shows have none."""
+    found = {o.id: best_crop(o, survey.track, survey.facts.rig, survey.facts.images) for o in survey.findings.objects or ()}
+    return {number: crop for number, crop in found.items() if crop is not None}
+
+
+def photo_jpeg(crop: Crop, min_width: int = 800) -> bytes:
+    """Return an object's picture as a file: enlarged, with its outline drawn in."""
+    import cv2
+
+    factor = max(1.0, min_width / crop.width)
+    size = (round(factor * crop.width), round(factor * crop.height))
+    picture = np.ascontiguousarray(cv2.resize(crop.picture, size, interpolation=cv2.INTER_CUBIC))
+    line = np.rint(16 * (factor * (crop.outline + 0.5) - 0.5)).astype(np.int32)  # in sixteenths of a pixel
+    for color, width in (((0, 0, 0), 5), ((255, 255, 255), 2)):
+        cv2.polylines(picture, [line[:, None]], isClosed=True, color=color, thickness=width, lineType=cv2.LINE_AA, shift=4)
+    return _jpeg(np.asarray(picture, np.uint8), 90)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,9 +140,7 @@ def _cut_image(found: ReportedObject, view: ObjectView, source: ImageSource) -> 
     high = np.clip(np.ceil(middle + reach), low + 2, size).astype(int)
     cut = picture[low[1] : high[1], low[0] : high[0]]
     return Crop(
-        data=jpeg_uri(stretch_contrast(cut)),
-        width=cut.shape[1],
-        height=cut.shape[0],
+        picture=stretch_contrast(cut),
         outline=pixels - low,
         pixels_per_m=scale,
         camera=view.camera,
@@ -131,9 +162,15 @@ def jpeg_uri(picture: Pixels, min_width: int = 560, quality: int = 88) -> str:
 
     factor = max(1.0, min_width / picture.shape[1])
     if factor > 1:
-        picture = cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC)
+        picture = np.asarray(cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC), np.uint8)
+    return "data:image/jpeg;base64," + b64encode(_jpeg(np.asarray(picture, np.uint8), quality)).decode()
+
+
+def _jpeg(picture: Pixels, quality: int) -> bytes:
+    import cv2
+
     ordered = picture[..., ::-1] if picture.ndim == 3 else picture
     done, data = cv2.imencode(".jpg", np.ascontiguousarray(ordered), [cv2.IMWRITE_JPEG_QUALITY, quality])
     if not done:
         raise ValueError("the picture could not be encoded")
-    return "data:image/jpeg;base64," + b64encode(data.tobytes()).decode()
+    return bytes(data.tobytes())

@@ -12,20 +12,28 @@ import numpy as np
 
 from hullrecon import __version__
 from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.charts.tangents import tangents_at
 from hullrecon.geometry.charts.viewing_side import UP, flips
 from hullrecon.records.deliverables import Coverage, CoverageHole, ReportedObject
-from hullrecon.records.trajectory import VehicleTrack
+from hullrecon.report.content.deviation import deviation_figures, deviation_rows
+from hullrecon.report.content.frame_words import frame_in_words, origin_in_words
 from hullrecon.report.content.headline import headline, weak_sentences
-from hullrecon.report.content.object_images import Crop, best_crop, jpeg_uri
-from hullrecon.report.content.phrases import count, length, probability, with_sigma
+from hullrecon.report.content.object_card import card_context
+from hullrecon.report.content.object_images import Crop, jpeg_uri
+from hullrecon.report.content.phrases import count, length, with_sigma
 from hullrecon.report.content.rejected import rejected_groups, settings_rows
-from hullrecon.report.figures.chart_map import ChartedSurface, Extent, deviation_png, extent_of, ground_png, project_surface
-from hullrecon.report.figures.plan_view import Mark, Plan, nice_below, plan_svg
+from hullrecon.report.figures.chart_map import ChartedSurface, Extent, extent_of, form_png, ground_png, project_surface
+from hullrecon.report.figures.plan_view import Mark, Plan, SigmaEllipse, plan_svg, sigma_ellipse
 from hullrecon.report.figures.style import Plot
 from hullrecon.report.survey import Mosaic, Survey
 from hullrecon.typing import Array, Pixels
 
 PageContext = Mapping[str, object]
+SECTIONS = (
+    ("plan", "Plan of the dive"), ("objects", "Objects on the hull"), ("deviation", "Deviation from the CAD model"),
+    ("mosaics", "Mosaics"), ("coverage", "Coverage"), ("position", "Position uncertainty"), ("navigation", "Navigation"),
+    ("solution", "Adjustment quality"), ("rejected", "Rejected data and warnings"), ("record", "Record"),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,12 +47,23 @@ class ChartView:
     found: ChartedSurface | None
 
 
-def page_context(survey: Survey, plots: Sequence[Plot], deliverables: Mapping[str, object]) -> PageContext:
-    """Return the template's variables; deliverables: entries with bytes and sha256 by name."""
+def page_context(
+    survey: Survey, plots: Sequence[Plot], deliverables: Mapping[str, object], photos: Mapping[int, Crop]
+) -> PageContext:
+    """Return the template's variables; deliverables: entries with bytes and sha256 by name; photos: of the objects."""
     view = chart_view(survey)
     dive = survey.facts.dive
     coverage = survey.findings.coverage
+    figures = deviation_figures(survey)
+    sections = [(name, title) for name, title in SECTIONS if name != "deviation" or survey.is_in_hull_frame]
     return {
+        "sections": sections,
+        "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
+        "frame_words": frame_in_words(survey),
+        "origin_words": origin_in_words(survey),
+        "deviation_rows": deviation_rows(figures),
+        "offset_words": figures.offset_words if figures is not None else "",
+        "place": place_words(survey),
         "survey": survey,
         "title": f"Hull survey: {dive.name}",
         "date": dive.date.strftime("%d %B %Y, %H:%M UTC") if dive.date else "",
@@ -53,8 +72,10 @@ def page_context(survey: Survey, plots: Sequence[Plot], deliverables: Mapping[st
         "plan": draw_plan(survey, view) if view else None,
         "deviation_map": deviation_map(survey, view) if view else None,
         "mosaics": [mosaic_context(name, m) for name, m in survey.mosaics.named().items()],
-        "cards": [card_context(o, survey) for o in survey.findings.objects or ()],
+        "cards": [card_context(o, survey, photos.get(o.id)) for o in survey.findings.objects or ()],
         "coverage": coverage_rows(coverage),
+        "min_hole": f"{coverage.min_hole_m2:g} m²" if coverage is not None else "",
+        "gaps": any(m.facts.gap_area_m2 > 0 for m in survey.mosaics.named().values()),
         "holes": [hole_text(hole) for hole in coverage.holes] if coverage is not None else [],
         "plots": {p.name: {"title": p.title, "alt": p.alt, "src": png_uri(p.png), "csv": f"plots/{p.name}.csv"} for p in plots},
         "rejected": rejected_groups(survey),
@@ -79,20 +100,21 @@ def chart_view(survey: Survey) -> ChartView | None:
     path = chart.to_chart(survey.track.poses.translation)[:, :2]
     centers = np.array([o.center for o in survey.findings.objects or ()], float).reshape(-1, 3)
     objects = chart.to_chart(centers)[:, :2] if len(centers) else np.zeros((0, 2))
-    surface = survey.surfaces.as_found if survey.surfaces.as_found is not None else survey.surfaces.dvl
+    surface = survey.surfaces.as_found if survey.surfaces.as_found is not None else survey.surfaces.surveyed
     found = project_surface(surface, chart) if surface is not None else None
     seen = found.at[found.surface.support > 0] if found is not None else np.zeros((0, 2))
     corners = np.vstack([path, objects, seen])
     if not np.isfinite(corners).all(axis=1).any():
         return None
-    extent = extent_of(corners, flips(chart, path, UP[survey.track.frame]))
+    outside = survey.surfaces.outside
+    extent = extent_of(corners, outside.flips if outside is not None else flips(chart, path, UP[survey.track.frame]))
     return ChartView(chart=chart, extent=extent, path=path, objects=objects, found=found)
 
 
 def draw_plan(survey: Survey, view: ChartView) -> str:
     """Return the plan of the dive as SVG."""
-    sigma = path_sigma(survey.track, view.chart)
-    marks = [mark_of(o, at, sigma) for o, at in zip(survey.findings.objects or (), view.objects, strict=True)]
+    ellipses = object_ellipses(survey.findings.objects or (), view.chart)
+    marks = [mark_of(o, at, e) for o, at, e in zip(survey.findings.objects or (), view.objects, ellipses, strict=True)]
     title = (
         f"Plan of the dive on the hull's chart, {view.extent.size[0]:.1f} m along by {view.extent.size[1]:.1f} m girth: "
         f"path of the vehicle, hull seen, {count(len(marks), 'object')}."
@@ -100,7 +122,7 @@ def draw_plan(survey: Survey, view: ChartView) -> str:
     plan = Plan(
         extent=view.extent,
         path=view.path,
-        path_sigma=sigma,
+        path_sigma=survey.track.sigma_on_chart(view.chart),
         marks=marks,
         ground=ground_png(view.found, view.extent) if view.found is not None else None,
         frame_spacing_m=survey.facts.hull.frame_spacing if survey.facts.hull else None,
@@ -108,32 +130,42 @@ def draw_plan(survey: Survey, view: ChartView) -> str:
     return plan_svg(plan, title)
 
 
-def path_sigma(track: VehicleTrack, chart: Chart) -> tuple[float, float]:
-    """Return the median one sigma of the vehicle along and in girth, by the chart's tangents below it; NaN off the chart."""
-    at = chart.to_chart(track.poses.translation)[:, :2]
-    sigma = []
-    for step in ((0.05, 0.0), (0.0, 0.05)):
-        ahead, behind = chart.from_chart(at + step)[0], chart.from_chart(at - np.array(step))[0]
-        tangent = (ahead - behind) / np.linalg.norm(ahead - behind, axis=1, keepdims=True)
-        sigma.append(track.sigma_towards(tangent))
-    good = np.isfinite(sigma[0]) & np.isfinite(sigma[1])
-    return (float(np.median(sigma[0][good])), float(np.median(sigma[1][good]))) if good.any() else (float("nan"), float("nan"))
+def object_ellipses(objects: Sequence[ReportedObject], chart: Chart) -> list[SigmaEllipse | None]:
+    """Return the one-sigma ellipse of each object's own place on the chart; None where its covariance is not known."""
+    if not objects:
+        return []
+    tangents = np.stack(tangents_at(chart, np.array([o.center for o in objects], float)), axis=1)
+    out: list[SigmaEllipse | None] = []
+    for found, axes in zip(objects, tangents, strict=True):
+        known = found.position_covariance is not None and np.isfinite(axes).all()
+        out.append(sigma_ellipse(axes @ np.array(found.position_covariance) @ axes.T) if known else None)
+    return out
 
 
-def mark_of(found: ReportedObject, at: Array, sigma: tuple[float, float]) -> Mark:
+def mark_of(found: ReportedObject, at: Array, ellipse: SigmaEllipse | None) -> Mark:
     """Return an object as a mark on the plan, at (along, girth)."""
     text = f"Object {found.id}: height {with_sigma(found.height, found.height_sigma, 'm')}, {found.address}"
-    return Mark(label=str(found.id), along=float(at[0]), girth=float(at[1]), sigma=sigma, text=text)
+    return Mark(label=str(found.id), along=float(at[0]), girth=float(at[1]), text=text, ellipse=ellipse)
 
 
 def deviation_map(survey: Survey, view: ChartView) -> str | None:
-    """Return the map of the deviation from the CAD model as a data URI; None without a CAD model or a hull as found."""
-    as_found = survey.surfaces.as_found
-    if not survey.is_in_hull_frame or as_found is None or view.found is None or not np.isfinite(as_found.deviation).any():
+    """Return the map of the deviation's form as a data URI; None without a CAD model or a hull as found."""
+    split = survey.surfaces.deviation
+    if split is None or not survey.is_in_hull_frame or view.found is None or not np.isfinite(split.form).any():
         return None
     objects = survey.findings.objects or ()
     marks = [(str(o.id), float(a[0]), float(a[1])) for o, a in zip(objects, view.objects, strict=True)]
-    return png_uri(deviation_png(view.found, view.extent, marks))
+    return png_uri(form_png(view.found, split, view.extent, marks))
+
+
+def place_words(survey: Survey) -> str:
+    """Return how well the survey as a whole lies on its chart, in a sentence; nothing where that is not known."""
+    chart = survey.surfaces.chart
+    along, girth = survey.track.sigma_on_chart(chart) if chart is not None else (np.nan, np.nan)
+    if not np.isfinite(along + girth):
+        return ""
+    ways = ("along the hull", "in girth") if survey.is_in_hull_frame else ("along the plane", "across it")
+    return f"As a whole it lies in its place to {length(along)} {ways[0]} and {length(girth)} {ways[1]} (one sigma, median)."
 
 
 def mosaic_context(name: str, mosaic: Mosaic) -> PageContext:
@@ -146,42 +178,6 @@ def mosaic_context(name: str, mosaic: Mosaic) -> PageContext:
         picture = np.asarray(cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA), np.uint8)
     src = jpeg_uri(picture, 0, 86)
     return {"name": name.title(), "src": src, "caption": mosaic.facts.caption, "stem": name, "has_mesh": mosaic.has_mesh}
-
-
-def card_context(found: ReportedObject, survey: Survey) -> PageContext:
-    """Return texts and picture of one object."""
-    crop = best_crop(found, survey.track, survey.facts.rig, survey.facts.images)
-    rows = [
-        ("Height above the hull around it", with_sigma(found.height, found.height_sigma, "m")),
-        ("Extent along the hull's tangents", " × ".join(f"{e:.2f}" for e in found.extent) + " m"),
-        ("Area, volume", f"{1e4 * found.area:.0f} cm², {1000 * found.volume:.2f} l"),
-        ("Largest distance to the CAD model", "–" if found.deviation is None else with_sigma(found.deviation, None, "m")),
-        ("Centre (x, y, z)", ", ".join(f"{c:.3f}" for c in found.center) + f" m in {survey.track.frame}"),
-        ("Seen in", count(found.views, "view")),
-        ("False-alarm probability", probability(found.p_value)),
-    ]
-    return {
-        "id": found.id,
-        "kind": "Protrusion" if found.height >= 0 else "Recess",
-        "address": found.address,
-        "rows": rows,
-        "crop": crop and crop_context(crop, found),
-    }
-
-
-def crop_context(crop: Crop, found: ReportedObject) -> PageContext:
-    """Return an object's picture with outline, scale bar and source."""
-    seconds, rest = divmod(crop.t_ns, 10**9)
-    stamp = str(np.datetime64(seconds, "s")).replace("T", " ")
-    bar = nice_below(0.35 * crop.width / crop.pixels_per_m)
-    return {
-        "crop": crop,
-        "points": " ".join(f"{u:.1f},{v:.1f}" for u, v in crop.outline),
-        "bar_px": bar * crop.pixels_per_m,
-        "bar": length(bar),
-        "source": f"{crop.camera.key}, image {crop.row}, {stamp}.{rest // 10**6:03d} UTC",
-        "alt": f"Object {found.id} in an image of {crop.camera.key}, with its outline.",
-    }
 
 
 def coverage_rows(coverage: Coverage | None) -> list[tuple[str, str]]:

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from hullrecon.dive.config.schema import Hull
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.records.solution import HullPose, Solution
-from hullrecon.records.surface import Surface
+from hullrecon.records.surface import DeviationSplit, Surface
+from hullrecon.report.content.frame_words import frame_in_words
 from hullrecon.report.export.ply import columns, ply_bytes
+from hullrecon.report.survey import Survey
 
 
 def landmarks_in_hull(solution: Solution) -> NDArray[np.float64]:
@@ -21,7 +23,12 @@ def landmarks_in_hull(solution: Solution) -> NDArray[np.float64]:
     return solution.result_from_global().apply(solution.landmarks.position)
 
 
-def landmarks_ply(solution: Solution) -> bytes:
+def header_comments(survey: Survey) -> list[str]:
+    """Return what the header of each PLY says: frame and units."""
+    return [f"frame {survey.track.frame}: {frame_in_words(survey)}", "unit metre; sigma is one standard deviation"]
+
+
+def landmarks_ply(survey: Survey, solution: Solution) -> bytes:
     """Return landmarks.ply (docs/deliverables.md). sigma is that of one axis: the square root of a third of the covariance's
     trace."""
     sigma = np.sqrt(np.einsum("nii->n", solution.landmarks.covariance) / 3)
@@ -32,17 +39,22 @@ def landmarks_ply(solution: Solution) -> bytes:
         "sigma": sigma.astype(np.float32),
         "track": solution.landmarks.views.astype(np.int32),
     }
-    return ply_bytes({**columns(landmarks_in_hull(solution)), **color, **values})
+    return ply_bytes({**columns(landmarks_in_hull(solution)), **color, **values}, comments=header_comments(survey))
 
 
-def surface_ply(surface: Surface) -> bytes:
-    """Return the bytes of surface.ply and as_found.ply (docs/deliverables.md)."""
+def surface_ply(survey: Survey, surface: Surface, split: DeviationSplit | None = None) -> bytes:
+    """Return the bytes of surface.ply and as_found.ply (docs/deliverables.md), the latter with the form of the deviation, NaN
+    without a CAD model."""
     values = {
         "deviation": surface.deviation.astype(np.float32),
         "sigma": surface.sigma.astype(np.float32),
         "support": surface.support.astype(np.int32),
     }
-    return ply_bytes({**columns(surface.vertices), **values}, surface.faces)
+    if surface is survey.surfaces.as_found:
+        lost = np.full(len(surface.vertices), np.nan, np.float32)
+        values["form"] = lost if split is None else split.form.astype(np.float32)
+        values["form_sigma"] = lost if split is None else split.form_sigma.astype(np.float32)
+    return ply_bytes({**columns(surface.vertices), **values}, surface.faces, header_comments(survey))
 
 
 def motion_document(motion: Poses) -> dict[str, list[float]]:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +12,17 @@ from numpy.typing import NDArray
 _NAMES = {"float32": "float", "float64": "double", "uint8": "uchar", "int32": "int"}
 
 
-def ply_bytes(vertex: Mapping[str, NDArray[np.generic]], faces: NDArray[np.integer] | None = None) -> bytes:
-    """Return a PLY of vertex properties (n,) in the order given, float32, float64, uint8 or int32, and triangles (m, 3).
+def ply_bytes(
+    vertex: Mapping[str, NDArray[np.generic]], faces: NDArray[np.integer] | None = None, comments: Sequence[str] = ()
+) -> bytes:
+    """Return a PLY of vertex properties (n,) in the order given, float32, float64, uint8 or int32, and triangles (m, 3), with
+    comments in its header.
 
     Raises KeyError for a property of another type.
     """
     columns = {name: np.asarray(values) for name, values in vertex.items()}
     count = len(next(iter(columns.values())))
-    header = ["ply", "format binary_little_endian 1.0"]
+    header = ["ply", "format binary_little_endian 1.0", *(f"comment {line}" for line in comments)]
     header += [f"element vertex {count}", *(f"property {_NAMES[v.dtype.name]} {n}" for n, v in columns.items())]
     rows = np.empty(count, [(name, values.dtype.newbyteorder("<")) for name, values in columns.items()])
     for name, values in columns.items():
@@ -30,7 +33,7 @@ def ply_bytes(vertex: Mapping[str, NDArray[np.generic]], faces: NDArray[np.integ
         triangles = np.empty(len(faces), [("n", "u1"), ("v", "<i4", 3)])
         triangles["n"], triangles["v"] = 3, faces
         body += triangles.tobytes()
-    return "\n".join([*header, "end_header", ""]).encode("ascii") + body
+    return "\n".join([*header, "end_header", ""]).encode("ascii", "replace") + body
 
 
 def columns(points: NDArray[np.float64]) -> dict[str, NDArray[np.generic]]:

@@ -12,6 +12,8 @@ import numpy as np
 
 from hullrecon import __version__
 from hullrecon.records.iterations import count
+from hullrecon.report.content.deviation import deviation_document, deviation_figures
+from hullrecon.report.content.frame_words import frame_in_words
 from hullrecon.report.content.headline import headline, path_length_m
 from hullrecon.report.survey import AdjustedDive, Survey
 
@@ -19,7 +21,6 @@ if TYPE_CHECKING:
     from hullrecon.report.deliver import FileEntry
 
 SCHEMA = 1
-_FRAMES = {"M": "the hull frame: that of the CAD model's file", "g": "local level: z down, z = 0 at the water surface"}
 
 
 def summary_document(survey: Survey, deliverables: Mapping[str, FileEntry]) -> dict[str, object]:
@@ -30,17 +31,27 @@ def summary_document(survey: Survey, deliverables: Mapping[str, FileEntry]) -> d
         "software": {"name": "hullrecon", "version": __version__},
         "dive": {"name": dive.name, "vessel": dive.vessel, "date": dive.date.isoformat() if dive.date else None},
         "frame": survey.track.frame,
-        "frame_in_words": _FRAMES[survey.track.frame],
+        "frame_in_words": frame_in_words(survey),
         "units": "metres, seconds, radians; sigma is one standard deviation",
         "method": survey.method,
         "summary": headline(survey),
         "counts": counts(survey),
+        "deviation": deviation_document(deviation_figures(survey)),
         "warnings": provenance.warnings(),
         "lost": list(survey.facts.log.lost),
         "deliverables": {name: asdict(entry) for name, entry in deliverables.items()},
         "absent": dict(provenance.missing),
-        "run": {"steps": {step.name: {k: v for k, v in step.run.items() if k != "times"} for step in provenance.steps}},
+        "run": {"steps": {step.name: _public_run(step.run) for step in provenance.steps}},
     }
+
+
+def _public_run(run: Mapping[str, object]) -> dict[str, object]:
+    """Return a step's run block as others may see it: without times of single iterations and the host's name."""
+    public = {name: value for name, value in run.items() if name != "times"}
+    host = public.get("host")
+    if isinstance(host, Mapping):
+        public["host"] = {name: value for name, value in host.items() if name != "name"}
+    return public
 
 
 def _iterations(adjusted: AdjustedDive) -> int | None:
@@ -64,7 +75,8 @@ def counts(survey: Survey) -> dict[str, object]:
     if survey.adjusted is not None:
         landmarks = survey.adjusted.solution.landmarks
         numbers["landmarks"] = len(landmarks)
-        numbers["landmarks_on_surface"] = int((landmarks.label == 1).sum())
+        if survey.adjusted.has_cad_model:
+            numbers["landmarks_on_surface"] = int((landmarks.label == 1).sum())
         numbers["iterations"] = _iterations(survey.adjusted)
     if survey.findings.objects is not None:
         numbers["objects"] = len(survey.findings.objects)

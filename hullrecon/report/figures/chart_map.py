@@ -5,14 +5,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import vertex_areas
-from hullrecon.records.surface import Surface
+from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.report.figures.style import new_figure, png_bytes
 from hullrecon.typing import Array, Ints32
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,26 +93,51 @@ def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> b
     return png_bytes(figure, transparent=True)
 
 
-def deviation_png(found: ChartedSurface, extent: Extent, marks: list[tuple[str, float, float]]) -> bytes:
-    """Return a map of the deviation of seen faces in millimetres, blue inward, red outward; marks: labels at along, girth."""
+def form_png(found: ChartedSurface, split: DeviationSplit, extent: Extent, marks: list[tuple[str, float, float]]) -> bytes:
+    """Return maps of the form of the seen faces in millimetres, blue inward, red outward, and below it of its sigma; marks:
+    labels at along, girth. The colours span what the bare hull does; structures are beyond their ends."""
     width, height = extent.size
-    figure, (axis,) = new_figure(7.6, min(7.0, max(2.2, 6.3 * height / width + 0.8)))
-    faces = seen_faces(found)
-    axis.set(xlim=extent.limits[0], ylim=extent.limits[1], aspect="equal", xlabel="along (m)", ylabel="girth (m)")
-    if len(faces):
-        value = 1000 * found.surface.deviation
-        weight = np.where(np.isin(np.arange(len(value)), faces) & np.isfinite(value), vertex_areas(found.surface.mesh()), 0.0)
-        top = max(10.0, float(weighted_percentiles(np.abs(np.nan_to_num(value)), weight, (99,))[0]))
-        filled = np.nan_to_num(value)
-        colours = axis.tripcolor(*_finite(found.at), faces, filled, cmap="RdBu_r", vmin=-top, vmax=top, shading="gouraud")
-        bar = figure.colorbar(colours, ax=axis, shrink=0.9, pad=0.01, extend="both")
-        bar.set_label("deviation from the CAD model (mm)", size=9)
-        bar.ax.tick_params(labelsize=8)
+    figure, axes = new_figure(7.6, 2 * min(5.0, max(1.8, 6.0 * height / width + 0.6)), rows=2)
+    weight = np.where(np.isfinite(split.form), vertex_areas(found.surface.mesh()), 0.0)
+    form, sigma = 1000 * np.nan_to_num(split.form), 1000 * np.nan_to_num(split.form_sigma)
+    if weight.sum() > 0:
+        typical = float(weighted_percentiles(np.abs(form), weight, (50,))[0])
+        top, most = max(5.0, 5 * typical), max(2.0, float(weighted_percentiles(sigma, weight, (95,))[0]))
+        name = "form (mm)"
+        _draw_field(axes[0], found, form, Shading(colours="RdBu_r", low=-top, high=top, label=name, extend="both"))
+        _draw_field(
+            axes[1], found, sigma, Shading(colours="viridis", low=0, high=most, label=f"one sigma of the {name}", extend="max")
+        )
+    for axis in axes:
+        axis.set(xlim=extent.limits[0], ylim=extent.limits[1], aspect="equal", xlabel="along (m)", ylabel="girth (m)")
     for text, along, girth in marks:
-        axis.annotate(
+        axes[0].annotate(
             text, (along, girth), fontsize=8, ha="center", va="center", bbox={"boxstyle": "circle", "fc": "white", "lw": 0.8}
         )
     return png_bytes(figure)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shading:
+    """How values are coloured: the colours' name, the values at their ends, the legend, and which end goes on."""
+
+    colours: str
+    low: float
+    high: float
+    label: str
+    extend: str
+
+
+def _draw_field(axis: Axes, found: ChartedSurface, values: Array, shading: Shading) -> None:
+    faces = seen_faces(found)
+    if not len(faces):
+        return
+    drawn = axis.tripcolor(
+        *_finite(found.at), faces, values, cmap=shading.colours, vmin=shading.low, vmax=shading.high, shading="gouraud"
+    )
+    bar = axis.figure.colorbar(drawn, ax=axis, shrink=0.9, pad=0.01, extend=shading.extend)
+    bar.set_label(shading.label, size=9)
+    bar.ax.tick_params(labelsize=8)
 
 
 def _finite(at: Array) -> tuple[Array, Array]:

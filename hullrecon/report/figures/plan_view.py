@@ -15,18 +15,34 @@ import numpy as np
 from hullrecon.report.figures.chart_map import Extent
 from hullrecon.typing import Array
 
-LEFT, TOP, WIDTH, FOOT = 62.0, 14.0, 960.0, 78.0
+LEFT, TOP, WIDTH, FOOT = 62.0, 14.0, 960.0, 92.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class SigmaEllipse:
+    """Half axes in metres, and the angle (rad) of the first from along towards girth."""
+
+    half_axes: tuple[float, float]
+    angle_rad: float
+
+
+def sigma_ellipse(covariance: Array) -> SigmaEllipse:
+    """Return the one-sigma ellipse of a covariance (2, 2), m2, of along and girth."""
+    variance, axes = np.linalg.eigh(covariance)
+    half = np.sqrt(np.maximum(variance, 0.0))
+    return SigmaEllipse(half_axes=(float(half[1]), float(half[0])), angle_rad=math.atan2(float(axes[1, 1]), float(axes[0, 1])))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Mark:
-    """An object on the plan: along, girth in metres, its sigma in both, and a text for it."""
+    """An object on the plan: along, girth in metres, a text for it, and the one-sigma ellipse of its own place, None where that
+    is not known."""
 
     label: str
     along: float
     girth: float
-    sigma: tuple[float, float]
     text: str
+    ellipse: SigmaEllipse | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,9 +109,11 @@ def _ticks(plan: Plan, scale: float, height: float) -> list[str]:
     parts = []
     for value in _multiples(plan.extent.along, step):
         x = _x(value, plan, scale)
-        frame = f" · fr {value / plan.frame_spacing_m:.1f}" if plan.frame_spacing_m else ""
         parts.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{TOP}" y2="{TOP + height:.1f}" class="grid"/>')
-        parts.append(f'<text x="{x:.1f}" y="{TOP + height + 17:.1f}" class="tick mid">{value:g} m{frame}</text>')
+        parts.append(f'<text x="{x:.1f}" y="{TOP + height + 17:.1f}" class="tick mid">{value:g} m</text>')
+        if plan.frame_spacing_m:
+            frame = f"fr {value / plan.frame_spacing_m:.1f}"
+            parts.append(f'<text x="{x:.1f}" y="{TOP + height + 33:.1f}" class="tick mid">{frame}</text>')
     for value in _multiples(plan.extent.girth, step):
         y = _y(value, plan, scale, height)
         parts.append(f'<line x1="{LEFT}" x2="{LEFT + WIDTH}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>')
@@ -129,8 +147,7 @@ def _path(plan: Plan, scale: float, height: float) -> str:
 
 def _mark(mark: Mark, plan: Plan, scale: float, height: float) -> str:
     x, y = _x(mark.along, plan, scale), _y(mark.girth, plan, scale, height)
-    reach = [max(s, 0.0) * scale if math.isfinite(s) else 0.0 for s in mark.sigma]
-    ellipse = f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{max(reach[0], 9):.1f}" ry="{max(reach[1], 9):.1f}" class="sigma"/>'
+    ellipse = "" if mark.ellipse is None else _ellipse(mark.ellipse, x, y, plan.extent.flips, scale)
     return (
         f'<a href="#object-{escape(mark.label)}"><g><title>{escape(mark.text)}</title>{ellipse}'
         f'<circle cx="{x:.1f}" cy="{y:.1f}" r="11" class="object"/>'
@@ -138,9 +155,18 @@ def _mark(mark: Mark, plan: Plan, scale: float, height: float) -> str:
     )
 
 
+def _ellipse(ellipse: SigmaEllipse, x: float, y: float, flips: tuple[bool, bool], scale: float) -> str:
+    """SVG's y grows downwards, and so does its angle."""
+    along, girth = math.cos(ellipse.angle_rad), math.sin(ellipse.angle_rad)
+    angle = math.degrees(math.atan2(girth if flips[1] else -girth, -along if flips[0] else along))
+    rx, ry = (scale * half for half in ellipse.half_axes)
+    turn = f'transform="rotate({angle:.1f} {x:.1f} {y:.1f})"'
+    return f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{rx:.1f}" ry="{ry:.1f}" {turn} class="sigma"/>'
+
+
 def _scale_bar(scale: float, height: float) -> str:
     metres = nice_step(WIDTH / scale, 5)
-    y = TOP + height + 44
+    y = TOP + height + 58
     return (
         f'<path d="M{LEFT} {y - 5:.1f}v10M{LEFT} {y:.1f}h{metres * scale:.1f}m0 -5v10" class="bar"/>'
         f'<text x="{LEFT + metres * scale + 8:.1f}" y="{y + 4:.1f}" class="tick">{metres:g} m</text>'
@@ -151,7 +177,7 @@ def _sigma_bar(plan: Plan, scale: float, height: float) -> str:
     along, girth = plan.path_sigma
     if not math.isfinite(along + girth):
         return ""
-    y, right = TOP + height + 44, LEFT + WIDTH
+    y, right = TOP + height + 58, LEFT + WIDTH
     reach = min(along * scale, WIDTH / 3)
     text = f"one sigma of the vehicle: {along:.3f} m along, {girth:.3f} m in girth"
     return (

@@ -9,15 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.records.iterations import broken, reached
 from hullrecon.records.sensors import DvlPings
-from hullrecon.records.solution import Solution
-from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.report.content.phrases import count as phrase
 from hullrecon.report.export.csv_export import numbers, seconds
-from hullrecon.report.figures.chart_map import weighted_percentiles
 from hullrecon.report.figures.style import (
     BLUE,
     GRAY,
@@ -138,41 +134,6 @@ def residuals(before: Mapping[str, FactorResiduals], after: Mapping[str, FactorR
     return Plot(name="residuals", title="Residuals before and after", alt=alt, png=png_bytes(figure), table=table)
 
 
-def deviation_histogram(solution: Solution | None, as_found: Surface | None) -> Plot | None:
-    """Draw the share of landmarks, and of the area seen, by signed distance to the CAD model; None without one."""
-    groups = {}
-    if solution is not None:
-        groups["landmarks"] = (solution.landmarks.deviation, np.ones(len(solution.landmarks)))
-    if as_found is not None:
-        groups["as_found"] = (as_found.deviation, np.where(as_found.support > 0, vertex_areas(as_found.mesh()), 0.0))
-    groups = {n: (v[np.isfinite(v)], w[np.isfinite(v)]) for n, (v, w) in groups.items()}
-    groups = {n: (v, w / w.sum()) for n, (v, w) in groups.items() if w.sum() > 0}
-    if not groups:
-        return None
-    edges = np.asarray(0.004 * (np.arange(-50, 52) - 0.5), float)  # on the CAD model is the middle of a bin, not a border
-    figure, (axis,) = new_figure()
-    table = {"from_m": numbers(edges[:-1], ".3f"), "to_m": numbers(edges[1:], ".3f")}
-    for (name, (values, weights)), color in zip(groups.items(), (BLUE, ORANGE), strict=False):
-        share = 100 * np.histogram(np.clip(values, edges[0], edges[-1] - 1e-9), edges, weights=weights)[0]
-        axis.stairs(share, 1000 * edges, color=color, linewidth=1.6, label=name.replace("_", " "))
-        table[f"{name}_percent"] = numbers(np.asarray(share, float), ".6f")
-    axis.axvline(0, color=GRAY, linewidth=1)
-    axis.set(xlabel="distance to the CAD model, outward positive (mm)", ylabel="share (%)")
-    axis.set_yscale("symlog", linthresh=0.1)
-    axis.legend(fontsize=8, frameon=False)
-    medians = [
-        f"{n.replace('_', ' ')}: median {1000 * weighted_percentiles(v, w, (50,))[0]:.1f} mm" for n, (v, w) in groups.items()
-    ]
-    alt = "; ".join(medians) + "."
-    return Plot(
-        name="deviation_histogram",
-        title="Deviation from the CAD model",
-        alt=alt,
-        png=png_bytes(figure),
-        table=table,
-    )
-
-
 def standoff(dvl: DvlPings) -> Array:
     """Return the distance (n,) m from the DVL to the hull: the median over the beams of range times the cosine between
     beam and instrument axis."""
@@ -184,24 +145,36 @@ def standoff(dvl: DvlPings) -> Array:
     return np.where(valid > 0, 0.5 * (low + high), np.nan)
 
 
-def depth_and_standoff(t_ns: Ints, depth_m: Array, dvl: DvlPings | None) -> Plot:
-    """Draw the depth of the vehicle at the nodes and distance to the hull, over the time of the dive."""
-    start = t_ns[0]
-    figure, axes = new_figure(height_in=3.8, rows=2)
-    axes[0].plot((t_ns - start) * 1e-9, depth_m, color=BLUE)
-    axes[0].invert_yaxis()
-    axes[0].set(ylabel="depth (m)")
-    table = {"t": seconds(t_ns), "depth_m": numbers(depth_m, ".4f")}
-    alt = f"Depth from {np.nanmin(depth_m):.2f} to {np.nanmax(depth_m):.2f} m"
-    if dvl is not None and np.isfinite(dvl.ranges).any():
-        gap = standoff(dvl)
-        axes[1].plot((dvl.t_ns - start) * 1e-9, gap, color=GREEN, linewidth=1)
+def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) -> Plot | None:
+    """Draw the depth of the vehicle at the nodes and the distance to the hull, over the time of the dive; without a pressure
+    sensor (depth_m None) or a DVL the other alone, None without both."""
+    gap = standoff(dvl) if dvl is not None and np.isfinite(dvl.ranges).any() else None
+    if depth_m is None and gap is None:
+        return None
+    start, parts, table = t_ns[0], [], {"t": seconds(t_ns)}
+    rows = int(depth_m is not None) + int(gap is not None)
+    figure, axes = new_figure(height_in=0.4 + 1.7 * rows, rows=rows)
+    if depth_m is not None:
+        axes[0].plot((t_ns - start) * 1e-9, depth_m, color=BLUE)
+        axes[0].invert_yaxis()
+        axes[0].set(ylabel="depth (m)")
+        table["depth_m"] = numbers(depth_m, ".4f")
+        parts.append(f"depth from {np.nanmin(depth_m):.2f} to {np.nanmax(depth_m):.2f} m")
+    if dvl is not None and gap is not None:
+        axes[-1].plot((dvl.t_ns - start) * 1e-9, gap, color=GREEN, linewidth=1)
+        axes[-1].set(ylabel="distance to hull (m)")
         good = np.isfinite(gap)
         table["standoff_m"] = numbers(np.interp(t_ns, dvl.t_ns[good], gap[good]), ".4f")
-        alt += f"; distance to the hull {np.nanmedian(gap):.2f} m (median)"
-    axes[1].set(xlabel="time since the first pose (s)", ylabel="distance to hull (m)")
+        parts.append(f"distance to the hull {np.nanmedian(gap):.2f} m (median)")
+    axes[-1].set(xlabel="time since the first pose (s)")
+    names = {"depth": depth_m is not None, "distance to the hull": gap is not None}
+    title, alt = " and ".join(name for name, measured in names.items() if measured), "; ".join(parts)
     return Plot(
-        name="depth_standoff", title="Depth and distance to the hull", alt=f"{alt}.", png=png_bytes(figure), table=table
+        name="depth_standoff",
+        title=title[0].upper() + title[1:],
+        alt=f"{alt[0].upper()}{alt[1:]}.",
+        png=png_bytes(figure),
+        table=table,
     )
 
 

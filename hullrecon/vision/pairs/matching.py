@@ -17,7 +17,7 @@ from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs import mono_motion, pose_from_points, two_view
 from hullrecon.vision.pairs.gated_search import in_ellipse
 from hullrecon.vision.pairs.gating import Motion, transfer
-from hullrecon.vision.pairs.stereo_adjustment import NodeObservations, adjust_stereo_motion
+from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence, NodeObservations, adjust_stereo_motion
 from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.node_view import NodeView
 
@@ -50,8 +50,8 @@ class PairMatch:
     """first, second (m,): rows of the two views' features that show one point; distance (m,) of their descriptors.
 
     motion: between the leading cameras, None when the pair failed; scaled: whether its translation has a measured length
-    (mono: navigation's, or one). by_rig (6, 6): derivative of a scaled motion by an error of T_ct_cb, (translation, rotation
-    vector) in the top camera's axes, which all pairs of a dive share.
+    (mono: navigation's, or one). calibration: what errors of the calibration, which all pairs of a dive share, do to a scaled
+    motion.
     """
 
     first: Ints
@@ -61,7 +61,7 @@ class PairMatch:
     reason: Reason
     motion: Motion | None = None
     scaled: bool = True
-    by_rig: Array | None = None
+    calibration: CalibrationEvidence | None = None
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ class PairMatcher:
         if _count_inliers(motion.second_from_first, views, self.tolerance, len(seeds)) < self.options.min_inliers:
             return _failure(len(seeds), Reason.FEW_INLIERS)
         matched = self.search_along(first, second, motion)
-        motion, by_rig = self._adjust(first, second, _take_evenly(matched), motion)
+        motion, calibration = self._adjust(first, second, _take_evenly(matched), motion)
         matched = self.search_along(first, second, motion) if len(seeds) < FEW else matched
         if len(matched) < self.options.min_inliers:
             return _failure(len(seeds), Reason.FEW_INLIERS)
@@ -170,17 +170,19 @@ class PairMatcher:
             putative=len(seeds),
             reason=Reason.MATCHED,
             motion=motion,
-            by_rig=by_rig,
+            calibration=calibration,
         )
 
-    def _adjust(self, first: NodeView, second: NodeView, matched: Putative, motion: Motion) -> tuple[Motion, Array | None]:
-        """Return the motion adjusted to the matches, and its derivative by the rig; as it is where they are too few."""
+    def _adjust(
+        self, first: NodeView, second: NodeView, matched: Putative, motion: Motion
+    ) -> tuple[Motion, CalibrationEvidence | None]:
+        """Return the motion adjusted to the matches, and what it says of the calibration; as it is where they are too few."""
         here, there = (
             NodeObservations(lead=view.xy[rows], other=view.other[rows], point=view.point[rows])
             for view, rows in ((first, matched.first), (second, matched.second))
         )
         found = adjust_stereo_motion(motion.second_from_first, here, there, self.rig.from_top(Camera.BOTTOM))
-        return (motion, None) if found is None else (Motion(found.second_from_first, found.covariance), found.by_rig)
+        return (motion, None) if found is None else (Motion(found.second_from_first, found.covariance), found.calibration)
 
     def reprojection_terms(self, first: NodeView, second: NodeView, seeds: Putative) -> list[pose_from_points.ObservedPoints]:
         """Return each node's points as the other node's leading camera, and its bottom camera, saw them."""

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.stereo_adjustment import correlation_inflation, image_cells
+from hullrecon.vision.pairs.stereo_adjustment import correlation_inflation
 from hullrecon.vision.pairs.two_view import PossibleMotion, essential_of
 
 ITERATIONS = 10
@@ -51,7 +51,7 @@ def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
     moved = has_parallax(motion, first, second, variance)
     information = without_noise_share(own, noise_share(motion, first, second)) if moved else _without_direction(own)
     each = jacobian[:, :, None] * jacobian[:, None]
-    inflation = correlation_inflation(each, jacobian * residual[:, None], variance, image_cells(first))
+    inflation = correlation_inflation(each, jacobian * residual[:, None], variance, first)
     return motion, np.asarray(np.linalg.inv(information / inflation + DIRECTION_PRIOR))
 
 

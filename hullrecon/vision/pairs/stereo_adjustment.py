@@ -20,7 +20,9 @@ from hullrecon.typing import Array, Ints, Mask
 ITERATIONS = 3
 CHI2_MEDIAN = 0.87  # of chi-square over its degrees of freedom, five of them
 OUTLIER_SIGMAS = 3.9  # of a feature's whole residual: 0.9999 of a Gaussian's
-CELL = 0.1  # ideal units, rad: features nearer than that share blur, light, relief and what the camera's model lacks
+CELLS = (0.1, 0.25)  # ideal units, rad: features nearer than that share blur, light and relief, or what the lens's model lacks
+FIELD = 0.5  # ideal units: half the width of a common image
+RIG, DISPARITY = 6, 6  # unknowns of the calibration: of the rig, and of the disparity over the image
 WEAK_POINT = 1e-9  # of a point's information: keeps a feature that only one camera saw from dividing by zero
 
 
@@ -38,14 +40,28 @@ class NodeObservations:
 
 
 @dataclass(frozen=True, kw_only=True)
+class CalibrationEvidence:
+    """What one pair of nodes says of the errors of the calibration, twelve unknowns of the dive.
+
+    The first RIG: an error of T_ct_cb, (translation, rotation vector) in the top camera's axes. The others: an error of the
+    disparity, ideal units, as 1, x, y, x2, xy, y2 of the place in the leading image in units of FIELD: lenses and rig together.
+    by_calibration (6, 12): derivative of the motion by them; information (12, 12), gradient (12,): of them, with points and
+    motion eliminated and residuals in sigmas.
+    """
+
+    by_calibration: Array
+    information: Array
+    gradient: Array
+
+
+@dataclass(frozen=True, kw_only=True)
 class AdjustedMotion:
-    """second_from_first (4, 4); covariance (6, 6) of (translation in second's axes, rotation perturbed on the right);
-    by_rig (6, 6): derivative of that 6-vector by an error of T_ct_cb, (translation, rotation vector) in the top camera's
-    axes."""
+    """second_from_first (4, 4); covariance (6, 6) of (translation in second's axes, rotation perturbed on the right), as far as
+    features are independent of each other or of other cells; calibration: what the cameras' calibration does to it."""
 
     second_from_first: Array
     covariance: Array
-    by_rig: Array
+    calibration: CalibrationEvidence
 
 
 def adjust_stereo_motion(
@@ -69,21 +85,39 @@ def adjust_stereo_motion(
     information = system.information[good].sum(axis=0)
     inverse = np.linalg.inv(information)
     variance = max(float(system.cost[good].sum()) / max(1, int(system.freedom[good].sum()) - 6), 1e-14)
-    inflation = correlation_inflation(system.information[good], system.gradient[good], variance, image_cells(first.lead[good]))
+    inflation = correlation_inflation(system.information[good], system.gradient[good], variance, first.lead[good])
+    covariance = variance * inflation * inverse
     return AdjustedMotion(
         second_from_first=motion,
-        covariance=variance * inflation * inverse,
-        by_rig=-inverse @ system.by_rig[good].sum(axis=0),
+        covariance=covariance,
+        calibration=_calibration_evidence(system, good, inverse, variance * inflation),
     )
 
 
-def correlation_inflation(information: Array, gradient: Array, variance: float, cell: Ints) -> float:
+def _calibration_evidence(system: _ReducedSystem, good: Mask, inverse: Array, variance: float) -> CalibrationEvidence:
+    cross = system.by_calibration[good].sum(axis=0)
+    return CalibrationEvidence(
+        by_calibration=-inverse @ cross,
+        information=(system.calibration_information[good].sum(axis=0) - cross.T @ inverse @ cross) / variance,
+        gradient=(system.calibration_gradient[good] - system.gradient[good] @ inverse @ cross).sum(axis=0) / variance,
+    )
+
+
+def correlation_inflation(information: Array, gradient: Array, variance: float, xy: Array) -> float:
     """Return by how much the variance of a motion exceeds that of independent features, at least 1.
 
-    information (m, k, k), gradient (m, k) of each feature at the solution; cell (m,): which of them may share errors. The
-    gradients of a cell add up to more than their sum of squares where its features err together (one point found at two scales,
-    light from one side, a wrong lens): the cluster-robust covariance [Liang1986], as one factor, against what independent
-    features of that variance would leave once the motion is fitted to them.
+    information (m, k, k), gradient (m, k) of each feature at the solution; xy (m, 2): where it lies, ideal coordinates. The
+    larger factor of two sizes of cells.
+    """
+    return max(_cluster_factor(information, gradient, variance, image_cells(xy, size)) for size in CELLS)
+
+
+def _cluster_factor(information: Array, gradient: Array, variance: float, cell: Ints) -> float:
+    """Return the factor, at least 1, where features of one cell (m,) may share errors.
+
+    The gradients of a cell add up to more than their sum of squares where its features err together (one point found at two
+    scales, light from one side, a wrong lens): the cluster-robust covariance [Liang1986], as one factor, against what
+    independent features of that variance would leave once the motion is fitted to them.
     """
     whole = np.linalg.inv(information.sum(axis=0))
     count, size = int(cell.max()) + 1, len(whole)
@@ -96,19 +130,22 @@ def correlation_inflation(information: Array, gradient: Array, variance: float, 
     return max(found / expected, 1.0) if expected > 0.5 * variance else 1.0
 
 
-def image_cells(xy: Array) -> Ints:
-    """Return the number of the cell of CELL by CELL in which each of the ideal coordinates (m, 2) lies."""
-    return np.asarray(np.unique(np.floor(xy / CELL), axis=0, return_inverse=True)[1], np.int64).ravel()
+def image_cells(xy: Array, size: float) -> Ints:
+    """Return the number of the cell of that size in which each of the ideal coordinates (m, 2) lies."""
+    return np.asarray(np.unique(np.floor(xy / size), axis=0, return_inverse=True)[1], np.int64).ravel()
 
 
 @dataclass(frozen=True, kw_only=True)
 class _ReducedSystem:
-    """Of m features, their points eliminated: information (m, 6, 6), gradient (m, 6), by_rig (m, 6, 6) of the gradient; cost
-    (m,), the sum of squares at the best points; freedom (m,); what brings the points along with a step of the motion."""
+    """Of m features, their points eliminated: information (m, 6, 6), gradient (m, 6), by_calibration (m, 6, 12) between motion
+    and calibration, calibration_information (m, 12, 12), calibration_gradient (m, 12); cost (m,), the sum of squares at the
+    best points; freedom (m,); what brings the points along with a step of the motion."""
 
     information: Array
     gradient: Array
-    by_rig: Array
+    by_calibration: Array
+    calibration_information: Array
+    calibration_gradient: Array
     cost: Array
     freedom: Ints
     point_inverse: Array
@@ -124,17 +161,22 @@ class _ReducedSystem:
 def _reduce(
     motion: Array, points: Array, first: NodeObservations, second: NodeObservations, bottom_from_top: Array
 ) -> _ReducedSystem:
-    residual, by_point, by_motion, by_rig = _linearise(motion, points, first, second, bottom_from_top)
+    residual, by_point, by_motion, by_calibration = _linearise(motion, points, first, second, bottom_from_top)
     turned = by_point.swapaxes(1, 2)
     own = turned @ by_point
     inverse = np.linalg.inv(own + WEAK_POINT * np.trace(own, axis1=1, axis2=2)[:, None, None] * np.eye(3))
     gradient = np.einsum("mri,mr->mi", by_point, residual)
     cross = by_motion.swapaxes(1, 2) @ by_point
     carried = cross @ inverse
+    of_calibration = turned @ by_calibration
     return _ReducedSystem(
         information=by_motion.swapaxes(1, 2) @ by_motion - carried @ cross.swapaxes(1, 2),
         gradient=np.einsum("mri,mr->mi", by_motion, residual) - np.einsum("mij,mj->mi", carried, gradient),
-        by_rig=by_motion.swapaxes(1, 2) @ by_rig - carried @ (turned @ by_rig),
+        by_calibration=by_motion.swapaxes(1, 2) @ by_calibration - carried @ of_calibration,
+        calibration_information=by_calibration.swapaxes(1, 2) @ by_calibration
+        - of_calibration.swapaxes(1, 2) @ inverse @ of_calibration,
+        calibration_gradient=np.einsum("mri,mr->mi", by_calibration, residual)
+        - np.einsum("mji,mjk,mk->mi", of_calibration, inverse, gradient),
         cost=(residual**2).sum(axis=1) - np.einsum("mi,mij,mj->m", gradient, inverse, gradient),
         freedom=np.asarray((by_point != 0).any(axis=2).sum(axis=1) - 3),
         point_inverse=inverse,
@@ -146,12 +188,12 @@ def _reduce(
 def _linearise(
     motion: Array, points: Array, first: NodeObservations, second: NodeObservations, bottom_from_top: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """Return residuals (m, 8) and their derivatives by the points (m, 8, 3), the motion (m, 8, 6) and the rig (m, 8, 6); rows
-    that were not seen are zero."""
+    """Return residuals (m, 8) and their derivatives by the points (m, 8, 3), the motion (m, 8, 6) and the calibration
+    (m, 8, 12); rows that were not seen are zero."""
     count, turn = len(points), motion[:3, :3]
     there = points @ turn.T + motion[:3, 3]
     residual, by_point = np.zeros((count, 4, 2)), np.zeros((count, 4, 2, 3))
-    by_motion, by_rig = np.zeros((count, 4, 2, 6)), np.zeros((count, 4, 2, 6))
+    by_motion, by_calibration = np.zeros((count, 4, 2, 6)), np.zeros((count, 4, 2, RIG + DISPARITY))
     views = (
         (points, np.eye(4), first.lead), (points, bottom_from_top, first.other),
         (there, np.eye(4), second.lead), (there, bottom_from_top, second.other),
@@ -170,14 +212,23 @@ def _linearise(
             by_motion[:, k, :, :3] = by_lead
             by_motion[:, k, :, 3:] = -by_lead @ (turn @ cross_matrix(points))
         if k % 2:
-            by_rig[:, k, :, :3] = -by_lead
-            by_rig[:, k, :, 3:] = by_lead @ cross_matrix(seen_from_lead + camera[:3, :3].T @ camera[:3, 3])
+            by_calibration[:, k, :, :3] = -by_lead
+            by_calibration[:, k, :, 3:RIG] = by_lead @ cross_matrix(seen_from_lead + camera[:3, :3].T @ camera[:3, 3])
+            along = np.einsum("mij,mj->mi", by_lead, seen_from_lead)  # where a point goes that is nearer or farther
+            along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
+            by_calibration[:, k, :, RIG:] = along[:, :, None] * _disparity_field(views[k - 1][2])[:, None]
     hidden = ~np.isfinite(residual)
     residual[hidden] = 0
-    for derivative in (by_point, by_motion, by_rig):
+    for derivative in (by_point, by_motion, by_calibration):
         derivative[hidden] = 0
     return (residual.reshape(count, 8), by_point.reshape(count, 8, 3), by_motion.reshape(count, 8, 6),
-            by_rig.reshape(count, 8, 6))  # fmt: skip
+            by_calibration.reshape(count, 8, RIG + DISPARITY))  # fmt: skip
+
+
+def _disparity_field(xy: Array) -> Array:
+    """Return 1, x, y, x2, xy, y2 (m, 6) of ideal coordinates (m, 2) in units of FIELD."""
+    x, y = xy.T / FIELD
+    return np.stack([np.ones(len(x)), x, y, x * x, x * y, y * y], axis=1)
 
 
 def _inliers(system: _ReducedSystem) -> Mask:

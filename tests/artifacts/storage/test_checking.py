@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import os
 import random
+import shutil
 from pathlib import Path
 from types import ModuleType
 
@@ -35,13 +36,13 @@ def flip(path: Path, bit: int) -> None:
 def test_a_whole_workspace_has_no_damage(ran: Workspace) -> None:
     found = check_workspace(ran, NAMES, read_data=True)
     assert found.damaged == []
-    assert (found.artifacts, found.files) == (4, 8)
+    assert (found.artifacts, found.files) == (4, 12)  # the package's file, deliver/ and three documents of the workspace too
 
 
 @pytest.mark.parametrize("trial", range(40))
 def test_a_flipped_bit_in_any_file_is_found_and_named(trial: int, ran: Workspace, package: Path) -> None:
     chance = random.Random(trial)
-    files = [p for n in NAMES for p in sorted((ran.root / n).rglob("*")) if p.is_file()] + [package / "numbers.txt"]
+    files = [p for p in sorted(ran.root.rglob("*")) if p.is_file() and p.stat().st_size] + [package / "numbers.txt"]
     path = files[trial % len(files)]
     bit = chance.randrange(8 * path.stat().st_size)
     flip(path, bit)
@@ -70,8 +71,17 @@ def test_a_missing_file_of_the_package_is_found(ran: Workspace, package: Path) -
 def test_a_deliverable_that_is_not_the_artifacts_is_found(ran: Workspace) -> None:
     (ran.root / "deliver" / "total.json").unlink()
     assert check_workspace(ran, NAMES, read_data=False).damaged == [
-        "deliver/total.json is not the one of join: `run` puts it right"
+        "deliver/total.json is missing: `run --read-data` restores it"
     ]
+
+
+def test_what_compare_left_is_checked_too(ran: Workspace) -> None:
+    variant = ran.root / "compare" / "geva" / "left"
+    shutil.copytree(ran.root / "left", variant)
+    assert check_workspace(ran, NAMES, read_data=True).damaged == []
+    flip(variant / "raw.bin", 9)
+    (found,) = check_workspace(ran, NAMES, read_data=True).damaged
+    assert found.startswith("compare/geva/left/raw.bin is altered: remove it")
 
 
 def test_steps_that_were_never_run_are_no_damage(workspace: Workspace) -> None:

@@ -27,7 +27,7 @@ from hullrecon.artifacts.storage.workspace import Workspace
 
 NAMES = ("read", "left", "right", "join")
 PAUSE_S = 0.1
-CALLS = ("fsync", "replace", "rename", "link", "unlink", "rmdir", "mkdir", "truncate", "pwrite", "utime")
+CALLS = ("fsync", "replace", "rename", "link", "unlink", "rmdir", "mkdir", "truncate", "pwrite", "copy_file_range")
 
 
 class Crash(BaseException):

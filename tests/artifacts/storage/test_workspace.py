@@ -13,7 +13,7 @@ import pytest
 from hullrecon.artifacts.storage import workspace as module
 from hullrecon.artifacts.storage.documents import DamagedArtifactError
 from hullrecon.artifacts.storage.hashing import HashCache
-from hullrecon.artifacts.storage.workspace import Workspace, damaged_files, unequal_files
+from hullrecon.artifacts.storage.workspace import Workspace, damaged_files
 
 
 @pytest.fixture
@@ -68,39 +68,6 @@ def test_quarantine_never_overwrites(ran: Workspace, package: Path, toy: ModuleT
     assert [first.name, second.name] == ["left-1", "left-2"]
     assert (first / "raw.bin").read_bytes() == (second / "raw.bin").read_bytes() == bytes(range(256))
     assert not ran.artifact("left").exists()
-
-
-def test_deliverables_are_shown_at_the_top_without_taking_space(ran: Workspace) -> None:
-    inside, shown = ran.root / "join/deliver/total.json", ran.root / "deliver/total.json"
-    assert shown.read_bytes() == inside.read_bytes()
-    assert not (ran.root / "deliver").is_symlink()
-    assert os.path.samefile(inside, shown)
-
-
-def test_without_hard_links_deliverables_are_copied(ran: Workspace, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(source: Path, target: Path) -> None:
-        raise OSError("no links here")
-
-    monkeypatch.setattr(os, "link", refuse)
-    (ran.root / "deliver" / "total.json").unlink()
-    ran.publish("join")
-    assert not os.path.samefile(ran.root / "join/deliver/total.json", ran.root / "deliver/total.json")
-    assert unequal_files(ran.root / "join/deliver", ran.root / "deliver") == []
-
-
-def test_a_deliverable_that_was_removed_or_added_is_put_right(ran: Workspace) -> None:
-    (ran.root / "deliver" / "total.json").unlink()
-    (ran.root / "deliver" / "mine.txt").touch()
-    assert unequal_files(ran.root / "join/deliver", ran.root / "deliver") == ["mine.txt", "total.json"]
-    ran.publish("join")
-    assert os.listdir(ran.root / "deliver") == ["total.json"]
-
-
-def test_publishing_what_is_in_place_changes_nothing(ran: Workspace) -> None:
-    before = (ran.root / "deliver").stat().st_ino
-    assert ran.publish("join") == ran.root / "deliver"
-    assert (ran.root / "deliver").stat().st_ino == before
-    assert ran.publish("left") is None
 
 
 def test_removing_an_artifact_removes_what_it_showed(ran: Workspace) -> None:

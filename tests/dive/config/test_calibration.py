@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import os
+
 import pytest
 
 from hullrecon.dive.config.calibration import read_camera
@@ -64,4 +66,40 @@ def test_the_calibrations_of_the_simulated_dive_are_read(data):
 def test_a_yaml_that_is_nested_without_end_is_refused(tmp_path):
     (tmp_path / "x.yaml").write_text("[" * 3000)
     with pytest.raises(InputError, match=r"x\.yaml is not YAML"):
+        read_camera(tmp_path / "x.yaml")
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"image_width": "0x" + "f" * 6000}, "image_width is a number of thousands of digits"),
+        ({"image_width": "[&a [1, 2], *a]"}, "image_width is"),
+        ({"image_width": "[" + ", ".join(["x"] * 900) + "]"}, r"image_width is \['x', .*\.\.\., not a number"),
+        ({"distortion_model": "0x" + "f" * 6000}, "distortion model a number of thousands"),
+        ({"distortion_model": "x" * 5000}, r"distortion model x+\.\.\. is"),
+        ({"camera_matrix": "[1" + "0" * 400 + ", 0, 1, 0, 1, 1, 0, 0, 1]"}, "camera_matrix holds no numbers"),
+        ({"image_width": "30000", "image_height": "30000"}, "30000 x 30000 pixels are too large"),
+    ],
+)
+def test_values_that_are_too_large_to_print_or_to_read_are_refused_in_a_short_line(tmp_path, calibration, more, message):
+    with pytest.raises(InputError, match=message) as caught:
+        read_camera(calibration(tmp_path / "x.yaml", **more))
+    assert len(str(caught.value)) < 500
+    assert "\n" not in str(caught.value)
+
+
+def test_a_fifo_or_a_huge_file_as_calibration_is_refused_in_one_line(tmp_path):
+    os.mkfifo(tmp_path / "fifo.yaml")
+    with pytest.raises(InputError, match=r"fifo\.yaml cannot be read: it is a FIFO, not a file"):
+        read_camera(tmp_path / "fifo.yaml")
+    with (tmp_path / "large.yaml").open("wb") as stream:
+        stream.truncate(1 << 30)
+    with pytest.raises(InputError, match=r"large\.yaml cannot be read: it holds more than 4 MiB"):
+        read_camera(tmp_path / "large.yaml")
+
+
+def test_an_alias_bomb_as_calibration_is_refused(tmp_path):
+    lines = ["a0: &a0 [x, x]", *(f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]" for k in range(1, 9)), "image_width: *a8"]
+    (tmp_path / "x.yaml").write_text("\n".join(lines))
+    with pytest.raises(InputError, match="is not YAML: its aliases"):
         read_camera(tmp_path / "x.yaml")

@@ -1,5 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import os
 from pathlib import Path
 
 import msgspec
@@ -157,3 +158,81 @@ def test_values_that_the_parser_gives_up_on_are_no_fault_of_ours(tmp_path, text)
     (tmp_path / "dive.toml").write_text(text)
     with pytest.raises(UsageError, match="not valid TOML"):
         load_config(tmp_path)
+
+
+HUGE = "0x" + "f" * 6000  # TOML's hexadecimal numbers have no end, and Python does not print them
+
+
+@pytest.mark.parametrize("key", ["dive.name", "imu.sigma_roll_pitch_deg", "tray.origin", "logs"])
+def test_a_number_that_cannot_be_printed_is_refused_in_a_short_line(package, key):
+    (package / "dive.toml").write_text(f"{key} = {HUGE}\n")
+    assert "a number of thousands of digits" in refusal(package)
+
+
+@pytest.mark.parametrize(
+    "text", ["a." * 900 + "a = 1", "[" + "a." * 900 + "a]", "'a'. \"b c\" ." * 140 + "a = 1", "x = {" + "a." * 900 + "a = 1}"]
+)
+def test_a_key_of_hundreds_of_parts_is_refused_before_it_is_parsed(package, text):
+    (package / "dive.toml").write_text(text)
+    assert "a line with more than 100 dots" in refusal(package)
+
+
+def test_values_that_lie_deep_in_each_other_are_refused(package):
+    (package / "dive.toml").write_text(f"{PLAIN}\n[tray]\norigin = {'[' * 200}{']' * 200}")
+    assert "nested too deeply" in refusal(package)
+    (package / "dive.toml").write_text(PLAIN)
+    assert "nested too deeply" in refusal(package, f"tray.origin={'[' * 100}{']' * 100}")
+
+
+def test_a_key_of_thousands_of_letters_is_shown_by_its_start(package):
+    (package / "dive.toml").write_text(f"{'x' * 5000} = 1\n{PLAIN}")
+    line = refusal(package)
+    assert "unknown key xxx" in line
+    assert len(line) < 300
+
+
+def test_a_choice_of_thousands_of_letters_is_shown_by_its_start(package):
+    line = refusal(package, f"imu.frame={'x' * 5000}")
+    assert line.startswith("imu.frame = 'xxx")
+    assert len(line) < 400
+
+
+@pytest.mark.parametrize(
+    "key", ["dive.vessel", "topics.dvl", "tray.joint", "hull.mesh", "camera.top.calibration", "logs.files", "sonar.joint"]
+)
+@pytest.mark.parametrize("text", ["a\\nb", "a\\u0000", "\\u001b[31m", "\\u2028", "\\u009b"])
+def test_text_with_control_characters_or_line_breaks_is_refused(package, key, text):
+    value = f'["{text}"]' if key == "logs.files" else f'"{text}"'
+    line = refusal(package, f"{key}={value}")
+    assert f"{key}" in line
+    assert "expected text on one line, without control characters" in line
+    assert line.isprintable()
+
+
+@pytest.mark.parametrize(("value", "key"), [('""', "hull.mesh"), (f'"{"x" * 1001}"', "hull.mesh")])
+def test_a_file_without_a_name_or_with_a_very_long_one_is_refused(package, value, key):
+    assert key in refusal(package, f"{key}={value}")
+
+
+def test_a_dive_toml_that_is_a_fifo_or_endless_is_refused_in_one_line(tmp_path):
+    os.mkfifo(tmp_path / "dive.toml")
+    with pytest.raises(InputError, match=r"dive\.toml cannot be read: it is a FIFO, not a file"):
+        load_config(tmp_path)
+    (tmp_path / "dive.toml").unlink()
+    (tmp_path / "dive.toml").symlink_to("/dev/zero")
+    with pytest.raises(InputError, match="a device"):
+        load_config(tmp_path)
+    (tmp_path / "dive.toml").unlink()
+    with (tmp_path / "dive.toml").open("wb") as stream:
+        stream.truncate(1 << 30)
+    with pytest.raises(InputError, match=r"more than 0\.25 MiB"):
+        load_config(tmp_path)
+
+
+@pytest.mark.parametrize("name", [".", "..", ".hidden", "x\\n", "\\u0000", "x" * 101, "a b", "a/b", "\u00e9", "~", "-rf"])
+def test_a_name_that_could_leave_its_folder_is_refused_in_one_line(package, name):
+    assert "dive.name" in refusal(package, f'dive.name="{name}"')
+
+
+def test_a_name_of_a_hundred_letters_is_taken(package):
+    assert load_config(package, {}, [f'dive.name="{"x" * 100}"']).config.dive.name == "x" * 100

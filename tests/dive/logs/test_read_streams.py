@@ -1,11 +1,17 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import dataclasses
+from pathlib import Path
 
+import numpy as np
 import pytest
 
-from hullrecon.dive.logs.read_streams import read_streams
+from hullrecon.dive.logs import read_streams as read_streams_module
+from hullrecon.dive.logs.messages.decode import decode
+from hullrecon.dive.logs.read_streams import MOST_DEFINITIONS, MOST_REASONS, read_streams
 from hullrecon.dive.logs.readers.mcap import McapLog
+from hullrecon.dive.logs.readers.protocol import Channel, Message
+from hullrecon.dive.logs.samples import PressureSample
 from hullrecon.errors import InputError
 
 TOPICS = {"/imu": "imu", "/pressure": "pressure", "/joints": "joints", "/dvl": "dvl", "/cam": "camera_top"}
@@ -50,8 +56,6 @@ def test_messages_without_a_stamp_take_the_time_of_logging_and_are_counted(kit, 
 
 
 def test_messages_that_do_not_decode_are_counted_with_the_reason(kit, tmp_path):
-    import numpy as np
-
     entries = kit.dive()
     sonar = [
         dataclasses.replace(entries[0], topic="/sonar", kind="marine_acoustic_msgs/msg/ProjectedSonarImage", message=m)
@@ -60,3 +64,119 @@ def test_messages_that_do_not_decode_are_counted_with_the_reason(kit, tmp_path):
     found, _ = run(kit.mcap(tmp_path / "x.mcap", entries + sonar), {"/sonar": "sonar"})
     assert len(found.samples["sonar"]) == 1
     assert found.remarks == ["/sonar: 1 messages could not be used: a sonar image of 4 pixels for 2 beams and 3 ranges"]
+
+
+def definition_of(kit, kind):
+    return kit.stores[2].generate_msgdef(kind, ros_version=2)[0]
+
+
+class Recording:
+    """A log of one topic whose messages are given, by the definition that is given."""
+
+    gives_samples = False
+    kind = "recording"
+    path = Path("log.bag")
+
+    def __init__(self, kit, kind, messages, edit=lambda text: text, times=None):
+        data = [bytes(kit.stores[2].serialize_cdr(m, kind)) for m in messages]
+        texts = [edit(definition_of(kit, kind))] if isinstance(edit(""), str) else edit(definition_of(kit, kind))
+        self.remarks = []
+        self._messages = [
+            Message(Channel("/t", kind, "cdr", texts[n % len(texts)]), (times or range(1, len(data) + 1))[n], d)
+            for n, d in enumerate(data)
+        ]
+
+    def messages(self):
+        return iter(self._messages)
+
+    def losses(self):
+        return []
+
+
+@pytest.mark.parametrize(
+    ("sensor", "old", "new"),
+    [
+        ("imu", "std_msgs/Header header", "std_msgs/Header heade"),
+        ("imu", "geometry_msgs/Quaternion orientation", "geometry_msgs/Quaternion orientatio"),
+        ("imu", "float64 x", "float64 y_"),
+        ("imu", "builtin_interfaces/Time stamp", "uint64 stamp"),
+        ("dvl", "float64[4] range\n", "float64[4] ranges\n"),
+        ("dvl", "float64[9] velocity_covar", "geometry_msgs/Vector3[3] velocity_covar"),
+        ("dvl", "geometry_msgs/Vector3 velocity\n", "float64[3] velocity\n"),
+        ("joints", "float64[] position", "string[] position"),
+        ("joints", "string[] name", "float64[] name"),
+    ],
+)
+def test_messages_whose_carried_definition_is_damaged_cost_themselves_and_are_named(kit, sensor, old, new):
+    """Fields of other names and types lead anywhere; the dive goes on with its other sensors."""
+    t = kit.start_ns
+    made = {"imu": kit.imu(t), "dvl": kit.dvl(t), "joints": kit.joints(t, ["a"], [0.5])}[sensor]
+    kind = {"imu": "sensor_msgs/msg/Imu", "dvl": "marine_acoustic_msgs/msg/Dvl", "joints": "sensor_msgs/msg/JointState"}[sensor]
+    assert old in definition_of(kit, kind)
+    log = Recording(kit, kind, [made, made, made], lambda text: text.replace(old, new))
+    found = read_streams([log], {"/t": sensor}, lambda *_: None)
+    assert not found.samples[sensor]
+    assert sum(found.undecoded.values()) == 3
+    assert all(remark.startswith("/t: 3 messages could not be used: ") and remark.isprintable() for remark in found.remarks)
+
+
+def test_a_range_that_is_no_number_costs_its_ping(kit):
+    pings = [kit.sonar(t, np.ones((3, 2), np.uint8), (1, 2, end)) for t, end in ((1, np.nan), (2, np.inf), (3, 3))]
+    log = Recording(kit, "marine_acoustic_msgs/msg/ProjectedSonarImage", pings)
+    found = read_streams([log], {"/t": "sonar"}, lambda *_: None)
+    assert [s.t_ns for s in found.samples["sonar"]] == [3]
+    assert sum(found.undecoded.values()) == 2
+
+
+def test_reasons_of_one_topic_do_not_grow_with_its_messages(kit):
+    pings = [kit.sonar(n, np.ones((n, 2), np.uint8)) for n in range(4, 40)]
+    log = Recording(kit, "marine_acoustic_msgs/msg/ProjectedSonarImage", pings)
+    found = read_streams([log], {"/t": "sonar"}, lambda *_: None)
+    assert len(found.remarks) <= MOST_REASONS + 1
+    assert sum(found.undecoded.values()) == 36
+
+
+def test_a_definition_that_changes_with_every_message_is_not_compiled_each_time(kit, monkeypatch):
+    compiled = []
+    monkeypatch.setattr(read_streams_module, "decode", lambda c, data: compiled.append(c) or decode(c, data))
+    readings = [kit.pressure(n + 1, 1e5) for n in range(60)]
+    log = Recording(kit, "sensor_msgs/msg/FluidPressure", readings, lambda text: [f"# {n}\n{text}" for n in range(60)])
+    found = read_streams([log], {"/t": "pressure"}, lambda *_: None)
+    assert len(set(compiled)) == len(found.samples["pressure"]) == MOST_DEFINITIONS
+    assert sum(found.undecoded.values()) == 60 - MOST_DEFINITIONS
+
+
+@pytest.mark.parametrize("t_ns", [(1 << 62) + 5, 1 << 63, (1 << 64) - 1])
+def test_a_time_beyond_int64_costs_its_message(kit, t_ns):
+    readings = [kit.pressure(0, 1e5), kit.pressure(0, 2e5)]
+    log = Recording(kit, "sensor_msgs/msg/FluidPressure", readings, times=[5, t_ns])
+    found = read_streams([log], {"/t": "pressure"}, lambda *_: None)
+    assert [s.pascal for s in found.samples["pressure"]] == [1e5]
+    assert any("beyond the year 2116" in remark for remark in found.remarks)
+
+
+def test_a_sample_of_a_table_beyond_int64_is_left_out_too():
+    class Table(Recording):
+        gives_samples = True
+
+        def __init__(self):
+            self.remarks = []
+            channel = Channel("pressure", "pressure.csv", "sample")
+            self._messages = [Message(channel, t, PressureSample(t, 1e5)) for t in (5, -(1 << 70))]
+
+    found = read_streams([Table()], {}, lambda *_: None)
+    assert [s.t_ns for s in found.samples["pressure"]] == [5]
+    assert sum(found.undecoded.values()) == 1
+
+
+def test_a_damaged_type_among_good_messages_costs_those_messages(kit):
+    log = Recording(kit, "sensor_msgs/msg/FluidPressure", [kit.pressure(1, 1e5)])
+    log._messages.append(Message(Channel("/t", "sensor_msgs/msg/FluidPressurf", "cdr"), 2, b""))
+    found = read_streams([log], {"/t": "pressure"}, lambda *_: None)
+    assert len(found.samples["pressure"]) == 1
+    assert "/t: 1 messages could not be used: they are sensor_msgs/msg/FluidPressurf, unlike those before" in found.remarks
+
+
+def test_names_of_joints_do_not_reach_the_terminal_as_they_are(kit):
+    log = Recording(kit, "sensor_msgs/msg/JointState", [kit.joints(1, ["tray\x1b[31m"], [0.5])])
+    assert read_streams([log], {"/t": "joints"}, lambda *_: None).samples["joints"][0].name == "tray\\x1b[31m"

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hullrecon.dive.logs.readers.loss_tracker import LossTracker
+from hullrecon.dive.logs.readers.loss_tracker import MOST_LOSSES, LossTracker
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
 
 A, B = Channel("/a", "x/msg/A", "cdr"), Channel("/b", "x/msg/B", "cdr")
@@ -82,3 +82,22 @@ def test_whatever_comes_in_each_gap_starts_no_later_than_the_last_message_before
     tracker.finish()
     assert all(loss.start_ns is None or loss.start_ns <= latest for loss in tracker.losses)
     assert sum(tracker.seen.values()) == len(entries)
+
+
+def test_losses_without_end_are_counted_and_not_kept():
+    """A hostile file has a gap behind each message, and thousands of topics."""
+    tracker = LossTracker()
+    channels = [Channel(f"/t{n}", "x", "cdr") for n in range(50)]
+    for t in range(3000):
+        tracker.record(Message(channels[t % 50], t, b""))
+        tracker.open_gap("damaged")
+    tracker.finish()
+    assert MOST_LOSSES <= len(tracker.losses) <= MOST_LOSSES + 51
+    assert "more parts could not be read" in tracker.losses[-1].why
+
+
+def test_counted_messages_become_a_loss_and_none_become_none():
+    tracker = LossTracker()
+    tracker.count_lost("gone", 0)
+    tracker.count_lost("gone", 3)
+    assert tracker.losses == [Loss("gone", messages=3)]

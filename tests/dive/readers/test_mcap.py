@@ -1,15 +1,22 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import dataclasses
+import io
+import os
 from collections import Counter
 from pathlib import Path
 
 import pytest
+import zstandard
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mcap.writer import IndexType
 
 from hullrecon.dive.logs.messages.decode import decode
-from hullrecon.dive.logs.readers.mcap import McapLog
+from hullrecon.dive.logs.read_streams import read_streams
+from hullrecon.dive.logs.readers import mcap as mcap_module
+from hullrecon.dive.logs.readers.mcap import McapLog, find_chunk, read_chunk
+from hullrecon.errors import InputError
 
 QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
 
@@ -167,3 +174,156 @@ def test_the_simulated_dive_is_read_whole(data):
     assert Counter(m.channel.topic for m in messages)["/imu"] == 2927
     assert len(messages) == 6543
     assert log.losses() == []
+
+
+def boundaries(path: Path) -> list[int]:
+    """The bytes where records start, up to the end of the data."""
+    data, at, out = path.read_bytes(), 8, []
+    while data[at] != 0x0F:
+        out.append(at)
+        at += 9 + int.from_bytes(data[at + 1 : at + 9], "little")
+    return [*out, at]
+
+
+@pytest.mark.parametrize("opcode", [0x02, 0x0F, 0x01, 0x04, 0x07, 0x86])
+def test_a_cut_file_whose_record_is_taken_for_another_kind_loses_nothing_unsaid(kit, whole, tmp_path, opcode):
+    """An opcode of an end, of an index or of a private record where a chunk stands: its bytes say that it is a chunk."""
+    content = whole.read_bytes()
+    chunks = [at for at in boundaries(whole) if content[at] == 0x06]
+    cut = content[: chunks[-1]]
+    expected, _ = read(broken(tmp_path, cut))
+    for at in chunks[:3]:
+        damaged = bytearray(cut)
+        damaged[at] = opcode
+        messages, log = read(broken(tmp_path, bytes(damaged)))
+        assert [m.data for m in messages] == [m.data for m in expected]
+        assert any(f"byte {at}" in remark for remark in log.remarks)
+
+
+def test_an_end_of_data_inside_a_cut_file_is_a_gap_and_what_follows_comes_through(kit, whole, tmp_path):
+    content = whole.read_bytes()
+    starts = boundaries(whole)
+    middle = starts[len(starts) // 2]
+    end = b"\x0f\x04\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00\x00"
+    cut = content[: starts[-2]]
+    expected, _ = read(broken(tmp_path, cut))
+    messages, log = read(broken(tmp_path, cut[:middle] + end + cut[middle:]))
+    assert len(messages) == len(expected)
+    assert any(f"byte {middle}" in loss.why for loss in log.losses())
+
+
+@pytest.mark.parametrize("share", [0.2, 0.4, 0.6])
+def test_an_inserted_byte_in_a_cut_file_costs_a_chunk_at_most(kit, whole, tmp_path, share):
+    content = whole.read_bytes()
+    cut = content[: int(0.9 * len(content))]
+    expected, _ = read(broken(tmp_path, cut))
+    at = next(at for at in boundaries(whole) if at > share * len(cut))
+    messages, log = read(broken(tmp_path, cut[:at] + b"\x02" + cut[at:]))
+    assert len(messages) > 0.8 * len(expected)
+    assert len(messages) == len(expected) or any("damaged" in loss.why for loss in log.losses())
+
+
+def test_a_closing_part_spliced_into_the_middle_hides_nothing(kit, whole, tmp_path):
+    content = whole.read_bytes()
+    starts = boundaries(whole)
+    middle = starts[len(starts) // 2]
+    tail = content[starts[-1] :]
+    messages, log = read(broken(tmp_path, content[:middle] + tail + content[middle:]))
+    assert len(messages) == len(kit.dive())
+    assert log.losses()
+
+
+def test_a_summary_that_names_a_part_of_the_chunks_is_not_trusted(kit, tmp_path):
+    path = kit.mcap(
+        tmp_path / "x.mcap", kit.dive(), use_statistics=False, index_types=IndexType.CHUNK, use_summary_offsets=False
+    )
+    data = bytearray(path.read_bytes())
+    starts = boundaries(path)
+    at = starts[-1] + 13
+    while data[at] != 0x08:
+        at += 9 + int.from_bytes(data[at + 1 : at + 9], "little")
+    data[at] = 0x0A  # the index of an attachment, as far as anybody can tell
+    data[-12:-8] = bytes(4)  # no checksum over the summary
+    messages, _ = read(broken(tmp_path, bytes(data)))
+    assert len(messages) == len(kit.dive())
+
+
+def test_messages_of_a_topic_whose_definition_was_lost_are_counted(kit, tmp_path):
+    path = kit.mcap(tmp_path / "x.mcap", kit.dive(), use_chunking=False, repeat_channels=False, use_statistics=False)
+    data = bytearray(path.read_bytes())
+    at = next(at for at in boundaries(path) if data[at] == 0x04)
+    data[at] = 0x0C  # metadata
+    messages, log = read(broken(tmp_path, bytes(data)))
+    gone = len(kit.dive()) - len(messages)
+    assert gone == 40
+    assert [loss.messages for loss in log.losses()] == [gone]
+
+
+class CountedBytes(io.BytesIO):
+    """Counts what is read from it."""
+
+    count = 0
+
+    def read(self, size: int | None = -1) -> bytes:
+        out = super().read(size)
+        self.count += len(out)
+        return out
+
+
+def test_heads_that_look_like_chunks_are_looked_at_without_reading_what_they_claim():
+    """Each claims the rest of the file: reading them would take the square of it."""
+    size = 1 << 20
+    heads = b"".join(b"\x06" + (size - at - 9).to_bytes(8, "little") for at in range(0, size - 9, 9))
+    stream = CountedBytes(heads)
+    assert find_chunk(stream, 8, size) == size
+    assert stream.count < 2 * size
+
+
+def test_chunks_that_turn_out_damaged_are_read_a_few_times_the_file_at_most(tmp_path, monkeypatch):
+    """Heads whose lengths agree, one within the other, each with a wrong checksum."""
+    size, data = 200_000, bytearray(b"\x89MCAP0\r\n")
+    while len(data) < size - 100:
+        length = size - len(data) - 9
+        packed = length - 40
+        data += b"\x06" + length.to_bytes(8, "little") + bytes(16) + packed.to_bytes(8, "little") + b"\x01\x00\x00\x00"
+        data += bytes(4) + packed.to_bytes(8, "little")
+    data += bytes(size - len(data))
+    opened = []
+    monkeypatch.setattr(mcap_module, "read_chunk", lambda s, at, end: opened.append(end - at) or read_chunk(s, at, end))
+    messages, log = read(broken(tmp_path, bytes(data)))
+    assert messages == []
+    assert log.losses()
+    assert sum(opened) < 8 * size
+
+
+def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path):
+    """Chunks of 64 MiB of zeros in some kilobytes each."""
+    packed = zstandard.ZstdCompressor().compress(bytes(1 << 26))
+    body = bytes(16) + (1 << 26).to_bytes(8, "little") + bytes(4) + b"\x04\x00\x00\x00zstd"
+    body += len(packed).to_bytes(8, "little") + packed
+    chunk = b"\x06" + len(body).to_bytes(8, "little") + body
+    _, log = read(broken(tmp_path, b"\x89MCAP0\r\n" + 3 * chunk))
+    assert any("more than 256 times its size" in loss.why for loss in log.losses())
+
+
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "x.mcap")
+    with pytest.raises(InputError, match=r"x\.mcap is a pipe, not a file"):
+        read(tmp_path / "x.mcap")
+
+
+def test_names_that_a_terminal_would_obey_are_escaped(kit, tmp_path):
+    entries = [dataclasses.replace(e, topic="/imu\x1b[2J\n\u202e") for e in kit.dive() if e.topic == "/imu"]
+    messages, _ = read(kit.mcap(tmp_path / "x.mcap", entries))
+    assert messages[0].channel.topic == "/imu\\x1b[2J\\n\\u202e"
+
+
+def test_a_topic_whose_type_was_lost_costs_its_messages_and_not_the_dive(kit, tmp_path):
+    path = kit.mcap(tmp_path / "x.mcap", kit.dive(), use_chunking=False, repeat_schemas=False, use_statistics=False)
+    data = bytearray(path.read_bytes())
+    at = next(at for at in boundaries(path) if data[at] == 0x03)
+    data[at] = 0x0C  # the schema of /imu becomes metadata
+    found = read_streams([McapLog(broken(tmp_path, bytes(data)))], {"/imu": "imu", "/dvl": "dvl"}, lambda *_: None)
+    assert not found.samples["imu"]
+    assert len(found.samples["dvl"]) == 8
+    assert [loss.messages for _, loss in found.losses] == [40]

@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import os
+import socket
 from pathlib import Path
 
 import pytest
@@ -74,3 +76,47 @@ def test_a_folder_that_is_a_log_is_found_as_such(tmp_path):
 def test_a_folder_without_logs_is_an_input_error(tmp_path):
     with pytest.raises(InputError, match="holds no log"):
         find_logs(tmp_path)
+
+
+@pytest.mark.parametrize("suffix", [".mcap", ".bag", ".db3", ".pd0", ".txt"])
+def test_pipes_sockets_and_devices_are_refused_in_one_line_and_not_waited_for(tmp_path, suffix):
+    os.mkfifo(tmp_path / f"pipe{suffix}")
+    with pytest.raises(InputError, match=f"pipe{suffix} is a pipe, not a file"):
+        open_log(tmp_path / f"pipe{suffix}")
+    with socket.socket(socket.AF_UNIX) as end:
+        end.bind(str(tmp_path / f"s{suffix}"))
+        with pytest.raises(InputError, match=f"s{suffix} is a socket, not a file"):
+            open_log(tmp_path / f"s{suffix}")
+    (tmp_path / f"zero{suffix}").symlink_to("/dev/zero")
+    with pytest.raises(InputError, match=f"zero{suffix} is a device, not a file"):
+        open_log(tmp_path / f"zero{suffix}")
+
+
+@pytest.mark.parametrize("name", ["a" * 5000 + ".mcap", "a\0b.mcap", "x.mcap/y.mcap", "\x1b[31m.mcap"])
+def test_a_name_that_no_file_has_is_one_line(tmp_path, name):
+    (tmp_path / "x.mcap").write_bytes(b"x")
+    with pytest.raises(InputError) as caught:
+        open_log(tmp_path / name)
+    assert caught.value.line().isprintable()
+
+
+def test_a_file_that_cannot_be_read_to_its_end_gives_what_it_gave_and_says_so(kit, tmp_path, monkeypatch):
+    log = open_log(kit.mcap(tmp_path / "a.mcap", kit.dive()))
+    whole = type(log)._read
+
+    def fail_halfway(self):
+        for n, message in enumerate(whole(self)):
+            if n == 50:
+                raise OSError(5, "Input/output error")
+            yield message
+
+    monkeypatch.setattr(type(log), "_read", fail_halfway)
+    assert len(list(log.messages())) == 50
+    assert {loss.why for loss in log.losses()} == {"the file cannot be read further: Input/output error"}
+
+
+def test_a_file_that_vanishes_before_it_is_read_is_one_line(kit, tmp_path):
+    log = open_log(kit.mcap(tmp_path / "a.mcap", kit.dive()))
+    (tmp_path / "a.mcap").unlink()
+    with pytest.raises(InputError, match=r"a\.mcap cannot be read: No such file"):
+        list(log.messages())

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import gzip
+import io
 import shutil
 import struct
 
@@ -9,8 +10,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from hullrecon.dive.logs.formats import pd0_ensemble
+from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles, parse
 from hullrecon.dive.logs.readers.pd0 import Pd0Log, earth_from_instrument, from_beams, to_sample
-from hullrecon.dive.logs.readers.pd0_ensemble import Ensemble, ensembles, parse
+from hullrecon.dive.logs.readers.unpack import DamagedError, fields
 
 QUICK = settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
 DEG = np.pi / 180
@@ -164,7 +167,7 @@ def reference(text: str, key: str) -> list[np.ndarray]:
 def test_velocities_attitude_and_cells_equal_the_independent_decode(data):
     folder = data / "dvl-pd0-slocum"
     text = gzip.decompress((folder / "LA101636_20.yml.gz").read_bytes()).decode()
-    found = [e for _, _, e in ensembles((folder / "LA101636_20.PD0").read_bytes())]
+    found = [e for _, _, e in ensembles(io.BytesIO((folder / "LA101636_20.PD0").read_bytes()))]
     assert len(found) == 20
     assert all(isinstance(e, Ensemble) for e in found)
     names = ("water_velocity_east", "water_velocity_north", "water_velocity_up", "error_velocity")
@@ -186,7 +189,7 @@ def test_velocities_attitude_and_cells_equal_the_independent_decode(data):
 
 
 def test_a_bottom_track_of_a_glider_is_read_as_its_source_prints_it(data):
-    found = [e for _, _, e in ensembles((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes())]
+    found = [e for _, _, e in ensembles(io.BytesIO((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes()))]
     assert len(found) == 107
     assert sum(np.isfinite(e.bottom[:3]).all() for e in found) == 51
     ping = next(e for e in found if e.number == 58)
@@ -197,7 +200,7 @@ def test_a_bottom_track_of_a_glider_is_read_as_its_source_prints_it(data):
 
 def test_a_diving_glider_sinks_and_moves_ahead(data):
     """Signs against physics: over the first bottom track depth grows, and a glider flies nose first."""
-    found = [e for _, _, e in ensembles((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes())]
+    found = [e for _, _, e in ensembles(io.BytesIO((data / "dvl-pd0-slocum" / "LA100204.PD0").read_bytes()))]
     tracked = [e for e in found if np.isfinite(e.bottom[:3]).all()]
     climbing = -np.mean([e.bottom[2] for e in tracked[:20]])  # of the vehicle, upward
     sinking = (tracked[19].depth_m - tracked[0].depth_m) / (tracked[19].t_ns - tracked[0].t_ns) * 1e9
@@ -217,3 +220,29 @@ def test_a_current_profiler_without_bottom_track_gives_pings_that_are_all_lost(d
     samples, _ = read(data / "dvl-pd0-slocum" / "ADCP_CCE1T_20.000")
     assert len(samples) == 20
     assert all(np.isnan(s.velocity).all() and np.isnan(s.ranges).all() for s in samples)
+
+
+def test_heads_that_look_like_ensembles_cost_one_sum_over_the_file(monkeypatch):
+    """Every byte of it may start an ensemble that claims half of 64 KiB, whose checksum is another sum each time."""
+    tried = []
+    monkeypatch.setattr(pd0_ensemble, "fields", lambda layout, data, at=0: tried.append(at) or fields(layout, data, at))
+    content = b"\x7f" * (3 << 20) + ensemble_bytes(1)
+    found = list(ensembles(io.BytesIO(content)))
+    assert [(start, end) for start, end, _ in found] == [(0, 3 << 20), (3 << 20, len(content))]
+    assert len(tried) < 100
+
+
+def test_ensembles_across_the_edge_of_what_is_read_at_a_time_are_found(monkeypatch):
+    monkeypatch.setattr(pd0_ensemble, "BLOCK", 300)
+    content = b"".join(ensemble_bytes(n) for n in range(20)) + b"rubbish" + ensemble_bytes(20)
+    found = list(ensembles(io.BytesIO(content)))
+    assert [e.number for _, _, e in found if isinstance(e, Ensemble)] == list(range(21))
+    assert [(e - s, why) for s, e, why in found if isinstance(why, str)] == [(7, "no ensemble starts there")]
+
+
+@pytest.mark.parametrize("angle", [0, 90, 255])
+def test_beams_that_stand_nowhere_are_damage(angle):
+    content = bytearray(ensemble_bytes(system=0x0300))
+    content[6 + 6 + 58] = angle
+    with pytest.raises(DamagedError, match=f"{angle} degrees off the axis"):
+        parse(bytes(content[:-2]))

@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import os
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from hullrecon.dive.logs.readers.plain import PlainLog
+from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.errors import InputError
 
 QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
@@ -188,3 +191,125 @@ def test_a_table_without_any_readable_row_is_refused_with_the_first_reason(tmp_p
     (tmp_path / f"{sensor}.csv").write_text(text)
     with pytest.raises(InputError, match=f"{sensor}.csv has no row that can be read: {reason}"):
         read(tmp_path)
+
+
+@pytest.mark.parametrize("cell", ["a" * 5000, "", "  ", "x/" * 3000, ".", "pipe"])
+def test_a_cell_that_names_no_file_costs_its_row_alone(tmp_path, cell):
+    (tmp_path / "a.jpg").write_bytes(b"a")
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "camera_top.csv").write_text(f"t,file\n0,a.jpg\n1,{cell}\n2,a.jpg\n")
+    samples, log = read(tmp_path)
+    assert [s.t_ns for s in samples] == [0, 2_000_000_000]
+    assert log.losses()[0].why == "lines 3 of camera_top.csv cannot be read"
+    assert log.named_files() == [Path("a.jpg")]
+
+
+@pytest.mark.parametrize(
+    ("sensor", "rows"),
+    [
+        ("camera_top", "t,file\n0,a.jpg\n1,"),
+        ("camera_top", "t,file\n0,a.jpg\n1"),
+        ("dvl", "t,vx,vy,vz,range_1\n0,1,1,1,1\n1,1,1"),
+        ("imu", "t,qx,qy,qz,qw\n0,0,0,0,1\n1,0,0"),
+        ("joints", "t,name,rad\n0,tray,1\n1,tr"),
+        ("pressure", "t,pascal\n0,1\n177"),
+    ],
+)
+def test_a_last_row_that_is_cut_costs_itself_and_is_counted(tmp_path, sensor, rows):
+    (tmp_path / "a.jpg").write_bytes(b"a")
+    (tmp_path / f"{sensor}.csv").write_text(rows)
+    samples, log = read(tmp_path)
+    assert [s.t_ns for s in samples] == [0]
+    assert [(loss.topic, loss.messages) for loss in log.losses()] == [(sensor, 1)]
+    assert all(path.name == "a.jpg" for path in log.named_files())
+
+
+@pytest.mark.parametrize("stamp", ["-1e300", "-9" * 2 + "9" * 30, "nan", "0" * 5000 + "x", "-1e11"])
+def test_a_stamp_that_no_clock_shows_costs_its_row_alone(tmp_path, stamp):
+    (tmp_path / "pressure.csv").write_text(f"t,pascal\n0,1\n{stamp},2\n2,3\n")
+    samples, log = read(tmp_path)
+    assert [s.pascal for s in samples] == [1.0, 3.0]
+    assert log.losses()[0].messages == 1
+
+
+def test_numbers_of_ten_thousand_digits_are_a_bad_cell(tmp_path):
+    (tmp_path / "pressure.csv").write_text(f"t,pascal\n0,1\n1.{'9' * 10_000},{'9' * 10_000}\n2,3\n")
+    samples, _ = read(tmp_path)
+    assert samples[0].pascal == 1.0
+    assert samples[-1].pascal == 3.0
+    (tmp_path / "dvl.csv").write_text(f"t,vx,vy,vz,range_{'9' * 10_000}\n0,1,1,1,1\n")
+    with pytest.raises(InputError, match=r"dvl\.csv has no row that can be read") as caught:
+        read(tmp_path)
+    assert len(caught.value.line()) < 600
+
+
+def test_a_quote_that_is_not_closed_costs_its_line_alone(tmp_path):
+    (tmp_path / "joints.csv").write_text('t,name,rad\n0,tray,0.1\n1,"tray,0.2\n2,tray,0.3\n')
+    samples, log = read(tmp_path)
+    assert [s.angle for s in samples] == [0.1, 0.3]
+    assert log.losses()[0].messages == 1
+
+
+def test_a_line_without_end_costs_itself_and_no_memory(tmp_path):
+    """Read in one piece it would take as much memory as it has bytes, several times over."""
+    with (tmp_path / "pressure.csv").open("w") as stream:
+        stream.write("t,pascal\n0,1\n")
+        for _ in range(64):
+            stream.write("1" * (1 << 20))
+        stream.write("\n2,3\n")
+    tracemalloc.start()
+    samples, log = read(tmp_path)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert [s.pascal for s in samples] == [1.0, 3.0]
+    assert log.losses()[0].why == "lines 3 of pressure.csv cannot be read"
+    assert peak < 4 << 20
+
+
+@pytest.mark.parametrize("kind", ["pipe", "folder"])
+def test_a_table_that_is_no_file_is_refused(tmp_path, kind):
+    os.mkfifo(tmp_path / "imu.csv") if kind == "pipe" else (tmp_path / "imu.csv").mkdir()
+    with pytest.raises(InputError, match=rf"imu\.csv is a {kind}, not a file"):
+        read(tmp_path)
+
+
+def test_a_ping_that_stands_in_two_rows_is_read_once(tmp_path):
+    """Some kilobytes of rows would else fill the memory with copies of one file."""
+    np.savez(tmp_path / "p.npz", image=np.eye(2, dtype=np.uint8), azimuth=[0.0, 0.1], range=[1.0, 2.0])
+    (tmp_path / "sonar.csv").write_text("t,file\n0,p.npz\n1,p.npz\n")
+    samples, log = read(tmp_path)
+    assert len(samples) == 1
+    assert log.losses()[0].messages == 1
+
+
+def test_names_of_joints_are_escaped(tmp_path):
+    (tmp_path / "joints.csv").write_text("t,name,rad\n0,tray\x1b[31m,0.1\n")
+    assert read(tmp_path)[0][0].name == "tray\\x1b[31m"
+
+
+def test_pings_together_unpack_to_a_multiple_of_their_files_and_no_further(tmp_path):
+    """Hundreds of files of some kilobytes, or links to one, would fill the memory."""
+    ping = {"azimuth": np.zeros(1000), "range": np.arange(4000.0)}
+    np.savez_compressed(tmp_path / "p.npz", image=np.zeros((1000, 4000), np.uint8), **ping)
+    content = (tmp_path / "p.npz").read_bytes()
+    for n in range(60):
+        (tmp_path / f"{n}.npz").write_bytes(content)
+        (tmp_path / f"link{n}.npz").symlink_to("p.npz")
+    rows = "".join(f"{n},{n}.npz\n{n}.5,link{n}.npz\n" for n in range(60))
+    (tmp_path / "sonar.csv").write_text("t,file\n" + rows)
+    samples, log = read(tmp_path)
+    assert sum(s.image.nbytes for s in samples) < (1 << 26) + 64 * 61 * len(content)
+    assert 10 < len(samples) < 61
+    assert log.losses()[0].messages == 120 - len(samples)
+
+
+def test_links_in_a_circle_cost_their_row_alone(tmp_path):
+    np.savez(tmp_path / "p.npz", image=np.eye(2, dtype=np.uint8), azimuth=[0.0, 0.1], range=[1.0, 2.0])
+    (tmp_path / "a.npz").symlink_to("b.npz")
+    (tmp_path / "b.npz").symlink_to("a.npz")
+    for sensor in ("sonar", "camera_top"):
+        (tmp_path / f"{sensor}.csv").write_text("t,file\n0,p.npz\n1,a.npz\n")
+    samples, log = read(tmp_path)
+    assert sum(isinstance(s, SonarSample) for s in samples) == 1
+    assert [loss.topic for loss in log.losses()] == ["sonar"]
+    assert log.named_files() == [Path("p.npz")]

@@ -1,5 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import io
 from collections import Counter
 from pathlib import Path
 
@@ -7,8 +8,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from hullrecon.dive.logs.formats.bag_records import record
 from hullrecon.dive.logs.messages.decode import decode
-from hullrecon.dive.logs.readers.rosbag1 import Rosbag1Log
+from hullrecon.dive.logs.readers import rosbag1
+from hullrecon.dive.logs.readers.rosbag1 import NO_CHECKSUM, Rosbag1Log, find_chunk
 
 QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
 
@@ -33,7 +36,7 @@ def test_a_whole_bag_gives_every_message_in_order(kit, whole):
     messages, log = read(whole)
     assert [(m.channel.topic, m.t_ns) for m in messages] == [(e.topic, e.t_ns) for e in kit.dive()]
     assert log.losses() == []
-    assert log.remarks == []
+    assert log.remarks == [NO_CHECKSUM]
 
 
 def test_messages_decode_by_the_definition_in_the_bag(whole):
@@ -132,3 +135,105 @@ def test_half_of_a_real_bag_gives_what_its_whole_chunks_hold(data, tmp_path):
     messages, log = read(broken(tmp_path, content[: len(content) // 2]))
     assert len(messages) == 1079
     assert {loss.topic for loss in log.losses()} == {m.channel.topic for m in messages}
+
+
+class CountedBytes(io.BytesIO):
+    """Counts what is read from it."""
+
+    count = 0
+
+    def read(self, size: int | None = -1) -> bytes:
+        out = super().read(size)
+        self.count += len(out)
+        return out
+
+
+def head_of_chunk(count: int, op: int = 5) -> bytes:
+    parts = [b"op=" + bytes([op]), b"compression=none", b"size=" + count.to_bytes(4, "little")]
+    head = b"".join(len(part).to_bytes(4, "little") + part for part in parts)
+    return len(head).to_bytes(4, "little") + head + count.to_bytes(4, "little")
+
+
+def test_heads_that_look_like_chunks_are_looked_at_without_reading_what_they_claim():
+    """Each claims a byte more than the file has: reading them would take the square of it."""
+    size, data = 1 << 20, bytearray()
+    while len(data) < size - 100:
+        data += head_of_chunk(size - len(data))
+    data += bytes(size - len(data))
+    stream = CountedBytes(data)
+    assert find_chunk(stream, 13, size) == size
+    assert stream.count < 2 * size
+
+
+def test_chunks_that_turn_out_damaged_are_read_a_few_times_the_file_at_most(tmp_path, monkeypatch):
+    size, data = 300_000, bytearray(b"#ROSBAG V2.0\n")
+    width = len(head_of_chunk(0))
+    while len(data) < size - 100:
+        data += head_of_chunk(size - len(data) - width)
+    data += b"\xff" * (size - len(data))
+    opened = []
+    monkeypatch.setattr(rosbag1, "record", lambda s, at, end: opened.append(end - at) or record(s, at, end))
+    messages, log = read(broken(tmp_path, bytes(data)))
+    assert messages == []
+    assert log.losses()
+    assert sum(opened) < 8 * size
+
+
+def test_an_index_that_names_a_chunk_again_and_again_is_not_followed(kit, tmp_path, whole):
+    """Each of a hundred thousand entries would unpack the same chunk."""
+    data = bytearray(whole.read_bytes())
+    positions = [at + 10 for at in range(len(data)) if data[at : at + 10] == b"chunk_pos="]
+    data[positions[1] : positions[1] + 8] = data[positions[0] : positions[0] + 8]
+    messages, log = read(broken(tmp_path, bytes(data)))
+    assert len(messages) == len(kit.dive())
+    assert any("no usable index" in remark for remark in log.remarks)
+
+
+@pytest.mark.parametrize("op", [1, 4, 7, 2])
+def test_a_chunk_whose_kind_is_damaged_is_a_gap_of_a_bag_without_index(kit, tmp_path, whole, op):
+    data = bytearray(whole.read_bytes())
+    at = data.find(b"index_pos=") + 10
+    data[at : at + 8] = bytes(8)
+    at = data.find(b"op=\x05", len(data) // 3)
+    data[at + 3] = op
+    messages, log = read(broken(tmp_path, bytes(data)))
+    assert 0 < len(messages) < len(kit.dive())
+    assert log.losses()
+
+
+@pytest.mark.parametrize("compression", ["BZ2", "LZ4"])
+def test_a_compressed_chunk_that_stops_before_its_checksum_is_damaged(kit, tmp_path, compression):
+    """The stream's last bytes, behind all of its content, are its checksum."""
+    path = kit.bag1(tmp_path / "x.bag", kit.dive(ros=1), compression=compression)
+    data = bytearray(path.read_bytes())
+    magic = {"BZ2": b"BZh9", "LZ4": b"\x04\x22\x4d\x18"}[compression]
+    at = data.find(magic)
+    size = int.from_bytes(data[at - 4 : at], "little")
+    data[at - 4 : at] = (size - 4).to_bytes(4, "little")
+    del data[at + size - 4 : at + size]
+    messages, log = read(broken(tmp_path, bytes(data)))
+    assert len(messages) < len(kit.dive())
+    assert log.losses()
+
+
+def test_a_bag_says_that_its_chunks_carry_no_checksum_where_they_do_not(kit, tmp_path):
+    assert read(kit.bag1(tmp_path / "a.bag", kit.dive(ros=1)))[1].remarks == [NO_CHECKSUM]
+    assert read(kit.bag1(tmp_path / "b.bag", kit.dive(ros=1), compression="BZ2"))[1].remarks == []
+
+
+def test_a_bag_that_ends_between_two_records_is_a_gap_to_the_end(tmp_path, whole):
+    data = whole.read_bytes()
+    with whole.open("rb") as stream:
+        at = 13
+        while at < len(data) // 2:
+            *_, at = record(stream, at, len(data))
+    messages, log = read(broken(tmp_path, data[:at]))
+    assert messages
+    assert {loss.why for loss in log.losses()} == {f"the file ends at byte {at} without its index"}
+
+
+@pytest.mark.parametrize("size", [1, 13])
+def test_a_bag_that_is_no_more_than_its_first_bytes_is_a_loss(tmp_path, whole, size):
+    messages, log = read(broken(tmp_path, whole.read_bytes()[:size]))
+    assert messages == []
+    assert log.losses()

@@ -1,5 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import os
 import shutil
 import sqlite3
 from pathlib import Path
@@ -134,3 +135,78 @@ def test_any_flipped_bit_is_survived_or_a_typed_error(kit, folders, tmp_path, da
         return
     assert len(messages) <= len(kit.dive())
     assert len(messages) == len(kit.dive()) or log.losses()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "rosbag2_bagfile_information:\n  compression_mode: 5\n  relative_file_paths: bag.db3\n",
+        "rosbag2_bagfile_information:\n  compression_mode:\n  relative_file_paths:\n  topics_with_message_count:\n",
+        "rosbag2_bagfile_information:\n  relative_file_paths: [[a], {b: c}, 3]\n  topics_with_message_count: [1, {a: b}]\n",
+        "rosbag2_bagfile_information: [1, 2]\n",
+        "- a list\n",
+        "rosbag2_bagfile_information:\n  compress",
+        "rosbag2_bagfile_information:\n  version: " + "9" * 10_000 + "\n",
+        "[" * 900,
+        "\x00\x01",
+        "? !!set {a: b}\n: !!omap [3]\n",
+    ],
+)
+def test_metadata_that_is_half_written_or_of_other_shape_is_done_without(kit, folder, text):
+    (folder / "metadata.yaml").write_text(text)
+    messages, log = read(Rosbag2Log(folder))
+    assert len(messages) == len(kit.dive())
+    assert log.losses() == []
+    assert all(remark.isprintable() and len(remark) < 500 for remark in log.remarks)
+
+
+def test_aliases_that_would_blow_up_are_not_followed(kit, folder):
+    merges = "a0: &a0 {k: 1}\n" + "".join(f"a{i}: &a{i}\n  <<: [*a{i - 1}, *a{i - 1}]\n" for i in range(1, 60))
+    (folder / "metadata.yaml").write_text(merges)
+    messages, log = read(Rosbag2Log(folder))
+    assert len(messages) == len(kit.dive())
+    assert "metadata.yaml merges aliases; the folder's files were read by name" in log.remarks
+    lists = "a0: &a0 [x, x]\n" + "".join(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 12))
+    (folder / "metadata.yaml").write_text(f"{lists}rosbag2_bagfile_information:\n  relative_file_paths: [*a11]\n")
+    assert len(read(Rosbag2Log(folder))[0]) == len(kit.dive())
+
+
+def test_metadata_of_megabytes_is_not_parsed(kit, folder):
+    (folder / "metadata.yaml").write_text("a: b\n" * 200_000)
+    messages, log = read(Rosbag2Log(folder))
+    assert len(messages) == len(kit.dive())
+    assert any("has 1000000 bytes" in remark for remark in log.remarks)
+
+
+def test_a_file_that_is_named_twice_is_read_once(kit, folder):
+    name = database(folder).name
+    text = (folder / "metadata.yaml").read_text().replace(f"- {name}\n", f"- {name}\n  - {name}\n")
+    (folder / "metadata.yaml").write_text(text)
+    assert len(read(Rosbag2Log(folder))[0]) == len(kit.dive())
+
+
+def test_messages_that_the_metadata_counts_and_no_file_holds_are_a_loss(kit, folder):
+    with sqlite3.connect(database(folder)) as connection:
+        connection.execute("DELETE FROM messages WHERE id % 2")
+    messages, log = read(Rosbag2Log(folder))
+    assert {loss.why for loss in log.losses()} == {"metadata.yaml counts more of them than could be read"}
+    assert sum(loss.messages for loss in log.losses()) == len(kit.dive()) - len(messages)
+
+
+@pytest.mark.parametrize("name", ["metadata.yaml", "more.mcap", "more.db3"])
+def test_a_pipe_in_the_folder_is_named_and_not_waited_for(kit, folder, name):
+    (folder / name).unlink(missing_ok=True)
+    os.mkfifo(folder / name)
+    messages, log = read(Rosbag2Log(folder))
+    assert len(messages) == len(kit.dive())
+    assert any(f"{name} is a pipe" in text for text in [*log.remarks, *(loss.why for loss in log.losses())])
+
+
+def test_a_message_that_claims_gigabytes_is_not_unpacked(folder):
+    text = (folder / "metadata.yaml").read_text().replace("compression_mode: ''", "compression_mode: MESSAGE")
+    (folder / "metadata.yaml").write_text(text)
+    bomb = zstandard.ZstdCompressor().compress(bytes(1 << 28))
+    with sqlite3.connect(database(folder)) as connection:
+        connection.execute("UPDATE messages SET data = ? WHERE id < 40", (bomb,))
+    messages, _ = read(Rosbag2Log(folder))
+    assert all(len(m.data) < 1 << 20 for m in messages)

@@ -8,7 +8,7 @@ import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hullrecon.dive.logs.readers.unpack import DamagedError, decompress, fields, text
+from hullrecon.dive.logs.readers.unpack import DamagedError, UnpackBudget, decompress, fields, printable, text, unpack_frame
 
 PACK = {
     "": lambda data: data,
@@ -65,3 +65,42 @@ def test_fields_beyond_the_end_and_names_that_are_no_text_are_damage():
     assert text("Å".encode()) == "Å"
     with pytest.raises(DamagedError, match="UTF-8"):
         text(b"\xff")
+
+
+@pytest.mark.parametrize("how", ["zstd", "lz4", "bz2"])
+def test_a_log_unpacks_to_a_multiple_of_its_size_and_no_further(how):
+    packed, budget = PACK[how](bytes(1 << 22)), UnpackBudget(1000)
+    for _ in range(2):
+        assert len(decompress(packed, how, 1 << 22, budget)) == 1 << 22
+    with pytest.raises(DamagedError, match="more than 256 times its size"):
+        decompress(packed, how, 1 << 22, budget)
+
+
+@pytest.mark.parametrize("how", ["lz4", "bz2"])
+def test_a_stream_that_stops_before_its_checksum_is_damaged(how):
+    packed = PACK[how](b"x" * 500)
+    with pytest.raises(DamagedError):
+        decompress(packed[:-4], how, 500)
+
+
+def test_a_frame_unpacks_with_and_without_its_size():
+    budget = UnpackBudget(1000)
+    assert unpack_frame(zstandard.ZstdCompressor().compress(b"x" * 99), budget) == b"x" * 99
+    assert unpack_frame(zstandard.ZstdCompressor(write_content_size=False).compress(b"x" * 99), budget) == b"x" * 99
+    with pytest.raises(DamagedError):
+        unpack_frame(zstandard.ZstdCompressor().compress(bytes(1 << 28)), budget)
+    with pytest.raises(DamagedError):
+        unpack_frame(b"rubbish", budget)
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [
+        ("/cam/Å", "/cam/Å"), ("\x1b[31m", "\\x1b[31m"), ("a\nb\r", "a\\nb\\r"), ("\u202eabc", "\\u202eabc"), ("\x9b", "\\x9b"),
+        ("a" * 2000, "a" * 1000 + "..."), ("\x00" * 5000, None), ("\ud800", "\\ud800"),
+    ],
+)  # fmt: skip
+def test_what_a_terminal_would_obey_is_escaped(name, shown):
+    assert printable(name).isprintable()
+    assert len(printable(name)) <= 1003
+    assert shown is None or printable(name) == shown

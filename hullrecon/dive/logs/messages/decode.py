@@ -7,9 +7,10 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from hullrecon.dive.logs.messages.definition_limits import check_idl, check_text, check_types
 from hullrecon.dive.logs.messages.definitions import BUNDLED
 from hullrecon.dive.logs.readers.protocol import Channel
-from hullrecon.dive.logs.readers.unpack import DamagedError
+from hullrecon.dive.logs.readers.unpack import LONGEST_REASON, DamagedError, printable
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -27,32 +28,46 @@ def type_name(channel: Channel) -> str:
 def decode(channel: Channel, data: bytes) -> Fields:
     """Return the message's fields. Raises DamagedError for bytes that are no such message or a type without a definition."""
     store = _store(channel)
+    if isinstance(store, str):
+        raise DamagedError(store)
     try:
         if channel.encoding == "ros1":
             return store.deserialize_ros1(data, type_name(channel))
         return store.deserialize_cdr(data, type_name(channel))
     except Exception as error:  # bytes of any content: rosbags' generated code raises whatever they lead it to
-        raise DamagedError(f"a {channel.type} cannot be decoded: {type(error).__name__} {error}") from None
+        raise DamagedError(f"a {channel.type} cannot be decoded: {describe(error)}") from None
+
+
+def describe(error: Exception) -> str:
+    """Return an exception of a library as a short piece of one line."""
+    reason = printable(str(error).strip().partition("\n")[0], LONGEST_REASON)
+    return reason if isinstance(error, DamagedError) else f"{type(error).__name__} {reason}"
 
 
 @lru_cache(maxsize=64)
-def _store(channel: Channel) -> Typestore:
+def _store(channel: Channel) -> Typestore | str:
+    """The types by which a channel's messages are decoded, or why there are none, found out once for all messages."""
     if channel.encoding not in ENCODINGS:
-        raise DamagedError(f"messages in the encoding {channel.encoding!r} are not read")
+        return f"messages in the encoding {channel.encoding!r} are not read"
     try:
         return _from_definition(channel) if channel.definition.strip() else _standard(channel.encoding)
     except Exception as error:  # the grammar of a damaged definition may fail anywhere
-        raise DamagedError(f"the definition of {channel.type} cannot be read: {type(error).__name__} {error}") from None
+        return f"the definition of {channel.type} cannot be read: {describe(error)}"
 
 
 def _from_definition(channel: Channel) -> Typestore:
     from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.EMPTY)
+    check_text(channel.definition)
     if channel.definition_format == "ros2idl":
-        store.register(get_types_from_idl(channel.definition))
+        check_idl(channel.definition)
+        types = get_types_from_idl(channel.definition)
     else:
-        store.register(get_types_from_msg(channel.definition, type_name(channel)))
+        types = get_types_from_msg(channel.definition, type_name(channel))
+    check_types(types, type_name(channel))
+    store.register(types)
+    store.get_msgdef(type_name(channel))  # compiles it: where that fails it would fail anew for each message
     return store
 
 

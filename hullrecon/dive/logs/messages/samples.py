@@ -11,7 +11,7 @@ import numpy as np
 from hullrecon.dive.logs.dvl_beams import A50, a50_beams
 from hullrecon.dive.logs.messages.decode import Fields
 from hullrecon.dive.logs.messages.pictures import encode_raw
-from hullrecon.dive.logs.readers.unpack import DamagedError
+from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import DvlSample, ImageSample, ImuSample, JointSample, PressureSample, Sample, SonarSample
 from hullrecon.typing import Array
 
@@ -118,7 +118,10 @@ def fluid_pressure(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def joint_state(message: Fields, t_ns: int, role: str) -> list[Sample]:
-    return [JointSample(t_ns, str(name), float(angle)) for name, angle in zip(message.name, message.position, strict=False)]
+    return [
+        JointSample(t_ns, printable(str(name)), float(angle))
+        for name, angle in zip(message.name, message.position, strict=False)
+    ]
 
 
 def compressed_image(message: Fields, t_ns: int, role: str) -> list[Sample]:

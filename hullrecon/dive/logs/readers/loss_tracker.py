@@ -9,6 +9,10 @@ from collections.abc import Collection, Mapping
 
 from hullrecon.dive.logs.readers.protocol import Loss, Message
 
+MOST_LOSSES = 2000  # that are told apart; what a hostile file adds to them is counted
+MOST_TOPICS = 200
+MOST_REASONS = 16  # for one and the same gap
+
 
 class LossTracker:
     """One pass over one log. `gap` opens a loss whose end is known only once the next message comes."""
@@ -18,6 +22,7 @@ class LossTracker:
         self.seen: Counter[str] = Counter()
         self._last: dict[str, int] = {}
         self._open: list[tuple[str, dict[str, int]]] = []
+        self._more = 0
 
     def record(self, message: Message) -> Message:
         """Count a message, close open losses at its time, and return it."""
@@ -30,30 +35,51 @@ class LossTracker:
 
     def add_loss(self, why: str, start_ns: int, end_ns: int, topics: Collection[str] = ()) -> None:
         """Add the loss of a part with a known span; without topics, of every topic seen so far."""
-        self.losses += [Loss(why, topic, start_ns, end_ns) for topic in sorted(topics or self._last)] or [
-            Loss(why, "", start_ns, end_ns)
-        ]
+        if self._is_full():
+            return
+        self._add(why, dict.fromkeys(topics or self._last, start_ns), end_ns, start_ns)
 
     def open_gap(self, why: str) -> None:
         """Open the loss of a part of unknown content: of each topic what lies between its last message and the next message
         of the log."""
-        self._open.append((why, dict(self._last)))
+        if len(self._open) < MOST_REASONS and not self._is_full():
+            self._open.append((why, dict(self._last)))
+
+    def count_lost(self, why: str, count: int) -> None:
+        """Add the loss of so many messages of which nothing else is known; of none when the count is 0."""
+        if count:
+            self.losses.append(Loss(why, messages=count))
 
     def finish(self, expected: Mapping[str, int] | None = None) -> None:
         """Close what is open; `expected` counts by topic, where the log tells them, turn into numbers of lost messages."""
         self._close(None)
+        rows: dict[str, list[int]] = {}
+        for row, loss in enumerate(self.losses):
+            rows.setdefault(loss.topic, []).append(row)
         for topic, count in sorted((expected or {}).items()):
             missing = count - self.seen[topic]
-            mine = [i for i, loss in enumerate(self.losses) if loss.topic == topic]
+            mine = rows.get(topic, [])
             if missing > 0 and len(mine) == 1:
                 loss = self.losses[mine[0]]
                 self.losses[mine[0]] = Loss(loss.why, topic, loss.start_ns, loss.end_ns, missing)
             elif missing > 0:
                 self.losses.append(Loss("the log says that it holds more of them than could be read", topic, messages=missing))
+        if self._more:
+            self.losses.append(Loss(f"{self._more} more parts could not be read"))
+            self._more = 0
+
+    def _is_full(self) -> bool:
+        """Count a loss that is one too many to be kept."""
+        full = len(self.losses) >= MOST_LOSSES
+        self._more += full
+        return full
 
     def _close(self, end_ns: int | None) -> None:
         for why, last in self._open:
-            self.losses += [Loss(why, topic, start, end_ns) for topic, start in sorted(last.items())] or [
-                Loss(why, "", None, end_ns)
-            ]
+            self._add(why, last, end_ns, min(last.values(), default=None))
         self._open = []
+
+    def _add(self, why: str, starts: Mapping[str, int], end_ns: int | None, start_ns: int | None) -> None:
+        """Add a loss of each topic from its start on; one of all topics where there are none, or too many to be told apart."""
+        named = sorted(starts.items()) if len(starts) <= MOST_TOPICS else []
+        self.losses += [Loss(why, topic, start, end_ns) for topic, start in named] or [Loss(why, "", start_ns, end_ns)]

@@ -7,90 +7,96 @@ from __future__ import annotations
 import re
 import zlib
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-from hullrecon.dive.logs.readers.loss_tracker import LossTracker
-from hullrecon.dive.logs.readers.mcap_records import (
+from hullrecon.dive.logs.formats.mcap_records import (
     CHANNEL,
     CHUNK,
+    CHUNK_HEAD,
     DATA_END,
-    FOOTER,
+    DATA_END_SIZE,
     HEAD,
+    IN_DATA,
     MAGIC,
     MESSAGE,
+    MESSAGE_INDEX,
+    PRIVATE,
     SCHEMA,
     Chunk,
     Definitions,
-    Summary,
     head,
     messages_of,
+    packed_at,
     read_chunk,
-    read_summary,
 )  # fmt: skip
-from hullrecon.dive.logs.readers.protocol import Loss, Message
-from hullrecon.dive.logs.readers.unpack import DamagedError, fields
+from hullrecon.dive.logs.formats.mcap_summary import Summary, is_end_of_data, read_summary
+from hullrecon.dive.logs.readers.file_log import FileLog
+from hullrecon.dive.logs.readers.protocol import Message
+from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget, fields
 
 BLOCK = 1 << 20
-LIKE_A_CHUNK = re.compile(rb"\x06.{5}\x00\x00\x00", re.DOTALL)  # no chunk is longer than 2^40 bytes
+LIKE_A_CHUNK = re.compile(rb"\x06(?=.{5}\x00\x00\x00)", re.DOTALL)  # no chunk is longer than 2^40 bytes
+PATIENCE = 4  # times the file's size: so much of chunks that turn out damaged is read before the rest is given up
+NO_CHECKSUM = "chunks of the MCAP carry no checksum: damage inside them may go unseen"
 
 
-class McapLog:
+class McapLog(FileLog):
     """Walks the chunks that the summary names; without a usable summary, the file from its start, past every damage."""
 
     kind = "MCAP"
-    gives_samples = False
 
     def __init__(self, path: Path) -> None:
-        self.path = path
-        self.remarks: list[str] = []
-        self._tracker = LossTracker()
+        super().__init__(path)
         self._definitions = Definitions()
+        self._budget = UnpackBudget(0)
+        self._seen = _Unchecked()
 
-    def messages(self) -> Iterator[Message]:
-        self.remarks, self._tracker, self._definitions = [], LossTracker(), Definitions()
+    def _read(self) -> Iterator[Message]:
         size = self.path.stat().st_size
+        self._budget, self._seen = UnpackBudget(size), _Unchecked()
         with self.path.open("rb") as stream:
             summary = read_summary(stream, size)
             if summary is not None and summary.chunks:
+                self._definitions = summary.definitions
                 yield from self._by_summary(stream, size, summary)
             else:
+                self._definitions = Definitions()
                 yield from self._from_start(stream, size)
-        if self._definitions.unknown:
-            self.remarks.append(f"{self._definitions.unknown} messages belong to topics whose definition was lost")
+        self._tracker.count_lost("they belong to topics whose definition was lost", self._definitions.unknown)
+        if self._seen.private:
+            self.remarks.append(f"{self._seen.private} records of a private kind were left aside")
         self._tracker.finish(summary.counts if summary is not None else None)
-
-    def losses(self) -> list[Loss]:
-        return list(self._tracker.losses)
 
     def _by_summary(self, stream: BinaryIO, size: int, summary: Summary) -> Iterator[Message]:
         for note in summary.chunks:
             try:
-                found = self._open(read_chunk(stream, note.offset, size), summary.definitions)
+                found = self._open(read_chunk(stream, note.offset, size))
             except DamagedError as error:
+                self._seen.damaged = True
                 why = f"the chunk at byte {note.offset} is damaged: {error}"
                 self._tracker.add_loss(why, note.start_ns, note.end_ns, note.topics or tuple(summary.counts))
                 continue
             yield from map(self._tracker.record, found)
+        self._check_data(stream, summary.start - DATA_END_SIZE)
 
     def _from_start(self, stream: BinaryIO, size: int) -> Iterator[Message]:
         """Record by record; behind damage the next chunk is looked for."""
-        definitions, loose, at = self._definitions, _LooseRecords(), len(MAGIC)
+        at, patience = len(MAGIC), PATIENCE * size
         while at < size:
+            length = 0
             try:
                 opcode, length = head(stream, at, size)
-                if opcode == CHUNK:
-                    found = self._open(read_chunk(stream, at, size), definitions)
-                elif opcode in (DATA_END, FOOTER):
-                    self._end_of_data(stream, opcode, length, at, loose)
+                if is_end_of_data(stream, opcode, length, at, size):
+                    self._check_data(stream, at)
                     return
-                else:
-                    found = _loose(stream, opcode, length, definitions)
-                    loose.messages += len(found)
+                found = self._messages_at(stream, opcode, length, at, size)
             except DamagedError as error:
-                loose.whole = False
+                self._seen.damaged = True
                 self._tracker.open_gap(f"the file is damaged at byte {at}: {error}")
-                at = find_chunk(stream, at + 1, size)
+                patience -= min(length, LARGEST_CHUNK)
+                at = find_chunk(stream, at + 1, size) if patience >= 0 else size
                 if at == size:
                     break
                 continue
@@ -99,31 +105,57 @@ class McapLog:
         else:
             self._tracker.open_gap(f"the file ends at byte {size} without its closing records")
         self.remarks.append("the MCAP has no closing records: its recording or its copy was cut short")
+        self._check_data(stream, size)
 
-    def _open(self, chunk: Chunk, definitions: Definitions) -> list[Message]:
-        if not chunk.crc and "no checksum" not in "".join(self.remarks):
-            self.remarks.append("chunks of the MCAP carry no checksum: damage inside them may go unseen")
-        return messages_of(chunk, definitions)
+    def _messages_at(self, stream: BinaryIO, opcode: int, length: int, at: int, size: int) -> list[Message]:
+        """Return the messages of the record at byte `at`. Raises DamagedError for a record that cannot stand there."""
+        stream.seek(at + HEAD)
+        if opcode == CHUNK or packed_at(stream.read(min(length, CHUNK_HEAD)), length) is not None:
+            if opcode != CHUNK:
+                self.remarks.append(f"the record at byte {at} is a chunk whose kind is damaged; it was read all the same")
+            return self._open(read_chunk(stream, at, size))
+        if opcode >= PRIVATE:
+            self._seen.private += 1
+            return []
+        if opcode not in IN_DATA or opcode == DATA_END:
+            raise DamagedError("a record stands there that does not belong among the data")
+        stream.seek(at + HEAD)
+        if opcode == MESSAGE_INDEX and fields("<HI", stream.read(6))[1] > length - 6:
+            raise DamagedError("an index there contradicts itself")
+        if opcode not in (SCHEMA, CHANNEL, MESSAGE):
+            return []
+        if length > LARGEST_CHUNK:
+            raise DamagedError(f"it claims {length} bytes")
+        self._seen.loose = True
+        message = self._definitions.take(opcode, stream.read(length))
+        return [] if message is None else [message]
 
-    def _end_of_data(self, stream: BinaryIO, opcode: int, length: int, at: int, loose: _LooseRecords) -> None:
-        """Messages outside chunks are covered by one checksum over all that lies before."""
-        crc = fields("<I", stream.read(length))[0] if opcode == DATA_END else 0
-        if loose.messages and loose.whole and crc and crc != checksum(stream, at):
-            self._tracker.add_loss(f"the checksum over {loose.messages} messages is wrong: some may be damaged", 0, 0)
+    def _open(self, chunk: Chunk) -> list[Message]:
+        if not chunk.crc:
+            self._seen.chunks = True
+        return messages_of(chunk, self._definitions, self._budget)
+
+    def _check_data(self, stream: BinaryIO, at: int) -> None:
+        """Compare what no chunk's checksum covers with the one checksum over all data, and say where there is none."""
+        stream.seek(at)
+        closing = stream.read(DATA_END_SIZE)
+        crc = int.from_bytes(closing[HEAD:], "little") if closing[:HEAD] == bytes([DATA_END, 4, *bytes(7)]) else 0
+        if not (self._seen.loose or self._seen.chunks):
+            return
+        if crc and not self._seen.damaged and crc != checksum(stream, at):
+            self._tracker.add_loss("the checksum over all messages is wrong: some may be damaged", 0, 0)
+        elif not crc and self._seen.chunks:
+            self.remarks.append(NO_CHECKSUM)
 
 
-class _LooseRecords:
-    """Messages outside chunks: how many there are, and whether no damage was met on the way."""
+@dataclass
+class _Unchecked:
+    """What was met on the way: definitions or messages outside chunks, chunks without a checksum, damage, private records."""
 
-    messages = 0
-    whole = True
-
-
-def _loose(stream: BinaryIO, opcode: int, length: int, definitions: Definitions) -> list[Message]:
-    if opcode not in (SCHEMA, CHANNEL, MESSAGE):
-        return []
-    message = definitions.take(opcode, stream.read(length))
-    return [] if message is None else [message]
+    loose: bool = False
+    chunks: bool = False
+    damaged: bool = False
+    private: int = 0
 
 
 def checksum(stream: BinaryIO, end: int) -> int:
@@ -132,21 +164,25 @@ def checksum(stream: BinaryIO, end: int) -> int:
     stream.seek(0)
     while left > 0:
         block = stream.read(min(BLOCK, left))
+        if not block:
+            break
         crc, left = zlib.crc32(block, crc), left - len(block)
     return crc
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """Return the first byte at or after `start` where a whole chunk lies; `size` when there is none."""
+    """Return the first byte at or after `start` where a chunk lies whose lengths agree; `size` when there is none.
+
+    Only heads are looked at: bodies that are read for each head that looks like one would take the square of the file.
+    """
     at = start
     while at < size:
         stream.seek(at)
-        block = stream.read(BLOCK + HEAD)
-        for match in LIKE_A_CHUNK.finditer(block):
-            try:
-                read_chunk(stream, at + match.start(), size)
-            except DamagedError:
-                continue
-            return at + match.start()
+        block = stream.read(BLOCK + HEAD + CHUNK_HEAD)
+        for match in LIKE_A_CHUNK.finditer(block, 0, min(len(block), BLOCK + HEAD)):
+            begin = match.start() + HEAD
+            length = int.from_bytes(block[match.start() + 1 : begin], "little")
+            if at + begin + length <= size and packed_at(block[begin : begin + CHUNK_HEAD], length) is not None:
+                return at + match.start()
         at += BLOCK
     return size

@@ -7,7 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from hullrecon.dive.logs.readers import mcap_records, pd0_ensemble, rosbag1, sqlite
+from hullrecon.dive.logs.formats import bag_records, mcap_records, pd0_ensemble
+from hullrecon.dive.logs.readers import sqlite
+from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
 from hullrecon.dive.logs.readers.plain import COLUMNS, PlainLog
@@ -15,10 +17,11 @@ from hullrecon.dive.logs.readers.protocol import Log
 from hullrecon.dive.logs.readers.rosbag1 import Rosbag1Log
 from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE, Rosbag2Log
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
+from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.errors import InputError
 
 BY_MAGIC: dict[bytes, Callable[[Path], Log]] = {
-    mcap_records.MAGIC: McapLog, rosbag1.MAGIC: Rosbag1Log, sqlite.MAGIC: SqliteLog, pd0_ensemble.MAGIC: Pd0Log,
+    mcap_records.MAGIC: McapLog, bag_records.MAGIC: Rosbag1Log, sqlite.MAGIC: SqliteLog, pd0_ensemble.MAGIC: Pd0Log,
 }  # fmt: skip
 BY_SUFFIX: dict[str, Callable[[Path], Log]] = {".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log}
 FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 file or a folder of CSVs"
@@ -29,21 +32,23 @@ def open_log(path: Path, package: Path | None = None) -> Log:
 
     package: the folder that paths in plain files may be relative to.
     """
-    where = str(path.parent)
+    where, name = printable(str(path.parent)), printable(path.name)
     try:
         if path.is_dir():
             return _open_folder(path, package)
         start = _start(path)
     except FileNotFoundError:
-        raise InputError(f"the log {path.name} is missing{_beside(path)}", where=where, remedy="correct logs.files") from None
+        raise InputError(f"the log {name} is missing{_beside(path)}", where=where, remedy="correct logs.files") from None
     except OSError as error:
-        raise InputError(f"the log {path.name} cannot be read: {error.strerror}", where=where) from None
+        raise InputError(f"the log {name} cannot be read: {error.strerror}", where=where) from None
+    except ValueError as error:  # a name with a zero byte
+        raise InputError(f"the log {name} cannot be read: {error}", where=where) from None
     if not start:
-        raise InputError(f"the log {path.name} is empty", where=where)
+        raise InputError(f"the log {name} is empty", where=where)
     found = [reader for magic, reader in BY_MAGIC.items() if start.startswith(magic)]
     found += [reader for suffix, reader in BY_SUFFIX.items() if path.suffix.lower() == suffix]
     if not found:
-        raise InputError(f"{path.name} is no log that is read here", where=where, remedy=f"give {FORMS}")
+        raise InputError(f"{name} is no log that is read here", where=where, remedy=f"give {FORMS}")
     return found[0](path)
 
 
@@ -53,11 +58,21 @@ def _open_folder(path: Path, package: Path | None) -> Log:
         return Rosbag2Log(path)
     if any(f"{sensor}.csv" in names for sensor in COLUMNS):
         return PlainLog(path, package)
-    raise InputError(f"the folder {path.name} holds no log that is read here", where=str(path.parent), remedy=f"give {FORMS}")
+    raise InputError(
+        f"the folder {printable(path.name)} holds no log that is read here", where=printable(str(path.parent)),
+        remedy=f"give {FORMS}",
+    )  # fmt: skip
 
 
 def find_logs(path: Path) -> list[Path]:
     """Return the log that a path is, or those that lie in a folder or in its folder `logs`. InputError when there is none."""
+    try:
+        return _find_logs(path)
+    except OSError as error:
+        raise unreadable(path, error) from None
+
+
+def _find_logs(path: Path) -> list[Path]:
     if not path.is_dir() or _holds_log(path):
         return [path]
     for folder in (path, path / "logs"):
@@ -67,7 +82,8 @@ def find_logs(path: Path) -> list[Path]:
         found = [p for p in inside if p.suffix.lower() in BY_SUFFIX or (p.is_dir() and p.name != "logs" and _holds_log(p))]
         if found:
             return found
-    raise InputError(f"the folder {path.name} holds no log that is read here", where=str(path), remedy=f"give {FORMS}")
+    name, where = printable(path.name), printable(str(path))
+    raise InputError(f"the folder {name} holds no log that is read here", where=where, remedy=f"give {FORMS}")
 
 
 def _holds_log(folder: Path) -> bool:
@@ -77,10 +93,14 @@ def _holds_log(folder: Path) -> bool:
 
 
 def _start(path: Path) -> bytes:
+    require_regular_file(path)
     with path.open("rb") as stream:
         return stream.read(64)
 
 
 def _beside(path: Path) -> str:
-    names = sorted(p.name for p in path.parent.iterdir())[:6] if path.parent.is_dir() else []
-    return f" (there are {', '.join(names)})" if names else ""
+    try:
+        names = sorted(p.name for p in path.parent.iterdir())[:6]
+    except OSError:
+        return ""
+    return f" (there are {', '.join(map(printable, names))})" if names else ""

@@ -8,15 +8,13 @@ beam 2, y towards beam 3, z into the housing (Teledyne RD Instruments, Coordinat
 
 from __future__ import annotations
 
-import mmap
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
-from hullrecon.dive.logs.readers.loss_tracker import LossTracker
-from hullrecon.dive.logs.readers.pd0_ensemble import Ensemble, ensembles
-from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
+from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles
+from hullrecon.dive.logs.readers.file_log import FileLog
+from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.samples import DvlSample
 from hullrecon.typing import Array
 
@@ -25,22 +23,16 @@ DVL_FROM_INSTRUMENT = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
 AZIMUTH_RAD = np.radians([-90.0, 90.0, 0.0, 180.0])  # of beams 1 to 4 about z of `dvl`
 
 
-class Pd0Log:
+class Pd0Log(FileLog):
     """Ensembles whose checksum holds; what lies between them is named."""
 
     kind = "Teledyne PD0"
     gives_samples = True
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.remarks: list[str] = []
-        self._tracker = LossTracker()
-
-    def messages(self) -> Iterator[Message]:
-        self.remarks, self._tracker = [], LossTracker()
+    def _read(self) -> Iterator[Message]:
         frames = set()
-        with self.path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
-            for start, end, found in ensembles(data):
+        with self.path.open("rb") as stream:
+            for start, end, found in ensembles(stream):
                 if isinstance(found, str):
                     self._tracker.open_gap(f"{end - start} bytes from byte {start} on hold no whole ensemble: {found}")
                     continue
@@ -51,9 +43,6 @@ class Pd0Log:
             f"velocities in {' and '.join(sorted(frames)) or 'no'} coordinates were turned into the frame dvl (x to beam 3); "
             "ranges along the axis were divided by the cosine of the beam angle; the instrument's clock was taken as UTC"
         )
-
-    def losses(self) -> list[Loss]:
-        return list(self._tracker.losses)
 
 
 def to_sample(ping: Ensemble) -> DvlSample:

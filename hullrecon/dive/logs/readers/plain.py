@@ -4,17 +4,19 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Callable, Iterator, Mapping
+import os
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 
+from hullrecon.dive.logs.formats.csv_rows import Row, read_rows
+from hullrecon.dive.logs.formats.sonar_file import read_ping
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
+from hullrecon.dive.logs.readers.unpack import LONGEST_REASON, printable
 from hullrecon.dive.logs.samples import DvlSample, ImageSample, ImuSample, JointSample, PressureSample, Sample, SonarSample
 from hullrecon.errors import InputError
 
-Row = Mapping[str, str]
 COLUMNS = {
     "dvl": ("t", "vx", "vy", "vz"),
     "imu": ("t", "qx", "qy", "qz", "qw"),
@@ -26,6 +28,9 @@ COLUMNS = {
 }
 UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 EARLIEST_S, LATEST_S = 3e8, 4.2e9  # 1979 and 2103: no log of a dive lies outside
+LISTED_LINES = 5
+PING_FREE_BYTES, PING_RATIO = 1 << 26, 64  # all pings together unpack to at most so many bytes and so many times their files
+LONGEST_FILE_NAME, LONGEST_PATH = 255, 1000  # characters; file systems take no longer names, and paths of up to 4096 in all
 RATES, ACCELERATION = ("wx", "wy", "wz"), ("ax", "ay", "az")
 
 
@@ -39,13 +44,17 @@ class PlainLog:
         self.path, self.package = path, package or path
         self.remarks: list[str] = []
         self._losses: list[Loss] = []
+        self._pings: set[Path] = set()
+        self._ping_bytes_left = PING_FREE_BYTES
 
     def messages(self) -> Iterator[Message]:
-        self.remarks, self._losses = [], []
+        """Yield the rows of all tables, table by table. Raises InputError for a table of which nothing can be read."""
+        self.remarks, self._losses, self._pings, self._ping_bytes_left = [], [], set(), PING_FREE_BYTES
         for table in self.tables():
             yield from self._table(table.removesuffix(".csv"))
 
     def losses(self) -> list[Loss]:
+        """Return what the last pass could not read."""
         return list(self._losses)
 
     def tables(self) -> list[str]:
@@ -54,29 +63,31 @@ class PlainLog:
 
     def named_files(self) -> list[Path]:
         """Return the files that a CSV of images or pings names and that exist, relative to the package if they lie in it."""
-        out = []
-        for sensor in ("camera_top", "camera_bottom", "sonar"):
-            if (self.path / f"{sensor}.csv").exists():
-                out += [self._locate(row["file"]) for _, row in self._read(sensor) if row.get("file")]
-        return sorted({self._in_package(path) for path in out if path.is_file()})
+        names = {
+            row["file"]
+            for sensor in ("camera_top", "camera_bottom", "sonar")
+            if f"{sensor}.csv" in self.tables()
+            for _, row in self._read(sensor)
+            if row is not None and row["file"]
+        }
+        return sorted({self._in_package(path) for path in map(self._locate, names) if is_file(path)})
 
     def _table(self, sensor: str) -> Iterator[Message]:
-        channel = Channel(sensor, f"{sensor}.csv", "sample")
-        bad: list[int] = []
-        late: list[float] = []
-        first_reason = ""
-        rows = 0
+        channel, translate = Channel(sensor, f"{sensor}.csv", "sample"), self._samples()[sensor]
+        bad, rows, late, first_reason = _BadLines(), 0, list[float](), ""
         for line, row in self._read(sensor):
             rows += 1
             try:
-                sample = self._samples()[sensor](row)
+                if row is None:
+                    raise ValueError("it is cut off, too long or no CSV")
+                sample = translate(row)
             except _LateStampError as error:
                 late.append(error.seconds)
-                bad.append(line)
+                bad.add(line)
                 continue
-            except (ValueError, TypeError, KeyError, OverflowError, AttributeError) as error:
-                first_reason = first_reason or f"line {line}: {error}"
-                bad.append(line)
+            except (ValueError, TypeError, KeyError, OverflowError, AttributeError, OSError) as error:
+                first_reason = first_reason or f"line {line}: {printable(str(error), LONGEST_REASON)}"
+                bad.add(line)
                 continue
             yield Message(channel, sample.t_ns, sample)
         if 2 * len(late) > rows:
@@ -84,34 +95,20 @@ class PlainLog:
                 f"{sensor}.csv has stamps such as {late[0]:.17g}{unit_of_stamp(late[0])}", where=str(self.path),
                 remedy="write column t in seconds since 1970",
             )  # fmt: skip
-        if rows and len(bad) == rows:
+        if rows and bad.count == rows:
             raise InputError(f"{sensor}.csv has no row that can be read: {first_reason}", where=str(self.path))
-        if bad:
-            lines = ", ".join(map(str, bad[:5])) + (", ..." if len(bad) > 5 else "")
-            self._losses.append(Loss(f"lines {lines} of {sensor}.csv cannot be read", sensor, messages=len(bad)))
+        if bad.count:
+            self._losses.append(Loss(f"lines {bad.listed()} of {sensor}.csv cannot be read", sensor, messages=bad.count))
 
-    def _read(self, sensor: str) -> Iterator[tuple[int, Row]]:
-        """Line number and row. InputError when a column that every row needs is not in the header."""
-        path = self.path / f"{sensor}.csv"
-        with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
-            table = csv.DictReader((line.replace("\0", "") for line in stream), skipinitialspace=True)
-            missing = [name for name in COLUMNS[sensor] if name not in (table.fieldnames or ())]
-            if missing:
-                raise InputError(
-                    f"{path.name} has no column {', '.join(missing)}", where=str(path.parent),
-                    remedy=f"its header row needs {', '.join(COLUMNS[sensor])}",
-                )  # fmt: skip
-            try:
-                yield from ((table.line_num, row) for row in table)
-            except csv.Error as error:
-                self._losses.append(Loss(f"{path.name} cannot be read from line {table.line_num} on: {error}", sensor))
+    def _read(self, sensor: str) -> Iterator[tuple[int, Row | None]]:
+        return read_rows(self.path / f"{sensor}.csv", COLUMNS[sensor])
 
     def _samples(self) -> dict[str, Callable[[Row], Sample]]:
         return {
             "dvl": _dvl,
             "imu": _imu,
             "pressure": lambda row: PressureSample(_ns(row), _number(row["pascal"])),
-            "joints": lambda row: JointSample(_ns(row), row["name"].strip(), _number(row["rad"])),
+            "joints": lambda row: JointSample(_ns(row), printable(row["name"].strip()), _number(row["rad"])),
             "camera_top": lambda row: self._image("camera_top", row),
             "camera_bottom": lambda row: self._image("camera_bottom", row),
             "sonar": self._sonar,
@@ -119,10 +116,14 @@ class PlainLog:
 
     def _locate(self, name: str) -> Path:
         beside = self.path / name.strip()
-        return beside if beside.exists() else self.package / name.strip()
+        return beside if is_there(beside) else self.package / name.strip()
 
     def _image(self, camera: str, row: Row) -> ImageSample:
-        path = self._locate(row["file"])
+        name = row["file"].strip()
+        path = self._locate(name)
+        is_name = 0 < len(name) <= LONGEST_PATH and len(path.name) <= LONGEST_FILE_NAME
+        if not is_name or (is_there(path) and not is_file(path)):
+            raise ValueError(f"{printable(name, LONGEST_REASON)!r} is no file")
         return ImageSample(_ns(row), camera, b"", self._in_package(path).as_posix())
 
     def _in_package(self, path: Path) -> Path:
@@ -130,18 +131,52 @@ class PlainLog:
 
     def _sonar(self, row: Row) -> SonarSample:
         """Beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
+        name = printable(row["file"], LONGEST_REASON)
+        path = Path(os.path.realpath(self._locate(row["file"])))  # of links in a circle, too
+        if path in self._pings:
+            raise ValueError(f"{name}: it was another ping's file already")
         try:
-            with self._locate(row["file"]).open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
-                absent = [key for key in ("image", "azimuth", "range") if key not in arrays]
-                if absent:
-                    raise ValueError(f"it has no {' and no '.join(absent)}")
-                image, azimuth, range_m = (np.asarray(arrays[key]) for key in ("image", "azimuth", "range"))
-        except Exception as error:  # numpy and zipfile raise a dozen kinds over a damaged .npz
-            raise ValueError(f"{row['file']}: {error}") from None
-        if image.shape != (len(azimuth), len(range_m)) or not image.size:
-            raise ValueError("the sonar image's shape is not [beams, ranges]")
+            image, azimuth, range_m = read_ping(path)
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
+        self._pings.add(path)
+        self._ping_bytes_left += PING_RATIO * path.stat().st_size - image.nbytes
+        if self._ping_bytes_left < 0:
+            raise ValueError(f"{name}: with it the pings would unpack to more than {PING_RATIO} times their size")
         directions = np.stack([np.zeros(len(azimuth)), np.sin(azimuth), np.cos(azimuth)], axis=1)
-        return SonarSample(_ns(row), image, directions, range_m.astype(float))
+        return SonarSample(_ns(row), image, directions, range_m)
+
+
+class _BadLines:
+    """Lines that cannot be read: their number, and the first of them."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._first: list[int] = []
+
+    def add(self, line: int) -> None:
+        self.count += 1
+        if len(self._first) < LISTED_LINES:
+            self._first.append(line)
+
+    def listed(self) -> str:
+        return ", ".join(map(str, self._first)) + (", ..." if self.count > LISTED_LINES else "")
+
+
+def is_there(path: Path) -> bool:
+    """Return whether something lies at a path; False for a path that no file can have."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
+
+
+def is_file(path: Path) -> bool:
+    """Return whether a file lies at a path, and no pipe, device or folder."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
 
 
 class _LateStampError(ValueError):
@@ -185,6 +220,8 @@ def _ns(row: Row) -> int:
     seconds = float(row["t"])
     if seconds > LATEST_S:
         raise _LateStampError(seconds)
+    if seconds < -LATEST_S:
+        raise ValueError(f"the stamp {seconds:g} lies before any log")
     whole, _, fraction = row["t"].strip().partition(".")
     if whole.lstrip("-").isdigit() and (not fraction or fraction.isdigit()) and not whole.startswith("-"):
         return int(whole) * 1_000_000_000 + int((fraction + "0" * 9)[:9])

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.samples import Sample
 
 
@@ -22,6 +23,11 @@ class Channel:
     encoding: str
     definition: str = ""
     definition_format: str = "ros2msg"
+
+    def __post_init__(self) -> None:
+        """Escape what a terminal would obey: names come from the log and are printed."""
+        for name in ("topic", "type", "encoding"):
+            object.__setattr__(self, name, printable(getattr(self, name)))
 
 
 @dataclass(frozen=True, slots=True)

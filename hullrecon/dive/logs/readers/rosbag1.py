@@ -4,76 +4,66 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
 from typing import BinaryIO
 
-from hullrecon.dive.logs.readers.loss_tracker import LossTracker
-from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
-from hullrecon.dive.logs.readers.unpack import DamagedError, decompress, fields, text
+from hullrecon.dive.logs.formats.bag_records import (
+    CHUNK,
+    CHUNK_INFO,
+    MAGIC,
+    MESSAGE,
+    BagChunk,
+    Connections,
+    messages_of,
+    op_of,
+    parse_head,
+    read_index,
+    record,
+)  # fmt: skip
+from hullrecon.dive.logs.readers.file_log import FileLog
+from hullrecon.dive.logs.readers.protocol import Message
+from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget
 
-MAGIC = b"#ROSBAG V2.0\n"
-MESSAGE, BAG, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
-OPCODES = (MESSAGE, BAG, INDEX, CHUNK, CHUNK_INFO, CONNECTION)
-LARGEST_HEAD = 1 << 20  # bytes; a connection's head holds its topic, never more
 OP_CHUNK = b"\x04\x00\x00\x00op=\x05"
 HEAD_REACH = 64  # a chunk's head starts at most so many bytes before its `op` field
+LONGEST_CHUNK_HEAD = 4 * HEAD_REACH
+LIKE_A_LENGTH = re.compile(rb"(?=[\x09-\xff]\x00\x00\x00)", re.DOTALL)  # of a chunk's head
 BLOCK = 1 << 20
-
-Head = dict[str, bytes]
-
-
-@dataclass(frozen=True)
-class BagChunk:
-    """What the index says about one chunk: where it is, its span in log time, messages by connection."""
-
-    offset: int
-    start_ns: int
-    end_ns: int
-    counts: dict[int, int]
+PATIENCE = 4  # times the file's size: so much of chunks that turn out damaged is read before the rest is given up
+NO_CHECKSUM = "chunks of the bag carry no checksum: damage inside them may go unseen"
 
 
-class Connections(dict[int, Channel]):
-    """The connections met so far; unknown: messages of those whose definition was lost."""
-
-    unknown = 0
-
-
-class Rosbag1Log:
+class Rosbag1Log(FileLog):
     """A bag has no checksums (bz2 and most lz4 chunks apart): damage shows where lengths or types no longer fit."""
 
     kind = "ROS 1 bag"
-    gives_samples = False
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.remarks: list[str] = []
-        self._tracker = LossTracker()
-
-    def messages(self) -> Iterator[Message]:
-        self.remarks, self._tracker = [], LossTracker()
+    def _read(self) -> Iterator[Message]:
         size = self.path.stat().st_size
-        connections = Connections()
+        connections, budget = Connections(), UnpackBudget(size)
         with self.path.open("rb") as stream:
             notes = read_index(stream, size, connections)
             if notes is None:
                 self.remarks.append("the bag has no usable index (was its recording cut short?): it was read from its start")
-                yield from self._from_start(stream, size, connections)
+                yield from self._from_start(stream, size, connections, budget)
             else:
-                yield from self._by_index(stream, size, connections, notes)
-        if connections.unknown:
-            self.remarks.append(f"{connections.unknown} messages belong to topics whose definition was lost")
+                yield from self._by_index(stream, size, connections, notes, budget)
+        if connections.unchecked:
+            self.remarks.append(NO_CHECKSUM)
+        self._tracker.count_lost("they belong to topics whose definition was lost", connections.unknown)
         self._tracker.finish(_expected(notes or [], connections))
 
-    def losses(self) -> list[Loss]:
-        return list(self._tracker.losses)
-
-    def _by_index(self, stream: BinaryIO, size: int, connections: Connections, notes: list[BagChunk]) -> Iterator[Message]:
+    def _by_index(
+        self, stream: BinaryIO, size: int, connections: Connections, notes: list[BagChunk], budget: UnpackBudget
+    ) -> Iterator[Message]:
+        behind = 0
         for note in notes:
             try:
-                head, data, _ = record(stream, note.offset, size)
-                found = messages_of(head, data, connections)
+                if note.offset < behind:
+                    raise DamagedError("it lies inside the chunk before it")
+                head, data, behind = record(stream, note.offset, size)
+                found = messages_of(head, data, connections, budget)
                 if len(found) != sum(note.counts.values()):
                     raise DamagedError(f"it holds {len(found)} messages instead of {sum(note.counts.values())}")
             except DamagedError as error:
@@ -84,148 +74,60 @@ class Rosbag1Log:
                 continue
             yield from map(self._tracker.record, found)
 
-    def _from_start(self, stream: BinaryIO, size: int, connections: Connections) -> Iterator[Message]:
-        at = len(MAGIC)
+    def _from_start(self, stream: BinaryIO, size: int, connections: Connections, budget: UnpackBudget) -> Iterator[Message]:
+        at, patience = len(MAGIC), PATIENCE * size
+        closed = False
         while at < size:
+            following = at
             try:
                 head, data, following = record(stream, at, size)
-                found = messages_of(head, data, connections)
+                connections.unchecked |= op_of(head) == MESSAGE
+                found = messages_of(head, data, connections, budget)
             except DamagedError as error:
                 self._tracker.open_gap(f"the file is damaged at byte {at}: {error}")
-                at = find_chunk(stream, at + 1, size)
+                patience -= min(following - at, LARGEST_CHUNK)
+                at = find_chunk(stream, at + 1, size) if patience >= 0 else size
+                if at == size:
+                    return
                 continue
             yield from map(self._tracker.record, found)
-            at = following
-
-
-def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
-    """Head and data of the record at byte `at`, and the byte behind it."""
-    stream.seek(at)
-    (length,) = fields("<I", stream.read(4))
-    if length > LARGEST_HEAD or at + 8 + length > size:
-        raise DamagedError("no record starts there, or it is cut off")
-    head = _head(stream.read(length))
-    (count,) = fields("<I", stream.read(4))
-    end = at + 8 + length + count
-    if end > size:
-        raise DamagedError("the record there is cut off")
-    if _op(head) not in OPCODES:
-        raise DamagedError("no record starts there")
-    return head, stream.read(count), end
-
-
-def messages_of(head: Head, data: bytes, connections: Connections) -> list[Message]:
-    """Messages of a chunk, or of a message record that stands alone; connections met on the way are learnt."""
-    op = _op(head)
-    if op == CHUNK:
-        data = decompress(data, text(head.get("compression", b"")), fields("<I", head.get("size", b""))[0])
-        return [m for h, d in records(data) for m in messages_of(h, d, connections) if _op(h) != CHUNK]
-    if op == CONNECTION:
-        number, channel = _connection(head, data)
-        connections.setdefault(number, channel)
-    if op != MESSAGE:
-        return []
-    (number,) = fields("<I", head.get("conn", b""))
-    if number not in connections:
-        connections.unknown += 1
-        return []
-    return [Message(connections[number], _time(head.get("time", b"")), data)]
-
-
-def records(data: bytes) -> Iterator[tuple[Head, bytes]]:
-    """Yield head and data of records in a row."""
-    at = 0
-    while at < len(data):
-        (length,) = fields("<I", data, at)
-        (count,) = fields("<I", data, at + 4 + length)
-        end = at + 8 + length + count
-        if end > len(data):
-            raise DamagedError("a record reaches beyond its end")
-        yield _head(data[at + 4 : at + 4 + length]), data[at + 8 + length : end]
-        at = end
-
-
-def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[BagChunk] | None:
-    """Return the chunks that the index at the end of the bag names, in the order of the file; None when there is none to
-    trust."""
-    try:
-        head, _, _ = record(stream, len(MAGIC), size)
-        (at,) = fields("<Q", head.get("index_pos", b""))
-        chunks = fields("<I", head.get("chunk_count", b""))[0]
-        notes = []
-        while 0 < at < size:
-            head, data, at = record(stream, at, size)
-            messages_of(head, b"" if _op(head) == CHUNK else data, connections)
-            if _op(head) == CHUNK_INFO:
-                notes.append(_note(head, data))
-    except DamagedError:
-        return None
-    return sorted(notes, key=lambda n: n.offset) if notes and len(notes) == chunks else None
+            at, closed = following, op_of(head) == CHUNK_INFO
+        if not closed:
+            self._tracker.open_gap(f"the file ends at byte {size} without its index")
 
 
 def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
-    """Return the first byte at or after `start` where a whole chunk record lies; `size` when there is none."""
+    """Return the first byte at or after `start` where a chunk's head lies whose data fits into the file; `size` when there is
+    none.
+
+    Only heads are looked at: data that is read for each head that looks like one would take the square of the file.
+    """
     at = start
     while at < size:
         stream.seek(max(0, at - HEAD_REACH))
         base = stream.tell()
-        block = stream.read(BLOCK + 2 * HEAD_REACH)
+        block = stream.read(BLOCK + HEAD_REACH + LONGEST_CHUNK_HEAD)
         found = block.find(OP_CHUNK)
-        while found >= 0:
-            for begin in range(max(start, base + found - HEAD_REACH), base + found - 3):
-                if _is_chunk(stream, begin, size):
-                    return begin
+        while 0 <= found < BLOCK + HEAD_REACH:
+            for match in LIKE_A_LENGTH.finditer(block, max(start - base, found - HEAD_REACH, 0), found):
+                if _is_chunk(block[match.start() : match.start() + 8 + LONGEST_CHUNK_HEAD], size - base - match.start()):
+                    return base + match.start()
             found = block.find(OP_CHUNK, found + 1)
         at += BLOCK
     return size
 
 
-def _is_chunk(stream: BinaryIO, at: int, size: int) -> bool:
-    stream.seek(at)
-    length = int.from_bytes(stream.read(4), "little")
-    if not len(OP_CHUNK) < length < 4 * HEAD_REACH:
+def _is_chunk(data: bytes, room: int) -> bool:
+    """Whether the record that starts there is a chunk that fits into so many bytes."""
+    length = int.from_bytes(data[:4], "little")
+    if not len(OP_CHUNK) < length < LONGEST_CHUNK_HEAD or len(data) < 8 + length:
         return False
     try:
-        head, _, _ = record(stream, at, size)
-        return _op(head) == CHUNK and {"compression", "size"} <= head.keys()
+        head = parse_head(data[4 : 4 + length])
     except DamagedError:
         return False
-
-
-def _head(data: bytes) -> Head:
-    """The fields of a record's head: each with its length in front, name=value."""
-    out, at = {}, 0
-    while at < len(data):
-        (length,) = fields("<I", data, at)
-        name, equals, value = data[at + 4 : at + 4 + length].partition(b"=")
-        if not equals or at + 4 + length > len(data):
-            raise DamagedError("a head's field does not fit")
-        out[text(name)] = value
-        at += 4 + length
-    return out
-
-
-def _op(head: Head) -> int:
-    op = head.get("op", b"")
-    return op[0] if len(op) == 1 else -1
-
-
-def _connection(head: Head, data: bytes) -> tuple[int, Channel]:
-    inner = _head(data)
-    kind, topic = text(inner.get("type", b"")), text(head.get("topic", b""))
-    definition = inner.get("message_definition", b"").decode(errors="replace")  # comments may be in any code page
-    return fields("<I", head.get("conn", b""))[0], Channel(topic, kind, "ros1", definition)
-
-
-def _note(head: Head, data: bytes) -> BagChunk:
-    (offset,) = fields("<Q", head.get("chunk_pos", b""))
-    pairs = [fields("<II", data, at) for at in range(0, len(data), 8)]
-    return BagChunk(offset, _time(head.get("start_time", b"")), _time(head.get("end_time", b"")), dict(pairs))  # type: ignore[arg-type]
-
-
-def _time(value: bytes) -> int:
-    seconds, nanoseconds = fields("<II", value)
-    return seconds * 1_000_000_000 + nanoseconds
+    count = int.from_bytes(data[4 + length : 8 + length], "little")
+    return op_of(head) == CHUNK and {"compression", "size"} <= head.keys() and 8 + length + count <= room
 
 
 def _expected(notes: list[BagChunk], connections: Connections) -> dict[str, int]:

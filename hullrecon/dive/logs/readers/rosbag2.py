@@ -4,19 +4,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 from hullrecon.dive.config.calibration import read_yaml
+from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.protocol import Log, Loss, Message
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
+from hullrecon.dive.logs.readers.unpack import DamagedError, UnpackBudget, printable, unpack_frame
 from hullrecon.errors import HullreconError, InputError
 
 METADATA = "metadata.yaml"
 STORAGE: dict[str, Callable[[Path], Log]] = {".mcap": McapLog, ".db3": SqliteLog}
+LARGEST_METADATA = 1 << 18  # bytes; a topic has some 400
+BY_NAME = "the folder's files were read by name"
 
 
 class Rosbag2Log:
@@ -31,47 +35,121 @@ class Rosbag2Log:
         self._losses: list[Loss] = []
 
     def messages(self) -> Iterator[Message]:
+        """Yield every whole message of the folder's files. Raises InputError for a folder that cannot be read at all."""
         self.remarks, self._losses = [], []
-        for log in self._parts():
+        seen: Counter[str] = Counter()
+        info = self._metadata()
+        for log in self._parts(info):
+            unpack = _MessageUnpacker(log.path) if info.compression == "MESSAGE" else None
             try:
-                yield from (self._unpacked(message) for message in log.messages())
+                for message in log.messages():
+                    seen[message.channel.topic] += 1
+                    yield message if unpack is None else unpack.unpack(message)
             except HullreconError as error:
                 self._losses.append(Loss(error.what))
             self._losses += log.losses()
-            self.remarks += [f"{log.path.name}: {remark}" for remark in log.remarks]
+            self.remarks += [f"{printable(log.path.name)}: {remark}" for remark in log.remarks]
+        self._losses += [
+            Loss(f"{METADATA} counts more of them than could be read", topic, messages=count - seen[topic])
+            for topic, count in sorted(info.counts.items())
+            if count > seen[topic]
+        ]
 
     def losses(self) -> list[Loss]:
+        """Return what the last pass could not read."""
         return list(self._losses)
 
-    def _parts(self) -> list[Log]:
-        info = self._metadata()
-        if info.get("compression_mode", "").upper() == "FILE":
+    def _parts(self, info: _Metadata) -> list[Log]:
+        if info.compression == "FILE":
             raise InputError("the ROS 2 folder's files are compressed", where=str(self.path), remedy="unpack them with zstd -d")
-        self._compressed = info.get("compression_mode", "").upper() == "MESSAGE"
-        named = [self.path / Path(str(name)).name for name in info.get("relative_file_paths", [])]
-        found = sorted(p for p in self.path.iterdir() if p.suffix in STORAGE)
+        try:
+            found = sorted(p for p in self.path.iterdir() if p.suffix in STORAGE)
+        except OSError as error:
+            raise unreadable(self.path, error) from None
+        named = [self.path / name for name in info.files]
         for missing in [p for p in named if p not in found]:
-            self._losses.append(Loss(f"the file {missing.name} is missing"))
+            self._losses.append(Loss(f"the file {printable(missing.name)} is missing"))
         order = [p for p in named if p in found] + [p for p in found if p not in named]
-        for empty in [p for p in order if not p.stat().st_size]:
-            self._losses.append(Loss(f"the file {empty.name} is empty"))
-        return [STORAGE[p.suffix](p) for p in order if p.stat().st_size]
+        return [STORAGE[p.suffix](p) for p in order if self._has_bytes(p)]
 
-    def _metadata(self) -> dict[str, Any]:
+    def _has_bytes(self, path: Path) -> bool:
+        try:
+            require_regular_file(path)
+            if path.stat().st_size:
+                return True
+            self._losses.append(Loss(f"the file {printable(path.name)} is empty"))
+        except InputError as error:
+            self._losses.append(Loss(error.what))
+        except OSError as error:
+            self._losses.append(Loss(unreadable(path, error).what))
+        return False
+
+    def _metadata(self) -> _Metadata:
         """Return what metadata.yaml holds; nothing, with a remark, when it is missing or damaged."""
+        path = self.path / METADATA
         try:
-            info = read_yaml(self.path / METADATA).get("rosbag2_bagfile_information")
+            if path.exists():
+                require_regular_file(path)
+                _refuse_bombs(path)
+            table = read_yaml(path)
         except HullreconError as error:
-            self.remarks.append(f"{error.what}; the folder's files were read by name")
-            return {}
-        return info if isinstance(info, dict) else {}
+            self.remarks.append(f"{error.what}; {BY_NAME}")
+            return _Metadata()
+        except Exception as error:  # the parser fails in a dozen ways over a half-written file
+            self.remarks.append(f"{METADATA} cannot be read: {type(error).__name__}; {BY_NAME}")
+            return _Metadata()
+        return _parse(table.get("rosbag2_bagfile_information"))
 
-    def _unpacked(self, message: Message) -> Message:
-        if not self._compressed or not isinstance(message.data, bytes):
+
+@dataclass(frozen=True, kw_only=True)
+class _Metadata:
+    """compression: "", "FILE" or "MESSAGE"; files in their order, each once; counts of messages by topic."""
+
+    compression: str = ""
+    files: tuple[str, ...] = ()
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+
+def _parse(info: object) -> _Metadata:
+    """What is there in the shape that it should have; a half-written file has the rest in none."""
+    table = info if isinstance(info, Mapping) else {}
+    mode, files, topics = (table.get(k) for k in ("compression_mode", "relative_file_paths", "topics_with_message_count"))
+    names = [Path(name).name for name in files if isinstance(name, str)] if isinstance(files, list) else []
+    counts: dict[str, int] = {}
+    for entry in topics if isinstance(topics, list) else []:
+        topic = entry.get("topic_metadata") if isinstance(entry, Mapping) else None
+        name = topic.get("name") if isinstance(topic, Mapping) else None
+        count = entry.get("message_count") if isinstance(entry, Mapping) else None
+        if isinstance(name, str) and isinstance(count, int):
+            counts[printable(name)] = count
+    return _Metadata(
+        compression=mode.upper() if isinstance(mode, str) else "",
+        files=tuple(dict.fromkeys(name for name in names if name)),
+        counts=counts,
+    )
+
+
+def _refuse_bombs(path: Path) -> None:
+    """Raise InputError for a file that YAML could blow up: too long, or with merges of aliases. Recorders write neither."""
+    size = path.stat().st_size
+    if size > LARGEST_METADATA:
+        raise InputError(f"{METADATA} has {size} bytes")
+    text = path.read_text(encoding="utf-8", errors="replace")
+    if "<<" in text or "!!merge" in text or "2002:merge" in text:
+        raise InputError(f"{METADATA} merges aliases")
+
+
+class _MessageUnpacker:
+    """Unpacks messages that were compressed one by one."""
+
+    def __init__(self, path: Path) -> None:
+        self._budget = UnpackBudget(path.stat().st_size)
+
+    def unpack(self, message: Message) -> Message:
+        """Return the message unpacked; as it is when that fails: the decoder will say that it is damaged."""
+        if not isinstance(message.data, bytes):
             return message
-        import zstandard
-
         try:
-            return replace(message, data=zstandard.ZstdDecompressor().decompress(message.data, max_output_size=1 << 30))
-        except zstandard.ZstdError:
-            return message  # the decoder will say that it is damaged
+            return replace(message, data=unpack_frame(message.data, self._budget))
+        except DamagedError:
+            return message

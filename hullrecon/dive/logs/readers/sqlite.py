@@ -1,73 +1,92 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The .db3 files of rosbag2, row by row; past damaged pages as far as SQLite reaches."""
+"""The .db3 files of rosbag2, row by row, with the write-ahead log that a recorder which was cut short leaves beside them."""
 
 from __future__ import annotations
 
-import sqlite3
+import shutil
+import tempfile
 from collections.abc import Iterator
+from contextlib import ExitStack, closing
 from pathlib import Path
 
-from hullrecon.dive.logs.readers.loss_tracker import LossTracker
-from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
-from hullrecon.dive.logs.readers.unpack import DamagedError
+from hullrecon.dive.logs.formats.db3_tables import READ_ERRORS, Database
+from hullrecon.dive.logs.formats.sqlite_wal import describe_damage
+from hullrecon.dive.logs.readers.file_log import FileLog, require_regular_file
+from hullrecon.dive.logs.readers.protocol import Message
+from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.errors import InputError
 
 MAGIC = b"SQLite format 3\0"
-BATCH = 256  # rows asked for at a time; after damage the step shrinks to one
+NO_CHECKSUM = "the database carries no checksums: damage inside its messages may go unseen"
 
 
-class SqliteLog:
+class SqliteLog(FileLog):
     """A database has no checksums: damage shows where SQLite cannot follow its pages."""
 
     kind = "ROS 2 database"
-    gives_samples = False
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.remarks: list[str] = []
-        self._tracker = LossTracker()
-
-    def messages(self) -> Iterator[Message]:
-        self.remarks, self._tracker = [], LossTracker()
-        connection = sqlite3.connect(f"{self.path.absolute().as_uri()}?mode=ro&immutable=1", uri=True)
-        try:
-            channels = _channels(connection)
-            for number, t_ns, data in self._rows(connection):
-                if number in channels and isinstance(data, bytes):
-                    yield self._tracker.record(Message(channels[number], t_ns, data))
-        except (sqlite3.Error, DamagedError) as error:
-            raise InputError(f"{self.path.name} cannot be read: {error}", where=str(self.path.parent)) from None
-        finally:
-            connection.close()
-        missing = bytes_missing(self.path)
+    def _read(self) -> Iterator[Message]:
+        with ExitStack() as stack:
+            merged = self._merge(stack)
+            address = f"{self.path.absolute().as_uri()}?mode=ro&immutable=1" if merged is None else merged.as_uri()
+            size = self.path.stat().st_size + (write_ahead_log(self.path).stat().st_size if merged else 0)
+            try:
+                database = Database(address, size)
+                stack.enter_context(closing(database.connection))
+                yield from self._messages(database)
+            except READ_ERRORS as error:
+                name, where = printable(self.path.name), printable(str(self.path.parent))
+                raise InputError(f"{name} cannot be read: {printable(str(error), 200)}", where=where) from None
+            missing = bytes_missing(self.path) if merged is None else 0
         if missing > 0:
             self._tracker.open_gap(f"the database is cut off: {missing} bytes of its pages are missing")
+        if self.path.with_name(f"{self.path.name}-journal").is_file():
+            self.remarks.append("a journal lies beside the database: its last transaction was not finished")
+        self.remarks.append(NO_CHECKSUM)
         self._tracker.finish()
 
-    def losses(self) -> list[Loss]:
-        return list(self._tracker.losses)
+    def _messages(self, database: Database) -> Iterator[Message]:
+        channels = database.channels()
+        strange = foreign = 0
+        for number, t_ns, data in database.rows(self._tracker.open_gap):
+            if not (isinstance(number, int) and isinstance(t_ns, int) and isinstance(data, bytes)):
+                strange += 1
+            elif number not in channels:
+                foreign += 1
+            else:
+                yield self._tracker.record(Message(channels[number], t_ns, data))
+        self._tracker.count_lost("their rows hold other things than a topic, a time and bytes", strange)
+        self._tracker.count_lost("they belong to no topic of the database", foreign)
+        if database.skipped:
+            self.remarks.append(f"{database.skipped} row numbers are missing: rows were deleted, or lost by damage")
 
-    def _rows(self, connection: sqlite3.Connection) -> Iterator[tuple[int, int, bytes]]:
-        """topic, time, data by rowid. A batch that fails is asked for again row by row; a row that fails is lost."""
-        at, end = _span(connection)
-        step, failed = BATCH, 0
-        while at <= end:
-            try:
-                rows = connection.execute(
-                    "SELECT topic_id, timestamp, data FROM messages WHERE id >= ? AND id < ? ORDER BY id", (at, at + step)
-                ).fetchall()
-            except (sqlite3.Error, OverflowError, UnicodeDecodeError):
-                if step > 1:
-                    step = max(1, step // 16)
-                    continue
-                if not failed:
-                    self._tracker.open_gap(f"the database is damaged from row {at} on")
-                failed, at = failed + 1, at + 1
-                continue
-            yield from rows
-            at, step = at + step, min(BATCH, step * 2)
-            failed = 0 if rows else failed
+    def _merge(self, stack: ExitStack) -> Path | None:
+        """Return a copy of database and write-ahead log that SQLite may merge; None where there is no such log.
+
+        SQLite reads a write-ahead log only where it may write beside it, and the package is not written to.
+        """
+        log = write_ahead_log(self.path)
+        try:
+            if not log.exists() or (log.is_file() and not log.stat().st_size):
+                return None
+            require_regular_file(log)
+            damage = describe_damage(log)
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="hullrecon-")))
+            copy = Path(shutil.copyfile(self.path, folder / "log.db3"))
+            shutil.copyfile(log, write_ahead_log(copy))
+        except (OSError, InputError) as error:
+            self._tracker.add_loss(f"the write-ahead log beside the database cannot be read: {error}", 0, 0)
+            return None
+        if damage:
+            self._tracker.add_loss(f"the write-ahead log beside the database is not whole: {damage}", 0, 0)
+        self.remarks.append("the write-ahead log beside the database was read with it")
+        return copy
+
+
+def write_ahead_log(path: Path) -> Path:
+    """Return where the write-ahead log of a database lies, if it has one."""
+    return path.with_name(f"{path.name}-wal")
 
 
 def bytes_missing(path: Path) -> int:
@@ -78,29 +97,3 @@ def bytes_missing(path: Path) -> int:
         return 0
     size = int.from_bytes(head[16:18], "big")
     return (65536 if size == 1 else size) * int.from_bytes(head[28:32], "big") - path.stat().st_size
-
-
-def _channels(connection: sqlite3.Connection) -> dict[int, Channel]:
-    definitions = {}
-    tables = {name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
-    if not {"topics", "messages"} <= tables:
-        raise DamagedError("it is no rosbag2 database")
-    if "message_definitions" in tables:
-        rows = connection.execute("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions")
-        definitions = {kind: (form, definition) for kind, form, definition in rows}
-    topics = connection.execute("SELECT id, name, type, serialization_format FROM topics")
-    out = {}
-    for number, name, kind, encoding in topics:
-        form, definition = definitions.get(kind, ("ros2msg", ""))
-        out[number] = Channel(name, kind, encoding, definition, form)
-    return out
-
-
-def _span(connection: sqlite3.Connection) -> tuple[int, int]:
-    """First and last row: the last by the damaged file's own word, or as many as its bytes could hold."""
-    try:
-        low, high = connection.execute("SELECT min(id), max(id) FROM messages").fetchone()
-        return (low, high) if low is not None else (1, 0)
-    except sqlite3.Error:
-        (pages,) = connection.execute("PRAGMA page_count").fetchone()
-        return 1, int(pages) * 64

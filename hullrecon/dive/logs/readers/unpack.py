@@ -6,22 +6,44 @@ from __future__ import annotations
 
 import bz2
 import struct
+from typing import Protocol
 
-LARGEST_CHUNK = 2**31  # bytes; a size beyond it is a damaged field, not a chunk
+LARGEST_CHUNK = 1 << 27  # bytes; recorders write chunks of 1 to 4 MiB, or of one message; a larger size is a damaged field
+FREE_BYTES, RATIO = 1 << 23, 256  # a log unpacks to at most so many bytes and so many times its own size
+LONGEST_NAME = 1000  # characters; ROS allows 255
+LONGEST_REASON = 200  # characters of what a library says about damaged bytes: they may quote all of them
 
 
 class DamagedError(ValueError):
     """These bytes are not what they should be. Caught by the readers, which go on behind them."""
 
 
-def decompress(data: bytes, how: str, size: int) -> bytes:
-    """Return `size` bytes of a chunk packed as "", "none", "zstd", "lz4" or "bz2"; DamagedError when they are not there."""
+class UnpackBudget:
+    """How many bytes a log of a given size may still unpack to; a few kilobytes must not become hours of work."""
+
+    def __init__(self, size: int) -> None:
+        self._left = FREE_BYTES + RATIO * size
+
+    def take(self, size: int) -> None:
+        """Count so many bytes. Raises DamagedError when they are more than are left."""
+        if size > self._left:
+            raise DamagedError(f"with its {size} bytes the log would unpack to more than {RATIO} times its size")
+        self._left -= size
+
+
+def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = None) -> bytes:
+    """Return `size` bytes of a chunk packed as "", "none", "zstd", "lz4" or "bz2"; DamagedError when they are not there, or not
+    whole."""
     if size > LARGEST_CHUNK:
         raise DamagedError(f"it claims {size} bytes")
-    unpack = {"": lambda: data, "none": lambda: data, "zstd": lambda: _zstd(data, size), "lz4": lambda: _lz4(data, size),
-              "bz2": lambda: bz2.BZ2Decompressor().decompress(data, size + 1)}.get(how)  # fmt: skip
+    unpack = {
+        "": lambda: data, "none": lambda: data, "zstd": lambda: _zstd(data, size), "lz4": lambda: _lz4(data, size),
+        "bz2": lambda: _to_the_end(bz2.BZ2Decompressor(), data, size),
+    }.get(how)  # fmt: skip
     if unpack is None:
-        raise DamagedError(f"its compression {how!r} is not known")
+        raise DamagedError(f"its compression {printable(how)!r} is not known")
+    if budget is not None and how not in ("", "none"):
+        budget.take(size)
     try:
         out = unpack()
     except (OSError, EOFError, RuntimeError, ValueError, MemoryError) as error:
@@ -31,11 +53,35 @@ def decompress(data: bytes, how: str, size: int) -> bytes:
     return out
 
 
+def unpack_frame(data: bytes, budget: UnpackBudget) -> bytes:
+    """Return what one zstd frame holds. Raises DamagedError."""
+    import zstandard
+
+    try:
+        size = zstandard.frame_content_size(data)
+        if size >= 0:
+            return decompress(data, "zstd", size, budget)
+        out = bytes(zstandard.ZstdDecompressor().stream_reader(data).read(LARGEST_CHUNK + 1))
+    except zstandard.ZstdError as error:
+        raise DamagedError(f"it cannot be decompressed: {error}") from None
+    if len(out) > LARGEST_CHUNK:
+        raise DamagedError(f"it holds more than {LARGEST_CHUNK} bytes")
+    budget.take(len(out))
+    return out
+
+
 def text(data: bytes) -> str:
+    """Return a name; DamagedError when it is not UTF-8."""
     try:
         return data.decode()
     except UnicodeDecodeError:
         raise DamagedError("a name is not UTF-8") from None
+
+
+def printable(name: str, longest: int = LONGEST_NAME) -> str:
+    """Return a name as one line that a terminal shows and does not obey: what is no printable character is escaped."""
+    shown = name if name.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in name[: longest + 1])
+    return shown if len(shown) <= longest else f"{shown[:longest]}..."
 
 
 def fields(layout: str, data: bytes, offset: int = 0) -> tuple[int, ...]:
@@ -61,4 +107,19 @@ def _zstd(data: bytes, size: int) -> bytes:
 def _lz4(data: bytes, size: int) -> bytes:
     import lz4.frame  # type: ignore[import-untyped]
 
-    return bytes(lz4.frame.LZ4FrameDecompressor().decompress(data, size + 1))
+    return _to_the_end(lz4.frame.LZ4FrameDecompressor(), data, size)
+
+
+class _Decompressor(Protocol):
+    @property
+    def eof(self) -> bool: ...
+
+    def decompress(self, data: bytes, max_length: int) -> bytes: ...
+
+
+def _to_the_end(decompressor: _Decompressor, data: bytes, size: int) -> bytes:
+    """The stream's own checksum stands at its end: a stream that does not reach it was not checked."""
+    out = bytes(decompressor.decompress(data, size + 1))
+    if len(out) == size and not decompressor.eof:
+        raise DamagedError("it is cut off before its checksum")
+    return out

@@ -7,12 +7,13 @@ Layout: Teledyne RD Instruments, WorkHorse Commands and Output Data Format; the 
 
 from __future__ import annotations
 
-import mmap
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from typing import BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hullrecon.dive.logs.readers.unpack import DamagedError, fields
 from hullrecon.typing import Array
@@ -22,6 +23,8 @@ FIXED, VARIABLE, VELOCITY, BOTTOM = 0x0000, 0x0080, 0x0100, 0x0600
 LOST = -32768
 FRAMES = ("beam", "instrument", "ship", "earth")
 BEAM_ANGLES = {0: 15.0, 1: 20.0, 2: 30.0}  # degrees, by the code in the system configuration
+MIN_BEAM_ANGLE, MAX_BEAM_ANGLE = 5.0, 60.0
+BLOCK, REACH = 1 << 20, 65535 + 2  # bytes read at a time; of the longest ensemble
 
 
 @dataclass(frozen=True)
@@ -50,25 +53,57 @@ class Ensemble:
     cell_m: Array
 
 
-def ensembles(data: bytes | mmap.mmap) -> Iterator[tuple[int, int, Ensemble | str]]:
+def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
     """(start, end, ensemble) of every ensemble whose checksum holds; between them (start, end, why) of bytes of no ensemble."""
-    at, bad, why = 0, 0, ""
-    while at < len(data):
-        try:
-            end = _end_of(data, at)
-            found = parse(bytes(data[at:end]))
-        except DamagedError as error:
-            why = why or str(error)
-            following = data.find(MAGIC, at + 1)
-            at = following if following >= 0 else len(data)
-            continue
-        if at > bad:
-            yield bad, at, why
-        yield at, end, found
-        at = bad = end
-        why = ""
+    at = bad = 0
+    why = ""
+    while True:
+        stream.seek(at)
+        data = stream.read(BLOCK + REACH)
+        if not data:
+            break
+        starts = _checked_starts(data)
+        inside, limit = 0, min(BLOCK, len(data))
+        while inside < limit:
+            found, reason = _ensemble_at(data, inside)
+            if found is None:
+                why = why or reason
+                row = int(np.searchsorted(starts, inside, side="right"))
+                inside = min(int(starts[row]), limit) if row < len(starts) else limit
+                continue
+            start, end = at + inside, at + inside + _size(data, inside)
+            if start > bad:
+                yield bad, start, why
+            yield start, end, found
+            bad, why = end, ""
+            inside = end - at
+        at += inside
     if at > bad:
         yield bad, at, why
+
+
+def _checked_starts(data: bytes) -> NDArray[np.intp]:
+    """The bytes where something starts that has an ensemble's magic, length and checksum.
+
+    Sums of stretches are differences of one running sum: each byte is added once, however many heads claim it.
+    """
+    values = np.frombuffer(data, np.uint8).astype(np.uint32)
+    running = np.concatenate([np.zeros(1, np.uint32), np.cumsum(values, dtype=np.uint32)])
+    start = np.flatnonzero((values[:-3] == MAGIC[0]) & (values[1:-2] == MAGIC[1]))
+    count = values[start + 2] + 256 * values[start + 3]
+    fits = start + count + 2 <= len(values)
+    start, count = start[fits], count[fits]
+    end = start + count
+    holds = (running[end] - running[start]) % 65536 == values[end] + 256 * values[end + 1]
+    return np.asarray(start[holds], np.intp)
+
+
+def _ensemble_at(data: bytes, at: int) -> tuple[Ensemble | None, str]:
+    """The ensemble at a byte, or None and why there is none."""
+    try:
+        return parse(data[at : _end_of(data, at)]), ""
+    except DamagedError as error:
+        return None, str(error)
 
 
 def parse(data: bytes) -> Ensemble:
@@ -101,17 +136,21 @@ def parse(data: bytes) -> Ensemble:
     )
 
 
-def _end_of(data: bytes | mmap.mmap, at: int) -> int:
+def _size(data: bytes, at: int) -> int:
+    """How many bytes an ensemble has with its checksum, as its head says."""
+    return int(fields("<H", data, at + 2)[0]) + 2
+
+
+def _end_of(data: bytes, at: int) -> int:
     """The byte behind the ensemble at `at`, its checksum counted and right."""
     if data[at : at + 2] != MAGIC:
         raise DamagedError("no ensemble starts there")
-    (count,) = fields("<H", data[at + 2 : at + 4])
-    if at + count + 2 > len(data):
+    end = at + _size(data, at)
+    if end > len(data):
         raise DamagedError("the last ensemble is cut off")
-    body = data[at : at + count]
-    if int(np.frombuffer(body, np.uint8).sum(dtype=np.int64)) % 65536 != fields("<H", data[at + count : at + count + 2])[0]:
+    if int(np.frombuffer(data[at : end - 2], np.uint8).sum(dtype=np.int64)) % 65536 != fields("<H", data, end - 2)[0]:
         raise DamagedError("a checksum is wrong")
-    return at + count + 2
+    return end
 
 
 def _parts(data: bytes) -> dict[int, bytes]:
@@ -143,7 +182,10 @@ def _clock(variable: bytes) -> int:
 
 def _beam_angle(system: int, fixed: bytes) -> float:
     code = system >> 8 & 3
-    return BEAM_ANGLES[code] if code in BEAM_ANGLES else float(fields("<B", fixed, 58)[0])
+    angle = BEAM_ANGLES[code] if code in BEAM_ANGLES else float(fields("<B", fixed, 58)[0])
+    if not MIN_BEAM_ANGLE <= angle <= MAX_BEAM_ANGLE:
+        raise DamagedError(f"its beams stand {angle:g} degrees off the axis")
+    return angle
 
 
 def _ranges(bottom: bytes | None) -> Array:

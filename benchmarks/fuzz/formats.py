@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The formats that are damaged, each with some sound inputs, all made here."""
+
+from __future__ import annotations
+
+import gzip
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache
+
+from benchmarks.fuzz import seed_files, seed_messages
+from benchmarks.fuzz.readings import CALIBRATION
+
+
+@dataclass(frozen=True, kw_only=True)
+class Seed:
+    """A sound input. read: its reader, by name; files: by path in the folder that is read; target: the one that is damaged;
+    given: what the reader is given, when that is not the target; checksummed: whether every change of its data must be
+    noticed, unless the checksum is blind to it; finish: what is done to the damaged bytes before they are read."""
+
+    read: str
+    files: dict[str, bytes]
+    target: str
+    given: str = ""
+    checksummed: bool = False
+    text: bool = False
+    blind: Callable[[bytes], bool] = field(default=lambda data: False)
+    finish: Callable[[bytes], bytes] = field(default=bytes)
+
+    @property
+    def name(self) -> str:
+        return self.given or self.target
+
+
+@cache
+def seeds() -> dict[str, tuple[Seed, ...]]:
+    """Return sound inputs by format."""
+    return {
+        "mcap": _mcap(), "bag": _bag(), "rosbag2": _rosbag2(), "pd0": _pd0(), "plain": _plain(), "npz": _npz(), "toml": _toml(),
+        "yaml": _yaml(), "hull": _hull(), "hull-gz": _hull_gz(), "image": _image(),
+    }  # fmt: skip
+
+
+def _log(name: str, data: bytes, **more: object) -> Seed:
+    files = {name: data, CALIBRATION: seed_files.SHORT_CALIBRATION.encode()}
+    return Seed(read="log", files=files, target=name, **more)  # type: ignore[arg-type]
+
+
+def _mcap() -> tuple[Seed, ...]:
+    entries = seed_messages.tiny_dive(2, seed_files.images()["a.jpg"])
+    packed = [seed_messages.as_mcap(entries, how) for how in ("zstd", "lz4", "none")]
+    loose = seed_messages.as_mcap(entries, "none", use_chunking=False, enable_data_crcs=True)
+    bare = seed_messages.as_mcap(entries, "none", enable_crcs=False)
+    cut = packed[0][: int(0.7 * len(packed[0]))]
+    return (
+        *(_log("dive.mcap", data, checksummed=True) for data in (*packed, cut, loose)),
+        _log("dive.mcap", bare),
+    )
+
+
+def _bag() -> tuple[Seed, ...]:
+    entries = seed_messages.tiny_dive(1, seed_files.images()["a.jpg"])
+    return tuple(_log("dive.bag", seed_messages.as_bag(entries, how)) for how in ("none", "none", "lz4", "bz2"))
+
+
+def _rosbag2() -> tuple[Seed, ...]:
+    entries = seed_messages.tiny_dive(2, seed_files.images()["a.jpg"])
+    out = []
+    for storage, targets in (("SQLITE3", ("dive.db3", "dive.db3", "metadata.yaml")), ("MCAP", ("metadata.yaml",))):
+        files = {f"dive/{name}": data for name, data in seed_messages.as_ros2_folder(entries, storage).items()}
+        files[CALIBRATION] = seed_files.SHORT_CALIBRATION.encode()
+        for name in targets:
+            text = name.endswith("yaml")
+            out.append(Seed(read="log", files=files, target=f"dive/{name}", given="dive", text=text))
+    return tuple(out)
+
+
+def _pd0() -> tuple[Seed, ...]:
+    data = seed_files.pd0()
+    return _log("dive.pd0", data, checksummed=True, blind=sums_are_right), _log("dive.pd0", data, finish=with_right_sums)
+
+
+def sums_are_right(data: bytes) -> bool:
+    """Return whether every ensemble has its checksum: a plain sum, which bytes that change places leave as it is."""
+    return with_right_sums(data) == data
+
+
+def with_right_sums(data: bytes) -> bytes:
+    """Return PD0 ensembles with the checksums that their bytes ask for, so that damage gets past them."""
+    out, at = bytearray(data), 0
+    while (at := out.find(b"\x7f\x7f", at)) >= 0:
+        end = at + int.from_bytes(out[at + 2 : at + 4], "little")
+        if end + 2 > len(out) or end < at + 4:
+            at += 1
+            continue
+        out[end : end + 2] = (sum(out[at:end]) % 65536).to_bytes(2, "little")
+        at = end + 2
+    return bytes(out)
+
+
+def _tables() -> dict[str, bytes]:
+    pictures = seed_files.images()
+    files = {f"logs/{name}.csv": text.encode() for name, text in seed_files.TABLES.items()}
+    files |= {"logs/a.png": pictures["a.png"], "logs/b.png": pictures["a.bmp"], "logs/p.npz": seed_files.ping_npz()}
+    return files | {CALIBRATION: seed_files.SHORT_CALIBRATION.encode()}
+
+
+def _plain() -> tuple[Seed, ...]:
+    files = _tables()
+    targets = [f"logs/{name}.csv" for name in seed_files.TABLES]
+    return tuple(Seed(read="log", files=files, target=name, given="logs", text=True) for name in targets)
+
+
+def _npz() -> tuple[Seed, ...]:
+    pings = [seed_files.ping_npz(0), seed_files.ping_npz(1)]
+    files = {name: data for name, data in _tables().items() if not name.endswith("camera_top.csv")}
+    return tuple(
+        Seed(read="log", files={**files, "logs/p.npz": ping}, target="logs/p.npz", given="logs", checksummed=True)
+        for ping in pings
+    )
+
+
+def _toml() -> tuple[Seed, ...]:
+    return (Seed(read="configuration", files={"dive.toml": seed_files.DIVE_TOML.encode()}, target="dive.toml", text=True),)
+
+
+def _yaml() -> tuple[Seed, ...]:
+    return (Seed(read="calibration", files={CALIBRATION: seed_files.CALIBRATION.encode()}, target=CALIBRATION, text=True),)
+
+
+def _hull() -> tuple[Seed, ...]:
+    text = {"ascii.stl", "ascii.ply", "hull.obj", "hull.off"}
+    return tuple(
+        Seed(read="cad", files={name: data}, target=name, text=name in text) for name, data in seed_files.hulls().items()
+    )
+
+
+def _hull_gz() -> tuple[Seed, ...]:
+    packed = {f"{name}.gz": gzip.compress(data, mtime=0) for name, data in seed_files.hulls().items() if name != "hull.glb"}
+    return tuple(Seed(read="cad", files={name: data}, target=name, checksummed=True) for name, data in packed.items())
+
+
+def _image() -> tuple[Seed, ...]:
+    return tuple(
+        Seed(read="image", files={name: data}, target=name, checksummed=name.endswith("png"))
+        for name, data in seed_files.images().items()
+    )

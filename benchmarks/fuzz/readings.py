@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Read an input as the program does, and boil it down to a digest of its data and to what was said about it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass
+from io import BytesIO
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from benchmarks.fuzz.seed_files import HEIGHT, WIDTH
+from benchmarks.fuzz.seed_messages import TOPICS
+from hullrecon.dive.config.calibration import read_camera
+from hullrecon.dive.config.load import load_config
+from hullrecon.dive.hull.load import read_hull
+from hullrecon.dive.images.integrity import size_of
+from hullrecon.dive.images.store import decode
+from hullrecon.dive.ingest import IngestRequest, ingest
+from hullrecon.dive.logs.streams import PressureModel
+from hullrecon.records.serialisation import to_arrays
+from hullrecon.steps.chain import stages
+
+BEAMS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
+CALIBRATION = "camera_top.yaml"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """digest: of the data that came out. said: sentences about what was lost or assumed."""
+
+    digest: str
+    said: frozenset[str]
+
+
+Read = Callable[[Path, str], Reading]  # of a folder and the name of the input in it
+
+
+def read_log(folder: Path, name: str) -> Reading:
+    """Read a log of any form with all its sensors, images and pings, as `ingest` does."""
+    kept: dict[str, BytesIO] = {}
+    request = IngestRequest(
+        logs=(name,), topics=TOPICS, joints={"tray": "tray"}, imu_frame="ned",
+        pressure=PressureModel(1025.0, 9.81, 101325.0), beams=BEAMS, sigma_velocity=0.003,
+        calibration={"camera_top": CALIBRATION}, offset_ns={"camera_top": 0}, mesh=None, units="m",
+    )  # fmt: skip
+    found = ingest(folder, request, lambda camera: kept.setdefault(camera, BytesIO()))
+    parts = [("", np.frombuffer(b"".join(f.getvalue() for f in kept.values()), np.uint8))]
+    for key, record in {**found.records.by_name(), **found.images}.items():
+        parts += [(f"{key}.{field}", array) for field, array in to_arrays(record).items()]
+    return Reading(_digest(parts), frozenset([*found.lost, *found.remarks]))
+
+
+def read_configuration(folder: Path, name: str) -> Reading:
+    """Read a dive.toml with the sections of every step."""
+    loaded = load_config(folder, {stage.name: stage.parameters for stage in stages()})
+    sections = {key: msgspec.to_builtins(section) for key, section in loaded.sections.items()}
+    return Reading(hashlib.sha256(repr(sections).encode(errors="surrogatepass")).hexdigest(), frozenset())
+
+
+def read_calibration(folder: Path, name: str) -> Reading:
+    """Read a camera's YAML."""
+    return Reading(repr(asdict(read_camera(folder / name))), frozenset())
+
+
+def read_cad_model(folder: Path, name: str) -> Reading:
+    """Read a CAD model: what is said of it beyond its size counts as said."""
+    messages: list[str] = []
+    mesh = read_hull(folder / name, "m", messages)
+    return Reading(_digest([("vertices", mesh.vertices), ("faces", mesh.faces)]), frozenset(messages[1:]))
+
+
+def read_image(folder: Path, name: str) -> Reading:
+    """Read an image: a damaged one is said to be damaged by the count of the images left out."""
+    encoded = (folder / name).read_bytes()
+    size = size_of(encoded, (WIDTH, HEIGHT))
+    image = decode(encoded) if size == (WIDTH, HEIGHT) else None
+    if image is None:
+        return Reading("", frozenset(["the image is left out"]))
+    assert image.shape[1::-1] == size
+    return Reading(_digest([("image", image)]), frozenset())
+
+
+def _digest(parts: Iterable[tuple[str, np.ndarray]]) -> str:
+    out = hashlib.sha256()
+    for key, array in parts:
+        out.update(f"{key} {array.dtype} {array.shape}".encode())
+        out.update(np.ascontiguousarray(array).tobytes())
+    return out.hexdigest()
+
+
+READERS: Mapping[str, Read] = {
+    "log": read_log, "configuration": read_configuration, "calibration": read_calibration, "cad": read_cad_model,
+    "image": read_image,
+}  # fmt: skip

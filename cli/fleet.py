@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""fleet: every dive of a folder, each in a process of its own."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import click
+
+from hullrecon.api.fleet import FleetDive, FleetResult, preview_fleet, run_fleet
+from hullrecon.api.fleet.text import one_line
+from hullrecon.artifacts.execution.progress import choose_progress
+
+from .dives import FOLDER, runs_option
+from .state import state_of
+
+log = logging.getLogger("hullrecon.cli")
+
+
+@click.command()
+@click.argument("dives", type=FOLDER)
+@click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="dives at a time")
+@click.option("--scheduler", metavar="ADDRESS", help="a Dask scheduler for the work inside the steps of all dives")
+@click.option("--retry", is_flag=True, help="also run dives that failed before and have not changed since")
+@click.option("--dry-run", is_flag=True, help="say what would be run and why, run nothing")
+@runs_option
+@click.pass_context
+def fleet(
+    context: click.Context, dives: Path, runs: Path, jobs: int, scheduler: str | None, retry: bool, dry_run: bool
+) -> None:  # fmt: skip
+    """Run every dive package in the folder DIVES that is new or whose result is out of date.
+
+    A package is a folder with a dive.toml. Each dive runs in a process of its own; when one fails, the others are run all the
+    same. A failed dive is one line on standard error, and the exit code is 4 when there is one. A dive that failed is not tried
+    again before its package or hullrecon changes or a day has passed; with --quiet it is named once. Safe to be killed and
+    started again; a second one beside it ends with 5.
+    """
+    if dry_run:
+        result = preview_fleet(dives, runs, retry=retry)
+        _emit(result, [f"would run {d.package.name}: {d.reason}" for d in result.dives if d.state == "to do"])
+        return
+    progress = choose_progress(quiet=state_of().quiet)
+    result = run_fleet(dives, runs, jobs=jobs, scheduler=scheduler, retry=retry, progress=progress, on_failure=_print_failure)
+    _emit(result, [])
+    context.exit(result.exit_code)
+
+
+def _emit(result: FleetResult, lines: list[str]) -> None:
+    for skipped in result.skipped:
+        log.info("%s", one_line(f"skipped: {skipped.path.relative_to(result.dives_folder)}: {skipped.reason}"))
+    state = state_of()
+    document = result.document() if state.json else {}  # it lists every file
+    state.emit(document, [*map(one_line, lines), result.summary()])
+
+
+def _print_failure(dive: FleetDive) -> None:
+    if not (dive.known and state_of().quiet):
+        click.echo(dive.line(), err=True)

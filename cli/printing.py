@@ -1,0 +1,25 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The last line of defence of a terminal: names from other people's files are shown, never obeyed."""
+
+from __future__ import annotations
+
+import io
+import re
+import sys
+
+# Control characters but tab and line feed; those of C1, which some terminals obey; what turns the direction of writing;
+# bytes of file names that are no UTF-8.
+_UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+
+
+def printable(text: str) -> str:
+    r"""Return the text with what a terminal would obey written out, `\u001b` for an escape; JSON stays the same JSON."""
+    return _UNPRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def write_out_what_cannot_be_encoded() -> None:
+    """Let standard output show a character that its encoding lacks as an escape instead of failing."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")

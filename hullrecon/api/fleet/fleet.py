@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Run every dive of a folder that is new or whose result is out of date, each in a process of its own."""
+
+from __future__ import annotations
+
+import logging
+import os
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager, suppress
+from pathlib import Path
+
+from hullrecon.api.fleet.outcome import FleetDive, FleetResult, State
+from hullrecon.api.fleet.plan import PlannedDive, packages_for, plan_fleet, result_signature
+from hullrecon.api.fleet.processes import Ended, run_each
+from hullrecon.api.fleet.records import FOLDER, DiveRecord, FleetRecords
+from hullrecon.api.fleet.text import as_utf8
+from hullrecon.artifacts.execution.executor import choose_executor
+from hullrecon.artifacts.execution.progress import Progress, Silent
+from hullrecon.artifacts.storage.disk import make_folder
+from hullrecon.artifacts.storage.lock import hold_lock
+from hullrecon.errors import LockedError, UsageError
+
+log = logging.getLogger(__name__)
+
+
+def run_fleet(
+    dives: Path | str, runs: Path | str = "runs", *, jobs: int = 1, scheduler: str | None = None, retry: bool = False,
+    progress: Progress | None = None, on_failure: Callable[[FleetDive], None] | None = None,
+) -> FleetResult:  # fmt: skip
+    """Bring every dive package in the folder `dives` up to date in RUNS, as `hullrecon fleet` does; return how each stands.
+
+    jobs: dives at a time. scheduler: address of a Dask scheduler for all of them. retry: run also what failed before and has
+    not changed since. on_failure: called with each failed dive, as it fails. Raises LockedError when another fleet works for
+    these runs, InputError when there is no package, StorageError when RUNS cannot be written; for a failed dive nothing.
+    """
+    here, out = Path(os.path.realpath(dives)), Path(os.path.realpath(runs))
+    packages_for(here, out)  # a wrong folder is said before anything is written
+    with _lock(out):
+        records = FleetRecords(out)
+        planned, skipped = plan_fleet(here, out, records, retry=retry)
+        records.forget_all_but(here, [dive.package for dive in planned])
+        to_do = {dive.package: dive for dive in planned if dive.to_do}
+        if scheduler is not None and to_do:
+            with choose_executor(scheduler=scheduler):  # an address where nobody answers ends here
+                pass
+        done = {dive.package: _standing(dive, out) for dive in planned}
+        for dive in planned:
+            if not dive.to_do:
+                _note(dive, done[dive.package], records, out, on_failure)
+        log.info("%d of %d dives to run", len(to_do), len(planned))
+        commands = {package: _command(dive, out, scheduler) for package, dive in to_do.items()}
+        with closing(run_each(commands, jobs, out / FOLDER)) as ended:
+            for package, end in (progress or Silent()).track(ended, "dives", len(commands)):
+                done[package] = _outcome(to_do[package], end, out)
+                _note(to_do[package], done[package], records, out, on_failure)
+    return FleetResult(dives_folder=here, runs=out, dives=tuple(done.values()), skipped=tuple(skipped))
+
+
+def preview_fleet(dives: Path | str, runs: Path | str = "runs", *, retry: bool = False) -> FleetResult:
+    """Return what `run_fleet` would do, without changing anything. Raises InputError when there is no package."""
+    here, out = Path(os.path.realpath(dives)), Path(os.path.realpath(runs))
+    planned, skipped = plan_fleet(here, out, FleetRecords(out), retry=retry)
+    return FleetResult(
+        dives_folder=here, runs=out, dives=tuple(_standing(dive, out) for dive in planned), skipped=tuple(skipped)
+    )
+
+
+@contextmanager
+def _lock(runs: Path) -> Iterator[None]:
+    """Hold the lock of all fleets of these runs. Raises LockedError when another has it."""
+    try:
+        with hold_lock(runs / FOLDER / "lock"):
+            yield
+    except LockedError as error:
+        what = error.what.replace("dive is", "another fleet is at work here:")
+        raise LockedError(what, where=str(runs), remedy="wait for it to end") from None
+
+
+def _command(dive: PlannedDive, runs: Path, scheduler: str | None) -> list[str]:
+    """Return the arguments that run a dive; those that explain what is wrong with its dive.toml where it tells no name.
+
+    The name is that which was compared with all others', should dive.toml change meanwhile.
+    """
+    if dive.name is None:
+        return ["status", str(dive.package), "--runs", str(runs)]
+    path = _log_file(dive, runs)
+    make_folder(path.parent)
+    path.unlink(missing_ok=True)
+    more = [] if scheduler is None else ["--scheduler", scheduler]
+    named = f'dive.name="{dive.name}"'
+    return ["run", str(dive.package), "--runs", str(runs), "--set", named, "--log-file", str(path), *more]
+
+
+def _log_file(dive: PlannedDive, runs: Path) -> Path:
+    return runs / FOLDER / "logs" / f"{dive.name}.log"
+
+
+def _outcome(dive: PlannedDive, ended: Ended, runs: Path) -> FleetDive:
+    """Return how a dive stands whose process has ended; an empty log is removed."""
+    path = _log_file(dive, runs)
+    with suppress(FileNotFoundError):
+        if path.stat().st_size == 0:
+            path.unlink()
+    log.debug("%s ended with exit code %d after %.1f s", dive.package.name, ended.exit_code, ended.seconds)
+    code, reason = ended.exit_code, ended.reason
+    if dive.name is None and code == 0:
+        code, reason = UsageError.exit_code, "its dive.toml changed while it was read"
+    known = dive.record is not None and (dive.record.exit_code, dive.record.reason) == (code, reason)
+    return _dive(dive, runs, "failed" if code else "delivered", code, reason, ran=True, known=known)
+
+
+def _standing(dive: PlannedDive, runs: Path) -> FleetDive:
+    """Return how a dive stands that is not run, or not yet."""
+    record = dive.record
+    if dive.refused is not None:
+        code, reason = dive.refused.exit_code, dive.refused.line()
+        known = record is not None and (record.exit_code, record.reason) == (code, reason)
+        return _dive(dive, runs, "failed", code, reason, known=known)
+    if dive.to_do or record is None:
+        return _dive(dive, runs, "to do", None, dive.to_do)
+    state: State = "failed" if record.exit_code else "up to date"
+    return _dive(dive, runs, state, record.exit_code, record.reason, known=True)
+
+
+def _dive(
+    dive: PlannedDive, runs: Path, state: State, code: int | None, reason: str, *, ran: bool = False, known: bool = False
+) -> FleetDive:
+    path = _log_file(dive, runs)
+    return FleetDive(
+        package=dive.package, name=dive.name, state=state, exit_code=code, reason=reason, ran=ran, known=known,
+        files=dive.listing.files, log=path if dive.name is not None and path.is_file() else None,
+    )  # fmt: skip
+
+
+def _note(
+    dive: PlannedDive, now: FleetDive, records: FleetRecords, runs: Path, on_failure: Callable[[FleetDive], None] | None
+) -> None:
+    """Remember how a dive stands where that is new, and report a failure."""
+    if now.exit_code is not None and (now.ran or not now.known):
+        record = DiveRecord(
+            name=dive.name, package=dive.listing.signature, result=result_signature(runs, dive.name), program=dive.program,
+            exit_code=now.exit_code, reason=as_utf8(now.reason), refused=dive.refused is not None, ended_s=time.time(),
+        )  # fmt: skip
+        records.put(dive.package, record)
+    if now.state == "failed" and on_failure is not None:
+        on_failure(now)

@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is known of a hull's deviation from its CAD model: its form well, how far the whole patch stands off it badly.
+
+An error of T_g_M moves all that was seen by one rigid motion. Over the surveyed patch that is a shift along the normal and two
+tilts, and little else; so these three, fitted to the deviation, are given apart with the sigma that the hull's pose leaves
+them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.charts.tangents import tangents_at
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas
+from hullrecon.geometry.robust import robust_sigma
+from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.records.solution import HullPose
+from hullrecon.records.surface import DeviationSplit, Surface
+from hullrecon.typing import Array, Mask
+
+MIN_VERTICES = 30  # of bare hull, from which a level and two tilts are fitted
+MIN_SCALE_M = 0.003  # vertices nearer to the fit than some of these are bare hull
+OUTLIER_SIGMAS = 4.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Fit:
+    """Level and tilts of the patch: columns (n, 3) of the vertices, and the matrix (3, n) from deviations to coefficients."""
+
+    columns: Array
+    solver: Array
+
+
+def split_deviation(
+    surface: Surface, own_sigma: Array | None, bare: Mask, cad_model: Mesh, chart: Chart, hull_pose: HullPose
+) -> DeviationSplit | None:
+    """Return offset, tilt and form of a hull as found; None where too little bare hull was seen.
+
+    own_sigma (n,) m: of each vertex without what all share, None where only the whole is known. bare (n,): vertices on which no
+    structure stands.
+    """
+    seen = (surface.support > 0) & np.isfinite(surface.deviation) & np.isfinite(surface.sigma)
+    if (seen & bare).sum() < MIN_VERTICES:
+        return None
+    near = Scene(cad_model).closest(surface.vertices[seen])
+    by_pose, pose = pose_jacobian(surface.vertices[seen], near.normal, hull_pose), hull_pose.covariance
+    weight = np.where(bare, vertex_areas(surface.mesh()), 0.0)[seen]
+    deviation, total = surface.deviation[seen], surface.sigma[seen]
+    fit = _fit_patch(surface.vertices[seen], near.normal, deviation, weight, chart)
+    coefficients, of_pose = fit.solver @ deviation, fit.solver @ by_pose
+    of_place = _variance(by_pose, pose)
+    own = np.sqrt(np.maximum(total**2 - of_place, 0.0)) if own_sigma is None else own_sigma[seen]
+    rest = np.maximum(total**2 - own**2 - of_place, 0.0)
+    mean = np.average(fit.columns, axis=0, weights=weight)
+    tilt = np.einsum("ki,ij,kj->k", of_pose[1:], pose, of_pose[1:])
+    values = np.full((2, len(seen)), np.nan)
+    values[0, seen] = deviation - fit.columns @ coefficients
+    values[1, seen] = np.sqrt(_variance(by_pose - fit.columns @ of_pose, pose) + own**2 + rest)
+    return DeviationSplit(
+        offset=np.asarray(mean @ coefficients),
+        offset_sigma=np.sqrt(_variance((mean @ of_pose)[None], pose)[0] + np.average(rest, weights=weight)),
+        tilt=coefficients[1:],
+        tilt_sigma=np.sqrt(tilt),
+        form=values[0],
+        form_sigma=values[1],
+    )
+
+
+def pose_jacobian(points: Array, normals: Array, hull_pose: HullPose) -> Array:
+    """Return how points (n, 3) in M move along normals (n, 3) with an error of T_g_M: (n, 6), translation in g, rotation
+    perturbed on the right about the survey's middle."""
+    to_hull = hull_pose.global_from_hull.rotation.as_matrix()[0].T
+    turn = np.einsum("ni,nij->nj", normals, cross_matrix(points - hull_pose.survey_center))
+    return np.concatenate([-normals @ to_hull, turn], axis=1)
+
+
+def _variance(rows: Array, covariance: Array) -> Array:
+    return np.asarray(np.einsum("ni,ij,nj->n", rows, covariance, rows))
+
+
+def _fit_patch(points: Array, normals: Array, deviation: Array, weight: Array, chart: Chart) -> _Fit:
+    """Return the least-squares fit, by area, without what stands far off a first one."""
+    columns = _rigid_columns(points, normals, weight, chart)
+    for _ in range(3):
+        scaled = columns * weight[:, None]
+        solver = np.linalg.pinv(columns.T @ scaled) @ scaled.T
+        left = deviation - columns @ (solver @ deviation)
+        scale = max(MIN_SCALE_M, robust_sigma(left[weight > 0], about=0.0))
+        weight = np.where(np.abs(left) < OUTLIER_SIGMAS * scale, weight, 0.0)
+    return _Fit(columns=columns, solver=solver)
+
+
+def _rigid_columns(points: Array, normals: Array, weight: Array, chart: Chart) -> Array:
+    """Return how far (n, 3) vertices move along their normals when the patch shifts along its mean normal, or rises along the
+    hull or in girth by one metre a metre, turned about its middle."""
+    middle, up = (np.average(values, axis=0, weights=weight) for values in (points, normals))
+    up /= np.linalg.norm(up)
+    along, _ = tangents_at(chart, points[[int(np.argmin(np.linalg.norm(points - middle, axis=1)))]])
+    east = along[0] if np.isfinite(along).all() else np.eye(3)[int(np.argmin(np.abs(up)))]
+    east = east - up * (east @ up)
+    east /= np.linalg.norm(east)
+    north, arm = np.cross(east, up), points - middle  # charts are left-handed about the outward normal
+    level = normals @ up
+    rises = [(arm @ axis) * level - (arm @ up) * (normals @ axis) for axis in (east, north)]
+    return np.stack([level, *rises], axis=1)

@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How well an object's own place on the hull is known, and where that is on the chart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.geometry.charts.address import AddressSigma, is_hull_chart, side_of
+from hullrecon.geometry.charts.tangents import tangents_at
+from hullrecon.typing import Array
+
+MIDDLE_SHARE = (
+    0.05  # of an object's size: how far its middle moves with where its edge is drawn (5 to 12 mm of 0.25 m, measured)
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObjectPosition:
+    """Where an object lies. covariance (3, 3) m2 of its centre in the frame of the results, hull pose included; sigma (3,) m
+    along the hull, in girth, along the normal; along_girth (2,) m on the chart; depth and its sigma m, None where none was
+    measured."""
+
+    center: Array
+    covariance: Array
+    sigma: Array
+    along_girth: Array
+    depth: float | None
+    depth_sigma: float | None
+
+    @property
+    def address_sigma(self) -> AddressSigma:
+        """Return what an address of the object may not be finer than."""
+        return AddressSigma(along=float(self.sigma[0]), girth=float(self.sigma[1]), depth=self.depth_sigma or 0.0)
+
+    def as_json(self, base: BaseSurface) -> dict[str, object]:
+        """Return the members of objects.json that place it."""
+        known = bool(np.isfinite(self.along_girth).all())
+        along, girth = (round(float(v), 5) for v in self.along_girth) if known else (None, None)
+        on_ship = known and is_hull_chart(base.chart)
+        return {
+            "position_covariance": [[float(f"{v:.6g}") for v in row] for row in self.covariance],
+            "position_sigma": _round(np.sqrt(np.diag(self.covariance))),
+            "sigma_along": round(float(self.sigma[0]), 5),
+            "sigma_girth": round(float(self.sigma[1]), 5),
+            "sigma_normal": round(float(self.sigma[2]), 5),
+            "along": along,
+            "girth": girth,
+            "side": side_of(girth or 0.0, float(self.sigma[1])) if on_ship else None,
+            "frame": round(along / base.frame_spacing_m, 2) if on_ship and along is not None and base.frame_spacing_m else None,
+            "depth": None if self.depth is None else round(self.depth, 4),
+            "depth_sigma": None if self.depth_sigma is None else round(self.depth_sigma, 4),
+            "address": base.address_of(self.center, self.address_sigma),
+        }
+
+
+def object_position(
+    center: Array, normal: Array, on_object: Array, height_sigma: float, size_m: float, base: BaseSurface
+) -> ObjectPosition:
+    """Return the place of an object's centre (3,) with outward normal (3,). on_object (k, 3, 3): covariances of its landmarks;
+    height_sigma m: how well the height of its top over the hull is known; size_m: its larger extent.
+
+    Landmarks of one object share nearly all that is unknown of their place, so their mean covariance is that of each. Beside it
+    stand how high the top is and where the middle of the shape lies.
+    """
+    flat = np.eye(3) - np.outer(normal, normal)
+    covariance = on_object.mean(axis=0) + height_sigma**2 * np.outer(normal, normal) + (MIDDLE_SHARE * size_m) ** 2 * flat
+    axes = np.array([*_tangents(center, normal, base), normal])
+    depth = base.depth_of(center)
+    down = base.result_from_global.rotation.as_matrix()[0][:, 2]
+    return ObjectPosition(
+        center=center,
+        covariance=covariance,
+        sigma=np.sqrt(np.einsum("ki,ij,kj->k", axes, covariance, axes)),
+        along_girth=base.chart.to_chart(center[None])[0, :2],
+        depth=depth,
+        depth_sigma=None if depth is None else float(np.sqrt(down @ covariance @ down)),
+    )
+
+
+def _tangents(center: Array, normal: Array, base: BaseSurface) -> tuple[Array, Array]:
+    """Return unit vectors along the hull and in girth, square to the normal."""
+    along = tangents_at(base.chart, center[None])[0][0]
+    along = along if np.isfinite(along).all() else np.eye(3)[int(np.argmin(np.abs(normal)))]
+    along = along - normal * (along @ normal)
+    along /= np.linalg.norm(along)
+    return along, np.cross(along, normal)
+
+
+def _round(values: Array) -> list[float]:
+    return [round(float(v), 5) for v in values]

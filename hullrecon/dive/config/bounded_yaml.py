@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Parse YAML of strangers: aliases that stand for more than a file could hold are refused before anything is made of them."""
+
+from __future__ import annotations
+
+from ruamel.yaml import YAML
+from ruamel.yaml.constructor import SafeConstructor
+from ruamel.yaml.nodes import Node
+
+ROOM = 10_000  # values beyond one a character, which no file without aliases has
+
+
+def parse_yaml(text: str) -> object:
+    """Return what YAML text holds; the head that OpenCV writes is taken as well.
+
+    Raises ValueError for text that is no YAML, nests too deeply or names its aliases too often.
+    """
+    yaml = YAML(typ="safe", pure=True)
+    yaml.Constructor = _BoundedConstructor
+    yaml.constructor.largest_count = len(text) + ROOM
+    try:
+        data: object = yaml.load(text.removeprefix("%YAML:1.0\n"))
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
+    except Exception as error:  # ruamel raises whatever damaged text leads it to, beside its own errors
+        first = (str(error).splitlines() or [type(error).__name__])[0]
+        raise ValueError(first) from None
+    return data
+
+
+class _BoundedConstructor(SafeConstructor):
+    """Counts the values of a document before it makes them."""
+
+    largest_count = ROOM
+
+    def construct_document(self, node: Node) -> object:
+        if count_values(node, {}) > self.largest_count:
+            raise ValueError("its aliases stand for more values than a file of its size could hold")
+        return super().construct_document(node)
+
+
+def count_values(node: Node, known: dict[int, int]) -> int:
+    """Return the values at and below a node, with those of an alias at each place that names it.
+
+    known: counts of nodes that were met before; 0 for those that are being counted. Raises ValueError for an alias of what it
+    lies in.
+    """
+    if id(node) in known:
+        count = known[id(node)]
+        if not count:
+            raise ValueError("an alias names what it lies in")
+        return count
+    known[id(node)], count = 0, 1
+    members = node.value if isinstance(node.value, list) else ()
+    for member in members:
+        for part in member if isinstance(member, tuple) else (member,):
+            count += count_values(part, known)
+    known[id(node)] = count
+    return count

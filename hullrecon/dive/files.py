@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Read files that other people wrote: regular files only, and no more of them than they may hold."""
+
+from __future__ import annotations
+
+import errno
+import gzip
+import io
+import os
+import stat
+import zlib
+from pathlib import Path
+from typing import BinaryIO
+
+BLOCK = 1 << 20
+MIB = 1 << 20
+KINDS = (
+    (stat.S_ISFIFO, "a FIFO"), (stat.S_ISSOCK, "a socket"), (stat.S_ISCHR, "a device"), (stat.S_ISBLK, "a device"),
+)  # fmt: skip
+
+
+def open_regular(path: Path) -> BinaryIO:
+    """Return the file, opened to be read.
+
+    Raises OSError, without waiting, for what cannot be opened and for a FIFO, a socket or a device.
+    """
+    _refuse_special(path, path.stat())
+    # A file may be replaced between the two looks: the second is at what was opened, which O_NONBLOCK never waits for.
+    stream = os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")
+    try:
+        _refuse_special(path, os.fstat(stream.fileno()))
+    except OSError:
+        stream.close()
+        raise
+    return stream
+
+
+def special_kind(path: Path) -> str:
+    """Return "a FIFO", "a socket" or "a device" for what is none of file and folder; "" for those and for what is not there."""
+    try:
+        mode = path.stat().st_mode
+    except (OSError, ValueError):
+        return ""
+    return next((kind for is_kind, kind in KINDS if is_kind(mode)), "")
+
+
+def read_regular(path: Path, largest_bytes: int) -> bytes:
+    """Return the bytes of a file. Raises OSError as open_regular does, and for a file of more than `largest_bytes`."""
+    with open_regular(path) as stream:
+        if os.fstat(stream.fileno()).st_size > largest_bytes:
+            raise too_large(path, largest_bytes)
+        data = stream.read(largest_bytes + 1)  # it may have grown
+    if len(data) > largest_bytes:
+        raise too_large(path, largest_bytes)
+    return data
+
+
+def read_text(path: Path, largest_bytes: int) -> str:
+    """Return the text of a UTF-8 file, its line ends as newlines.
+
+    Raises OSError as read_regular does, and UnicodeDecodeError.
+    """
+    return read_regular(path, largest_bytes).decode().replace("\r\n", "\n").replace("\r", "\n")
+
+
+def too_large(path: Path, largest_bytes: int) -> OSError:
+    """Return the error for a file that holds more than it may."""
+    return OSError(errno.EFBIG, f"it holds more than {largest_bytes / MIB:g} MiB", str(path))
+
+
+def gunzip(data: bytes, largest_bytes: int) -> bytes:
+    """Return the unpacked bytes of a gzip file, its checksums compared. They are counted before they are kept.
+
+    Raises ValueError when the file is damaged or holds more than `largest_bytes`.
+    """
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
+            size = 0
+            while block := stream.read(BLOCK):
+                size += len(block)
+                if size > largest_bytes:
+                    raise ValueError(f"it unpacks to more than {largest_bytes / MIB:g} MiB")
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
+            return stream.read()
+    except (OSError, EOFError, zlib.error) as error:
+        raise ValueError(str(error)) from None
+
+
+def _refuse_special(path: Path, found: os.stat_result) -> None:
+    for is_kind, name in KINDS:
+        if is_kind(found.st_mode):
+            raise OSError(errno.EINVAL, f"it is {name}, not a file", str(path))

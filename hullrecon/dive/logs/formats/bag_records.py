@@ -1,0 +1,153 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The records of a ROS 1 bag, checked as they are read, and the index at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import BinaryIO
+
+from hullrecon.dive.logs.readers.protocol import Channel, Message
+from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget, decompress, fields, text
+
+MAGIC = b"#ROSBAG V2.0\n"
+MESSAGE, BAG, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
+NEEDED = {  # the fields without which a record is none of its kind
+    MESSAGE: {"conn", "time"}, BAG: {"index_pos"}, INDEX: {"conn", "count"}, CHUNK: {"compression", "size"},
+    CHUNK_INFO: {"chunk_pos", "count"}, CONNECTION: {"conn", "topic"},
+}  # fmt: skip
+LARGEST_HEAD = 1 << 20  # bytes; a connection's head holds its topic, never more
+
+Head = dict[str, bytes]
+
+
+@dataclass(frozen=True)
+class BagChunk:
+    """What the index says about one chunk: where it is, its span in log time, messages by connection."""
+
+    offset: int
+    start_ns: int
+    end_ns: int
+    counts: dict[int, int]
+
+
+class Connections(dict[int, Channel]):
+    """The connections met so far; unknown: messages of those whose definition was lost; unchecked: whether a chunk without a
+    checksum was met."""
+
+    unknown = 0
+    unchecked = False
+
+
+def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
+    """Head and data of the record at byte `at`, and the byte behind it."""
+    stream.seek(at)
+    (length,) = fields("<I", stream.read(4))
+    if length > LARGEST_HEAD or at + 8 + length > size:
+        raise DamagedError("no record starts there, or it is cut off")
+    head = parse_head(stream.read(length))
+    (count,) = fields("<I", stream.read(4))
+    end = at + 8 + length + count
+    if end > size:
+        raise DamagedError("the record there is cut off")
+    if not NEEDED.get(op_of(head), {""}) <= head.keys():
+        raise DamagedError("no record starts there")
+    if count > LARGEST_CHUNK:
+        raise DamagedError(f"it claims {count} bytes")
+    return head, stream.read(count), end
+
+
+def messages_of(head: Head, data: bytes, connections: Connections, budget: UnpackBudget | None = None) -> list[Message]:
+    """Messages of a chunk, or of a message record that stands alone; connections met on the way are learnt."""
+    op = op_of(head)
+    if op == CHUNK:
+        how = text(head.get("compression", b""))
+        connections.unchecked |= how in ("", "none")
+        data = decompress(data, how, fields("<I", head.get("size", b""))[0], budget)
+        return [m for h, d in records(data) for m in messages_of(h, d, connections) if op_of(h) != CHUNK]
+    if op == CONNECTION:
+        number, channel = _connection(head, data)
+        connections.setdefault(number, channel)
+    if op != MESSAGE:
+        return []
+    (number,) = fields("<I", head.get("conn", b""))
+    if number not in connections:
+        connections.unknown += 1
+        return []
+    return [Message(connections[number], _time(head.get("time", b"")), data)]
+
+
+def records(data: bytes) -> Iterator[tuple[Head, bytes]]:
+    """Yield head and data of the records in a chunk: connections and messages, no others."""
+    at = 0
+    while at < len(data):
+        (length,) = fields("<I", data, at)
+        (count,) = fields("<I", data, at + 4 + length)
+        end = at + 8 + length + count
+        if end > len(data):
+            raise DamagedError("a record reaches beyond its end")
+        head = parse_head(data[at + 4 : at + 4 + length])
+        if op_of(head) not in (CONNECTION, MESSAGE):
+            raise DamagedError("it holds a record of a kind that no chunk holds")
+        yield head, data[at + 8 + length : end]
+        at = end
+
+
+def read_index(stream: BinaryIO, size: int, connections: Connections) -> list[BagChunk] | None:
+    """Return the chunks that the index at the end of the bag names, in the order of the file; None when there is none to
+    trust."""
+    try:
+        head, _, _ = record(stream, len(MAGIC), size)
+        (at,) = fields("<Q", head.get("index_pos", b""))
+        chunks = fields("<I", head.get("chunk_count", b""))[0]
+        notes = []
+        while 0 < at < size:
+            head, data, at = record(stream, at, size)
+            if op_of(head) not in (CONNECTION, CHUNK_INFO):
+                return None
+            messages_of(head, data, connections)
+            if op_of(head) == CHUNK_INFO:
+                notes.append(_note(head, data))
+    except DamagedError:
+        return None
+    notes.sort(key=lambda n: n.offset)
+    named_once = len({note.offset for note in notes}) == len(notes)
+    return notes if notes and len(notes) == chunks and named_once else None
+
+
+def parse_head(data: bytes) -> Head:
+    """Return the fields of a record's head: each with its length in front, name=value."""
+    out, at = {}, 0
+    while at < len(data):
+        (length,) = fields("<I", data, at)
+        name, equals, value = data[at + 4 : at + 4 + length].partition(b"=")
+        if not equals or at + 4 + length > len(data):
+            raise DamagedError("a head's field does not fit")
+        out[text(name)] = value
+        at += 4 + length
+    return out
+
+
+def op_of(head: Head) -> int:
+    """Return the kind of a record; -1 where its head does not say."""
+    op = head.get("op", b"")
+    return op[0] if len(op) == 1 else -1
+
+
+def _connection(head: Head, data: bytes) -> tuple[int, Channel]:
+    inner = parse_head(data)
+    kind, topic = text(inner.get("type", b"")), text(head.get("topic", b""))
+    definition = inner.get("message_definition", b"").decode(errors="replace")  # comments may be in any code page
+    return fields("<I", head.get("conn", b""))[0], Channel(topic, kind, "ros1", definition)
+
+
+def _note(head: Head, data: bytes) -> BagChunk:
+    (offset,) = fields("<Q", head.get("chunk_pos", b""))
+    pairs = [fields("<II", data, at) for at in range(0, len(data), 8)]
+    return BagChunk(offset, _time(head.get("start_time", b"")), _time(head.get("end_time", b"")), dict(pairs))  # type: ignore[arg-type]
+
+
+def _time(value: bytes) -> int:
+    seconds, nanoseconds = fields("<II", value)
+    return seconds * 1_000_000_000 + nanoseconds

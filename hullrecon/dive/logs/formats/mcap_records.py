@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The records of an MCAP file that matter here, checked as they are read."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import BinaryIO
+
+from hullrecon.dive.logs.readers.protocol import Channel, Message
+from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget, decompress, fields, text
+
+MAGIC = b"\x89MCAP0\r\n"
+HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(0x01, 0x09)
+ATTACHMENT, ATTACHMENT_INDEX, STATISTICS, METADATA, METADATA_INDEX, SUMMARY_OFFSET, DATA_END = range(0x09, 0x10)
+PRIVATE = 0x80  # and above: records of somebody's own
+IN_DATA = {HEADER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, ATTACHMENT, METADATA, DATA_END}
+IN_SUMMARY = {SCHEMA, CHANNEL, STATISTICS, CHUNK_INDEX, ATTACHMENT_INDEX, METADATA_INDEX, SUMMARY_OFFSET}
+HEAD = 9  # bytes: opcode, length
+FOOTER_SIZE, DATA_END_SIZE = HEAD + 20, HEAD + 4
+COMPRESSIONS = {b"", b"none", b"zstd", b"lz4"}
+CHUNK_HEAD = 28 + 4 + 4 + 8  # bytes of a chunk's body before what is packed, at most
+LONGEST_DEFINITION = 1 << 20  # bytes
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Its span in log time and its records, still packed."""
+
+    start_ns: int
+    end_ns: int
+    size: int
+    crc: int
+    compression: str
+    packed: bytes
+
+
+class Definitions:
+    """The schemas and channels met so far."""
+
+    def __init__(self) -> None:
+        self._schemas: dict[int, tuple[str, str, str]] = {}
+        self.channels: dict[int, Channel] = {}
+        self.unknown = 0  # messages of channels whose definition was lost
+
+    def take(self, opcode: int, body: bytes) -> Message | None:
+        """Learns a schema or a channel; gives back a message; DamagedError when the record does not hold together."""
+        if opcode == SCHEMA:
+            name, at = _string(body, 2)
+            form, at = _string(body, at)
+            (length,) = fields("<I", body, at)
+            if length > min(len(body) - at - 4, LONGEST_DEFINITION):
+                raise DamagedError(f"a definition claims {length} bytes")
+            self._schemas[fields("<H", body)[0]] = (name, form, text(body[at + 4 : at + 4 + length]))
+        elif opcode == CHANNEL:
+            number, schema = fields("<HH", body)
+            topic, at = _string(body, 4)
+            if schema and schema not in self._schemas:
+                return None  # its type was lost: nobody can say what its messages are
+            kind, form, definition = self._schemas.get(schema, ("", "", ""))
+            self.channels[number] = Channel(topic, kind, _string(body, at)[0], definition, form)
+        elif opcode == MESSAGE:
+            number, _, log_ns = fields("<HIQ", body)
+            fields("<Q", body, 14)
+            if number in self.channels:
+                return Message(self.channels[number], log_ns, body[22:])
+            self.unknown += 1
+        return None
+
+
+def head(stream: BinaryIO, at: int, end: int) -> tuple[int, int]:
+    """Opcode and length of the record at byte `at`; DamagedError when it is no record or reaches beyond `end`."""
+    stream.seek(at)
+    opcode, length = fields("<BQ", stream.read(HEAD))
+    if not (HEADER <= opcode <= DATA_END or opcode >= PRIVATE):
+        raise DamagedError("no record starts there")
+    if at + HEAD + length > end:
+        raise DamagedError("the record there is cut off")
+    return opcode, length
+
+
+def packed_at(body: bytes, length: int) -> int | None:
+    """Return where the packed records of a chunk's body of that length start; None when the body is none of a chunk.
+
+    body: its first bytes suffice. A chunk's lengths agree with each other, which no other record's bytes do by chance.
+    """
+    if len(body) < 40:
+        return None
+    named = int.from_bytes(body[28:32], "little")
+    at = 32 + named
+    if named > 4 or body[32:at] not in COMPRESSIONS or int.from_bytes(body[at : at + 8], "little") != length - at - 8:
+        return None
+    return at + 8
+
+
+def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
+    """Return the chunk at byte `at`, whatever its opcode says; its lengths must agree with each other."""
+    _, length = head(stream, at, end)
+    start = packed_at(stream.read(min(length, CHUNK_HEAD)), length)
+    if start is None:
+        raise DamagedError("its lengths contradict each other")
+    if length > LARGEST_CHUNK:
+        raise DamagedError(f"it claims {length} bytes")
+    stream.seek(at + HEAD)
+    body = stream.read(length)
+    start_ns, end_ns, size, crc = fields("<QQQI", body)
+    return Chunk(start_ns, end_ns, size, crc, body[32 : start - 8].decode(), body[start:])
+
+
+def messages_of(chunk: Chunk, definitions: Definitions, budget: UnpackBudget | None = None) -> list[Message]:
+    """Return all messages of a whole chunk. Raises DamagedError."""
+    data = decompress(chunk.packed, chunk.compression, chunk.size, budget)
+    if chunk.crc and zlib.crc32(data) != chunk.crc:
+        raise DamagedError("its checksum is wrong")
+    out = []
+    for opcode, body in records(data):
+        if not (SCHEMA <= opcode <= MESSAGE or opcode >= PRIVATE):
+            raise DamagedError("it holds a record of a kind that no chunk holds")
+        message = definitions.take(opcode, body)
+        if message is not None:
+            out.append(message)
+    return out
+
+
+def records(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """(opcode, body) of records in a row."""
+    at = 0
+    while at < len(data):
+        opcode, length = fields("<BQ", data, at)
+        if at + HEAD + length > len(data):
+            raise DamagedError("a record reaches beyond its end")
+        yield opcode, data[at + HEAD : at + HEAD + length]
+        at += HEAD + length
+
+
+def _string(body: bytes, at: int) -> tuple[str, int]:
+    """A string with its length in front, and the byte behind it."""
+    (length,) = fields("<I", body, at)
+    if at + 4 + length > len(body):
+        raise DamagedError("a string reaches beyond its record")
+    return text(body[at + 4 : at + 4 + length]), at + 4 + length

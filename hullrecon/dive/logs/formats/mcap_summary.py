@@ -1,0 +1,165 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The closing records of an MCAP file: where its data ends, and what its summary says about the chunks."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import BinaryIO
+
+from hullrecon.dive.logs.formats.mcap_records import (
+    CHUNK,
+    CHUNK_INDEX,
+    DATA_END,
+    DATA_END_SIZE,
+    FOOTER,
+    FOOTER_SIZE,
+    HEAD,
+    IN_SUMMARY,
+    MAGIC,
+    MESSAGE,
+    STATISTICS,
+    Definitions,
+    head,
+    records,
+)  # fmt: skip
+from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, fields
+
+
+@dataclass(frozen=True)
+class ChunkNote:
+    """What the summary says about one chunk. end: the byte behind it and its indices. topics: those it holds, empty when the
+    writer did not say."""
+
+    offset: int
+    end: int
+    start_ns: int
+    end_ns: int
+    topics: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Summary:
+    """chunks in the order of the file; counts of messages by topic (empty without statistics); start: its first byte."""
+
+    chunks: tuple[ChunkNote, ...]
+    counts: dict[str, int]
+    definitions: Definitions
+    start: int
+
+
+def read_summary(stream: BinaryIO, size: int) -> Summary | None:
+    """Return the summary; None when there is none that can be trusted (its checksum, where it has one, must hold, and no
+    message may stand where it names no chunk)."""
+    try:
+        start, section = _section(stream, size)
+        summary = _parse(section, start)
+    except DamagedError:
+        return None
+    return summary if _names_all(stream, summary) else None
+
+
+def is_end_of_data(stream: BinaryIO, opcode: int, length: int, at: int, size: int) -> bool:
+    """Return whether the record at byte `at` ends the data: a DATA_END of four bytes, behind it the summary if any, the footer
+    and the magic. Anything else that looks like an end is damage: data may follow."""
+    footer = _footer(stream, size)
+    if footer is None:
+        return False
+    start, foot = footer
+    behind = at + DATA_END_SIZE
+    if opcode == FOOTER:
+        return at == foot
+    if opcode != DATA_END or length != 4:
+        return False
+    return behind == foot or start == behind or _is_summary(stream, behind, foot)
+
+
+def _footer(stream: BinaryIO, size: int) -> tuple[int, int] | None:
+    """The start of the summary as the footer has it, and the footer's own byte; None where no footer and magic end the file."""
+    at = size - FOOTER_SIZE - len(MAGIC)
+    try:
+        if at < len(MAGIC) or head(stream, at, size) != (FOOTER, 20):
+            return None
+        start = fields("<QQI", stream.read(20))[0]
+        return (start, at) if stream.read(len(MAGIC)) == MAGIC else None
+    except DamagedError:
+        return None
+
+
+def _is_summary(stream: BinaryIO, at: int, foot: int) -> bool:
+    try:
+        opcodes = {opcode for opcode, _, _ in _heads(stream, at, foot)}
+    except DamagedError:
+        return False
+    return opcodes <= IN_SUMMARY
+
+
+def _heads(stream: BinaryIO, at: int, end: int) -> Iterator[tuple[int, int, int]]:
+    """Opcode, byte and length of the records from `at` to `end`; DamagedError where they do not end there."""
+    while at < end:
+        opcode, length = head(stream, at, end)
+        yield opcode, at, length
+        at += HEAD + length
+
+
+def _names_all(stream: BinaryIO, summary: Summary) -> bool:
+    """Whether no chunk and no message lies where the summary names none; an index of another kind may be damaged there."""
+    edges = [len(MAGIC), *(edge for note in summary.chunks for edge in (note.offset, note.end)), summary.start]
+    if not summary.chunks:
+        return True
+    try:
+        found = {op for start, end in list(pairwise(edges))[::2] for op, _, _ in _heads(stream, start, end)}
+    except DamagedError:
+        return False
+    return not found & {CHUNK, MESSAGE}
+
+
+def _section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
+    at = size - FOOTER_SIZE - len(MAGIC)
+    if at < len(MAGIC) or head(stream, at, size) != (FOOTER, 20):
+        raise DamagedError("no footer")
+    start, _, crc = fields("<QQI", stream.read(20))
+    if not len(MAGIC) <= start < at or at - start > LARGEST_CHUNK:
+        raise DamagedError("no summary")
+    stream.seek(start)
+    section = stream.read(at - start)
+    stream.seek(at)
+    if crc and zlib.crc32(stream.read(FOOTER_SIZE - 4), zlib.crc32(section)) != crc:
+        raise DamagedError("its checksum is wrong")
+    return start, section
+
+
+def _parse(section: bytes, start: int) -> Summary:
+    definitions = Definitions()
+    notes: list[tuple[int, int, int, int, list[int]]] = []
+    by_channel: dict[int, int] = {}
+    chunks = None
+    for opcode, body in records(section):
+        if opcode == CHUNK_INDEX:
+            start_ns, end_ns, offset, size, length = fields("<QQQQI", body)
+            indices = fields("<Q", body, 36 + length)[0]
+            held = [fields("<H", body, at)[0] for at in range(36, 36 + length, 10)]
+            notes.append((offset, offset + size + indices, start_ns, end_ns, held))
+        elif opcode == STATISTICS:
+            chunks, length = fields("<I", body, 22)[0], fields("<I", body, 42)[0]
+            by_channel = dict(fields("<HQ", body, at) for at in range(46, 46 + length, 10))  # type: ignore[misc]
+        else:
+            definitions.take(opcode, body)
+    notes.sort()
+    following = [*(note[0] for note in notes), start][1:]
+    if any(note[1] > behind for note, behind in zip(notes, following, strict=True)):
+        raise DamagedError("its chunks overlap")
+    if notes and chunks not in (None, len(notes)):
+        raise DamagedError("it does not name every chunk")
+    names = {number: channel.topic for number, channel in definitions.channels.items()}
+    counts: dict[str, int] = {}
+    for number, count in by_channel.items():
+        if number in names:
+            counts[names[number]] = counts.get(names[number], 0) + count
+    named = (
+        ChunkNote(o, e, first, last, tuple(sorted({names[c] for c in held if c in names}))) for o, e, first, last, held in notes
+    )
+    return Summary(tuple(named), counts, definitions, start)

@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Refuse definitions of message types that would take hours or gigabytes to parse, to compile or to decode by.
+
+A log carries its types' definitions as text, and rosbags compiles them: each element of an array of messages becomes lines of
+code, each nested type a call for each message. Real definitions stay far below these limits.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from hullrecon.dive.logs.readers.unpack import DamagedError
+
+LONGEST_TEXT = 1 << 17  # characters; those of the types that are read here have up to 10,000
+MOST_TYPES, MOST_FIELDS = 200, 2000
+MOST_ELEMENTS = 1000  # of fixed arrays of messages or strings, which are compiled one by one
+LARGEST_ARRAY = 1 << 27  # elements of a fixed array of numbers: none that a chunk could hold is larger
+DEEPEST = 32  # types within types
+LONGEST_IDL = 1 << 16
+MOST_PARENTHESES = 1  # within each other: each more multiplies the time of the IDL parser by sixty; annotations have one
+MOST_ANGLES = 2  # likewise, by two
+
+TEXT = re.compile(r'"(?:\\.|[^"\\])*(?:"|\\?\Z)|//[^\n]*|/\*(?:.*?\*/|.*)', re.DOTALL)  # with those that do not end
+BASE, NAME, ARRAY, SEQUENCE = 1, 2, 3, 4  # rosbags' kinds of fields
+WIDTHS = {"string": 4, "wstring": 4}  # bytes that are there at least; one for every other base type
+
+FieldKind = tuple[int, Any]  # of rosbags: its kind; then a name, (base type, bound) or (element, count)
+Types = Mapping[str, tuple[Sequence[object], Sequence[tuple[str, FieldKind]]]]
+
+
+def check_text(text: str) -> None:
+    """Raise DamagedError for a definition's text that a parser should not see."""
+    if len(text) > LONGEST_TEXT:
+        raise DamagedError(f"it has {len(text)} characters")
+
+
+def check_idl(text: str) -> None:
+    """Raise DamagedError for IDL that the parser would take for ever over: what nests or does not end, or shifts into the
+    millions."""
+    if len(text) > LONGEST_IDL:
+        raise DamagedError(f"it has {len(text)} characters")
+    code = TEXT.sub(_blank, text)
+    for opening, closing, deepest in (("(", ")", MOST_PARENTHESES), ("<", ">", MOST_ANGLES)):
+        depth = 0
+        for character in code:
+            depth = max(0, depth + (character == opening) - (character == closing))
+            if depth > deepest:
+                raise DamagedError(f"it nests {opening}{closing}")
+    if "<<" in code:
+        raise DamagedError("it computes its constants")
+
+
+def _blank(match: re.Match[str]) -> str:
+    """What stands for a string or a comment where only the code matters. Raises DamagedError for one without an end."""
+    found = match.group()
+    if found.startswith("//"):
+        return " "
+    end = '"' if found.startswith('"') else "*/"
+    if len(found) < 2 * len(end) or not found.endswith(end):
+        raise DamagedError("a string or comment of it does not end")
+    return '""' if end == '"' else " "
+
+
+def check_types(types: Types, name: str) -> None:
+    """Raise DamagedError for types that cannot be compiled or decoded by in reasonable time. name: of the message itself."""
+    fields = [kind for _, members in types.values() for _, kind in members]
+    if len(types) > MOST_TYPES or len(fields) > MOST_FIELDS:
+        raise DamagedError(f"it has {len(types)} types with {len(fields)} fields")
+    elements = 0
+    for kind, inner in fields:
+        if kind == ARRAY:
+            base, count = inner
+            is_number = base[0] == BASE and base[1][0] not in WIDTHS
+            if not isinstance(count, int) or not 0 <= count <= LARGEST_ARRAY:
+                raise DamagedError(f"it has an array of {count} elements")
+            elements += 0 if is_number else count
+        if elements > MOST_ELEMENTS:
+            raise DamagedError(f"it has arrays of {elements} messages")
+    if name in types:
+        _Sizes(types).of(name, 0)
+
+
+class _Sizes:
+    """The least bytes of each type, and the calls that one of it takes; calls that no byte pays for are refused."""
+
+    def __init__(self, types: Types) -> None:
+        self._types = types
+        self._known: dict[str, tuple[int, int]] = {}
+
+    def of(self, name: str, depth: int) -> tuple[int, int]:
+        if depth > DEEPEST:
+            raise DamagedError("its types contain each other without end")
+        if name not in self._types:
+            return 1, 1  # rosbags will say that it is missing
+        if name not in self._known:
+            parts = [self._field(kind, depth) for _, kind in self._types[name][1]]
+            size, calls = sum(p[0] for p in parts), 1 + sum(p[1] for p in parts)
+            if calls > 16 + 8 * size:
+                raise DamagedError("its types are nested around nothing")
+            self._known[name] = size, calls
+        return self._known[name]
+
+    def _field(self, kind: FieldKind, depth: int) -> tuple[int, int]:
+        """Bytes and calls of a field. Of an array of numbers one call reads all."""
+        form, inner = kind
+        if form == BASE:
+            return WIDTHS.get(str(inner[0]), 1), 1
+        if form == NAME:
+            return self.of(str(inner), depth + 1)
+        element, count = inner
+        size, calls = self._field(element, depth)
+        if size == 0:
+            raise DamagedError("it has a list of an empty type")
+        if form == SEQUENCE:
+            return 4, 1
+        return count * size, 1 if element[0] == BASE else 1 + count * calls

@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the readers of single files share: a pass over the file, its remarks and its losses."""
+
+from __future__ import annotations
+
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+
+from hullrecon.dive.logs.readers.loss_tracker import LossTracker
+from hullrecon.dive.logs.readers.protocol import Loss, Message
+from hullrecon.dive.logs.readers.unpack import printable
+from hullrecon.errors import InputError
+
+
+class FileLog:
+    """A file that is opened anew for each pass. Its readers fill `remarks` and `_tracker` in `_read`."""
+
+    kind: str
+    gives_samples = False
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.remarks: list[str] = []
+        self._tracker = LossTracker()
+
+    def messages(self) -> Iterator[Message]:
+        """Yield every whole message, in the order of the file. Raises InputError when nothing can be read."""
+        self.remarks, self._tracker = [], LossTracker()
+        try:
+            require_regular_file(self.path)
+            yield from self._read()
+        except OSError as error:  # a disk with a bad sector, a share that went away
+            if not self._tracker.seen:
+                raise unreadable(self.path, error) from None
+            self._tracker.open_gap(f"the file cannot be read further: {error.strerror or error}")
+            self._tracker.finish()
+
+    def losses(self) -> list[Loss]:
+        """Return what the last pass could not read."""
+        return list(self._tracker.losses)
+
+    def _read(self) -> Iterator[Message]:
+        raise NotImplementedError
+
+
+def unreadable(path: Path, error: OSError) -> InputError:
+    """Return the error that says why the system does not give a file."""
+    return InputError(f"{printable(path.name)} cannot be read: {error.strerror or error}", where=printable(str(path.parent)))
+
+
+def require_regular_file(path: Path) -> None:
+    """Raise InputError for a pipe, a socket or a device, which would be waited for, and OSError for what is not there."""
+    mode = path.stat().st_mode
+    if not stat.S_ISREG(mode):
+        kinds = {stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket"}
+        kind = kinds.get(stat.S_IFMT(mode), "a device")
+        where = printable(str(path.parent))
+        raise InputError(f"{printable(path.name)} is {kind}, not a file", where=where, remedy="copy the log into a file")

@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Hold a dive package to its own folder: what dive.toml and the tables name must be files that lie inside it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from hullrecon.dive.config.config_errors import shorten
+from hullrecon.dive.config.load import LoadedConfig
+from hullrecon.dive.files import special_kind
+from hullrecon.dive.logs.readers.file_log import require_regular_file
+from hullrecon.dive.logs.readers.open import open_log
+from hullrecon.dive.logs.readers.plain import PlainLog
+from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE
+from hullrecon.dive.logs.readers.sqlite import write_ahead_log
+from hullrecon.errors import InputError
+from hullrecon.geometry.frames import Camera
+
+TABLE = ".csv"
+STORED = (*STORAGE, *(f"{suffix}-wal" for suffix in STORAGE))
+REMEDY = "put it into the package, or give --allow-outside if you trust who wrote the package"
+
+
+def check_files(loaded: LoadedConfig, *, allow_outside: bool = False, trusted_keys: Collection[str] = ()) -> None:
+    """Raise InputError, with the key, for a file of a package that is a FIFO, a socket or a device, or that lies outside of it.
+
+    Links are followed. allow_outside: files may lie anywhere; so may those of trusted_keys, which the package did not set.
+    Files that are missing are left to their readers. Reads nothing but tables.
+    """
+    for key, path in _named_files(loaded):
+        _check_file(key, path, loaded.package, allow_outside or key in trusted_keys)
+
+
+def check_log(path: Path, root: Path, *, allow_outside: bool = False) -> None:
+    """Raise InputError, as check_files does, for a log in the folder `root` and for what its own folder and tables name."""
+    for key, file in _files_of_log("the log", path, root):
+        _check_file(key, file, root, allow_outside)
+
+
+def _check_file(key: str, path: Path, package: Path, allow_outside: bool) -> None:
+    kind = special_kind(path)
+    if kind:
+        raise InputError(f"{key} names {kind}, not a file: {shorten(path.name)}", where=shorten(str(path.parent), 200))
+    if not (allow_outside or lies_inside(path, package)):
+        what = f"{key} names a file outside the package: {_shown(path, package)}"
+        raise InputError(what, where=shorten(str(package), 200), remedy=REMEDY)
+
+
+def lies_inside(path: Path, package: Path) -> bool:
+    """Return whether a file, its links followed, lies in the package's folder; a name that no file can have does."""
+    try:
+        return path.resolve().is_relative_to(package.resolve())
+    except (OSError, RuntimeError, ValueError):  # too long, a loop of links, a zero byte: its reader says so
+        return True
+
+
+def log_files(package: Path, name: str) -> list[Path]:
+    """Return the files of one log, relative to the package where they lie in it. Of a folder only those that are read: a run
+    may keep its own folder below it. Raises InputError for a folder that holds no log."""
+    folder = package / name
+    try:
+        if not folder.is_dir():
+            if folder.exists():
+                require_regular_file(folder)
+            return [Path(name), *([Path(f"{name}-wal")] if write_ahead_log(folder).is_file() else [])]
+    except OSError:  # a name that no file can have: the reader says so
+        open_log(folder, package)
+    log = open_log(folder, package)
+    if isinstance(log, PlainLog):
+        return [*(Path(name) / table for table in log.tables()), *log.named_files()]
+    files = sorted(path for path in folder.iterdir() if path.name == METADATA or path.suffix in STORED)
+    return [Path(name) / path.name for path in files if path.is_file()]
+
+
+def _named_files(loaded: LoadedConfig) -> Iterator[tuple[str, Path]]:
+    """Yield the files of a package with the keys that name them."""
+    package, config = loaded.package, loaded.config
+    for camera in Camera:
+        calibration = loaded.value(f"{camera.section}.calibration")
+        if isinstance(calibration, str):
+            yield f"{camera.section}.calibration", package / calibration
+    if config.hull is not None:
+        yield "hull.mesh", package / config.hull.mesh
+    for name in config.logs.files:
+        yield from _files_of_log("logs.files", package / name, package)
+
+
+def _files_of_log(key: str, log: Path, package: Path) -> Iterator[tuple[str, Path]]:
+    """Yield a log, what lies in its folder, and then what its tables name, each before it is read."""
+    yield key, log
+    if not _is_folder(log):
+        yield key, write_ahead_log(log)
+        return
+    members = [p for p in sorted(log.iterdir()) if p.name == METADATA or p.suffix in (*STORED, TABLE)]
+    yield from ((key, member) for member in members)
+    if any(member.suffix == TABLE for member in members) and _is_plain(log, package):
+        yield from ((f"a table of {shorten(log.name)}", package / file) for file in log_files(package, str(log.absolute())))
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def _is_plain(folder: Path, package: Path) -> bool:
+    try:
+        return isinstance(open_log(folder, package), PlainLog)
+    except InputError:  # no log: said when it is read
+        return False
+
+
+def _shown(path: Path, package: Path) -> str:
+    """Return a path as the package names it, and where it leads if that is by a link."""
+    name = str(path.relative_to(package)) if path.is_relative_to(package) else str(path)
+    return f"{shorten(name, 100)} (a link to {shorten(str(path.resolve()), 100)})" if path.is_symlink() else shorten(name, 100)

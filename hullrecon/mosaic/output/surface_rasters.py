@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is known of the surface under each texel of a mosaic: deviation, form, their sigmas, support."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
+from hullrecon.mosaic.output.compressed_tiles import CompressedTiles
+from hullrecon.mosaic.output.raster import RasterBands, RasterPlace
+from hullrecon.records.surface import DeviationSplit, Surface
+from hullrecon.typing import Array, Ints
+
+QUANTUM_M = 0.0001  # metres are written in steps of it: finer is noise, and compresses badly
+
+SURFACE_BANDS = {
+    "deviation": "signed distance of the hull as found from its CAD model, outward positive",
+    "deviation_sigma": "one sigma of the deviation, the hull's place included",
+    "form": "deviation without the offset and the tilt of the surveyed patch",
+    "form_sigma": "one sigma of the form, which the hull's place hardly enters",
+    "support": "images that saw the surface where landmarks measured it",
+}
+
+
+def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, Array]:
+    """Return the values (n,) at the surface's vertices by the name of their raster, NaN where nothing was seen; without a CAD
+    model the support alone."""
+    values = {"support": surface.support.astype(float)}
+    if split is not None:
+        values |= {
+            "deviation": surface.deviation,
+            "deviation_sigma": surface.sigma,
+            "form": split.form,
+            "form_sigma": split.form_sigma,
+        }
+    return {name: np.where(surface.support > 0, v, np.nan) for name, v in values.items()}
+
+
+def surface_tiles(surface: MosaicSurface, values: Mapping[str, Array], place: RasterPlace) -> dict[str, CompressedTiles]:
+    """Return tiles of values (n,) of the surface's vertices at the texels: metres linear on each face, counts those of the
+    nearest corner; NaN, and 0 for counts, where there is none. surface: without a horizon, which is not needed here."""
+    shape = (place.size, place.size)
+    tiles = {name: CompressedTiles(shape, surface_bands(name).dtype) for name in values}
+    for window in place.grid.tiles(place.size):
+        point = sample_surface(surface, place.grid, window).point.reshape(-1, 3)
+        rows = np.flatnonzero(np.isfinite(point[:, 0]))
+        corners, share = face_shares(surface.mesh, surface.scene, point[rows])
+        for name, value in values.items():
+            tile = np.full(len(point), np.nan)
+            if name == "support":
+                tile[rows] = value[np.take_along_axis(corners, share.argmax(axis=1)[:, None], axis=1)[:, 0]]
+                tile = np.nan_to_num(tile)
+            else:
+                tile[rows] = np.rint((value[corners] * share).sum(axis=1) / QUANTUM_M) * QUANTUM_M
+            tiles[name].add(tile.reshape(shape))
+    return tiles
+
+
+def face_shares(mesh: Mesh, scene: Scene, points: Array) -> tuple[Ints, Array]:
+    """Return the corners (n, 3) of the faces on which points (n, 3) lie, and each corner's share (n, 3) of its point."""
+    if not len(points):
+        return np.zeros((0, 3), np.int64), np.zeros((0, 3))
+    near = scene.closest(points)
+    corners = mesh.faces[near.face].astype(np.int64)
+    a, b, c = mesh.vertices[corners].transpose(1, 0, 2)
+    whole = np.cross(b - a, c - a)
+    size = np.maximum(np.einsum("ni,ni->n", whole, whole), 1e-30)
+    of_b = np.einsum("ni,ni->n", np.cross(near.foot - a, c - a), whole) / size
+    of_c = np.einsum("ni,ni->n", np.cross(b - a, near.foot - a), whole) / size
+    return corners, np.clip(np.stack([1 - of_b - of_c, of_b, of_c], axis=1), 0.0, 1.0)
+
+
+def surface_bands(name: str) -> RasterBands:
+    """Return what the raster of that name holds."""
+    counts = name == "support"
+    return RasterBands(
+        names=(name,),
+        unit="" if counts else "m",
+        dtype="uint16" if counts else "float32",
+        title=SURFACE_BANDS[name],
+        nodata=0 if counts else float("nan"),
+    )

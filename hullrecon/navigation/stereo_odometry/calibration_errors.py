@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How wrong the stereo calibration is, by what the dive's own features show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect
+from hullrecon.typing import Array
+
+ITERATIONS = 20
+LARGEST = 2e-3  # of an error of the disparity, rad: where the iterations begin, 2 px in a lens of 1,000 px
+
+
+def calibration_moment(evidence: Sequence[CalibrationEffect], prior_sigma: Array) -> Array:
+    """Return the second moment (k, k) of the errors of the calibration: how far off they are found, and how well that is known.
+
+    prior_sigma (k,): prior sigma of each, NaN where none is known. Those share one sigma, which is the most likely one given
+    what all motions of the dive say (expectation maximisation: an empirical prior). A good calibration shows none, and then the
+    errors that no motion can see, as the scale, are small as well; a rough one is rough in them too.
+    """
+    information = np.sum([e.information for e in evidence], axis=0)
+    gradient = np.sum([e.gradient for e in evidence], axis=0)
+    unknown = np.isnan(prior_sigma)
+    sigma = np.where(unknown, LARGEST, prior_sigma)
+    free = sigma > 0
+    out = np.zeros((len(sigma), len(sigma)))
+    for _ in range(ITERATIONS):
+        prior = np.diag(sigma[free] ** -2.0)
+        covariance = np.linalg.inv(information[np.ix_(free, free)] + prior)
+        found = -covariance @ gradient[free]
+        out[np.ix_(free, free)] = covariance + np.outer(found, found)
+        if not unknown.any():
+            break
+        sigma = np.where(unknown, np.sqrt(max(float(np.diag(out)[unknown].mean()), 1e-16)), sigma)
+    return out

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The deviation from the CAD model in numbers and words: the form, and apart from it how far the whole patch stands off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.geometry.meshes.mesh import vertex_areas
+from hullrecon.report.figures.chart_map import weighted_percentiles
+from hullrecon.report.survey import Survey
+from hullrecon.typing import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeviationFigures:
+    """Metres. offset of the surveyed patch from its CAD model, outward positive, with its sigma; tilt (2,), m/m, along and in
+    girth, with its sigma; form (3,): 5th, 50th and 95th percentile of the seen area; form_sigma: median over it."""
+
+    offset: float
+    offset_sigma: float
+    tilt: Array
+    tilt_sigma: Array
+    form: Array
+    form_sigma: float
+
+    @property
+    def offset_words(self) -> str:
+        """Return the offset in a sentence's part, with what its sigma makes of it."""
+        side = "outside" if self.offset > 0 else "inside"
+        known = "" if abs(self.offset) > 2 * self.offset_sigma else ", which is not told from zero"
+        return f"{1000 * abs(self.offset):.0f} mm {side} it (one sigma {1000 * self.offset_sigma:.0f} mm{known})"
+
+    @property
+    def form_words(self) -> str:
+        """Return the form's percentiles in a sentence's part."""
+        low, _, high = 1000 * self.form
+        return f"{low:+.0f} to {high:+.0f} mm (5th to 95th percentile; one sigma {1000 * self.form_sigma:.1f} mm)"
+
+
+def deviation_figures(survey: Survey) -> DeviationFigures | None:
+    """Return the figures; None without a CAD model or a hull as found."""
+    found, split = survey.surfaces.as_found, survey.surfaces.deviation
+    if found is None or split is None or not survey.is_in_hull_frame:
+        return None
+    seen = np.isfinite(split.form)
+    weight = vertex_areas(found.mesh())[seen]
+    if not weight.sum() > 0:
+        return None
+    return DeviationFigures(
+        offset=float(split.offset),
+        offset_sigma=float(split.offset_sigma),
+        tilt=split.tilt,
+        tilt_sigma=split.tilt_sigma,
+        form=weighted_percentiles(split.form[seen], weight, (5, 50, 95)),
+        form_sigma=float(weighted_percentiles(split.form_sigma[seen], weight, (50,))[0]),
+    )
+
+
+def deviation_document(figures: DeviationFigures | None) -> dict[str, object] | None:
+    """Return the member `deviation` of summary.json; None without a CAD model."""
+    if figures is None:
+        return None
+    low, middle, high = (round(float(v), 5) for v in figures.form)
+    return {
+        "offset_m": round(figures.offset, 5),
+        "offset_sigma_m": round(figures.offset_sigma, 5),
+        "tilt": [round(float(v), 6) for v in figures.tilt],
+        "tilt_sigma": [round(float(v), 6) for v in figures.tilt_sigma],
+        "form_m": {"p05": low, "p50": middle, "p95": high},
+        "form_sigma_m": round(figures.form_sigma, 5),
+    }
+
+
+def deviation_rows(figures: DeviationFigures | None) -> list[tuple[str, str]]:
+    """Return the table of the page's chapter on the deviation."""
+    if figures is None:
+        return []
+    slopes = " / ".join(f"{1000 * t:+.1f} ± {1000 * s:.1f}" for t, s in zip(figures.tilt, figures.tilt_sigma, strict=True))
+    return [
+        ("Form", figures.form_words),
+        ("Offset of the surveyed patch", f"{1000 * figures.offset:+.0f} ± {1000 * figures.offset_sigma:.0f} mm"),
+        ("Tilt of the surveyed patch, along / in girth", f"{slopes} mm per m"),
+    ]

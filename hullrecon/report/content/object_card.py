@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The card of one object on the page: its numbers with their sigmas, and its picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hullrecon.records.deliverables import ReportedObject
+from hullrecon.report.content.object_images import Crop
+from hullrecon.report.content.phrases import count, length, probability, with_sigma
+from hullrecon.report.figures.plan_view import nice_below
+from hullrecon.report.survey import Survey
+
+CardContext = Mapping[str, object]
+
+
+def card_context(found: ReportedObject, survey: Survey, crop: Crop | None) -> CardContext:
+    """Return texts and picture of one object; what has no sigma is counted, not measured."""
+    rows = [
+        ("Height above the hull around it", with_sigma(found.height, found.height_sigma, "m")),
+        ("Extent along the hull, in girth", " × ".join(_extents(found))),
+        (
+            "Area, volume",
+            f"{_scaled(found.area, found.area_sigma, 1e4, 'cm²')}, {_scaled(found.volume, found.volume_sigma, 1e3, 'l')}",
+        ),
+    ]
+    if found.deviation is not None:
+        rows.append(("Largest distance to the CAD model", with_sigma(found.deviation, found.deviation_sigma, "m")))
+    if found.along is not None and found.girth is not None:
+        places = (with_sigma(found.along, found.sigma_along, "m"), with_sigma(found.girth, found.sigma_girth, "m"))
+        rows.append(("Along, girth" if survey.is_in_hull_frame else "Along, across", ", ".join(places)))
+    if found.depth is not None:
+        rows.append(("Depth below the water surface", with_sigma(found.depth, found.depth_sigma, "m")))
+    sigmas = found.position_sigma or (None, None, None)
+    center = ", ".join(with_sigma(c, s, "").strip() for c, s in zip(found.center, sigmas, strict=True))
+    rows += [
+        ("Centre (x, y, z)", f"{center} m in {survey.track.frame}"),
+        ("Seen in", count(found.views, "view")),
+        ("False-alarm probability, anywhere in the survey", probability(found.p_value)),
+    ]
+    return {
+        "id": found.id,
+        "kind": "Protrusion" if found.height >= 0 else "Recess",
+        "address": found.address,
+        "rows": rows,
+        "crop": crop and crop_context(crop, found),
+    }
+
+
+def _extents(found: ReportedObject) -> list[str]:
+    sigmas = found.extent_sigma or (None, None)
+    return [with_sigma(extent, sigma, "m") for extent, sigma in zip(found.extent, sigmas, strict=True)]
+
+
+def _scaled(value: float, sigma: float | None, factor: float, unit: str) -> str:
+    return with_sigma(factor * value, None if sigma is None else factor * sigma, unit)
+
+
+def crop_context(crop: Crop, found: ReportedObject) -> CardContext:
+    """Return an object's picture with outline, scale bar and source."""
+    seconds, rest = divmod(crop.t_ns, 10**9)
+    stamp = str(np.datetime64(seconds, "s")).replace("T", " ")
+    bar = nice_below(0.35 * crop.width / crop.pixels_per_m)
+    return {
+        "crop": crop,
+        "points": " ".join(f"{u:.1f},{v:.1f}" for u, v in crop.outline),
+        "bar_px": bar * crop.pixels_per_m,
+        "bar": length(bar),
+        "source": f"{crop.camera.key}, image {crop.row}, {stamp}.{rest // 10**6:03d} UTC",
+        "alt": f"Object {found.id} in an image of {crop.camera.key}, with its outline.",
+    }

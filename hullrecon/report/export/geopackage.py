@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A GeoPackage (OGC 12-128r18) of points and polygons as bytes: an SQLite database of the standard's tables."""
+
+from __future__ import annotations
+
+import sqlite3
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.typing import Array
+
+SRS_ID = 100_000  # of the local coordinate system; EPSG's own end below it
+APPLICATION_ID, USER_VERSION = 0x47504B47, 10300  # "GPKG", version 1.3
+TYPES = {int: "INTEGER", float: "DOUBLE", str: "TEXT"}
+SCHEMA = """
+CREATE TABLE gpkg_spatial_ref_sys (srs_name TEXT NOT NULL, srs_id INTEGER NOT NULL PRIMARY KEY, organization TEXT NOT NULL,
+ organization_coordsys_id INTEGER NOT NULL, definition TEXT NOT NULL, description TEXT);
+CREATE TABLE gpkg_contents (table_name TEXT NOT NULL PRIMARY KEY, data_type TEXT NOT NULL, identifier TEXT UNIQUE,
+ description TEXT DEFAULT '', last_change DATETIME NOT NULL, min_x DOUBLE, min_y DOUBLE, max_x DOUBLE, max_y DOUBLE,
+ srs_id INTEGER REFERENCES gpkg_spatial_ref_sys(srs_id));
+CREATE TABLE gpkg_geometry_columns (table_name TEXT NOT NULL UNIQUE REFERENCES gpkg_contents(table_name),
+ column_name TEXT NOT NULL, geometry_type_name TEXT NOT NULL, srs_id INTEGER NOT NULL REFERENCES gpkg_spatial_ref_sys(srs_id),
+ z TINYINT NOT NULL, m TINYINT NOT NULL, PRIMARY KEY (table_name, column_name));
+"""
+WGS84 = (
+    'GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],'
+    'UNIT["degree",0.0174532925199433]]'
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layer:
+    """Features of one kind: polygons, closed rings (k, 2), or points (1, 2) in map coordinates, and for each its fields: whole
+    numbers, numbers, words or None, the same names in the same order."""
+
+    name: str
+    description: str
+    polygons: bool
+    shapes: Sequence[Array]
+    fields: Sequence[Mapping[str, int | float | str | None]]
+    types: Mapping[str, type]
+
+
+def geopackage_bytes(layers: Sequence[Layer], crs_name: str, wkt: str, changed: str) -> bytes:
+    """Return the file. changed: time of the last change, ISO 8601: that of the dive, so that equal runs give equal bytes."""
+    database = sqlite3.connect(":memory:")
+    try:
+        database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+        database.execute(f"PRAGMA user_version = {USER_VERSION}")
+        database.executescript(SCHEMA)
+        systems = [
+            ("Undefined Cartesian", -1, "NONE", -1, "undefined", None),
+            ("Undefined geographic", 0, "NONE", 0, "undefined", None),
+            ("WGS 84", 4326, "EPSG", 4326, WGS84, None),
+            (crs_name, SRS_ID, "NONE", SRS_ID, wkt, "local, in metres"),
+        ]
+        database.executemany("INSERT INTO gpkg_spatial_ref_sys VALUES (?, ?, ?, ?, ?, ?)", systems)
+        for layer in layers:
+            _add_layer(database, layer, changed)
+        database.commit()
+        return bytes(database.serialize())
+    finally:
+        database.close()
+
+
+def _add_layer(database: sqlite3.Connection, layer: Layer, changed: str) -> None:
+    corners = np.concatenate([np.zeros((0, 2)), *layer.shapes])
+    box = [*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist()] if len(corners) else [None] * 4
+    entry = (layer.name, "features", layer.name, layer.description, changed, *box, SRS_ID)
+    database.execute("INSERT INTO gpkg_contents VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", entry)
+    kind = "POLYGON" if layer.polygons else "POINT"
+    database.execute("INSERT INTO gpkg_geometry_columns VALUES (?, 'geom', ?, ?, 0, 0)", (layer.name, kind, SRS_ID))
+    fields = "".join(f', "{name}" {TYPES[of]}' for name, of in layer.types.items())
+    database.execute(f'CREATE TABLE "{layer.name}" (fid INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, geom {kind}{fields})')
+    marks = ", ".join("?" * (1 + len(layer.types)))
+    names = ", ".join(["geom", *(f'"{name}"' for name in layer.types)])
+    rows = [
+        (geometry_blob(shape, layer.polygons), *(values[name] for name in layer.types))
+        for shape, values in zip(layer.shapes, layer.fields, strict=True)
+    ]
+    database.executemany(f'INSERT INTO "{layer.name}" ({names}) VALUES ({marks})', rows)
+
+
+def geometry_blob(shape: Array, polygon: bool) -> bytes:
+    """Return a polygon of one ring (k, 2), closed here, or a point (1, 2), as GeoPackage stores it: header with the envelope of
+    polygons, then WKB, little endian."""
+    ring = np.vstack([shape, shape[:1]]) if polygon else shape
+    head = b"GP" + struct.pack("<BBi", 0, 0b011 if polygon else 0b001, SRS_ID)
+    if not polygon:
+        return head + struct.pack("<BI2d", 1, 1, *ring[0])
+    low, high = ring.min(axis=0), ring.max(axis=0)
+    envelope = struct.pack("<4d", low[0], high[0], low[1], high[1])
+    return head + envelope + struct.pack("<BIII", 1, 3, 1, len(ring)) + np.ascontiguousarray(ring, "<f8").tobytes()

@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Stereo calibration and stamps held against some images, for `check` and for the step navigate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hullrecon.dive.check.sampled_images import SampledImages
+from hullrecon.dive.config.load import LoadedConfig
+from hullrecon.dive.images.store import decode
+from hullrecon.dive.ingest import IngestResult
+from hullrecon.geometry.frames import Camera
+from hullrecon.navigation.dead_reckoning.dead_reckon import usable_frames
+from hullrecon.navigation.dead_reckoning.nodes import pair_frames
+from hullrecon.records.sensors import DvlPings, ImageIndex
+from hullrecon.rig import RIG_KEYS, SensorRig, rig_from_settings
+from hullrecon.typing import Pixels
+from hullrecon.vision.stereo.camera_rig import CameraRig
+from hullrecon.vision.stereo.rig_check import ReadImage, RigProblem, StereoFrames, check_baseline, check_stereo_rig
+
+
+def find_rig_problem(
+    rig: SensorRig, index: Mapping[Camera, ImageIndex], read: ReadImage, sigma_rad: float, dvl: DvlPings | None
+) -> RigProblem | None:
+    """Return what some images contradict in calibration, stamps or baseline; None where nothing, or without two cameras."""
+    if len(index) < len(Camera) or len(rig.cameras) < len(Camera):
+        return None
+    top, bottom = (usable_frames(index[camera]) for camera in Camera)
+    frames = StereoFrames(pair=pair_frames(top[0], bottom[0]), top=top, bottom=bottom)
+    found = check_stereo_rig(CameraRig(rig), frames, read, sigma_rad)
+    if found is None:
+        return None
+    return found.problem or (None if dvl is None or not len(dvl.t_ns) else check_baseline(found, dvl, rig))
+
+
+def describe_rig_problem(loaded: LoadedConfig, found: IngestResult, sampled: Mapping[str, SampledImages]) -> list[str]:
+    """Return a sentence where the images that `check` kept contradict the stereo rig; none where they fit."""
+    bottom = loaded.config.camera.bottom
+    if bottom is None or any(camera.key not in found.images for camera in Camera):
+        return []
+    index = {camera: found.images[camera.key] for camera in Camera}
+
+    def encoded(camera: Camera, row: int) -> bytes | None:
+        if index[camera].file[row]:
+            return (loaded.package / str(index[camera].file[row])).read_bytes()
+        return sampled[camera.key].image_at(int(index[camera].offset[row])) if camera.key in sampled else None
+
+    def read(camera: Camera, row: int) -> Pixels | None:
+        data = encoded(camera, row)
+        return None if data is None else decode(data)
+
+    models = {camera: found.cameras[camera.key] for camera in Camera if camera.key in found.cameras}
+    rig = rig_from_settings({key: loaded.value(key) for key in RIG_KEYS}, models)
+    sigma_rad = float(np.radians(max(bottom.pose_sigma[3:])))
+    problem = find_rig_problem(rig, index, read, sigma_rad, found.records.dvl)
+    return [] if problem is None else [f"{problem.what}: {problem.remedy}"]

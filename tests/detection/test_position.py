@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""An object's place has a covariance of its own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.detection.objects.position import object_position
+from hullrecon.geometry.charts.plane_chart import PlaneChart
+from hullrecon.geometry.poses import from_mount
+from hullrecon.records.surface import Surface
+
+CENTER, NORMAL = np.array([1.5, 2.1, 2.0]), np.array([0.0, 1.0, 0.0])
+SHARED = np.tile(np.diag([0.3, 0.02, 0.05]) ** 2, (5, 1, 1))
+
+
+@pytest.fixture
+def base(wall) -> BaseSurface:
+    n = len(wall.vertices)
+    return BaseSurface(
+        cad_model=wall,
+        surveyed=Surface(vertices=wall.vertices, faces=wall.faces, deviation=np.zeros(n), sigma=np.ones(n), support=np.ones(n,
+        np.int64)), chart=PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]])),
+        result_from_global=from_mount([0, 0, 8, 180, 0, 0]),
+        frame_spacing_m=None,
+    )  # fmt: skip
+
+
+def test_an_objects_sigmas_are_its_landmarks_and_its_own_shapes(base: BaseSurface) -> None:
+    place = object_position(CENTER, NORMAL, SHARED, 0.015, 0.2, base)
+    np.testing.assert_allclose(place.sigma, np.hypot([0.3, 0.05, 0.02], [0.01, 0.01, 0.015]))
+    np.testing.assert_allclose(np.sqrt(np.diag(place.covariance)), np.hypot([0.3, 0.02, 0.05], [0.01, 0.015, 0.01]))
+
+
+def test_its_depth_is_as_uncertain_as_its_place_upwards(base: BaseSurface) -> None:
+    place = object_position(CENTER, NORMAL, SHARED, 0.0, 0.0, base)
+    assert place.depth == pytest.approx(6.0)
+    assert place.depth_sigma == pytest.approx(0.05)
+
+
+def test_its_address_is_no_finer_than_its_sigma(base: BaseSurface) -> None:
+    row = object_position(CENTER, NORMAL, SHARED, 0.0, 0.0, base).as_json(base)
+    assert row["address"] == "1.5 ± 0.3 m along, 2.00 ± 0.05 m across, 6.0 ± 0.1 m below waterline"
+    assert (row["along"], row["girth"], row["side"], row["frame"]) == (1.5, 2.0, None, None)
+
+
+def test_without_a_pressure_sensor_no_depth_is_given(base: BaseSurface) -> None:
+    dry = replace(base, depth_known=False)
+    row = object_position(CENTER, NORMAL, SHARED, 0.0, 0.0, dry).as_json(dry)
+    assert (row["depth"], row["depth_sigma"]) == (None, None)
+    assert "waterline" not in str(row["address"])
+
+
+def test_off_the_chart_an_object_has_no_chart_coordinates(base: BaseSurface) -> None:
+    lost = object_position(np.full(3, np.nan), NORMAL, SHARED, 0.0, 0.0, base).as_json(replace(base, depth_known=False))
+    assert (lost["along"], lost["girth"], lost["side"]) == (None, None, None)

@@ -1,0 +1,27 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from hullrecon.dive.check.sampled_images import MOST, RUN, SampledImages
+
+
+def sampled(count):
+    """So many images of three bytes each, and the numbers of those that were kept."""
+    out = SampledImages()
+    for k in range(count):
+        out.write(k.to_bytes(3, "big"))
+    return out, [k for k in range(count) if out.image_at(3 * k) == k.to_bytes(3, "big")]
+
+
+def test_few_images_are_all_kept():
+    assert sampled(MOST)[1] == list(range(MOST))
+
+
+def test_of_many_images_runs_of_neighbours_over_the_whole_dive_are_kept():
+    out, kept = sampled(20 * MOST)
+    assert MOST // 4 <= len(kept) <= MOST
+    assert kept[-1] > 18 * MOST
+    assert all(k - k % RUN + j in kept for k in kept for j in range(RUN) if k - k % RUN + j < 20 * MOST)
+    assert out.image_at(1) is None
+
+
+def test_two_cameras_keep_the_same_images():
+    assert sampled(1000)[1] == sampled(1000)[1]

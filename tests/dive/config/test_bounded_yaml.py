@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import pytest
+
+from hullrecon.dive.config.bounded_yaml import ROOM, parse_yaml
+
+
+def doubling(levels: int) -> str:
+    """A kilobyte of aliases that stand for 9 ** levels values."""
+    lines = ["a0: &a0 [x, x]"]
+    lines += [f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]" for k in range(1, levels)]
+    return "\n".join(lines)
+
+
+def test_plain_yaml_is_read():
+    assert parse_yaml("a: 1\nb: [1, 2.5, x]\nc: {d: true}\n") == {"a": 1, "b": [1, 2.5, "x"], "c": {"d": True}}
+    assert parse_yaml("") is None
+
+
+def test_the_head_that_opencv_writes_is_left_out():
+    assert parse_yaml("%YAML:1.0\n---\na: 1\n") == {"a": 1}
+
+
+def test_aliases_as_programs_write_them_are_read():
+    assert parse_yaml("a: &id001 [1, 2]\nb: *id001\n") == {"a": [1, 2], "b": [1, 2]}
+    assert parse_yaml("a: &a {x: 1}\nb:\n  <<: *a\n  y: 2\n") == {"a": {"x": 1}, "b": {"x": 1, "y": 2}}
+
+
+def test_aliases_that_stand_for_more_than_the_file_could_hold_are_refused():
+    with pytest.raises(ValueError, match="aliases stand for more"):
+        parse_yaml(doubling(9))
+
+
+def test_merged_tables_are_counted_as_well():
+    lines = ["a0: &a0 {x: 1}"]
+    lines += [f"a{k}: &a{k}\n  <<: [{', '.join([f'*a{k - 1}'] * 9)}]\n  k{k}: 1" for k in range(1, 12)]
+    with pytest.raises(ValueError, match="aliases stand for more"):
+        parse_yaml("\n".join(lines))
+
+
+def test_a_long_file_without_aliases_is_read():
+    count = ROOM + 100
+    assert parse_yaml(f"[{','.join(['1'] * count)}]") == [1] * count
+
+
+def test_an_alias_of_what_it_lies_in_is_refused():
+    with pytest.raises(ValueError, match="what it lies in"):
+        parse_yaml("&a [*a]")
+
+
+@pytest.mark.parametrize("text", ["[" * 900, "{" * 900, "- " * 3000])
+def test_nesting_that_python_gives_up_on_is_refused(text):
+    with pytest.raises(ValueError, match="nested too deeply"):
+        parse_yaml(text)
+
+
+@pytest.mark.parametrize(
+    "text", ["x: " + "1" * 10_000, "? {a: [1]}\n: 2", "!!python/object/apply:os.system [ls]", "a: !!timestamp 1",
+             "a: [", "\0", "%TAG ! x", "<<: 1"],
+)  # fmt: skip
+def test_what_the_parser_stumbles_over_is_a_value_error_of_one_line(text):
+    with pytest.raises(ValueError, match=r".") as caught:
+        parse_yaml(text)
+    assert "\n" not in str(caught.value)

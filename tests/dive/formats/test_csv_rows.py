@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import csv
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from hullrecon.dive.logs.formats.csv_rows import LONGEST_LINE, read_rows
+from hullrecon.errors import InputError
+
+QUICK = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)
+CELLS = st.text(st.characters(codec="utf-8", exclude_characters='\r\n\0"'), max_size=8).map(str.strip)
+
+
+def rows(tmp_path: Path, text: str | bytes, needed=("a",)):
+    path = tmp_path / "x.csv"
+    path.write_bytes(text.encode() if isinstance(text, str) else text)
+    return list(read_rows(path, needed))
+
+
+@QUICK
+@given(st.lists(st.lists(CELLS, min_size=2, max_size=2), max_size=5), st.sampled_from(["\n", "\r\n"]))
+def test_what_the_csv_module_writes_comes_back_with_its_line_numbers(tmp_path, table, end):
+    path = tmp_path / "x.csv"
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        csv.writer(stream, lineterminator=end).writerows([["a", "b"], *table])
+    assert list(read_rows(path, ("a", "b"))) == [(n, dict(zip("ab", row, strict=True))) for n, row in enumerate(table, 2)]
+
+
+def test_blank_lines_are_passed_over_and_counted_as_lines(tmp_path):
+    assert rows(tmp_path, "a\n1\n\n\n2\n") == [(2, {"a": "1"}), (5, {"a": "2"})]
+
+
+def test_cells_that_a_line_lacks_are_empty_and_more_than_the_header_has_are_dropped(tmp_path):
+    assert rows(tmp_path, "a,b\n1\n1,2,3\n") == [(2, {"a": "1", "b": ""}), (3, {"a": "1", "b": "2"})]
+
+
+def test_a_last_line_that_is_short_and_has_no_end_is_cut(tmp_path):
+    assert rows(tmp_path, "a,b\n1,2\n1") == [(2, {"a": "1", "b": "2"}), (3, None)]
+    assert rows(tmp_path, "a,b\n1,2\n1,3") == [(2, {"a": "1", "b": "2"}), (3, {"a": "1", "b": "3"})]
+
+
+@pytest.mark.parametrize("length", [LONGEST_LINE - 1, LONGEST_LINE, 3 * LONGEST_LINE])
+def test_a_line_that_is_too_long_costs_itself(tmp_path, length):
+    found = rows(tmp_path, "a\n1\n" + "x" * length + "\n2\n")
+    assert found[0] == (2, {"a": "1"})
+    assert found[-1] == (4, {"a": "2"})
+    assert (found[1][1] is None) == (length >= LONGEST_LINE)
+
+
+def test_a_header_of_a_thousand_columns_is_refused(tmp_path):
+    """Each of a million short lines would become a row of so many cells."""
+    with pytest.raises(InputError, match="has 1000 columns"):
+        rows(tmp_path, "a" + ",b" * 999 + "\n" + "1\n" * 10)
+
+
+def test_a_missing_column_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"x\.csv has no column c"):
+        rows(tmp_path, "a,b\n", ("a", "c"))
+
+
+@QUICK
+@given(st.binary(max_size=300))
+def test_any_bytes_are_rows_or_bad_lines(tmp_path, tail):
+    found = rows(tmp_path, b"a,b\n1,2\n" + tail)
+    assert found[0] == (2, {"a": "1", "b": "2"})
+    assert all(row is None or set(row) == {"a", "b"} for _, row in found)

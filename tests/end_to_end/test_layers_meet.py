@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""One corner of an object measured in every file: table, PLY, GeoPackage, GeoJSON and GeoTIFF agree to 5 mm.
+
+The files are joined as chart.json says, without the code that wrote them.
+"""
+
+import json
+import sqlite3
+import struct
+
+import numpy as np
+import pytest
+import rasterio
+from end_to_end.true_hull import read_ply, read_table
+
+pytestmark = pytest.mark.slow
+AGREE_M = 0.005
+
+
+@pytest.fixture(scope="module")
+def deliver(demo_run):
+    return demo_run / "deliver"
+
+
+@pytest.fixture(scope="module")
+def objects(deliver):
+    return json.loads((deliver / "objects.json").read_text())["objects"]
+
+
+@pytest.fixture(scope="module")
+def chart(deliver):
+    return Chart(deliver)
+
+
+class Chart:
+    """The mapping of chart.json, both ways."""
+
+    def __init__(self, deliver):
+        document = json.loads((deliver / "chart.json").read_text())
+        self.signs = np.array([document["map"]["along_from_x"], document["map"]["girth_from_y"]])
+        vertex, faces = read_ply(deliver / document["mesh"]["file"])
+        self.at = np.stack([vertex["along"], vertex["girth"]], axis=1)
+        self.point = np.stack([vertex[k] for k in "xyz"], axis=1)
+        self.normal = np.stack([vertex[f"n{k}"] for k in "xyz"], axis=1)
+        self.faces = faces.astype(int)
+
+    def to_frame(self, xy, offset=0.0):
+        """The point (3,) of the ship at map coordinates, so far off the hull."""
+        a, b, c = self.at[self.faces].transpose(1, 0, 2)
+        at = xy * self.signs
+        share = np.linalg.solve(np.stack([b - a, c - a], axis=2), (at - a)[..., None])[..., 0]
+        share = np.column_stack([1 - share.sum(axis=1), share])
+        face = int(np.argmax(share.min(axis=1)))
+        assert share[face].min() > -1e-9, "off the chart"
+        corner = self.faces[face]
+        return share[face] @ self.point[corner] + offset * (share[face] @ self.normal[corner])
+
+    def to_map(self, point):
+        """Map coordinates (2,) of a point of the ship, by the closest of the mesh's vertices and its plane."""
+        best = None
+        for face in np.argsort(np.linalg.norm(self.point[self.faces].mean(axis=1) - point, axis=1))[:8]:
+            corner = self.faces[face]
+            a, b, c = self.point[corner]
+            share = np.linalg.lstsq(np.stack([b - a, c - a], axis=1), point - a, rcond=None)[0]
+            share = np.r_[1 - share.sum(), share]
+            if best is None or share.min() > best[0]:
+                best = (share.min(), share @ self.at[corner])
+        return best[1] * self.signs
+
+
+def rings(deliver):
+    """Outline (k, 2) on the map of each object, from the GeoPackage."""
+    base = sqlite3.connect(f"file:{deliver / 'objects.gpkg'}?mode=ro", uri=True)
+    found = {}
+    for number, blob in base.execute("SELECT id, geom FROM objects"):
+        (count,) = struct.unpack_from("<I", blob, 49)
+        found[number] = np.frombuffer(blob, "<f8", 2 * count, 53).reshape(-1, 2)
+    return found
+
+
+def value_at(path, xy):
+    """The raster's value at map coordinates, linear between the four nearest pixels."""
+    with rasterio.open(path) as file:
+        column, row = ~file.transform @ tuple(xy)
+        low = np.floor([row - 0.5, column - 0.5]).astype(int)
+        four = file.read(1, window=rasterio.windows.Window(low[1], low[0], 2, 2)).astype(float)
+    a, b = np.array([row - 0.5, column - 0.5]) - low
+    return float(np.array([1 - a, a]) @ four @ np.array([1 - b, b]))
+
+
+def test_an_outlines_corners_are_the_same_in_json_geopackage_and_geojson(deliver, objects, chart):
+    outlines = rings(deliver)
+    features = {f["id"]: f for f in json.loads((deliver / "objects.geojson").read_text())["features"]}
+    for found in objects:
+        corners = np.array(found["outline"])
+        on_map = outlines[found["id"]][:-1]
+        np.testing.assert_allclose(features[found["id"]]["geometry"]["coordinates"][0][:-1], on_map, atol=1e-5)
+        mapped = np.array([chart.to_map(corner) for corner in corners])
+        assert np.linalg.norm(mapped - on_map, axis=1).max() < AGREE_M
+
+
+def test_a_corner_on_the_geotiff_lies_in_space_where_the_table_says(deliver, objects, chart):
+    """The raster's surface passes within 5 mm of each corner: on the wall of a structure a pixel aside is centimetres in
+    height, so the pixels within two of it are asked."""
+    outlines = rings(deliver)
+    aside = 0.0024 * np.stack(np.meshgrid([-2, -1, 0, 1, 2], [-2, -1, 0, 1, 2]), axis=-1).reshape(-1, 2)
+    for found in objects:
+        gaps = []
+        for corner, xy in zip(np.array(found["outline"])[::4], outlines[found["id"]][::4], strict=False):
+            points = [chart.to_frame(at, value_at(deliver / "deviation.tif", at)) for at in xy + aside]
+            gaps.append(np.nanmin(np.linalg.norm(np.array(points) - corner, axis=1)))
+        assert np.mean(np.array(gaps) < AGREE_M) > 0.9, found["id"]
+
+
+def test_a_corner_is_a_vertex_of_the_hull_as_found(deliver, objects):
+    vertex, _ = read_ply(deliver / "as_found.ply")
+    xyz = np.stack([vertex[k] for k in "xyz"], axis=1)
+    for found in objects:
+        for corner in np.array(found["outline"]):
+            assert np.linalg.norm(xyz - corner, axis=1).min() < AGREE_M
+
+
+def test_a_center_is_the_same_in_table_and_layers(deliver, objects, chart):
+    table = read_table(deliver / "objects.csv")
+    base = sqlite3.connect(f"file:{deliver / 'objects.gpkg'}?mode=ro", uri=True)
+    points = {
+        number: struct.unpack_from("<2d", blob, 13) for number, blob in base.execute("SELECT id, geom FROM object_centers")
+    }
+    for k, found in enumerate(objects):
+        xy = np.array(points[found["id"]])
+        at = np.array([float(table["along_m"][k]), float(table["girth_m"][k])])
+        np.testing.assert_allclose(xy * chart.signs, at, atol=AGREE_M)
+        center = [float(table[f"center_{a}"][k]) for a in "xyz"]
+        np.testing.assert_allclose(center, found["center"], atol=AGREE_M)
+        point = chart.to_frame(xy, value_at(deliver / "deviation.tif", xy))
+        assert np.linalg.norm(point - center) < 2 * AGREE_M  # the top's height is that of 8 cm2, not of one pixel
+
+
+def test_all_rasters_lie_on_one_grid_and_each_object_has_its_photo(deliver, objects):
+    names = (
+        "ortho_optical",
+        "variance_optical",
+        "views_optical",
+        "deviation",
+        "deviation_sigma",
+        "form",
+        "form_sigma",
+        "support",
+    )
+    grids = set()
+    for name in names:
+        with rasterio.open(deliver / f"{name}.tif") as file:
+            grids.add((file.transform, file.shape, file.crs.to_wkt()))
+            assert file.overviews(1)
+    assert len(grids) == 1
+    assert all((deliver / "objects" / f"{found['id']}.jpg").stat().st_size > 10_000 for found in objects)
+
+
+def test_the_painted_number_reads_forward(deliver):
+    """Seen from outside x, y and the outward normal are right-handed, and y points up the side of the ship."""
+    chart = Chart(deliver)
+    with rasterio.open(deliver / "ortho_optical.tif") as file:
+        west, south, east, north = file.bounds
+    middle = np.array([(west + east) / 2, (south + north) / 2])
+    right, up = (chart.to_frame(middle + step) - chart.to_frame(middle) for step in np.eye(2) * 0.2)
+    outward = chart.to_frame(middle, 1.0) - chart.to_frame(middle)
+    assert np.cross(right, up) @ outward > 0
+    assert up[2] > 0

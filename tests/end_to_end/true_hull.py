@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a simulated dive's truth says about the things that a report tells; shares no code with what it judges."""
+
+import csv
+import json
+import tomllib
+from dataclasses import dataclass
+
+import numpy as np
+import open3d as o3d
+
+
+class Steel:
+    """Distances to a triangle mesh."""
+
+    def __init__(self, path):
+        mesh = o3d.io.read_triangle_mesh(str(path))
+        self.scene = o3d.t.geometry.RaycastingScene()
+        self.scene.add_triangles(o3d.t.geometry.TriangleMesh.from_legacy(mesh))
+
+    def closest(self, points):
+        """Feet (n, 3) and outward normals (n, 3)."""
+        answer = self.scene.compute_closest_points(o3d.core.Tensor(points.astype(np.float32)))
+        return answer["points"].numpy().astype(float), answer["primitive_normals"].numpy().astype(float)
+
+    def along(self, origin, direction):
+        """Distances (n,) to what rays meet, inf where nothing."""
+        rays = np.hstack([origin, np.broadcast_to(direction, origin.shape)]).astype(np.float32)
+        return self.scene.cast_rays(o3d.core.Tensor(rays))["t_hit"].numpy().astype(float)
+
+
+@dataclass
+class TrueHull:
+    """The hull as it is, its CAD model, and the motion that lays the run's results onto them: what a run says of a piece of
+    steel is held against that piece, wherever the run believes it to be."""
+
+    built: Steel
+    cad: Steel
+    rotation: np.ndarray
+    shift: np.ndarray
+    global_from_hull: np.ndarray
+    objects: list
+
+    def depth(self, point):
+        """Depth of a point (3,) of the ship below the water surface."""
+        return float((self.global_from_hull[:3, :3] @ point + self.global_from_hull[:3, 3])[2])
+
+    def lay(self, points):
+        return points @ self.rotation.T + self.shift
+
+    def deviation(self, points):
+        """Signed distance (n,) of the steel nearest to points (n, 3) of the run from the CAD model."""
+        foot, _ = self.built.closest(self.lay(points))
+        on_cad, normal = self.cad.closest(foot)
+        gap = foot - on_cad
+        return np.linalg.norm(gap, axis=1) * np.sign(np.einsum("ni,ni->n", gap, normal))
+
+    def relief(self, center, half_m=0.4, step_m=0.005):
+        """Heights of the steel on a square of the tangent plane around a true center: along (n, n), across, deviation."""
+        on_cad, normal = (a[0] for a in self.cad.closest(np.array([center])))
+        along = np.array([1.0, 0, 0]) - normal * normal[0]
+        along /= np.linalg.norm(along)
+        u, v = np.meshgrid(*(np.arange(-half_m, half_m + step_m, step_m),) * 2, indexing="ij")
+        start = on_cad + u[..., None] * along + v[..., None] * np.cross(normal, along) + 0.5 * normal
+        built, cad = (0.5 - mesh.along(start.reshape(-1, 3), -normal).reshape(u.shape) for mesh in (self.built, self.cad))
+        return u, v, built - cad
+
+    def footprint(self, center, height, reach):
+        """Extents (2,), area and volume of the part above a quarter of its height."""
+        u, v, deviation = self.relief(center)
+        side = np.sign(height)
+        ring = (np.hypot(u, v) > 0.3) & np.isfinite(deviation)
+        above = deviation - np.median(deviation[ring])
+        foot = (side * above > 0.25 * abs(height)) & (np.hypot(u, v) < reach)
+        ends = [np.percentile(w[foot], 99) - np.percentile(w[foot], 1) for w in (u, v)]
+        return np.array(ends), foot.sum() * 0.005**2, above[foot].sum() * 0.005**2
+
+
+def read_table(path):
+    with path.open() as file:
+        rows = list(csv.DictReader(file))
+    return {name: [row[name] for row in rows] for name in rows[0]}
+
+
+def read_ply(path):
+    """Vertices as a structured array, and triangles (m, 3), of a binary file."""
+    kinds = {"float": "<f4", "double": "<f8", "uchar": "u1", "int": "<i4"}
+    head, body = path.read_bytes().split(b"end_header\n", 1)
+    lines = [line.split() for line in head.decode().splitlines()]
+    count = {line[1]: int(line[2]) for line in lines if line[0] == "element"}
+    dtype = [(line[2], kinds[line[1]]) for line in lines if line[0] == "property" and line[1] != "list"]
+    vertices = np.frombuffer(body, dtype, count["vertex"])
+    return vertices, np.frombuffer(body[vertices.nbytes :], [("n", "u1"), ("v", "<i4", 3)])["v"]
+
+
+def true_hull(deliver, package):
+    """The truth of a package beside what `deliver` holds."""
+    truth = package / "truth"
+    ours, real = read_table(deliver / "trajectory.csv"), read_table(truth / "poses.csv")
+    t, true_t = (np.array(table["t"], float) for table in (ours, real))
+    path = np.array([ours[k] for k in "xyz"], float).T
+    want = np.array([np.interp(t, true_t, np.array(real[k], float)) for k in "xyz"]).T
+    rotation, shift = rigid(path, want)
+    objects = json.loads((truth / "objects.json").read_text())
+    hull = tomllib.loads((package / "dive.toml").read_text()).get("hull", {}).get("mesh", "hull.stl")
+    return TrueHull(
+        built=Steel(truth / "as_built.ply"),
+        cad=Steel(package / hull),
+        rotation=rotation,
+        shift=shift,
+        global_from_hull=np.array(json.loads((truth / "alignment.json").read_text())["T_g_M"]["matrix"]),
+        objects=objects["objects"] if isinstance(objects, dict) else objects,
+    )
+
+
+def rigid(a, b):
+    """Rotation and shift that lay points a on b."""
+    u, _, vt = np.linalg.svd((a - a.mean(0)).T @ (b - b.mean(0)))
+    rotation = vt.T @ np.diag([1, 1, np.sign(np.linalg.det(vt.T @ u.T))]) @ u.T
+    return rotation, b.mean(0) - rotation @ a.mean(0)

@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from hullrecon.geometry.charts.outside_map import OutsideMap
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.mosaic.grid import TexelGrid
+from hullrecon.mosaic.mosaic_surface import MosaicSurface
+from hullrecon.mosaic.output.raster import RasterPlace
+from hullrecon.mosaic.output.surface_rasters import face_shares, surface_bands, surface_tiles, surface_values
+from hullrecon.records.surface import DeviationSplit, Surface
+
+GRID = TexelGrid(west=-1.2, north=1.2, step_m=0.1, height=24, width=24)
+PLACE = RasterPlace(grid=GRID, size=32, outside=OutsideMap(x_sign=-1, y_sign=1, frame="M"))
+
+
+def test_a_field_linear_over_the_surface_is_linear_over_its_texels(flat_surface: Callable[..., MosaicSurface]) -> None:
+    surface = flat_surface()
+    slope = 0.01 * surface.mesh.vertices[:, 0] + 0.02 * surface.mesh.vertices[:, 1]
+    (tile,) = surface_tiles(surface, {"form": slope}, PLACE)["form"]
+    at = GRID.centers(np.arange(24.0), np.arange(24.0))
+    on = (np.abs(at) < 1).all(axis=2)
+    np.testing.assert_allclose(tile[:24, :24][on], (at @ [0.01, 0.02])[on], atol=6e-5)
+    assert np.isnan(tile[:24, :24][~on]).all()
+
+
+def test_counts_are_those_of_the_nearest_corner_and_zero_off_the_surface(flat_surface: Callable[..., MosaicSurface]) -> None:
+    (tile,) = surface_tiles(flat_surface(), {"support": np.array([1.0, 2, 3, 4])}, PLACE)["support"]
+    assert tile.dtype == np.uint16
+    assert set(np.unique(tile)) == {0, 1, 2, 3, 4}
+    assert tile[3, 3] == 4  # along -0.85, girth 0.85
+    assert tile[0, 0] == 0
+
+
+def test_shares_of_a_face_give_its_points_back() -> None:
+    mesh = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0]]), np.array([[0, 1, 2]], np.int32))
+    points = np.array([[0.2, 0.4, 0.0], [0.0, 0.0, 0.0], [0.5, 0.5, 0.0]])
+    corners, share = face_shares(mesh, Scene(mesh), points)
+    np.testing.assert_allclose((mesh.vertices[corners] * share[..., None]).sum(axis=1), points, atol=1e-12)
+    assert face_shares(mesh, Scene(mesh), np.zeros((0, 3)))[1].shape == (0, 3)
+
+
+def test_what_was_not_seen_has_no_value_and_without_a_cad_model_there_is_support_alone() -> None:
+    n = 3
+    surface = Surface(vertices=np.zeros((n, 3)), faces=np.zeros((0, 3), np.int32), deviation=np.full(n, 0.01),
+                      sigma=np.full(n, 0.02), support=np.array([0, 2, 5]))  # fmt: skip
+    one = np.asarray(0.0)
+    split = DeviationSplit(offset=one, offset_sigma=one, tilt=np.zeros(2), tilt_sigma=np.zeros(2), form=np.full(n, 0.003),
+                           form_sigma=np.full(n, 0.002))  # fmt: skip
+    values = surface_values(surface, split)
+    assert set(values) == {"support", "deviation", "deviation_sigma", "form", "form_sigma"}
+    np.testing.assert_array_equal(values["form"], [np.nan, 0.003, 0.003])
+    assert set(surface_values(surface, None)) == {"support"}
+
+
+@pytest.mark.parametrize(("name", "unit", "dtype"), [("form_sigma", "m", "float32"), ("support", "", "uint16")])
+def test_each_raster_says_what_it_holds(name: str, unit: str, dtype: str) -> None:
+    bands = surface_bands(name)
+    assert (bands.names, bands.unit, bands.dtype) == ((name,), unit, dtype)
+    assert bands.title
