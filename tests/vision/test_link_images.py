@@ -169,8 +169,8 @@ def test_a_small_drift_ties_the_legs_in_the_first_round(small):
 
 
 def test_a_drift_that_puts_revisits_outside_the_first_search_is_closed_in_rounds(large):
-    """Dead reckoning has the far ends metres apart, neighbours alone leave them 0.7 m apart: what the first round ties straightens
-    the path, on which the next finds the rest."""
+    """Dead reckoning has the far ends metres apart, neighbours alone leave them 0.7 m apart: what the first round ties
+    straightens the path, on which the next finds the rest."""
     truth, reckoned = large.dive.global_from_vehicle[:, :3, 3], large.dive.trajectory.translation
     assert np.linalg.norm((reckoned - truth)[-1]) > 1.5
     alone = link(LARGE, turn_sigma=0.02, max_rounds=0)
