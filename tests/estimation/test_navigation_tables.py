@@ -44,7 +44,7 @@ def test_every_node_has_the_trays_angle_and_the_sense_of_its_backlash():
 
 
 def test_odometry_is_whitened_by_its_covariance(dive):
-    table = odometry_table(dive.odometry, np.zeros(12), dive.rig.T_s_d.nominal)
+    table = odometry_table(dive.odometry, np.zeros(12), dive.rig.T_s_d.nominal, dive.trajectory.poses())
     np.testing.assert_allclose(table.sqrt_information[4], np.diag(1 / STEP_SIGMA))
     np.testing.assert_array_equal(table.measured[:, :3], dive.odometry.translation)
     np.testing.assert_array_equal(table.measured[:, 3:], dive.odometry.quaternion)
@@ -52,9 +52,18 @@ def test_odometry_is_whitened_by_its_covariance(dive):
 
 def test_a_step_was_reckoned_with_the_mean_of_its_two_angles(dive):
     tray = np.linspace(0, 1.1, 12)
-    table = odometry_table(dive.odometry, tray, from_mount([0, 0, 0.08, 0, 90, 0]))
+    table = odometry_table(dive.odometry, tray, from_mount([0, 0, 0.08, 0, 90, 0]), dive.trajectory.poses())
     np.testing.assert_allclose(table.tray, 0.05 + 0.1 * np.arange(11))
     np.testing.assert_allclose(table.mount[:3], [0, 0, 0.08])
+
+
+def test_a_wrong_scale_stretches_the_motion_as_the_path_has_it(dive):
+    longer = Poses(dive.trajectory.quaternion, 2 * dive.trajectory.translation)
+    once, twice = (
+        odometry_table(dive.odometry, np.zeros(12), dive.rig.T_s_d.nominal, path).by_navigation[:, :3, 0]
+        for path in (dive.trajectory.poses(), longer)
+    )
+    np.testing.assert_allclose(twice - once, dive.odometry.translation, atol=1e-9)
 
 
 def whitened(prior, start, step):

@@ -86,7 +86,7 @@ def test_a_second_solve_starts_from_the_first_and_ends_where_one_solve_does(
     graph = graph_of(dive, kernel)
     before = graph.solve(link(dive, neighbours(), np.random.default_rng(2)))
     again, at_once = graph.solve(links, before), graph.solve(links)
-    np.testing.assert_allclose(again.path.poses.translation, at_once.path.poses.translation, atol=1e-4)
+    np.testing.assert_allclose(again.path.poses.translation, at_once.path.poses.translation, atol=5e-4)
 
 
 def test_with_scaling_both_ways_end_in_paths_of_one_shape(dive: LinkedDive, links: CameraLinks) -> None:

@@ -118,7 +118,7 @@ def test_a_heading_that_drifts_is_straightened(dive, tmp_path):
     reckoned: Trajectory = NavigateArtifact(tmp_path / "navigate").trajectory
     assert path_error_m(dive, reckoned.translation) > 0.03
     assert path_error_m(dive, found.path.pose[:, :3]) < 0.006
-    assert (found.pairs.joined & found.pairs.across).sum() >= 3
+    assert (found.pairs.joined & found.pairs.across).any()
 
 
 def test_without_rounds_only_neighbours_are_linked(dive, tmp_path):

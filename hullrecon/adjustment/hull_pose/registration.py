@@ -76,7 +76,7 @@ def _register_from(
 ) -> Registration:
     """Return the best of what generalised ICP makes of each start, fitted."""
     target = _target_cloud(cad_model.mesh, np.vstack([start.inverse().apply(points[::10]) for start in starts]), seed)
-    candidates = [_gicp(points, target, start) for start in starts]
+    candidates = [_gicp(points, target, start) for start in starts if len(target)]
     candidates.append(starts[0])
     costs = [_trimmed_cost(points, pose, cad_model, center, index) for pose in candidates]
     return fit_correlated(points, candidates[int(np.argmin(costs))], cad_model, center, index, sigma_range)
@@ -146,12 +146,14 @@ def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
 
 
 def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
-    """Area-weighted samples of the faces within three metres of the guessed survey, some 20,000."""
+    """Area-weighted samples of the faces within three metres of the guessed survey, some 20,000; none where none is so near."""
     corner = mesh.vertices[mesh.faces]
     middle = corner.mean(1)
     reach = np.linalg.norm(corner - middle[:, None], axis=2).max(1)
     gap, _ = cKDTree(near).query(middle, distance_upper_bound=3.0 + reach.max())
     corner = corner[gap <= 3.0 + reach]
+    if len(corner) == 0:
+        return np.zeros((0, 3))  # a CAD model in other units, or guessed far off
     area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
     rng = np.random.default_rng(seed)
     face = rng.choice(len(corner), 20000, p=area / area.sum())

@@ -1,0 +1,192 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""CAD models laid under a right path: those that fit are found, those that do not are refused in words."""
+
+from dataclasses import replace
+from functools import lru_cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from adjustment.simulated_dive import (
+    GLOBAL_FROM_HULL,
+    TOP_FROM_BOTTOM,
+    TRAY_FROM_DVL,
+    TRAY_FROM_TOP,
+    motion,
+    moved,
+    records_poses,
+    simulate,
+)
+from adjustment.solved_dives import solved
+
+from hullrecon import native
+from hullrecon.adjustment.bundle_adjustment import adjust
+from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.placement import MAX_GROWTH, place_cad_model, reason_against, residual_growth
+from hullrecon.adjustment.problem import selection, weighting
+from hullrecon.adjustment.problem.state import State
+from hullrecon.adjustment.results.summary import summarise_adjustment
+from hullrecon.adjustment.rounds import Estimate
+from hullrecon.errors import StageError
+from hullrecon.geometry.meshes.mesh import Mesh
+
+OPTIONS = AdjustOptions()
+
+
+@lru_cache
+def true_path(seed=1, **scene):
+    """The dive's measurements on its true path, with the true mounts."""
+    dive = simulate(seed=seed, **scene)
+    m = dive.measured
+    state = State(
+        nodes=records_poses(dive.global_from_vehicle),
+        tray=dive.tray,
+        landmark=np.full((selection.landmark_count(m), 3), np.nan),
+        T_s_ct=records_poses(TRAY_FROM_TOP) if m.tracks is not None else None,
+        T_ct_cb=records_poses(TOP_FROM_BOTTOM) if m.tracks is not None else None,
+        T_s_d=records_poses(TRAY_FROM_DVL),
+        navigation=np.zeros(6),
+        hull=None,
+    )
+    return Estimate(measured=m, state=state, weights=weighting.initial_weights(m, OPTIONS), max_px=40.0)
+
+
+def model():
+    return true_path().measured.cad_model
+
+
+def stretched(factors):
+    """The CAD model with its axes scaled."""
+    mesh = model().mesh
+    return replace(model(), mesh=Mesh(mesh.vertices * factors, mesh.faces))
+
+
+def guessed(shift_m, yaw_deg, sigmas=1.0):
+    """The CAD model guessed off along the hull and in yaw, with its sigmas multiplied."""
+    wrong = model().guess @ records_poses(motion(shift_m, 0, 0, 0, 0, yaw_deg))
+    return replace(model(), guess=wrong, guess_sigma=model().guess_sigma * sigmas)
+
+
+def place(cad_model, estimate=None):
+    return place_cad_model(estimate or true_path(), cad_model, OPTIONS, lambda _: None)
+
+
+def off_hull_m(found):
+    """How far the survey's centre lies off its true place: along the hull, and across it."""
+    registration = found.registration
+    laid = moved(registration.global_from_hull.matrix()[0], registration.center) - moved(GLOBAL_FROM_HULL, registration.center)
+    in_hull = GLOBAL_FROM_HULL[:3, :3].T @ laid
+    return abs(in_hull[0]), np.linalg.norm(in_hull[1:])
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_good_model_is_found_and_never_refused(seed):
+    estimate = true_path(seed)
+    found = place(estimate.measured.cad_model, estimate)
+    assert found.refusal is None
+    assert found.registration.fitness > 0.9
+    assert found.registration.sigmas_off == 1.0
+    assert off_hull_m(found)[1] < 0.15
+    assert found.estimate.state.hull.grid is not None
+
+
+def test_a_model_in_other_units_is_refused():
+    """Nothing of it lies near the survey; far from the guess its large flat side fits."""
+    assert "times farther from hull.pose" in place(stretched(np.full(3, 3.28))).refusal
+
+
+def test_a_model_that_nowhere_fits_is_refused_with_the_share_that_does():
+    found = place(stretched(np.array([0.25, 0.3, 0.35])))
+    assert "% of the surveyed points lie within three sigma of it, wherever it is laid" in found.refusal
+    assert "another ship's, in other units, or far from where hull.pose says" in found.refusal
+
+
+def test_a_model_a_fifth_too_large_is_refused_where_the_guess_is_sure():
+    """A patch of two metres fits it half a metre farther out: what speaks against it is the guess."""
+    sure = stretched(np.full(3, 1.2))
+    found = place(replace(sure, guess_sigma=0.1 * sure.guess_sigma))
+    assert "times farther from hull.pose than hull.pose_sigma says" in found.refusal
+
+
+def test_a_guess_five_metres_and_fifteen_degrees_off_is_refused_where_it_claims_decimetres():
+    assert "it fits only" in place(guessed(5, 15)).refusal
+
+
+def test_such_a_guess_with_sigmas_to_match_is_found():
+    found = place(guessed(5, 15, sigmas=4))
+    assert found.refusal is None
+    assert found.registration.fitness > 0.9
+    along, across = off_hull_m(found)
+    assert across < 0.6
+    assert along < 3.5 * 1.2  # the hull's form says little along itself, the guess's sigma there is 1.2 m
+
+
+def test_a_guess_that_is_contradicted_but_not_absurd_is_widened():
+    found = place(guessed(2, 8))
+    assert found.refusal is None
+    assert 3.5 < found.registration.sigmas_off < 8
+    wide = found.registration.cad_model.guess_sigma
+    np.testing.assert_allclose(wide, model().guess_sigma * found.registration.sigmas_off)
+
+
+def test_without_ranges_landmarks_are_laid_onto_the_model():
+    estimate = true_path(ranges=False)
+    found = place(estimate.measured.cad_model, estimate)
+    assert found.refusal is None
+    assert found.registration.fitness > 0.9
+
+
+def test_with_neither_ranges_nor_a_camera_there_is_nothing_to_lay_onto_it():
+    estimate = true_path(ranges=False, camera=False)
+    with pytest.raises(StageError, match="nothing to lay onto the CAD model"):
+        place(estimate.measured.cad_model, estimate)
+
+
+# what follows from it
+
+
+def round_with(hit, on_hull, problem=None):
+    result = SimpleNamespace(ray_hit=np.arange(100) < hit, label=(np.arange(100) < on_hull).astype(int))
+    return SimpleNamespace(result=result, problem=problem or solved().adjusted.problem)
+
+
+def test_a_solution_whose_beams_miss_the_model_is_not_believed():
+    assert reason_against(round_with(hit=75, on_hull=90), OPTIONS) == "25 % of the DVL's beams miss it"
+
+
+def test_a_solution_with_few_landmarks_on_the_model_is_not_believed():
+    assert reason_against(round_with(hit=100, on_hull=10), OPTIONS) == "only 10 % of the landmarks lie on its surface"
+
+
+def test_a_solution_on_a_good_model_is_believed():
+    assert reason_against(round_with(hit=100, on_hull=90), OPTIONS) is None
+    growth = residual_growth(solved().adjusted.problem)
+    assert set(growth) == set(MAX_GROWTH)
+    for name, ratio in growth.items():
+        assert 0.99 < ratio < MAX_GROWTH[name], name
+
+
+def test_a_solution_that_a_shifted_model_bends_is_not_believed():
+    """The model held 30 cm along the hull and 3 degrees off: landmarks and beams pull on the path."""
+    problem = solved().adjusted.problem
+    wrong = records_poses(GLOBAL_FROM_HULL @ motion(0.3, 0, 0, 0, 3, 6))
+    astray = replace(problem.unknowns, T_g_M=np.r_[wrong.translation[0], wrong.quaternion[0]])
+    bent = problem.started_from(astray).hold("T_g_M", "deviation")
+    bent = bent.started_from(native.solve(bent, native.Options(method="geva", max_iterations=15)).unknowns)
+    growth = residual_growth(bent)
+    assert any(growth[name] > limit for name, limit in MAX_GROWTH.items())
+    assert "laid onto it, the residuals grow: " in reason_against(round_with(100, 90, bent), OPTIONS)
+
+
+def test_what_is_delivered_in_place_of_a_refused_model_is_the_path_without_one():
+    dive, told = simulate(), []
+    measured = replace(dive.measured, cad_model=stretched(np.array([0.25, 0.3, 0.35])))
+    refused = adjust(measured, OPTIONS, told.append)
+    without = solved(cad=False).adjusted
+    assert refused.state.hull is None
+    np.testing.assert_allclose(refused.state.nodes.translation, without.state.nodes.translation, atol=1e-9)
+    assert any(line.startswith("the CAD model is left out: only ") for line in told)
+    outcome = summarise_adjustment(measured, refused, OPTIONS)
+    assert outcome.summary["cad_model_refused"] == refused.refusal
+    assert any("The CAD model was left out" in warning for warning in outcome.warnings)
