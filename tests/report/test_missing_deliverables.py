@@ -47,7 +47,14 @@ def test_a_step_that_left_nothing_is_named() -> None:
 def test_a_step_that_failed_gives_its_reason(solution: Solution) -> None:
     failures = {"mosaic-sonar": "no sonar mosaic: no ping meets the surface"}
     reasons = missing_deliverables(ALL, CHAIN[:-1], solution, failures)
-    assert reasons == dict.fromkeys(("ortho_sonar.tif", "ortho_sonar.png", "mosaic_sonar.glb"), failures["mosaic-sonar"])
+    assert {"ortho_sonar.tif", "ortho_sonar.png", "mosaic_sonar.glb"} <= set(reasons)
+    assert set(reasons.values()) == {failures["mosaic-sonar"]}
+
+
+def test_a_cad_model_that_was_left_out_is_named_as_such(solution: Solution) -> None:
+    reasons = missing_deliverables(ALL, CHAIN, replace(solution, hull_pose=None))
+    assert set(reasons) == {"alignment.json", *OF_DEVIATION}
+    assert set(reasons.values()) == {"the CAD model does not fit the survey and was left out"}
 
 
 def test_without_a_cad_model_the_rasters_of_the_deviation_are_named() -> None:

@@ -37,16 +37,15 @@ def missing_deliverables(
 ) -> dict[str, str]:
     """Return the reason of each missing file by name. steps: those that left an artifact; failures: why others did not."""
     reasons: dict[str, str] = {}
-    if solution is None or solution.hull_pose is None:
-        reasons["alignment.json"] = (
-            "no CAD model was given, so there is nothing to align to"
-            if not carried.cad_model
-            else (
-                "the adjustment did not run" if solution is None else "the CAD model does not fit the survey and was left out"
-            )
-        )
     if not carried.cad_model:
+        reasons["alignment.json"] = "no CAD model was given, so there is nothing to align to"
         reasons.update(dict.fromkeys(OF_DEVIATION, "no CAD model was given, so there is nothing to deviate from"))
+    elif solution is None:
+        reasons["alignment.json"] = "the adjustment did not run"
+    elif solution.hull_pose is None:
+        reasons.update(
+            dict.fromkeys(("alignment.json", *OF_DEVIATION), "the CAD model does not fit the survey and was left out")
+        )
     for step, names in _BY_STEP.items():
         reason = "" if step in steps else failures.get(step) or _reason(step, carried)
         if reason:
