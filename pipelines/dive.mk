@@ -57,8 +57,9 @@ changed:
 
 # Which step takes which; tests/pipelines holds this to the steps' own declarations.
 $(call manifests,navigate features): $(call manifests,ingest)
-$(call manifests,matches): $(call manifests,ingest navigate features)
-$(call manifests,adjust): $(call manifests,ingest navigate matches)
+$(call manifests,links): $(call manifests,ingest navigate features)
+$(call manifests,matches): $(call manifests,ingest navigate features links)
+$(call manifests,adjust): $(call manifests,ingest navigate links matches)
 $(call manifests,surface): $(call manifests,ingest navigate adjust)
 $(call manifests,detect): $(call manifests,ingest adjust surface)
 $(call manifests,mosaic-optical mosaic-sonar): $(call manifests,ingest navigate adjust surface detect)

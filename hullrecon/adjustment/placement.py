@@ -69,6 +69,8 @@ def reason_against(found: RoundResult, options: AdjustOptions) -> str | None:
         return f"{100 * missed:.0f} % of the DVL's beams miss it"
     if options.method == "maxmix" and len(label) and float(np.mean(label == 1)) < MIN_ON_HULL:
         return f"only {100 * float(np.mean(label == 1)):.0f} % of the landmarks lie on its surface"
+    if not len(found.problem.stereo.node) + len(found.problem.mono.node):
+        return None  # without images the path is navigation's own: its residuals are nil, and whatever bends it makes them grow
     growth = residual_growth(found.problem)
     worse = [name for name, ratio in growth.items() if ratio > MAX_GROWTH[name]]
     if not worse:

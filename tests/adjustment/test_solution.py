@@ -27,6 +27,7 @@ KEYS = {
     "method", "as_published", "converged", "message", "iterations", "rounds", "landmarks", "on_hull", "rays_missed",
     "observations", "observations_left_out", "sigmas", "navigation", "mounts", "weak_directions", "residuals_before",
     "residuals_after",
+    "cad_model_refused",
 }  # fmt: skip
 
 

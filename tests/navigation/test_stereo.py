@@ -22,7 +22,7 @@ from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, 
 from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stereo_navigate
 from hullrecon.navigation.stereo_odometry.visual_odometry import chain_errors, compose, follow
 from hullrecon.records.sensors import ImuSamples, PressureSamples
-from hullrecon.vision.pairs.camera_track import CameraTrack, NavigationErrors
+from hullrecon.vision.pairs.camera_track import NavigationErrors
 
 START_NS = 10**15
 PATH = [poses.from_mount([0.15 * k, 0.01 * k, 0.0, 0.5 * k, 0.0, 1.0 * k]) for k in range(6)]
@@ -111,8 +111,8 @@ def test_an_error_of_the_calibration_grows_with_the_way_and_not_with_its_root() 
     errors = chain_errors(path, np.zeros((9, 6, 6)), by_scale, np.array([[0.01**2]]))
     sigma = np.sqrt(trajectory_covariance(errors, path)[:, 0, 0])
     np.testing.assert_allclose(sigma, 0.01 * 0.4 * np.arange(10), atol=1e-4)
-    track = CameraTrack(global_from_camera=path, errors=errors)
-    assert np.sqrt(track.relative_covariance(np.array([3]), np.array([4]))[0, 0, 0]) == pytest.approx(0.004, rel=0.01)
+    relative = NavigationErrors(global_from_camera=path, model=errors)
+    assert np.sqrt(relative.relative_covariance(np.array([3]), np.array([4]))[0, 0, 0]) == pytest.approx(0.004, rel=0.01)
 
 
 def test_two_nodes_of_a_chain_know_nothing_of_the_steps_before_them() -> None:

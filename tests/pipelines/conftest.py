@@ -25,7 +25,7 @@ files = ["log.mcap"]
 [topics]
 dvl = "/dvl"
 """
-NEED_CAMERA = {"features", "matches", "mosaic-optical"}
+NEED_CAMERA = {"features", "links", "matches", "mosaic-optical"}
 CAMERA = """
 [camera.top]
 calibration = "camera.yaml"

@@ -36,6 +36,9 @@ class TimedPoses:
         return TimedPoses(t_s=self.t_s[which], poses=self.poses[which], sigma=sigma)
 
 
+WORDS = ("side",)  # columns of trajectory.csv that hold no numbers
+
+
 @dataclass(frozen=True, kw_only=True)
 class PointCloud:
     """points (n, 3) and what a PLY says of each, by name."""
@@ -45,11 +48,14 @@ class PointCloud:
 
 
 def read_table(path: Path) -> dict[str, Array]:
-    """Return the columns of a CSV by name; an empty cell is NaN. Raises InputError for a row that cannot be read."""
+    """Return the columns of numbers of a CSV by name; an empty cell is NaN, columns of words are left out.
+
+    Raises InputError for a row that cannot be read.
+    """
     try:
         with path.open(newline="") as file:
             rows = list(csv.DictReader(file))
-        return {key: np.array([float(row[key] or "nan") for row in rows]) for key in rows[0]}
+        return {key: np.array([float(row[key] or "nan") for row in rows]) for key in rows[0] if key not in WORDS}
     except (OSError, ValueError, TypeError, IndexError) as error:
         raise InputError(f"the table cannot be read: {error}", where=str(path)) from error
 
