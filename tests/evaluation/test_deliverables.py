@@ -17,14 +17,14 @@ def test_empty_cells_are_nan(tmp_path: Path) -> None:
     np.testing.assert_array_equal(table["x"], [2, np.nan])
 
 
-@pytest.mark.parametrize("text", ["", "t,x\n", "t,x\n1,two\n"])
-def test_a_column_of_words_beside_the_numbers_is_left_out(tmp_path):
+def test_a_column_of_words_beside_the_numbers_is_left_out(tmp_path: Path) -> None:
     (tmp_path / "words.csv").write_text("t,side,depth_m\n1,port,2.5\n2,,3.5\n")
     table = read_table(tmp_path / "words.csv")
     assert set(table) == {"t", "depth_m"}
     np.testing.assert_array_equal(table["depth_m"], [2.5, 3.5])
 
 
+@pytest.mark.parametrize("text", ["", "t,x\n", "t,x\n1,two\n"])
 def test_a_table_that_cannot_be_read_is_named(text: str, tmp_path: Path) -> None:
     (tmp_path / "bad.csv").write_text(text)
     with pytest.raises(InputError, match=r"bad\.csv"):
