@@ -61,5 +61,6 @@ def test_a_small_dive_survives_every_fault(
     monkeypatch.setattr("sys.argv", ["faults", str(tmp_path / "bench"), "--to", "ingest", *counts, "--json", str(out)])
     assert faults.main() == 0, capsys.readouterr().out
     found = [case["fault"] for case in json.loads(out.read_text())]
-    assert len(found) == 22
+    kinds = ("address space of", "a bit in", "the log grows", "kill -9", "disk of", "Ctrl-C")
+    assert all(any(fault.startswith(kind) for fault in found) for kind in kinds), found
     assert sum("kill -9 in ingest" in fault for fault in found) == 3
