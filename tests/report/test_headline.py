@@ -13,6 +13,7 @@ from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit
 from hullrecon.report.content.headline import headline, path_length_m, weak_sentences
+from hullrecon.report.export.summary import counts
 from hullrecon.report.step_documents import LogFindings, MosaicFacts
 from hullrecon.report.survey import Mosaic, Mosaics, Provenance, Survey
 
@@ -29,6 +30,14 @@ def with_objects(survey: Survey, *objects: ReportedObject) -> Survey:
 
 def test_the_path_is_as_long_as_its_steps_together(survey: Survey) -> None:
     assert path_length_m(survey) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("length_m", [4.4751, 4.4749, 4.4849, 2.0051])
+def test_the_path_is_as_long_in_the_sentence_as_in_the_files(bare: Survey, length_m: float) -> None:
+    track = bare.track
+    stretched = replace(track.poses, translation=track.poses.translation * length_m / 2.0)
+    survey = replace(bare, track=replace(track, poses=stretched))
+    assert f"{counts(survey)['path_m']:.2f} m of path" in headline(survey)[0]
 
 
 def test_a_dive_without_a_camera_says_so(bare: Survey) -> None:

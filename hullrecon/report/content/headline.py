@@ -25,8 +25,8 @@ def headline(survey: Survey) -> list[str]:
 
 
 def path_length_m(survey: Survey) -> float:
-    """Return the length of the vehicle's path, m."""
-    return float(np.linalg.norm(np.diff(survey.track.poses.translation, axis=0), axis=1).sum())
+    """Return the length of the vehicle's path to the millimetre, m: one number, which sentences and files round alike."""
+    return round(float(np.linalg.norm(np.diff(survey.track.poses.translation, axis=0), axis=1).sum()), 3)
 
 
 def _dive(survey: Survey) -> str:

@@ -67,7 +67,7 @@ def counts(survey: Survey) -> dict[str, object]:
     track, facts = survey.track, survey.facts
     numbers: dict[str, object] = {
         "poses": len(track.t_ns),
-        "path_m": round(path_length_m(survey), 3),
+        "path_m": path_length_m(survey),
         "duration_s": round(float(track.t_ns[-1] - track.t_ns[0]) * 1e-9, 3),
         "images": {camera.key: int(source.index.usable.sum()) for camera, source in facts.images.items()},
         "images_unusable": {camera.key: int((~source.index.usable).sum()) for camera, source in facts.images.items()},
