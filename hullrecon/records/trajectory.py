@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -119,7 +119,8 @@ class Odometry:
     first, second (m,): nodes. quaternion (m, 4), translation (m, 3): the measured motion. covariance (m, 6, 6): of its white
     part, (translation, right-perturbed rotation). by_navigation (m, 6, 2): derivative of the measured (translation, rotation)
     by the DVL's scale error (a true speed of (1 + e) v) and by the heading drift in rad/s. by_mount (m, 6, 3): by a rotation
-    vector of T_s_d, right-perturbed. by_tray (m, 6): by an error of the tray's angle that is common to both nodes.
+    vector of T_s_d, right-perturbed. by_tray (m, 6): by an error of the tray's angle that is common to both nodes. from_images
+    (m,): the two nodes' images measured the motion.
     """
 
     first: Ints
@@ -130,6 +131,14 @@ class Odometry:
     by_navigation: Array
     by_mount: Array
     by_tray: Array
+    from_images: Mask
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def without(self, rows: Mask) -> Odometry:
+        """Return the motions but for some (m,)."""
+        return Odometry(**{field.name: getattr(self, field.name)[~rows] for field in fields(self)})
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -120,6 +120,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=6,
+    version=7,
     run=run,
 )

@@ -236,6 +236,7 @@ def _odometry(rng, poses, tray, logged_tray, mount_error):
         by_navigation=by_navigation,
         by_mount=by_mount,
         by_tray=by_tray,
+        from_images=np.zeros(m, bool),
     )
 
 

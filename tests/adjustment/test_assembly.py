@@ -266,6 +266,29 @@ def test_odometry_enters_whitened_by_its_covariance():
     np.testing.assert_allclose(white, np.tile(np.eye(6), (len(white), 1, 1)), atol=1e-9)
 
 
+def test_motions_that_images_measured_are_left_out_where_landmarks_join_their_nodes():
+    dive = simulate()
+    odometry, tracks = dive.measured.odometry, dive.measured.tracks
+    m = len(odometry)
+    blind = np.isin(tracks.node, [odometry.first[4], odometry.second[4]])[:, None]  # nothing was seen there
+    seen = replace(tracks, top=np.where(blind, np.nan, tracks.top), bottom=np.where(blind, np.nan, tracks.bottom))
+    by_images = np.arange(m) != 2
+    measured = replace(dive.measured, tracks=seen, odometry=replace(odometry, from_images=by_images))
+    state = true_state(dive)
+    chosen = selection.select_measurements(measured, state, 40.0)
+    problem = assemble(measured, state, weighting.initial_weights(measured, AdjustOptions()), chosen, as_published=False)
+    used = (chosen.top | chosen.bottom) & np.isin(seen.landmark, chosen.landmarks)
+    common = [
+        len(np.intersect1d(seen.landmark[used & (seen.node == i)], seen.landmark[used & (seen.node == j)]))
+        for i, j in zip(odometry.first, odometry.second, strict=True)
+    ]
+    kept = ~by_images | (np.array(common) < 12)
+    assert {2, 4} <= set(np.flatnonzero(kept).tolist())
+    assert kept.sum() < m / 2
+    np.testing.assert_array_equal(problem.odometry.first, odometry.first[kept])
+    np.testing.assert_array_equal(problem.odometry.second, odometry.second[kept])
+
+
 @pytest.mark.parametrize("levelled", [True, False])
 def test_the_first_pose_fixes_what_no_sensor_measures(levelled):
     """With roll, pitch and depth measured, x, y and heading alone; else all six."""

@@ -137,6 +137,7 @@ def measured_steps(rng: np.random.Generator, truth: np.ndarray, navigation: np.n
         by_navigation=by_navigation,
         by_mount=by_mount,
         by_tray=by_tray,
+        from_images=np.zeros(m, bool),
     )
 
 

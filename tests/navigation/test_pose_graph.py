@@ -311,6 +311,16 @@ def test_without_links_no_node_is_in_a_part() -> None:
     assert linked_parts(3, none, none).tolist() == [-1, -1, -1]
 
 
+def test_a_motion_that_images_measured_is_left_out_where_a_link_joins_its_nodes(dive: LinkedDive) -> None:
+    odometry = replace(dive.odometry, from_images=np.arange(len(dive.odometry)) % 3 > 0)
+    pairs = np.column_stack([odometry.first, odometry.second])[::2]
+    found = replace(graph_of(dive), odometry=odometry).solve(link(dive, pairs, np.random.default_rng(4)))
+    assert found.converged
+    linked = np.arange(len(odometry)) % 2 == 0
+    kept = ~(odometry.from_images & linked)
+    np.testing.assert_array_equal(found.problem.odometry.first, odometry.first[kept])
+
+
 def test_a_dive_in_two_parts_is_solved_and_says_so(dive: LinkedDive) -> None:
     pairs = neighbours(reach=1)
     pairs = pairs[(pairs[:, 0] != 29) & (pairs[:, 1] > 5)]

@@ -46,7 +46,7 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
     TrajectoryErrorModel: {"by_error": "n 6 k", "error_covariance": "k k", "walk": "n 6 6", "white": "n 6 6"},
     Odometry: {
         "first": "m", "second": "m", "quaternion": "m 4", "translation": "m 3", "covariance": "m 6 6",
-        "by_navigation": "m 6 2", "by_mount": "m 6 3", "by_tray": "m 6",
+        "by_navigation": "m 6 2", "by_mount": "m 6 3", "by_tray": "m 6", "from_images": "m",
     },
     Returns: {
         "t_ns": "m", "node": "m", "quaternion": "m 4", "translation": "m 3", "tray_offset": "m", "beam": "m 3",

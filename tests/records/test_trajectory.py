@@ -115,7 +115,7 @@ def random_record(kind: type, shapes: dict[str, tuple[int, ...]]) -> object:
             Odometry,
             {
                 "first": (3,), "second": (3,), "quaternion": (3, 4), "translation": (3, 3), "covariance": (3, 6, 6),
-                "by_navigation": (3, 6, 2), "by_mount": (3, 6, 3), "by_tray": (3, 6),
+                "by_navigation": (3, 6, 2), "by_mount": (3, 6, 3), "by_tray": (3, 6), "from_images": (3,),
             },
         ),
     ],

@@ -108,6 +108,7 @@ def steps_of(record, sigma_m):
         by_navigation=by_navigation,
         by_mount=np.zeros((m, 6, 3)),
         by_tray=np.zeros((m, 6)),
+        from_images=np.zeros(m, bool),
     )
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import coo_array
 
 from hullrecon import native
 from hullrecon.adjustment.hull_pose.registration import frame_at
@@ -27,8 +28,10 @@ from hullrecon.estimation.navigation_tables import (
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.tracks import Tracks
-from hullrecon.records.trajectory import Returns
+from hullrecon.records.trajectory import Odometry, Returns
 from hullrecon.typing import Array, Ints, Mask
+
+MIN_SHARED = 12  # landmarks that two nodes both see, from which their relative pose is well determined by them
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,7 @@ def assemble(
         priors=priors,
         attitude=attitude_table(m.attitude, weights.depth),
         tray=tray_table(m.trajectory.tray, weights.tray_direction, weights.tray),
-        odometry=odometry_table(m.odometry, m.trajectory.tray, m.rig.T_s_d.nominal, state.nodes),
+        odometry=odometry_table(_unseen_motions(m, chosen), m.trajectory.tray, m.rig.T_s_d.nominal, state.nodes),
     )
     if m.tracks is not None:
         stereo, mono = _image_tables(m.tracks, state, chosen)
@@ -70,6 +73,17 @@ def assemble(
     if m.returns is None:
         return problem
     return replace(problem, ranges=_range_table(m, m.returns, state.hull, state, weights, chosen))
+
+
+def _unseen_motions(m: Measurements, chosen: Selection) -> Odometry:
+    """Return the odometry without what images measured between nodes that enough landmarks join: images speak once."""
+    if m.tracks is None or not m.odometry.from_images.any():
+        return m.odometry
+    rows = (chosen.top | chosen.bottom) & np.isin(m.tracks.landmark, chosen.landmarks)
+    seen = coo_array((np.ones(rows.sum(), bool), (m.tracks.node[rows], m.tracks.landmark[rows]))).tocsr()
+    seen.resize(len(m.trajectory.t_ns), seen.shape[1])
+    shared = seen[m.odometry.first].multiply(seen[m.odometry.second]).sum(axis=1)
+    return m.odometry.without(m.odometry.from_images & (np.asarray(shared).ravel() >= MIN_SHARED))
 
 
 def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selection) -> State:

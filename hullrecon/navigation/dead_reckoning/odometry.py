@@ -51,6 +51,7 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
         by_navigation=by_navigation,
         by_mount=by_mount,
         by_tray=by_tray,
+        from_images=np.zeros(n - 1, bool),
     )
 
 

@@ -85,7 +85,7 @@ class PoseGraph:
             ),
             attitude=attitude_table(self.attitude),
             tray=tray_table(t.tray, self.attitude.tray_direction, rig.tray_sigma),
-            odometry=odometry_table(self.odometry, t.tray, rig.T_s_d.nominal, path),
+            odometry=odometry_table(_unlinked_motions(self.odometry, links), t.tray, rig.T_s_d.nominal, path),
             links=link_table(links, len(t.t_ns), kernel),
         )
 
@@ -192,6 +192,13 @@ class GraphErrors:
         out[:, 3:, 3:6] = (tray @ mount[:3, :3]).swapaxes(1, 2)
         out[:, 3:, 6] = mount[:3, :3].T @ axis
         return out
+
+
+def _unlinked_motions(odometry: Odometry, links: CameraLinks) -> Odometry:
+    """Return the odometry without what the images of two nodes measured that a link joins: images speak once."""
+    nodes = 1 + max(int(odometry.second.max(initial=0)), int(links.second.max(initial=0)))
+    linked = np.isin(odometry.first * nodes + odometry.second, links.first * nodes + links.second)
+    return odometry.without(odometry.from_images & linked)
 
 
 def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> native.LinkTable:

@@ -92,7 +92,7 @@ def stereo_navigate(
     return Navigated(
         trajectory=trajectory,
         error_model=errors,
-        odometry=_edges(step, covariance + by_calibration @ calibration @ np.swapaxes(by_calibration, 1, 2)),
+        odometry=_edges(step, covariance + by_calibration @ calibration @ np.swapaxes(by_calibration, 1, 2), chain.lost),
         returns=no_returns(),
         attitude=_attitude(history, depth, t_ns, sigmas, tray.direction_at(t_ns)),
         remarks=_remarks(chain, unpaired, aids),
@@ -125,7 +125,8 @@ def _depths(pressure: PressureSamples | None, t_ns: Ints) -> Array | None:
     return np.asarray(np.interp(seconds(t_ns, start), seconds(record.t_ns[known], start), record.depth[known]))
 
 
-def _edges(step: Poses, covariance: Array) -> Odometry:
+def _edges(step: Poses, covariance: Array, lost: Ints) -> Odometry:
+    """Return the steps as odometry; lost: steps that were guessed, not seen."""
     m = len(step)
     return Odometry(
         first=np.arange(m),
@@ -136,6 +137,7 @@ def _edges(step: Poses, covariance: Array) -> Odometry:
         by_navigation=np.zeros((m, 6, 2)),
         by_mount=np.zeros((m, 6, 3)),
         by_tray=np.zeros((m, 6)),
+        from_images=~np.isin(np.arange(m), lost),
     )
 
 

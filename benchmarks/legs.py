@@ -1,0 +1,215 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether long, drifting legs close: python -m benchmarks.legs FOLDER [--dives NAME ...] [--seeds N ...] [--drifts D ...]
+
+Simulates dives out and back along a hull into FOLDER (kept for next time), adjusts each with its CAD model and without, and
+compares the path with the truth: dead reckoned, tied by links, adjusted. Prints a line a dive, and with --json all figures: rms
+of the vehicle after rigid alignment, errors in sigmas by axis of the hull, share of the pairs of images overlapping by 30 %
+across legs that were matched, and what was said of the CAD model.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.rigid_fit import fit_rigid, fit_scale
+from hullrecon.records.serialisation import from_arrays
+from hullrecon.records.solution import Solution
+from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact
+from hullrecon.typing import Array, Ints, Mask
+from hullrecon.vision.pairs.camera_track import CameraTrack
+from hullrecon.vision.pairs.selection import footprint_overlap
+
+OVERLAPPING = 0.3  # a pair of images that share that much of their footprints
+OTHER_LEG_M = 4.0  # path between two images of different legs, at least
+DIVES = {
+    "stereo18": "--legs 4 --leg-length-m 18 --length-m 120",
+    "stereo45": "--legs 2 --leg-length-m 45 --length-m 160",
+    "stereo60": "--legs 2 --leg-length-m 60 --length-m 200",
+    "stereo100": "--legs 2 --leg-length-m 100 --length-m 300 --beam-m 40 --depth-m 20 --draught-m 14",
+    "mono18": "--cameras mono --legs 4 --leg-length-m 18 --length-m 120",
+    "mono45": "--cameras mono --legs 2 --leg-length-m 45 --length-m 160",
+}
+Figures = dict[str, object]
+
+
+@dataclass(frozen=True)
+class NoErrors:
+    """Poses that are true."""
+
+    def relative_covariance(self, first: Ints, second: Ints) -> Array:
+        """Return zeros (m, 6, 6)."""
+        return np.zeros((len(first), 6, 6))
+
+
+def hullrecon(*words: str) -> int:
+    program = "import sys; from hullrecon_cli.main import main; sys.exit(main())"
+    return subprocess.run([sys.executable, "-c", program, *words], check=False).returncode
+
+
+def simulate(name: str, seed: int, drift: float, folder: Path) -> Path:
+    """Return the package, made once."""
+    package = folder / f"{name}-{seed}-{drift:g}"
+    if not (package / "truth").exists():
+        options = ["--no-sonar", "--seed", str(seed), "--heading-drift-deg-per-hour", str(drift), *DIVES[name].split()]
+        if hullrecon("simulate", "-q", str(package), "--name", package.name, *options):
+            raise SystemExit(f"{package} could not be simulated")
+    return package
+
+
+def without_cad_model(package: Path, run: Path) -> tuple[Path, Path]:
+    """Return the same dive as a package that names no CAD model, and a folder of runs that holds what is known of it."""
+    free, runs = package.with_name(f"free-{package.name}"), run.parent.with_name("runs-without")
+    if not free.exists():
+        shutil.copytree(package, free, copy_function=os.link)
+        text = (package / "dive.toml").read_text()
+        (free / "dive.toml").unlink()
+        (free / "dive.toml").write_text(re.sub(r"\[hull\]\n(?:[^\[\n][^\n]*\n|\n)*", "", text))
+    if not (runs / package.name).exists():
+        shutil.copytree(run, runs / package.name)
+    return free, runs
+
+
+def run_to_adjust(package: Path, runs: Path) -> bool:
+    return hullrecon("run", "-q", str(package), "--runs", str(runs), "--to", "adjust") == 0
+
+
+def rigid_rms_mm(t_ns: Ints, positions: Array, truth: Truth) -> tuple[float, float]:
+    """Return the rms after rigid alignment, mm, and the scale by which the path is too short."""
+    true = truth.vehicle_at(t_ns / 1e9).translation
+    motion = fit_rigid(positions, true)
+    error = motion.apply(positions) - true
+    return 1e3 * float(np.sqrt((error**2).sum(axis=1).mean())), fit_scale(positions, true, motion)
+
+
+def in_sigmas(solution: Solution, truth: Truth) -> list[float]:
+    """Return the rms of the vehicle's errors in the hull in their own sigmas, by axis."""
+    track = solution.track()
+    error = track.poses.translation - truth.vehicle_at(track.t_ns / 1e9).translation
+    return [float(x) for x in np.sqrt(((error / track.sigma[:, :3]) ** 2).mean(axis=0))]
+
+
+def true_revisits(run: Path, truth: Truth) -> tuple[Ints, Ints, int]:
+    """Return the pairs of nodes (first, second) of different legs whose top images truly overlap, and the number of nodes."""
+    from scipy.spatial import cKDTree
+
+    solution = np.load(run / "adjust" / "solution.npz")
+    t_s = solution["t_ns"] / 1e9
+    vehicle = truth.vehicle_at(t_s)
+    rows = np.clip(np.searchsorted(truth.t_s, t_s), 0, len(truth.t_s) - 1)
+    cameras = truth.cameras_at(rows)
+    camera = next(iter(IngestArtifact(run / "ingest").camera_models.values()))
+    axis = cameras.rotation.as_matrix()[:, :, 2]
+    depth = np.asarray(cast(truth.built, cameras.translation, axis))
+    along_path = np.r_[0, np.cumsum(np.linalg.norm(np.diff(vehicle.translation, axis=0), axis=1))]
+    seen = cameras.translation + np.where(np.isfinite(depth), depth, 0)[:, None] * axis
+    reach = float(np.nanmedian(depth)) * np.hypot(camera.width / camera.fx, camera.height / camera.fy)
+    first, second = cKDTree(seen).query_pairs(reach, output_type="ndarray").T
+    apart = along_path[second] - along_path[first] > OTHER_LEG_M
+    first, second = first[apart], second[apart]
+    track = CameraTrack(global_from_camera=cameras, errors=NoErrors())
+    overlap = footprint_overlap(track, first, second, np.where(np.isfinite(depth), depth, np.nan), camera)
+    return first[overlap >= OVERLAPPING], second[overlap >= OVERLAPPING], len(t_s)
+
+
+def cast(surface: Scene, origin: Array, direction: Array) -> Array:
+    """Return the distances (n,) to the surface."""
+    return surface.cast(origin, direction)
+
+
+def matched(run: Path, first: Ints, second: Ints, nodes: int) -> Mask:
+    """Return which of those pairs were compared and kept."""
+    pairs = LinksArtifact(run / "links").pairs
+    return np.isin(first * nodes + second, (pairs.first * nodes + pairs.second)[pairs.joined])
+
+
+def figures(run: Path, package: Path) -> Figures:
+    """Return the figures of one run."""
+    truth = read_truth(package)
+    said = json.loads((run / "adjust" / "adjust.json").read_text())
+    navigate, links = np.load(run / "navigate" / "trajectory.npz"), np.load(run / "links" / "path.npz")
+    arrays = dict(np.load(run / "adjust" / "solution.npz"))
+    solution = from_arrays(Solution, arrays)
+    rms, scale = rigid_rms_mm(solution.t_ns, arrays["global_from_vehicle.translation"], truth)
+    row: Figures = {
+        "nodes": len(solution.t_ns),
+        "dead_reckoning_mm": rigid_rms_mm(navigate["t_ns"], navigate["translation"], truth)[0],
+        "links_mm": rigid_rms_mm(navigate["t_ns"], links["pose"][:, :3], truth)[0],
+        "adjust_mm": rms,
+        "scale_error": scale - 1,
+        "parts": len(np.unique(links["part"])),
+        "cad_model_refused": said.get("cad_model_refused"),
+    }
+    if solution.hull_pose is not None:
+        row["errors_in_sigmas"] = in_sigmas(solution, truth)
+    return row
+
+
+def dive(package: Path, folder: Path, free: bool) -> Figures:
+    """Return the figures of one dive, with its CAD model and, where asked for, without."""
+    runs = folder / "runs"
+    run = runs / package.name
+    if not run_to_adjust(package, runs):
+        return {"failed": True}
+    row = figures(run, package)
+    first, second, nodes = true_revisits(run, read_truth(package))
+    row["revisits"] = len(first)
+    row["revisits_matched"] = float(matched(run, first, second, nodes).mean()) if len(first) else None
+    if free:
+        bare, bare_runs = without_cad_model(package, run)
+        row["without_cad"] = figures(bare_runs / package.name, package) if run_to_adjust(bare, bare_runs) else {"failed": True}
+    return row
+
+
+def line(name: str, row: Figures) -> str:
+    """Return one dive's figures as a line."""
+    if row.get("failed"):
+        return f"{name}: FAILED"
+    sigmas = " ".join(f"{x:.2f}" for x in row.get("errors_in_sigmas", []))
+    free = row.get("without_cad")
+    beside = f", without CAD {free['adjust_mm']:.2f}" if isinstance(free, dict) and "adjust_mm" in free else ""
+    share = 100 * (row["revisits_matched"] or 0)
+    return (
+        f"{name}: {row['nodes']} nodes, rigid rms mm: dead reckoning {row['dead_reckoning_mm']:.0f}, links"
+        f" {row['links_mm']:.2f}, adjusted {row['adjust_mm']:.2f}{beside}; errors in sigmas {sigmas}; scale"
+        f" {1e6 * row['scale_error']:.0f} ppm; {row['revisits']} revisits, {share:.0f} % matched;"
+        f" parts {row['parts']}; CAD refused: {row['cad_model_refused']}"
+    )
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--dives", nargs="+", choices=DIVES, default=["stereo18", "stereo45"])
+    parser.add_argument("--seeds", nargs="+", type=int, default=[1])
+    parser.add_argument("--drifts", nargs="+", type=float, default=[100.0], help="deg/h")
+    parser.add_argument("--free", action="store_true", help="adjust also without the CAD model")
+    parser.add_argument("--json", type=Path)
+    args = parser.parse_args()
+    args.folder.mkdir(parents=True, exist_ok=True)
+    rows: dict[str, Figures] = {}
+    for name in args.dives:
+        for seed in args.seeds:
+            for drift in args.drifts:
+                package = simulate(name, seed, drift, args.folder)
+                rows[package.name] = dive(package, args.folder, args.free)
+                print(line(package.name, rows[package.name]), flush=True)
+                if args.json:
+                    args.json.write_text(json.dumps(rows, indent=1))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
