@@ -122,6 +122,8 @@ def _inner(kind: types.Type) -> tuple[types.Type, str]:
 def _kind(kind: types.Type) -> str:
     """What may be given, in words."""
     kind, _ = _inner(kind)
+    if isinstance(kind, types.UnionType):
+        return " or ".join(_kind(member) for member in kind.types if not isinstance(member, types.NoneType))
     if isinstance(kind, types.LiteralType):
         return ", ".join(f'`"{v}"`' for v in kind.values)
     if isinstance(kind, types.TupleType):

@@ -19,6 +19,7 @@ from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.read_streams import LogContents, Watch, read_streams
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.samples import DvlSample, ImageSample, ImuSample, JointSample, PressureSample, Sample, SonarSample
+from hullrecon.dive.logs.time_window import Instant, time_window
 from hullrecon.dive.logs.timeline import NS, put_in_order
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
@@ -34,7 +35,7 @@ Kind = TypeVar("Kind", bound=Sample)
 @dataclass(frozen=True, kw_only=True)
 class IngestRequest:
     """Hold what ingest needs of dive.toml. topics: topic by sensor; joints: servo by record ("tray", "sonar_tray"); calibration
-    and offset_ns by camera ("camera_top", "camera_bottom"); beams (b, 3) or None."""
+    and offset_ns by camera ("camera_top", "camera_bottom"); beams (b, 3) or None; start, end: what of the logs is used."""
 
     logs: tuple[str, ...]
     topics: Mapping[str, str]
@@ -47,6 +48,8 @@ class IngestRequest:
     offset_ns: Mapping[str, int]
     mesh: str | None
     units: str
+    start: Instant = None
+    end: Instant = None
 
 
 @dataclass
@@ -89,7 +92,8 @@ def ingest(package: Path, request: IngestRequest, open_file: OpenFile, watch: Wa
             sinks[sample.camera].take(sample, logged_ns)
 
     topics = {} if all(log.gives_samples for log in logs) else request.topics
-    found = read_streams(logs, {topic: sensor for sensor, topic in topics.items()}, take_image, watch)
+    window = time_window(request.start, request.end, logs)
+    found = read_streams(logs, {topic: sensor for sensor, topic in topics.items()}, take_image, watch, window)
     _check_topics(topics, found)
     out.remarks += found.remarks
     out.lost = messages.describe_losses(found.losses)
@@ -99,6 +103,10 @@ def ingest(package: Path, request: IngestRequest, open_file: OpenFile, watch: Wa
         index = sink.finish(out.remarks)
         if index is not None:
             out.images[name] = index
+    if window is not None and found.outside and not out.records.by_name() and not out.images:
+        raise InputError(
+            f"nothing was measured {window.describe()}", where="dive.from", remedy="`hullrecon init LOG` says when a log begins"
+        )
     if not out.records.by_name() and not out.images:
         raise InputError(
             "no sensor could be read from the logs",

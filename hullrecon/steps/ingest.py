@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import asdict
+from datetime import datetime
 from pathlib import Path
 from typing import BinaryIO
 
@@ -19,12 +20,14 @@ from hullrecon.dive.config.schema import Logs, Topics
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest, offset_ns
 from hullrecon.dive.logs.dvl_beams import tilted_beams
 from hullrecon.dive.logs.streams import PressureModel
+from hullrecon.dive.logs.time_window import Instant
 from hullrecon.dive.package_files import log_files
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.typing import Array
 
 USES = (
+    "dive.start", "dive.end",
     "logs", "topics", "tray.joint", "sonar.joint", "imu.frame", "pressure.density", "pressure.gravity", "pressure.atmosphere",
     "dvl.beams", "dvl.beam_angle_deg", "dvl.beam_azimuth_deg", "dvl.sigma_velocity",
     *(f"{camera.section}.{key}" for camera in Camera for key in ("calibration", "time_offset")), "hull.mesh", "hull.units",
@@ -54,7 +57,15 @@ def request_of(settings: StageSettings) -> IngestRequest:
         offset_ns={c.key: offset_ns(settings.read_optional(f"{c.section}.time_offset", float) or 0.0) for c in Camera},
         mesh=settings.read_optional("hull.mesh", str),
         units=settings.read_optional("hull.units", str) or "m",
+        start=_instant(settings, "dive.start"),
+        end=_instant(settings, "dive.end"),
     )
+
+
+def _instant(settings: StageSettings, name: str) -> Instant:
+    """Return a limit of the time window."""
+    value = settings[name]
+    return value if isinstance(value, datetime) else settings.read_optional(name, float)
 
 
 def _beams(settings: StageSettings) -> Array | None:

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import dataclasses
+from datetime import UTC, datetime, timedelta
 from io import BytesIO
 from pathlib import Path
 
@@ -44,6 +45,45 @@ def test_every_sensor_becomes_a_record(package):
     assert files["camera_top"].getbuffer().nbytes == found.images["camera_top"].size.sum()
     assert found.cameras["camera_top"].fx == 50.0
     assert found.lost == []
+
+
+START = datetime(2026, 5, 4, 9, 30, tzinfo=UTC)
+
+
+@pytest.mark.parametrize("form", ["seconds", "hours"])
+def test_only_what_lies_in_the_time_window_is_used(package, form):
+    limits = {"start": 1.0, "end": 2.0}
+    if form == "hours":
+        limits = {name: START + timedelta(seconds=limit) for name, limit in limits.items()}
+    whole, _ = run(package)
+    part, files = run(package, **limits)
+    for name, record in part.records.by_name().items():
+        kept = whole.records.by_name()[name].t_ns
+        np.testing.assert_array_equal(record.t_ns, kept[(kept >= kept[0] + 10**9) & (kept <= kept[0] + 2 * 10**9)])
+        assert 0 < len(record.t_ns) < len(kept)
+    images = part.images["camera_top"]
+    assert 0 < len(images.t_ns) < len(whole.images["camera_top"].t_ns)
+    assert files["camera_top"].getbuffer().nbytes == images.size.sum()
+    said = [remark for remark in part.findings()["remarks"] if remark.startswith("dive: only what was measured from")]
+    assert len(said) == 1
+    assert "from 2026-05-04T09:30:01.000Z to 2026-05-04T09:30:02.000Z" in said[0]
+
+
+def test_a_window_with_one_limit_is_open_at_its_other_end(package):
+    whole, part = (run(package, **limits)[0].records.pressure.t_ns for limits in ({}, {"start": 1.5}))
+    np.testing.assert_array_equal(part, whole[whole >= whole[0] + 15 * 10**8])
+
+
+def test_a_window_in_which_nothing_was_measured_is_an_input_error(package):
+    with pytest.raises(InputError, match=r"nothing was measured from 2026-05-04T10:30:00\.000Z") as caught:
+        run(package, start=START + timedelta(hours=1))
+    assert caught.value.where == "dive.from"
+
+
+def test_a_window_that_ends_before_it_begins_is_an_input_error(package):
+    with pytest.raises(InputError, match="the time window ends before it begins") as caught:
+        run(package, start=2.0, end=1.0)
+    assert caught.value.where == "dive.to"
 
 
 def test_the_findings_say_in_words_what_was_read(package):

@@ -80,8 +80,8 @@ def _unseen_motions(m: Measurements, chosen: Selection) -> Odometry:
     if m.tracks is None or not m.odometry.from_images.any():
         return m.odometry
     rows = (chosen.top | chosen.bottom) & np.isin(m.tracks.landmark, chosen.landmarks)
-    seen = coo_array((np.ones(rows.sum(), bool), (m.tracks.node[rows], m.tracks.landmark[rows]))).tocsr()
-    seen.resize(len(m.trajectory.t_ns), seen.shape[1])
+    shape = (len(m.trajectory.t_ns), 1 + int(m.tracks.landmark.max(initial=-1)))
+    seen = coo_array((np.ones(rows.sum()), (m.tracks.node[rows], m.tracks.landmark[rows])), shape=shape).tocsr()
     shared = seen[m.odometry.first].multiply(seen[m.odometry.second]).sum(axis=1)
     return m.odometry.without(m.odometry.from_images & (np.asarray(shared).ravel() >= MIN_SHARED))
 

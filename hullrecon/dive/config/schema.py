@@ -32,6 +32,13 @@ FileName = Annotated[str, Meta(pattern=ONE_LINE, min_length=1, max_length=1000)]
 Calibration = Annotated[FileName, Meta(description="camera_info YAML of the camera, relative to dive.toml")]
 TimeOffset = Annotated[Offset, Meta(description="s, added to the stamps")]
 TopicName = Annotated[str, Meta(pattern=ONE_LINE, max_length=1000)]
+Hour = Annotated[datetime, Meta(tz=True)]
+WindowLimit = Annotated[
+    Hour | Annotated[float, Meta(ge=0, le=4e9)] | None,
+    Meta(
+        description="s, from the first message of the logs, or a date and time with its zone: what is used begins or ends there"
+    ),
+]
 Topic = Annotated[TopicName | None, Meta(description="topic; absent: not carried")]
 
 
@@ -52,6 +59,8 @@ class Dive(Section, frozen=True):
     ]
     vessel: Annotated[str, Meta(pattern=ONE_LINE, max_length=200, description="name of the ship, for the report")] = ""
     date: Annotated[datetime | None, Meta(description="start of the dive, for the report")] = None
+    start: WindowLimit = field(name="from", default=None)
+    end: WindowLimit = field(name="to", default=None)
 
 
 class Logs(Section, frozen=True):

@@ -15,6 +15,7 @@ from hullrecon.dive.logs.messages.samples import TYPES, stamp_ns
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import ImageSample, Sample
+from hullrecon.dive.logs.time_window import TimeWindow
 from hullrecon.errors import InputError
 
 TakeImage = Callable[[ImageSample, int], None]  # the sample and when it was logged, ns
@@ -28,7 +29,8 @@ SENSORS = tuple(TYPES)
 @dataclass
 class LogContents:
     """What the logs held. samples and logged_ns by sensor ("dvl", ...; images go to their sinks); counts by topic; used: topics
-    of which a message could be used; definitions: the channels by which a topic was decoded."""
+    of which a message could be used; outside: samples that lie outside the time window; definitions: the channels by which a
+    topic was decoded."""
 
     samples: dict[str, list[Sample]] = field(default_factory=lambda: {name: [] for name in SENSORS})
     logged_ns: dict[str, list[int]] = field(default_factory=lambda: {name: [] for name in SENSORS})
@@ -37,13 +39,20 @@ class LogContents:
     unstamped: Counter[str] = field(default_factory=Counter)
     passed_over: Counter[Channel] = field(default_factory=Counter)
     losses: list[tuple[str, Loss]] = field(default_factory=list)
+    outside: int = 0
     used: set[str] = field(default_factory=set)
     definitions: dict[str, set[Channel]] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
 
 
-def read_streams(logs: Sequence[Log], topics: Mapping[str, str], take_image: TakeImage, watch: Watch = iter) -> LogContents:
-    """Return what the logs hold, read once.
+def read_streams(
+    logs: Sequence[Log],
+    topics: Mapping[str, str],
+    take_image: TakeImage,
+    watch: Watch = iter,
+    window: TimeWindow | None = None,
+) -> LogContents:
+    """Return what the logs hold, or what of it lies in the time window, read once.
 
     topics: sensor by topic; a sensor named there comes from that topic, not from a PD0 file or a table beside the log.
     Only small samples are kept. `watch` sees every message pass (progress). Raises InputError for a topic of a type that is
@@ -54,7 +63,9 @@ def read_streams(logs: Sequence[Log], topics: Mapping[str, str], take_image: Tak
         for message in watch(log.messages()):
             out.counts[message.channel] += 1
             for sensor, sample in _samples(message, topics, out):
-                if isinstance(sample, ImageSample):
+                if window is not None and not window.holds(sample.t_ns):
+                    out.outside += 1
+                elif isinstance(sample, ImageSample):
                     take_image(sample, message.t_ns)
                 else:
                     out.samples[sensor].append(sample)
@@ -66,6 +77,8 @@ def read_streams(logs: Sequence[Log], topics: Mapping[str, str], take_image: Tak
     out.remarks += [
         f"{topic}: {n} messages have no stamp; their logging time was used" for topic, n in sorted(out.unstamped.items())
     ]
+    if window is not None:
+        out.remarks.append(f"dive: only what was measured {window.describe()} is used; {out.outside} readings were left aside")
     out.remarks += [
         f"{c.type}: its {n} readings were left aside, as topics.{c.topic} is set" for c, n in out.passed_over.items()
     ]

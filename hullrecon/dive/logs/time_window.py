@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The part of a recording that is used: [dive] from and to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+
+from hullrecon.dive.logs.readers.protocol import Log
+from hullrecon.dive.logs.timeline import NS, format_time
+from hullrecon.errors import InputError
+
+Instant = datetime | float | None  # an hour of a day, or s from the log's start; None: no limit
+EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimeWindow:
+    """The stamps that are used, both limits among them, ns; None: no limit."""
+
+    first_ns: int | None
+    last_ns: int | None
+
+    def holds(self, t_ns: int) -> bool:
+        """Return whether a stamp lies in the window."""
+        return (self.first_ns is None or t_ns >= self.first_ns) and (self.last_ns is None or t_ns <= self.last_ns)
+
+    def describe(self) -> str:
+        """Return the window in words."""
+        limits = (("from", self.first_ns), ("to", self.last_ns))
+        return " ".join(f"{word} {format_time(t_ns)}" for word, t_ns in limits if t_ns is not None)
+
+
+def time_window(start: Instant, end: Instant, logs: Sequence[Log]) -> TimeWindow | None:
+    """Return the window of a dive; None where it has no limits. Raises InputError where it ends before it begins.
+
+    Seconds count from the first message of all logs, as it was logged.
+    """
+    if start is None and end is None:
+        return None
+    counted = any(isinstance(limit, (int, float)) for limit in (start, end))
+    origin_ns = _first_message_ns(logs) if counted else 0
+    window = TimeWindow(first_ns=_limit_ns(start, origin_ns), last_ns=_limit_ns(end, origin_ns))
+    if window.first_ns is not None and window.last_ns is not None and window.last_ns <= window.first_ns:
+        raise InputError("the time window ends before it begins", where="dive.to", remedy="set it later than dive.from")
+    return window
+
+
+def _limit_ns(limit: Instant, origin_ns: int) -> int | None:
+    if limit is None:
+        return None
+    if isinstance(limit, datetime):
+        return (limit - EPOCH) // timedelta(microseconds=1) * 1000
+    return origin_ns + round(limit * NS)
+
+
+def _first_message_ns(logs: Sequence[Log]) -> int:
+    """Return when the earliest of the logs' first messages was logged, ns. Raises InputError where there is none."""
+    first = [message.t_ns for log in logs for message in [next(iter(log.messages()), None)] if message is not None]
+    if not first:
+        raise InputError("the logs hold no message from which seconds could be counted", where="logs.files")
+    return min(first)
