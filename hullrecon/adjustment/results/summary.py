@@ -17,6 +17,7 @@ from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results import residual_statistics
 from hullrecon.adjustment.results.covariance import hull_axes
+from hullrecon.adjustment.results.legs import LegTies, tie_legs
 from hullrecon.adjustment.results.solution import build_solution, marginal_covariances
 from hullrecon.geometry.poses import pose_vector
 from hullrecon.records.solution import Solution
@@ -43,6 +44,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
     marginals = marginal_covariances(m, adjusted, options, settings)
     solution = build_solution(m, adjusted, marginals)
     hull = adjusted.state.hull
+    ties = _ties(m, adjusted)
     weak = [] if hull is None else find_weak_directions(hull_axes(marginals.T_g_M, hull.global_from_hull))
     seen_with = intrinsics.summarise_intrinsics(m.rig, adjusted.rig, marginals, options)
     summary = {
@@ -52,15 +54,31 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
         "residuals_after": residual_statistics.by_factor(native.evaluate(adjusted.problem, settings)),
         **_registration(adjusted),
         "cad_model_refused": adjusted.refusal,
+        "legs": [] if ties is None else ties.table(m.trajectory.t_ns),
         **({"intrinsics": seen_with} if seen_with else {}),
     }
+    untied = None if ties is None else ties.describe_untied(m.trajectory.t_ns)
     return Outcome(
         solution=solution,
         iterations=iteration_history.columns(adjusted.rounds),
         iterations_s=iteration_history.seconds(adjusted.rounds),
         summary=summary,
-        warnings=[str(w["sentence"]) for w in weak] + _warnings(adjusted, solution) + intrinsics.intrinsics_warnings(seen_with),
+        warnings=[
+            *(str(w["sentence"]) for w in weak),
+            *_warnings(adjusted, solution),
+            *([] if untied is None else [untied]),
+            *intrinsics.intrinsics_warnings(seen_with),
+        ],
     )
+
+
+def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:
+    """Return which legs share landmarks that were adjusted; None without images."""
+    if m.tracks is None:
+        return None
+    chosen = adjusted.chosen
+    used = (chosen.top | chosen.bottom) & np.isin(m.tracks.landmark, chosen.landmarks)
+    return tie_legs(adjusted.state.nodes.translation, m.tracks.node[used], m.tracks.landmark[used])
 
 
 def _figures(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> dict[str, object]:
