@@ -28,6 +28,7 @@ KEYS = {
     "observations", "observations_left_out", "sigmas", "navigation", "mounts", "weak_directions", "residuals_before",
     "residuals_after",
     "cad_model_refused",
+    "legs",
 }  # fmt: skip
 
 

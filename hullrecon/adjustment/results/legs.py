@@ -19,7 +19,7 @@ MOST_LISTED = 5
 
 @dataclass(frozen=True, kw_only=True)
 class LegTies:
-    """leg (n,): of each node, in order of time; shared (l, l): landmarks that two legs both see, on the diagonal those of each."""
+    """leg (n,): of each node, in order of time; shared (l, l): landmarks of two legs, on the diagonal those of each."""
 
     leg: Ints
     shared: Ints
