@@ -16,7 +16,8 @@ from hullrecon.navigation.pose_graph.ties import describe_parts
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
-from hullrecon.vision.link_images import NavigatedDive, link_images
+from hullrecon.vision.compared_pairs import NavigatedDive
+from hullrecon.vision.link_images import link_images
 from hullrecon.vision.options import LinkOptions, MatchOptions
 from hullrecon.vision.pairs.match_worker import MatchWorker
 from hullrecon.vision.stereo.camera_rig import CameraRig

@@ -16,7 +16,8 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.navigation.pose_graph.graph import PoseGraph
 from hullrecon.records.trajectory import TrajectoryErrorModel
-from hullrecon.vision.link_images import NavigatedDive, link_images
+from hullrecon.vision.compared_pairs import NavigatedDive
+from hullrecon.vision.link_images import link_images
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.matching import PairMatch, Reason
