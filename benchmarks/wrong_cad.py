@@ -3,7 +3,7 @@
 """What is made of a wrong CAD model: python -m benchmarks.wrong_cad PACKAGE RUN [--other MESH] [--json FILE]
 
 Adjusts a simulated dive once more, from what RUN (its folder of results) holds, with its CAD model as given, mirrored end for
-end, in the wrong units, stretched, of another ship (--other, scaled to this one's length), and with a first guess of its pose
+end, in the wrong units (those that the ship's length does not tell: others end where the mesh is read), stretched, of another ship (--other, scaled to this one's length), and with a first guess of its pose
 that is 5 m and 15 degrees off. Each must be found (the vehicle's errors in the hull within four of their sigmas) or refused.
 """
 
@@ -104,7 +104,7 @@ def cases(measured: Measurements, other: Path | None) -> Iterator[tuple[str, Cha
             c, c.mesh.vertices * [-1, 1, 1] + [c.mesh.vertices[:, 0].min() + c.mesh.vertices[:, 0].max(), 0, 0], flip=True
         ),
     )
-    for name, factor in (("millimetres as metres", 1000.0), ("metres as millimetres", 0.001), ("feet as metres", 3.28084)):
+    for name, factor in (("feet as metres", 3.28084), ("metres as feet", 0.3048), ("a fifth too large", 1.2)):
         yield name, lambda c, factor=factor: with_vertices(c, c.mesh.vertices * factor)
     yield "stretched by 0.8 and 1.3", lambda c: with_vertices(c, c.mesh.vertices * [1, 0.8, 1.3])
     if other is not None:
