@@ -3,8 +3,9 @@
 """What is made of a wrong CAD model: python -m benchmarks.wrong_cad PACKAGE RUN [--other MESH] [--json FILE]
 
 Adjusts a simulated dive once more, from what RUN (its folder of results) holds, with its CAD model as given, mirrored end for
-end, in the wrong units (those that the ship's length does not tell: others end where the mesh is read), stretched, of another ship (--other, scaled to this one's length), and with a first guess of its pose
-that is 5 m and 15 degrees off. Each must be found (the vehicle's errors in the hull within four of their sigmas) or refused.
+end, in the wrong units (those that the ship's length does not tell: others end where the mesh is read), stretched, of another
+ship (--other, scaled to this one's length), and with a first guess of its pose that is 5 m and 15 degrees off. Each must be
+found (the vehicle's errors in the hull within four of their sigmas) or refused.
 """
 
 from __future__ import annotations
