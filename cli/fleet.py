@@ -13,7 +13,7 @@ from hullrecon.api.fleet import FleetDive, FleetResult, preview_fleet, run_fleet
 from hullrecon.api.fleet.text import one_line
 from hullrecon.artifacts.execution.progress import choose_progress
 
-from .dives import FOLDER, runs_option
+from .dives import FOLDER, allow_outside_option, runs_option
 from .state import state_of
 
 log = logging.getLogger("hullrecon.cli")
@@ -23,26 +23,38 @@ log = logging.getLogger("hullrecon.cli")
 @click.argument("dives", type=FOLDER)
 @click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="dives at a time")
 @click.option("--scheduler", metavar="ADDRESS", help="a Dask scheduler for the work inside the steps of all dives")
+@click.option(
+    "--time-limit",
+    "time_limit_s",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="end a dive that takes longer; it has failed with exit code 4",
+)
 @click.option("--retry", is_flag=True, help="also run dives that failed before and have not changed since")
 @click.option("--dry-run", is_flag=True, help="say what would be run and why, run nothing")
+@allow_outside_option
 @runs_option
 @click.pass_context
 def fleet(
-    context: click.Context, dives: Path, runs: Path, jobs: int, scheduler: str | None, retry: bool, dry_run: bool
+    context: click.Context, dives: Path, runs: Path, jobs: int, scheduler: str | None, retry: bool, dry_run: bool,
+    time_limit_s: float | None, allow_outside: bool,
 ) -> None:  # fmt: skip
     """Run every dive package in the folder DIVES that is new or whose result is out of date.
 
     A package is a folder with a dive.toml. Each dive runs in a process of its own; when one fails, the others are run all the
     same. A failed dive is one line on standard error, and the exit code is 4 when there is one. A dive that failed is not tried
-    again before its package or hullrecon changes or a day has passed; with --quiet it is named once. Safe to be killed and
-    started again; a second one beside it ends with 5.
+    again before its package or hullrecon changes, it may do more, or a day has passed; with --quiet it is named once. Safe to
+    be killed and started again; a second one beside it ends with 5.
     """
     if dry_run:
-        result = preview_fleet(dives, runs, retry=retry)
+        result = preview_fleet(dives, runs, retry=retry, allow_outside=allow_outside, time_limit_s=time_limit_s)
         _emit(result, [f"would run {d.package.name}: {d.reason}" for d in result.dives if d.state == "to do"])
         return
     progress = choose_progress(quiet=state_of().quiet)
-    result = run_fleet(dives, runs, jobs=jobs, scheduler=scheduler, retry=retry, progress=progress, on_failure=_print_failure)
+    result = run_fleet(
+        dives, runs, jobs=jobs, scheduler=scheduler, retry=retry, progress=progress, on_failure=_print_failure,
+        allow_outside=allow_outside, time_limit_s=time_limit_s,
+    )  # fmt: skip
     _emit(result, [])
     context.exit(result.exit_code)
 

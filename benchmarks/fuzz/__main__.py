@@ -22,9 +22,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    from benchmarks.fuzz.campaign import run_campaign
+    from benchmarks.fuzz.campaign import Campaign, read_campaign, run_campaign
     from benchmarks.fuzz.corpus import add_findings
     from benchmarks.fuzz.formats import seeds
+    from hullrecon.artifacts.storage.disk import write_file
 
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fuzz", description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--cases", type=int, default=10_000, help="over all formats together")
@@ -33,8 +34,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=1, help="worker processes")
     parser.add_argument("--first", type=int, default=0, help="number of the first case of each format")
     parser.add_argument("--keep", type=Path, help="corpus file that gets the failures")
+    parser.add_argument("--state", type=Path, help="file that gets the document every minute; the next call goes on from there")
     given = parser.parse_args(arguments)
-    campaign = run_campaign(given.format or sorted(seeds()), given.cases, given.seed, given.jobs, given.first)
+    campaign = Campaign(given.seed, given.first)
+    if given.state is not None and given.state.exists():
+        campaign = read_campaign(given.state)
+        if (campaign.seed, campaign.first) != (given.seed, given.first):
+            parser.error(f"{given.state} holds a campaign of seed {campaign.seed} from case {campaign.first}")
+
+    def keep() -> None:
+        if given.state is not None:
+            write_file(given.state, json.dumps(campaign.document(), indent=1).encode())
+
+    run_campaign(campaign, given.format or sorted(seeds()), given.cases, given.jobs, keep)
+    keep()
     if given.keep is not None:
         add_findings(given.keep, campaign)
     json.dump(campaign.document(), sys.stdout, indent=1)

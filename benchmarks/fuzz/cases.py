@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import shutil
 import signal
+import time
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from random import Random
 from types import FrameType
@@ -29,10 +30,13 @@ BAD = ("traceback", "hang", "memory", "crash", "silence", "lines")
 
 @dataclass(frozen=True)
 class Verdict:
-    """kind: one of GOOD or BAD; text: the error, the traceback, or what was lost."""
+    """kind: one of GOOD or BAD; text: the error, the traceback, or what was lost; what reading took of the processor and of
+    memory, which differs from run to run."""
 
     kind: str
     text: str = ""
+    seconds: float = field(default=0.0, compare=False)
+    grown_bytes: int = field(default=0, compare=False)
 
 
 class _TimeIsUpError(BaseException):
@@ -56,11 +60,8 @@ class Bench:
         sound, start = seeds()[form][number], self._baseline(form, number)
         place = self._place(form, number)
         _put(place / sound.target, sound.finish(data))
-        try:
-            verdict = judge(sound, start, place)
-            return Verdict("unnoticed") if verdict.kind == "silence" and sound.blind(data) else verdict
-        finally:
-            _put(place / sound.target, sound.files[sound.target])
+        verdict = judge(sound, start, place)
+        return replace(verdict, kind="unnoticed") if verdict.kind == "silence" and sound.blind(data) else verdict
 
     def _place(self, form: str, number: int) -> Path:
         return self._folder / f"{form}-{number}"
@@ -72,7 +73,7 @@ class Bench:
             shutil.rmtree(place, ignore_errors=True)
             for name, data in sound.files.items():
                 (place / name).parent.mkdir(parents=True, exist_ok=True)
-                (place / name).write_bytes(data)
+                (place / name).write_bytes(sound.finish(data) if name == sound.target else data)
             self._sound[form, number] = READERS[sound.read](place, sound.name)
         return self._sound[form, number]
 
@@ -88,22 +89,27 @@ def damaged_input(form: str, seed: int, case: int) -> tuple[int, bytes]:
 
 def judge(sound: Seed, start: Reading, place: Path) -> Verdict:
     """Read a damaged input and compare it with what the sound one gives."""
-    peak = _PeakMemory()
+    peak, begun = _PeakMemory(), time.process_time()
+    verdict = _outcome(sound, start, place)
+    seconds, grown = time.process_time() - begun, peak.grown()
+    if grown > LARGEST_BYTES and verdict.kind in GOOD:
+        verdict = Verdict("memory", f"{grown >> 20} MiB; {verdict.text}")
+    return replace(verdict, seconds=seconds, grown_bytes=grown)
+
+
+def _outcome(sound: Seed, start: Reading, place: Path) -> Verdict:
     try:
         with _time_limit():
             found = READERS[sound.read](place, sound.name)
     except HullreconError as error:
-        verdict = _judge_line(str(error))
+        return _judge_line(str(error))
     except _TimeIsUpError:
         return Verdict("hang", f"more than {SECONDS:g} s of the processor\n{traceback.format_exc()}")
     except MemoryError:
         return Verdict("memory", traceback.format_exc())
     except Exception:
         return Verdict("traceback", traceback.format_exc())
-    else:
-        verdict = _compare(start, found, sound.checksummed)
-    grown = peak.grown()
-    return Verdict("memory", f"{grown >> 20} MiB; {verdict.text}") if grown > LARGEST_BYTES else verdict
+    return _compare(start, found, sound.checksummed)
 
 
 def _judge_line(line: str) -> Verdict:

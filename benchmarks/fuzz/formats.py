@@ -5,6 +5,9 @@
 from __future__ import annotations
 
 import gzip
+import io
+import zipfile
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
@@ -39,6 +42,7 @@ def seeds() -> dict[str, tuple[Seed, ...]]:
     return {
         "mcap": _mcap(), "bag": _bag(), "rosbag2": _rosbag2(), "pd0": _pd0(), "plain": _plain(), "npz": _npz(), "toml": _toml(),
         "yaml": _yaml(), "hull": _hull(), "hull-gz": _hull_gz(), "image": _image(),
+        "init": _init(),
     }  # fmt: skip
 
 
@@ -113,16 +117,44 @@ def _plain() -> tuple[Seed, ...]:
 
 
 def _npz() -> tuple[Seed, ...]:
-    pings = [seed_files.ping_npz(0), seed_files.ping_npz(1)]
     files = {name: data for name, data in _tables().items() if not name.endswith("camera_top.csv")}
-    return tuple(
-        Seed(read="log", files={**files, "logs/p.npz": ping}, target="logs/p.npz", given="logs", checksummed=True)
-        for ping in pings
-    )
+
+    def ping(data: bytes, **more: object) -> Seed:
+        return Seed(read="log", files={**files, "logs/p.npz": data}, target="logs/p.npz", given="logs", **more)  # type: ignore[arg-type]
+
+    whole = (ping(seed_files.ping_npz(seed), checksummed=True) for seed in (0, 1))
+    return (*whole, ping(seed_files.ping_npy(), finish=zip_ping))
+
+
+def zip_ping(image: bytes) -> bytes:
+    """Return a sonar ping whose image is given as the bytes of an .npy, with the checksum that those bytes ask for."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(seed_files.ping_npz())) as whole, zipfile.ZipFile(file, "w") as out:
+        for name in whole.namelist():
+            out.writestr(zipfile.ZipInfo(name), image if name == "image.npy" else whole.read(name))
+    return file.getvalue()
 
 
 def _toml() -> tuple[Seed, ...]:
-    return (Seed(read="configuration", files={"dive.toml": seed_files.DIVE_TOML.encode()}, target="dive.toml", text=True),)
+    texts = (seed_files.DIVE_TOML, seed_files.LONG_DIVE_TOML)
+    return tuple(
+        Seed(read="configuration", files={"dive.toml": text.encode()}, target="dive.toml", text=True) for text in texts
+    )
+
+
+def _init() -> tuple[Seed, ...]:
+    """Return logs without a dive.toml, whose names and definitions `init` writes down."""
+    ros2 = seed_messages.tiny_dive(2, seed_files.images()["a.jpg"])[:12]
+    bag = seed_messages.as_bag(seed_messages.tiny_dive(1, seed_files.images()["a.jpg"])[:12], "none")
+    database = {f"log/{name}": data for name, data in seed_messages.as_ros2_folder(ros2, "SQLITE3").items()}
+    mcap = seed_messages.as_mcap(ros2, "none", enable_crcs=False)
+    return (
+        Seed(read="init", files={"log/dive.mcap": mcap}, target="log/dive.mcap", given="log"),
+        Seed(read="init", files={"log/dive.bag": bag}, target="log/dive.bag", given="log"),
+        Seed(read="init", files=database, target="log/dive.db3", given="log"),
+        Seed(read="init", files=_tables(), target="logs/joints.csv", given="logs", text=True),
+        Seed(read="init", files={"log/dive.pd0": seed_files.pd0()}, target="log/dive.pd0", given="log", finish=with_right_sums),
+    )
 
 
 def _yaml() -> tuple[Seed, ...]:
@@ -142,7 +174,21 @@ def _hull_gz() -> tuple[Seed, ...]:
 
 
 def _image() -> tuple[Seed, ...]:
-    return tuple(
-        Seed(read="image", files={name: data}, target=name, checksummed=name.endswith("png"))
-        for name, data in seed_files.images().items()
+    pictures = seed_files.images()
+    past_sums = Seed(read="image", files={"sums.png": pictures["a.png"]}, target="sums.png", finish=with_right_crcs)
+    return (
+        *(Seed(read="image", files={n: data}, target=n, checksummed=n.endswith("png")) for n, data in pictures.items()),
+        past_sums,
     )
+
+
+def with_right_crcs(data: bytes) -> bytes:
+    """Return a PNG with the checksums that the bytes of its chunks ask for, so that damage gets past them."""
+    out, at = bytearray(data), 8
+    while at + 12 <= len(out):
+        end = at + 8 + int.from_bytes(out[at : at + 4], "big")
+        if end + 4 > len(out):
+            break
+        out[end : end + 4] = zlib.crc32(out[at + 4 : end]).to_bytes(4, "big")
+        at = end + 4
+    return bytes(out)

@@ -1,16 +1,17 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Damage bytes: bits, bytes, cuts, length fields, splices, insertions, duplications; of text also tokens and lines."""
+"""Damage bytes: bits, bytes, cuts, length fields, splices, insertions, duplications; fields, records and text besides."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from random import Random
 
 import numpy as np
 
-Mutator = Callable[[bytearray, bytes, Random], bytearray]  # the bytes, another sound input of the format, the dice
+from benchmarks.fuzz.field_mutators import FIELDS, Mutator, edit_records
+from benchmarks.fuzz.text_mutators import TEXT
+
 SIZES = (
     0,
     1,
@@ -29,29 +30,24 @@ SIZES = (
     (1 << 64) - 1,
 )
 BYTES = bytes((0, 1, 2, 6, 0x0F, 0x20, 0x7F, 0x80, 0xFF))
-TOKEN = re.compile(rb"[A-Za-z0-9_.+-]+|[^\sA-Za-z0-9_.+-]")
-TOKENS = (
-    b"", b"-1", b"0", b"nan", b"inf", b"-inf", b"1e308", b"1e999", b"-0.0", b"9223372036854775808", b"9" * 40, b"1" * 10_000,
-    b"0x" + b"f" * 6_000, b"[" * 900, b"{" * 900, b"a." * 900 + b"a", b"[[1]]", b"true", b"'''", b'"', b'"""', b"\\u0000",
-    b"\0", b"\xff\xfe", b"\xef\xbb\xbf", b"\x1b[31m", b"&a [*a]", b"&a [1, 1]", b"*a", b"<<: *a", b"!!python/object:x y",
-    b"- - -", b"? ", b"1979-05-27T07:32:00Z", b"1/2/3", b"x" * 5_000, b"\n", b",,,,", b"\r", b"/dev/null", b"..", b"\xc3\xa9",
-    b"\xe2\x80\xa8",
-)  # fmt: skip
 
 
 def mutate(data: bytes, other: bytes, dice: Random, *, text: bool, marks: Sequence[int] = ()) -> bytes:
     """Return the bytes with one to four damages.
 
     other: a sound input of the same format, for splices. text: the bytes are lines of tokens. marks: offsets where records
-    start, whose first bytes are damaged at times before all else.
+    start, which are damaged at times before all else.
     """
     out = bytearray(data)
-    if marks and dice.random() < 0.2:
-        at = dice.choice(marks) + int(dice.expovariate(0.5))
-        out = _at_mark(out, min(at, len(out) - 1), dice)
+    if marks and dice.random() < 0.3:
+        if dice.random() < 0.4:
+            out = edit_records(out, marks, dice)
+        else:
+            at = dice.choice(marks) + int(dice.expovariate(0.5))
+            out = _at_mark(out, min(at, len(out) - 1), dice)
         if dice.random() < 0.5:
             return bytes(out)
-    choices = [*BINARY, *TEXT, *TEXT] if text else BINARY
+    choices = [*BINARY, *FIELDS, *TEXT, *TEXT] if text else [*BINARY, *FIELDS]
     for _ in range(1 + min(3, int(dice.expovariate(1.2)))):
         out = dice.choice(choices)(out, other, dice)
     return bytes(out)
@@ -168,41 +164,7 @@ def _length(data: bytes | bytearray, dice: Random) -> int:
     return min(len(data), 1 + int(dice.expovariate(1 / dice.choice((3, 40, 700)))))
 
 
-def _replace_token(data: bytearray, other: bytes, dice: Random) -> bytearray:
-    found = list(TOKEN.finditer(data))
-    if found:
-        start, end = dice.choice(found).span()
-        data[start:end] = dice.choice(TOKENS)
-    return data
-
-
-def _swap_tokens(data: bytearray, other: bytes, dice: Random) -> bytearray:
-    found = list(TOKEN.finditer(data))
-    if found:
-        (start, end), source = dice.choice(found).span(), dice.choice(found).span()
-        data[start:end] = data[slice(*source)]
-    return data
-
-
-def _drop_or_double_line(data: bytearray, other: bytes, dice: Random) -> bytearray:
-    lines = data.splitlines(keepends=True)
-    if lines:
-        k = dice.randrange(len(lines))
-        lines[k : k + 1] = [lines[k]] * dice.choice((0, 0, 2, 300))
-    return bytearray(b"".join(lines))
-
-
-def _shorten_line(data: bytearray, other: bytes, dice: Random) -> bytearray:
-    lines = data.splitlines(keepends=True)
-    if lines:
-        k = dice.randrange(len(lines))
-        words = lines[k].split()
-        lines[k] = bytearray(b" ".join(words[: dice.randrange(len(words) + 1)])) + b"\n"
-    return bytearray(b"".join(lines))
-
-
 BINARY: list[Mutator] = [
     _flip_bit, _flip_bit, _set_byte, _set_run, _cut_end, _cut_out, _insert, _insert_zeros, _splice, _go_on_with, _duplicate,
     _swap, _change_length, _change_length,
 ]  # fmt: skip
-TEXT: list[Mutator] = [_replace_token, _replace_token, _swap_tokens, _drop_or_double_line, _shorten_line]

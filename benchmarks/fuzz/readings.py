@@ -7,21 +7,27 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import msgspec
 import numpy as np
 
 from benchmarks.fuzz.seed_files import HEIGHT, WIDTH
 from benchmarks.fuzz.seed_messages import TOPICS
+from hullrecon.dive.config import bounded_yaml
 from hullrecon.dive.config.calibration import read_camera
+from hullrecon.dive.config.config_template import fill_template
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.hull.load import read_hull
 from hullrecon.dive.images.integrity import size_of
 from hullrecon.dive.images.store import decode
 from hullrecon.dive.ingest import IngestRequest, ingest
+from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.streams import PressureModel
+from hullrecon.dive.logs.summary import summarise_logs
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.steps.chain import stages
 
@@ -55,6 +61,19 @@ def read_log(folder: Path, name: str) -> Reading:
     return Reading(_digest(parts), frozenset([*found.lost, *found.remarks]))
 
 
+def look_into_log(folder: Path, name: str) -> Reading:
+    """Write a dive.toml from a log as `init` does: it has to be one that `check` takes, whatever names the log holds."""
+    logs = find_logs(folder / name)
+    found = summarise_logs([open_log(path) for path in logs])
+    text = fill_template(found, logs, folder)
+    assert all(c.isprintable() or c == "\n" for c in text), f"control characters in {text!r}"
+    with TemporaryDirectory(dir=folder) as place:
+        (Path(place) / "dive.toml").write_text(text, encoding="utf-8")
+        load_config(Path(place))
+    lines = [*found.lines(), text]
+    return Reading(hashlib.sha256("\n".join(lines).encode()).hexdigest(), frozenset([*found.lost, *found.remarks]))
+
+
 def read_configuration(folder: Path, name: str) -> Reading:
     """Read a dive.toml with the sections of every step."""
     loaded = load_config(folder, {stage.name: stage.parameters for stage in stages()})
@@ -85,6 +104,11 @@ def read_image(folder: Path, name: str) -> Reading:
     return Reading(_digest([("image", image)]), frozenset())
 
 
+def parse_each_yaml_once() -> None:
+    """Keep what YAML holds by its text in this process: a damaged log comes with the same sound calibration each time."""
+    bounded_yaml.parse_yaml = lru_cache(maxsize=32)(bounded_yaml.parse_yaml)
+
+
 def _digest(parts: Iterable[tuple[str, np.ndarray]]) -> str:
     out = hashlib.sha256()
     for key, array in parts:
@@ -95,5 +119,5 @@ def _digest(parts: Iterable[tuple[str, np.ndarray]]) -> str:
 
 READERS: Mapping[str, Read] = {
     "log": read_log, "configuration": read_configuration, "calibration": read_calibration, "cad": read_cad_model,
-    "image": read_image,
+    "image": read_image, "init": look_into_log,
 }  # fmt: skip

@@ -43,6 +43,19 @@ pose = [0.0, 0.0, 0.0, 180.0, 0.0, 0.0]
 [adjust]
 method = 'geva'
 """
+LONG_DIVE_TOML = (
+    DIVE_TOML
+    + """
+[camera.bottom]
+calibration = "calibration/camera_bottom.yaml"
+pose_in_top = [0.0, 0.3, 0.0, 0.0, 0.0, 0.0]
+[sonar]
+joint = "sonar_tray"
+origin = [0.5, 0.0, -0.1]
+mount = [0.0, 0.0, 0.0, 0.0, 90.0, 0.0]
+elevation_deg = 14.0
+"""
+)
 CALIBRATION = f"""image_width: {WIDTH}
 image_height: {HEIGHT}
 camera_name: top
@@ -98,6 +111,8 @@ def images() -> dict[str, bytes]:
         "a.bmp": encode(".bmp", 1),
         "a.ppm": encode(".ppm", 1),
         "a.tif": encode(".tif", 1),
+        "a.webp": encode(".webp", 1, cv2.IMWRITE_WEBP_QUALITY, 40),
+        "a.jp2": encode(".jp2", 1),
     }
 
 
@@ -107,6 +122,13 @@ def ping_npz(seed: int = 0) -> bytes:
     image = np.random.default_rng(seed).integers(0, 255, (3, 4), dtype=np.uint8)
     save = np.savez if seed == 0 else np.savez_compressed
     save(file, image=image, azimuth=np.array([-0.1, 0, 0.1]), range=np.arange(1.0, 5.0))
+    return file.getvalue()
+
+
+def ping_npy() -> bytes:
+    """Return the image of a sonar ping as .npy."""
+    file = io.BytesIO()
+    np.save(file, np.random.default_rng(0).integers(0, 255, (3, 4), dtype=np.uint8))
     return file.getvalue()
 
 

@@ -7,15 +7,20 @@ from __future__ import annotations
 import os
 import resource
 import tempfile
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import astuple
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TextIO
 
 from benchmarks.fuzz.cases import LARGEST_BYTES, Bench, Verdict
+from benchmarks.fuzz.readings import parse_each_yaml_once
 
 ROOM_BYTES = 2 * LARGEST_BYTES  # of addresses beyond those at the start; what is used beyond LARGEST_BYTES is a failure already
-PATIENCE_S = 120.0  # of the clock: a case that waits for something uses no processor
+PATIENCE_S = 120.0  # of the clock: a case that waits for something uses no processor; one that only waits for it is let wait
+STUCK_S = 10.0  # of the processor, in native code that no signal of Python's ends
 START_S = 1800.0  # of the clock, for the imports on a machine that others use
 
 
@@ -28,15 +33,36 @@ class Worker:
 
     def run(self, form: str, seed: int, case: int) -> Verdict:
         """Return the verdict on a case; the end of the process is one too."""
+        return next(verdict for _, verdict in self.run_batch(form, seed, range(case, case + 1)))
+
+    def run_batch(self, form: str, seed: int, cases: range) -> Iterator[tuple[int, Verdict]]:
+        """Yield the verdict on each case. The process is not waited for between two of them; one that is lost is replaced."""
+        while cases:
+            with suppress(BrokenPipeError, ConnectionResetError):
+                self._connection.send((form, seed, cases))
+            lost = False
+            while cases and not lost:
+                verdict, lost = self._receive()
+                if lost:
+                    self._process.kill()
+                    self._process.join()
+                    self._start()
+                yield cases[0], verdict
+                cases = cases[1:]
+
+    def _receive(self) -> tuple[Verdict, bool]:
+        """Return the next verdict, and whether the process is lost."""
+        used_s = -1.0
         try:
-            self._connection.send((form, seed, case))
-            if self._connection.poll(PATIENCE_S):
-                kind, text = self._connection.recv()
-                return Verdict(kind, text)
-            return self._replace(Verdict("hang", f"no answer in {PATIENCE_S:g} s"))
-        except (EOFError, BrokenPipeError, ConnectionResetError):
+            while not self._connection.poll(PATIENCE_S):
+                before_s, (state, used_s) = used_s, _process_state(self.pid)
+                stuck = 0 <= before_s < used_s - STUCK_S
+                if state not in "R" or stuck:
+                    return Verdict("hang", f"no answer in {PATIENCE_S:g} s, the process is in state {state}"), True
+            return Verdict(*self._connection.recv()), False
+        except (EOFError, ConnectionResetError):
             self._process.join()
-            return self._replace(Verdict("crash", f"the process ended with {self._process.exitcode}"))
+            return Verdict("crash", f"the process ended with {self._process.exitcode}"), True
 
     @property
     def pid(self) -> int:
@@ -62,30 +88,32 @@ class Worker:
             raise TimeoutError("a worker process does not start")
         self._connection.recv()
 
-    def _replace(self, verdict: Verdict) -> Verdict:
-        self._process.kill()
-        self._process.join()
-        self._start()
-        return verdict
-
 
 def _serve(connection: Connection, folder: str) -> None:
     """Answer cases until the other side closes. Decoders print on standard error themselves; that goes to a file."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    parse_each_yaml_once()
     with tempfile.TemporaryDirectory(dir=folder) as own:
         bench = Bench(Path(own))
         connection.send("ready")
         limited = False
         while True:
             try:
-                form, seed, case = connection.recv()
+                form, seed, cases = connection.recv()
             except EOFError:
                 return
-            verdict = bench.run(form, seed, case)
-            connection.send((verdict.kind, verdict.text))
-            if not limited:  # what is imported lazily is there after the first case
-                limit_memory(ROOM_BYTES)
-                limited = True
+            for case in cases:
+                verdict = bench.run(form, seed, case)
+                connection.send(astuple(verdict))
+                if not limited:  # what is imported lazily is there after the first case
+                    limit_memory(ROOM_BYTES)
+                    limited = True
+
+
+def _process_state(pid: int) -> tuple[str, float]:
+    """Return the kernel's letter for what a process does, and the seconds of the processor that it has used."""
+    words = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return words[0], (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def limit_memory(room_bytes: int) -> None:

@@ -13,6 +13,7 @@ import zlib
 from pathlib import Path
 from typing import BinaryIO
 
+GROWTH = 1 << 16  # bytes
 BLOCK = 1 << 20
 MIB = 1 << 20
 KINDS = (
@@ -48,9 +49,12 @@ def special_kind(path: Path) -> str:
 def read_regular(path: Path, largest_bytes: int) -> bytes:
     """Return the bytes of a file. Raises OSError as open_regular does, and for a file of more than `largest_bytes`."""
     with open_regular(path) as stream:
-        if os.fstat(stream.fileno()).st_size > largest_bytes:
+        size = os.fstat(stream.fileno()).st_size
+        if size > largest_bytes:
             raise too_large(path, largest_bytes)
-        data = stream.read(largest_bytes + 1)  # it may have grown
+        data = stream.read(size)  # as many bytes are set aside as are asked for
+        while len(data) <= largest_bytes and (more := stream.read(GROWTH)):  # it has grown, or its size is not known
+            data += more
     if len(data) > largest_bytes:
         raise too_large(path, largest_bytes)
     return data

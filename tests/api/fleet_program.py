@@ -33,6 +33,9 @@ def main(command: str, package: Path, options: dict[str, str]) -> int:
     if do == "crash":
         print("terminate called\nwithout an active exception\n", file=sys.stderr)
         return 1
+    if do == "read outside" and "--allow-outside" not in options:
+        print(json.dumps({"error": {"message": "it lies outside the package"}}))
+        return 2
     if do.startswith("fail"):
         print(json.dumps({"error": {"message": "too few\x1b[31m matches"}}))
         return 4
@@ -45,4 +48,7 @@ def main(command: str, package: Path, options: dict[str, str]) -> int:
 if __name__ == "__main__":
     end_with_parent(int(sys.argv[1]))
     assert sys.argv[2:4] == ["--quiet", "--json"]
-    sys.exit(main(sys.argv[4], Path(sys.argv[5]), dict(zip(sys.argv[6::2], sys.argv[7::2], strict=True))))
+    words = [word for word in sys.argv[6:] if word != "--allow-outside"]
+    options = dict(zip(words[::2], words[1::2], strict=True))
+    options |= {"--allow-outside": ""} if len(words) < len(sys.argv[6:]) else {}
+    sys.exit(main(sys.argv[4], Path(sys.argv[5]), options))

@@ -348,3 +348,27 @@ def test_a_killed_fleet_leaves_no_process_and_the_next_call_does_the_rest(
     assert (result.exit_code, result.count("delivered", "up to date")) == (0, 4)
     assert set(ran(trace)) >= {"b", "c", "d"}
     assert states(run_fleet(dives, runs)) == dict.fromkeys("abcd", "up to date")
+
+
+def test_a_dive_that_takes_longer_than_its_time_limit_is_ended_and_the_others_are_delivered(
+    dive: Dive, dives: Path, runs: Path, trace: Path
+) -> None:
+    dive("kestrel"), dive("merlin", "wait"), dive("osprey")
+    result = run_fleet(dives, runs, jobs=1, time_limit_s=5.0)
+    assert states(result) == {"kestrel": "delivered", "merlin": "failed", "osprey": "delivered"}
+    (late,) = [d for d in result.dives if d.state == "failed"]
+    assert (late.exit_code, result.exit_code) == (4, 4)
+    assert "longer than 5 s (--time-limit)" in late.line()
+    pid = next(line.split()[1] for line in trace.read_text().splitlines() if line.startswith("merlin"))
+    assert not Path(f"/proc/{pid}").exists()
+    assert states(preview_fleet(dives, runs, time_limit_s=5.0))["merlin"] == "failed"  # not again with no more time
+    assert states(preview_fleet(dives, runs, time_limit_s=6.0))["merlin"] == "to do"
+    assert states(preview_fleet(dives, runs))["merlin"] == "to do"
+
+
+def test_a_package_may_read_outside_itself_where_the_fleet_allows_it(dive: Dive, dives: Path, runs: Path, trace: Path) -> None:
+    dive("kestrel", "read outside"), dive("merlin")
+    assert states(run_fleet(dives, runs)) == {"kestrel": "failed", "merlin": "delivered"}
+    assert states(run_fleet(dives, runs)) == {"kestrel": "failed", "merlin": "up to date"}
+    assert states(run_fleet(dives, runs, allow_outside=True)) == {"kestrel": "delivered", "merlin": "up to date"}
+    assert ran(trace) == ["kestrel", "kestrel", "merlin"]

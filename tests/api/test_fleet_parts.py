@@ -280,3 +280,13 @@ def test_text_of_others_is_one_line_and_valid_utf_8() -> None:
     assert one_line("a\nb\x1b[0m \u202e é") == "a\\nb\\x1b[0m \\u202e é"
     assert one_line(os.fsdecode(b"\xff")) == "\\udcff"
     assert as_utf8(os.fsdecode(b"a\xff/\xc3\xa9")) == "a\\xff/é"
+
+
+def test_a_dive_ends_with_its_own_exit_code_whatever_a_library_does_at_the_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sitecustomize.py").write_text("import atexit, os\natexit.register(os._exit, 1)\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    ((_, ended),) = run_each({"a": ["status", str(tmp_path)]}, 1, tmp_path)
+    assert ended.exit_code == 3
+    assert "no dive.toml here" in ended.reason

@@ -152,3 +152,11 @@ print(code, sorted(set(os.path.relpath(path, {str(dives.parent)!r}) for path in 
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     opened = [*(f"dives/dive{k}/dive.toml" for k in range(3)), "runs/.fleet/dives.json", "runs/.fleet/lock"]
     assert answer.stderr.splitlines()[-1] == f"0 {opened} []"
+
+
+def test_a_time_limit_and_files_outside_are_options_of_the_command(program, make, runs: Path) -> None:
+    dives = make(kestrel="read outside", merlin="wait")
+    answer = program("fleet", dives, "--runs", runs, "--jobs", 2, "--allow-outside", "--time-limit", 5)
+    assert (answer.code, answer.out) == (4, "2 dives: 1 delivered, 1 failed, 2 run now\n")
+    assert "failed: merlin: exit code 4: it took longer than 5 s (--time-limit)" in answer.err
+    assert program("fleet", dives, "--runs", runs, "--time-limit", 0).code == 2

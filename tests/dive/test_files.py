@@ -3,6 +3,7 @@
 import gzip
 import os
 import socket
+import tracemalloc
 import zlib
 from pathlib import Path
 
@@ -69,6 +70,16 @@ def test_a_file_that_holds_more_than_it_may_is_refused_by_its_size(tmp_path):
         stream.truncate(1 << 40)
     with pytest.raises(OSError, match="more than 2 MiB"):
         read_regular(tmp_path / "x", 2 * MIB)
+
+
+def test_a_small_file_is_read_without_room_for_the_largest(tmp_path):
+    (tmp_path / "x").write_bytes(b"abc")
+    tracemalloc.start()
+    try:
+        assert read_regular(tmp_path / "x", 64 * MIB) == b"abc"
+        assert tracemalloc.get_traced_memory()[1] < MIB
+    finally:
+        tracemalloc.stop()
 
 
 def test_a_text_has_newlines_whatever_wrote_it(tmp_path):

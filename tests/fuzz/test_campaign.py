@@ -5,9 +5,11 @@ import os
 import signal
 from collections import Counter
 
+import pytest
+
 from benchmarks.fuzz import worker
 from benchmarks.fuzz.__main__ import main
-from benchmarks.fuzz.campaign import Campaign, run_campaign, signature
+from benchmarks.fuzz.campaign import Campaign, read_campaign, run_campaign, signature
 from benchmarks.fuzz.cases import Verdict
 from benchmarks.fuzz.corpus import add_findings, read_corpus
 
@@ -47,7 +49,30 @@ def test_the_command_prints_what_it_found(capsys):
 
 def test_cases_have_the_same_verdicts_over_any_number_of_processes(bench):
     alone = Counter(bench.run("yaml", 5, case).kind for case in range(120))
-    assert run_campaign(["yaml"], 120, 5, 2).verdicts == {"yaml": alone}
+    assert run_campaign(Campaign(5), ["yaml"], 120, 2).verdicts == {"yaml": alone}
+
+
+def test_a_campaign_that_was_ended_goes_on_where_it_was(tmp_path, capsys):
+    state = tmp_path / "state.json"
+    words = ["--seed", "5", "--format", "yaml", "--format", "toml", "--state", str(state)]
+    assert main([*words, "--cases", "30"]) == 0
+    assert main([*words, "--cases", "70"]) == 0
+    capsys.readouterr()
+    whole = run_campaign(Campaign(5), ["yaml", "toml"], 70, 1)
+    assert read_campaign(state).verdicts == whole.verdicts
+    assert set(json.loads(state.read_text())["worst"]) == {"yaml", "toml"}
+    with pytest.raises(SystemExit):
+        main([*words[2:], "--seed", "6"])
+
+
+def test_a_campaign_is_written_and_read_back(tmp_path):
+    campaign = Campaign(7, 3)
+    campaign.add("toml", 5, Verdict("traceback", TRACE.format("ValueError", 1), 0.25, 3 << 20))
+    (tmp_path / "state.json").write_text(json.dumps(campaign.document()))
+    again = read_campaign(tmp_path / "state.json")
+    again.add("toml", 6, Verdict("traceback", TRACE.format("ValueError", 2)))
+    assert [(f["count"], f["cases"]) for f in again.document()["failures"]] == [(2, [5, 6])]
+    assert again.document()["worst"] == {"toml": {"seconds": 0.25, "mib": 3.0}}
 
 
 def test_a_process_that_dies_is_a_finding_and_another_goes_on(tmp_path):

@@ -9,10 +9,11 @@ import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from hullrecon.api.fleet.outcome import FleetDive, FleetResult, State
-from hullrecon.api.fleet.plan import PlannedDive, packages_for, plan_fleet, result_signature
+from hullrecon.api.fleet.plan import PlannedDive, RunTerms, packages_for, plan_fleet, result_signature
 from hullrecon.api.fleet.processes import Ended, run_each
 from hullrecon.api.fleet.records import FOLDER, DiveRecord, FleetRecords
 from hullrecon.api.fleet.text import as_utf8
@@ -27,19 +28,23 @@ log = logging.getLogger(__name__)
 
 def run_fleet(
     dives: Path | str, runs: Path | str = "runs", *, jobs: int = 1, scheduler: str | None = None, retry: bool = False,
-    progress: Progress | None = None, on_failure: Callable[[FleetDive], None] | None = None,
+    progress: Progress | None = None, on_failure: Callable[[FleetDive], None] | None = None, allow_outside: bool = False,
+    time_limit_s: float | None = None,
 ) -> FleetResult:  # fmt: skip
     """Bring every dive package in the folder `dives` up to date in RUNS, as `hullrecon fleet` does; return how each stands.
 
     jobs: dives at a time. scheduler: address of a Dask scheduler for all of them. retry: run also what failed before and has
-    not changed since. on_failure: called with each failed dive, as it fails. Raises LockedError when another fleet works for
+    not changed since. on_failure: called with each failed dive, as it fails. allow_outside: dives may read files outside their
+    packages. time_limit_s: a dive that takes longer is ended and has failed. Raises LockedError when another fleet works for
     these runs, InputError when there is no package, StorageError when RUNS cannot be written; for a failed dive nothing.
     """
+    terms = RunTerms(allow_outside=allow_outside, time_limit_s=time_limit_s)
     here, out = Path(os.path.realpath(dives)), Path(os.path.realpath(runs))
     packages_for(here, out)  # a wrong folder is said before anything is written
     with _lock(out):
         records = FleetRecords(out)
-        planned, skipped = plan_fleet(here, out, records, retry=retry)
+        memory = _Memory(records, out, terms, on_failure)
+        planned, skipped = plan_fleet(here, out, records, retry=retry, terms=terms)
         records.forget_all_but(here, [dive.package for dive in planned])
         to_do = {dive.package: dive for dive in planned if dive.to_do}
         if scheduler is not None and to_do:
@@ -48,20 +53,24 @@ def run_fleet(
         done = {dive.package: _standing(dive, out) for dive in planned}
         for dive in planned:
             if not dive.to_do:
-                _note(dive, done[dive.package], records, out, on_failure)
+                _note(dive, done[dive.package], memory)
         log.info("%d of %d dives to run", len(to_do), len(planned))
-        commands = {package: _command(dive, out, scheduler) for package, dive in to_do.items()}
-        with closing(run_each(commands, jobs, out / FOLDER)) as ended:
+        commands = {package: _command(dive, out, scheduler, terms) for package, dive in to_do.items()}
+        with closing(run_each(commands, jobs, out / FOLDER, time_limit_s)) as ended:
             for package, end in (progress or Silent()).track(ended, "dives", len(commands)):
                 done[package] = _outcome(to_do[package], end, out)
-                _note(to_do[package], done[package], records, out, on_failure)
+                _note(to_do[package], done[package], memory, timed_out=end.timed_out)
     return FleetResult(dives_folder=here, runs=out, dives=tuple(done.values()), skipped=tuple(skipped))
 
 
-def preview_fleet(dives: Path | str, runs: Path | str = "runs", *, retry: bool = False) -> FleetResult:
+def preview_fleet(
+    dives: Path | str, runs: Path | str = "runs", *, retry: bool = False, allow_outside: bool = False,
+    time_limit_s: float | None = None,
+) -> FleetResult:  # fmt: skip
     """Return what `run_fleet` would do, without changing anything. Raises InputError when there is no package."""
     here, out = Path(os.path.realpath(dives)), Path(os.path.realpath(runs))
-    planned, skipped = plan_fleet(here, out, FleetRecords(out), retry=retry)
+    terms = RunTerms(allow_outside=allow_outside, time_limit_s=time_limit_s)
+    planned, skipped = plan_fleet(here, out, FleetRecords(out), retry=retry, terms=terms)
     return FleetResult(
         dives_folder=here, runs=out, dives=tuple(_standing(dive, out) for dive in planned), skipped=tuple(skipped)
     )
@@ -78,7 +87,7 @@ def _lock(runs: Path) -> Iterator[None]:
         raise LockedError(what, where=str(runs), remedy="wait for it to end") from None
 
 
-def _command(dive: PlannedDive, runs: Path, scheduler: str | None) -> list[str]:
+def _command(dive: PlannedDive, runs: Path, scheduler: str | None, terms: RunTerms) -> list[str]:
     """Return the arguments that run a dive; those that explain what is wrong with its dive.toml where it tells no name.
 
     The name is that which was compared with all others', should dive.toml change meanwhile.
@@ -89,6 +98,7 @@ def _command(dive: PlannedDive, runs: Path, scheduler: str | None) -> list[str]:
     make_folder(path.parent)
     path.unlink(missing_ok=True)
     more = [] if scheduler is None else ["--scheduler", scheduler]
+    more += ["--allow-outside"] if terms.allow_outside else []
     named = f'dive.name="{dive.name}"'
     return ["run", str(dive.package), "--runs", str(runs), "--set", named, "--log-file", str(path), *more]
 
@@ -134,15 +144,25 @@ def _dive(
     )  # fmt: skip
 
 
-def _note(
-    dive: PlannedDive, now: FleetDive, records: FleetRecords, runs: Path, on_failure: Callable[[FleetDive], None] | None
-) -> None:
+@dataclass(frozen=True)
+class _Memory:
+    """Where it is noted how a dive stands, under which terms it was run, and who is told of a failure."""
+
+    records: FleetRecords
+    runs: Path
+    terms: RunTerms
+    on_failure: Callable[[FleetDive], None] | None
+
+
+def _note(dive: PlannedDive, now: FleetDive, memory: _Memory, *, timed_out: bool = False) -> None:
     """Remember how a dive stands where that is new, and report a failure."""
     if now.exit_code is not None and (now.ran or not now.known):
         record = DiveRecord(
-            name=dive.name, package=dive.listing.signature, result=result_signature(runs, dive.name), program=dive.program,
-            exit_code=now.exit_code, reason=as_utf8(now.reason), refused=dive.refused is not None, ended_s=time.time(),
+            name=dive.name, package=dive.listing.signature, result=result_signature(memory.runs, dive.name),
+            program=dive.program, exit_code=now.exit_code, reason=as_utf8(now.reason), refused=dive.refused is not None,
+            ended_s=time.time(), allow_outside=memory.terms.allow_outside,
+            time_limit_s=memory.terms.time_limit_s if timed_out else None,
         )  # fmt: skip
-        records.put(dive.package, record)
-    if now.state == "failed" and on_failure is not None:
-        on_failure(now)
+        memory.records.put(dive.package, record)
+    if now.state == "failed" and memory.on_failure is not None:
+        memory.on_failure(now)

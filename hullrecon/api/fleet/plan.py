@@ -14,6 +14,14 @@ from hullrecon.errors import HullreconError, InputError, UsageError
 
 
 @dataclass(frozen=True, kw_only=True)
+class RunTerms:
+    """What a dive of a fleet may do. allow_outside: read files outside its package; time_limit_s: None for no limit."""
+
+    allow_outside: bool = False
+    time_limit_s: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class PlannedDive:
     """A package of a fleet. package: absolute path; name: of the dive, None where dive.toml does not tell; to_do: why it is
     run, empty where it is not; refused: why it may not be; record: how it ended last, None where unknown."""
@@ -28,7 +36,7 @@ class PlannedDive:
 
 
 def plan_fleet(
-    dives: Path, runs: Path, records: FleetRecords, *, retry: bool = False
+    dives: Path, runs: Path, records: FleetRecords, *, retry: bool = False, terms: RunTerms = RunTerms()
 ) -> tuple[list[PlannedDive], list[Skipped]]:
     """Return every package in `dives`, by name, and what is skipped. retry: run also what failed and has not changed since.
 
@@ -44,7 +52,7 @@ def plan_fleet(
             package=package, name=names.get(package), listing=listing, program=program, refused=refused.get(package),
             record=records.get(package),
         )  # fmt: skip
-        planned.append(dive if dive.refused else replace(dive, to_do=_why_run(dive, runs, retry)))
+        planned.append(dive if dive.refused else replace(dive, to_do=_why_run(dive, runs, retry, terms)))
     return planned, skipped
 
 
@@ -78,7 +86,7 @@ def _names(packages: list[Path], dives: Path, runs: Path) -> tuple[dict[Path, st
     return names, refused
 
 
-def _why_run(dive: PlannedDive, runs: Path, retry: bool) -> str:
+def _why_run(dive: PlannedDive, runs: Path, retry: bool, terms: RunTerms) -> str:
     """Return why a dive is run; empty where its last result or failure stands."""
     record = dive.record
     if record is None:
@@ -87,9 +95,17 @@ def _why_run(dive: PlannedDive, runs: Path, retry: bool) -> str:
         return "the package changed"
     if record.program != dive.program:
         return "hullrecon changed"
+    if record.exit_code and _may_more(record, terms):
+        return "it may do more than when it failed"
     if record.exit_code:
         return "" if record.holds and not retry else "it failed before"
     return "" if record.result == result_signature(runs, dive.name) else "the result changed"
+
+
+def _may_more(record: DiveRecord, terms: RunTerms) -> bool:
+    """Return whether a dive that failed may read more now, or was ended by a limit that is gone or larger now."""
+    more_time = record.time_limit_s is not None and (terms.time_limit_s is None or terms.time_limit_s > record.time_limit_s)
+    return more_time or (terms.allow_outside and not record.allow_outside)
 
 
 def result_signature(runs: Path, name: str | None) -> str:

@@ -19,10 +19,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Generic, TypeVar
 
+from hullrecon.errors import StageError
+
 Key = TypeVar("Key")
 _CODE = (
     "import sys; from hullrecon.api.fleet.processes import end_with_parent; end_with_parent(int(sys.argv.pop(1)));"
-    "from hullrecon_cli.main import main; sys.exit(main())"
+    "from hullrecon_cli.start import start; start()"
 )
 PROGRAM = (sys.executable, "-P", "-c", _CODE)  # -P: a numpy.py in the folder where the fleet was started is not imported
 _POLL_S = 0.05
@@ -33,11 +35,13 @@ _MAX_ANSWER = 1 << 22
 
 @dataclass(frozen=True, kw_only=True)
 class Ended:
-    """How a command ended. exit_code: 128 + signal where one ended it, as a shell has it; reason: empty when all was well."""
+    """How a command ended. exit_code: 128 + signal where one ended it, as a shell has it, 4 where its time was over; reason:
+    empty when all was well."""
 
     exit_code: int
     reason: str
     seconds: float
+    timed_out: bool = False
 
 
 @dataclass(frozen=True)
@@ -49,10 +53,13 @@ class _Running(Generic[Key]):
     started: float
 
 
-def run_each(commands: Mapping[Key, Sequence[str]], jobs: int, scratch: Path) -> Generator[tuple[Key, Ended], None, None]:
+def run_each(
+    commands: Mapping[Key, Sequence[str]], jobs: int, scratch: Path, time_limit_s: float | None = None
+) -> Generator[tuple[Key, Ended], None, None]:
     """Run hullrecon with each of these arguments, `jobs` at a time, and yield how each ended, as they end.
 
-    When the generator is closed, what still runs is ended with SIGTERM. scratch: folder for what the commands print.
+    A command that takes longer than time_limit_s is ended with SIGTERM, and so is what still runs when the generator is closed.
+    scratch: folder for what the commands print.
     """
     waiting, running = deque(commands.items()), list[_Running[Key]]()
     try:
@@ -63,7 +70,11 @@ def run_each(commands: Mapping[Key, Sequence[str]], jobs: int, scratch: Path) ->
             for r in ended:
                 running.remove(r)
                 yield r.key, _ended(r)
-            if not ended:
+            late = [r for r in running if time_limit_s is not None and time.monotonic() - r.started > time_limit_s]
+            for r in late:
+                running.remove(r)
+                yield r.key, _end_late(r, time_limit_s)
+            if not ended and not late:
                 time.sleep(_POLL_S)
     finally:
         _stop(running)
@@ -91,6 +102,18 @@ def _ended(run: _Running[Key]) -> Ended:
     return Ended(exit_code=code if code >= 0 else 128 - code, reason=reason, seconds=time.monotonic() - run.started)
 
 
+def _end_late(run: _Running[Key], time_limit_s: float | None) -> Ended:
+    """End a command whose time is over, and say so; what came to its end meanwhile is taken as it ended."""
+    _stop([run], close=False)
+    if run.process.returncode == 0:
+        return _ended(run)
+    run.output.close()
+    run.errors.close()
+    reason = f"it took longer than {time_limit_s:g} s (--time-limit); finished steps are kept, its log says how far it came"
+    seconds = time.monotonic() - run.started
+    return Ended(exit_code=StageError.exit_code, reason=reason, seconds=seconds, timed_out=True)
+
+
 def _signal(number: int) -> str:
     name = signal.Signals(number).name if number in set(signal.Signals) else f"signal {number}"
     return f"ended by {name}" + (": most likely the memory ran out" if number == signal.SIGKILL else "")
@@ -110,15 +133,17 @@ def _last_line(errors: IO[bytes]) -> str:
     return next((line.strip() for line in reversed(lines) if line.strip()), "it said nothing")
 
 
-def _stop(running: Sequence[_Running[Key]]) -> None:
+def _stop(running: Sequence[_Running[Key]], *, close: bool = True) -> None:
     """End processes: a run that gets SIGTERM leaves what it has finished; one that does not listen is killed."""
     for r in running:
         r.process.terminate()
     until = time.monotonic() + _PATIENCE_S
     for r in running:
-        with r.output, r.errors:
-            try:
-                r.process.wait(max(0.0, until - time.monotonic()))
-            except subprocess.TimeoutExpired:
-                r.process.kill()
-                r.process.wait()
+        try:
+            r.process.wait(max(0.0, until - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            r.process.kill()
+            r.process.wait()
+        if close:
+            r.output.close()
+            r.errors.close()

@@ -21,7 +21,8 @@ TRIED_AGAIN_S = 86_400.0  # a failure may have other causes all the same, such a
 
 
 class DiveRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How a dive ended. package, result, program: signatures; refused: it was not run; ended_s: seconds since 1970."""
+    """How a dive ended. package, result, program: signatures; refused: it was not run; ended_s: seconds since 1970;
+    allow_outside: it was let read files outside its package; time_limit_s: the limit that ended it, None where none did."""
 
     name: str | None
     package: str
@@ -31,6 +32,8 @@ class DiveRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     reason: str
     refused: bool
     ended_s: float
+    allow_outside: bool = False
+    time_limit_s: float | None = None
 
     @property
     def holds(self) -> bool:

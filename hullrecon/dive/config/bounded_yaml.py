@@ -4,18 +4,24 @@
 
 from __future__ import annotations
 
+import re
+
 from ruamel.yaml import YAML
 from ruamel.yaml.constructor import SafeConstructor
 from ruamel.yaml.nodes import Node
 
 ROOM = 10_000  # values beyond one a character, which no file without aliases has
+MOST_VALUES = 20_000  # the parser takes some 60 us for each: more than a second in all
+DEEPEST = 100  # it looks through all open brackets at every value
+BRACKETS = re.compile(r"[\[{\]}]")
 
 
 def parse_yaml(text: str) -> object:
     """Return what YAML text holds; the head that OpenCV writes is taken as well.
 
-    Raises ValueError for text that is no YAML, nests too deeply or names its aliases too often.
+    Raises ValueError for text that is no YAML, nests too deeply, holds too many values or names its aliases too often.
     """
+    refuse_floods(text)
     yaml = YAML(typ="safe", pure=True)
     yaml.Constructor = _BoundedConstructor
     yaml.constructor.largest_count = len(text) + ROOM
@@ -27,6 +33,17 @@ def parse_yaml(text: str) -> object:
         first = (str(error).splitlines() or [type(error).__name__])[0]
         raise ValueError(first) from None
     return data
+
+
+def refuse_floods(text: str) -> None:
+    """Raise ValueError for text that has more values, or brackets in brackets, than the parser can go through in a second."""
+    if text.count(",") + text.count("\n") > MOST_VALUES:
+        raise ValueError(f"it holds more than {MOST_VALUES} lines and values")
+    depth = 0
+    for bracket in BRACKETS.finditer(text):
+        depth += 1 if bracket[0] in "[{" else -1
+        if depth > DEEPEST:
+            raise ValueError("nested too deeply")
 
 
 class _BoundedConstructor(SafeConstructor):

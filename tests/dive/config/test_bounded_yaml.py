@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import time
+
 import pytest
 
 from hullrecon.dive.config.bounded_yaml import ROOM, parse_yaml
@@ -62,3 +64,21 @@ def test_what_the_parser_stumbles_over_is_a_value_error_of_one_line(text):
     with pytest.raises(ValueError, match=r".") as caught:
         parse_yaml(text)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["{a: " * 20_000 + "}" * 20_000, "a: " + "[" * 101, "b:\n  " + "- {" * 20_000])
+def test_brackets_in_brackets_are_refused_before_they_are_parsed(text):
+    begun = time.process_time()
+    with pytest.raises(ValueError, match="nested too deeply"):
+        parse_yaml(text)
+    assert time.process_time() - begun < 1
+
+
+@pytest.mark.parametrize("text", ["[" + "1," * 100_000 + "1]", "- 1\n" * 100_000])
+def test_more_values_than_can_be_parsed_in_seconds_are_refused(text):
+    with pytest.raises(ValueError, match="more than 20000 lines and values"):
+        parse_yaml(text)
+
+
+def test_a_hundred_brackets_side_by_side_are_no_nesting():
+    assert parse_yaml("[" + "[1]," * 500 + "[1]]") == [[1]] * 501
