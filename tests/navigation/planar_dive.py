@@ -43,12 +43,32 @@ def simulate(
     spacing_m: float = 0.5,
     semi_axes_m: tuple[float, float, float] = (5.0, 30.0, 6.0),
     off_m: float = 0.0,
+    bumps_m: float = 0.0,
 ) -> PlanarDive:
     """The dive. semi_axes_m: of the ellipsoid across, along and down; off_m: by how much the odd legs truly see another, nearer
-    surface, as where something hangs before the hull."""
+    surface, as where something hangs before the hull; bumps_m: of a surface that is rough, as rock is."""
     rng = np.random.default_rng(seed)
     axes = np.array(semi_axes_m)
     truth, leg = true_path(legs, leg_m, spacing_m, axes, rng)
+    return measured(rng, truth, drift_deg_per_hour, axes, off_m * (leg % 2), bumps_m)
+
+
+def spiral_around_a_sphere(seed: int, *, radius_m: float, turns: float, drift_deg_per_hour: float) -> PlanarDive:
+    """Around a sphere, half a metre deeper each turn, facing its middle."""
+    rng = np.random.default_rng(seed)
+    reach = radius_m + STANDOFF_M
+    turned = np.arange(0, 2 * np.pi * turns, STEP_M / reach)
+    down = 0.5 * turned / (2 * np.pi) - 0.25 * turns
+    out = np.column_stack([-np.cos(turned), -np.sin(turned)]) * np.sqrt(reach**2 - down**2)[:, None]
+    wobble = np.radians(0.6) * np.sin(np.outer(np.arange(len(turned)), [0.11, 0.17, 0.07]))
+    truth = from_rpy(np.column_stack([out + np.r_[radius_m, 0], down + 3.0]), wobble + np.c_[np.zeros((len(turned), 2)), turned])
+    return measured(rng, truth, drift_deg_per_hour, np.full(3, radius_m), np.zeros(len(truth)), 0.0)
+
+
+def measured(
+    rng: np.random.Generator, truth: Poses, drift_deg_per_hour: float, axes: np.ndarray, off_m: np.ndarray, bumps_m: float
+) -> PlanarDive:
+    """What the instruments make of a path."""
     sigma = np.r_[0.003, np.radians(abs(drift_deg_per_hour)) / 3600, 1e-3, 1e-3, 0.02, 1e-9]
     navigation = sigma * rng.standard_normal(6)
     navigation[1] = np.radians(drift_deg_per_hour) / 3600
@@ -71,7 +91,7 @@ def simulate(
         trajectory=reckoned(truth.matrix(), odometry),
         odometry=odometry,
         attitude=attitude,
-        returns=measured_ranges(rng, truth, mount, axes, off_m * (leg % 2)),
+        returns=measured_ranges(rng, truth, mount, axes, off_m, bumps_m),
         rig=rig(sigma),
     )
 
@@ -117,7 +137,7 @@ def true_path(
     )
     heading = np.arctan2(surface_x(axes, y + 1e-3, z) - surface_x(axes, y - 1e-3, z), 2e-3)
     place = np.column_stack([surface_x(axes, y, z) - STANDOFF_M, y, z + 3.0]) + turn[:, :3]
-    return from_rpy(place - [0, 0, 0], turn[:, 3:] + np.c_[np.zeros((len(k), 2)), -heading]), leg
+    return from_rpy(place, turn[:, 3:] + np.c_[np.zeros((len(k), 2)), -heading]), leg
 
 
 def measured_steps(rng: np.random.Generator, truth: Poses, navigation: np.ndarray, mount: Poses) -> Odometry:
@@ -147,16 +167,21 @@ def measured_steps(rng: np.random.Generator, truth: Poses, navigation: np.ndarra
     )
 
 
-def measured_ranges(rng: np.random.Generator, truth: Poses, mount: Poses, axes: np.ndarray, off_m: np.ndarray) -> Returns:
+def measured_ranges(
+    rng: np.random.Generator, truth: Poses, mount: Poses, axes: np.ndarray, off_m: np.ndarray, bumps_m: float
+) -> Returns:
     """One ping a pose: where each beam meets the ellipsoid, whose pole lies at a depth of 3 m; nearer by off_m (n,) along x."""
     n = len(truth)
     tray = Poses(np.array([[0, 0, 0, 1.0]]), TRAY_ORIGIN_M[None])
     dvl = truth @ tray @ mount
     node = np.repeat(np.arange(n), 4)
     beam = np.tile(BEAMS, (n, 1))
-    along = dvl.rotation[node].apply(beam) / axes
+    along = dvl.rotation[node].apply(beam)
     start = (dvl.translation[node] - np.c_[axes[0] - off_m[node], np.zeros(4 * n), np.full(4 * n, 3.0)]) / axes
-    a, b, c = np.sum(along**2, 1), np.sum(along * start, 1), np.sum(start**2, 1) - 1
+    a, b, c = np.sum((along / axes) ** 2, 1), np.sum(along / axes * start, 1), np.sum(start**2, 1) - 1
+    range_m = (-b - np.sqrt(b**2 - a * c)) / a
+    end = dvl.translation[node] + range_m[:, None] * along
+    range_m += bumps_m * np.sin(4 * end[:, 1] + 1) * np.sin(5 * end[:, 2])
     return Returns(
         t_ns=(STEP_S * 1e9 * node).astype(np.int64),
         node=node,
@@ -164,7 +189,7 @@ def measured_ranges(rng: np.random.Generator, truth: Poses, mount: Poses, axes: 
         translation=np.zeros((4 * n, 3)),
         tray_offset=np.zeros(4 * n),
         beam=beam,
-        range_m=(-b - np.sqrt(b**2 - a * c)) / a + RANGE_SIGMA_M * rng.standard_normal(4 * n),
+        range_m=range_m + RANGE_SIGMA_M * rng.standard_normal(4 * n),
         flagged=np.zeros(4 * n, bool),
     )
 
