@@ -34,6 +34,20 @@ class CameraLinks:
         return len(self.first)
 
 
+def no_links() -> CameraLinks:
+    """Return what a dive without images has."""
+    none = np.zeros(0, np.int64)
+    return CameraLinks(
+        first=none,
+        second=none,
+        translation=np.zeros((0, 3)),
+        quaternion=np.zeros((0, 4)),
+        covariance=np.zeros((0, 6, 6)),
+        scaled=np.zeros(0, bool),
+        bottom=np.zeros((0, 2), bool),
+    )
+
+
 @dataclass(frozen=True, kw_only=True)
 class NodePairs:
     """All pairs that were compared, sorted by (first, second). first < second (m,): nodes; across (m,): of another leg;

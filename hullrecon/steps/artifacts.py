@@ -22,6 +22,7 @@ from hullrecon.geometry.charts.chart import Chart, chart_from_arrays
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.links import CameraLinks, LinkedPath, NodePairs, NodeStereo, PairFeatures
+from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SonarPings
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.solution import Solution
@@ -158,6 +159,11 @@ class LinksArtifact(StepArtifact):
     @property
     def stereo(self) -> NodeStereo:
         return self._required("stereo.npz", NodeStereo)
+
+    @property
+    def planes(self) -> TiedPlanes | None:
+        """Return the planes that tie passes; None where none do."""
+        return self._optional("planes.npz", TiedPlanes)
 
     @cached_property
     def path(self) -> LinkedPath:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""links: images compared pair by pair, in rounds, and the path that they and navigation give."""
+"""links: images compared pair by pair, in rounds, patches of hull seen again, and the path that these and navigation give."""
 
 from __future__ import annotations
 
@@ -11,25 +11,49 @@ import numpy as np
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.dive.config.schema import Tray
 from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
-from hullrecon.navigation.pose_graph.graph import PoseGraph
+from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph
+from hullrecon.navigation.pose_graph.graph import GraphSolution, PoseGraph
 from hullrecon.navigation.pose_graph.ties import describe_parts
+from hullrecon.records.links import CameraLinks, no_links
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.vision.compared_pairs import NavigatedDive
-from hullrecon.vision.link_images import link_images
+from hullrecon.vision.link_images import PathSolver, link_images
 from hullrecon.vision.options import LinkOptions, MatchOptions
 from hullrecon.vision.pairs.match_worker import MatchWorker
 from hullrecon.vision.stereo.camera_rig import CameraRig
 
 
-def applies(settings: Mapping[str, object]) -> str | None:
-    """Return why a dive cannot have this step; None where it can."""
-    return None if settings["camera.top"] is not None else "no camera was carried"
-
-
 def run(context: Context[LinkOptions]) -> None:
-    """Leave what pairs of images have in common, and the path that this ties together."""
+    """Leave what pairs of images have in common, which patches of the hull were passed again, and the path that this ties."""
+    inputs, settings = InputArtifacts(context.inputs), context.settings
+    navigate = inputs.navigate
+    graph = PoseGraph(
+        trajectory=navigate.trajectory,
+        odometry=navigate.odometry,
+        attitude=navigate.attitude,
+        rig=rig_priors_from_settings(settings, inputs.ingest.camera_models),
+        kernel=context.parameters.kernel,
+    )
+    returns = navigate.returns if context.parameters.planes else None
+    planar = None if returns is None else planar_graph(graph, returns, inputs.ingest.hull)
+    solved: list[GraphSolution] = []  # one a round; the last is delivered
+
+    def solve(links: CameraLinks, before: GraphSolution | None) -> GraphSolution:
+        solved.append((planar or graph).solve(links, before))
+        return solved[-1]
+
+    facts: dict[str, object] = {}
+    if "features" in context.inputs:
+        facts = _link_images(context, solve)
+    else:
+        context.out.arrays("path.npz", to_arrays(solve(no_links(), None).record()))
+    context.out.json("links.json", facts | _write_planes(context, solved[-1]))
+
+
+def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]) -> dict[str, object]:
+    """Write what the images tie, and return its numbers."""
     inputs, settings = InputArtifacts(context.inputs), context.settings
     rig = rig_from_settings(_rig_values(settings), inputs.ingest.camera_models)
     worker = MatchWorker(
@@ -42,14 +66,7 @@ def run(context: Context[LinkOptions]) -> None:
         returns=navigate.returns,
         tray_sigma_rad=float(np.radians(settings.read("tray", Tray).sigma_deg)),
     )
-    graph = PoseGraph(
-        trajectory=navigate.trajectory,
-        odometry=navigate.odometry,
-        attitude=navigate.attitude,
-        rig=rig_priors_from_settings(settings, inputs.ingest.camera_models),
-        kernel=context.parameters.kernel,
-    )
-    found = link_images(worker, dive, graph.solve, context.map, context.parameters.max_rounds)
+    found = link_images(worker, dive, solve, context.map, context.parameters.max_rounds)
     context.out.arrays("pairs.npz", to_arrays(found.pairs))
     context.out.arrays("features.npz", to_arrays(found.features))
     context.out.arrays("links.npz", to_arrays(found.links))
@@ -58,7 +75,19 @@ def run(context: Context[LinkOptions]) -> None:
     sentence = describe_parts(found.path, navigate.trajectory.t_ns)
     if sentence is not None:
         context.warn(sentence)
-    context.out.json("links.json", {"keyframes": len(found.keyframes), "rounds": found.rounds()})
+    return {"keyframes": len(found.keyframes), "rounds": found.rounds()}
+
+
+def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
+    """Write the planes that tie the path, where there are any, and return their numbers."""
+    if not isinstance(solved, PlanarSolution):
+        return {}
+    if solved.planes is not None:
+        context.out.arrays("planes.npz", to_arrays(solved.planes))
+    if solved.refusal is not None:
+        context.warn(f"The patches of hull that were passed again tie nothing: {solved.refusal}.")
+    ties = 0 if solved.planes is None else len(solved.planes)
+    return {"planes": {"patches": solved.patches, "offered": solved.offered, "ties": ties, "refusal": solved.refusal}}
 
 
 def _rig_values(settings: Mapping[str, object]) -> dict[str, object]:
@@ -69,11 +98,11 @@ def _rig_values(settings: Mapping[str, object]) -> dict[str, object]:
 
 STAGE = Stage(
     name="links",
-    summary="link images in rounds and straighten the path with them",
-    inputs=("ingest", "navigate", "features"),
+    summary="link images in rounds, tie passes by the hull, and straighten the path with them",
+    inputs=("ingest", "navigate"),
+    optional=("features",),
     parameters=LinkOptions,
     version=2,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
-    applies=applies,
 )

@@ -75,3 +75,7 @@ class LinkOptions(Section, frozen=True):
         Literal["scaling", "switch", "none"],
         Meta(description="what guards the path against wrong links: dynamic covariance scaling, switches, nothing"),
     ] = "scaling"
+    planes: Annotated[
+        bool,
+        Meta(description="tie passes by the patches of hull that the DVL saw again, where that says more than images do"),
+    ] = True

@@ -25,6 +25,7 @@ from hullrecon.estimation.navigation_tables import (
     odometry_table,
     tray_table,
 )
+from hullrecon.estimation.plane_tables import with_planes
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.tracks import Tracks
@@ -68,7 +69,7 @@ def assemble(
         stereo, mono = _image_tables(m.tracks, state, chosen)
         problem = replace(problem, stereo=stereo, mono=mono, sigma_px=weights.pixel)
     if state.hull is None:
-        return problem
+        return with_planes(problem, m.planes)  # with a CAD model, the same returns measure that
     problem = replace(problem, cad_mesh=_cad_mesh(state.hull), surface=_surface_table(state.hull, state, weights, chosen))
     if m.returns is None:
         return problem

@@ -12,6 +12,7 @@ from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, VehiclePath
 from hullrecon.rig import SensorRig
@@ -33,7 +34,7 @@ class CadModel:
 @dataclass(frozen=True)
 class Measurements:
     """All that enters the adjustment. tracks None: no camera; CAD model None: no CAD; start None: dead reckoning is the path to
-    begin with."""
+    begin with; planes: what ties passes where there is no CAD model."""
 
     trajectory: Trajectory
     odometry: Odometry
@@ -43,6 +44,7 @@ class Measurements:
     rig: Rig
     cad_model: CadModel | None
     start: VehiclePath | None = None
+    planes: TiedPlanes | None = None
 
 
 def return_points(returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, T_s_d: Poses) -> tuple[Array, Array]:

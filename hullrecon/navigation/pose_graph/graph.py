@@ -20,10 +20,12 @@ from hullrecon.estimation.navigation_tables import (
     odometry_table,
     tray_table,
 )
+from hullrecon.estimation.plane_tables import with_planes
 from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.records.links import CameraLinks, LinkedPath
+from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.trajectory import Attitude, Odometry, Trajectory, VehiclePath
 from hullrecon.typing import Array, Ints, Mask
 
@@ -35,13 +37,15 @@ OPTIONS = native.Options(method="naive", max_iterations=60, function_tolerance=1
 
 @dataclass(frozen=True, kw_only=True)
 class PoseGraph:
-    """What navigation measured, the rig with its priors, and what guards against wrong links: scaling, switch or none."""
+    """What navigation measured, the rig with its priors, what guards against wrong links (scaling, switch or none), and the
+    planes of the hull that tie passes, None where there are none."""
 
     trajectory: Trajectory
     odometry: Odometry
     attitude: Attitude
     rig: Rig
     kernel: str = "scaling"
+    planes: TiedPlanes | None = None
 
     def solve(self, links: CameraLinks, before: GraphSolution | None = None) -> GraphSolution:
         """Return the path of least cost. before: a solution with fewer links, to begin with.
@@ -55,7 +59,7 @@ class PoseGraph:
         else:
             unknowns = before.problem.unknowns
         problem = self._problem(links, KERNELS[self.kernel], Poses(unknowns.pose[:, 3:7], unknowns.pose[:, :3]))
-        start = replace(unknowns, link_switch=problem.unknowns.link_switch)
+        start = replace(unknowns, link_switch=problem.unknowns.link_switch, plane=problem.unknowns.plane)
         result = native.solve(problem.started_from(start), OPTIONS)
         solved = problem.started_from(result.unknowns)
         return GraphSolution(
@@ -72,7 +76,7 @@ class PoseGraph:
         linked = {"T_s_ct": len(links) > 0, "T_ct_cb": bool(links.bottom.any()), "T_s_d": True}
         priors = {name: prior if linked[name] else None for name, prior in priors.items()}
         held = {name for name, prior in priors.items() if prior is None}
-        return native.Problem(
+        problem = native.Problem(
             unknowns=_unknowns(start, nominal, switches),
             constant=tuple(sorted(held | {"T_g_M", "deviation", "intrinsics_top", "intrinsics_bottom"})),
             lever_arms=native.LeverArms(tray=rig.tray_origin, pressure=rig.pressure_origin),
@@ -88,6 +92,7 @@ class PoseGraph:
             odometry=odometry_table(_unlinked_motions(self.odometry, links), t.tray, rig.T_s_d.nominal, path),
             links=link_table(links, len(t.t_ns), kernel),
         )
+        return with_planes(problem, self.planes)
 
 
 @dataclass(frozen=True, kw_only=True)

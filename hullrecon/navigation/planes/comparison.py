@@ -1,0 +1,182 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Two patches of one hull compared: how the second stands to what the first's curvature leads to, and how sure that is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from hullrecon.geometry.poses import Poses
+from hullrecon.navigation.planes.patches import Patches
+from hullrecon.records.trajectory import VehiclePath
+from hullrecon.typing import Array, Ints, Mask
+
+# What no curvature explains between two patches: frames, seams, the change of the curvature itself.
+ROUGHNESS = np.array([0.003, 0.002, 0.002])  # m, slopes in azimuth and elevation
+# Of the difference of two patches' curvatures, which says how fast it changes: the share by which their mean may be off, what
+# that leaves of the height beside the slopes, and how a change within a patch of 0.66 m, a cubic, tilts what is fitted to it.
+MEAN_OFF, HEIGHT_OFF, TILT_M2 = 0.5, 0.05, 0.5 * 0.66**2 / 6
+LEAST_PLACE_M = 0.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class PatchPairs:
+    """m pairs of patches on a path. first, second (m,). place (m, 2) m: of the second's centre in the first's axes. expected
+    (m, 3): (height m, slopes) of the hull there, over the first's plane carried on by the mean of both curvatures; gap (m, 3):
+    those of the second less these. noise (m, 3, 3): of the gap by curvature and roughness of the hull; fit (m, 3, 3): by the
+    fits of the two planes."""
+
+    first: Ints
+    second: Ints
+    place: Array
+    expected: Array
+    gap: Array
+    noise: Array
+    fit: Array
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def roughened(self, factor: Array) -> PatchPairs:
+        """Return them with the noise of each of height and slopes multiplied by factor (3,)."""
+        return replace(self, noise=factor[:, None] * self.noise * factor)
+
+    def rows(self, keep: Mask) -> PatchPairs:
+        """Return some of them."""
+        return PatchPairs(**{field.name: getattr(self, field.name)[keep] for field in fields(self)})
+
+
+def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePath) -> PatchPairs:
+    """Return the pairs (m,) compared on a path T_g_v."""
+    motion = path.poses[patches.anchor[first]].inverse() @ path.poses[patches.anchor[second]]
+    place, expected, gap, turn = _gap(patches, first, second, motion)
+    carried = _carried(place)
+    by_height, by_slopes = _by_curvature(place)
+    first_by_k = np.concatenate([by_height[:, None] / 3, 0.5 * by_slopes], axis=1)
+    second_by_k = np.concatenate([by_height[:, None] / 6, 0.5 * by_slopes], axis=1)
+    turned, turned_k = _turn_plane(turn), _turn_curvature(turn)
+    m_first = carried @ patches.by_curvature[first] + first_by_k
+    m_second = turned @ patches.by_curvature[second] - second_by_k @ turned_k
+    change = np.einsum("mij,mj->mi", turned_k, patches.curvature[second]) - patches.curvature[first]
+    by_change = second_by_k * (MEAN_OFF * change)[:, None, :]
+    noise = (
+        m_first @ patches.curvature_covariance[first] @ m_first.swapaxes(1, 2)
+        + m_second @ patches.curvature_covariance[second] @ m_second.swapaxes(1, 2)
+        + by_change @ by_change.swapaxes(1, 2)
+        + _roughness(place, change)
+    )
+    fit = carried @ patches.plane_covariance[first] @ carried.swapaxes(1, 2)
+    fit = fit + turned @ patches.plane_covariance[second] @ turned.swapaxes(1, 2)
+    return PatchPairs(first=first, second=second, place=place, expected=expected, gap=gap, noise=noise, fit=fit)
+
+
+def _roughness(place: Array, change: Array) -> Array:
+    """Return the covariance (m, 3, 3) of gaps by what two curvatures leave open; change (m, 3): between them."""
+    distance = np.maximum(np.linalg.norm(place, axis=1), LEAST_PLACE_M)
+    of_axes = np.sqrt(change[:, [0, 2]] ** 2 + change[:, [1]] ** 2)
+    height = HEIGHT_OFF * distance**2 * np.linalg.norm(change, axis=1)
+    sigma = np.column_stack([height, TILT_M2 / distance[:, None] * of_axes])
+    return np.asarray((ROUGHNESS**2 + sigma**2)[:, :, None] * np.eye(3))
+
+
+def gap_by_poses(patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array) -> Array:
+    """Return the derivative (m, 3, 14) of the gaps by both anchors' (translation in g, rotation on the right, tray)."""
+    anchors = [patches.anchor[pairs.first], patches.anchor[pairs.second]]
+    out = np.zeros((len(pairs), 3, 14))
+    step = 1e-5
+    for k in range(14):
+        values = []
+        for sign in (1, -1):
+            moved = [path.poses[a] for a in anchors]
+            moved[k // 7] = _perturbed(moved[k // 7], path.tray[anchors[k // 7]], k % 7, sign * step, tray_origin)
+            values.append(_gap(patches, pairs.first, pairs.second, moved[0].inverse() @ moved[1])[2])
+        out[:, :, k] = (values[0] - values[1]) / (2 * step)
+    return out
+
+
+def _perturbed(poses: Poses, tray: Array, column: int, step: float, tray_origin: Array) -> Poses:
+    """Return what the patches hang on, moved: the vehicle, or its tray, which carries the DVL and so what was seen by it."""
+    vector = np.zeros((1, 6))
+    if column < 3:
+        return Poses(poses.quaternion, poses.translation + step * np.eye(3)[column])
+    vector[0, column if column < 6 else 4] = step
+    turn = _exp(vector)
+    if column < 6:
+        return poses @ turn
+    origin = Poses(np.array([[0, 0, 0, 1.0]]), np.asarray(tray_origin, float)[None])
+    return poses @ (origin @ turn @ origin.inverse())
+
+
+def _exp(vector: Array) -> Poses:
+    half = 0.5 * vector[:, 3:]
+    return Poses(np.c_[half, np.sqrt(1 - np.sum(half**2, axis=1))], vector[:, :3].copy())
+
+
+def _gap(patches: Patches, first: Ints, second: Ints, motion: Poses) -> tuple[Array, Array, Array, Array]:
+    """Return place (m, 2), expected and gap (m, 3), and the turn (m, 2, 2) of the second's axes along the hull into the
+    first's. motion: T_v1_v2 of what carries the patches."""
+    axes = patches.axes[first]
+    rotation = axes.swapaxes(1, 2) @ motion.rotation.as_matrix() @ patches.axes[second]
+    center = np.einsum("mji,mj->mi", axes, motion.apply(patches.center[second]) - patches.center[first])
+    place, turn = center[:, :2], rotation[:, :2, :2]
+    by_height, by_slopes = _by_curvature(place)
+    own = patches.curvature[first]
+    other = np.einsum("mij,mj->mi", _turn_curvature(turn), patches.curvature[second])
+    height = np.sum(by_height * (own / 3 + other / 6), axis=1)
+    slopes = np.einsum("mij,mj->mi", by_slopes, 0.5 * (own + other))
+    normal = rotation[:, :, 2]
+    seen = -normal[:, :2] / np.maximum(normal[:, 2:], 1e-3)
+    expected = np.column_stack([height, slopes])
+    return place, expected, np.column_stack([center[:, 2], seen]) - expected, turn
+
+
+def _by_curvature(place: Array) -> tuple[Array, Array]:
+    """Return the derivatives of x' K x (m, 3) and K x (m, 2, 3) at places x by (K_aa, K_ae, K_ee)."""
+    a, e = place.T
+    zero = np.zeros_like(a)
+    slopes = np.stack([np.stack([a, e, zero], axis=1), np.stack([zero, a, e], axis=1)], axis=1)
+    return np.stack([a**2, 2 * a * e, e**2], axis=1), slopes
+
+
+def _carried(place: Array) -> Array:
+    """Return the derivative (m, 3, 3) of a plane's (height, slopes) at places by those at its centre."""
+    out = np.tile(np.eye(3), (len(place), 1, 1))
+    out[:, 0, 1:] = place
+    return out
+
+
+def _turn_plane(turn: Array) -> Array:
+    out = np.zeros((len(turn), 3, 3))
+    out[:, 0, 0], out[:, 1:, 1:] = 1.0, turn
+    return out
+
+
+def _turn_curvature(turn: Array) -> Array:
+    """Return what takes (K_aa, K_ae, K_ee) into turned axes: of Q K Q'."""
+    (p, q), (r, s) = turn[:, 0].T, turn[:, 1].T
+    rows = [[p * p, 2 * p * q, q * q], [p * r, p * s + q * r, q * s], [r * r, 2 * r * s, s * s]]
+    return np.asarray(np.stack([np.stack(row, axis=1) for row in rows], axis=1))
+
+
+def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> tuple[Array, Array]:
+    """Return difference (m, 3) m and the square root of its information (m, 3, 3), as TiedPlanes has them: the plane to be
+    expected at the second's centre less the first's. noise (m, 3, 3): of the gaps."""
+    axes, slopes = patches.axes[pairs.first], pairs.expected[:, 1:]
+    length = np.sqrt(1 + np.sum(slopes**2, axis=1))[:, None, None]
+    in_patch = np.concatenate([-slopes, np.ones((len(pairs), 1))], axis=1)[:, :, None] / length
+    normal = (axes @ in_patch)[:, :, 0]
+    local = np.column_stack([pairs.place, pairs.expected[:, 0]])
+    point = patches.center[pairs.first] + np.einsum("mij,mj->mi", axes, local)
+    distance = -np.sum(normal * point, axis=1)[:, None]
+    difference = distance * normal - patches.plane[pairs.first]
+    # by height and slopes at the second's centre: the plane is raised there, or turned about it
+    turned = -axes[:, :, :2]
+    along = np.einsum("mij,mi->mj", turned, normal)
+    by_normal = (turned - normal[:, :, None] * along[:, None, :]) / length
+    by_slopes = distance[:, :, None] * by_normal - normal[:, :, None] * np.einsum("mij,mi->mj", by_normal, point)[:, None, :]
+    by_height = -normal * in_patch[:, 2]
+    by_gap = np.concatenate([by_height[:, :, None], by_slopes], axis=2)
+    whole = by_gap @ noise @ by_gap.swapaxes(1, 2)
+    return difference, np.asarray(np.linalg.inv(np.linalg.cholesky(whole)))

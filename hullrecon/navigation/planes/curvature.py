@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The characteristic curvature of a hull [Ozog2016 2.3.4]: how strongly it bends, from its CAD model, or from the dive itself.
+
+It is the sigma about zero of the curvature K in azimuth, in twist and in elevation (1/m): what is known of a patch before its
+returns are looked at. A patch measures its own curvature, so that this matters little: in the sphere of [Ozog2016 C] the map is
+the same for radii from 4 to 20 m.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.navigation.planes.patch_fit import patch_axes
+from hullrecon.navigation.planes.patches import Patches
+from hullrecon.typing import Array
+
+BROAD = np.array([0.5, 0.3, 0.5])  # 1/m, before anything is known: a bilge of 2 m
+LEAST = 0.02  # 1/m, a radius of 50 m: where a hull is flat, it may still have dents
+SAMPLES = 3000  # points of a CAD model
+NEAR_M = 1.5  # between the points whose normals are compared
+LEAST_NEIGHBOURS = 6
+LEAST_ALIGNMENT = 0.7  # cosine between the normals of one surface
+CLIPPED = 95  # percentile: edges and knuckles are no curvature
+
+
+def curvature_of_patches(patches: Patches) -> Array:
+    """Return the characteristic curvature (3,) of patches that were fitted with a broad one: the spread of theirs, less that
+    of their noise."""
+    if len(patches) < LEAST_NEIGHBOURS:
+        return BROAD
+    noise = np.einsum("wii->wi", patches.curvature_covariance)
+    square = np.minimum(patches.curvature**2, np.percentile(patches.curvature**2, CLIPPED, axis=0))
+    return np.asarray(np.sqrt(np.clip(np.mean(square - noise, axis=0), LEAST**2, BROAD**2)))
+
+
+def curvature_of_mesh(mesh: Mesh, seed: int = 0) -> Array:
+    """Return the characteristic curvature (3,) of a CAD model in M: of points spread over it, by how the normals near them
+    turn."""
+    points, normals = _sample(mesh, np.random.default_rng(seed))
+    near = cKDTree(points).query_ball_point(points, NEAR_M)
+    found = [k for k in (_curvature(points, normals, i, np.array(rows)) for i, rows in enumerate(near)) if k is not None]
+    if len(found) < LEAST_NEIGHBOURS:
+        return BROAD
+    square = np.array(found) ** 2
+    return np.asarray(
+        np.sqrt(np.clip(np.mean(np.minimum(square, np.percentile(square, CLIPPED, axis=0)), 0), LEAST**2, BROAD**2))
+    )
+
+
+def _curvature(points: Array, normals: Array, row: int, near: Array) -> Array | None:
+    """Return K (3,) at a point by least squares; None where too few others are near."""
+    near = near[normals[near] @ normals[row] > LEAST_ALIGNMENT]
+    if len(near) < LEAST_NEIGHBOURS:
+        return None
+    axes = patch_axes(normals[row])
+    a, e = ((points[near] - points[row]) @ axes[:, :2]).T
+    turned = normals[near] @ axes
+    slopes = -turned[:, :2] / turned[:, 2:]
+    zero = np.zeros_like(a)
+    rows = np.concatenate([np.stack([a, e, zero], axis=1), np.stack([zero, a, e], axis=1)])
+    return np.asarray(np.linalg.lstsq(rows, slopes.T.ravel(), rcond=None)[0])
+
+
+def _sample(mesh: Mesh, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Return points (SAMPLES, 3) spread evenly over the faces, and the unit normals there."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    cross = np.cross(b - a, c - a)
+    area = np.linalg.norm(cross, axis=1)
+    face = np.searchsorted(np.cumsum(area), area.sum() * rng.random(SAMPLES)).clip(0, len(area) - 1)
+    u, v = rng.random((2, SAMPLES, 1))
+    u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
+    points = a[face] + u * (b - a)[face] + v * (c - a)[face]
+    return np.asarray(points), np.asarray(cross[face] / np.maximum(area[face], 1e-12)[:, None])

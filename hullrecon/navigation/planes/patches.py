@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The patches of the hull under a path: one for each window of DVL returns that fit a smooth surface [Ozog2016 2.3.4]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from hullrecon.estimation.rig_priors import Rig
+from hullrecon.geometry.poses import Poses
+from hullrecon.navigation.planes.patch_fit import PatchFit, fit_patch
+from hullrecon.records.trajectory import Returns, VehiclePath
+from hullrecon.rig import SensorRig
+from hullrecon.typing import Array, Ints
+
+WINDOW_M = 0.8  # of the path in one window: about half of what its beams span at a metre's distance
+WINDOW_S = 8.0  # dead reckoning within it is good to millimetres
+MOST_RETURNS = 60  # of a window: more, where the vehicle stands, say the same again
+LEAST_DISTANCE_M = 0.1  # of the vehicle's origin from a patch: a plane through its anchor has no three numbers
+
+
+@dataclass(frozen=True, kw_only=True)
+class Patches:
+    """Patches along a path, in its order. anchor (w,): the node in the middle of the window; one array a patch: rows of the
+    returns, and their to_plane. In the vehicle frame of the anchor: center (w, 3) and axes (w, 3, 3); the rest as in PatchFit.
+    travelled (w,) m: of the path up to the anchor."""
+
+    anchor: Ints
+    rows: tuple[Ints, ...]
+    center: Array
+    axes: Array
+    curvature: Array
+    curvature_covariance: Array
+    plane_covariance: Array
+    by_curvature: Array
+    sigma_m: Array
+    to_plane: tuple[Array, ...]
+    travelled: Array
+
+    def __len__(self) -> int:
+        return len(self.anchor)
+
+    @property
+    def plane(self) -> Array:
+        """Return each patch's plane (w, 3) m in the vehicle frame of its anchor, as TiedPlanes has it."""
+        normal = self.axes[:, :, 2]
+        return np.asarray(-np.sum(normal * self.center, axis=1, keepdims=True) * normal)
+
+
+def find_patches(returns: Returns, path: VehiclePath, t_ns: Ints, rig: Rig, curvature_sigma: Array) -> Patches:
+    """Return the patches that the returns show along a path T_g_v with stamps t_ns (n,). curvature_sigma (3,) 1/m: of azimuth,
+    twist and elevation about zero, what is known of the hull beforehand."""
+    travelled = travelled_m(path.poses)
+    number = _windows(travelled, t_ns)[returns.node]
+    usable = np.flatnonzero(~returns.flagged)
+    order = usable[np.argsort(number[usable], kind="stable")]
+    groups = np.split(order, np.flatnonzero(np.diff(number[order])) + 1) if len(order) else []
+    chosen = [group[np.linspace(0, len(group) - 1, min(len(group), MOST_RETURNS)).astype(int)] for group in groups]
+    anchors = [int(np.median(returns.node[rows])) for rows in chosen]
+    points, rays = _seen_from(returns, chosen, path, anchors, rig)
+    found: list[tuple[int, Ints, PatchFit]] = []
+    for window, rows, anchor in zip(
+        np.split(np.arange(len(points)), np.cumsum([len(r) for r in chosen])), chosen, anchors, strict=False
+    ):
+        fit = fit_patch(points[window], rays[window], rig.sigma_range, curvature_sigma)
+        if fit is not None and -fit.axes[:, 2] @ fit.center > LEAST_DISTANCE_M:
+            found.append((anchor, rows[fit.kept], fit))
+    fits = [fit for _, _, fit in found]
+    nodes = np.array([anchor for anchor, _, _ in found], np.int64)
+    return Patches(
+        anchor=nodes,
+        rows=tuple(rows for _, rows, _ in found),
+        center=np.array([f.center for f in fits]).reshape(-1, 3),
+        axes=np.array([f.axes for f in fits]).reshape(-1, 3, 3),
+        curvature=np.array([f.curvature for f in fits]).reshape(-1, 3),
+        curvature_covariance=np.array([f.curvature_covariance for f in fits]).reshape(-1, 3, 3),
+        plane_covariance=np.array([f.plane_covariance for f in fits]).reshape(-1, 3, 3),
+        by_curvature=np.array([f.by_curvature for f in fits]).reshape(-1, 3, 3),
+        sigma_m=np.array([f.sigma_m for f in fits]),
+        to_plane=tuple(f.to_plane[f.kept] for f in fits),
+        travelled=travelled[nodes],
+    )
+
+
+def _seen_from(returns: Returns, windows: list[Ints], path: VehiclePath, anchors: list[int], rig: Rig) -> tuple[Array, Array]:
+    """Return the ends (m, 3) and unit directions (m, 3) of the windows' beams, one window after the other, in the vehicle
+    frames of their anchors."""
+    if not windows:
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    sensors = SensorRig(tray_origin=rig.tray_origin, pressure_origin=rig.pressure_origin, tray_from_dvl=rig.T_s_d.nominal)
+    rows = np.concatenate(windows)
+    beams = sensors.dvl_points(Returns(**{field.name: getattr(returns, field.name)[rows] for field in fields(Returns)}), path)
+    to_anchor = path.poses[np.repeat(anchors, [len(window) for window in windows])].inverse()
+    return to_anchor.apply(beams.points), np.asarray(to_anchor.rotation.apply(beams.directions))
+
+
+def travelled_m(poses: Poses) -> Array:
+    """Return the length (n,) m of the path up to each node."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(poses.translation, axis=0), axis=1))])
+
+
+def _windows(travelled: Array, t_ns: Ints) -> Ints:
+    """Return the window (n,) of each node: a new one after so much of the path, or so long."""
+    out, begun = np.zeros(len(travelled), np.int64), 0
+    for k in range(1, len(travelled)):
+        over = travelled[k] - travelled[begun] > WINDOW_M or t_ns[k] - t_ns[begun] > WINDOW_S * 1e9
+        out[k] = out[k - 1] + over
+        begun = k if over else begun
+    return out

@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which patches are one piece of the hull seen again: near each other on it, alike within what is known, and worth tying.
+
+A wrong tie is worse than none, so each has to pass a gate both ways; and a tie that says less than is known already, as between
+nodes that images tie, is left out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from hullrecon.estimation.rig_priors import Rig
+from hullrecon.geometry.robust import NORMAL_MAD
+from hullrecon.navigation.planes.comparison import PatchPairs, compare_patches, difference_of_planes, gap_by_poses
+from hullrecon.navigation.planes.patches import Patches
+from hullrecon.records.planes import PlaneRanges, TiedPlanes
+from hullrecon.records.trajectory import Returns, VehiclePath
+from hullrecon.typing import Array, Ints, Mask
+
+REACH_M = 2.2  # along the hull, from the centre of a patch to that of another: beyond it, curvature says nothing of the second
+SAME_PASS_M = 3.0  # of the path between two patches of one pass: odometry is better there than any patch
+MOST_TIES = 4  # of a patch to earlier ones, the nearest on the hull
+SEARCH_M = 4.0  # across and along the hull, for patches that a drift has put apart
+LEAST_ALIGNMENT = 0.7  # cosine between the normals of two patches of one piece of hull
+GATE_CHI2 = 11.34  # 99 % of three degrees of freedom
+LEAST_GAIN = 1.0  # variance of the gap as the path has it over that as the patches measure it, in the direction that gains most
+
+
+def propose_ties(patches: Patches, path: VehiclePath) -> tuple[Ints, Ints]:
+    """Return pairs (m,) of patches of different passes whose footprints meet on the hull, the earlier first."""
+    if len(patches) < 2:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    at = path.poses[patches.anchor]
+    center = at.apply(patches.center)
+    normal = at.rotation.apply(patches.axes[:, :, 2])
+    pairs = cKDTree(center).query_pairs(SEARCH_M, output_type="ndarray").astype(np.int64)
+    first, second = np.sort(pairs, axis=1).T
+    apart = patches.travelled[second] - patches.travelled[first] > SAME_PASS_M
+    alike = np.sum(normal[first] * normal[second], axis=1) > LEAST_ALIGNMENT
+    step = center[second] - center[first]
+    across = np.sum(step * normal[first], axis=1, keepdims=True) * normal[first]
+    distance = np.linalg.norm(step - across, axis=1)
+    keep = apart & alike & (distance < REACH_M)
+    first, second, distance = first[keep], second[keep], distance[keep]
+    order = np.lexsort((first, distance, second))
+    first, second = first[order], second[order]
+    rank = np.arange(len(second)) - np.searchsorted(second, second)
+    return first[rank < MOST_TIES], second[rank < MOST_TIES]
+
+
+def gaining(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
+    """Return which pairs (m,) measure their gap better than it is known, in at least one direction. joint (m, 14, 14): the
+    covariance of both anchors' poses and trays on the path."""
+    known, measured = _known(patches, pairs, path, rig, joint), pairs.noise + pairs.fit
+    root = np.linalg.inv(np.linalg.cholesky(measured))
+    return np.asarray(np.linalg.eigvalsh(root @ known @ root.swapaxes(1, 2)).max(axis=1, initial=0.0) > LEAST_GAIN)
+
+
+def passing(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
+    """Return which pairs (m,) are alike within what is known, the second seen from the first and the first from the second."""
+    back = compare_patches(patches, pairs.second, pairs.first, path)
+    swapped = np.r_[7:14, 0:7]
+    agrees = np.ones(len(pairs), bool)
+    for way, covariance in ((pairs, joint), (back, joint[:, swapped][:, :, swapped])):
+        whole = _known(patches, way, path, rig, covariance) + way.noise + way.fit
+        agrees &= np.sum(way.gap * np.linalg.solve(whole, way.gap[:, :, None])[:, :, 0], axis=1) < GATE_CHI2
+    return agrees
+
+
+def roughness(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Array:
+    """Return by how much the gaps of pairs in height and slopes (3,) exceed what is known of them and measured: a robust ratio
+    over the dive, at least one."""
+    whole = _known(patches, pairs, path, rig, joint) + pairs.noise + pairs.fit
+    ratio = np.abs(pairs.gap) / np.sqrt(np.einsum("mii->mi", whole))
+    return np.maximum(NORMAL_MAD * np.median(ratio, axis=0), 1.0) if len(pairs) else np.ones(3)
+
+
+def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPlanes:
+    """Return the patches that the pairs touch as planes, their returns as ranges to them, and the pairs.
+
+    A patch in many pairs brings its own error into each: the more there are, the less each says."""
+    used = np.unique(np.concatenate([pairs.first, pairs.second]))
+    number = np.full(len(patches), -1, np.int64)
+    number[used] = np.arange(len(used))
+    degree = np.bincount(np.concatenate([pairs.first, pairs.second]), minlength=len(patches))
+    shared = np.maximum(0.5 * (degree[pairs.first] + degree[pairs.second]), 1.0)
+    difference, information = difference_of_planes(patches, pairs, pairs.noise * shared[:, None, None])
+    return TiedPlanes(
+        anchor=patches.anchor[used],
+        plane=patches.plane[used],
+        ranges=_ranges(patches, used, returns),
+        first=number[pairs.first],
+        second=number[pairs.second],
+        difference=difference,
+        information=information,
+    )
+
+
+def _known(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Array:
+    """Return the covariance (m, 3, 3) of the gaps by what is not known of the path."""
+    by_poses = gap_by_poses(patches, pairs, path, rig.tray_origin)
+    return np.asarray(by_poses @ joint @ by_poses.swapaxes(1, 2))
+
+
+def _ranges(patches: Patches, used: Ints, returns: Returns) -> PlaneRanges:
+    size = np.array([len(patches.rows[k]) for k in used], np.int64)
+    rows = np.concatenate([np.zeros(0, np.int64), *(patches.rows[k] for k in used)])
+    to_plane = np.concatenate([np.zeros(0), *(patches.to_plane[k] for k in used)])
+    return PlaneRanges(
+        plane=np.repeat(np.arange(len(used)), size),
+        node=returns.node[rows],
+        quaternion=returns.quaternion[rows],
+        translation=returns.translation[rows],
+        tray_offset=returns.tray_offset[rows],
+        beam=returns.beam[rows],
+        range_m=returns.range_m[rows] + to_plane,
+        sigma_m=np.repeat(patches.sigma_m[used], size),
+    )
