@@ -111,7 +111,8 @@ def _most(values: Array, cells: Mask) -> Mask:
 
 def top_of(heights: Array, cells: Mask, side: float) -> Mask:
     """Return the top of a structure with heights (a, g) over those cells; side: 1 raised, -1 sunken."""
-    return _most(side * (heights - np.nanmin(side * heights[cells]) * side), cells & np.isfinite(heights))
+    above = side * heights
+    return _most(above - float(np.nanpercentile(above[cells], 2)), cells & np.isfinite(heights))
 
 
 def measure(

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -139,6 +139,10 @@ def _changed(region: ChangedRegion, one: _Placed | None, other: _Placed | None, 
     before, after = region.before, region.after
     if one is not None and other is not None:
         status: Status = "grown" if other.side * region.change > 0 else "shrunk"
+        cells = (one.footprint | other.footprint) & on.difference.both
+        at_top = _at_top(cells, other.side, on.places, on) if cells.any() else region
+        if at_top.change * region.change > 0 and abs(at_top.change) >= on.options.min_change_m:
+            region = replace(at_top, p_value=min(at_top.p_value, region.p_value))
     elif abs(before) < THERE_SHARE * abs(after) or (before * after < 0 and abs(after) >= abs(before)):
         status, one = "new", None
     elif abs(after) < THERE_SHARE * abs(before) or before * after < 0:
@@ -160,13 +164,19 @@ def _held(one: _Placed | None, other: _Placed | None, pairs: int, on: ObjectComp
     cells = footprint & on.difference.both
     if unseen is not None or not cells.any():
         return _row(unseen or "unchanged", None, one, other, on)
-    highest = np.fmax(there[0].side * on.difference.first.height, there[0].side * on.difference.second.height)
-    region = measure(on.difference, cells, top_of(highest, cells, 1.0), max(1, pairs), on.options)
+    region = _at_top(cells, there[0].side, max(1, pairs), on)
     certain = region.p_value <= on.options.max_p_value and abs(region.change) >= on.options.min_change_m
     status: Status = "unchanged"
     if certain and one is not None and other is not None:
         status = "grown" if one.side * region.change > 0 else "shrunk"
     return _row(status, region, one, other, on)
+
+
+def _at_top(cells: Mask, side: float, places: int, on: ObjectComparison) -> ChangedRegion:
+    """Return what an object changed by where it was a top before and after: edges may be drawn elsewhere."""
+    tops = [top_of(relief.height, cells, side) for relief in (on.difference.first, on.difference.second)]
+    both = tops[0] & tops[1]
+    return measure(on.difference, cells, both if both.any() else tops[0] | tops[1], places, on.options)
 
 
 def _seen_share(footprint: Mask, relief: Relief, on: ObjectComparison) -> float:

@@ -34,7 +34,7 @@ SCALE_M = 0.004  # heights that differ by some of these do not belong together
 TRUNCATED = 3.0  # of those, from where on a cell is a change and costs no more
 CORRELATED_M = 0.15  # errors of a hull as found are alike so far: a square of it counts as one measurement
 STARTS, APART_M = 6, 0.1  # shifts from which the six numbers are fitted
-BLOCK_M = 0.8  # whose residuals are taken as one where the covariance is read from them
+BLOCK_M = 0.8  # of the hull, over which errors of its form count as one where they enter the covariance
 BLURS = (2.0, 1.0, 1.0)  # cells, of both surveys, from round to round
 STEPS = 6
 
@@ -42,12 +42,13 @@ STEPS = 6
 @dataclass(frozen=True, kw_only=True)
 class _Samples:
     """Points (n, 3) of the second survey in its own M; axes (3, n, 3): along, girth and outward there; their weight in
-    independent measurements, and their blocks."""
+    independent measurements, their blocks, and one sigma of the errors of both surveys that a block shares."""
 
     points: Array
     axes: Array
     weight: float
     block: Ints
+    shared_m: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +68,8 @@ class _Fit:
 
     def solve(self, motion: Poses, samples: _Samples, height: Array) -> _Solved:
         """Return the motion that fits samples of the second survey to heights (a, g) of the first, and its covariance."""
-        held, covariance = np.linalg.inv(self.prior), self.prior
+        held: Array = np.asarray(np.linalg.inv(self.prior), float)
+        covariance = self.prior
         for _ in range(STEPS):
             residual, jacobian, known = self._residuals(motion.apply(samples.points), samples.axes, height)
             if known.sum() < MIN_SHARED_CELLS / 4:
@@ -76,11 +78,12 @@ class _Fit:
             scale = max(0.5 * SCALE_M, robust_sigma(r))
             share = np.maximum(0.0, 1 - ((r - np.median(r)) / (2 * TRUNCATED * scale)) ** 2) ** 2
             weight = samples.weight * share / scale**2
-            gradient = np.asarray(rows * (weight * r)[:, None])
+            gradient = rows.T @ (weight * r)
             information = np.asarray(rows.T @ (weight[:, None] * rows) + held)
-            step = np.linalg.solve(information, gradient.sum(axis=0) + held @ _vector(motion, self.center))
+            step = np.linalg.solve(information, gradient + held @ _vector(motion, self.center))
             motion = _moved(motion, np.asarray(-step), self.center)
-            covariance = _covariance(information, held, gradient, samples.block[known])
+            by_error = np.asarray(rows * weight[:, None]) * samples.shared_m
+            covariance = _covariance(np.asarray(information, float), held, by_error, samples.block[known])
         return _Solved(motion=motion, covariance=covariance)
 
     def cost(self, motion: Poses, samples: _Samples, height: Array) -> float:
@@ -211,10 +214,11 @@ def _overlap(first: Array, second: Array, i: int, j: int) -> Array:
 def _blurred(reliefs: tuple[Relief, Relief], blur: float, fit: _Fit) -> tuple[Array, _Samples]:
     """Return the first survey's heights and samples of the second's, after the same blur."""
     first, second = (blurred(relief.height, blur) for relief in reliefs)
-    return first, _samples(fit.chart, fit.lattice, second)
+    shared = float(np.hypot(np.nanmedian(reliefs[0].sigma), np.nanmedian(reliefs[1].sigma)))
+    return first, _samples(fit.chart, fit.lattice, second, shared)
 
 
-def _samples(chart: Chart, lattice: Lattice, height: Array) -> _Samples:
+def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> _Samples:
     """Return every second cell that was seen, as points on the surface."""
     which = np.zeros(lattice.shape, bool)
     which[::2, ::2] = True
@@ -229,17 +233,17 @@ def _samples(chart: Chart, lattice: Lattice, height: Array) -> _Samples:
         axes=axes[:, known],
         weight=(2 * lattice.step_m / CORRELATED_M) ** 2,
         block=np.unique(block, axis=0, return_inverse=True)[1].reshape(-1),
+        shared_m=shared_m,
     )
 
 
-def _covariance(information: Array, held: Array, gradient: Array, block: Ints) -> Array:
-    """Return the covariance (6, 6) of a solution from the scatter of its gradient (n, 6) over blocks of the hull, in which
-    errors are alike, beside what independent errors would leave."""
+def _covariance(information: Array, held: Array, by_error: Array, block: Ints) -> Array:
+    """Return the covariance (6, 6) of a solution whose right-hand side each point's error enters by (n, 6): errors of a block
+    of the hull are one, beside what independent errors would leave."""
     inverse = np.linalg.inv(information)
-    count = int(block.max(initial=0)) + 1
-    total = np.stack([np.bincount(block, gradient[:, k], minlength=count) for k in range(6)], axis=1)
-    scatter = total.T @ total * count / max(1, count - 6)
-    return np.asarray(inverse @ (scatter + held) @ inverse + inverse)
+    total = np.stack([np.bincount(block, np.ascontiguousarray(by_error[:, k])) for k in range(6)], axis=1)
+    spread = np.asarray(total.T @ total, float)
+    return np.asarray(inverse @ (spread + held) @ inverse + inverse)
 
 
 def _vector(motion: Poses, center: Array) -> Array:

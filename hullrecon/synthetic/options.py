@@ -74,5 +74,5 @@ def _kind(record: object, field: str) -> type:
     default = getattr(record, field)
     if default is not None:
         return type(default)
-    kinds = typing.get_args(typing.get_type_hints(type(record))[field])
+    kinds: tuple[type, ...] = typing.get_args(typing.get_type_hints(type(record))[field])
     return next(kind for kind in kinds if kind is not type(None))

@@ -31,11 +31,11 @@ class Lattice:
     def cells(self, along_girth: Array) -> tuple[Ints, Mask]:
         """Return the cell numbers (n, 2) of chart points (n, 2), clipped to the lattice, and which (n,) lie in it."""
         place = self.place(along_girth)
-        inside = np.isfinite(place).all(axis=1)
+        inside = np.asarray(np.isfinite(place).all(axis=1))
         number = np.round(np.where(inside[:, None], place, -1.0)).astype(np.int64)
         last = np.array(self.shape) - 1
-        inside &= ((number >= 0) & (number <= last)).all(axis=1)
-        return np.clip(number, 0, last), inside
+        inside = inside & ((number >= 0) & (number <= last)).all(axis=1)
+        return np.clip(number, 0, last), np.asarray(inside)
 
     def polygon(self, outline: Array) -> Mask:
         """Return the cells (a, g) inside a closed line (k, 2) of chart points."""
