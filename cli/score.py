@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""evaluate, compare, figures."""
+"""evaluate, compare-methods, figures."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ def evaluate(run: Path, package: Path) -> None:
 @set_option
 @runs_option
 @allow_outside_option
-def compare(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool) -> None:
+def compare_methods(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, allow_outside: bool) -> None:
     """Compare naive, geva and maxmix, each as published and as weighted by us, on one simulated dive, in one table.
 
     The steps before `adjust` run once if they are out of date; `adjust` runs six times. As published is one solve from
     the registration on, without a deviation field, outliers left to the Huber loss.
     """
-    from hullrecon.api.commands import compare as compare_dive
+    from hullrecon.api.commands import compare_methods as compare_dive
     from hullrecon.evaluation.scoring.score import without_nan
 
     dive = open_dive(package, runs, overrides, allow_outside=allow_outside)
@@ -60,8 +60,8 @@ def figures(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, al
     """Draw the sources' figures on one simulated dive: pictures and their tables, in RUNS/<dive>/compare/figures.
 
     Cross-sections of the three methods, labels by iteration, cost by iteration and by time, the DVL's residuals before and
-    after, the height of a structure. Solves what `compare` has not solved, and runs the chain up to `detect`, whose heights
-    are the ones delivered.
+    after, the height of a structure. Solves what `compare-methods` has not solved, and runs the chain up to `detect`,
+    whose heights are the ones delivered.
     """
     from hullrecon.api.commands import draw_figures
 

@@ -24,7 +24,7 @@ def _with_options(command: Callable[..., None]) -> Callable[..., None]:
 def _click_option(option: Option) -> Callable[[Callable[..., None]], Callable[..., None]]:
     flag = option.name.replace("_", "-")
     flags = f"--{flag}/--no-{flag}" if isinstance(option.default, bool) else f"--{flag}"
-    kind: click.Choice[str] | type = float if option.default is None else type(option.default)
+    kind: click.Choice[str] | type = option.kind
     if option.meta.choices:
         kind = click.Choice(option.meta.choices)
     bounds = f" ({option.meta.bounds()})" if option.meta.bounds() else ""
@@ -42,6 +42,9 @@ def simulate(folder: Path, **values: object) -> None:
     A vehicle follows legs along the side of a ship. What its DVL, IMU, pressure cell, cameras and sonar measure goes to
     FOLDER/logs; what is true goes to FOLDER/truth, for `hullrecon evaluate`. The same options give the same bytes. FOLDER must
     be new or empty; it appears when all of it is written.
+
+    A second dive of the same hull has the same options, another --seed and the first one's seed as --hull-seed; --added,
+    --removed and --grown-m say what has changed since.
     """
     from hullrecon.artifacts.execution.progress import choose_progress
     from hullrecon.synthetic.output.package import write_package

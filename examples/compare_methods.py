@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run a dive, score it against its truth, and compare the methods: python examples/compare_methods.py [PACKAGE] [RUNS]
 
-PACKAGE is a simulated dive (default: the sample in the repository). Remove `compare` to stop after the chain: it solves the
+PACKAGE is a simulated dive (default: the sample in the repository). Remove `compare_methods` to stop after the chain: it solves the
 adjustment six times.
 """
 
@@ -29,7 +29,7 @@ def run_and_score(package: Path, runs: Path) -> dict[str, float]:
 
 def print_comparison(package: Path, runs: Path) -> None:
     """Print naive, geva and maxmix side by side."""
-    comparison = hullrecon.compare(hullrecon.open_dive(package, runs))
+    comparison = hullrecon.compare_methods(hullrecon.open_dive(package, runs))
     for line in (comparison.heads, *comparison.rows):
         print("  ".join(f"{cell:>18}" for cell in line))
 

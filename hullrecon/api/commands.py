@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""run, evaluate, compare and figures as functions that return what the commands print."""
+"""run, evaluate, compare-methods and figures as functions that return what the commands print."""
 
 from __future__ import annotations
 
@@ -66,18 +66,19 @@ def evaluate(run: Path | str, package: Path | str) -> Score:
     return score_run(Path(run), Path(package))
 
 
-def compare(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> MethodComparison:
+def compare_methods(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> MethodComparison:
     """Solve a simulated dive by every method, as published and as weighted by us, and return the figures of each.
 
     Raises InputError when the package holds no truth.
     """
-    from hullrecon.evaluation.comparison.comparison import compare_methods, comparison_table
+    from hullrecon.evaluation.comparison.comparison import compare_methods as compare_solutions
+    from hullrecon.evaluation.comparison.comparison import comparison_table
     from hullrecon.evaluation.scoring.truth import read_truth
 
     truth = read_truth(dive.chain.package)
     with _run_context(dive, jobs, progress) as run_context:
         solve_all(dive, run_context)
-    figures = compare_methods(read_solutions(dive), read_dead_reckoning(dive), truth)
+    figures = compare_solutions(read_solutions(dive), read_dead_reckoning(dive), truth)
     heads, rows = comparison_table(figures)
     return MethodComparison(figures=figures, heads=heads, rows=rows)
 
@@ -85,8 +86,8 @@ def compare(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -
 def draw_figures(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> tuple[Path, list[PublishedFigure]]:
     """Draw the sources' figures on a simulated dive; return their folder (RUNS/<dive>/compare/figures) and the figures.
 
-    Solves what `compare` has not solved, and runs the chain up to `detect`, whose heights are the ones delivered. Raises
-    InputError when the package holds no truth.
+    Solves what `compare_methods` has not solved, and runs the chain up to `detect`, whose heights are the ones delivered.
+    Raises InputError when the package holds no truth.
     """
     from hullrecon.evaluation.figures.figures import draw_figures as draw
     from hullrecon.evaluation.scoring.truth import read_truth

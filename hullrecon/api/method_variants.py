@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The solves that `compare` and `figures` set side by side: solved when they are out of date, read back when they are there."""
+"""The solves that `compare-methods` and `figures` set side by side: solved when out of date, read back when they are there."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def _read_solution(variant: MethodVariant, workspace: Workspace) -> SolvedVarian
     manifest = workspace.manifest("adjust")
     if manifest is None:
         name = f"{variant.method} {variant.weighting}"
-        raise InputError(f"{name} was not solved", where=str(workspace.root), remedy="run `hullrecon compare`")
+        raise InputError(f"{name} was not solved", where=str(workspace.root), remedy="run `hullrecon compare-methods`")
     artifact = AdjustArtifact(workspace.artifact("adjust"))
     registration = artifact.summary.get("registration")
     seven = registration.get("T_g_M") if isinstance(registration, dict) else None

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import dataclasses
+import typing
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -17,11 +18,13 @@ RENAMED = {("cameras", "carried"): "cameras"}
 
 @dataclass(frozen=True, kw_only=True)
 class Option:
-    """Describe one option. name: flat, in snake case; part, field: where it lies in DiveSpec, part empty for its own fields."""
+    """Describe one option. name: flat, in snake case; part, field: where it lies in DiveSpec, part empty for its own fields;
+    kind: of its value where one is given."""
 
     name: str
     part: str
     field: str
+    kind: type
     default: bool | int | float | str | None
     meta: Meta
 
@@ -56,9 +59,20 @@ def _options() -> Iterator[Option]:
     for top in dataclasses.fields(spec):
         part = getattr(spec, top.name)
         if "meta" in top.metadata:
-            yield Option(name=top.name, part="", field=top.name, default=part, meta=top.metadata["meta"])
+            meta = top.metadata["meta"]
+            yield Option(name=top.name, part="", field=top.name, kind=_kind(spec, top.name), default=part, meta=meta)
             continue
         for f in dataclasses.fields(part):
             if "meta" in f.metadata:
                 name = RENAMED.get((top.name, f.name), part.prefix + f.name)
-                yield Option(name=name, part=top.name, field=f.name, default=getattr(part, f.name), meta=f.metadata["meta"])
+                default, meta = getattr(part, f.name), f.metadata["meta"]
+                yield Option(name=name, part=top.name, field=f.name, kind=_kind(part, f.name), default=default, meta=meta)
+
+
+def _kind(record: object, field: str) -> type:
+    """Return the type of a field's values: of `int | None`, int; of words, str."""
+    default = getattr(record, field)
+    if default is not None:
+        return type(default)
+    kinds: tuple[type, ...] = typing.get_args(typing.get_type_hints(type(record))[field])
+    return next(kind for kind in kinds if kind is not type(None))

@@ -152,15 +152,21 @@ class Items(Checked):
     structures: int = described(6, "Objects that stand out of the hull or are cut into it", "", 0, 200)
     marks: int = described(3, "Painted marks, which are no objects", "", 0, 200)
     barnacles: int = described(1, "Patches of barnacles, which are no objects", "", 0, 200)
+    added: int = described(0, "Structures that came since a first dive of this hull, beside those", "", 0, 200)
+    removed: int = described(0, "Structures that went since a first dive of this hull, of those", "", 0, 200)
+    grown_m: float = described(0.0, "Height that one structure gained since a first dive of this hull", "m", -0.1, 0.3)
     placed: tuple[Item, ...] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class DiveSpec(Checked):
-    """Describe a dive to simulate. Every random draw comes from `seed`."""
+    """Describe a dive to simulate. Every random draw comes from `seed`; those of the hull itself from `hull_seed`."""
 
     name: str = described("simulated", "Name of the dive")
     seed: int = described(1, "Number from which every random draw comes", "", 0)
+    hull_seed: int | None = described(
+        None, "Number from which steel, paint and objects are drawn, for a second dive of one hull; the seed if absent", "", 0
+    )
     sonar: bool = described(True, "Carry an imaging sonar")
     visibility_m: float = described(6.0, "How far one sees in this water", "m", 1, 50)
     form: Literal["mcap", "plain"] = described("mcap", "How the logs are written", choices=("mcap", "plain"))
@@ -175,3 +181,8 @@ class DiveSpec(Checked):
     def random(self, purpose: str) -> np.random.Generator:
         """Return a stream of its own for each purpose, so that one more draw here changes nothing there."""
         return np.random.default_rng([self.seed, zlib.crc32(purpose.encode())])
+
+    def hull_random(self, purpose: str) -> np.random.Generator:
+        """Return such a stream for what belongs to the hull, whoever dives at it."""
+        seed = self.seed if self.hull_seed is None else self.hull_seed
+        return np.random.default_rng([seed, zlib.crc32(purpose.encode())])

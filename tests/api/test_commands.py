@@ -107,7 +107,7 @@ def test_evaluate_of_a_package_without_truth_is_refused(deliver: Any, tmp_path: 
 
 def test_compare_solves_six_times_and_prints_one_table(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(score, "open_dive", opened)
-    lines = call(score.compare, package).stdout.splitlines()
+    lines = call(score.compare_methods, package).stdout.splitlines()
     assert len(opened.calls) == 6
     assert set(opened.calls) == {(m, p) for m in ("naive", "geva", "maxmix") for p in (True, False)}
     table = lines[-7:]
@@ -117,15 +117,15 @@ def test_compare_solves_six_times_and_prints_one_table(opened: Any, package: Pat
 
 def test_compare_again_solves_nothing(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(score, "open_dive", opened)
-    call(score.compare, package)
+    call(score.compare_methods, package)
     opened.calls.clear()
-    call(score.compare, package)
+    call(score.compare_methods, package)
     assert opened.calls == []
 
 
 def test_as_printed_is_one_whole_solve(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(score, "open_dive", opened)
-    call(score.compare, package)
+    call(score.compare_methods, package)
     assert set(opened.rounds) == {(True, 1, 200), (False, 3, 60)}
 
 
@@ -133,7 +133,7 @@ def test_what_the_chain_solves_itself_stands_in_its_own_place(
     opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(score, "open_dive", opened)
-    call(score.compare, package)
+    call(score.compare_methods, package)
     root = opened().workspace.root
     assert (root / "adjust" / "solution.npz").exists()
     assert (root / "compare" / "maxmix-as-published" / "adjust" / "solution.npz").exists()
@@ -156,14 +156,14 @@ def test_figures_alone_solves_what_is_missing_and_leaves_pictures_and_tables(
 
 def test_figures_after_compare_solves_nothing(opened: Any, package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(score, "open_dive", opened)
-    call(score.compare, package)
+    call(score.compare_methods, package)
     opened.calls.clear()
     call(score.figures, package)
     assert opened.calls == []
 
 
 def test_a_variant_that_is_not_there_says_what_to_run(opened: Any) -> None:
-    with pytest.raises(InputError, match="hullrecon compare"):
+    with pytest.raises(InputError, match="hullrecon compare-methods"):
         read_solutions(opened())
 
 
@@ -180,7 +180,7 @@ def test_solutions_are_read_back_with_their_times_and_registration(opened: Any, 
     dive = opened()
     with pytest.raises(InputError):
         read_solutions(dive)
-    api_commands.compare(dive)
+    api_commands.compare_methods(dive)
     found = {v.name: v for v in read_solutions(dive)}
     ours, published = found["geva as weighted by us"], found["geva as published"]
     assert (ours.as_published, published.as_published) == (False, True)
@@ -196,7 +196,7 @@ def test_solutions_are_read_back_with_their_times_and_registration(opened: Any, 
 
 def test_dead_reckoning_has_the_rig_of_the_package(opened: Any, returns: Returns) -> None:
     dive = opened()
-    api_commands.compare(dive)
+    api_commands.compare_methods(dive)
     start = read_dead_reckoning(dive)
     np.testing.assert_array_equal(start.rig.tray_origin, [0.45, 0.0, 0.1])
     np.testing.assert_allclose(start.rig.tray_from_dvl.translation, [[0, 0, 0.08]])

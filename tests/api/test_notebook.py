@@ -20,7 +20,7 @@ DEMO = ROOT / "sample_data" / "demo"
 
 
 def test_the_functions_of_the_commands_are_found_in_the_package() -> None:
-    for name in ("run_dive", "evaluate", "compare", "draw_figures", "open_dive"):
+    for name in ("run_dive", "evaluate", "diff", "compare_methods", "draw_figures", "open_dive"):
         assert callable(getattr(hullrecon, name))
 
 
@@ -80,7 +80,7 @@ def test_the_example_runs_scores_and_prints_the_comparison(
     monkeypatch.setattr("hullrecon.api.run_dive", hullrecon.open_dive)
     monkeypatch.setattr("hullrecon.api.evaluate", lambda run, package: figures)
     comparison = MethodComparison(figures={}, heads=["method"], rows=[["maxmix as published"]])
-    monkeypatch.setattr("hullrecon.api.compare", lambda dive: comparison)
+    monkeypatch.setattr("hullrecon.api.compare_methods", lambda dive: comparison)
     example = runpy.run_path(str(ROOT / "examples" / "compare_methods.py"))
     example["main"]([str(DEMO), str(tmp_path)])
     printed = capsys.readouterr().out

@@ -36,7 +36,7 @@ def package(tmp_path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("command", ["check", "run", "ingest", "status", "explain", "compare", "figures"])
+@pytest.mark.parametrize("command", ["check", "run", "ingest", "status", "explain", "compare-methods", "figures"])
 def test_a_command_that_reads_packages_refuses_a_file_outside_in_one_line(capsys, package, command):
     runs = [] if command == "check" else ["--runs", str(package.parent / "runs")]
     assert main([command, str(package), *runs]) == 3

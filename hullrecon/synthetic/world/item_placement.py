@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from hullrecon.errors import UsageError
@@ -25,24 +27,47 @@ SHAPES: dict[Kind, tuple[tuple[float, float, float], ...]] = {
 
 
 def place_items(spec: DiveSpec, along_m: tuple[float, float], girth_m: tuple[float, float]) -> tuple[Item, ...]:
-    """Return the dive's items within that window of the chart: structures first, then marks, then barnacles. Raises
-    UsageError when they do not fit."""
+    """Return the dive's items within that window of the chart: structures first, then marks, then barnacles, then structures
+    added since. Raises UsageError when they do not fit, and when more are to be changed than there are."""
     if spec.items.placed is not None:
         return spec.items.placed
-    random, out = spec.random("items"), list[Item]()
-    for kind, (height, *size) in _wanted(spec):
+    wanted = spec.items
+    if wanted.structures < wanted.removed + (wanted.grown_m != 0):
+        raise UsageError(f"{wanted.structures} structures are too few to change so many", remedy="ask for more --structures")
+    kinds = [STRUCTURES[k % len(STRUCTURES)] for k in range(wanted.structures)]
+    kinds += [MARKS[k % len(MARKS)] for k in range(wanted.marks)]
+    kinds += ["barnacles"] * wanted.barnacles
+    window = (along_m, girth_m)
+    before = _draw(spec.hull_random("items"), kinds, [], *window)
+    since = [STRUCTURES[k % len(STRUCTURES)] for k in range(wanted.structures, wanted.structures + wanted.added)]
+    added = _draw(spec.hull_random("added items"), since, before, *window)
+    if wanted.grown_m:
+        before[0] = _grow(before[0], wanted.grown_m)
+    del before[wanted.structures - wanted.removed : wanted.structures]
+    return (*before, *added)
+
+
+def _draw(
+    random: np.random.Generator,
+    kinds: list[Kind],
+    taken: list[Item],
+    along_m: tuple[float, float],
+    girth_m: tuple[float, float],
+) -> list[Item]:
+    """Return items of those kinds, clear of each other and of what is there."""
+    out = list(taken)
+    for kind in kinds:
+        sizes = SHAPES[kind]
+        height, *size = sizes[sum(item.kind == kind for item in out) % len(sizes)]
         turn = float(random.uniform(-0.3, 0.3))
-        item = _clear_place(random, Item(kind, 0.0, 0.0, height, (size[0], size[1]), turn), out, along_m, girth_m)
-        out.append(item)
-    return tuple(out)
+        item = Item(kind, 0.0, 0.0, height, (size[0], size[1]), turn)
+        out.append(_clear_place(random, item, out, along_m, girth_m))
+    return out[len(taken) :]
 
 
-def _wanted(spec: DiveSpec) -> list[tuple[Kind, tuple[float, float, float]]]:
-    kinds = [STRUCTURES[k % len(STRUCTURES)] for k in range(spec.items.structures)]
-    kinds += [MARKS[k % len(MARKS)] for k in range(spec.items.marks)]
-    kinds += ["barnacles"] * spec.items.barnacles
-    turn = [kinds[:k].count(kind) for k, kind in enumerate(kinds)]
-    return [(kind, SHAPES[kind][t % len(SHAPES[kind])]) for kind, t in zip(kinds, turn, strict=True)]
+def _grow(item: Item, by_m: float) -> Item:
+    """Return an item that stands so much farther off the steel; a recess goes so much deeper."""
+    return replace(item, height_m=item.height_m + (by_m if item.height_m > 0 else -by_m))
 
 
 def _clear_place(

@@ -22,7 +22,7 @@ def paint_atlas(
     spec: DiveSpec, items: tuple[Item, ...], along_m: tuple[float, float], girth_m: tuple[float, float], texel_m: float
 ) -> Atlas:
     """Return the texture of that window of the chart, painted as a whole."""
-    random = spec.random("texture")
+    random = spec.hull_random("texture")
     atlas = paint_steel(random, along_m, girth_m, texel_m)
     paint_items(atlas, items, random.uniform(*ITEM_TONES, len(items)))
     return atlas
@@ -33,7 +33,7 @@ class PlateAtlas:
 
     def __init__(self, spec: DiveSpec, items: tuple[Item, ...], texel_m: float) -> None:
         self._spec, self._items, self._texel_m = spec, items, texel_m
-        self._tones: NDArray[np.float64] = spec.random("item tones").uniform(*ITEM_TONES, len(items))
+        self._tones: NDArray[np.float64] = spec.hull_random("item tones").uniform(*ITEM_TONES, len(items))
         self._plates: OrderedDict[tuple[int, int], Atlas] = OrderedDict()
 
     def look_up(self, along_m: Floats, girth_m: Floats, seen: NDArray[np.bool_]) -> Floats:
@@ -61,7 +61,7 @@ class PlateAtlas:
         rim = 2 * self._texel_m  # what a bilinear look-up at the edge needs
         along_m = (column * PLATE_M[0] - rim, (column + 1) * PLATE_M[0] + 2 * rim)
         girth_m = (row * PLATE_M[1] - rim, (row + 1) * PLATE_M[1] + 2 * rim)
-        random = self._spec.random(f"plate {column} {row}")
+        random = self._spec.hull_random(f"plate {column} {row}")
         atlas = paint_steel(random, along_m, girth_m, self._texel_m)
         paint_items(atlas, self._items, self._tones)
         return atlas

@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""From two surveys of one hull to what changed between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from hullrecon.change.difference import Difference, changed_regions, difference
+from hullrecon.change.moves import surface_moves
+from hullrecon.change.objects import ObjectComparison, compare_objects
+from hullrecon.change.offset import estimate_offset
+from hullrecon.change.options import ChangeOptions
+from hullrecon.change.relief import relief_on, seen_points
+from hullrecon.errors import StageError
+from hullrecon.geometry.charts.address import AddressSigma
+from hullrecon.geometry.charts.lattice import Lattice, lattice_around
+from hullrecon.records.change import ChangeMap, HullChange, HullSurvey
+from hullrecon.typing import Array, Mask
+
+MARGIN_M = 0.3  # around what either survey saw
+MAX_CELLS = 40_000_000  # of the lattice; a larger survey is compared on wider cells
+Address = Callable[[Array, AddressSigma], str]
+
+
+def compare_surveys(
+    first: HullSurvey,
+    second: HullSurvey,
+    address: Address,
+    options: ChangeOptions = ChangeOptions(),  # noqa: B008
+) -> HullChange:
+    """Return what changed from the first survey of a hull to the second. address: of a point (3,) in M, no finer than a sigma.
+
+    Raises StageError where they saw too little of the same hull.
+    """
+    chart = first.chart
+    seen = [seen_points(survey, chart)[0][:, :2] for survey in (first, second)]
+    if min(len(at) for at in seen) == 0:
+        raise StageError("one of the dives saw nothing of the hull", remedy="compare dives with cameras that found the hull")
+    lattice = _lattice(np.vstack(seen), options)
+    options = replace(options, cell_m=lattice.step_m)
+    # Where the second survey lies in the first one's frame
+    before = relief_on(lattice, chart, first)
+    offset = estimate_offset(first, second, chart, lattice, (before, relief_on(lattice, chart, second)))
+    # What differs there
+    after = relief_on(lattice, chart, second, offset.first_from_second)
+    found = difference(before, after, options)
+    places = max(1, round(float(found.both.sum()) * options.cell_m**2 / options.min_area_m2))
+    regions = changed_regions(found, places, options)
+    # What that means for objects and for bare hull
+    on = ObjectComparison(chart=chart, lattice=lattice, offset=offset, difference=found, options=options, places=places)
+    objects = compare_objects(first, second, regions, on)
+    moves = surface_moves(found, regions, chart, lattice, offset, options)
+    place = AddressSigma(along=float(np.sqrt(offset.prior_covariance[0, 0] / 2)), girth=0.05, depth=0.1)
+    return HullChange(
+        first=first.name,
+        second=second.name,
+        offset=offset,
+        objects=tuple(replace(row, address=address(row.center, _address_sigma(row.sigma))) for row in objects),
+        moves=tuple(replace(row, address=address(chart.from_chart(row.along_girth[None])[0][0], place)) for row in moves),
+        map=_change_map(lattice, found),
+        area_both=_area(found.both, options),
+        area_first=_area(np.isfinite(before.height), options),
+        area_second=_area(np.isfinite(after.height), options),
+        detectable_m=float(np.median(np.maximum(options.min_change_m, 3 * found.sigma[found.both])))
+        if found.both.any()
+        else np.nan,
+        places=places,
+    )
+
+
+def _lattice(seen: Array, options: ChangeOptions) -> Lattice:
+    lattice = lattice_around(seen, options.cell_m, MARGIN_M)
+    more = np.prod(lattice.shape) / MAX_CELLS
+    return lattice if more <= 1 else lattice_around(seen, options.cell_m * float(np.sqrt(more)), MARGIN_M)
+
+
+def _change_map(lattice: Lattice, found: Difference) -> ChangeMap:
+    return ChangeMap(
+        lattice=lattice,
+        change=np.where(found.both, found.total, np.nan),
+        sigma=np.where(found.both, found.sigma, np.nan),
+        first_seen=np.isfinite(found.first.height),
+        second_seen=np.isfinite(found.second.height),
+    )
+
+
+def _address_sigma(sigma: Array) -> AddressSigma:
+    return AddressSigma(along=float(sigma[0]), girth=float(sigma[1]), depth=float(np.hypot(sigma[1], sigma[2])))
+
+
+def _area(cells: Mask, options: ChangeOptions) -> float:
+    return float(cells.sum() * options.cell_m**2)

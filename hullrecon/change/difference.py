@@ -1,0 +1,155 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Two surveys cell by cell: what of their difference is the hull's form, and what stands beyond where edges may be drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.change.options import ChangeOptions
+from hullrecon.change.relief import Relief, local_median
+from hullrecon.geometry.robust import robust_sigma
+from hullrecon.typing import Array, Mask
+
+TOP_SHARE = 0.8  # of the largest change: what reaches so much is its top
+
+
+@dataclass(frozen=True, kw_only=True)
+class Difference:
+    """Cells (a, g). first, second: the reliefs, the second in the first's frame. total m: second minus first; form: its part
+    wider than a structure; local: the rest; beyond: of that, what no cell of the first survey within an edge's reach reaches,
+    0 where one does; sigma m of local; both: both surveys looked at the cell well enough. NaN where not both saw it."""
+
+    first: Relief
+    second: Relief
+    total: Array
+    form: Array
+    local: Array
+    beyond: Array
+    sigma: Array
+    both: Mask
+
+
+def difference(first: Relief, second: Relief, options: ChangeOptions) -> Difference:
+    """Return the second survey minus the first, whose cells are the same places."""
+    total = second.height - first.height
+    form = local_median(total, round(options.smooth_m / options.cell_m))
+    local = total - form
+    seen = well_seen(first, options) & well_seen(second, options) & np.isfinite(local)
+    own = np.hypot(first.sigma, second.sigma)
+    rough = robust_sigma(local[seen], about=0.0) if seen.any() else np.nan
+    return Difference(
+        first=first,
+        second=second,
+        total=total,
+        form=form,
+        local=local,
+        beyond=_beyond(second.height - form, first.height, round(options.edge_m / options.cell_m)),
+        sigma=np.hypot(own, rough),
+        both=seen,
+    )
+
+
+def well_seen(relief: Relief, options: ChangeOptions) -> Mask:
+    """Return the cells (a, g) at which a survey would have shown a structure: enough images, a surface known well enough."""
+    with np.errstate(invalid="ignore"):
+        return (relief.views >= options.min_views) & (relief.sigma <= options.max_sigma_m)
+
+
+def _beyond(height: Array, of: Array, cells: int) -> Array:
+    """Return how far heights (a, g) lie above or below all of the other survey's within so many cells."""
+    from scipy.ndimage import maximum_filter, minimum_filter
+
+    reach = np.hypot(*np.mgrid[-cells : cells + 1, -cells : cells + 1]) <= cells + 0.5
+    known = np.isfinite(of)
+    top = maximum_filter(np.where(known, of, -np.inf), footprint=reach, mode="constant", cval=-np.inf)
+    bottom = minimum_filter(np.where(known, of, np.inf), footprint=reach, mode="constant", cval=np.inf)
+    out = np.where(height > top, height - top, np.where(height < bottom, height - bottom, 0.0))
+    return np.where(np.isfinite(height) & known & np.isfinite(top) & np.isfinite(bottom), out, np.nan)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChangedRegion:
+    """Cells that changed as a structure does. cells (a, g); top (a, g): where most; change m and its sigma; before, after m:
+    height of each survey above the hull around it; p_value over all places."""
+
+    cells: Mask
+    top: Mask
+    change: float
+    sigma: float
+    before: float
+    after: float
+    p_value: float
+
+
+def changed_regions(found: Difference, places: int, options: ChangeOptions) -> list[ChangedRegion]:
+    """Return the regions that changed by more than both surveys' errors explain at any of so many places."""
+    from scipy import ndimage
+
+    threshold = np.maximum(options.min_change_m, 3 * found.sigma)
+    near = np.ones((3, 3), bool)
+    regions: list[ChangedRegion] = []
+    for side in (1.0, -1.0):
+        with np.errstate(invalid="ignore"):
+            off = found.both & (side * found.beyond > threshold)
+        label, count = ndimage.label(ndimage.binary_closing(off, near), near)
+        for number in range(1, count + 1):
+            cells = (label == number) & found.both
+            if cells.sum() * options.cell_m**2 >= options.min_area_m2:
+                regions.append(measure(found, cells, _most(side * found.local, cells), places, options, off))
+    good = [r for r in regions if r.p_value <= options.max_p_value and abs(r.change) >= options.min_change_m]
+    return sorted(good, key=lambda region: -abs(region.change))
+
+
+def _most(values: Array, cells: Mask) -> Mask:
+    """Return those of the cells whose values are nearly as large as any's."""
+    top = cells & (values >= TOP_SHARE * float(np.percentile(values[cells], 90)))
+    return top if top.any() else cells
+
+
+def top_of(heights: Array, cells: Mask, side: float) -> Mask:
+    """Return the top of a structure with heights (a, g) over those cells; side: 1 raised, -1 sunken."""
+    above = side * heights
+    return _most(above - float(np.nanpercentile(above[cells], 2)), cells & np.isfinite(heights))
+
+
+def measure(
+    found: Difference, cells: Mask, top: Mask, places: int, options: ChangeOptions, off: Mask | None = None
+) -> ChangedRegion:
+    """Return what cells changed by at their top, above the hull around them; off (a, g): cells that changed anywhere, which are
+    no hull around."""
+    ring = ring_around(cells, np.zeros_like(cells) if off is None else off, found, options)
+    level = spread = 0.0
+    heights = [np.nan, np.nan]
+    if ring.any():
+        level = float(np.median(found.local[ring]))
+        spread = robust_sigma(found.local[ring]) / np.sqrt(min(8, int(ring.sum())))
+        reliefs = (found.first.height, found.second.height)
+        heights = [float(np.median(height[top]) - np.median(height[ring])) for height in reliefs]
+    change = float(np.median(found.local[top])) - level
+    sigma = float(np.hypot(np.median(found.sigma[top]), spread))
+    return ChangedRegion(
+        cells=cells, top=top, change=change, sigma=sigma, before=heights[0], after=heights[1],
+        p_value=corrected_p_value(change, sigma, places),
+    )  # fmt: skip
+
+
+def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOptions) -> Mask:
+    """Return the cells of hull around a region: beyond what edges blur, seen by both, unchanged, and no structure's."""
+    from scipy.ndimage import distance_transform_edt
+
+    distance = np.asarray(distance_transform_edt(~cells)) * options.cell_m
+    flat = np.abs(found.first.height - local_median(found.first.height, round(options.smooth_m / options.cell_m)))
+    with np.errstate(invalid="ignore"):
+        bare = flat < options.min_change_m
+    return (distance > 2 * options.edge_m) & (distance < 2 * options.edge_m + 0.15) & found.both & ~off & bare
+
+
+def corrected_p_value(value: float, sigma: float, places: int) -> float:
+    """Return the two-sided probability that any of so many places shows this value by its sigma alone."""
+    from scipy.special import log_ndtr
+
+    one = np.log(2.0) + float(log_ndtr(-abs(value) / max(sigma, 1e-9)))
+    return float(-np.expm1(max(1, places) * np.log1p(-min(np.exp(one), 1 - 1e-16))))

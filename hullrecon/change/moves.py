@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where bare hull moved: patches whose form is another one than before."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import ndimage
+
+from hullrecon.change.difference import ChangedRegion, Difference, corrected_p_value
+from hullrecon.change.offset import offset_sigma
+from hullrecon.change.options import ChangeOptions
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.charts.lattice import Lattice
+from hullrecon.records.change import SurfaceMove, SurveyOffset
+from hullrecon.typing import Array, Mask
+
+MIN_SHARE = 0.5  # of a patch that both surveys must have seen
+
+
+def surface_moves(
+    found: Difference,
+    regions: Sequence[ChangedRegion],
+    chart: Chart,
+    lattice: Lattice,
+    offset: SurveyOffset,
+    options: ChangeOptions,
+) -> tuple[SurfaceMove, ...]:
+    """Return the stretches of bare hull that moved by more than the surveys' errors explain, the largest move first."""
+    with np.errstate(invalid="ignore"):
+        bare = found.both & (np.abs(found.local) < options.min_change_m)
+    for region in regions:
+        bare &= ~ndimage.binary_dilation(region.cells, iterations=3)
+    move, sigma, size = _patches(found, bare, chart, lattice, offset, options)
+    patches = int(np.isfinite(move).sum())
+    p_value = np.ones(move.shape)
+    for i, j in np.argwhere(np.isfinite(move)):
+        p_value[i, j] = corrected_p_value(float(move[i, j]), float(sigma[i, j]), patches)
+    moved = (p_value <= options.max_p_value) & (np.abs(np.nan_to_num(move)) >= options.min_move_m)
+    rows = []
+    for side in (1.0, -1.0):
+        label, count = ndimage.label(moved & (side * np.nan_to_num(move) > 0), np.ones((3, 3), bool))
+        for number in range(1, count + 1):
+            rows.append(_stretch(label == number, move, sigma, p_value, bare, size, lattice))
+    return tuple(sorted(rows, key=lambda row: -abs(row.move)))
+
+
+def _patches(
+    found: Difference, bare: Mask, chart: Chart, lattice: Lattice, offset: SurveyOffset, options: ChangeOptions
+) -> tuple[Array, Array, int]:
+    """Return by patch how far it moved, its sigma, m (NaN where too little was seen), and how many cells wide a patch is."""
+    size = max(1, round(options.patch_m / options.cell_m))
+    shape = [-(-n // size) for n in found.total.shape]
+    move, sigma = np.full(shape, np.nan), np.full(shape, np.nan)
+    own, middles = np.hypot(found.first.sigma, found.second.sigma), lattice.points()
+    for i, j in np.ndindex(*shape):
+        block = np.s_[i * size : (i + 1) * size, j * size : (j + 1) * size]
+        cells = bare[block]
+        if cells.sum() < MIN_SHARE * size**2:
+            continue
+        point, normal = chart.from_chart(middles[block][cells].mean(axis=0)[None])
+        if not np.isfinite(point).all():
+            continue
+        move[i, j] = np.median(found.total[block][cells])
+        sigma[i, j] = np.hypot(np.median(own[block][cells]), offset_sigma(offset, point, normal)[0])
+    return move, sigma, size
+
+
+def _stretch(which: Mask, move: Array, sigma: Array, p_value: Array, bare: Mask, size: int, lattice: Lattice) -> SurfaceMove:
+    """Return neighbouring patches that moved to the same side as one."""
+    cells = np.kron(which, np.ones((size, size), bool))[: bare.shape[0], : bare.shape[1]] & bare
+    at = lattice.points()[cells].mean(axis=0)
+    return SurfaceMove(
+        along_girth=at,
+        outline=lattice.outline(cells),
+        move=float(np.median(move[which])),
+        move_sigma=float(np.median(sigma[which])),
+        p_value=float(p_value[which].min()),
+        area=float(cells.sum() * lattice.step_m**2),
+    )

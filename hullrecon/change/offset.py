@@ -1,0 +1,258 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where the second survey lies in the first one's hull frame, from the form and the structures that both saw.
+
+Each dive places itself on the CAD model to centimetres, along a parallel side to decimetres. That offset is no change of the
+hull. It is estimated as one rigid motion: first its part along the hull and in girth, by trying all shifts that the hull poses
+leave open, then all six numbers by robust least squares on the heights of one survey over the other, held by the hull poses'
+covariances.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.change.relief import Relief, blurred, local_median
+from hullrecon.errors import StageError
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.charts.lattice import Lattice
+from hullrecon.geometry.charts.tangents import tangents_at
+from hullrecon.geometry.poses import Poses, identity
+from hullrecon.geometry.robust import robust_sigma
+from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.records.change import HullSurvey, SurveyOffset
+from hullrecon.records.solution import HullPose
+from hullrecon.typing import Array, Ints, Mask
+
+GATE_SIGMAS = 4.0  # shifts farther than this from where the hull poses lie are not tried
+MIN_SHARED_SHARE = 0.25  # of the smaller survey, which both must have seen
+MIN_SHARED_CELLS = 200
+SCALE_M = 0.004  # heights that differ by some of these do not belong together
+TRUNCATED = 3.0  # of those, from where on a cell is a change and costs no more
+CORRELATED_M = 0.15  # errors of a hull as found are alike so far: a square of it counts as one measurement
+STARTS, APART_M = 6, 0.1  # shifts from which the six numbers are fitted
+BLOCK_M = 0.8  # of the hull, over which errors of its form count as one where they enter the covariance
+BLURS = (2.0, 1.0, 1.0)  # cells, of both surveys, from round to round
+STEPS = 6
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Samples:
+    """Points (n, 3) of the second survey in its own M; axes (3, n, 3): along, girth and outward there; their weight in
+    independent measurements, their blocks, and one sigma of the errors of both surveys that a block shares."""
+
+    points: Array
+    axes: Array
+    weight: float
+    block: Ints
+    shared_m: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Solved:
+    motion: Poses
+    covariance: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Fit:
+    """Robust least squares of the six numbers about a center (3,), held by their prior covariance (6, 6)."""
+
+    chart: Chart
+    lattice: Lattice
+    center: Array
+    prior: Array
+
+    def solve(self, motion: Poses, samples: _Samples, height: Array) -> _Solved:
+        """Return the motion that fits samples of the second survey to heights (a, g) of the first, and its covariance."""
+        held: Array = np.asarray(np.linalg.inv(self.prior), float)
+        covariance = self.prior
+        for _ in range(STEPS):
+            residual, jacobian, known = self._residuals(motion.apply(samples.points), samples.axes, height)
+            if known.sum() < MIN_SHARED_CELLS / 4:
+                raise _too_little()
+            r, rows = residual[known], jacobian[known]
+            scale = max(0.5 * SCALE_M, robust_sigma(r))
+            share = np.maximum(0.0, 1 - ((r - np.median(r)) / (2 * TRUNCATED * scale)) ** 2) ** 2
+            weight = samples.weight * share / scale**2
+            gradient = rows.T @ (weight * r)
+            information = np.asarray(rows.T @ (weight[:, None] * rows) + held)
+            step = np.linalg.solve(information, gradient + held @ _vector(motion, self.center))
+            motion = _moved(motion, np.asarray(-step), self.center)
+            by_error = np.asarray(rows * weight[:, None]) * samples.shared_m
+            covariance = _covariance(np.asarray(information, float), held, by_error, samples.block[known])
+        return _Solved(motion=motion, covariance=covariance)
+
+    def cost(self, motion: Poses, samples: _Samples, height: Array) -> float:
+        """Return how badly a motion fits, as a chi-square: what changed costs no more than the largest error."""
+        r, _, known = self._residuals(motion.apply(samples.points), samples.axes, height)
+        x = _vector(motion, self.center)
+        return len(r) * samples.weight * _truncated(r[known]) + float(x @ np.linalg.solve(self.prior, x))
+
+    def _residuals(self, at: Array, axes: Array, height: Array) -> tuple[Array, Array, Mask]:
+        """Return how far points (n, 3) with axes (3, n, 3) lie above the first survey (n,), the derivatives (n, 6), and which
+        rows are known."""
+        from scipy.ndimage import map_coordinates
+
+        on_chart = self.chart.to_chart(at)
+        place = self.lattice.place(np.nan_to_num(on_chart[:, :2])).T
+        slopes = np.gradient(height, self.lattice.step_m)
+        below, by_along, by_girth = (
+            map_coordinates(values, place, order=1, mode="constant", cval=np.nan) for values in (height, *slopes)
+        )
+        residual = on_chart[:, 2] - below
+        along, girth, normal = axes
+        toward = normal - by_along[:, None] * along - by_girth[:, None] * girth
+        jacobian = np.concatenate([toward, np.cross(at - self.center, toward)], axis=1)
+        known = np.isfinite(residual) & np.isfinite(jacobian).all(axis=1)
+        return residual, jacobian, known
+
+
+def estimate_offset(
+    first: HullSurvey, second: HullSurvey, chart: Chart, lattice: Lattice, reliefs: tuple[Relief, Relief]
+) -> SurveyOffset:
+    """Return the offset of two surveys whose reliefs lie on one lattice.
+
+    Raises StageError where they saw too little of the same hull.
+    """
+    center = _middle(chart, lattice, reliefs[1])
+    prior = hull_pose_covariance(first.hull_pose, center) + hull_pose_covariance(second.hull_pose, center)
+    fit = _Fit(chart=chart, lattice=lattice, center=center, prior=prior)
+    # Of the shifts at which most agrees, the one that agrees best once all six numbers fit
+    heights, samples = _blurred(reliefs, BLURS[0], fit)
+    starts = [fit.solve(motion, samples, heights) for motion in _shifts(reliefs, fit)]
+    motion = min((start.motion for start in starts), key=lambda motion: fit.cost(motion, samples, heights))
+    for blur in BLURS[1:]:
+        heights, samples = _blurred(reliefs, blur, fit)
+        solved = fit.solve(motion, samples, heights)
+        motion = solved.motion
+    x = _vector(motion, center)
+    chi_square = float(x @ np.linalg.solve(prior, x))
+    from scipy.special import gammaincc  # not scipy.stats, which takes seconds to load
+
+    return SurveyOffset(
+        first_from_second=motion, covariance=solved.covariance, prior_covariance=prior, center=center, chi_square=chi_square,
+        p_value=float(gammaincc(3.0, 0.5 * chi_square)),
+    )  # fmt: skip
+
+
+def hull_pose_covariance(pose: HullPose, center: Array) -> Array:
+    """Return what a hull pose leaves open (6, 6): of a translation and a rotation in M about a center (3,)."""
+    turn, carry = np.eye(6), np.eye(6)
+    turn[:3, :3] = pose.global_from_hull.rotation.as_matrix()[0].T
+    carry[:3, 3:] = -cross_matrix(center - pose.survey_center)
+    jacobian = carry @ turn
+    return np.asarray(jacobian @ pose.covariance @ jacobian.T)
+
+
+def offset_sigma(offset: SurveyOffset, points: Array, directions: Array) -> Array:
+    """Return one sigma (n,) m of where the offset puts points (n, 3) along unit vectors (n, 3)."""
+    rows = np.concatenate([directions, np.cross(points - offset.center, directions)], axis=1)
+    return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", rows, offset.covariance, rows)))
+
+
+def _middle(chart: Chart, lattice: Lattice, relief: Relief) -> Array:
+    """Return the point on the CAD model in the middle of what a survey saw."""
+    at = lattice.points()[np.isfinite(relief.height)]
+    inner = at[np.argmin(np.linalg.norm(at - at.mean(axis=0), axis=1))]
+    return np.asarray(chart.from_chart(inner[None])[0][0])
+
+
+def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
+    """Return the shifts of the second survey along and in girth at which most of what both saw agrees, apart from each other,
+    the best first."""
+    step = 2 * fit.lattice.step_m
+    flat = [_without_form(relief.height)[::2, ::2] for relief in reliefs]
+    along, girth = (axis[0] for axis in tangents_at(fit.chart, fit.center[None]))
+    sigma = np.array([np.sqrt(axis @ fit.prior[:3, :3] @ axis) for axis in (along, girth)])
+    reach = np.ceil(GATE_SIGMAS * sigma / step).astype(int)
+    most = min(int(np.isfinite(h).sum()) for h in flat)
+    tried = []
+    for i, j in np.ndindex(*(2 * reach + 1)):
+        gap = _overlap(flat[0], flat[1], i - int(reach[0]), j - int(reach[1]))
+        gap = gap[np.isfinite(gap)]
+        if len(gap) < max(MIN_SHARED_CELLS / 4, MIN_SHARED_SHARE * most):
+            continue
+        shift = step * (np.array([i, j]) - reach)
+        misfit = most * (step / CORRELATED_M) ** 2 * _truncated(gap - np.median(gap))
+        tried.append((misfit + float(((shift / sigma) ** 2).sum()), *shift.tolist()))
+    if not tried:
+        raise _too_little()
+    chosen: list[Array] = []
+    for _, a, g in sorted(tried):
+        if len(chosen) < STARTS and all(np.hypot(a - c[0], g - c[1]) > APART_M for c in chosen):
+            chosen.append(np.array([a, g]))
+    return [Poses(identity().quaternion, (a * along + g * girth)[None]) for a, g in chosen]
+
+
+def _truncated(gap: Array) -> float:
+    """Return the mean square of gaps (n,) m in scales; what belongs to a change costs no more than the largest error."""
+    return float(np.minimum((gap / SCALE_M) ** 2, TRUNCATED**2).mean())
+
+
+def _too_little() -> StageError:
+    return StageError(
+        "the two dives saw too little of the same hull", remedy="compare dives that survey the same part of the ship"
+    )
+
+
+def _without_form(height: Array) -> Array:
+    """Return heights without what is wider than a structure, in which the two surveys may be tilted."""
+    return blurred(height - local_median(height, 50), 2.0)
+
+
+def _overlap(first: Array, second: Array, i: int, j: int) -> Array:
+    """Return the second survey's cells, moved by (i, j), minus the first's under them."""
+    rows, columns = (slice(max(0, k), n + min(0, k)) for k, n in zip((i, j), first.shape, strict=True))
+    moved = second[rows.start - i : rows.stop - i, columns.start - j : columns.stop - j]
+    return np.asarray(moved - first[rows, columns])
+
+
+def _blurred(reliefs: tuple[Relief, Relief], blur: float, fit: _Fit) -> tuple[Array, _Samples]:
+    """Return the first survey's heights and samples of the second's, after the same blur."""
+    first, second = (blurred(relief.height, blur) for relief in reliefs)
+    shared = float(np.hypot(np.nanmedian(reliefs[0].sigma), np.nanmedian(reliefs[1].sigma)))
+    return first, _samples(fit.chart, fit.lattice, second, shared)
+
+
+def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> _Samples:
+    """Return every second cell that was seen, as points on the surface."""
+    which = np.zeros(lattice.shape, bool)
+    which[::2, ::2] = True
+    which &= np.isfinite(height)
+    at = lattice.points()[which]
+    points, normals = chart.from_chart(at)
+    axes = np.stack([*tangents_at(chart, points), normals])
+    known = np.isfinite(axes).all(axis=(0, 2))
+    block = np.floor(at[known] / BLOCK_M).astype(np.int64)
+    return _Samples(
+        points=(points + normals * height[which][:, None])[known],
+        axes=axes[:, known],
+        weight=(2 * lattice.step_m / CORRELATED_M) ** 2,
+        block=np.unique(block, axis=0, return_inverse=True)[1].reshape(-1),
+        shared_m=shared_m,
+    )
+
+
+def _covariance(information: Array, held: Array, by_error: Array, block: Ints) -> Array:
+    """Return the covariance (6, 6) of a solution whose right-hand side each point's error enters by (n, 6): errors of a block
+    of the hull are one, beside what independent errors would leave."""
+    inverse = np.linalg.inv(information)
+    total = np.stack([np.bincount(block, np.ascontiguousarray(by_error[:, k])) for k in range(6)], axis=1)
+    spread = np.asarray(total.T @ total, float)
+    return np.asarray(inverse @ (spread + held) @ inverse + inverse)
+
+
+def _vector(motion: Poses, center: Array) -> Array:
+    """Return a motion near the identity as translation and rotation about the center (6,)."""
+    return np.asarray(np.r_[motion.apply(center[None])[0] - center, motion.rotation.as_rotvec()[0]])
+
+
+def _moved(motion: Poses, step: Array, center: Array) -> Poses:
+    """Return the motion followed by a small one (6,) about the center."""
+    turn = Rotation.from_rotvec(step[3:])
+    after = Poses(turn.as_quat()[None], (center + step[:3] - turn.apply(center))[None])
+    return after @ motion
