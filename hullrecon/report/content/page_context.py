@@ -20,6 +20,7 @@ from hullrecon.report.content.frame_words import frame_in_words, origin_in_words
 from hullrecon.report.content.headline import headline, weak_sentences
 from hullrecon.report.content.object_card import card_context
 from hullrecon.report.content.object_images import Crop, jpeg_uri
+from hullrecon.report.content.page_data import page_data, script_json
 from hullrecon.report.content.phrases import count, length, with_sigma
 from hullrecon.report.content.rejected import rejected_groups, settings_rows
 from hullrecon.report.figures.chart_map import ChartedSurface, Extent, extent_of, form_png, ground_png, project_surface
@@ -30,7 +31,7 @@ from hullrecon.typing import Array, Pixels
 
 PageContext = Mapping[str, object]
 SECTIONS = (
-    ("plan", "Plan of the dive"), ("objects", "Objects on the hull"), ("deviation", "Deviation from the CAD model"),
+    ("plan", "Plan of the dive"), ("view", "The hull in 3-D"), ("objects", "Objects on the hull"), ("deviation", "Deviation from the CAD model"),
     ("mosaics", "Mosaics"), ("coverage", "Coverage"), ("position", "Position uncertainty"), ("navigation", "Navigation"),
     ("solution", "Adjustment quality"), ("rejected", "Rejected data and warnings"), ("record", "Record"),
 )  # fmt: skip
@@ -55,7 +56,9 @@ def page_context(
     dive = survey.facts.dive
     coverage = survey.findings.coverage
     figures = deviation_figures(survey)
-    sections = [(name, title) for name, title in SECTIONS if name != "deviation" or survey.is_in_hull_frame]
+    data = page_data(survey)
+    absent = {name for name, has in (("deviation", survey.is_in_hull_frame), ("view", data["scene"])) if not has}
+    sections = [(name, title) for name, title in SECTIONS if name not in absent]
     return {
         "sections": sections,
         "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
@@ -83,6 +86,8 @@ def page_context(
         "steps": survey.provenance.steps,
         "missing": survey.provenance.missing,
         "deliverables": deliverables,
+        "data": script_json(data),
+        "has_scene": data["scene"] is not None,
         "version": __version__,
     }
 
