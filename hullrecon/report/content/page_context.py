@@ -51,8 +51,10 @@ def page_context(
     figures = deviation_figures(survey)
     data = page_data(survey, view, layers, ellipses)
     quality, mosaics = quality_tables(survey), survey.mosaics.named()
-    has = {"deviation": survey.is_in_hull_frame, "view": data["scene"], "mosaics": mosaics, "coverage": coverage_rows(coverage),
-           "appendix": plots, "plan": view is not None, "objects": survey.findings.objects is not None, "quality": quality}  # fmt: skip
+    has = {
+        "deviation": survey.is_in_hull_frame, "view": data["scene"], "mosaics": mosaics, "coverage": coverage_rows(coverage),
+        "appendix": plots, "plan": view is not None, "objects": survey.findings.objects is not None, "quality": quality,
+    }  # fmt: skip
     absent = {name for name, there in has.items() if not there}
     sections = [(name, title) for name, title in SECTIONS if name not in absent]
     return {
@@ -97,8 +99,9 @@ def page_context(
     }
 
 
-def draw_ship(survey: Survey) -> str | None:
-    """Return the ship with the surveyed patch on it as SVG; None without a CAD model or where nothing of it was seen."""
+def draw_ship(survey: Survey) -> tuple[str, str] | None:
+    """Return the ship with the surveyed patch on it as SVG, and which side it shows; None without a CAD model or where nothing
+    of it was seen."""
     chart, surface = survey.surfaces.chart, survey.surfaces.as_found or survey.surfaces.surveyed
     if not isinstance(chart, AxisChart) or surface is None or not survey.is_in_hull_frame:
         return None

@@ -35,7 +35,7 @@ def page_data(
     survey: Survey, view: ChartView | None, layers: Sequence[MapLayer], ellipses: Sequence[SigmaEllipse | None]
 ) -> PageData:
     """Return the document of #report-data; ellipses: of the objects."""
-    document = {"frame": str(survey.track.frame), "map": None, "objects": [], "scene": None}
+    document: dict[str, object] = {"frame": str(survey.track.frame), "map": None, "objects": [], "scene": None}
     if view is None:
         return document
     outside = _outside(view.extent, survey)
@@ -145,4 +145,5 @@ def _links(pairs: NodePairs | None, path: Array, outside: OutsideMap) -> list[Pa
 
 
 def _rounded(values: Array) -> list[object]:
-    return np.round(np.asarray(values, float), 4).tolist()
+    rounded: list[object] = np.round(np.asarray(values, float), 4).tolist()
+    return rounded

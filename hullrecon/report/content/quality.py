@@ -1,15 +1,16 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How well images overlapped and fit, what the adjustment found of the sensors, and how long each step took: tables in words."""
+"""How well images overlapped and fit, what the adjustment found of the sensors, how long each step took: tables in words."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from hullrecon.records.links import NodePairs
 from hullrecon.report.content.phrases import count, duration, with_sigma
 from hullrecon.report.step_documents import FactorResiduals
 from hullrecon.report.survey import Survey
@@ -34,31 +35,39 @@ def quality_tables(survey: Survey) -> list[WordTable]:
 
 
 def _overlap(survey: Survey) -> WordTable:
-    pairs, rows = survey.facts.node_pairs, []
-    for name, across in (("Neighbours along the track", False), ("Images of other legs", True)) if pairs is not None else ():
-        of_kind = pairs.across == across
-        if not of_kind.any():
-            continue
-        overlap = pairs.overlap[of_kind & pairs.joined]
-        overlap = overlap[np.isfinite(overlap)]
-        share = "{1:.0f} % ({0:.0f} to {2:.0f} %)".format(*np.percentile(100 * overlap, (5, 50, 95))) if len(overlap) else "–"
-        rows.append((name, f"{int(of_kind.sum()):,}", f"{int((of_kind & pairs.joined).sum()):,}", share))
+    pairs = survey.facts.node_pairs
+    kinds = (("Neighbours along the track", False), ("Images of other legs", True))
+    rows = [_overlap_row(pairs, name, across) for name, across in kinds] if pairs is not None else []
     return WordTable(
         name="overlap",
-        caption="Overlap of images: the median of the matched ones, 5th to 95th percentile, from the path that was known by then",
+        caption="Overlap of images: median of the matched ones and 5th to 95th percentile, on the path known by then",
         headings=("Images compared", "Pairs", "Matched", "Overlap"),
-        rows=rows,
+        rows=[row for row in rows if row],
     )
+
+
+def _overlap_row(pairs: NodePairs, name: str, across: bool) -> tuple[str, ...]:
+    """Return a row of the pairs across legs, or of the others; empty where there is none."""
+    of_kind = pairs.across == across
+    matched = of_kind & pairs.joined
+    overlap = 100 * pairs.overlap[matched & np.isfinite(pairs.overlap)]
+    if not of_kind.any():
+        return ()
+    share = "–"
+    if len(overlap):
+        low, middle, high = np.percentile(overlap, (5, 50, 95))
+        share = f"{middle:.0f} % ({low:.0f} to {high:.0f} %)"
+    return name, f"{int(of_kind.sum()):,}", f"{int(matched.sum()):,}", share
 
 
 def _residuals(survey: Survey) -> WordTable:
     rows: list[tuple[str, ...]] = []
     summary = survey.adjusted.summary if survey.adjusted is not None else None
     if summary is not None and summary.sigmas.pixel_px is not None:
-        rows += [_residual_row(summary.residuals_after, key, name, summary.sigmas.pixel_px, "px")
+        rows += [_residual_row(summary.residuals_after[key], name, summary.sigmas.pixel_px, "px")
                  for key, name in IMAGE_FACTORS.items() if key in summary.residuals_after]  # fmt: skip
     if summary is not None and summary.sigmas.range_m is not None and "range" in summary.residuals_after:
-        rows.append(_residual_row(summary.residuals_after, "range", "DVL ranges", 1000 * summary.sigmas.range_m, "mm"))
+        rows.append(_residual_row(summary.residuals_after["range"], "DVL ranges", 1000 * summary.sigmas.range_m, "mm"))
     return WordTable(
         name="residuals-px",
         caption="Residuals after the adjustment: median-based sigma, root mean square, and how many lie beyond three sigmas",
@@ -67,10 +76,7 @@ def _residuals(survey: Survey) -> WordTable:
     )
 
 
-def _residual_row(
-    residuals: Mapping[str, FactorResiduals], key: str, name: str, unit_sigma: float, unit: str
-) -> tuple[str, ...]:
-    found = residuals[key]
+def _residual_row(found: FactorResiduals, name: str, unit_sigma: float, unit: str) -> tuple[str, ...]:
     robust = "–" if found.robust_sigma is None else f"{unit_sigma * found.robust_sigma:.2g} {unit}"
     beyond = "–" if found.share_beyond_3 is None else f"{100 * found.share_beyond_3:.1f} %"
     return name, f"{int(found.count):,}", robust, f"{unit_sigma * found.rms:.2g} {unit}", beyond

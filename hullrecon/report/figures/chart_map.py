@@ -105,8 +105,8 @@ class Shading:
 
 
 def form_shadings(found: ChartedSurface, split: DeviationSplit) -> tuple[Shading, Shading] | None:
-    """Return how the form of the deviation (mm) and its sigma (mm) are coloured; None where nothing was seen. The bare hull sets
-    the ends: five times the median, since it is most of the area; structures are beyond them."""
+    """Return how the form of the deviation (mm) and its sigma (mm) are coloured; None where nothing was seen. The bare hull
+    sets the ends: five times the median, since it is most of the area; structures are beyond them."""
     weight = np.where(np.isfinite(split.form), vertex_areas(found.surface.mesh()), 0.0)
     if not weight.sum() > 0:
         return None

@@ -44,11 +44,9 @@ def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer
         bands = (1, 2, 3) if source.count >= 3 else (1, 1, 1)
         picture = source.read(bands, out_shape=(3, *shape), resampling=Resampling.average)
         seen = source.dataset_mask(out_shape=shape)
-        bounds = tuple(float(v) for v in source.bounds)
+        left, bottom, right, top = (float(v) for v in source.bounds)
     rgba = np.dstack([*np.asarray(picture, np.uint8), seen])
-    return MapLayer(
-        name=name, title=title, webp=webp_bytes(rgba), bounds=(bounds[0], bounds[1], bounds[2], bounds[3]), note=note
-    )
+    return MapLayer(name=name, title=title, webp=webp_bytes(rgba), bounds=(left, bottom, right, top), note=note)
 
 
 def field_layer(

@@ -16,7 +16,7 @@ from hullrecon.report.figures.plan_view import nice_below
 from hullrecon.report.figures.style import png_bytes
 from hullrecon.typing import Array
 
-WIDTH, MARGIN, FOOT = 1000.0, 26.0, 46.0
+WIDTH, MARGIN, FOOT = 1000.0, 26.0, 26.0
 LEAST_FRAME = 26.0  # of the rectangle around the patch: a small one on a long ship is found all the same
 STEEL, PATCH = np.array([0.50, 0.58, 0.66]), np.array([0.88, 0.42, 0.10])
 
@@ -57,8 +57,8 @@ def facing_side(patch: Mesh) -> Side:
     return PORT if area[1] > 0 else STARBOARD
 
 
-def ship_svg(ship: Mesh, patch: Mesh) -> str:
-    """Return the picture; ship, patch: in axes forward, port, up, metres."""
+def ship_svg(ship: Mesh, patch: Mesh) -> tuple[str, str]:
+    """Return the picture, and in words which side it shows; ship, patch: in axes forward, port, up, metres."""
     side = facing_side(patch)
     at = side.project(ship.vertices)
     low, high = at.min(axis=0), at.max(axis=0)
@@ -70,12 +70,13 @@ def ship_svg(ship: Mesh, patch: Mesh) -> str:
     )
     picture = b64encode(_render(ship, patch, side, (low, high))).decode()
     box = f'x="{MARGIN}" y="{MARGIN}" width="{WIDTH - 2 * MARGIN:.1f}" height="{height:.1f}"'
-    return (
+    svg = (
         f'<svg class="ship" viewBox="0 0 {WIDTH:.0f} {height + 2 * MARGIN + FOOT:.0f}" role="img" '
         f'aria-label="{escape(text, quote=True)}" xmlns="http://www.w3.org/2000/svg"><title>{escape(text)}</title>'
         f'<image {box} preserveAspectRatio="none" href="data:image/png;base64,{picture}"/>'
         f"{_frame(side.project(patch.vertices[np.unique(patch.faces)]), low, scale, height)}{_foot(side, scale, height)}</svg>"
     )
+    return svg, side.words
 
 
 def _frame(patch: Array, low: Array, scale: float, height: float) -> str:
@@ -87,7 +88,7 @@ def _frame(patch: Array, low: Array, scale: float, height: float) -> str:
 
 
 def _foot(side: Side, scale: float, height: float) -> str:
-    """Return bow, stern, the side's name and a scale bar, below the ship."""
+    """Return bow, stern and between them a scale bar, below the ship."""
     y = 2 * MARGIN + height + 8
     left, right = ("bow", "stern") if side.bow_is_left else ("stern", "bow")
     metres = nice_below(0.25 * WIDTH / scale)
@@ -95,9 +96,8 @@ def _foot(side: Side, scale: float, height: float) -> str:
     return (
         f'<text x="{MARGIN:.0f}" y="{y:.1f}">{left}</text>'
         f'<text x="{WIDTH - MARGIN:.0f}" y="{y:.1f}" class="end">{right}</text>'
-        f'<text x="{middle:.0f}" y="{y:.1f}" class="mid">{escape(side.words)}</text>'
-        f'<path class="bar" d="M{middle - bar / 2:.1f} {y + 12:.1f}v8m0 -4h{bar:.1f}m0 -4v8"/>'
-        f'<text x="{middle + bar / 2 + 8:.1f}" y="{y + 21:.1f}">{metres:g} m</text>'
+        f'<path class="bar" d="M{middle - bar / 2:.1f} {y - 10:.1f}v10m0 -5h{bar:.1f}m0 -5v10"/>'
+        f'<text x="{middle + bar / 2 + 8:.1f}" y="{y:.1f}">{metres:g} m</text>'
     )
 
 
