@@ -54,21 +54,22 @@ SURFACE_RASTERS = tuple(f"{name}.tif" for name in ("deviation", "deviation_sigma
 
 
 Line = Annotated[str, msgspec.Meta(pattern=ONE_LINE, max_length=200)]
+LongText = Annotated[str, msgspec.Meta(max_length=4000)]
 
 
 class ReportOptions(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What the page says of the inspection; what is empty is not shown."""
 
-    client: Annotated[Line, msgspec.Meta(description="who asked for the inspection")] = ""
-    operator: Annotated[Line, msgspec.Meta(description="who inspected")] = ""
-    vessel_operator: Annotated[Line, msgspec.Meta(description="who runs the ship")] = ""
+    client: Annotated[Line | None, msgspec.Meta(description="who asked for the inspection")] = None
+    operator: Annotated[Line | None, msgspec.Meta(description="who inspected")] = None
+    vessel_operator: Annotated[Line | None, msgspec.Meta(description="who runs the ship")] = None
     equipment: Annotated[
-        tuple[Line, ...], msgspec.Meta(max_length=20, description="vehicle, cameras, sonar, lights, one a line")
+        tuple[Line, ...], msgspec.Meta(max_length=20, description="vehicle, cameras, sonar, lights: a text each")
     ] = ()
-    water: Annotated[Line, msgspec.Meta(description="place, visibility, temperature, current")] = ""
+    water: Annotated[Line | None, msgspec.Meta(description="place, visibility, temperature, current")] = None
     conclusion: Annotated[
-        str, msgspec.Meta(max_length=4000, description="the inspector's own words; a blank line parts paragraphs")
-    ] = ""
+        LongText | None, msgspec.Meta(description="the inspector's own words; a blank line parts paragraphs")
+    ] = None
     logo: Annotated[FileName | None, msgspec.Meta(description="PNG, JPEG or WebP, relative to dive.toml")] = None
 
 
@@ -140,12 +141,12 @@ def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig:
 def _about(context: Context[ReportOptions]) -> AboutInspection:
     options = context.parameters
     return AboutInspection(
-        client=options.client,
-        operator=options.operator,
-        vessel_operator=options.vessel_operator,
+        client=options.client or "",
+        operator=options.operator or "",
+        vessel_operator=options.vessel_operator or "",
         equipment=options.equipment,
-        water=options.water,
-        conclusion=options.conclusion,
+        water=options.water or "",
+        conclusion=options.conclusion or "",
         logo=None if options.logo is None else read_logo(context.source / options.logo),
     )
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -24,7 +25,9 @@ ABOUT = AboutInspection(
 
 
 def page_of(survey: Survey, about: AboutInspection) -> str:
-    return render_page(page_context(replace(survey, facts=replace(survey.facts, about=about)), [], {}, {}))
+    """The page without its scripts."""
+    page = render_page(page_context(replace(survey, facts=replace(survey.facts, about=about)), [], {}, {}))
+    return re.sub(r"(?s)<(script|style)\b.*?</\1>", "", page)
 
 
 def picture(path: Path, size: tuple[int, int] = (1000, 100)) -> Path:

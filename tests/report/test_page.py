@@ -7,6 +7,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from itertools import pairwise
 
 import numpy as np
 
@@ -318,7 +319,7 @@ def test_many_cards_are_folded_away_and_few_are_not(survey: Survey, found: Repor
 def test_headings_never_skip_a_level(survey: Survey) -> None:
     levels = [int(tag[1]) for tag, _ in page_of(survey, plots=True).tags if re.fullmatch(r"h[1-6]", tag)]
     assert levels[0] == 1
-    assert all(below <= above + 1 for above, below in zip(levels, levels[1:], strict=False))
+    assert all(below <= above + 1 for above, below in pairwise(levels))
 
 
 def test_all_controls_have_names(survey: Survey) -> None:
