@@ -3,6 +3,7 @@
 #
 #   make demo    set up, run the sample dive, print where its report lies
 #   make test    set up, run all tests
+#   make web     rebuild the script and the style of the report page (needs Node and npm; nothing else does)
 #   make bench-peers   the environment of the peers that benchmarks/peers.py measures (pycolmap, GTSAM)
 #   make check   lint, types, imports and format (what CI checks besides)
 #
@@ -21,7 +22,7 @@ NATIVE := $(shell find native -type f 2>/dev/null)
 export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 
-.PHONY: FORCE setup demo test check lint types imports format sanitize bench-peers clean
+.PHONY: FORCE setup demo test check lint types imports format sanitize web bench-peers clean
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
@@ -70,6 +71,10 @@ sanitize: setup
 		-DCMAKE_BUILD_TYPE=RelWithDebInfo -DHULLRECON_SANITIZE=ON
 	$(BIN)/cmake --build build/sanitize -j $(JOBS)
 	$(BIN)/ctest --test-dir build/sanitize --output-on-failure
+
+# Sources in hullrecon/report/web; what is built lies in hullrecon/report/templates and in the repository.
+web:
+	cd hullrecon/report/web && npm ci --ignore-scripts --no-fund --no-audit && npm run build
 
 # Never part of the project's own environment or lock.
 bench-peers: benchmarks/.venv/.installed

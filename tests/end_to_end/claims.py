@@ -17,7 +17,7 @@ from end_to_end.true_hull import read_ply, read_table
 def page_text(run):
     """The words of the page as a reader sees them."""
     raw = (run / "deliver" / "report" / "index.html").read_text()
-    raw = re.sub(r"(?s)<style>.*?</style>|<script>.*?</script>|<details.*?</details>", " ", raw)
+    raw = re.sub(r"(?s)<style>.*?</style>|<script\b.*?</script>|<details.*?</details>", " ", raw)
     return re.sub(r"\s+", " ", html.unescape(re.sub(r"(?s)<[^>]*>", " ", raw)))
 
 

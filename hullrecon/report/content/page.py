@@ -13,10 +13,10 @@ def render_page(context: Mapping[str, object]) -> str:
     from jinja2 import DictLoader, Environment, StrictUndefined
 
     folder = resources.files("hullrecon.report") / "templates"
-    names = ("page.html", "style.css")
-    texts = {name: (folder / name).read_text(encoding="utf-8") for name in names}
+    page, script, style = (
+        (folder / name).read_text(encoding="utf-8") for name in ("page.html", "report.js", "report.css")
+    )  # the last two are built: report/web
     environment = Environment(
-        loader=DictLoader(texts), autoescape=lambda name: name == "page.html", undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-    return environment.get_template("page.html").render(context)
+        loader=DictLoader({"page.html": page}), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.get_template("page.html").render(context, script=script, style=style)
