@@ -97,9 +97,10 @@ def deliver(survey: Survey, out: FileWriter) -> None:
     for plot in plots:
         writer.write(f"plots/{plot.name}.png", plot.png)
         writer.write(f"plots/{plot.name}.csv", csv_text(plot.table))
+    context = page_context(survey, plots, writer.entries, photos)
     if PDF not in survey.provenance.missing:
-        writer.write(PDF, render_pdf(page_context(survey, plots, writer.entries, photos)))
-    writer.write("report/index.html", render_page(page_context(survey, plots, writer.entries, photos)))
+        writer.write(PDF, render_pdf(context))
+    writer.write("report/index.html", render_page({**context, "deliverables": writer.entries}))
     out.json(f"{FOLDER}/summary.json", summary_document(survey, writer.entries))
 
 

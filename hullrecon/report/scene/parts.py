@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
+from hullrecon.geometry.meshes.mesh import vertex_normals
 from hullrecon.report.survey import Surfaces
 from hullrecon.typing import Array, Ints
 
@@ -17,17 +17,22 @@ MAX_SURVEYED, MAX_REST = 220_000, 80_000  # triangles: what a telephone still tu
 
 @dataclass(frozen=True, kw_only=True)
 class ScenePart:
-    """A mesh of the 3-D view: vertices (n, 3) without the hull's form, form (n, 3) that is added to them to give the hull as
-    found, faces (m, 3), chart points (n, 2), NaN off the chart."""
+    """A mesh of the 3-D view: vertices (n, 3) without the hull's form; form (n,) m, which along the outward unit normals
+    (n, 3) gives the hull as found; faces (m, 3); chart points (n, 2), NaN off the chart."""
 
     vertices: Array
     form: Array
+    normals: Array
     faces: Ints
     chart: Array
 
     @property
     def has_form(self) -> bool:
         return bool(np.abs(self.form).max(initial=0.0) > 0)
+
+    def as_found(self) -> Array:
+        """Return the vertices of the hull as found."""
+        return self.vertices + self.form[:, None] * self.normals
 
 
 def scene_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]:
@@ -42,9 +47,11 @@ def scene_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]
     form = np.zeros(len(surface.vertices))
     if surfaces.deviation is not None and surface is surfaces.as_found:
         form = np.nan_to_num(surfaces.deviation.form)
-    displacement = form[:, None] * vertex_normals(surface.mesh())
     chart = surfaces.chart.to_chart(surface.vertices)[:, :2]
-    whole = ScenePart(vertices=surface.vertices - displacement, form=displacement, faces=surface.faces, chart=chart)
+    smooth, rough = surfaces.chart.from_chart(chart)[1], vertex_normals(surface.mesh())
+    normals = np.where(np.isfinite(smooth).all(axis=1, keepdims=True), smooth, rough)  # of the form: not those of its bumps
+    base = surface.vertices - form[:, None] * normals
+    whole = ScenePart(vertices=base, form=form, normals=normals, faces=surface.faces, chart=chart)
     seen = (surface.support[surface.faces] > 0).all(axis=1)
     return _decimate(_submesh(whole, seen), MAX_SURVEYED), _decimate(_submesh(whole, ~seen), MAX_REST)
 
@@ -55,8 +62,13 @@ def _submesh(part: ScenePart, faces: Array) -> ScenePart | None:
     if not len(kept):
         return None
     used, index = np.unique(kept, return_inverse=True)
+    return _at(part, used, part.vertices[used], index.reshape(-1, 3))
+
+
+def _at(part: ScenePart, which: Ints, vertices: Array, faces: Ints) -> ScenePart:
+    """Return a mesh whose vertices have form, normal and chart point of those vertices of a part."""
     return ScenePart(
-        vertices=part.vertices[used], form=part.form[used], faces=index.reshape(-1, 3), chart=part.chart[used]
+        vertices=vertices, faces=faces, form=part.form[which], normals=part.normals[which], chart=part.chart[which]
     )
 
 
@@ -67,12 +79,9 @@ def _decimate(part: ScenePart | None, most: int) -> ScenePart | None:
     import open3d as o3d
     from scipy.spatial import cKDTree
 
-    found = Mesh(part.vertices + part.form, part.faces)
-    mesh = o3d.geometry.TriangleMesh(
-        o3d.utility.Vector3dVector(found.vertices), o3d.utility.Vector3iVector(found.faces.astype(np.int32))
-    )
+    found = part.as_found()
+    mesh = o3d.geometry.TriangleMesh(o3d.utility.Vector3dVector(found), o3d.utility.Vector3iVector(part.faces.astype(np.int32)))
     mesh = mesh.simplify_quadric_decimation(target_number_of_triangles=most)
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.triangles)
-    nearest = cKDTree(found.vertices).query(vertices)[1]
-    form = part.form[nearest]
-    return ScenePart(vertices=vertices - form, form=form, faces=faces, chart=part.chart[nearest])
+    nearest = cKDTree(found).query(vertices)[1]
+    return _at(part, nearest, vertices - part.form[nearest, None] * part.normals[nearest], faces)

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Group, HemisphereLight, DirectionalLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import "./scene.css";
 import { makeGizmo } from "./scene_gizmo.js";
 import { makeHull } from "./scene_hull.js";
 import { makeMarks } from "./scene_marks.js";
@@ -36,7 +37,10 @@ function show(element, data, cards) {
   renderer.autoClear = false;
   renderer.setClearColor("#eef3f7");
   const view = element.querySelector(".scene-view");
-  view.replaceChildren(canvas);
+  const bar = view.appendChild(document.createElement("div"));
+  bar.className = "scene-bar";
+  bar.append(document.createElement("span"), document.createElement("span"));
+  view.append(canvas);
   canvas.tabIndex = 0;
   canvas.setAttribute("role", "application");
   canvas.setAttribute("aria-label", "The hull in 3-D. Arrow keys turn it, plus and minus come closer and go away, 0 shows all again.");
@@ -66,8 +70,6 @@ function show(element, data, cards) {
   const controls = new OrbitControls(camera, canvas);
   controls.addEventListener("change", draw);
   const home = () => placeCamera(camera, controls, hull, up);
-  const bar = element.querySelector(".scene-bar");
-
   function render() {
     head.position.copy(camera.position);
     head.children[0].position.copy(up).multiplyScalar(0.3 * controls.getDistance());
@@ -105,7 +107,7 @@ function placeCamera(camera, controls, hull, up) {
   const side = new Vector3().crossVectors(up, normal).normalize();
   const from = normal.clone().addScaledVector(up, 0.25).addScaledVector(side, 0.35).normalize();
   const fit = radius / Math.sin(((FIELD_DEG / 2) * Math.PI) / 180);
-  camera.position.copy(center).addScaledVector(from, fit * Math.max(0.85, 0.75 / Math.min(camera.aspect, 1)));
+  camera.position.copy(center).addScaledVector(from, fit * (camera.aspect >= 1 ? 0.85 : 0.95 / camera.aspect));
   controls.target.copy(center);
   controls.update();
 }

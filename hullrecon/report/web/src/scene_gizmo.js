@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { ArrowHelper, CanvasTexture, OrthographicCamera, SRGBColorSpace, Scene, Sprite, SpriteMaterial, Vector3 } from "three";
 
-const SIZE_PX = 96;
+const SIZE_PX = 120;
 
 /** Arrows to the bow and upwards, in the lower right corner of the view. */
 export function makeGizmo(document_) {
   const scene = new Scene();
-  const camera = new OrthographicCamera(-1.6, 1.6, 1.6, -1.6, 0.1, 10);
+  const camera = new OrthographicCamera(-2, 2, 2, -2, 0.1, 10);
   const arrows = [
     [new Vector3(1, 0, 0), document_.forward, "#b3261e"],
     [new Vector3(...document_.up), "up", "#174a7c"],

@@ -32,7 +32,7 @@ export function makeScenePanel(panel, data, { hull, marks, home, draw }) {
       layer.visible = box.checked;
       draw();
     });
-    boxes.append(make("label", {}, [box, ` ${title}`]));
+    boxes.append(make("label", { className: "scene-box" }, [box, make("span", { textContent: title })]));
   }
   panel.append(boxes);
 
@@ -53,7 +53,7 @@ function shapeSliders(hull) {
     hull.setShape(Number(shape.value), Number(factor.value));
     const percent = Math.round(100 * Number(shape.value));
     says.textContent = percent === 0 ? "as drawn" : percent === 100 ? "as found" : `${percent} %`;
-    factorSays.textContent = factor.value === "1" ? "×1, true to scale" : `×${factor.value}, exaggerated`;
+    factorSays.textContent = factor.value === "1" ? "×1, true to scale" : `×${factor.value}, objects ×1`;
     shape.setAttribute("aria-valuetext", says.textContent);
     factor.setAttribute("aria-valuetext", factorSays.textContent);
   };
@@ -63,7 +63,7 @@ function shapeSliders(hull) {
   return make("fieldset", {}, [
     make("legend", { textContent: "Form" }),
     make("label", {}, ["As drawn – as found: ", says, shape]),
-    make("label", {}, ["Deviation: ", factorSays, factor]),
+    make("label", {}, ["Relief: ", factorSays, factor]),
   ]);
 }
 
@@ -73,7 +73,11 @@ function showLegend(element, layer) {
   const { label, low, high, colours } = layer.legend;
   const strip = make("span", { className: "scene-colours" });
   strip.style.background = `linear-gradient(to right, ${colours.join(", ")})`;
-  element.append(make("span", { textContent: label }), strip, make("span", { className: "scene-ends" }, [make("span", { textContent: String(low) }), make("span", { textContent: String(high) })]));
+  element.append(make("span", { textContent: label }), strip, make("span", { className: "scene-ends" }, [low, high].map((value) => make("span", { textContent: rounded(value) }))));
+}
+
+function rounded(value) {
+  return String(Number(value.toPrecision(2))).replace("-", "−");
 }
 
 function labelled(text, control) {
