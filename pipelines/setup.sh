@@ -8,9 +8,13 @@
 # SKIP_SYSTEM_PACKAGES=1 leaves the system as it is: then the compiler and the libraries have to be there.
 set -euo pipefail
 
-# libegl1, libgl1 and libusb-1.0-0 are for open3d alone; libopenblas-dev keeps libceres-dev from choosing the slow ATLAS.
+# libegl1, libgl1 and libusb-1.0-0 are for open3d alone; libopenblas-dev keeps libceres-dev from choosing the slow ATLAS; Pango and
+# libharfbuzz-subset0 are for report.pdf; chromium is for tests of the report's page.
 SYSTEM=(make g++ python3 python3-venv python3-dev libceres-dev libsuitesparse-dev libopenblas-dev doctest-dev
-        libegl1 libgl1 libgomp1 libusb-1.0-0)
+        libegl1 libgl1 libgomp1 libusb-1.0-0 libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0)
+
+# Ubuntu's package chromium starts a snap, which is no use where there is no snapd: there the tests take Google Chrome.
+grep -qs '^ID=ubuntu' /etc/os-release || SYSTEM+=(chromium)
 
 die() { echo "setup: $*" >&2; exit 1; }
 

@@ -25,6 +25,7 @@ from hullrecon.report.export.summary import summary_document
 from hullrecon.report.export.table import csv_metadata
 from hullrecon.report.export.trajectory import trajectory_table, trajectory_tum
 from hullrecon.report.figures.all_plots import draw_all_plots
+from hullrecon.report.pdf.render import PDF, render_pdf
 from hullrecon.report.survey import Survey
 
 FOLDER = "deliver"
@@ -96,7 +97,10 @@ def deliver(survey: Survey, out: FileWriter) -> None:
     for plot in plots:
         writer.write(f"plots/{plot.name}.png", plot.png)
         writer.write(f"plots/{plot.name}.csv", csv_text(plot.table))
-    writer.write("report/index.html", render_page(page_context(survey, plots, writer.entries, photos)))
+    context = page_context(survey, plots, writer.entries, photos)
+    if PDF not in survey.provenance.missing:
+        writer.write(PDF, render_pdf(context))
+    writer.write("report/index.html", render_page({**context, "deliverables": writer.entries}))
     out.json(f"{FOLDER}/summary.json", summary_document(survey, writer.entries))
 
 

@@ -21,6 +21,7 @@ from hullrecon.report.about import AboutInspection, read_logo
 from hullrecon.report.content.missing_deliverables import OF_OBJECTS, Carried, missing_deliverables
 from hullrecon.report.deliver import deliver
 from hullrecon.report.export.trajectory import track_of
+from hullrecon.report.pdf.render import PDF, why_no_pdf
 from hullrecon.report.step_documents import (
     AdjustSummary,
     DetectFacts,
@@ -217,7 +218,8 @@ def _missing(
     for name, mosaic in mosaics.items():
         if mosaic is not None and not mosaic.has_mesh:
             missing[f"mosaic_{name}.glb"] = "too little was seen for a textured mesh"
-    return missing
+    no_pdf = why_no_pdf()
+    return missing if no_pdf is None else missing | {PDF: no_pdf}
 
 
 def _copies(context: Context[ReportOptions]) -> dict[str, Path]:

@@ -104,3 +104,12 @@ def test_objects_that_were_not_looked_for_are_absent_not_none(navigated: dict[st
 def test_the_facts_of_a_surface_without_a_cad_model_compare_it_with_nothing() -> None:
     facts = {"reference": "plane", "comparison": None, "method": "gp"}
     assert msgspec.convert(facts, SurfaceFacts).comparison is None
+
+
+def test_a_machine_without_pango_delivers_the_page_and_says_why_there_is_no_pdf(
+    navigated: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hullrecon.steps.report.why_no_pdf", lambda: "Pango is not installed")
+    deliver = run(navigated, tmp_path / "report")
+    assert json.loads((deliver / "summary.json").read_text())["absent"]["report/report.pdf"] == "Pango is not installed"
+    assert sorted(p.name for p in (deliver / "report").iterdir()) == ["index.html"]

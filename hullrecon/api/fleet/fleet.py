@@ -12,6 +12,7 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from hullrecon.api.fleet.index_page import FleetIndex
 from hullrecon.api.fleet.outcome import FleetDive, FleetResult, State
 from hullrecon.api.fleet.plan import PlannedDive, RunTerms, packages_for, plan_fleet, result_signature
 from hullrecon.api.fleet.processes import Ended, run_each
@@ -56,10 +57,22 @@ def run_fleet(
                 _note(dive, done[dive.package], memory)
         log.info("%d of %d dives to run", len(to_do), len(planned))
         commands = {package: _command(dive, out, scheduler, terms) for package, dive in to_do.items()}
-        with closing(run_each(commands, jobs, out / FOLDER, time_limit_s)) as ended:
-            for package, end in (progress or Silent()).track(ended, "dives", len(commands)):
-                done[package] = _outcome(to_do[package], end, out)
-                _note(to_do[package], done[package], memory, timed_out=end.timed_out)
+        index, running = FleetIndex(out), set[Path]()
+
+        def start(package: Path) -> None:
+            running.add(package)
+            index.write(done.values(), running)
+
+        try:
+            with closing(run_each(commands, jobs, out / FOLDER, time_limit_s, start)) as ended:
+                for package, end in (progress or Silent()).track(ended, "dives", len(commands)):
+                    running.remove(package)
+                    done[package] = _outcome(to_do[package], end, out)
+                    _note(to_do[package], done[package], memory, timed_out=end.timed_out)
+                    index.forget(to_do[package].name)
+                    index.write(done.values(), running)
+        finally:
+            index.write(done.values())
     return FleetResult(dives_folder=here, runs=out, dives=tuple(done.values()), skipped=tuple(skipped))
 
 

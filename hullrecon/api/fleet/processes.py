@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 from collections import deque
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -54,18 +54,24 @@ class _Running(Generic[Key]):
 
 
 def run_each(
-    commands: Mapping[Key, Sequence[str]], jobs: int, scratch: Path, time_limit_s: float | None = None
+    commands: Mapping[Key, Sequence[str]],
+    jobs: int,
+    scratch: Path,
+    time_limit_s: float | None = None,
+    on_start: Callable[[Key], None] | None = None,
 ) -> Generator[tuple[Key, Ended], None, None]:
     """Run hullrecon with each of these arguments, `jobs` at a time, and yield how each ended, as they end.
 
     A command that takes longer than time_limit_s is ended with SIGTERM, and so is what still runs when the generator is closed.
-    scratch: folder for what the commands print.
+    scratch: folder for what the commands print. on_start: called with each command that was started.
     """
     waiting, running = deque(commands.items()), list[_Running[Key]]()
     try:
         while waiting or running:
             while waiting and len(running) < jobs:
                 running.append(_start(*waiting.popleft(), scratch))
+                if on_start is not None:
+                    on_start(running[-1].key)
             ended = [r for r in running if r.process.poll() is not None]
             for r in ended:
                 running.remove(r)

@@ -27,6 +27,7 @@ from hullrecon.report.figures.plan_view import Mark, Plan, SigmaEllipse, plan_sv
 from hullrecon.report.figures.ship_view import ship_svg
 from hullrecon.report.figures.style import Plot
 from hullrecon.report.figures.survey_map import ChartView, chart_view, object_ellipses, survey_layers
+from hullrecon.report.scene.scene_data import BLOCK, make_scene
 from hullrecon.report.survey import Mosaic, Survey
 from hullrecon.typing import Array, Pixels
 
@@ -49,7 +50,8 @@ def page_context(
     dive = survey.facts.dive
     coverage = survey.findings.coverage
     figures = deviation_figures(survey)
-    data = page_data(survey, view, layers, ellipses)
+    scene = make_scene(survey, view)
+    data = {**page_data(survey, view, layers, ellipses), "scene": scene and scene.document}
     quality, mosaics = quality_tables(survey), survey.mosaics.named()
     has = {
         "deviation": survey.is_in_hull_frame, "view": data["scene"], "mosaics": mosaics, "coverage": coverage_rows(coverage),
@@ -73,7 +75,7 @@ def page_context(
         "verdict": verdict(survey),
         "figures": key_figures(survey),
         "quality": {table.name: table for table in quality},
-        "layers": [(image_id(layer), image_uri(layer)) for layer in layers],
+        "layers": [(image_id(layer), image_uri(layer)) for layer in layers] + ([(BLOCK, scene.block)] if scene else []),
         "table": object_rows(survey),
         "address_of": {o.id: o.address for o in survey.findings.objects or ()},
         "date": dive.date.strftime("%d %B %Y, %H:%M UTC") if dive.date else "",

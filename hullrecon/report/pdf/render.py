@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Render report.pdf: the page's content on paper, with page numbers, by WeasyPrint; nothing is read but templates and fonts."""
+
+from __future__ import annotations
+
+import io
+import logging
+import re
+from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout
+from importlib import resources
+from pathlib import Path
+
+PDF = "report/report.pdf"  # in deliver/
+_FONT = "font:"  # scheme of the fonts named in print.css
+_PLAN_STYLE = "/* Pictures */"  # before the rules of plan and ship in print.css
+
+
+def why_no_pdf() -> str | None:
+    """Return why this machine cannot make a PDF, in a sentence; None where it can."""
+    try:
+        with redirect_stdout(io.StringIO()):  # where a library is missing, WeasyPrint prints how to install it
+            import weasyprint  # noqa: F401
+    except OSError:
+        return "Pango is not installed (Debian packages libpango-1.0-0, libpangoft2-1.0-0, libharfbuzz-subset0)"
+    return None
+
+
+def render_pdf(context: Mapping[str, object]) -> bytes:
+    """Return the report as PDF, tagged for screen readers; context: the variables of page_context. Same context, same bytes.
+
+    Raises OSError where Pango is missing.
+    """
+    import weasyprint
+
+    for name in ("weasyprint", "fontTools"):  # they speak of fonts and CSS, not of the dive
+        logging.getLogger(name).setLevel(logging.ERROR)
+    document = weasyprint.HTML(string=render_html(context), url_fetcher=_fetch, base_url=_FONT)
+    return bytes(document.write_pdf(pdf_variant="pdf/ua-1", pdf_identifier=b"hullrecon", dpi=200, optimize_images=True))
+
+
+def render_html(context: Mapping[str, object]) -> str:
+    """Return what is laid out on the pages."""
+    from jinja2 import DictLoader, Environment, StrictUndefined
+
+    folder = resources.files("hullrecon.report") / "templates"
+    page, style = ((folder / name).read_text(encoding="utf-8") for name in ("print.html", "print.css"))
+    environment = Environment(
+        loader=DictLoader({"print.html": page}),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    cards = context["cards"]
+    style, _, plan_style = style.partition(_PLAN_STYLE)  # rules of the page do not reach into a picture
+    sections = [section for section in context["sections"] if section[0] != "view"]  # type: ignore[attr-defined]
+    more = {
+        "sections": sections,
+        "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
+        "plan": _styled(context["plan"], plan_style),
+        "ship": _styled(context["ship"], plan_style),
+        "columns": _columns(cards) if isinstance(cards, Sequence) else [],
+    }
+    return environment.get_template("print.html").render({**context, **more}, style=style, dict=dict)
+
+
+def _styled(picture: object, style: str) -> str | None:
+    """Return an SVG with rules of its own."""
+    return (
+        None if picture is None else re.sub(r"(<svg[^>]*>)", lambda m: f"{m[1]}<style>{style}</style>", str(picture), count=1)
+    )
+
+
+def _columns(cards: Sequence[Mapping[str, Sequence[tuple[str, str]]]]) -> list[str]:
+    """Return what is known of any object, in the order of the cards."""
+    return list(dict.fromkeys(name for card in cards for name, _ in card["rows"]))
+
+
+def _fetch(url: str, headers: Mapping[str, str] | None = None) -> object:
+    """Return a font, or a picture of a data URI. Raises ValueError for anything else: nothing comes from disk or network."""
+    import matplotlib
+    from weasyprint.urls import URLFetcher, URLFetcherResponse
+
+    if url.startswith("data:"):
+        return URLFetcher(allowed_protocols=("data",)).fetch(url, headers)
+    if not url.startswith(_FONT):
+        raise ValueError(f"the report names {url.split(':')[0]}")
+    name = Path(url.removeprefix(_FONT)).name
+    if name.startswith("DejaVu"):
+        return URLFetcherResponse(url, (Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name).read_bytes())
+    return URLFetcherResponse(url, (resources.files("hullrecon.report") / "templates" / "fonts" / name).read_bytes())

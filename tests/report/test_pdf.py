@@ -1,0 +1,151 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""report.pdf, read back: pages, headings, every object and every parameter."""
+
+from __future__ import annotations
+
+import io
+import re
+import sys
+from dataclasses import replace
+
+import pytest
+from pypdf import PdfReader
+
+from hullrecon import __version__
+from hullrecon.dive.config.schema import Dive
+from hullrecon.report.content.object_images import object_crops
+from hullrecon.report.content.page_context import page_context
+from hullrecon.report.deliver import FileEntry
+from hullrecon.report.figures.all_plots import draw_all_plots
+from hullrecon.report.pdf.render import render_html, render_pdf
+from hullrecon.report.survey import Survey
+
+FILES = {f"file-{k:02d}.csv": FileEntry(bytes=1000 + k, sha256=f"{k:02x}" * 32) for k in range(40)}
+MANY = 24
+
+
+def context_of(survey: Survey, plots: bool = False) -> dict[str, object]:
+    drawn = draw_all_plots(survey) if plots else []
+    return dict(page_context(survey, drawn, FILES, object_crops(survey)))
+
+
+def pages_of(pdf: bytes) -> list[str]:
+    return [page.extract_text() for page in PdfReader(io.BytesIO(pdf)).pages]
+
+
+def crowded(survey: Survey) -> Survey:
+    """The survey with many objects and a long table of parameters."""
+    one = (survey.findings.objects or ())[0]
+    objects = tuple(replace(one, id=k + 1, height=0.05 + 0.001 * k, address=f"frame {k + 1}, port") for k in range(MANY))
+    step = survey.provenance.steps[0]
+    settings = {"adjust": {f"option_{k}": k * 1.5 for k in range(120)}}
+    return replace(
+        survey,
+        findings=replace(survey.findings, objects=objects),
+        provenance=replace(survey.provenance, steps=(replace(step, settings=settings),)),
+    )
+
+
+def test_each_page_has_its_number_and_each_but_the_first_names_dive_and_software(survey: Survey) -> None:
+    pages = pages_of(render_pdf(context_of(survey, plots=True)))
+    assert len(pages) > 3
+    for number, text in enumerate(pages, start=1):
+        assert f"{number} of {len(pages)}" in text
+        assert number == 1 or ("Hull survey: plate-1" in text and f"hullrecon {__version__}" in text)
+
+
+def test_nothing_is_lost_on_the_way_to_paper(survey: Survey) -> None:
+    context = context_of(crowded(survey))
+    pages = pages_of(render_pdf(context))
+    text = re.sub(r"\s+", "", "".join(pages))
+    for name, entry in FILES.items():
+        assert name in text
+        assert entry.sha256 in text
+    for k in range(120):
+        assert f"adjust.option_{k}{k * 1.5}" in text
+    for card in context["cards"]:  # type: ignore[attr-defined]
+        for name, value in card["rows"]:
+            assert re.sub(r"\s+", "", name + value) in text, name
+    for line in context["lines"]:  # type: ignore[attr-defined]
+        assert re.sub(r"\s+", "", line) in text
+    _check_rows(re.sub(r"\s+", " ", " ".join(pages)))
+
+
+def _check_rows(text: str) -> None:
+    """Every object has its row in the list and in the annex."""
+    listed, annex = text.split("Objects, 24 in all")[1], text.split("Annex: the numbers of all objects")[-1]
+    for k in range(1, MANY + 1):
+        assert re.search(rf"\b{k} Protrusion frame {k}, port", listed), k
+        assert re.search(rf"\b{k} frame {k}, port", annex), k
+
+
+def test_a_heading_never_ends_a_page(survey: Survey) -> None:
+    import weasyprint
+
+    from hullrecon.report.pdf.render import _fetch
+
+    html = render_html(context_of(survey, plots=True))
+    for page in weasyprint.HTML(string=html, url_fetcher=_fetch, base_url="font:").render().pages:
+        lines = [
+            (box.position_y, box.element_tag) for box in page._page_box.descendants() if getattr(box, "text", "").strip()
+            and page.height - 75 > box.position_y > 70
+        ]  # fmt: skip
+        if lines:
+            assert max(lines)[1] not in ("h1", "h2", "h3", "caption")
+
+
+def test_the_same_survey_gives_the_same_bytes(survey: Survey) -> None:
+    assert render_pdf(context_of(survey)) == render_pdf(context_of(survey))
+
+
+def test_a_bare_dive_has_its_reasons_on_paper(bare: Survey) -> None:
+    text = " ".join(" ".join(pages_of(render_pdf(context_of(bare)))).split())
+    assert "Objects were not looked for: no camera was carried." in text
+    assert "Deviation from the CAD model" not in text
+
+
+def test_names_in_foreign_letters_are_readable_and_no_markup(bare: Survey) -> None:
+    dive = Dive(name="bare", vessel="Αθήνα & <b>Łódź</b>")
+    survey = replace(bare, facts=replace(bare.facts, dive=dive))
+    assert "Αθήνα & <b>Łódź</b>" in pages_of(render_pdf(context_of(survey)))[0]
+
+
+def test_the_document_is_tagged_titled_and_has_bookmarks(survey: Survey) -> None:
+    reader = PdfReader(io.BytesIO(render_pdf(context_of(survey))))
+    assert reader.metadata is not None
+    assert reader.metadata.title == "Hull survey: plate-1"
+    assert reader.metadata.creation_date is None
+    assert reader.trailer["/Root"]["/MarkInfo"]["/Marked"]  # type: ignore[index]
+    assert "1 Plan of the dive" in [entry.title for entry in _flat(reader.outline)]
+
+
+def _flat(outline: list[object]) -> list[object]:
+    return [entry for item in outline for entry in (_flat(item) if isinstance(item, list) else [item])]
+
+
+def test_nothing_is_fetched_from_disk_or_network(survey: Survey) -> None:
+    from hullrecon.report.pdf.render import _fetch
+
+    for url in ("file:///etc/passwd", "https://example.com/logo.png", "font:../../../../etc/passwd"):
+        with pytest.raises((ValueError, FileNotFoundError)):
+            _fetch(url)
+
+
+def test_a_missing_library_is_a_reason_and_prints_nothing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """WeasyPrint prints its advice on standard output, which carries results."""
+    from hullrecon.report.pdf import render
+
+    class Finder:
+        @staticmethod
+        def find_spec(name: str, path: object = None, target: object = None) -> None:
+            if name == "weasyprint":
+                print("could not import some external libraries")
+                raise OSError("cannot load library 'libpango-1.0-0'")
+
+    monkeypatch.delitem(sys.modules, "weasyprint", raising=False)
+    monkeypatch.setattr(sys, "meta_path", [Finder, *sys.meta_path])
+    assert "libpango-1.0-0" in (render.why_no_pdf() or "")
+    assert capsys.readouterr().out == ""
