@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.fuzz.corpus import Entry, describe, read_corpus, write_corpus
-from benchmarks.fuzz.formats import seeds, with_right_sums
 from benchmarks.fuzz.field_mutators import FIELDS, edit_records, set_float
+from benchmarks.fuzz.formats import seeds, with_right_sums
 from benchmarks.fuzz.mutators import BINARY, TEXT, mutate
 from benchmarks.fuzz.records import record_starts
 from benchmarks.fuzz.seed_files import pd0

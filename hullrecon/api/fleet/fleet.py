@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -56,7 +57,7 @@ def run_fleet(
                 _note(dive, done[dive.package], memory)
         log.info("%d of %d dives to run", len(to_do), len(planned))
         commands = {package: _command(dive, out, scheduler, terms) for package, dive in to_do.items()}
-        with closing(run_each(commands, jobs, out / FOLDER, time_limit_s)) as ended:
+        with closing(run_each(commands, jobs, out / FOLDER, time_limit_s or math.inf)) as ended:
             for package, end in (progress or Silent()).track(ended, "dives", len(commands)):
                 done[package] = _outcome(to_do[package], end, out)
                 _note(to_do[package], done[package], memory, timed_out=end.timed_out)
