@@ -64,7 +64,7 @@ def _set_integer(data: bytearray, other: bytes, dice: Random) -> bytearray:
     return data
 
 
-def _set_float(data: bytearray, other: bytes, dice: Random) -> bytearray:
+def set_float(data: bytearray, other: bytes, dice: Random) -> bytearray:
     """Set a field that looks like a floating-point number of a sensor to one that no sensor gives."""
     width = dice.choice((4, 8))
     shift = dice.randrange(width)
@@ -108,4 +108,4 @@ def _write_signature(data: bytearray, other: bytes, dice: Random) -> bytearray:
     return data
 
 
-FIELDS: list[Mutator] = [_set_integer, _set_float, _swap_fields, _change_digits, _write_signature]
+FIELDS: list[Mutator] = [_set_integer, set_float, _swap_fields, _change_digits, _write_signature]

@@ -170,7 +170,12 @@ def _hull() -> tuple[Seed, ...]:
 
 def _hull_gz() -> tuple[Seed, ...]:
     packed = {f"{name}.gz": gzip.compress(data, mtime=0) for name, data in seed_files.hulls().items() if name != "hull.glb"}
-    return tuple(Seed(read="cad", files={name: data}, target=name, checksummed=True) for name, data in packed.items())
+    whole = (Seed(read="cad", files={name: data}, target=name, checksummed=True) for name, data in packed.items())
+    past_sums = Seed(
+        read="cad", files={"past.stl.gz": seed_files.hulls()["hull.stl"]}, target="past.stl.gz",
+        finish=lambda data: gzip.compress(data, 1, mtime=0),
+    )  # fmt: skip
+    return (*whole, past_sums)
 
 
 def _image() -> tuple[Seed, ...]:

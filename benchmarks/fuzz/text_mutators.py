@@ -78,7 +78,7 @@ def _shuffle_lines(data: bytearray, other: bytes, dice: Random) -> bytearray:
     return bytearray(b"".join([*lines[:at], *block, *lines[at:]]))
 
 
-def _encode_otherwise(data: bytearray, other: bytes, dice: Random) -> bytearray:
+def encode_otherwise(data: bytearray, other: bytes, dice: Random) -> bytearray:
     """Write the text with other line ends, a byte order mark, in UTF-16 or UTF-32, or with characters that are not ASCII."""
     text = bytes(data).decode("latin-1")
     how = dice.randrange(8)
@@ -134,5 +134,5 @@ def _set_separator(data: bytearray, other: bytes, dice: Random) -> bytearray:
 
 TEXT: list[Mutator] = [
     _replace_token, _replace_token, _replace_token, _swap_tokens, _swap_tokens, _drop_or_double_line, _shorten_line,
-    _swap_columns, _shuffle_lines, _encode_otherwise, _nest, _lengthen, _set_separator,
+    _swap_columns, _shuffle_lines, encode_otherwise, _nest, _lengthen, _set_separator,
 ]  # fmt: skip

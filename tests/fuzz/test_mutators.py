@@ -1,28 +1,32 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import struct
 from random import Random
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.fuzz.corpus import Entry, describe, read_corpus, write_corpus
+from benchmarks.fuzz.field_mutators import FIELDS, edit_records, set_float
 from benchmarks.fuzz.formats import seeds, with_right_sums
 from benchmarks.fuzz.mutators import BINARY, TEXT, mutate
 from benchmarks.fuzz.records import record_starts
 from benchmarks.fuzz.seed_files import pd0
+from benchmarks.fuzz.text_mutators import encode_otherwise
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True)
 
 
-@pytest.mark.parametrize("mutator", [*dict.fromkeys([*BINARY, *TEXT])], ids=lambda m: m.__name__)
+@pytest.mark.parametrize("mutator", [*dict.fromkeys([*BINARY, *FIELDS, *TEXT])], ids=lambda m: m.__name__)
 @QUICK
 @given(data=st.binary(max_size=60), other=st.binary(max_size=60), seed=st.integers(0, 99))
 def test_a_mutator_takes_any_bytes(mutator, data, other, seed):
     assert isinstance(mutator(bytearray(data), other, Random(seed)), bytearray)
 
 
-@pytest.mark.parametrize("mutator", [*dict.fromkeys([*BINARY, *TEXT])], ids=lambda m: m.__name__)
+@pytest.mark.parametrize("mutator", [*dict.fromkeys([*BINARY, *FIELDS, *TEXT])], ids=lambda m: m.__name__)
 def test_a_mutator_changes_something_sooner_or_later(mutator):
     data = b"a = 1, 2\nbb = [3.5, 4]\n" * 20
     assert any(bytes(mutator(bytearray(data), data[::-1], Random(k))) != data for k in range(20))
@@ -38,6 +42,36 @@ def test_damage_at_the_start_of_a_record_is_frequent():
 def test_the_records_of_a_sound_file_are_found(form, least):
     seed = seeds()[form][0]
     assert len(record_starts(seed.files[seed.target])) >= least
+
+
+def test_records_are_cut_off_dropped_repeated_moved_and_exchanged_whole():
+    data, marks = b"head" + b"aaaa" + b"bbbbbb" + b"cc", (4, 8, 14)
+    found = {bytes(edit_records(bytearray(data), marks, Random(k))) for k in range(200)}
+    assert {
+        b"head",
+        b"headaaaa",
+        b"headbbbbbbcc",
+        b"headaaaaaaaabbbbbbcc",
+        b"headccbbbbbbaaaa",
+        b"headbbbbbbaaaabbbbbbcc",
+    } <= found
+
+
+def test_a_field_becomes_a_number_that_no_sensor_gives():
+    data = struct.pack("<4d", 1.5, 2.5, 3.5, 4.5)
+    damaged = [
+        np.frombuffer(bytes(d), "<f8") for d in (set_float(bytearray(data), b"", Random(k)) for k in range(300)) if len(d) == 32
+    ]
+    assert any(np.isnan(d).any() for d in damaged)
+    assert any(np.isinf(d).any() for d in damaged)
+
+
+@pytest.mark.parametrize("how", ["utf-8-sig", "utf-16", "utf-32"])
+def test_text_is_written_in_other_encodings(how):
+    text = "[dive]\nname = 1\n"
+    found = {bytes(encode_otherwise(bytearray(text.encode()), b"", Random(k))) for k in range(300)}
+    assert text.encode(how) in found
+    assert text.replace("\n", "\r\n").encode() in found
 
 
 def test_text_has_no_records():

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -64,7 +65,7 @@ def run_fleet(
             index.write(done.values(), running)
 
         try:
-            with closing(run_each(commands, jobs, out / FOLDER, time_limit_s, start)) as ended:
+            with closing(run_each(commands, jobs, out / FOLDER, time_limit_s or math.inf, start)) as ended:
                 for package, end in (progress or Silent()).track(ended, "dives", len(commands)):
                     running.remove(package)
                     done[package] = _outcome(to_do[package], end, out)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import ctypes
 import json
+import math
 import os
 import signal
 import subprocess
@@ -15,7 +16,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, Generic, TypeVar
 
@@ -57,7 +58,7 @@ def run_each(
     commands: Mapping[Key, Sequence[str]],
     jobs: int,
     scratch: Path,
-    time_limit_s: float | None = None,
+    time_limit_s: float = math.inf,
     on_start: Callable[[Key], None] | None = None,
 ) -> Generator[tuple[Key, Ended], None, None]:
     """Run hullrecon with each of these arguments, `jobs` at a time, and yield how each ended, as they end.
@@ -76,10 +77,11 @@ def run_each(
             for r in ended:
                 running.remove(r)
                 yield r.key, _ended(r)
-            late = [r for r in running if time_limit_s is not None and time.monotonic() - r.started > time_limit_s]
+            late = [r for r in running if time.monotonic() - r.started > time_limit_s]
             for r in late:
+                end = _end_late(r, time_limit_s)
                 running.remove(r)
-                yield r.key, _end_late(r, time_limit_s)
+                yield r.key, end
             if not ended and not late:
                 time.sleep(_POLL_S)
     finally:
@@ -108,16 +110,14 @@ def _ended(run: _Running[Key]) -> Ended:
     return Ended(exit_code=code if code >= 0 else 128 - code, reason=reason, seconds=time.monotonic() - run.started)
 
 
-def _end_late(run: _Running[Key], time_limit_s: float | None) -> Ended:
+def _end_late(run: _Running[Key], time_limit_s: float) -> Ended:
     """End a command whose time is over, and say so; what came to its end meanwhile is taken as it ended."""
-    _stop([run], close=False)
-    if run.process.returncode == 0:
-        return _ended(run)
-    run.output.close()
-    run.errors.close()
+    _terminate([run])
+    ended = _ended(run)
+    if ended.exit_code == 0:
+        return ended
     reason = f"it took longer than {time_limit_s:g} s (--time-limit); finished steps are kept, its log says how far it came"
-    seconds = time.monotonic() - run.started
-    return Ended(exit_code=StageError.exit_code, reason=reason, seconds=seconds, timed_out=True)
+    return replace(ended, exit_code=StageError.exit_code, reason=reason, timed_out=True)
 
 
 def _signal(number: int) -> str:
@@ -139,7 +139,15 @@ def _last_line(errors: IO[bytes]) -> str:
     return next((line.strip() for line in reversed(lines) if line.strip()), "it said nothing")
 
 
-def _stop(running: Sequence[_Running[Key]], *, close: bool = True) -> None:
+def _stop(running: Sequence[_Running[Key]]) -> None:
+    """End processes and forget what they printed."""
+    _terminate(running)
+    for r in running:
+        r.output.close()
+        r.errors.close()
+
+
+def _terminate(running: Sequence[_Running[Key]]) -> None:
     """End processes: a run that gets SIGTERM leaves what it has finished; one that does not listen is killed."""
     for r in running:
         r.process.terminate()
@@ -150,6 +158,3 @@ def _stop(running: Sequence[_Running[Key]], *, close: bool = True) -> None:
         except subprocess.TimeoutExpired:
             r.process.kill()
             r.process.wait()
-        if close:
-            r.output.close()
-            r.errors.close()

@@ -4,7 +4,7 @@ import pytest
 
 from hullrecon.dive.logs.messages import decode as decode_module
 from hullrecon.dive.logs.messages.decode import decode
-from hullrecon.dive.logs.messages.definition_limits import check_idl, check_text
+from hullrecon.dive.logs.messages.definition_limits import check_idl, check_text, check_types
 from hullrecon.dive.logs.messages.definitions import BUNDLED
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.readers.unpack import DamagedError
@@ -102,3 +102,27 @@ def test_fixed_arrays_of_messages_and_numbers_decode():
     message = decode(channel(definition), data)
     assert [foo.a for foo in message.foos] == [1, 2, 3]
     assert message.names == ["a", ""]
+
+
+CODE = "__import__('os').system('touch code-has-run')"
+PARTS = (
+    "struct B { sequence<uint8, X> data; };", "struct B { string<X> data; };", "struct B { uint8 data[X]; };",
+    "typedef uint8 T[X]; struct B { T data; };", "typedef sequence<uint8, X> T; struct B { T data; };",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_constant_of_text_that_stands_for_a_bound_is_no_code(part, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = f'module a {{ module msg {{ const string X = "{CODE}"; {part} }}; }};'
+    channel = Channel(topic="/t", type="a/msg/B", encoding="cdr", definition=text, definition_format="ros2idl")
+    with pytest.raises(DamagedError, match="bound"):
+        decode(channel, bytes(8))
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("field", [(4, ((1, ("uint8", 0)), CODE)), (3, ((1, ("uint8", 0)), CODE)), (1, ("string", CODE))])
+def test_a_bound_that_is_no_number_never_reaches_the_compiler(field):
+    with pytest.raises(DamagedError, match="a bound that is no number"):
+        check_types({"a/msg/B": ([], [("data", field)])}, "a/msg/B")
+    check_types({"a/msg/B": ([], [("data", (4, ((1, ("uint8", 0)), None)))])}, "a/msg/B")

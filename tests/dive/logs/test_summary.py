@@ -133,10 +133,10 @@ def test_a_sonar_in_the_log_gives_a_sonar_section(kit, tmp_path):
     assert load_config(tmp_path).sections["sonar"].elevation_deg == 14.0
 
 
-def test_what_a_log_names_can_not_break_out_of_the_configuration(kit, tmp_path):
+@pytest.mark.parametrize("evil", ['/imu"\n[dive]\nname = "x\x7f', "/" + "a" * 70_000], ids=["quotes", "long"])
+def test_what_a_log_names_can_not_break_out_of_the_configuration(kit, tmp_path, evil):
     entries = kit.dive()
     entry = type(entries[0])
-    evil = '/imu"\n[dive]\nname = "x\x7f'
     path = kit.mcap(
         tmp_path / "x.mcap", [entry(evil if e.topic == "/imu" else e.topic, e.kind, e.t_ns, e.message) for e in entries]
     )

@@ -71,6 +71,7 @@ def check_types(types: Types, name: str) -> None:
         raise DamagedError(f"it has {len(types)} types with {len(fields)} fields")
     elements = 0
     for kind, inner in fields:
+        _check_bounds(kind, inner)
         if kind == ARRAY:
             base, count = inner
             is_number = base[0] == BASE and base[1][0] not in WIDTHS
@@ -81,6 +82,16 @@ def check_types(types: Types, name: str) -> None:
             raise DamagedError(f"it has arrays of {elements} messages")
     if name in types:
         _Sizes(types).of(name, 0)
+
+
+def _check_bounds(kind: int, inner: Any) -> None:
+    """Raise DamagedError for a bound that is no number: constants of IDL may be text, and rosbags before 0.11.9 wrote bounds
+    into the code that it runs as they were."""
+    bound = 0 if kind == NAME else inner[1]
+    if not isinstance(bound, int | None):
+        raise DamagedError("it has a bound that is no number")
+    if kind in (ARRAY, SEQUENCE):
+        _check_bounds(*inner[0])
 
 
 class _Sizes:

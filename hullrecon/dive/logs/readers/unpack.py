@@ -81,7 +81,7 @@ def text(data: bytes) -> str:
 def printable(name: str, longest: int = LONGEST_NAME) -> str:
     """Return a name as one line that a terminal shows and does not obey: what is no printable character is escaped."""
     shown = name if name.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in name[: longest + 1])
-    return shown if len(shown) <= longest else f"{shown[:longest]}..."
+    return shown if len(shown) <= longest else f"{shown[: longest - 3]}..."
 
 
 def fields(layout: str, data: bytes, offset: int = 0) -> tuple[int, ...]:
