@@ -61,7 +61,8 @@ def spiral_around_a_sphere(seed: int, *, radius_m: float, turns: float, drift_de
     down = 0.5 * turned / (2 * np.pi) - 0.25 * turns
     out = np.column_stack([-np.cos(turned), -np.sin(turned)]) * np.sqrt(reach**2 - down**2)[:, None]
     wobble = np.radians(0.6) * np.sin(np.outer(np.arange(len(turned)), [0.11, 0.17, 0.07]))
-    truth = from_rpy(np.column_stack([out + np.r_[radius_m, 0], down + 3.0]), wobble + np.c_[np.zeros((len(turned), 2)), turned])
+    rpy = wobble + np.c_[np.zeros((len(turned), 2)), turned]
+    truth = from_rpy(np.column_stack([out + np.r_[radius_m, 0], down + 3.0]), rpy)
     return measured(rng, truth, drift_deg_per_hour, np.full(3, radius_m), np.zeros(len(truth)), 0.0)
 
 

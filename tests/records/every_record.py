@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses
+from hullrecon.records.planes import PlaneRanges, TiedPlanes
 from hullrecon.records.sensors import (
     DvlPings,
     ImageIndex,
@@ -51,6 +52,13 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
     Returns: {
         "t_ns": "m", "node": "m", "quaternion": "m 4", "translation": "m 3", "tray_offset": "m", "beam": "m 3",
         "range_m": "m", "flagged": "m",
+    },
+    PlaneRanges: {
+        "plane": "r", "node": "r", "quaternion": "r 4", "translation": "r 3", "tray_offset": "r", "beam": "r 3", "range_m": "r",
+        "sigma_m": "r",
+    },
+    TiedPlanes: {
+        "anchor": "p", "plane": "p 3", "ranges": {}, "first": "m", "second": "m", "difference": "m 3", "information": "m 3 3",
     },
     Attitude: {"node": "m", "depth": "m", "roll": "m", "pitch": "m", "sigma": "m 3", "tray_direction": "n"},
     Tracks: {"landmark": "m", "node": "m", "top": "m 2", "bottom": "m 2", "color": "k 3"},

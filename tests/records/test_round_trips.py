@@ -17,7 +17,7 @@ from records.every_record import SHAPES, random_record
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.artifacts.storage.writer import ArtifactWriter
 from hullrecon.geometry.poses import Poses
-from hullrecon.records import sensors, solution, surface, tracks, trajectory
+from hullrecon.records import planes, sensors, solution, surface, tracks, trajectory
 from hullrecon.records.sensors import PressureSamples, SensorRecords
 from hullrecon.records.serialisation import from_arrays, to_arrays
 
@@ -87,7 +87,7 @@ def test_members_of_a_later_version_are_no_hindrance(kind: type) -> None:
 def test_every_record_of_arrays_is_tried() -> None:
     defined = {
         value
-        for module in (sensors, solution, surface, tracks, trajectory)
+        for module in (planes, sensors, solution, surface, tracks, trajectory)
         for value in vars(module).values()
         if isinstance(value, type) and is_dataclass(value) and value.__module__ == module.__name__
     }

@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Planes of the hull without a camera: python -m benchmarks.planes FOLDER [--dives N] [--json FILE]
+
+Simulates dives without a camera into FOLDER (kept for next time), four legs of 12 m half a metre apart, heading drifts of 15 to
+150 degrees an hour, takes their CAD model away, and solves each path without planes and with them. Prints JSON: errors of the
+path after rigid alignment, whole and by axis of g (across the hull, along it, down), the worst ratio of error to sigma. Of the
+last dive FOLDER/distance_to_cad_model.png shows its DVL returns laid onto the CAD model [Ozog2016 Figs 2.22, 2.23].
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import statistics
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from hullrecon.adjustment.hull_pose.registration import register
+from hullrecon.adjustment.problem.measurements import CadModel
+from hullrecon.api.commands import run_dive
+from hullrecon.evaluation.figures.distance_to_cad import PlacedReturns, distance_to_cad_model
+from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.geometry.charts.chart import chart_for_hull
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.poses import Poses, from_matrix, interpolate
+from hullrecon.geometry.rigid_fit import fit_rigid
+from hullrecon.records.links import LinkedPath
+from hullrecon.rig import rig_from_settings
+from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact, NavigateArtifact
+from hullrecon.synthetic.options import spec_from
+from hullrecon.synthetic.output.package import write_package
+from hullrecon.typing import Ints
+
+DRIFTS = tuple(range(15, 151, 15))  # deg/h
+SETTLED = 20  # nodes from the start, where sigmas are nothing
+
+
+def simulate(folder: Path, number: int) -> Path:
+    """Return the package of a dive with its CAD model, made once."""
+    package = folder / f"dive{number}"
+    if not (package / "truth").exists():
+        spec = spec_from(
+            name=package.name, seed=number, cameras="none", sonar=False, legs=4, leg_length_m=12.0, leg_spacing_m=0.5,
+            heading_drift_deg_per_hour=float(DRIFTS[(number - 1) % len(DRIFTS)]),
+        )  # fmt: skip
+        write_package(package, spec)
+    return package
+
+
+def without_cad_model(package: Path) -> Path:
+    """Return a copy of the package that has no CAD model, made once."""
+    bare = package.with_name(f"{package.name}-bare")
+    if not bare.exists():
+        shutil.copytree(package, bare)
+        whole = (bare / "dive.toml").read_text()
+        (bare / "dive.toml").write_text(whole[: whole.index("[hull]")])
+    return bare
+
+
+def solve(package: Path, runs: Path, planes: bool) -> tuple[LinkedPath, NavigateArtifact]:
+    """Return the path of the step links, and what navigation left."""
+    name = "with" if planes else "without"
+    dive = run_dive(package, runs / name, last_step="links", overrides=[f"links.planes={str(planes).lower()}"])
+    artifact = dive.workspace.artifact
+    return LinksArtifact(artifact("links")).path, NavigateArtifact(artifact("navigate"))
+
+
+def score(path: LinkedPath, t_ns: Ints, truth: Truth, global_from_hull: Poses) -> dict[str, float]:
+    """Return the errors of a path (m), in whole and by axis, and its worst error over sigma."""
+    true = global_from_hull.apply(interpolate((1e9 * truth.t_s).astype(np.int64), truth.poses, t_ns).translation)
+    at = path.pose[:, :3]
+    error = fit_rigid(at, true).apply(at) - true
+    sigma = np.sqrt(np.einsum("nii->ni", path.covariance))[:, :3]
+    ratio = np.sqrt(np.mean(((at - true) / np.maximum(sigma, 1e-6))[SETTLED:] ** 2, axis=0))
+    across, along, down = np.sqrt(np.mean(error**2, axis=0))
+    whole = float(np.sqrt(np.mean(np.sum(error**2, axis=1))))
+    return {
+        "rigid_m": whole, "across_m": float(across), "along_m": float(along), "down_m": float(down),
+        "error_over_sigma": float(ratio.max()),
+    }  # fmt: skip
+
+
+def lay_onto_cad_model(path: LinkedPath, navigate: NavigateArtifact, mesh: Mesh | None, guess: Poses) -> PlacedReturns:
+    """Return the returns on a path, registered to the CAD model from where it truly lies."""
+    returns = navigate.returns
+    if returns is None or mesh is None:
+        raise ValueError("the dive has no DVL, or no CAD model")
+    rig = rig_from_settings({"tray.origin": (0.45, 0.0, 0.1), "dvl.mount": (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)})
+    points = rig.dvl_points(returns, path.path()).points[~returns.flagged]
+    sigma = np.r_[1.0, 1.0, 0.3, np.radians([1.0, 1.0, 5.0])]
+    model = CadModel(mesh, chart_for_hull(mesh), guess, sigma, 0.02, (3.0, 1.5))
+    in_hull = register(points, model, 0.01).global_from_hull.inverse().apply(points)
+    return PlacedReturns(points=in_hull, distance=Scene(mesh).closest(in_hull).distance)
+
+
+def main() -> int:
+    """Print the figures of all dives; write the picture of the last."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--dives", type=int, default=len(DRIFTS))
+    parser.add_argument("--json", type=Path)
+    chosen = parser.parse_args()
+    chosen.folder.mkdir(parents=True, exist_ok=True)
+    rows: dict[str, dict[str, dict[str, float]]] = {}
+    placed: dict[str, PlacedReturns] = {}
+    for number in range(1, chosen.dives + 1):
+        package = simulate(chosen.folder, number)
+        truth, bare = read_truth(package), without_cad_model(package)
+        global_from_hull = from_matrix(json.loads((package / "truth" / "alignment.json").read_text())["T_g_M"]["matrix"])
+        rows[package.name] = {}
+        for planes, name in ((False, "without planes"), (True, "with planes")):
+            path, navigate = solve(bare, chosen.folder / "runs", planes)
+            rows[package.name][name] = score(path, navigate.trajectory.t_ns, truth, global_from_hull)
+            if number == chosen.dives:
+                ingest = run_dive(package, chosen.folder / "cad", last_step="ingest").workspace.artifact("ingest")
+                placed[name] = lay_onto_cad_model(path, navigate, IngestArtifact(ingest).hull, global_from_hull)
+    ratio = {name: row["with planes"]["rigid_m"] / row["without planes"]["rigid_m"] for name, row in rows.items()}
+    text = json.dumps({"dives": rows, "ratio": ratio, "median_ratio": statistics.median(ratio.values())}, indent=1)
+    print(text)
+    if chosen.json:
+        chosen.json.write_text(text)
+    figure = distance_to_cad_model(placed)
+    (chosen.folder / f"{figure.name}.png").write_bytes(figure.png)
+    (chosen.folder / f"{figure.name}.csv").write_text(figure.csv)
+    print(figure.caption, file=sys.stderr)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""links and adjust on a dive without a camera: the path stands on the patches of hull that were passed again."""
+
+import json
+import zipfile
+
+import numpy as np
+import pytest
+from navigation.planar_dive import TRAY_ORIGIN_M, aligned, simulate
+
+from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.dive.config import schema
+from hullrecon.records.serialisation import to_arrays
+from hullrecon.steps.adjust import STAGE as ADJUST
+from hullrecon.steps.artifacts import AdjustArtifact, LinksArtifact
+from hullrecon.steps.links import STAGE as LINKS
+from hullrecon.vision.options import LinkOptions, MatchOptions
+
+
+def sections(**links):
+    return {
+        "tray": schema.Tray(origin=tuple(TRAY_ORIGIN_M.tolist()), sigma_deg=0.01),
+        "imu": schema.Imu(heading_drift_deg_per_hour=100.0),
+        "pressure": schema.Pressure(),
+        "dvl": schema.Dvl(mount=(0.0,) * 6, mount_sigma=(0.001, 0.001, 0.001, 0.2, 0.2, 0.2)),
+        "camera": schema.Cameras(),
+        "hull": None,
+        "matches": MatchOptions(),
+        "links": LinkOptions(**links),
+        "adjust": AdjustOptions(),
+    }
+
+
+@pytest.fixture(scope="module")
+def dive():
+    return simulate(11, drift_deg_per_hour=100.0, legs=3, leg_m=8.0)
+
+
+@pytest.fixture(scope="module")
+def folder(dive, tmp_path_factory):
+    """What ingest and navigate would have left."""
+    root = tmp_path_factory.mktemp("dive")
+    (root / "ingest").mkdir()
+    (root / "navigate").mkdir()
+    for name in ("trajectory", "odometry", "attitude", "returns"):
+        with zipfile.ZipFile(root / "navigate" / f"{name}.npz", "w") as file:
+            for member, value in to_arrays(getattr(dive, name)).items():
+                with file.open(f"{member}.npy", "w") as stream:
+                    np.save(stream, value)
+    return root
+
+
+def run(folder, out, **links):
+    """The artifacts of links and adjust."""
+    inputs = {name: folder / name for name in ("ingest", "navigate")}
+    run_stage(LINKS, sections(**links), inputs, out / "links")
+    run_stage(ADJUST, sections(), inputs | {"links": out / "links"}, out / "adjust")
+    return LinksArtifact(out / "links"), AdjustArtifact(out / "adjust")
+
+
+@pytest.fixture(scope="module")
+def tied(folder, tmp_path_factory):
+    return run(folder, tmp_path_factory.mktemp("tied"))
+
+
+def error_m(dive, at):
+    return float(np.sqrt(np.mean(np.sum(aligned(at, dive.truth.translation) ** 2, axis=1))))
+
+
+def test_the_step_applies_to_a_dive_without_a_camera():
+    assert LINKS.applies is None
+    assert "features" in LINKS.optional
+
+
+def test_the_path_is_tied_by_planes_and_no_file_speaks_of_images(dive, tied):
+    links, _ = tied
+    assert error_m(dive, links.path.pose[:, :3]) < 0.4 * error_m(dive, dive.trajectory.translation)
+    assert (links.path.part == -1).all()
+    names = {path.name for path in links.folder.iterdir() if path.is_file()}
+    assert {"path.npz", "planes.npz", "links.json"} <= names
+    assert not names & {"pairs.npz", "features.npz", "links.npz", "stereo.npz"}
+    facts = json.loads((links.folder / "links.json").read_text())["planes"]
+    assert facts["ties"] == len(links.planes) > 20
+    assert facts["refusal"] is None
+
+
+def test_the_adjusted_dive_stands_on_the_same_path_and_covariance(tied):
+    links, adjust = tied
+    found = adjust.solution.global_from_vehicle.translation
+    np.testing.assert_allclose(found, links.path.pose[:, :3], atol=1e-3)
+    track = adjust.solution.track()
+    sigma = np.sqrt(np.einsum("nii->ni", links.path.covariance))[:, :3]
+    assert np.median(np.abs(track.sigma[20:, :2] / sigma[20:, :2] - 1)) < 0.2
+
+
+def test_without_them_links_and_adjust_give_what_navigation_gives(dive, folder, tied, tmp_path):
+    links, adjust = run(folder, tmp_path, planes=False)
+    assert links.planes is None
+    assert error_m(dive, adjust.solution.global_from_vehicle.translation) > 0.8 * error_m(dive, dive.trajectory.translation)
+    across, tied_across = (found[1].solution.track().sigma[-1, 0] for found in ((links, adjust), tied))
+    assert tied_across < 0.5 * across  # x of g points into the hull
