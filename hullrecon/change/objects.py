@@ -65,12 +65,8 @@ def compare_objects(
     pairs = match_objects(before, after, on)
     rows: list[ObjectChange] = []
     for region in regions:
-        a, b = _nearest(region, before, on), _nearest(region, after, on)
-        if a is not None and pairs.get(a) is not None:
-            b = pairs[a]
-        elif b is not None and b in pairs.values():
-            a = next(k for k, v in pairs.items() if v == b)
-        rows.append(_changed(region, None if a is None else before[a], None if b is None else after[b], on))
+        for a, b in _at(_nearest(region, before, on), _nearest(region, after, on), pairs):
+            rows.append(_changed(region, None if a is None else before[a], None if b is None else after[b], on))
     rows = _joined(rows)
     known = ({row.first_id for row in rows}, {row.second_id for row in rows})
     left = [(a, pairs.get(a)) for a in range(len(before))] + [(None, b) for b in range(len(after)) if b not in pairs.values()]
@@ -81,6 +77,17 @@ def compare_objects(
         rows.append(_held(one, other, len(pairs), on))
     order = {"new": 0, "gone": 0, "grown": 1, "shrunk": 1, "not seen before": 2, "not seen again": 2, "unchanged": 3}
     return tuple(sorted(rows, key=lambda row: (order[row.status], -abs(row.change))))
+
+
+def _at(a: int | None, b: int | None, pairs: dict[int, int]) -> list[tuple[int | None, int | None]]:
+    """Return the objects of the first and of the second survey that changed where a region overlaps these two: a pair of one
+    object, or what stands there in one survey only."""
+    back = {second: first for first, second in pairs.items()}
+    if a is not None and b is not None and pairs.get(a) != b:
+        alone: list[tuple[int | None, int | None]] = [(a, None)] if a not in pairs else []
+        alone += [(None, b)] if b not in back else []
+        return alone or [(a, pairs[a])]
+    return [(a if a is not None or b is None else back.get(b), b if b is not None or a is None else pairs.get(a))]
 
 
 def match_objects(before: Sequence[_Placed], after: Sequence[_Placed], on: ObjectComparison) -> dict[int, int]:
@@ -143,12 +150,12 @@ def _changed(region: ChangedRegion, one: _Placed | None, other: _Placed | None, 
         at_top = _at_top(cells, other.side, on.places, on) if cells.any() else region
         if at_top.change * region.change > 0 and abs(at_top.change) >= on.options.min_change_m:
             region = replace(at_top, p_value=min(at_top.p_value, region.p_value))
-    elif abs(before) < THERE_SHARE * abs(after) or (before * after < 0 and abs(after) >= abs(before)):
-        status, one = "new", None
-    elif abs(after) < THERE_SHARE * abs(before) or before * after < 0:
-        status, other = "gone", None
-    else:
+    elif before * after > 0 and min(abs(before), abs(after)) >= THERE_SHARE * max(abs(before), abs(after)):
         status = "grown" if abs(after) > abs(before) else "shrunk"
+    elif other is not None or (one is None and abs(after) >= abs(before)):
+        status = "new"
+    else:
+        status = "gone"
     return _row(status, region, one, other, on)
 
 
