@@ -59,7 +59,7 @@ def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
 def check_of_package(package: Path, overrides: tuple[str, ...], allow_outside: bool) -> None:
     """Describe what PACKAGE holds, or a bare log, and what is missing for a run.
 
-    Exits with 3 when no run of the package is possible.
+    Exits with 0 only when a run is possible, else with 3.
     """
     if package.is_file() or (package.is_dir() and not (package / CONFIGURATION).exists() and _is_log(package)):
         _check_log(package, allow_outside)
@@ -87,8 +87,7 @@ def check_of_package(package: Path, overrides: tuple[str, ...], allow_outside: b
         return
     if state_of().json:
         click.get_current_context().exit(InputError.exit_code)
-    lacking = f"missing: {', '.join(found.missing_files)}" if found.missing_files else "sensors are missing"
-    raise InputError(f"no run is possible: {lacking}", where=str(package), remedy="see the lines above")
+    raise InputError(f"no run is possible: {'; '.join(found.reasons)}")
 
 
 def _check_log(path: Path, allow_outside: bool) -> None:
@@ -99,8 +98,12 @@ def _check_log(path: Path, allow_outside: bool) -> None:
     if path.is_dir():
         check_log(path, path, allow_outside=allow_outside)
     found = summarise_log(open_log(path))
-    advice = "this is a log without a dive.toml: `hullrecon init` writes one beside it"
-    state_of().emit(found.document(), [*found.lines(), advice])
+    reasons = [f"no {CONFIGURATION} yet, `hullrecon init {path}` writes one", *found.needs()]
+    verdict = f"not ready: {'; '.join(reasons)}"
+    state_of().emit({**found.document(), "run_is_possible": False, "verdict": verdict}, [*found.lines(), f"verdict: {verdict}"])
+    if state_of().json:
+        click.get_current_context().exit(InputError.exit_code)
+    raise InputError(f"no run is possible: {'; '.join(reasons)}")
 
 
 def _is_log(folder: Path) -> bool:

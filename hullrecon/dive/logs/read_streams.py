@@ -15,6 +15,7 @@ from hullrecon.dive.logs.messages.samples import TYPES, stamp_ns
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import ImageSample, Sample
+from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 
 TakeImage = Callable[[ImageSample, int], None]  # the sample and when it was logged, ns
@@ -42,23 +43,32 @@ class LogContents:
     remarks: list[str] = field(default_factory=list)
 
 
-def read_streams(logs: Sequence[Log], topics: Mapping[str, str], take_image: TakeImage, watch: Watch = iter) -> LogContents:
+def read_streams(
+    logs: Sequence[Log],
+    topics: Mapping[str, str],
+    take_image: TakeImage,
+    watch: Watch = iter,
+    problems: Problems | None = None,
+) -> LogContents:
     """Return what the logs hold, read once.
 
     topics: sensor by topic; a sensor named there comes from that topic, not from a PD0 file or a table beside the log.
     Only small samples are kept. `watch` sees every message pass (progress). Raises InputError for a topic of a type that is
-    not read.
+    not read and for a log of which nothing is, unless `problems` takes it.
     """
-    out = LogContents()
+    out, problems = LogContents(), problems or Problems()
+    refused: set[Channel] = set()
     for log in logs:
-        for message in watch(log.messages()):
-            out.counts[message.channel] += 1
-            for sensor, sample in _samples(message, topics, out):
-                if isinstance(sample, ImageSample):
-                    take_image(sample, message.t_ns)
-                else:
-                    out.samples[sensor].append(sample)
-                    out.logged_ns[sensor].append(message.t_ns)
+        with problems.gather():
+            for message in watch(log.messages()):
+                out.counts[message.channel] += 1
+                if message.channel in refused:
+                    continue
+                count = len(problems.found)
+                with problems.gather():
+                    _sort(message, topics, take_image, out)
+                if len(problems.found) > count:
+                    refused.add(message.channel)
         name = printable(log.path.name)
         out.losses += [(name, loss) for loss in log.losses()]
         out.remarks += [f"{name}: {remark}" for remark in log.remarks]
@@ -70,6 +80,16 @@ def read_streams(logs: Sequence[Log], topics: Mapping[str, str], take_image: Tak
         f"{c.type}: its {n} readings were left aside, as topics.{c.topic} is set" for c, n in out.passed_over.items()
     ]
     return out
+
+
+def _sort(message: Message, topics: Mapping[str, str], take_image: TakeImage, out: LogContents) -> None:
+    """Put the samples of a message where those of their sensor go."""
+    for sensor, sample in _samples(message, topics, out):
+        if isinstance(sample, ImageSample):
+            take_image(sample, message.t_ns)
+        else:
+            out.samples[sensor].append(sample)
+            out.logged_ns[sensor].append(message.t_ns)
 
 
 def _samples(message: Message, topics: Mapping[str, str], out: LogContents) -> Iterator[tuple[str, Sample]]:

@@ -61,6 +61,10 @@ class LogSummary:
         lines = [head, *(t.sentence() for t in span), *sensors, *unused]
         return [*lines, *self.lost, *self.remarks, *missing(set(guessed))]
 
+    def needs(self) -> list[str]:
+        """Return what the topics lack for a run; [] for nothing."""
+        return needs(set(guess_topics(self.topics)))
+
     def document(self) -> dict[str, object]:
         topics = [
             {"topic": t.channel.topic, "type": t.channel.type, "count": t.count, "start_ns": t.start_ns, "end_ns": t.end_ns}
@@ -172,9 +176,16 @@ def missing(sensors: set[str], hull: bool | None = None) -> list[str]:
     return out
 
 
-def is_runnable(sensors: Set[str]) -> bool:
-    """Return whether a run can find the vehicle's motion: from DVL and IMU, or without a DVL from stereo images."""
-    return "imu" in sensors if "dvl" in sensors else {camera.key for camera in Camera} <= sensors
+def needs(sensors: Set[str]) -> list[str]:
+    """Return what is missing for the vehicle's motion (from DVL and IMU, else from stereo images); [] where nothing is."""
+    if "dvl" in sensors:
+        return [] if "imu" in sensors else ["missing: an IMU with attitude, for the DVL's velocities"]
+    lacking = {camera.key for camera in Camera} - sensors
+    if not lacking:
+        return []
+    if len(lacking) == 1:
+        return [f"missing: {lacking.pop()} (a second camera), or a DVL" + ("" if "imu" in sensors else " with an IMU")]
+    return [f"missing: a DVL{'' if 'imu' in sensors else ' with an IMU'}, or two cameras"]
 
 
 def _without_imu(dvl: bool, stereo: bool) -> str:
