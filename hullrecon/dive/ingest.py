@@ -18,7 +18,16 @@ from hullrecon.dive.images.sink import ImageSink
 from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.read_streams import LogContents, Watch, read_streams
 from hullrecon.dive.logs.readers.open import open_log
-from hullrecon.dive.logs.samples import DvlSample, ImageSample, ImuSample, JointSample, PressureSample, Sample, SonarSample
+from hullrecon.dive.logs.samples import (
+    DepthSample,
+    DvlSample,
+    ImageSample,
+    ImuSample,
+    JointSample,
+    PressureSample,
+    Sample,
+    SonarSample,
+)
 from hullrecon.dive.logs.timeline import NS, put_in_order
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
@@ -38,6 +47,7 @@ from hullrecon.typing import Array
 JOINT_KEYS = {"tray": "tray.joint", "sonar_tray": "sonar.joint"}
 OpenFile = Callable[[str], BinaryIO]  # a file for the images of that camera
 Kind = TypeVar("Kind", bound=Sample)
+DEPTHS: tuple[type[PressureSample | DepthSample], ...] = (PressureSample, DepthSample)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +59,7 @@ class IngestRequest:
     topics: Mapping[str, str]
     joints: Mapping[str, str]
     imu_frame: str
+    imu_mount_deg: tuple[float, float, float] | None = None
     pressure: streams.PressureModel
     beams: Array | None
     sigma_velocity: float
@@ -106,7 +117,8 @@ def ingest(
             sinks[sample.camera].take(sample, logged_ns)
 
     topics = {} if all(log.gives_samples for log in logs) else request.topics
-    found = read_streams(logs, {topic: sensor for sensor, topic in topics.items()}, take_image, watch, problems)
+    sensors = {topic: [sensor for sensor, named in topics.items() if named == topic] for topic in topics.values()}
+    found = read_streams(logs, sensors, take_image, watch, problems)
     _check_topics(topics, found, problems)
     out.remarks += found.remarks
     out.lost = messages.describe_losses(found.losses)
@@ -157,10 +169,10 @@ def _build_records(out: IngestResult, request: IngestRequest, found: LogContents
 
     def imu() -> ImuSamples | None:
         samples = _sort_samples("imu", found, ImuSample, remarks)
-        return streams.imu_samples(samples, request.imu_frame, remarks) if samples else None
+        return streams.imu_samples(samples, request.imu_frame, remarks, request.imu_mount_deg) if samples else None
 
     def pressure() -> PressureSamples | None:
-        samples = _sort_samples("pressure", found, PressureSample, remarks)
+        samples = _sort_samples("pressure", found, DEPTHS, remarks)
         return streams.pressure_samples(samples, request.pressure, remarks) if samples else None
 
     build("dvl", dvl)
@@ -202,7 +214,11 @@ def _check_joints(request: IngestRequest, found: LogContents, held: set[str], re
 
 
 def _sort_samples(
-    sensor: str, found: LogContents, kind: type[Kind], remarks: list[str], joint: str | None = None
+    sensor: str,
+    found: LogContents,
+    kind: type[Kind] | tuple[type[Kind], ...],
+    remarks: list[str],
+    joint: str | None = None,
 ) -> list[Kind]:
     """Return the samples of a sensor, of one joint where it is named, in order of time without duplicates."""
     rows = [

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hullrecon.dive.logs.messages.decode import decode, describe, type_name
-from hullrecon.dive.logs.messages.samples import TYPES, stamp_ns
+from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER, stamp_ns
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import ImageSample, Sample
@@ -45,16 +45,16 @@ class LogContents:
 
 def read_streams(
     logs: Sequence[Log],
-    topics: Mapping[str, str],
+    topics: Mapping[str, Sequence[str]],
     take_image: TakeImage,
     watch: Watch = iter,
     problems: Problems | None = None,
 ) -> LogContents:
     """Return what the logs hold, read once.
 
-    topics: sensor by topic; a sensor named there comes from that topic, not from a PD0 file or a table beside the log.
-    Only small samples are kept. `watch` sees every message pass (progress). Raises InputError for a topic of a type that is
-    not read and for a log of which nothing is, unless `problems` takes it.
+    topics: sensors by topic (a pose has attitude and depth); a sensor named there comes from that topic, not from a PD0 file or
+    a table beside the log. Only small samples are kept. `watch` sees every message pass (progress). Raises InputError for a
+    topic of a type that is not read and for a log of which nothing is, unless `problems` takes it.
     """
     out, problems = LogContents(), problems or Problems()
     refused: set[Channel] = set()
@@ -82,7 +82,7 @@ def read_streams(
     return out
 
 
-def _sort(message: Message, topics: Mapping[str, str], take_image: TakeImage, out: LogContents) -> None:
+def _sort(message: Message, topics: Mapping[str, Sequence[str]], take_image: TakeImage, out: LogContents) -> None:
     """Put the samples of a message where those of their sensor go."""
     for sensor, sample in _samples(message, topics, out):
         if isinstance(sample, ImageSample):
@@ -92,24 +92,23 @@ def _sort(message: Message, topics: Mapping[str, str], take_image: TakeImage, ou
             out.logged_ns[sensor].append(message.t_ns)
 
 
-def _samples(message: Message, topics: Mapping[str, str], out: LogContents) -> Iterator[tuple[str, Sample]]:
+def _samples(message: Message, topics: Mapping[str, Sequence[str]], out: LogContents) -> Iterator[tuple[str, Sample]]:
     """Yield the samples of a message with their sensor. A message that cannot be used costs itself, and is counted."""
     channel = message.channel
-    sensor = channel.topic if not isinstance(message.data, bytes) else topics.get(channel.topic)
-    if sensor is None:
-        return
-    if not isinstance(message.data, bytes) and channel.topic in topics.values():
+    is_sample = not isinstance(message.data, bytes)
+    if is_sample and any(channel.topic in sensors for sensors in topics.values()):
         out.passed_over[channel] += 1
         return
-    try:
-        found = [message.data] if not isinstance(message.data, bytes) else _translate(message, message.data, sensor, out)
-        if any(abs(t_ns) >= LIMIT_NS for t_ns in (message.t_ns, *(sample.t_ns for sample in found))):
-            raise DamagedError("their stamps lie beyond the year 2116")
-    except DamagedError as error:
-        out.undecoded[channel.topic, _reason(channel.topic, str(error), out)] += 1
-        return
-    out.used.add(channel.topic)
-    yield from ((sensor, sample) for sample in found)
+    for sensor in (channel.topic,) if is_sample else topics.get(channel.topic, ()):
+        try:
+            found = _translate(message, message.data, sensor, out) if isinstance(message.data, bytes) else [message.data]
+            if any(abs(t_ns) >= LIMIT_NS for t_ns in (message.t_ns, *(sample.t_ns for sample in found))):
+                raise DamagedError("their stamps lie beyond the year 2116")
+        except DamagedError as error:
+            out.undecoded[channel.topic, _reason(channel.topic, str(error), out)] += 1
+            continue
+        out.used.add(channel.topic)
+        yield from ((sensor, sample) for sample in found)
 
 
 def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> Sequence[Sample]:
@@ -134,7 +133,7 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
     fields = decode(channel, data)
     try:
         with np.errstate(all="ignore"):
-            stamp = stamp_ns(fields.header)
+            stamp = 0 if type_name(channel) in WITHOUT_HEADER else stamp_ns(fields.header)
             found = translate(fields, stamp or message.t_ns, sensor)
     except DamagedError:
         raise

@@ -8,7 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from hullrecon.dive.logs.formats import bag_records, mcap_records, pd0_ensemble
-from hullrecon.dive.logs.readers import sqlite
+from hullrecon.dive.logs.formats.foreign_forms import describe_file, describe_folder
+from hullrecon.dive.logs.readers import sqlite, water_linked
 from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
@@ -18,13 +19,18 @@ from hullrecon.dive.logs.readers.rosbag1 import Rosbag1Log
 from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE, Rosbag2Log
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
 from hullrecon.dive.logs.readers.unpack import printable
+from hullrecon.dive.logs.readers.water_linked import WaterLinkedLog
 from hullrecon.errors import InputError
 
 BY_MAGIC: dict[bytes, Callable[[Path], Log]] = {
     mcap_records.MAGIC: McapLog, bag_records.MAGIC: Rosbag1Log, sqlite.MAGIC: SqliteLog, pd0_ensemble.MAGIC: Pd0Log,
+    water_linked.MAGIC: WaterLinkedLog,
 }  # fmt: skip
-BY_SUFFIX: dict[str, Callable[[Path], Log]] = {".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log}
-FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 file or a folder of CSVs"
+BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
+    ".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log,
+    ".json": WaterLinkedLog, ".jsonl": WaterLinkedLog,
+}  # fmt: skip
+FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 file, the JSON lines of a Water Linked DVL or a folder of CSVs"
 
 
 def open_log(path: Path, package: Path | None = None) -> Log:
@@ -48,7 +54,7 @@ def open_log(path: Path, package: Path | None = None) -> Log:
     found = [reader for magic, reader in BY_MAGIC.items() if start.startswith(magic)]
     found += [reader for suffix, reader in BY_SUFFIX.items() if path.suffix.lower() == suffix]
     if not found:
-        raise InputError(f"{name} is no log that is read here", where=where, remedy=f"give {FORMS}")
+        raise _not_read(name, where, *describe_file(path, start))
     return found[0](path)
 
 
@@ -58,10 +64,14 @@ def _open_folder(path: Path, package: Path | None) -> Log:
         return Rosbag2Log(path)
     if any(f"{sensor}.csv" in names for sensor in COLUMNS):
         return PlainLog(path, package)
-    raise InputError(
-        f"the folder {printable(path.name)} holds no log that is read here", where=printable(str(path.parent)),
-        remedy=f"give {FORMS}",
-    )  # fmt: skip
+    raise _not_read(f"the folder {printable(path.name)}", printable(str(path.parent)), *describe_folder(names))
+
+
+def _not_read(name: str, where: str, what: str, remedy: str) -> InputError:
+    """The error for what no reader knows, with what it is and what to do where that is known."""
+    state = "holds no log" if name.startswith("the folder ") else "is no log"
+    kind = f": {what}" if what else ""
+    return InputError(f"{name} {state} that is read here{kind}", where=where, remedy=remedy or f"give {FORMS}")
 
 
 def find_logs(path: Path) -> list[Path]:
@@ -82,8 +92,8 @@ def _find_logs(path: Path) -> list[Path]:
         found = [p for p in inside if p.suffix.lower() in BY_SUFFIX or (p.is_dir() and p.name != "logs" and _holds_log(p))]
         if found:
             return found
-    name, where = printable(path.name), printable(str(path))
-    raise InputError(f"the folder {name} holds no log that is read here", where=where, remedy=f"give {FORMS}")
+    names = [p.name for folder in (path, path / "logs") if folder.is_dir() for p in folder.iterdir()]
+    raise _not_read(f"the folder {printable(path.name)}", printable(str(path.parent)), *describe_folder(names))
 
 
 def _holds_log(folder: Path) -> bool:
