@@ -37,7 +37,8 @@ class Seed:
 def seeds() -> dict[str, tuple[Seed, ...]]:
     """Return sound inputs by format."""
     return {
-        "mcap": _mcap(), "bag": _bag(), "rosbag2": _rosbag2(), "pd0": _pd0(), "plain": _plain(), "npz": _npz(), "toml": _toml(),
+        "mcap": _mcap(), "bag": _bag(), "rosbag2": _rosbag2(), "pd0": _pd0(), "reports": _reports(),
+        "plain": _plain(), "npz": _npz(), "oculus": _oculus(), "toml": _toml(),
         "yaml": _yaml(), "hull": _hull(), "hull-gz": _hull_gz(), "image": _image(),
     }  # fmt: skip
 
@@ -81,6 +82,10 @@ def _pd0() -> tuple[Seed, ...]:
     return _log("dive.pd0", data, checksummed=True, blind=sums_are_right), _log("dive.pd0", data, finish=with_right_sums)
 
 
+def _reports() -> tuple[Seed, ...]:
+    return (_log("dvl.json", seed_files.reports().encode(), text=True),)
+
+
 def sums_are_right(data: bytes) -> bool:
     """Return whether every ensemble has its checksum: a plain sum, which bytes that change places leave as it is."""
     return with_right_sums(data) == data
@@ -119,6 +124,12 @@ def _npz() -> tuple[Seed, ...]:
         Seed(read="log", files={**files, "logs/p.npz": ping}, target="logs/p.npz", given="logs", checksummed=True)
         for ping in pings
     )
+
+
+def _oculus() -> tuple[Seed, ...]:
+    files = {**_tables(), "logs/p.npz": 2 * seed_files.oculus_ping()}
+    files["logs/sonar.csv"] = b"t,file,ping\n1700000000,p.npz,0\n1700000001,p.npz,1\n"
+    return (Seed(read="log", files=files, target="logs/p.npz", given="logs"),)
 
 
 def _toml() -> tuple[Seed, ...]:

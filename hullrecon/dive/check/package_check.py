@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import msgspec
+import numpy as np
 from msgspec import Struct
 
 from hullrecon.dive.check.consistency_checks import check_consistency, describe_start_offset
@@ -23,6 +24,7 @@ from hullrecon.dive.logs.summary import missing, needs
 from hullrecon.dive.logs.timeline import rate_hz
 from hullrecon.dive.problems import Problems
 from hullrecon.geometry.frames import Camera
+from hullrecon.records.sensors import DvlPings
 
 VEHICLE_SECTIONS = ("tray", "imu", "pressure", "dvl", *(camera.section for camera in Camera), "sonar", "hull")
 
@@ -113,7 +115,7 @@ def check_package(
         vessel=loaded.config.dive.vessel,
         found=found,
         missing_files=missing_files,
-        unusable=[error.line() for error in problems.found],
+        unusable=[*(error.line() for error in problems.found), *_lost_velocities(found.records.dvl)],
         needs=needs(known),
         missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
         to_fill_in=to_fill_in(loaded, logged),
@@ -123,6 +125,13 @@ def check_package(
         ],
         defaults=defaults_of(loaded),
     )
+
+
+def _lost_velocities(dvl: DvlPings | None) -> list[str]:
+    """Return a sentence where a DVL measured no velocity at all: nothing could be reckoned from it."""
+    if dvl is None or np.isfinite(dvl.velocity).any():
+        return []
+    return [f"the DVL's {len(dvl.t_ns)} pings have no velocity over ground: log its bottom track, or leave topics.dvl away"]
 
 
 def _leave_out_missing(package: Path, request: IngestRequest) -> tuple[IngestRequest, list[str]]:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from hullrecon.artifacts.graph.stage_settings import StageSettings
@@ -149,6 +150,15 @@ def test_all_that_is_in_the_way_of_a_run_is_listed_at_once(package):
     assert found.found.records.dvl is not None
     assert found.found.records.imu is not None
     assert sum(line.startswith("not usable: ") for line in found.lines()) == len(found.unusable) == 4
+
+
+def test_a_dvl_without_any_velocity_is_in_the_way_of_a_run(package, kit):
+    lost = np.zeros(9)
+    lost[0] = -1
+    entries = [e for e in kit.dive() if e.topic != "/dvl"]
+    entries += [type(e)("/dvl", "marine_acoustic_msgs/msg/Dvl", e.t_ns, kit.dvl(e.t_ns, velocity_covar=lost)) for e in entries]
+    kit.mcap(package / "logs" / "dive.mcap", entries)
+    assert any("pings have no velocity over ground" in line for line in check(package).unusable)
 
 
 def test_a_sensor_that_cannot_be_used_is_not_called_missing_as_well(package, kit):

@@ -58,5 +58,12 @@ def test_a_folder_without_a_log_is_named_by_what_lies_in_it(tmp_path, names, wha
             look(tmp_path)
 
 
+def test_a_folder_whose_names_say_nothing_is_named_by_the_first_bytes_of_a_file(tmp_path):
+    (tmp_path / "README").write_text("hello")
+    (tmp_path / "a.raw").write_bytes(b"SO\xd4\x1e" + bytes(100))
+    with pytest.raises(InputError, match="holds no log that is read here: pings of an Oculus"):
+        find_logs(tmp_path)
+
+
 def test_an_empty_folder_is_none_of_them():
     assert describe_folder([]) == ("", "")

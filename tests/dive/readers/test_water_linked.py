@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.dvl_beams import a50_beams
 from hullrecon.dive.logs.formats.json_reports import LONGEST_LINE
-from hullrecon.dive.logs.readers.open import open_log
+from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.water_linked import WaterLinkedLog
 from hullrecon.dive.logs.samples import DvlSample, ImuSample
 from hullrecon.errors import InputError
@@ -134,7 +134,16 @@ def test_any_flipped_byte_costs_one_report_at_most(tmp_path, data):
     assert len(list(WaterLinkedLog(path).messages())) >= 2  # a line's end that is lost joins two
 
 
-def test_it_is_known_by_its_first_byte_and_asks_where_the_beams_point(tmp_path):
+def test_other_json_in_a_folder_is_no_log(tmp_path):
+    (tmp_path / "config.json").write_text('{"type": "velocity", "name": "x"}')
+    with pytest.raises(InputError, match="holds no log"):
+        find_logs(tmp_path)
+    (tmp_path / "dvl.txt").write_text(json.dumps(velocity()) + "\n")
+    (tmp_path / "notes.txt").write_text("hello")
+    assert [p.name for p in find_logs(tmp_path)] == ["dvl.txt"]
+
+
+def test_it_is_known_by_its_first_report_and_asks_where_the_beams_point(tmp_path):
     samples, _ = read(tmp_path / "x.log", *(velocity(i) for i in range(12)))
     assert isinstance(open_log(tmp_path / "x.log"), WaterLinkedLog)
     with pytest.raises(InputError, match="nothing says where the DVL's 4 beams point") as caught:

@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from hullrecon.dive.logs.formats import bag_records, mcap_records, pd0_ensemble
 from hullrecon.dive.logs.formats.foreign_forms import describe_file, describe_folder
-from hullrecon.dive.logs.readers import sqlite, water_linked
+from hullrecon.dive.logs.readers import sqlite
 from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
@@ -19,17 +19,16 @@ from hullrecon.dive.logs.readers.rosbag1 import Rosbag1Log
 from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE, Rosbag2Log
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
 from hullrecon.dive.logs.readers.unpack import printable
-from hullrecon.dive.logs.readers.water_linked import WaterLinkedLog
+from hullrecon.dive.logs.readers.water_linked import START_BYTES, SUFFIXES, WaterLinkedLog, is_water_linked
 from hullrecon.errors import InputError
 
 BY_MAGIC: dict[bytes, Callable[[Path], Log]] = {
     mcap_records.MAGIC: McapLog, bag_records.MAGIC: Rosbag1Log, sqlite.MAGIC: SqliteLog, pd0_ensemble.MAGIC: Pd0Log,
-    water_linked.MAGIC: WaterLinkedLog,
 }  # fmt: skip
 BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
     ".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log,
-    ".json": WaterLinkedLog, ".jsonl": WaterLinkedLog,
 }  # fmt: skip
+MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
 FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 file, the JSON lines of a Water Linked DVL or a folder of CSVs"
 
 
@@ -51,6 +50,8 @@ def open_log(path: Path, package: Path | None = None) -> Log:
         raise InputError(f"the log {name} cannot be read: {error}", where=where) from None
     if not start:
         raise InputError(f"the log {name} is empty", where=where)
+    if is_water_linked(start):
+        return WaterLinkedLog(path)
     found = [reader for magic, reader in BY_MAGIC.items() if start.startswith(magic)]
     found += [reader for suffix, reader in BY_SUFFIX.items() if path.suffix.lower() == suffix]
     if not found:
@@ -64,7 +65,7 @@ def _open_folder(path: Path, package: Path | None) -> Log:
         return Rosbag2Log(path)
     if any(f"{sensor}.csv" in names for sensor in COLUMNS):
         return PlainLog(path, package)
-    raise _not_read(f"the folder {printable(path.name)}", printable(str(path.parent)), *describe_folder(names))
+    raise _not_read(f"the folder {printable(path.name)}", printable(str(path.parent)), *_describe(sorted(path.iterdir())))
 
 
 def _not_read(name: str, where: str, what: str, remedy: str) -> InputError:
@@ -89,11 +90,28 @@ def _find_logs(path: Path) -> list[Path]:
         if folder.is_dir() and _holds_log(folder):
             return [folder]
         inside = sorted(folder.iterdir()) if folder.is_dir() else []
-        found = [p for p in inside if p.suffix.lower() in BY_SUFFIX or (p.is_dir() and p.name != "logs" and _holds_log(p))]
+        found = [p for p in inside if _is_log(p)]
         if found:
             return found
-    names = [p.name for folder in (path, path / "logs") if folder.is_dir() for p in folder.iterdir()]
-    raise _not_read(f"the folder {printable(path.name)}", printable(str(path.parent)), *describe_folder(names))
+    inside = [p for folder in (path, path / "logs") if folder.is_dir() for p in sorted(folder.iterdir())]
+    raise _not_read(f"the folder {printable(path.name)}", printable(str(path.parent)), *_describe(inside))
+
+
+def _is_log(path: Path) -> bool:
+    if path.is_dir():
+        return path.name != "logs" and _holds_log(path)
+    return path.suffix.lower() in BY_SUFFIX or (
+        path.suffix.lower() in SUFFIXES and path.is_file() and is_water_linked(_start(path))
+    )
+
+
+def _describe(inside: Sequence[Path]) -> tuple[str, str]:
+    """What lies in a folder without a log: by the names, else by the first bytes of a file."""
+    found = describe_folder(p.name for p in inside)
+    for path in inside[:MOST_LOOKED_AT]:
+        if not found[0] and path.is_file():
+            found = describe_file(path, _start(path))
+    return found
 
 
 def _holds_log(folder: Path) -> bool:
@@ -105,7 +123,7 @@ def _holds_log(folder: Path) -> bool:
 def _start(path: Path) -> bytes:
     require_regular_file(path)
     with path.open("rb") as stream:
-        return stream.read(64)
+        return stream.read(START_BYTES)
 
 
 def _beside(path: Path) -> str:

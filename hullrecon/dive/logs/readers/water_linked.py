@@ -23,7 +23,9 @@ from hullrecon.dive.logs.samples import DvlSample, ImuSample
 from hullrecon.errors import InputError
 from hullrecon.typing import Array
 
-MAGIC = b"{"
+MARKS = (b'"transducers"', b'"position_local"', b'"response_to"')  # one of them stands in the first report
+START_BYTES = 4096
+SUFFIXES = (".json", ".jsonl", ".txt", ".log")
 VELOCITY, ATTITUDE = (Channel(sensor, "Water Linked JSON", "sample") for sensor in ("dvl", "imu"))
 LOST = np.full(3, np.nan)
 NS_PER_US = 1000
@@ -64,6 +66,11 @@ class WaterLinkedLog(FileLog):
             )
         self._tracker.finish()
         self.remarks += describe(timeless, offset_deg)
+
+
+def is_water_linked(start: bytes) -> bool:
+    """Return whether a file that begins so holds such reports: other JSON lies in many folders."""
+    return start.lstrip().startswith(b"{") and any(mark in start for mark in MARKS)
 
 
 def describe(timeless: int, offset_deg: float | None) -> list[str]:
