@@ -131,8 +131,8 @@ def reports(count: int = 4) -> str:
         t = 1_700_000_000.0 + number
         transducers = [{"id": i, "distance": 1.0 + 0.1 * i, "beam_valid": True} for i in range(4)]
         out.append({
-            "type": "velocity", "vx": 0.1, "vy": 0.2, "vz": 0.01 * number, "fom": 0.002, "altitude": 0.9, "velocity_valid": True,
-            "transducers": transducers, "time_of_validity": round(1e6 * t), "format": "json_v3.1",
+            "type": "velocity", "vx": 0.1, "vy": 0.2, "vz": 0.01 * number, "fom": 0.002, "altitude": 0.9,
+            "velocity_valid": True, "transducers": transducers, "time_of_validity": round(1e6 * t), "format": "json_v3.1",
         })  # fmt: skip
         out.append(
             {"type": "position_local", "ts": t + 0.5, "roll": 1.0, "pitch": 2.0, "yaw": 3.0 * number, "format": "json_v3.1"}

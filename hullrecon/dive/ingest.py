@@ -130,11 +130,13 @@ def ingest(
             if index is not None:
                 out.images[name] = index
     if not out.records.by_name() and not out.images and not problems.found:
-        raise InputError(
-            "no sensor could be read from the logs",
-            where=", ".join(request.logs),
-            remedy="`hullrecon init LOG` lists what a log holds; a run needs a DVL with an IMU, or two cameras, in [topics]",
-        )
+        with problems.gather():
+            raise InputError(
+                "no sensor could be read from the logs",
+                where=", ".join(request.logs),
+                remedy="`hullrecon init LOG` lists what a log holds; a run needs a DVL with an IMU, or two cameras, in "
+                "[topics]",
+            )
     return out
 
 

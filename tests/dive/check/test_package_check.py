@@ -170,3 +170,11 @@ def test_a_sensor_that_cannot_be_used_is_not_called_missing_as_well(package, kit
     assert [line for line in found.unusable if "no attitude" in line]
     assert not any(line.startswith("no imu") for line in found.missing)
     assert found.needs == []
+
+
+def test_a_package_of_which_no_sensor_is_named_gets_a_verdict_too(package):
+    path = package / "dive.toml"
+    path.write_text(path.read_text().split("[topics]")[0])
+    found = check(package)
+    assert found.verdict.startswith("not ready: no sensor could be read from the logs")
+    assert found.verdict.endswith("; missing: a DVL with an IMU, or two cameras")
