@@ -165,12 +165,15 @@ def joint_names(summary: LogSummary) -> list[str]:
 
 
 def _topics(summary: LogSummary, guessed: dict[str, str]) -> str:
-    if any(note.channel.encoding == "sample" for note in summary.topics):
+    if all(note.channel.encoding == "sample" for note in summary.topics):
         return "# the names of the files say which sensor is which\n"
     lines = []
     for sensor in TYPES:
-        if sensor in guessed:
-            kind = next(t.channel.type for t in summary.topics if t.channel.topic == guessed[sensor])
+        channel = next((t.channel for t in summary.topics if t.channel.topic == guessed.get(sensor)), None)
+        if channel is not None and channel.encoding == "sample":
+            lines.append(f"# {sensor} =".ljust(33) + f"# comes from the file beside the log: {_printable(channel.type)}")
+        elif channel is not None:
+            kind = channel.type
             lines.append(f"{sensor} = {_quoted(guessed[sensor])} ".ljust(33) + f"# {_printable(kind)}")
         else:
             lines.append(f"# {sensor} =".ljust(33) + "# no topic of the log has a type that fits, or a name that tells")

@@ -13,6 +13,7 @@ from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, TRANSFORMS
 from hullrecon.dive.logs.messages.samples import COMMON_TYPES, IMAGE_TYPES, TYPES
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
+from hullrecon.dive.logs.samples import DepthSample, ImuSample
 from hullrecon.dive.logs.timeline import NS, format_time
 from hullrecon.geometry.frames import Camera
 
@@ -146,11 +147,14 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
         chosen = _named(own, parts) or own or _named(common, parts)
         if chosen:
             found[sensor] = chosen[0]
-    return (
-        found
-        | _guess_cameras([t.channel.topic for t in topics if _fits(t, IMAGE_TYPES)])
-        | {t.channel.topic: t.channel.topic for t in topics if t.channel.encoding == "sample" and t.channel.topic in TYPES}
-    )
+    found |= _guess_cameras([t.channel.topic for t in topics if _fits(t, IMAGE_TYPES)])
+    samples = [t for t in topics if t.channel.encoding == "sample" and t.channel.topic in TYPES]
+    return found | {t.channel.topic: t.channel.topic for t in samples if t.channel.topic not in found or not _is_of_dvl(t)}
+
+
+def _is_of_dvl(topic: TopicNote) -> bool:
+    """Whether attitude or depth is that of a DVL's own sensors, which yield to others."""
+    return isinstance(topic.first, ImuSample | DepthSample) and topic.first.of_dvl
 
 
 def _is_differential(topic: TopicNote) -> bool:

@@ -9,7 +9,7 @@ from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.log_proposals import imu_frame, missing_calibrations, proposed_mounts, questions
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
-from hullrecon.dive.logs.summary import guess_topics, summarise_log
+from hullrecon.dive.logs.summary import guess_topics, summarise_log, summarise_logs
 from tests.dive.logs.test_descriptions import info
 
 
@@ -122,3 +122,14 @@ def test_what_no_log_says_is_asked_for(data, tmp_path):
     (tmp_path / "dive.toml").write_text(fill_template(summary, [tmp_path / "x.pd0"], tmp_path))
     assert "# mount_deg = " in (tmp_path / "dive.toml").read_text()
     assert load_config(tmp_path).config.imu.mount_deg is None
+
+
+def test_a_file_of_a_dvl_beside_a_log_takes_no_topic_from_it(kit, data, tmp_path):
+    """The PD0 file gives the DVL; its own compass and depth cell yield to the IMU and the pressure of the log."""
+    log = McapLog(kit.mcap(tmp_path / "x.mcap", entries_of(kit, without=["/dvl"])))
+    summary = summarise_logs([log, Pd0Log(data / "dvl-pd0-slocum" / "LA100204.PD0")])
+    guessed = guess_topics(summary.topics)
+    assert (guessed["dvl"], guessed["imu"], guessed["pressure"]) == ("dvl", "/imu", "/pressure")
+    topics = written(summary, tmp_path).config.topics
+    assert (topics.dvl, topics.imu, topics.pressure, topics.joints) == (None, "/imu", "/pressure", "/joints")
+    assert questions(summary) == []

@@ -18,6 +18,7 @@ from hullrecon.errors import InputError
         ("x.ad2cp", b"\xa5\x0a\xa0", "Nortek", "PD0"),
         ("x.csv.gz", b"\x1f\x8b\x08", "gzip", "unpack"),
         ("x.tlog", b"\0\0", "ArduPilot", "MCAP"),
+        ("x.nc", b"\x89HDF\r\n", "NetCDF", "dvl.csv"),
         ("x.npz", b"PK\3\4", "NumPy", "dvl.csv"),
         ("x.JPG", b"\xff\xd8", "a photo", "camera_top.csv"),
         ("x.mp4", b"\0\0\0\x18ftyp", "a video", "camera_top.csv"),

@@ -23,7 +23,7 @@ BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
     (b"\xa5\x0a", "a file of a Nortek instrument (AD2CP)", "have its DVL write PD0, or log it as nortek_dvl/Dvl"),
     (b"\x1f\x8b", "packed by gzip", "unpack it (gunzip) first"),
     (b"7z\xbc\xaf", "a packed archive", "unpack it first"),
-    (b"\x89HDF", "an HDF5 file", TABLES),
+    (b"\x89HDF", "an HDF5 or NetCDF file", f"write its sensors as {TABLES}"),
 )
 BY_SUFFIX = {
     ".tlog": ("a telemetry log of ArduPilot", TO_MCAP), ".svlog": ("a log of SonarView", TO_MCAP),
