@@ -23,9 +23,9 @@ def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
     """Write a commented dive.toml by looking into LOG, a file or a folder with one."""
     from hullrecon.artifacts.storage.disk import storage_errors, write_file
     from hullrecon.dive.check.to_fill_in import to_fill_in
-    from hullrecon.dive.config.config_template import beams_to_ask_for, fill_template
+    from hullrecon.dive.config.config_template import fill_template
     from hullrecon.dive.config.load import load_config
-    from hullrecon.dive.logs.dvl_beams import ask_for_beams
+    from hullrecon.dive.config.log_proposals import missing_calibrations, questions
     from hullrecon.dive.logs.readers.open import find_logs, open_log
     from hullrecon.dive.logs.summary import guess_topics, summarise_logs
     from hullrecon.dive.package_files import check_log, lies_inside
@@ -42,13 +42,24 @@ def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
         raise UsageError(f"{CONFIGURATION} is there already", where=str(folder), remedy="--force replaces it")
     with storage_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
+        calibrations = missing_calibrations(found, folder)
+        if calibrations:
+            (folder / "calibration").mkdir(exist_ok=True)
+    for name, text in calibrations.items():
+        write_file(folder / name, text.encode())
     write_file(path, fill_template(found, logs, folder).encode())
     outside = [] if allow_outside else [path for path in logs if not lies_inside(path, folder)]
     unknown = to_fill_in(load_config(folder), guess_topics(found.topics).keys())
     unknown += [f"outside the package: {p}; put it there, or give --allow-outside to check and run" for p in outside]
-    beams = beams_to_ask_for(found)
-    unknown += [f"to fill in: {ask_for_beams(beams).line()}"] if beams else []
-    lines = [*found.lines(), f"wrote {path}", *unknown, f"next: read it through, then `hullrecon check {folder}`"]
+    unknown += questions(found)
+    unknown += [f"to see to: {name} is the log's CameraInfo; it has to be that of the camera in water" for name in calibrations]
+    lines = [
+        *found.lines(),
+        *(f"wrote {folder / name}" for name in calibrations),
+        f"wrote {path}",
+        *unknown,
+        f"next: read it through, then `hullrecon check {folder}`",
+    ]
     state_of().emit({**found.document(), "wrote": str(path), "to_fill_in": unknown}, lines)
 
 
@@ -59,10 +70,10 @@ def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
 def check_of_package(package: Path, overrides: tuple[str, ...], allow_outside: bool) -> None:
     """Describe what PACKAGE holds, or a bare log, and what is missing for a run.
 
-    Exits with 3 when no run of the package is possible.
+    Exits with 0 only when a run is possible, else with 3.
     """
-    if package.is_file() or (package.is_dir() and not (package / CONFIGURATION).exists() and _is_log(package)):
-        _check_log(package, allow_outside)
+    if package.is_file() or (package.is_dir() and not (package / CONFIGURATION).exists()):
+        _check_logs(package, allow_outside)
         return
     from hullrecon.artifacts.execution.progress import choose_progress
     from hullrecon.artifacts.graph.stage_settings import StageSettings
@@ -87,30 +98,27 @@ def check_of_package(package: Path, overrides: tuple[str, ...], allow_outside: b
         return
     if state_of().json:
         click.get_current_context().exit(InputError.exit_code)
-    lacking = f"missing: {', '.join(found.missing_files)}" if found.missing_files else "sensors are missing"
-    raise InputError(f"no run is possible: {lacking}", where=str(package), remedy="see the lines above")
+    raise InputError(f"no run is possible: {'; '.join(found.reasons)}")
 
 
-def _check_log(path: Path, allow_outside: bool) -> None:
-    from hullrecon.dive.logs.readers.open import open_log
-    from hullrecon.dive.logs.summary import summarise_log
+def _check_logs(path: Path, allow_outside: bool) -> None:
+    from hullrecon.dive.logs.readers.open import find_logs, open_log
+    from hullrecon.dive.logs.summary import summarise_logs
     from hullrecon.dive.package_files import check_log
 
-    if path.is_dir():
-        check_log(path, path, allow_outside=allow_outside)
-    found = summarise_log(open_log(path))
-    advice = "this is a log without a dive.toml: `hullrecon init` writes one beside it"
-    state_of().emit(found.document(), [*found.lines(), advice])
-
-
-def _is_log(folder: Path) -> bool:
-    from hullrecon.dive.logs.readers.open import open_log
-
     try:
-        open_log(folder)
-    except InputError:
-        return False
-    return True
+        logs = find_logs(path)
+    except InputError as error:
+        raise InputError(f"no {CONFIGURATION} here, and {error.what}", where=error.where, remedy=error.remedy) from None
+    for log in logs if path.is_dir() else ():
+        check_log(log, path, allow_outside=allow_outside)
+    found = summarise_logs([open_log(log) for log in logs])
+    reasons = [f"no {CONFIGURATION} yet, `hullrecon init {path}` writes one", *found.needs()]
+    verdict = f"not ready: {'; '.join(reasons)}"
+    state_of().emit({**found.document(), "run_is_possible": False, "verdict": verdict}, [*found.lines(), f"verdict: {verdict}"])
+    if state_of().json:
+        click.get_current_context().exit(InputError.exit_code)
+    raise InputError(f"no run is possible: {'; '.join(reasons)}")
 
 
 class _Check(click.Command):

@@ -40,7 +40,8 @@ class Seed:
 def seeds() -> dict[str, tuple[Seed, ...]]:
     """Return sound inputs by format."""
     return {
-        "mcap": _mcap(), "bag": _bag(), "rosbag2": _rosbag2(), "pd0": _pd0(), "plain": _plain(), "npz": _npz(), "toml": _toml(),
+        "mcap": _mcap(), "bag": _bag(), "rosbag2": _rosbag2(), "pd0": _pd0(), "reports": _reports(),
+        "plain": _plain(), "npz": _npz(), "oculus": _oculus(), "toml": _toml(),
         "yaml": _yaml(), "hull": _hull(), "hull-gz": _hull_gz(), "image": _image(),
         "init": _init(),
     }  # fmt: skip
@@ -83,6 +84,10 @@ def _rosbag2() -> tuple[Seed, ...]:
 def _pd0() -> tuple[Seed, ...]:
     data = seed_files.pd0()
     return _log("dive.pd0", data, checksummed=True, blind=sums_are_right), _log("dive.pd0", data, finish=with_right_sums)
+
+
+def _reports() -> tuple[Seed, ...]:
+    return (_log("dvl.json", seed_files.reports().encode(), text=True),)
 
 
 def sums_are_right(data: bytes) -> bool:
@@ -133,6 +138,12 @@ def zip_ping(image: bytes) -> bytes:
         for name in whole.namelist():
             out.writestr(zipfile.ZipInfo(name), image if name == "image.npy" else whole.read(name))
     return file.getvalue()
+
+
+def _oculus() -> tuple[Seed, ...]:
+    files = {**_tables(), "logs/p.npz": 2 * seed_files.oculus_ping()}
+    files["logs/sonar.csv"] = b"t,file,ping\n1700000000,p.npz,0\n1700000001,p.npz,1\n"
+    return (Seed(read="log", files=files, target="logs/p.npz", given="logs"),)
 
 
 def _toml() -> tuple[Seed, ...]:

@@ -50,7 +50,7 @@ def read_log(folder: Path, name: str) -> Reading:
     """Read a log of any form with all its sensors, images and pings, as `ingest` does."""
     kept: dict[str, BytesIO] = {}
     request = IngestRequest(
-        logs=(name,), topics=TOPICS, joints={"tray": "tray"}, imu_frame="ned",
+        logs=(name,), topics=TOPICS, joints={"tray": "tray"}, imu_frame="ned", imu_mount_deg=(0.0, 0.0, 0.0),
         pressure=PressureModel(1025.0, 9.81, 101325.0), beams=BEAMS, sigma_velocity=0.003,
         calibration={"camera_top": CALIBRATION}, offset_ns={"camera_top": 0}, mesh=None, units="m",
     )  # fmt: skip

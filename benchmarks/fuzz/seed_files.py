@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import io
+import json
 import struct
 
 import numpy as np
@@ -130,6 +131,35 @@ def ping_npy() -> bytes:
     file = io.BytesIO()
     np.save(file, np.random.default_rng(0).integers(0, 255, (3, 4), dtype=np.uint8))
     return file.getvalue()
+
+
+def oculus_ping() -> bytes:
+    """Return a simple ping result, version 1, of four beams and eight ranges."""
+    beams, ranges, start = 4, 8, 122
+    image = bytes(range(beams * ranges))
+    body = bytearray(start + 2 * beams) + image
+    struct.pack_into("<HHHHHIH", body, 0, 0x4F53, 1, 0, 0x23, 0, len(body) - 16, 0)
+    body[20] = 0x19
+    struct.pack_into("<BdHH", body, 97, 0, 0.01, ranges, beams)
+    struct.pack_into("<III", body, 110, start + 2 * beams, len(image), len(body))
+    struct.pack_into(f"<{beams}h", body, start, *range(-1500, 1500, 3000 // beams))
+    return bytes(body)
+
+
+def reports(count: int = 4) -> str:
+    """Return lines of what a DVL of Water Linked sends over TCP: velocities and attitudes."""
+    out = []
+    for number in range(count):
+        t = 1_700_000_000.0 + number
+        transducers = [{"id": i, "distance": 1.0 + 0.1 * i, "beam_valid": True} for i in range(4)]
+        out.append({
+            "type": "velocity", "vx": 0.1, "vy": 0.2, "vz": 0.01 * number, "fom": 0.002, "altitude": 0.9,
+            "velocity_valid": True, "transducers": transducers, "time_of_validity": round(1e6 * t), "format": "json_v3.1",
+        })  # fmt: skip
+        out.append(
+            {"type": "position_local", "ts": t + 0.5, "roll": 1.0, "pitch": 2.0, "yaw": 3.0 * number, "format": "json_v3.1"}
+        )
+    return "".join(json.dumps(report) + "\n" for report in out)
 
 
 def pd0(count: int = 4) -> bytes:

@@ -18,18 +18,37 @@ from hullrecon.dive.images.sink import ImageSink
 from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.read_streams import LogContents, Watch, read_streams
 from hullrecon.dive.logs.readers.open import open_log
-from hullrecon.dive.logs.samples import DvlSample, ImageSample, ImuSample, JointSample, PressureSample, Sample, SonarSample
+from hullrecon.dive.logs.samples import (
+    DepthSample,
+    DvlSample,
+    ImageSample,
+    ImuSample,
+    JointSample,
+    PressureSample,
+    Sample,
+    SonarSample,
+)
 from hullrecon.dive.logs.time_window import Instant, time_window
 from hullrecon.dive.logs.timeline import NS, put_in_order
+from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.records.sensors import ImageIndex, JointSamples, SensorRecords
+from hullrecon.records.sensors import (
+    DvlPings,
+    ImageIndex,
+    ImuSamples,
+    JointSamples,
+    PressureSamples,
+    SensorRecord,
+    SensorRecords,
+)
 from hullrecon.typing import Array
 
 JOINT_KEYS = {"tray": "tray.joint", "sonar_tray": "sonar.joint"}
 OpenFile = Callable[[str], BinaryIO]  # a file for the images of that camera
 Kind = TypeVar("Kind", bound=Sample)
+DEPTHS: tuple[type[PressureSample | DepthSample], ...] = (PressureSample, DepthSample)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +60,7 @@ class IngestRequest:
     topics: Mapping[str, str]
     joints: Mapping[str, str]
     imu_frame: str
+    imu_mount_deg: tuple[float, float, float] | None = None
     pressure: streams.PressureModel
     beams: Array | None
     sigma_velocity: float
@@ -71,17 +91,25 @@ class IngestResult:
         return {"spans": spans, "lost": self.lost, "hull": self.hull_messages, "remarks": self.remarks}
 
 
-def ingest(package: Path, request: IngestRequest, open_file: OpenFile, watch: Watch = iter) -> IngestResult:
+def ingest(
+    package: Path, request: IngestRequest, open_file: OpenFile, watch: Watch = iter, problems: Problems | None = None
+) -> IngestResult:
     """Return what the package holds, read once.
 
     open_file is called for each camera whose image bytes are to be kept; watch sees every message pass (progress). Raises
-    InputError for what cannot be used, with the file, topic or size that is wrong.
+    InputError for what cannot be used, with the file, topic or size that is wrong, unless `problems` takes it.
     """
-    out = IngestResult()
-    logs = [open_log(package / name, package) for name in request.logs]
-    out.cameras = {name: read_camera(package / path) for name, path in request.calibration.items()}
+    out, problems = IngestResult(), problems or Problems()
+    logs = []
+    for name in request.logs:
+        with problems.gather():
+            logs.append(open_log(package / name, package))
+    for name, path in request.calibration.items():
+        with problems.gather():
+            out.cameras[name] = read_camera(package / path)
     if request.mesh is not None:
-        out.hull = read_hull(package / request.mesh, request.units, out.hull_messages)
+        with problems.gather():
+            out.hull = read_hull(package / request.mesh, request.units, out.hull_messages)
     sinks = {
         name: ImageSink(name, (c.width, c.height), request.offset_ns[name], package, partial(open_file, name))
         for name, c in out.cameras.items()
@@ -92,59 +120,84 @@ def ingest(package: Path, request: IngestRequest, open_file: OpenFile, watch: Wa
             sinks[sample.camera].take(sample, logged_ns)
 
     topics = {} if all(log.gives_samples for log in logs) else request.topics
-    window = time_window(request.start, request.end, logs)
-    found = read_streams(logs, {topic: sensor for sensor, topic in topics.items()}, take_image, watch, window)
-    _check_topics(topics, found)
+    sensors = {topic: [sensor for sensor, named in topics.items() if named == topic] for topic in topics.values()}
+    window = None
+    with problems.gather():
+        window = time_window(request.start, request.end, logs)
+    found = read_streams(logs, sensors, take_image, watch, problems, window)
+    _check_topics(topics, found, problems)
     out.remarks += found.remarks
     out.lost = messages.describe_losses(found.losses)
     out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
-    out.records = _build_records(out, request, found)
+    out.records = _build_records(out, request, found, problems)
     for name, sink in sinks.items():
-        index = sink.finish(out.remarks)
-        if index is not None:
-            out.images[name] = index
-    if window is not None and found.outside and not out.records.by_name() and not out.images:
-        raise InputError(
-            f"nothing was measured {window.describe()}", where="dive.from", remedy="`hullrecon init LOG` says when a log begins"
-        )
-    if not out.records.by_name() and not out.images:
-        raise InputError(
-            "no sensor could be read from the logs",
-            where=", ".join(request.logs),
-            remedy="`hullrecon init LOG` lists what a log holds; a run needs a DVL with an IMU, or two cameras, in [topics]",
-        )
+        with problems.gather():
+            index = sink.finish(out.remarks)
+            if index is not None:
+                out.images[name] = index
+    if not out.records.by_name() and not out.images and not problems.found:
+        with problems.gather():
+            if window is not None and found.outside:
+                raise InputError(
+                    f"nothing was measured {window.describe()}",
+                    where="dive.from",
+                    remedy="`hullrecon init LOG` says when a log begins",
+                )
+            raise InputError(
+                "no sensor could be read from the logs",
+                where=", ".join(request.logs),
+                remedy="`hullrecon init LOG` lists what a log holds; a run needs a DVL with an IMU, or two cameras, in "
+                "[topics]",
+            )
     return out
 
 
-def _check_topics(topics: Mapping[str, str], found: LogContents) -> None:
+def _check_topics(topics: Mapping[str, str], found: LogContents, problems: Problems) -> None:
     """Raise InputError for a topic that is named but absent, unless the log is damaged: its messages may be what was lost."""
     held = {channel.topic for channel in found.counts}
     for sensor, topic in sorted(topics.items()):
         if topic in held:
             continue
-        if not found.losses:
+        if found.losses:
+            found.remarks.append(f"{sensor}: nothing of {topic} is left in the damaged log")
+            continue
+        with problems.gather():
             raise InputError(
                 f"topic {topic} is not in the log, which holds {', '.join(sorted(held)) or 'nothing'}",
                 where=f"topics.{sensor}", remedy="name the topic that the log has, or leave the key away",
             )  # fmt: skip
-        found.remarks.append(f"{sensor}: nothing of {topic} is left in the damaged log")
 
 
-def _build_records(out: IngestResult, request: IngestRequest, found: LogContents) -> SensorRecords:
+def _build_records(out: IngestResult, request: IngestRequest, found: LogContents, problems: Problems) -> SensorRecords:
     """Return the records of all sensors but the cameras."""
-    dvl = _sort_samples("dvl", found, DvlSample, out.remarks)
-    imu = _sort_samples("imu", found, ImuSample, out.remarks)
-    pressure = _sort_samples("pressure", found, PressureSample, out.remarks)
-    sonar = _sort_samples("sonar", found, SonarSample, out.remarks)
-    _check_joints(request, found, {s.name for s in found.samples["joints"] if isinstance(s, JointSample)}, out.remarks)
-    return SensorRecords(
-        dvl=streams.dvl_pings(dvl, request.beams, request.sigma_velocity, out.remarks) if dvl else None,
-        imu=streams.imu_samples(imu, request.imu_frame, out.remarks) if imu else None,
-        pressure=streams.pressure_samples(pressure, request.pressure, out.remarks) if pressure else None,
-        sonar=streams.sonar_pings(sonar, out.remarks) if sonar else None,
-        tray=_build_joint("tray", request, found, out.remarks),
-        sonar_tray=_build_joint("sonar_tray", request, found, out.remarks),
-    )
+    remarks = out.remarks
+    built: dict[str, SensorRecord | None] = {}
+
+    def build(name: str, record: Callable[[], SensorRecord | None]) -> None:
+        with problems.gather():
+            built[name] = record()
+
+    def dvl() -> DvlPings | None:
+        samples = _sort_samples("dvl", found, DvlSample, remarks)
+        return streams.dvl_pings(samples, request.beams, request.sigma_velocity, remarks) if samples else None
+
+    def imu() -> ImuSamples | None:
+        samples = _sort_samples("imu", found, ImuSample, remarks)
+        return streams.imu_samples(samples, request.imu_frame, remarks, request.imu_mount_deg) if samples else None
+
+    def pressure() -> PressureSamples | None:
+        samples = _sort_samples("pressure", found, DEPTHS, remarks)
+        return streams.pressure_samples(samples, request.pressure, remarks) if samples else None
+
+    build("dvl", dvl)
+    build("imu", imu)
+    build("pressure", pressure)
+    build("sonar", lambda: streams.sonar_pings(_sort_samples("sonar", found, SonarSample, remarks), remarks))
+    with problems.gather():
+        _check_joints(request, found, {s.name for s in found.samples["joints"] if isinstance(s, JointSample)}, remarks)
+    for record in JOINT_KEYS:
+        build(record, partial(_build_joint, record, request, found, remarks))
+    return SensorRecords(**built)  # type: ignore[arg-type]
 
 
 def _build_joint(record: str, request: IngestRequest, found: LogContents, remarks: list[str]) -> JointSamples | None:
@@ -175,7 +228,11 @@ def _check_joints(request: IngestRequest, found: LogContents, held: set[str], re
 
 
 def _sort_samples(
-    sensor: str, found: LogContents, kind: type[Kind], remarks: list[str], joint: str | None = None
+    sensor: str,
+    found: LogContents,
+    kind: type[Kind] | tuple[type[Kind], ...],
+    remarks: list[str],
+    joint: str | None = None,
 ) -> list[Kind]:
     """Return the samples of a sensor, of one joint where it is named, in order of time without duplicates."""
     rows = [

@@ -10,6 +10,7 @@ from pathlib import Path
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.files import special_kind
+from hullrecon.dive.images.store import IMAGE_SUFFIXES
 from hullrecon.dive.logs.readers.file_log import require_regular_file
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.plain import PlainLog
@@ -72,6 +73,12 @@ def log_files(package: Path, name: str) -> list[Path]:
         return [*(Path(name) / table for table in log.tables()), *log.named_files()]
     files = sorted(path for path in folder.iterdir() if path.name == METADATA or path.suffix in STORED)
     return [Path(name) / path.name for path in files if path.is_file()]
+
+
+def named_images(package: Path, logs: Collection[str]) -> list[Path]:
+    """Return the image files that the tables of a package's logs name, relative to the package where they lie in it."""
+    tables = [PlainLog(package / name, package) for name in logs if _is_folder(package / name)]
+    return sorted(file for table in tables for file in table.named_files() if file.suffix.lower() in IMAGE_SUFFIXES)
 
 
 def _named_files(loaded: LoadedConfig) -> Iterator[tuple[str, Path]]:

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.schema import Logs
-from hullrecon.dive.images.store import IMAGE_SUFFIXES, ImageStore
+from hullrecon.dive.images.store import ImageStore
+from hullrecon.dive.package_files import named_images
 from hullrecon.errors import StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.steps.artifacts import InputArtifacts
@@ -48,9 +49,8 @@ def applies(settings: Mapping[str, object]) -> str | None:
 
 
 def external(settings: StageSettings, package: Path) -> list[Path]:
-    """Return the images that lie in the package as files, which this step reads again."""
-    folders = [package / file for file in settings.read("logs", Logs).files]
-    return sorted(p for folder in folders if folder.is_dir() for p in folder.rglob("*") if p.suffix.lower() in IMAGE_SUFFIXES)
+    """Return the images that tables of the package name, relative to it, which this step reads again."""
+    return named_images(package, settings.read("logs", Logs).files)
 
 
 def run(context: Context[FeatureOptions]) -> None:

@@ -28,7 +28,8 @@ from hullrecon.typing import Array
 
 USES = (
     "dive.start", "dive.end",
-    "logs", "topics", "tray.joint", "sonar.joint", "imu.frame", "pressure.density", "pressure.gravity", "pressure.atmosphere",
+    "logs", "topics", "tray.joint", "sonar.joint", "imu.frame", "imu.mount_deg", "pressure.density", "pressure.gravity",
+    "pressure.atmosphere", "pressure.z_axis",
     "dvl.beams", "dvl.beam_angle_deg", "dvl.beam_azimuth_deg", "dvl.sigma_velocity",
     *(f"{camera.section}.{key}" for camera in Camera for key in ("calibration", "time_offset")), "hull.mesh", "hull.units",
 )  # fmt: skip
@@ -50,7 +51,11 @@ def request_of(settings: StageSettings) -> IngestRequest:
             {"tray": settings.read("tray.joint", str), "sonar_tray": settings.read_optional("sonar.joint", str)}
         ),
         imu_frame=settings.read("imu.frame", str),
-        pressure=PressureModel(**{key: settings.read(f"pressure.{key}", float) for key in keys}),
+        imu_mount_deg=settings.read_optional("imu.mount_deg", tuple),
+        pressure=PressureModel(
+            **{key: settings.read(f"pressure.{key}", float) for key in keys},
+            z_axis=settings.read_optional("pressure.z_axis", str),
+        ),
         beams=_beams(settings),
         sigma_velocity=settings.read("dvl.sigma_velocity", float),
         calibration=_drop_empty({c.key: settings.read_optional(f"{c.section}.calibration", str) for c in Camera}),
@@ -123,7 +128,7 @@ STAGE = Stage(
     summary="read the logs, the calibration and the CAD model",
     inputs=(),
     parameters=IngestOptions,
-    version=2,
+    version=3,
     run=run,
     uses=USES,
     external=external,

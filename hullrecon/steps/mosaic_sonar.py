@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.dive.config.schema import Topics
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import from_mount
 from hullrecon.mosaic.options import SonarOptions
@@ -22,9 +23,14 @@ from hullrecon.steps.sonar import SONAR_KEYS, sonar_poses
 
 
 def applies(settings: Mapping[str, object]) -> str | None:
-    """Return None where an imaging sonar was carried and logged, else why there is no such mosaic."""
-    carried = settings["sonar.mount"] is not None and settings["topics.sonar"] is not None
-    return None if carried else "no imaging sonar was carried"
+    """Return None where an imaging sonar was carried and logged, else why there is no such mosaic.
+
+    Plain files have no topics: where none is named, the names of the tables say what was logged.
+    """
+    topics = settings["topics"]
+    is_plain = isinstance(topics, Topics) and not any(getattr(topics, name) for name in topics.__struct_fields__)
+    is_logged = isinstance(topics, Topics) and (is_plain or topics.sonar is not None)
+    return None if settings["sonar.mount"] is not None and is_logged else "no imaging sonar was carried"
 
 
 def run(context: Context[SonarOptions]) -> None:
@@ -74,6 +80,6 @@ STAGE = Stage(
     version=4,
     run=run,
     fails_alone=True,
-    uses=(*SONAR_KEYS, "sonar.joint", "sonar.mount_sigma", "sonar.elevation_deg", "topics.sonar", "hull.frame_spacing"),
+    uses=(*SONAR_KEYS, "sonar.joint", "sonar.mount_sigma", "sonar.elevation_deg", "topics", "hull.frame_spacing"),
     applies=applies,
 )

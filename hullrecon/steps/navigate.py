@@ -15,8 +15,8 @@ from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.check.messages import Stream
 from hullrecon.dive.config.schema import Logs
-from hullrecon.dive.images.store import IMAGE_SUFFIXES, ImageStore
-from hullrecon.dive.logs.readers.plain import PlainLog
+from hullrecon.dive.images.store import ImageStore
+from hullrecon.dive.package_files import named_images
 from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
@@ -59,10 +59,8 @@ class ImagePairMotion:
 
 
 def external(settings: StageSettings, package: Path) -> list[Path]:
-    """Return the images that lie in the package as files; they are read again for visual odometry."""
-    files = settings.read("logs", Logs).files
-    tables = [PlainLog(package / name, package) for name in files if (package / name).is_dir()]
-    return sorted(file for table in tables for file in table.named_files() if file.suffix.lower() in IMAGE_SUFFIXES)
+    """Return the images that tables of the package name, relative to it; they are read again for visual odometry."""
+    return named_images(package, settings.read("logs", Logs).files)
 
 
 def run(context: Context[NavigateOptions]) -> None:

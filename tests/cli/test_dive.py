@@ -77,7 +77,7 @@ def test_check_ends_with_3_where_no_run_is_possible(capsys, package):
     code, out, err = call(capsys, "check", package)
     assert code == 3
     assert any(line.startswith("no imu: ") and "no run is possible" in line for line in out.splitlines())
-    assert err.splitlines()[-1].startswith("error: no run is possible: sensors are missing")
+    assert err.splitlines()[-1].startswith("error: no run is possible: missing: an IMU with attitude")
     code, out, err = call(capsys, "check", package, "--json")
     assert (code, json.loads(out)["run_is_possible"]) == (3, False)
     assert "error" not in err
@@ -92,7 +92,7 @@ def test_check_lists_all_files_that_are_missing_and_reads_the_rest(capsys, packa
     assert "missing: top.yaml (camera.top.calibration)" in lines
     assert "missing: hull.off (hull.mesh)" in lines
     assert "depth runs from 1.2 to 3.4 m" in lines
-    assert "missing: top.yaml (camera.top.calibration), hull.off (hull.mesh)" in err.splitlines()[-1]
+    assert "missing: top.yaml (camera.top.calibration); missing: hull.off (hull.mesh)" in err.splitlines()[-1]
 
 
 def test_an_option_of_set_that_check_does_not_take_is_not_blamed_on_the_file(capsys, package):
@@ -133,16 +133,19 @@ def test_check_takes_options_in_place_of_the_files(capsys, package):
 
 
 def test_check_of_a_bare_log_says_what_it_holds_and_what_is_missing(capsys, package):
-    code, out, _ = call(capsys, "check", package / "logs")
-    assert code == 0
+    code, out, err = call(capsys, "check", package / "logs")
+    assert code == 3
+    assert out.splitlines()[-1].startswith("verdict: not ready: no dive.toml yet")
+    assert err.splitlines()[-1].startswith("error: no run is possible: no dive.toml yet")
     assert "pressure: 2 messages in 1.0 s, 1.0 Hz" in out
     assert "no sonar" in out
-    assert "`hullrecon init`" in out
+    assert "`hullrecon init " in out
 
 
 def test_check_of_a_real_bag_ends_well(capsys):
     code, out, _ = call(capsys, "check", dataset("ros1-micron-bag") / "static_sonar.bag")
-    assert code == 0
+    assert code == 3
+    assert out.splitlines()[-1].endswith("; missing: a DVL with an IMU, or two cameras")
     assert "2784 messages on 7 topics" in out
 
 
@@ -166,7 +169,7 @@ def test_init_and_check_ask_for_the_beams_in_the_same_words(capsys, package):
     asked = next(line for line in out.splitlines() if "beams point" in line)
     code, line = complaint(capsys, "check", package)
     assert code == 3
-    assert line.removeprefix("error: ") == asked.removeprefix("to fill in: ")
+    assert line.removeprefix("error: no run is possible: ") == asked.removeprefix("to fill in: ")
 
 
 def test_init_of_a_folder_writes_into_it(capsys, package, monkeypatch, tmp_path):

@@ -111,7 +111,7 @@ def all_images(data):
 
 
 BEAMS = "beam_angle_deg = 30.0\nbeam_azimuth_deg = [180, 0, 90, -90]"
-TOPICS = '[topics]\nimu = "/imu"\npressure = "/imu"\n'
+TOPICS = '[topics]\nimu = "/imu"\njoints = "/imu"\n'
 ZEROS = "t,qx,qy,qz,qw\n0,0,0,0,0\n1,0,0,0,0\n"
 REFUSED = {
     "dive.toml is a folder": (toml_as_folder, 3, r"dive\.toml cannot be read: Is a directory"),
@@ -120,7 +120,7 @@ REFUSED = {
     "dive.toml is nested without end": (toml('name = "small"', "name = " + "[" * 2000), 2, r"not valid TOML.*nested"),
     "a number of ten thousand digits": (toml("30.0", "3" * 10_000), 2, r"not valid TOML.*digits"),
     "a section is a value": (toml('[sonar]\njoint = "fan"', 'sonar = 3'), 2, r"sonar"),
-    "one topic for two sensors": (toml("[dvl]", TOPICS + "[dvl]"), 2, r"topics\.pressure and topics\.imu"),
+    "one topic for two sensors": (toml("[dvl]", TOPICS + "[dvl]"), 2, r"topics\.joints and topics\.imu"),
     "no log is named": (toml('["logs"]', "[]"), 2, r"logs\.files"),
     "one log is named twice": (toml('["logs"]', '["logs", "./logs"]'), 2, r"logs\.files names logs twice"),
     "a name that climbs out": (toml('"small"', '".."'), 2, r"dive\.name"),

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import zipfile
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -105,9 +106,13 @@ def test_a_dive_without_camera_has_no_features():
     assert STAGE.applies({"camera.top.calibration": "c.yaml"}) is None
 
 
-def test_image_files_of_the_package_are_named_so_that_a_change_is_seen(tmp_path):
+def test_image_files_that_a_table_names_are_known_so_that_a_change_is_seen(tmp_path, monkeypatch):
     (tmp_path / "logs" / "left").mkdir(parents=True)
-    for name in ("logs/left/b.JPG", "logs/left/a.png", "logs/camera_top.csv"):
+    for name in ("logs/left/b.JPG", "logs/left/a.png", "logs/left/other.png"):
         (tmp_path / name).write_text("")
-    found = STAGE.external(StageSettings("features", {"logs": Logs(files=("logs", "logs/dive.mcap"))}), tmp_path)
-    assert [p.name for p in found] == ["a.png", "b.JPG"]
+    (tmp_path / "logs" / "camera_top.csv").write_text("t,file\n1,left/b.JPG\n2,left/a.png\n3,left/gone.png\n")
+    settings = StageSettings("features", {"logs": Logs(files=("logs", "logs/dive.mcap"))})
+    names = [Path("logs/left/a.png"), Path("logs/left/b.JPG")]
+    assert STAGE.external(settings, tmp_path) == names
+    monkeypatch.chdir(tmp_path.parent)
+    assert STAGE.external(settings, Path(tmp_path.name)) == names  # of a package given by a relative path, too

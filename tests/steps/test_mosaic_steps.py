@@ -163,11 +163,17 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
 
 
 def test_steps_apply_only_where_their_sensor_was_carried() -> None:
-    carried = {"camera.top.calibration": "top.yaml", "sonar.mount": Sonar().mount, "topics.sonar": "/s"}
+    carried = {"camera.top.calibration": "top.yaml", "sonar.mount": Sonar().mount, "topics": Topics(sonar="/s")}
     assert mosaic_optical.applies(carried) is None
     assert mosaic_sonar.applies(carried) is None
     assert mosaic_optical.applies({"camera.top.calibration": None}) == "no camera was carried"
-    assert mosaic_sonar.applies({"sonar.mount": None, "topics.sonar": None}) == "no imaging sonar was carried"
+    assert mosaic_sonar.applies({"sonar.mount": None, "topics": Topics()}) == "no imaging sonar was carried"
+
+
+def test_a_plain_package_names_no_topics_and_gets_its_sonar_mosaic_all_the_same() -> None:
+    carried = {"sonar.mount": Sonar().mount}
+    assert mosaic_sonar.applies({**carried, "topics": Topics()}) is None
+    assert mosaic_sonar.applies({**carried, "topics": Topics(dvl="/dvl")}) == "no imaging sonar was carried"
 
 
 def _still_track(nodes: int) -> VehicleTrack:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import msgspec
+import numpy as np
 from msgspec import Struct
 
 from hullrecon.dive.check.consistency_checks import check_consistency, describe_start_offset
@@ -19,10 +20,11 @@ from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import Watch
-from hullrecon.dive.logs.summary import is_runnable, missing
+from hullrecon.dive.logs.summary import missing, needs
 from hullrecon.dive.logs.timeline import rate_hz
-from hullrecon.errors import InputError
+from hullrecon.dive.problems import Problems
 from hullrecon.geometry.frames import Camera
+from hullrecon.records.sensors import DvlPings
 
 VEHICLE_SECTIONS = ("tray", "imu", "pressure", "dvl", *(camera.section for camera in Camera), "sonar", "hull")
 
@@ -33,17 +35,38 @@ CheckImages = Callable[[LoadedConfig, IngestResult, Mapping[str, SampledImages]]
 @dataclass(frozen=True, kw_only=True)
 class PackageCheck:
     """What `check` reports about a package. missing_files: those that dive.toml names and that are not there, with their keys;
-    missing: what the absence of sensors means; warnings: contradictions; defaults: values by key that nobody gave."""
+    unusable: what is there but cannot be used, and what to do; needs: sensors without which nothing can be computed; missing:
+    what the absence of sensors means; warnings: contradictions; defaults: values by key that nobody gave."""
 
     name: str
     vessel: str
     found: IngestResult
     missing_files: list[str]
+    unusable: list[str]
+    needs: list[str]
     missing: list[str]
     to_fill_in: list[str]
     warnings: list[str]
     defaults: dict[str, object]
-    run_is_possible: bool
+
+    @property
+    def reasons(self) -> list[str]:
+        """Return all that stands against a run; none where one is possible."""
+        return [*(f"missing: {file}" for file in self.missing_files), *self.unusable, *self.needs]
+
+    @property
+    def run_is_possible(self) -> bool:
+        return not self.reasons
+
+    @property
+    def verdict(self) -> str:
+        """Return one line: ready, and what a run would have to believe; or not, and all that is in its way."""
+        if self.reasons:
+            return f"not ready: {'; '.join(self.reasons)}"
+        keys = ", ".join(line.split(": ")[1] for line in self.to_fill_in)
+        doubts = [f"{len(self.warnings)} suspicious above"] if self.warnings else []
+        doubts += [f"to fill in: {keys}"] if keys else []
+        return f"ready, with doubts ({'; '.join(doubts)})" if doubts else "ready"
 
     def lines(self) -> list[str]:
         """Return the report, a sentence a line."""
@@ -52,9 +75,10 @@ class PackageCheck:
         return [
             f"{self.name}: {self.vessel}" if self.vessel else self.name,
             *findings["spans"], *describe_start_offset(self.found.records, self.found.images), *findings["hull"],
-            *(f"missing: {file}" for file in self.missing_files),
+            *(f"missing: {file}" for file in self.missing_files), *(f"not usable: {line}" for line in self.unusable),
             *(f"lost: {line}" for line in findings["lost"]), *(f"note: {line}" for line in findings["remarks"]), *self.missing,
             *self.to_fill_in, *(f"suspicious: {line}" for line in self.warnings), f"defaults used: {defaults}",
+            f"verdict: {self.verdict}",
         ]  # fmt: skip
 
     def document(self) -> dict[str, object]:
@@ -63,17 +87,17 @@ class PackageCheck:
         return {
             "name": self.name, "vessel": self.vessel,
             "streams": {name: _describe_stream(stream) for name, stream in streams.items() if len(stream.t_ns)},
-            **self.found.findings(), "missing_files": self.missing_files, "missing": self.missing,
+            **self.found.findings(), "missing_files": self.missing_files, "unusable": self.unusable, "missing": self.missing,
             "to_fill_in": self.to_fill_in, "suspicious": self.warnings, "topics": self.found.counts,
             "offset": describe_start_offset(self.found.records, self.found.images), "defaults": self.defaults,
-            "run_is_possible": self.run_is_possible,
+            "run_is_possible": self.run_is_possible, "verdict": self.verdict,
         }  # fmt: skip
 
 
 def check_package(
     loaded: LoadedConfig, request: IngestRequest, watch: Watch = iter, check_images: CheckImages | None = None
 ) -> PackageCheck:
-    """Return what the package holds and lacks, all of it read. Raises InputError for what cannot be used.
+    """Return what the package holds and lacks, all of it read. What cannot be used is listed, all of it.
 
     check_images: looks at some of the images, by camera, and returns what contradicts the configuration.
     """
@@ -81,29 +105,39 @@ def check_package(
     logo = loaded.value("report.logo")
     missing_files += [f"{logo} (report.logo)"] if isinstance(logo, str) and not _exists(loaded.package / logo) else []
     sampled: dict[str, SampledImages] = {}
-    found = ingest(loaded.package, request, lambda camera: sampled.setdefault(camera, SampledImages()), watch)
+    problems = Problems(go_on=True)
+    found = ingest(loaded.package, request, lambda camera: sampled.setdefault(camera, SampledImages()), watch, problems)
     streams: Mapping[str, Stream] = {**found.records.by_name(), **found.images}
     present = {"joints" if name == "tray" else name for name, stream in streams.items() if len(stream.t_ns)}
     named = {sensor for sensor, topic in request.topics.items() if topic in found.counts}
     logged = named | (TYPES.keys() & found.counts.keys())
+    known = present | logged if problems.found else present  # of what cannot be used it is said why
     return PackageCheck(
         name=loaded.config.dive.name,
         vessel=loaded.config.dive.vessel,
         found=found,
         missing_files=missing_files,
-        missing=missing(present, hull=found.hull is not None),
+        unusable=[*(error.line() for error in problems.found), *_lost_velocities(found.records.dvl)],
+        needs=needs(known),
+        missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
         to_fill_in=to_fill_in(loaded, logged),
         warnings=[
             *check_consistency(loaded.config, found.records, found.images),
             *(check_images(loaded, found, sampled) if check_images is not None else []),
         ],
         defaults=defaults_of(loaded),
-        run_is_possible=is_runnable(present) and not missing_files,
     )
 
 
+def _lost_velocities(dvl: DvlPings | None) -> list[str]:
+    """Return a sentence where a DVL measured no velocity at all: nothing could be reckoned from it."""
+    if dvl is None or np.isfinite(dvl.velocity).any():
+        return []
+    return [f"the DVL's {len(dvl.t_ns)} pings have no velocity over ground: log its bottom track, or leave topics.dvl away"]
+
+
 def _leave_out_missing(package: Path, request: IngestRequest) -> tuple[IngestRequest, list[str]]:
-    """Return the request without the files that are not there, and those with their keys. Raises InputError without any log."""
+    """Return the request without the files that are not there, and those with their keys."""
     named = [("logs.files", name) for name in request.logs]
     named += [(f"{Camera(name.removeprefix('camera_')).section}.calibration", f) for name, f in request.calibration.items()]
     named += [("hull.mesh", request.mesh)] if request.mesh is not None else []
@@ -114,11 +148,8 @@ def _leave_out_missing(package: Path, request: IngestRequest) -> tuple[IngestReq
         calibration={name: file for name, file in request.calibration.items() if _exists(package / file)},
         mesh=request.mesh if request.mesh is not None and _exists(package / request.mesh) else None,
     )
-    if not left.logs and len(missing_files) > 1:
-        raise InputError(
-            f"missing: {', '.join(missing_files)}", where=str(package), remedy="put them there or correct dive.toml"
-        )
-    return (left, missing_files) if left.logs else (request, [])  # of a single log its reader says what is wrong
+    lone = not left.logs and len(missing_files) == 1  # of a single log its reader says what is wrong
+    return (request, []) if lone else (left, missing_files)
 
 
 def _exists(path: Path) -> bool:

@@ -10,10 +10,15 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from hullrecon.dive.config.log_proposals import (
+    beams_to_ask_for,
+    find_calibration,
+    has_attitude_of_dvl,
+    imu_frame,
+    proposed_mounts,
+)
 from hullrecon.dive.hull.load import FORMATS
-from hullrecon.dive.logs.messages.decode import type_name
 from hullrecon.dive.logs.messages.samples import TYPES
-from hullrecon.dive.logs.samples import DvlSample
 from hullrecon.dive.logs.summary import LogSummary, guess_topics
 from hullrecon.dive.logs.timeline import format_time
 
@@ -38,8 +43,8 @@ files = [{logs}]
 sigma_deg = 0.8                  # backlash of the servo
 
 [imu]
-frame = "ned"                    # or "enu": the convention of the messages' orientation
-sigma_roll_pitch_deg = 0.1
+frame = "{frame}"                    # {why_frame}
+{mount_deg}sigma_roll_pitch_deg = 0.1
 heading_drift_deg_per_hour = 1.0
 
 [pressure]
@@ -90,6 +95,20 @@ NO_HULL = """
 """
 
 
+MOUNT_DEG = """\
+# mount_deg = [roll, pitch, yaw] # to fill in: of the frame dvl in the vehicle, as attitude is that of the DVL's own sensors
+"""
+
+MARKERS = {  # the beginnings of the lines that a known mount replaces
+    "tray.origin": "# origin = [x, y, z]             # to fill in: where it turns",
+    "pressure.origin": "# origin = [x, y, z]             # to fill in: the sensor",
+    "dvl.mount": "# mount = [x, y, z, 0.0, 90.0, 0.0]          # to fill in: on the tray; pitch",
+    "camera.top.mount": "# mount = [x, y, z, 90.0, 0.0, 90.0]         # to fill in: on the tray",
+    "camera.bottom.pose_in_top": "# pose_in_top = [x, y, z, roll, pitch, yaw]  # to fill in",
+    "sonar.origin": "# origin = [x, y, z]             # to fill in: where the servo turns",
+    "sonar.mount": "# mount = [x, y, z, 0.0, 90.0, 0.0]          # to fill in: on its servo",
+}
+
 BEAMS = """\
 # beam_angle_deg = 30.0          # to fill in, from its manual: from its axis to each beam
 # beam_azimuth_deg = [180.0, 0.0, 90.0, -90.0]  # of each beam about its z axis, from x towards y
@@ -102,7 +121,11 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
     names = joint_names(summary)
     tray = next((n for n in names if "tray" in n or "tilt" in n), names[0] if names else "tray")
     starts = [t.start_ns for t in summary.topics if t.count]
+    frame, why_frame = imu_frame(summary)
     text = HEAD.format(
+        frame=frame,
+        why_frame=why_frame,
+        mount_deg=MOUNT_DEG if has_attitude_of_dvl(summary) else "",
         folder=_printable(folder.name) or ".",
         name=_quoted(re.sub(r"[^A-Za-z0-9._-]+", "-", folder.resolve().name).lstrip(".-")[:100] or "dive"),
         date=f"date = {format_time(min(starts))[:19]}Z\n" if starts else "",
@@ -114,7 +137,7 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
     )
     calibrated = True  # the lower camera needs the upper one
     for camera, section in (("camera_top", TOP), ("camera_bottom", BOTTOM)):
-        file = _calibration(folder, camera)
+        file = find_calibration(folder, camera)
         calibrated = calibrated and file is not None
         if camera in guessed:
             filled = section.format(calibration=_quoted(file or f"calibration/{camera}.yaml"))
@@ -122,17 +145,15 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
     if "sonar" in guessed:
         text += SONAR
     mesh = _cad_model(folder)
-    return text + (HULL.format(mesh=_quoted(mesh)) if mesh else NO_HULL)
-
-
-def beams_to_ask_for(summary: LogSummary) -> int:
-    """Return the number of the DVL's beams where the first message has ranges but nothing says where they point, else 0."""
-    topic = guess_topics(summary.topics).get("dvl")
-    note = next((t for t in summary.topics if t.channel.topic == topic), None)
-    first = None if note is None else note.first
-    if note is not None and first is not None and not isinstance(first, DvlSample):
-        first = next(iter(TYPES["dvl"][type_name(note.channel)](first, 0, "dvl")), None)
-    return len(first.ranges) if isinstance(first, DvlSample) and first.beams is None else 0
+    text += HULL.format(mesh=_quoted(mesh)) if mesh else NO_HULL
+    for key, (value, frame) in proposed_mounts(summary).items():
+        values, name = ", ".join(f"{v:g}" for v in value), key.rpartition(".")[2]
+        line = f"{name} = [{values}]  # by {frame}; see that it is right"
+        text = "".join(
+            old.partition(MARKERS[key])[0] + line + "\n" if MARKERS[key] in old else old
+            for old in text.splitlines(keepends=True)
+        )
+    return text
 
 
 def joint_names(summary: LogSummary) -> list[str]:
@@ -144,25 +165,21 @@ def joint_names(summary: LogSummary) -> list[str]:
 
 
 def _topics(summary: LogSummary, guessed: dict[str, str]) -> str:
-    if any(note.channel.encoding == "sample" for note in summary.topics):
+    if all(note.channel.encoding == "sample" for note in summary.topics):
         return "# the names of the files say which sensor is which\n"
     lines = []
     for sensor in TYPES:
-        if sensor in guessed:
-            kind = next(t.channel.type for t in summary.topics if t.channel.topic == guessed[sensor])
+        channel = next((t.channel for t in summary.topics if t.channel.topic == guessed.get(sensor)), None)
+        if channel is not None and channel.encoding == "sample":
+            lines.append(f"# {sensor} =".ljust(33) + f"# comes from the file beside the log: {_printable(channel.type)}")
+        elif channel is not None:
+            kind = channel.type
             lines.append(f"{sensor} = {_quoted(guessed[sensor])} ".ljust(33) + f"# {_printable(kind)}")
         else:
             lines.append(f"# {sensor} =".ljust(33) + "# no topic of the log has a type that fits, or a name that tells")
     others = [t.channel for t in summary.topics if t.channel.topic not in guessed.values()]
     lines += [f"#   not used: {_printable(c.topic)} ({_printable(c.type)})" for c in others]
     return "\n".join(lines) + "\n"
-
-
-def _calibration(folder: Path, camera: str) -> str | None:
-    side = camera.removeprefix("camera_")
-    patterns = ("*.yaml", "*.yml", "*/*.yaml", "*/*.yml")
-    found = sorted(p for pattern in patterns for p in folder.glob(pattern) if side in p.stem.lower())
-    return found[0].relative_to(folder).as_posix() if found else None
 
 
 def _cad_model(folder: Path) -> str | None:

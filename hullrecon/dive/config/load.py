@@ -24,6 +24,7 @@ from hullrecon.errors import InputError, UsageError
 FILE = "dive.toml"
 LARGEST_BYTES = MIB // 4  # of dive.toml; one with everything set and explained has some ten thousand
 MOST_DOTS = 100  # in a line: tomllib takes the square of a dotted key's length
+NAVIGATION = frozenset(("dvl", "imu", "pressure"))  # what one topic may give together
 Table = dict[str, object]  # of TOML, not yet decoded
 Kind = TypeVar("Kind")
 
@@ -143,14 +144,17 @@ def _check_whole(config: DiveConfig) -> None:
 
 
 def _check_topics(topics: Topics) -> None:
-    """One topic is one sensor's."""
-    sensor_of: dict[str, str] = {}
+    """One topic is one sensor's, but poses and odometry may be the velocity, the attitude and the depth."""
+    sensors_of: dict[str, list[str]] = {}
     for sensor in topics.__struct_fields__:
         topic = getattr(topics, sensor)
-        if topic is not None and topic in sensor_of:
-            what = f"topics.{sensor} and topics.{sensor_of[topic]} are both {topic}"
+        if topic is None:
+            continue
+        others = sensors_of.setdefault(topic, [])
+        if others and not {sensor, *others} <= NAVIGATION:
+            what = f"topics.{sensor} and topics.{others[0]} are both {topic}"
             raise UsageError(what, where=FILE, remedy="give each sensor its own topic")
-        sensor_of[topic] = sensor
+        others.append(sensor)
 
 
 def _check_tilt(dvl: Dvl) -> None:

@@ -67,7 +67,8 @@ class Logs(Section, frozen=True):
     """The recorded files."""
 
     files: Annotated[
-        tuple[FileName, ...], Meta(min_length=1, description="bags, MCAP files, ROS 2 folders, PD0 files or a folder of CSVs")
+        tuple[FileName, ...],
+        Meta(min_length=1, description="bags, MCAP, ROS 2 folders, PD0, Water Linked JSON or a folder of CSVs"),
     ]
 
 
@@ -102,15 +103,26 @@ class Imu(Section, frozen=True):
     """Attitude."""
 
     frame: Annotated[Literal["ned", "enu"], Meta(description="convention of the logged orientation")] = "ned"
+    mount_deg: Annotated[
+        Three | None,
+        Meta(
+            description="deg, roll, pitch, yaw of the IMU (axes forward, starboard, down) in the vehicle; absent: aligned. "
+            "To be given where attitude comes from a DVL's own sensors: then of the frame dvl"
+        ),
+    ] = None
     sigma_roll_pitch_deg: Annotated[Positive, Meta(description="deg, white sigma of roll and pitch")] = 0.1
     heading_drift_deg_per_hour: Annotated[NotNegative, Meta(description="deg/h, sigma of the heading's drift")] = 1.0
     bias_sigma_deg: Annotated[NotNegative, Meta(description="deg, sigma of the constant error of roll and of pitch")] = 0.2
 
 
 class Pressure(Section, frozen=True):
-    """Depth from absolute pressure."""
+    """Depth, from absolute pressure or as logged."""
 
     origin: Origin = (0.0, 0.0, 0.0)
+    z_axis: Annotated[
+        Literal["up", "down"] | None,
+        Meta(description="sign of logged depths and poses; absent: as their type has it (poses up, REP 103, depths down)"),
+    ] = None
     density: Annotated[Positive, Meta(description="kg/m3, of the water")] = 1025.0
     gravity: Annotated[Positive, Meta(description="m/s2, of gravity")] = 9.81
     atmosphere: Annotated[NotNegative, Meta(description="Pa, pressure at the water's surface")] = 101325.0

@@ -18,8 +18,13 @@ A50_AZIMUTH_DEG = (135.0, -135.0, -45.0, 45.0)  # of beams 1 to 4 about z of `dv
 SAME_DEG = 0.5  # directions that differ by less are the same
 ADVICE = (
     "give [dvl] beams as unit vectors, or beam_angle_deg with beam_azimuth_deg, from the instrument's manual; "
-    "a guess would cost several per cent of every distance"
+    f"a guess would cost several per cent of every distance (a {A50} has beam_angle_deg = {A50_ANGLE_DEG:g}, "
+    f"beam_azimuth_deg = [{', '.join(f'{a:g}' for a in A50_AZIMUTH_DEG)}])"
 )
+FAR_OFF_DEG = 45.0  # no DVL's beams stand farther off its axis: they are built with 15 to 30 degrees
+LEANING_DEG = 10.0  # of the beams' mean direction from the z axis
+SAME_ALTITUDE = 0.045  # share; 30 degrees in place of 22.5 make 0.063, and the ranges' own errors up to 0.03
+FEW = 10  # pings whose ranges and altitude are compared
 
 
 def tilted_beams(angle_deg: float, azimuth_deg: Sequence[float]) -> Array:
@@ -55,6 +60,33 @@ def choose_beams(samples: Sequence[DvlSample], configured: Array | None, width: 
 def ask_for_beams(count: int) -> InputError:
     """Return the error that asks where so many beams point."""
     return InputError(f"nothing says where the DVL's {count} beams point", where="dvl.beams", remedy=ADVICE)
+
+
+def doubt_beams(beams: Array, ranges: Array, altitude: Array) -> list[str]:
+    """Return a sentence for each thing that is wrong with where beams point: far off the axis, or against the altitude.
+
+    beams (b, 3) unit vectors in `dvl`; ranges (n, b) m along them; altitude (n,) m along z of `dvl`; NaN where lost.
+    """
+    if not len(beams):
+        return []
+    out = []
+    off = np.degrees(np.arccos(np.clip(beams[:, 2], -1, 1)))
+    middle = beams.mean(axis=0)
+    leaning = float(np.degrees(np.arctan2(np.linalg.norm(middle[:2]), middle[2])))
+    if off.max() > FAR_OFF_DEG:
+        out.append(f"dvl: beams stand up to {off.max():.0f} degrees off the z axis of dvl: are they right?")
+    elif leaning > LEANING_DEG:
+        out.append(f"dvl: the beams' mean direction is {leaning:.0f} degrees off the z axis of dvl: are they right?")
+    whole = np.isfinite(ranges).all(axis=1) & np.isfinite(altitude)
+    if np.count_nonzero(whole) >= FEW:
+        ratio = float(np.median((ranges[whole] * beams[:, 2]).mean(axis=1) / altitude[whole]))
+        if abs(ratio - 1) > SAME_ALTITUDE:
+            side = "longer" if ratio > 1 else "shorter"
+            out.append(
+                f"dvl: along these beams the ranges reach {100 * abs(ratio - 1):.0f} % {side} than the altitude that the DVL "
+                "computed: are the beams' directions right?"
+            )
+    return out
 
 
 def _logged_beams(logged: Sequence[Array], configured: Array | None, remarks: list[str]) -> Array:

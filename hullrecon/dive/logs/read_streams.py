@@ -11,11 +11,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hullrecon.dive.logs.messages.decode import decode, describe, type_name
-from hullrecon.dive.logs.messages.samples import TYPES, stamp_ns
+from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER, stamp_ns
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import ImageSample, Sample
 from hullrecon.dive.logs.time_window import TimeWindow
+from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 
 TakeImage = Callable[[ImageSample, int], None]  # the sample and when it was logged, ns
@@ -47,29 +48,31 @@ class LogContents:
 
 def read_streams(
     logs: Sequence[Log],
-    topics: Mapping[str, str],
+    topics: Mapping[str, Sequence[str]],
     take_image: TakeImage,
     watch: Watch = iter,
+    problems: Problems | None = None,
     window: TimeWindow | None = None,
 ) -> LogContents:
     """Return what the logs hold, or what of it lies in the time window, read once.
 
-    topics: sensor by topic; a sensor named there comes from that topic, not from a PD0 file or a table beside the log.
-    Only small samples are kept. `watch` sees every message pass (progress). Raises InputError for a topic of a type that is
-    not read.
+    topics: sensors by topic (a pose has attitude and depth); a sensor named there comes from that topic, not from a PD0 file or
+    a table beside the log. Only small samples are kept. `watch` sees every message pass (progress). Raises InputError for a
+    topic of a type that is not read and for a log of which nothing is, unless `problems` takes it.
     """
-    out = LogContents()
+    out, problems = LogContents(), problems or Problems()
+    refused: set[Channel] = set()
     for log in logs:
-        for message in watch(log.messages()):
-            out.counts[message.channel] += 1
-            for sensor, sample in _samples(message, topics, out):
-                if window is not None and not window.holds(sample.t_ns):
-                    out.outside += 1
-                elif isinstance(sample, ImageSample):
-                    take_image(sample, message.t_ns)
-                else:
-                    out.samples[sensor].append(sample)
-                    out.logged_ns[sensor].append(message.t_ns)
+        with problems.gather():
+            for message in watch(log.messages()):
+                out.counts[message.channel] += 1
+                if message.channel in refused:
+                    continue
+                count = len(problems.found)
+                with problems.gather():
+                    _sort(message, topics, take_image, out, window)
+                if len(problems.found) > count:
+                    refused.add(message.channel)
         name = printable(log.path.name)
         out.losses += [(name, loss) for loss in log.losses()]
         out.remarks += [f"{name}: {remark}" for remark in log.remarks]
@@ -85,24 +88,41 @@ def read_streams(
     return out
 
 
-def _samples(message: Message, topics: Mapping[str, str], out: LogContents) -> Iterator[tuple[str, Sample]]:
+def _sort(
+    message: Message,
+    topics: Mapping[str, Sequence[str]],
+    take_image: TakeImage,
+    out: LogContents,
+    window: TimeWindow | None,
+) -> None:
+    """Put the samples of a message where those of their sensor go; those outside the time window are counted."""
+    for sensor, sample in _samples(message, topics, out):
+        if window is not None and not window.holds(sample.t_ns):
+            out.outside += 1
+        elif isinstance(sample, ImageSample):
+            take_image(sample, message.t_ns)
+        else:
+            out.samples[sensor].append(sample)
+            out.logged_ns[sensor].append(message.t_ns)
+
+
+def _samples(message: Message, topics: Mapping[str, Sequence[str]], out: LogContents) -> Iterator[tuple[str, Sample]]:
     """Yield the samples of a message with their sensor. A message that cannot be used costs itself, and is counted."""
     channel = message.channel
-    sensor = channel.topic if not isinstance(message.data, bytes) else topics.get(channel.topic)
-    if sensor is None:
-        return
-    if not isinstance(message.data, bytes) and channel.topic in topics.values():
+    is_sample = not isinstance(message.data, bytes)
+    if is_sample and any(channel.topic in sensors for sensors in topics.values()):
         out.passed_over[channel] += 1
         return
-    try:
-        found = [message.data] if not isinstance(message.data, bytes) else _translate(message, message.data, sensor, out)
-        if any(abs(t_ns) >= LIMIT_NS for t_ns in (message.t_ns, *(sample.t_ns for sample in found))):
-            raise DamagedError("their stamps lie beyond the year 2116")
-    except DamagedError as error:
-        out.undecoded[channel.topic, _reason(channel.topic, str(error), out)] += 1
-        return
-    out.used.add(channel.topic)
-    yield from ((sensor, sample) for sample in found)
+    for sensor in (channel.topic,) if is_sample else topics.get(channel.topic, ()):
+        try:
+            found = _translate(message, message.data, sensor, out) if isinstance(message.data, bytes) else [message.data]
+            if any(abs(t_ns) >= LIMIT_NS for t_ns in (message.t_ns, *(sample.t_ns for sample in found))):
+                raise DamagedError("their stamps lie beyond the year 2116")
+        except DamagedError as error:
+            out.undecoded[channel.topic, _reason(channel.topic, str(error), out)] += 1
+            continue
+        out.used.add(channel.topic)
+        yield from ((sensor, sample) for sample in found)
 
 
 def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> Sequence[Sample]:
@@ -127,7 +147,7 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
     fields = decode(channel, data)
     try:
         with np.errstate(all="ignore"):
-            stamp = stamp_ns(fields.header)
+            stamp = 0 if type_name(channel) in WITHOUT_HEADER else stamp_ns(fields.header)
             found = translate(fields, stamp or message.t_ns, sensor)
     except DamagedError:
         raise

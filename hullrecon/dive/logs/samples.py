@@ -16,7 +16,8 @@ from hullrecon.typing import Array
 class DvlSample:
     """velocity (3,) m/s of the instrument in `dvl`; sigma m/s (NaN: not given); ranges (b,) m along the beams; beams (b, 3)
     unit vectors in `dvl`, None where the log does not carry them. ranges is empty where the log has none. instrument: set where
-    the beams are not logged but those of the one instrument that the message's type names."""
+    the beams are not logged but those of the one instrument that the message's type names. altitude: m along z of `dvl` to
+    what the beams meet, as the instrument computed it; NaN where the log has none, or one that means something else."""
 
     t_ns: int
     velocity: Array
@@ -24,6 +25,7 @@ class DvlSample:
     ranges: Array
     beams: Array | None
     instrument: str = ""
+    altitude: float = float("nan")
 
     def __post_init__(self) -> None:
         _require(self.velocity.shape == (3,) and self.ranges.ndim == 1)
@@ -32,12 +34,14 @@ class DvlSample:
 
 @dataclass(frozen=True, slots=True)
 class ImuSample:
-    """quaternion (4,) x y z w as logged; rates (3,) rad/s, acceleration (3,) m/s2, NaN when not logged."""
+    """quaternion (4,) x y z w as logged; rates (3,) rad/s, acceleration (3,) m/s2, NaN when not logged. of_dvl: the attitude of
+    the frame `dvl` in north-east-down (any north), by sensors inside of the DVL."""
 
     t_ns: int
     quaternion: Array
     rates: Array
     acceleration: Array
+    of_dvl: bool = False
 
     def __post_init__(self) -> None:
         _require(self.quaternion.shape == (4,) and self.rates.shape == self.acceleration.shape == (3,))
@@ -47,6 +51,17 @@ class ImuSample:
 class PressureSample:
     t_ns: int
     pascal: float  # absolute
+
+
+@dataclass(frozen=True, slots=True)
+class DepthSample:
+    """height: as logged, m, from the water's surface; is_up: it grows upward, by the convention of its type. of_dvl: by a
+    sensor inside of the DVL."""
+
+    t_ns: int
+    height: float
+    is_up: bool
+    of_dvl: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,4 +101,4 @@ def _require(holds: bool) -> None:
         raise ValueError("its values are not of the shape of such a reading")
 
 
-Sample = DvlSample | ImuSample | PressureSample | JointSample | ImageSample | SonarSample
+Sample = DvlSample | ImuSample | PressureSample | DepthSample | JointSample | ImageSample | SonarSample

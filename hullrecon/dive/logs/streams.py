@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs.dvl_beams import choose_beams, unit
-from hullrecon.dive.logs.samples import DvlSample, ImuSample, JointSample, PressureSample, SonarSample
+from hullrecon.dive.logs.dvl_beams import choose_beams, doubt_beams, unit
+from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample, JointSample, PressureSample, SonarSample
 from hullrecon.errors import InputError
 from hullrecon.records.sensors import DvlPings, ImuSamples, JointSamples, PressureSamples, SonarPings
 from hullrecon.typing import Array, Ints
@@ -28,6 +28,7 @@ class PressureModel:
     density: float  # kg/m3
     gravity: float  # m/s2
     atmosphere: float  # Pa
+    z_axis: str | None = None  # "up" or "down", of logged depths; None: as their type has it
 
 
 @np.errstate(all="ignore")  # values of any size: what is absurd is left out below
@@ -52,19 +53,26 @@ def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, r
         remarks.append(f"dvl: {absurd.sum()} velocities above {FASTEST:.0f} m/s were taken as lost (are they in mm/s?)")
     given = np.array([s.sigma for s in samples])
     used = np.where(np.isfinite(given) & (given > 0), given, sigma)
-    return DvlPings(
-        t_ns=_times(samples),
-        velocity=velocity,
-        velocity_sigma=used,
-        ranges=ranges,
-        beams=choose_beams(samples, beams, width, remarks),
-    )
+    directions = choose_beams(samples, beams, width, remarks)
+    remarks += doubt_beams(directions, ranges, np.array([s.altitude for s in samples]))
+    return DvlPings(t_ns=_times(samples), velocity=velocity, velocity_sigma=used, ranges=ranges, beams=directions)
 
 
 @np.errstate(all="ignore")
-def imu_samples(samples: Sequence[ImuSample], frame: str, remarks: list[str]) -> ImuSamples:
-    """frame "ned": body forward-starboard-down in north-east-down; "enu": body forward-port-up in east-north-up. Rows
-    without an attitude are left out; InputError when none has one."""
+def imu_samples(
+    samples: Sequence[ImuSample], frame: str, remarks: list[str], mount_deg: tuple[float, float, float] | None = None
+) -> ImuSamples:
+    """frame "ned": body forward-starboard-down in north-east-down; "enu": body forward-port-up in east-north-up. mount_deg: of
+    the IMU in the vehicle. Rows without an attitude are left out; those of a DVL's own sensors where an IMU was logged.
+
+    Raises InputError when no row has an attitude, and for a DVL's attitude without mount_deg.
+    """
+    own = [s for s in samples if not s.of_dvl]
+    if own and len(own) < len(samples):
+        remarks.append(
+            f"imu: {len(samples) - len(own)} attitudes by the DVL's own sensors were left aside for those of the IMU"
+        )
+    of_dvl, samples = not own, own or samples
     quaternion = np.array([s.quaternion for s in samples]).reshape(-1, 4)
     length = np.linalg.norm(quaternion, axis=1)
     good = np.abs(length - 1) < 0.05
@@ -75,25 +83,60 @@ def imu_samples(samples: Sequence[ImuSample], frame: str, remarks: list[str]) ->
     rotation = Rotation.from_quat(quaternion[good])
     rates = np.array([s.rates for s in samples]).reshape(-1, 3)[good]
     acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)[good]
-    if frame == "enu":
+    if of_dvl and len(samples):
+        mount_deg = _mount_of_dvl(mount_deg, remarks)
+    elif frame == "enu":
         rotation = NED_FROM_ENU * rotation * FRD_FROM_FLU.inv()
         rates, acceleration = rates * [1, -1, -1], acceleration * [1, -1, -1]
+    if mount_deg is not None:
+        vehicle_from_imu = Rotation.from_euler("ZYX", mount_deg[::-1], degrees=True)
+        rotation = rotation * vehicle_from_imu.inv()
+        rates, acceleration = vehicle_from_imu.apply(rates), vehicle_from_imu.apply(acceleration)
     return ImuSamples(
         t_ns=_times(samples)[good], quaternion=rotation.as_quat(), angular_velocity=rates, acceleration=acceleration
     )
 
 
-@np.errstate(all="ignore")
-def pressure_samples(samples: Sequence[PressureSample], model: PressureModel, remarks: list[str]) -> PressureSamples:
-    """Return the depth of the sensor, positive down; readings that are not finite are left out."""
-    pascal = np.array([s.pascal for s in samples])
-    good = np.isfinite(pascal)
-    depth = (pascal[good] - model.atmosphere) / (model.density * model.gravity)
-    if len(depth) and np.median(depth) < -1.0:
-        remarks.append(
-            f"pressure: the median depth is {np.median(depth):.1f} m, above the water: is the pressure absolute and in pascal?"
+def _mount_of_dvl(mount_deg: tuple[float, float, float] | None, remarks: list[str]) -> tuple[float, float, float]:
+    """The attitude of the frame `dvl` says nothing of the vehicle's without it."""
+    if mount_deg is None:
+        raise InputError(
+            "the only attitude is that of the DVL's own sensors, and nothing says how the DVL sits in the vehicle",
+            where="imu.mount_deg",
+            remedy="give roll, pitch, yaw of the frame dvl there: [0, 0, 0] where it looks down with its x forward, [0, 90, 0] "
+            "where it looks ahead",
         )
-    return PressureSamples(t_ns=_times(samples)[good], depth=depth)
+    remarks.append(
+        "imu: attitude comes from the DVL's own sensors; a compass beside a steel hull can be off by tens of degrees, which "
+        "imu.heading_drift_deg_per_hour has to cover"
+    )
+    return mount_deg
+
+
+@np.errstate(all="ignore")
+def pressure_samples(
+    samples: Sequence[PressureSample | DepthSample], model: PressureModel, remarks: list[str]
+) -> PressureSamples:
+    """Return the depth of the sensor, positive down; readings that are not finite are left out, and those of a DVL's own
+    sensor where another was logged."""
+    own = [s for s in samples if not (isinstance(s, DepthSample) and s.of_dvl)]
+    if not own and samples:
+        remarks.append("pressure: depth comes from the DVL's own sensor; pressure.origin is that sensor's")
+    kept = own or samples
+    depth = np.array([_depth(s, model) for s in kept])
+    good = np.isfinite(depth)
+    depth = depth[good]
+    if len(depth) and np.median(depth) < -1.0:
+        advice = "is pressure.z_axis right?" if isinstance(kept[0], DepthSample) else "is the pressure absolute and in pascal?"
+        remarks.append(f"pressure: the median depth is {np.median(depth):.1f} m, above the water: {advice}")
+    return PressureSamples(t_ns=_times(kept)[good], depth=depth)
+
+
+def _depth(sample: PressureSample | DepthSample, model: PressureModel) -> float:
+    if isinstance(sample, PressureSample):
+        return (sample.pascal - model.atmosphere) / (model.density * model.gravity)
+    is_up = sample.is_up if model.z_axis is None else model.z_axis == "up"
+    return -sample.height if is_up else sample.height
 
 
 @np.errstate(all="ignore")

@@ -8,25 +8,34 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
 from hullrecon.dive.check import messages
-from hullrecon.dive.logs.messages.decode import ENCODINGS, decode, type_name
-from hullrecon.dive.logs.messages.samples import IMAGE_TYPES, TYPES
+from hullrecon.dive.logs.messages.decode import ENCODINGS, Fields, decode, type_name
+from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, TRANSFORMS
+from hullrecon.dive.logs.messages.samples import COMMON_TYPES, IMAGE_TYPES, TYPES
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
-from hullrecon.dive.logs.readers.unpack import printable
+from hullrecon.dive.logs.readers.unpack import DamagedError, printable
+from hullrecon.dive.logs.samples import DepthSample, ImuSample
 from hullrecon.dive.logs.timeline import NS, format_time
 from hullrecon.geometry.frames import Camera
 
-NAMED = {"dvl": ("dvl",), "imu": ("imu", "ahrs"), "pressure": ("pressure", "depth"), "joints": ("joint",), "sonar": ("sonar",)}
+NAMED = {
+    "dvl": ("dvl",), "imu": ("imu", "ahrs", "attitude"), "pressure": ("pressure", "depth", "bar30", "vfr_hud"),
+    "joints": ("joint",), "sonar": ("sonar", "oculus", "fls"),
+}  # fmt: skip
 UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "cam1")
 COMPRESSED = "/compressed"
+DIFFERENTIAL, LOWEST_ABSOLUTE_PA = ("diff", "gauge", "relative"), 80e3  # the lowest air pressure at any sea is 87 kPa
+MOST_FRAME_MESSAGES = 64
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
 
 
 @dataclass
 class TopicNote:
-    """One topic. first: its first message, decoded, or the sample; None where it does not decode."""
+    """One topic. first: its first message, decoded, or the sample; None where it does not decode. frames: the messages of
+    tf_static, of which there may be many with a part each."""
 
     channel: Channel
     first: object = None
+    frames: list[Fields] = field(default_factory=list)
     count: int = 0
     start_ns: int = 0
     end_ns: int = 0
@@ -61,6 +70,10 @@ class LogSummary:
         lines = [head, *(t.sentence() for t in span), *sensors, *unused]
         return [*lines, *self.lost, *self.remarks, *missing(set(guessed))]
 
+    def needs(self) -> list[str]:
+        """Return what the topics lack for a run; [] for nothing."""
+        return needs(set(guess_topics(self.topics)))
+
     def document(self) -> dict[str, object]:
         topics = [
             {"topic": t.channel.topic, "type": t.channel.type, "count": t.count, "start_ns": t.start_ns, "end_ns": t.end_ns}
@@ -92,7 +105,9 @@ def summarise_log(log: Log) -> LogSummary:
         note = notes.get(message.channel)
         if note is None:
             first = _first(message) if len(notes) < MOST_DECODED else None
-            note = notes[message.channel] = TopicNote(message.channel, first, 0, message.t_ns, message.t_ns)
+            note = notes[message.channel] = TopicNote(message.channel, first, [], 0, message.t_ns, message.t_ns)
+        if _is_static(note.channel) and note.count < MOST_FRAME_MESSAGES and isinstance(message.data, bytes):
+            note.frames += _decoded(message.channel, message.data)
         note.count += 1
         note.start_ns, note.end_ns = min(note.start_ns, message.t_ns), max(note.end_ns, message.t_ns)
     topics = sorted(notes.values(), key=lambda n: n.channel.topic)
@@ -112,6 +127,7 @@ def summarise_logs(logs: Sequence[Log]) -> LogSummary:
         kept = notes.setdefault(note.channel, note)
         if kept is not note:
             kept.count += note.count
+            kept.frames += note.frames
             kept.start_ns, kept.end_ns = min(kept.start_ns, note.start_ns), max(kept.end_ns, note.end_ns)
     return LogSummary(
         " and ".join(dict.fromkeys(part.kind for part in parts)),
@@ -122,19 +138,29 @@ def summarise_logs(logs: Sequence[Log]) -> LogSummary:
 
 
 def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
-    """Return topics by sensor: those whose type fits, by name where several do; for a DVL, whose types are common ones, by
-    both."""
+    """Return topics by sensor: those whose type fits, by name where several do; of types that many things have, by both."""
     found: dict[str, str] = {}
     for sensor, parts in NAMED.items():
-        fitting = [t.channel.topic for t in topics if _fits(t, TYPES[sensor])]
-        chosen = _named(fitting, parts) or ([] if sensor == "dvl" else fitting)
+        fitting = [t for t in topics if _fits(t, TYPES[sensor]) and not (sensor == "pressure" and _is_differential(t))]
+        own = [t.channel.topic for t in fitting if type_name(t.channel) not in COMMON_TYPES]
+        common = [t.channel.topic for t in fitting if type_name(t.channel) in COMMON_TYPES]
+        chosen = _named(own, parts) or own or _named(common, parts)
         if chosen:
             found[sensor] = chosen[0]
-    return (
-        found
-        | _guess_cameras([t.channel.topic for t in topics if _fits(t, IMAGE_TYPES)])
-        | {t.channel.topic: t.channel.topic for t in topics if t.channel.encoding == "sample" and t.channel.topic in TYPES}
-    )
+    found |= _guess_cameras([t.channel.topic for t in topics if _fits(t, IMAGE_TYPES)])
+    samples = [t for t in topics if t.channel.encoding == "sample" and t.channel.topic in TYPES]
+    return found | {t.channel.topic: t.channel.topic for t in samples if t.channel.topic not in found or not _is_of_dvl(t)}
+
+
+def _is_of_dvl(topic: TopicNote) -> bool:
+    """Whether attitude or depth is that of a DVL's own sensors, which yield to others."""
+    return isinstance(topic.first, ImuSample | DepthSample) and topic.first.of_dvl
+
+
+def _is_differential(topic: TopicNote) -> bool:
+    """Whether a pressure is one over another, by its name or by a value that no absolute one has under the atmosphere."""
+    pascal = getattr(topic.first, "fluid_pressure", LOWEST_ABSOLUTE_PA)
+    return any(part in topic.channel.topic.lower() for part in DIFFERENTIAL) or not pascal >= LOWEST_ABSOLUTE_PA
 
 
 def _guess_cameras(topics: Sequence[str]) -> dict[str, str]:
@@ -172,9 +198,16 @@ def missing(sensors: set[str], hull: bool | None = None) -> list[str]:
     return out
 
 
-def is_runnable(sensors: Set[str]) -> bool:
-    """Return whether a run can find the vehicle's motion: from DVL and IMU, or without a DVL from stereo images."""
-    return "imu" in sensors if "dvl" in sensors else {camera.key for camera in Camera} <= sensors
+def needs(sensors: Set[str]) -> list[str]:
+    """Return what is missing for the vehicle's motion (from DVL and IMU, else from stereo images); [] where nothing is."""
+    if "dvl" in sensors:
+        return [] if "imu" in sensors else ["missing: an IMU with attitude, for the DVL's velocities"]
+    lacking = {camera.key for camera in Camera} - sensors
+    if not lacking:
+        return []
+    if len(lacking) == 1:
+        return [f"missing: {lacking.pop()} (a second camera), or a DVL" + ("" if "imu" in sensors else " with an IMU")]
+    return [f"missing: a DVL{'' if 'imu' in sensors else ' with an IMU'}, or two cameras"]
 
 
 def _without_imu(dvl: bool, stereo: bool) -> str:
@@ -189,14 +222,27 @@ def _fits(note: TopicNote, types: Mapping[str, object]) -> bool:
     return note.channel.encoding in ENCODINGS and type_name(note.channel) in types
 
 
+def _is_static(channel: Channel) -> bool:
+    return channel.encoding in ENCODINGS and type_name(channel) in TRANSFORMS and channel.topic.endswith("tf_static")
+
+
+def _decoded(channel: Channel, data: bytes) -> list[Fields]:
+    try:
+        return [decode(channel, data)]
+    except DamagedError:
+        return []
+
+
 def _first(message: Message) -> object:
     """The message decoded, where it is of a type that is read and holds what its type says."""
     if not isinstance(message.data, bytes):
         return message.data
     kind = type_name(message.channel)
     reads = [(sensor, types[kind]) for sensor, types in TYPES.items() if kind in types and types is not IMAGE_TYPES]
+    if kind in IMAGE_TYPES:
+        return next(iter(_decoded(message.channel, message.data)), None)
     try:
-        fields: object = decode(message.channel, message.data) if reads else None
+        fields: object = decode(message.channel, message.data) if reads or kind == CAMERA_INFO else None
         for sensor, translate in reads:
             translate(fields, 0, sensor)
     except Exception:  # fields of any names and types, where the definition that the log carries is damaged

@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.check.package_check import check_package, defaults_of
 from hullrecon.dive.config.load import load_config
-from hullrecon.dive.logs.summary import is_runnable, missing
+from hullrecon.dive.logs.summary import missing, needs
 from hullrecon.steps.ingest import USES, request_of
 
 
@@ -123,5 +124,57 @@ def test_files_that_are_missing_are_listed_with_their_keys_and_forbid_a_run(pack
     ],
 )
 def test_a_run_needs_velocities_with_a_heading_or_stereo_images(sensors, runnable):
-    assert is_runnable(sensors) == runnable
+    assert (needs(sensors) == []) == runnable
     assert any("no run is possible" in line for line in missing(sensors)) != runnable
+
+
+def test_the_last_line_is_the_verdict(package):
+    found = check(package)
+    assert found.lines()[-1].startswith("verdict: ready, with doubts (to fill in: tray.origin, pressure.origin, dvl.mount")
+    assert found.document()["verdict"] == found.verdict
+    mounts = ["tray.origin=[0,0,0]", "pressure.origin=[0,0,0]", "dvl.mount=[0,0,0,0,90,0]", "camera.top.mount=[0,0,0,90,0,90]"]
+    assert check(package, *mounts).lines()[-1] == "verdict: ready"
+
+
+def test_all_that_is_in_the_way_of_a_run_is_listed_at_once(package):
+    (package / "calibration" / "camera_top.yaml").write_text("image_width: many\n")
+    (package / "hull.stl").write_text("no mesh")
+    (package / "dive.toml").write_text((package / "dive.toml").read_text() + '[hull]\nmesh = "hull.stl"\n')
+    text = (package / "dive.toml").read_text().replace('pressure = "/pressure"', 'pressure = "/nothing"')
+    (package / "dive.toml").write_text(text.replace('joints = "/joints"', 'sonar = "/joints"') + "[sonar]\n")
+    found = check(package)
+    assert not found.run_is_possible
+    for part in ("image_width", "hull.stl", "topic /nothing is not in the log", "not read as sonar"):
+        assert any(part in line for line in found.unusable), part
+        assert part in found.verdict
+    assert found.found.records.dvl is not None
+    assert found.found.records.imu is not None
+    assert sum(line.startswith("not usable: ") for line in found.lines()) == len(found.unusable) == 4
+
+
+def test_a_dvl_without_any_velocity_is_in_the_way_of_a_run(package, kit):
+    lost = np.zeros(9)
+    lost[0] = -1
+    entries = [e for e in kit.dive() if e.topic != "/dvl"]
+    entries += [type(e)("/dvl", "marine_acoustic_msgs/msg/Dvl", e.t_ns, kit.dvl(e.t_ns, velocity_covar=lost)) for e in entries]
+    kit.mcap(package / "logs" / "dive.mcap", entries)
+    assert any("pings have no velocity over ground" in line for line in check(package).unusable)
+
+
+def test_a_sensor_that_cannot_be_used_is_not_called_missing_as_well(package, kit):
+    entries = [e for e in kit.dive() if e.topic != "/imu"]
+    entry = type(entries[0])
+    entries += [entry("/imu", "sensor_msgs/msg/Imu", e.t_ns, kit.imu(e.t_ns, quaternion=(0, 0, 0, 0))) for e in entries]
+    kit.mcap(package / "logs" / "dive.mcap", entries)
+    found = check(package)
+    assert [line for line in found.unusable if "no attitude" in line]
+    assert not any(line.startswith("no imu") for line in found.missing)
+    assert found.needs == []
+
+
+def test_a_package_of_which_no_sensor_is_named_gets_a_verdict_too(package):
+    path = package / "dive.toml"
+    path.write_text(path.read_text().split("[topics]")[0])
+    found = check(package)
+    assert found.verdict.startswith("not ready: no sensor could be read from the logs")
+    assert found.verdict.endswith("; missing: a DVL with an IMU, or two cameras")

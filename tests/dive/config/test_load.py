@@ -142,7 +142,7 @@ def test_a_name_that_is_no_plain_folder_is_refused(package, name):
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("topics={imu='/x', pressure='/x'}", "topics.pressure and topics.imu are both /x"),
+        ("topics={imu='/x', joints='/x'}", "topics.joints and topics.imu are both /x"),
         ("logs.files=[]", "logs.files"),
         ("logs.files=['a.mcap', './a.mcap']", "logs.files names a.mcap twice"),
         ("camera.top.time_offset=1e12", "time_offset"),

@@ -102,3 +102,18 @@ def test_any_damage_is_a_reason_or_the_same_ping(tmp_path, data):
     except ValueError:
         return
     assert image.shape == (len(azimuth), len(range_m))
+
+
+def test_a_ping_of_an_oculus_is_read_by_its_number(data):
+    path = data / "oculus-pings" / "three_pings_8bit.raw"
+    found = [read_ping(path, number) for number in range(3)]
+    assert all(image.shape == (256, 703) for image, _, _ in found)
+    assert not np.array_equal(found[0][0], found[1][0])
+    with pytest.raises(ValueError, match="no ping of that number"):
+        read_ping(path, 3)
+
+
+def test_a_cut_ping_of_an_oculus_is_refused(data, tmp_path):
+    (tmp_path / "x.raw").write_bytes((data / "oculus-pings" / "one_ping_8bit.raw").read_bytes()[:-1])
+    with pytest.raises(ValueError, match="no whole ping"):
+        read_ping(tmp_path / "x.raw")

@@ -7,7 +7,7 @@ import pytest
 
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.load import load_config
-from hullrecon.dive.logs.dvl_beams import A50, a50_beams, choose_beams, tilted_beams, unit
+from hullrecon.dive.logs.dvl_beams import A50, a50_beams, choose_beams, doubt_beams, tilted_beams, unit
 from hullrecon.dive.logs.messages.samples import DVL_TYPES
 from hullrecon.dive.logs.samples import DvlSample
 from hullrecon.dive.logs.streams import dvl_pings
@@ -96,7 +96,7 @@ def test_another_number_of_beams_than_the_log_has_is_refused():
 def water_linked(beams: int):
     reports = [SimpleNamespace(id=i, valid=True, distance=1.0 + i) for i in range(beams)]
     velocity = SimpleNamespace(x=0.1, y=0.2, z=0.3)
-    return SimpleNamespace(velocity_valid=True, beams=reports, fom=0.01, velocity=velocity)
+    return SimpleNamespace(velocity_valid=True, beams=reports, fom=0.01, altitude=1.0, velocity=velocity)
 
 
 @pytest.mark.parametrize("kind", ["waterlinked_a50_ros_driver/msg/DVL", "dvl_msgs/msg/DVL"])
@@ -142,3 +142,27 @@ def test_the_configuration_gives_beams_by_angle_and_azimuth(package):
 def test_senseless_beams_are_refused(package, overrides, message):
     with pytest.raises(UsageError, match=message):
         load_config(package, {}, overrides)
+
+
+def pings(beams, altitude, count=12, stand_off=2.0):
+    """Ranges of a DVL that looks squarely at a plane, and the altitude that it says."""
+    ranges = np.tile(stand_off / beams[:, 2], (count, 1))
+    return ranges, np.full(count, altitude)
+
+
+def test_beams_that_contradict_the_altitude_are_named():
+    truth, guess = a50_beams(), tilted_beams(30.0, (0, 90, 180, -90))
+    ranges, altitude = pings(truth, 2.0)
+    assert doubt_beams(truth, ranges, altitude) == []
+    (line,) = doubt_beams(guess, ranges, altitude)
+    assert "6 % shorter than the altitude" in line
+    assert doubt_beams(guess, ranges[:5], altitude[:5]) == []  # too few to say
+    assert doubt_beams(guess, ranges, np.full(12, np.nan)) == []
+
+
+def test_beams_that_stand_far_off_or_lean_to_one_side_are_named():
+    nothing = np.zeros((0, 4)), np.zeros(0)
+    assert "up to 67 degrees off" in doubt_beams(tilted_beams(67.0, (0, 90, 180, -90)), *nothing)[0]
+    assert "up to 158 degrees off" in doubt_beams(a50_beams() * [1, 1, -1], *nothing)[0]
+    assert "mean direction is 16 degrees off" in doubt_beams(tilted_beams(30.0, (0, 0, 90, -90)), *nothing)[0]
+    assert doubt_beams(tilted_beams(30.0, (0, 90, 180, -90)), *nothing) == []

@@ -1,9 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+from types import SimpleNamespace
+
 import cv2
 import numpy as np
 import pytest
 
+from hullrecon.dive.logs.dvl_beams import A50, a50_beams
 from hullrecon.dive.logs.messages.decode import decode
 from hullrecon.dive.logs.messages.samples import TYPES, stamp_ns
 from hullrecon.dive.logs.readers.protocol import Channel
@@ -245,3 +248,115 @@ def test_a_nortek_ping_is_lost_by_its_velocity_or_its_figure_of_merit(vendors, v
     (ping,) = translate("dvl", "nortek_dvl/msg/Dvl", message)
     assert np.isnan(ping.velocity).all() == lost
     np.testing.assert_array_equal(ping.ranges, [1, np.nan, 3, 4])
+
+
+def transducers(valid=(True, True, True, True)):
+    return [SimpleNamespace(id=i, velocity=0.0, distance=1.0 + i, rssi=0.0, nsd=0.0, beam_valid=valid[i]) for i in (3, 2, 1, 0)]
+
+
+def report(**more):
+    given = {
+        "vx": 0.1, "vy": 0.2, "vz": 0.3, "fom": 0.004, "altitude": 0.9, "transducers": transducers(), "velocity_valid": True,
+        "status": 0, "format": "json_v3",
+    }  # fmt: skip
+    return SimpleNamespace(report=SimpleNamespace(**{**given, **more}))
+
+
+def test_a_transducer_report_of_an_a50_has_its_beams_and_that_of_any_dvl_has_none():
+    (ping,) = translate("dvl", "waterlinked_a50/msg/TransducerReportStamped", report())
+    assert ping.velocity.tolist() == [0.1, 0.2, 0.3]
+    assert ping.ranges.tolist() == [1, 2, 3, 4]
+    assert (ping.sigma, ping.altitude, ping.instrument) == (0.004, 0.9, A50)
+    np.testing.assert_allclose(ping.beams, a50_beams())
+    (ping,) = translate("dvl", "waterlinked_dvl/msg/TransducerReportStamped", report(velocity_valid=False))
+    assert (ping.beams, ping.instrument) == (None, "")
+    assert np.isnan(ping.velocity).all()
+    assert np.isnan(ping.altitude)
+
+
+def test_a_lost_transducer_is_a_lost_range():
+    lost = report(transducers=transducers((True, False, True, True)))
+    (ping,) = translate("dvl", "waterlinked_a50/msg/TransducerReportStamped", lost)
+    assert np.isnan(ping.ranges).tolist() == [False, True, False, False]
+
+
+def deep_submergence(kit, **more):
+    s, c = 0.5, 0.75**0.5
+    given = {
+        "velocity": kit.vector(0.1, 0.2, 0.3), "velocity_covar": np.diag([4e-6] * 3).ravel(), "altitude": 2.5,
+        "velocity_mode": 1, "coordinate_mode": 1,
+        "beam_unit_vec": [kit.vector(*b) for b in ((-s, 0, c), (s, 0, c), (0, s, c), (0, -s, c))],
+        "range": np.array([1.0, 2.0, 3.0, 4.0]), "range_covar": np.array([0, -1, 0, 0], np.float32),
+    }  # fmt: skip
+    return SimpleNamespace(**{**given, **more})
+
+
+def test_a_dvl_of_the_deep_submergence_laboratory_is_read(kit):
+    kind = "ds_sensor_msgs/msg/Dvl"
+    (ping,) = translate("dvl", kind, deep_submergence(kit))
+    assert ping.velocity.tolist() == [0.1, 0.2, 0.3]
+    assert ping.sigma == pytest.approx(0.002)
+    np.testing.assert_array_equal(ping.ranges, [1, np.nan, 3, 4])
+    assert ping.beams[1] == pytest.approx([0.5, 0, np.sqrt(0.75)])
+    assert np.isnan(ping.altitude)  # there it is the mean of the ranges
+    for lost in ({"coordinate_mode": 3}, {"velocity_mode": 2}, {"velocity_covar": np.full(9, -1.0)}):
+        (ping,) = translate("dvl", kind, deep_submergence(kit, **lost))
+        assert np.isnan(ping.velocity).all()
+
+
+def test_the_altitude_of_a_ping_is_kept_where_it_is_one(kit):
+    assert dvl(kit.dvl(T)).altitude == 1.0
+    assert np.isnan(dvl(kit.dvl(T, altitude=-1.0)).altitude)
+
+
+def sonar_image(kit, pixels, **more):
+    given = {
+        "header": kit.header(T), "frequency": 1e6, "sound_speed": 1500.0, "azimuth_beamwidth": 0.01, "elevation_beamwidth": 0.2,
+        "azimuth_angles": np.array([-0.2, 0.2], np.float32), "elevation_angles": np.zeros(0, np.float32),
+        "ranges": np.array([1.0, 2.0, 3.0], np.float32), "is_bigendian": False, "data_size": pixels.itemsize,
+        "intensities": np.frombuffer(pixels.tobytes(), np.uint8),
+    }  # fmt: skip
+    return kit.make("acoustic_msgs/msg/SonarImage", **{**given, **more})
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_a_sonar_image_of_the_older_type_is_read_range_by_range(kit, kind):
+    pixels = np.arange(6, dtype=kind).reshape(3, 2)  # [ranges, beams]
+    (ping,) = translate("sonar", "acoustic_msgs/msg/SonarImage", sonar_image(kit, pixels))
+    np.testing.assert_array_equal(ping.image, pixels.T)
+    np.testing.assert_allclose(ping.directions[0], [0, np.sin(-0.2), np.cos(0.2)], atol=1e-7)
+    assert ping.range_m.tolist() == [1, 2, 3]
+    with pytest.raises(DamagedError, match="for 2 beams and 3 ranges"):
+        translate("sonar", "acoustic_msgs/msg/SonarImage", sonar_image(kit, pixels[:2]))
+    with pytest.raises(DamagedError, match="3 bytes a pixel"):
+        translate("sonar", "acoustic_msgs/msg/SonarImage", sonar_image(kit, pixels, data_size=3))
+
+
+def oculus(pixels, gains=False, **more):
+    """oculus_interfaces/Ping; pixels [ranges, beams] of 8 bits."""
+    rows = [(b"\x09\0\0\0" if gains else b"") + row.tobytes() for row in pixels]
+    given = {
+        "range_resolution": 0.5, "has_gains": gains, "n_ranges": len(pixels), "n_beams": pixels.shape[1], "step": len(rows[0]),
+        "sample_size": 1, "bearings": np.array([-3000, 0, 3000], np.int16),
+        "ping_data": np.frombuffer(b"".join(rows), np.uint8),
+    }  # fmt: skip
+    return SimpleNamespace(**{**given, **more})
+
+
+@pytest.mark.parametrize("gains", [False, True])
+def test_an_oculus_ping_is_read_without_the_gains_of_its_rows(gains):
+    pixels = np.arange(12, dtype=np.uint8).reshape(4, 3)
+    (ping,) = translate("sonar", "oculus_interfaces/msg/Ping", oculus(pixels, gains))
+    np.testing.assert_array_equal(ping.image, pixels.T)
+    np.testing.assert_allclose(ping.directions[2], [0, 0.5, np.sqrt(0.75)])
+    assert ping.range_m.tolist() == [0.25, 0.75, 1.25, 1.75]
+    for wrong in ({"n_ranges": 5}, {"step": 2}, {"sample_size": 3}, {"bearings": np.zeros(2, np.int16)}, {"n_beams": 0}):
+        with pytest.raises(DamagedError):
+            translate("sonar", "oculus_interfaces/msg/Ping", oculus(pixels, gains, **wrong))
+
+
+def test_what_an_oculus_sent_byte_by_byte_is_read_from_a_message(data):
+    content = (data / "oculus-pings" / "one_ping_8bit.raw").read_bytes()
+    (ping,) = translate("sonar", "oculus_sonar_driver/msg/OculusSonarRawMsg", SimpleNamespace(data=content))
+    assert ping.image.shape == (256, 703)
+    assert np.degrees(np.arctan2(ping.directions[[0, -1], 1], ping.directions[[0, -1], 2])) == pytest.approx([-30, 30])

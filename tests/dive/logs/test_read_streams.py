@@ -14,7 +14,9 @@ from hullrecon.dive.logs.readers.protocol import Channel, Message
 from hullrecon.dive.logs.samples import PressureSample
 from hullrecon.errors import InputError
 
-TOPICS = {"/imu": "imu", "/pressure": "pressure", "/joints": "joints", "/dvl": "dvl", "/cam": "camera_top"}
+TOPICS = {
+    "/imu": ("imu",), "/pressure": ("pressure",), "/joints": ("joints",), "/dvl": ("dvl",), "/cam": ("camera_top",),
+}  # fmt: skip
 
 
 def run(path, topics=TOPICS):
@@ -35,7 +37,7 @@ def test_samples_are_sorted_by_sensor_and_images_are_handed_on(kit, tmp_path):
 
 
 def test_topics_that_are_not_wanted_are_counted_but_not_decoded(kit, tmp_path):
-    found, images = run(kit.mcap(tmp_path / "x.mcap", kit.dive()), {"/imu": "imu"})
+    found, images = run(kit.mcap(tmp_path / "x.mcap", kit.dive()), {"/imu": ("imu",)})
     assert images == []
     assert not found.samples["dvl"]
     assert {c.topic: n for c, n in found.counts.items()}["/dvl"] == 8
@@ -43,7 +45,7 @@ def test_topics_that_are_not_wanted_are_counted_but_not_decoded(kit, tmp_path):
 
 def test_a_topic_of_another_type_is_an_input_error_that_names_both(kit, tmp_path):
     with pytest.raises(InputError, match="/imu holds sensor_msgs/msg/Imu, which is not read as dvl") as caught:
-        run(kit.mcap(tmp_path / "x.mcap", kit.dive()), {"/imu": "dvl"})
+        run(kit.mcap(tmp_path / "x.mcap", kit.dive()), {"/imu": ("dvl",)})
     assert "marine_acoustic_msgs/msg/Dvl" in str(caught.value)
     assert caught.value.where == "topics.dvl"
 
@@ -61,7 +63,7 @@ def test_messages_that_do_not_decode_are_counted_with_the_reason(kit, tmp_path):
         dataclasses.replace(entries[0], topic="/sonar", kind="marine_acoustic_msgs/msg/ProjectedSonarImage", message=m)
         for m in (kit.sonar(1, np.zeros((2, 2), np.uint8)), kit.sonar(2, np.zeros((3, 2), np.uint8)))
     ]
-    found, _ = run(kit.mcap(tmp_path / "x.mcap", entries + sonar), {"/sonar": "sonar"})
+    found, _ = run(kit.mcap(tmp_path / "x.mcap", entries + sonar), {"/sonar": ("sonar",)})
     assert len(found.samples["sonar"]) == 1
     assert found.remarks == ["/sonar: 1 messages could not be used: a sonar image of 4 pixels for 2 beams and 3 ranges"]
 
@@ -114,7 +116,7 @@ def test_messages_whose_carried_definition_is_damaged_cost_themselves_and_are_na
     kind = {"imu": "sensor_msgs/msg/Imu", "dvl": "marine_acoustic_msgs/msg/Dvl", "joints": "sensor_msgs/msg/JointState"}[sensor]
     assert old in definition_of(kit, kind)
     log = Recording(kit, kind, [made, made, made], lambda text: text.replace(old, new))
-    found = read_streams([log], {"/t": sensor}, lambda *_: None)
+    found = read_streams([log], {"/t": (sensor,)}, lambda *_: None)
     assert not found.samples[sensor]
     assert sum(found.undecoded.values()) == 3
     assert all(remark.startswith("/t: 3 messages could not be used: ") and remark.isprintable() for remark in found.remarks)
@@ -123,7 +125,7 @@ def test_messages_whose_carried_definition_is_damaged_cost_themselves_and_are_na
 def test_a_range_that_is_no_number_costs_its_ping(kit):
     pings = [kit.sonar(t, np.ones((3, 2), np.uint8), (1, 2, end)) for t, end in ((1, np.nan), (2, np.inf), (3, 3))]
     log = Recording(kit, "marine_acoustic_msgs/msg/ProjectedSonarImage", pings)
-    found = read_streams([log], {"/t": "sonar"}, lambda *_: None)
+    found = read_streams([log], {"/t": ("sonar",)}, lambda *_: None)
     assert [s.t_ns for s in found.samples["sonar"]] == [3]
     assert sum(found.undecoded.values()) == 2
 
@@ -131,7 +133,7 @@ def test_a_range_that_is_no_number_costs_its_ping(kit):
 def test_reasons_of_one_topic_do_not_grow_with_its_messages(kit):
     pings = [kit.sonar(n, np.ones((n, 2), np.uint8)) for n in range(4, 40)]
     log = Recording(kit, "marine_acoustic_msgs/msg/ProjectedSonarImage", pings)
-    found = read_streams([log], {"/t": "sonar"}, lambda *_: None)
+    found = read_streams([log], {"/t": ("sonar",)}, lambda *_: None)
     assert len(found.remarks) <= MOST_REASONS + 1
     assert sum(found.undecoded.values()) == 36
 
@@ -141,7 +143,7 @@ def test_a_definition_that_changes_with_every_message_is_not_compiled_each_time(
     monkeypatch.setattr(read_streams_module, "decode", lambda c, data: compiled.append(c) or decode(c, data))
     readings = [kit.pressure(n + 1, 1e5) for n in range(60)]
     log = Recording(kit, "sensor_msgs/msg/FluidPressure", readings, lambda text: [f"# {n}\n{text}" for n in range(60)])
-    found = read_streams([log], {"/t": "pressure"}, lambda *_: None)
+    found = read_streams([log], {"/t": ("pressure",)}, lambda *_: None)
     assert len(set(compiled)) == len(found.samples["pressure"]) == MOST_DEFINITIONS
     assert sum(found.undecoded.values()) == 60 - MOST_DEFINITIONS
 
@@ -150,7 +152,7 @@ def test_a_definition_that_changes_with_every_message_is_not_compiled_each_time(
 def test_a_time_beyond_int64_costs_its_message(kit, t_ns):
     readings = [kit.pressure(0, 1e5), kit.pressure(0, 2e5)]
     log = Recording(kit, "sensor_msgs/msg/FluidPressure", readings, times=[5, t_ns])
-    found = read_streams([log], {"/t": "pressure"}, lambda *_: None)
+    found = read_streams([log], {"/t": ("pressure",)}, lambda *_: None)
     assert [s.pascal for s in found.samples["pressure"]] == [1e5]
     assert any("beyond the year 2116" in remark for remark in found.remarks)
 
@@ -172,11 +174,11 @@ def test_a_sample_of_a_table_beyond_int64_is_left_out_too():
 def test_a_damaged_type_among_good_messages_costs_those_messages(kit):
     log = Recording(kit, "sensor_msgs/msg/FluidPressure", [kit.pressure(1, 1e5)])
     log._messages.append(Message(Channel("/t", "sensor_msgs/msg/FluidPressurf", "cdr"), 2, b""))
-    found = read_streams([log], {"/t": "pressure"}, lambda *_: None)
+    found = read_streams([log], {"/t": ("pressure",)}, lambda *_: None)
     assert len(found.samples["pressure"]) == 1
     assert "/t: 1 messages could not be used: they are sensor_msgs/msg/FluidPressurf, unlike those before" in found.remarks
 
 
 def test_names_of_joints_do_not_reach_the_terminal_as_they_are(kit):
     log = Recording(kit, "sensor_msgs/msg/JointState", [kit.joints(1, ["tray\x1b[31m"], [0.5])])
-    assert read_streams([log], {"/t": "joints"}, lambda *_: None).samples["joints"][0].name == "tray\\x1b[31m"
+    assert read_streams([log], {"/t": ("joints",)}, lambda *_: None).samples["joints"][0].name == "tray\\x1b[31m"

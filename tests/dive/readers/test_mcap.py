@@ -323,7 +323,7 @@ def test_a_topic_whose_type_was_lost_costs_its_messages_and_not_the_dive(kit, tm
     data = bytearray(path.read_bytes())
     at = next(at for at in boundaries(path) if data[at] == 0x03)
     data[at] = 0x0C  # the schema of /imu becomes metadata
-    found = read_streams([McapLog(broken(tmp_path, bytes(data)))], {"/imu": "imu", "/dvl": "dvl"}, lambda *_: None)
+    found = read_streams([McapLog(broken(tmp_path, bytes(data)))], {"/imu": ("imu",), "/dvl": ("dvl",)}, lambda *_: None)
     assert not found.samples["imu"]
     assert len(found.samples["dvl"]) == 8
     assert [loss.messages for _, loss in found.losses] == [40]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.formats import pd0_ensemble
 from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles, parse
@@ -44,7 +45,7 @@ def ensemble_bytes(number: int = 1, ranges=(10_00, 10_00, 10_00, 10_00), velocit
 
 def read(path):
     log = Pd0Log(path)
-    return [m.data for m in log.messages()], log
+    return [m.data for m in log.messages() if m.channel.topic == "dvl"], log
 
 
 def test_an_ensemble_written_by_hand_reads_back():
@@ -113,6 +114,49 @@ def test_beam_velocities_give_the_velocity_that_made_them_with_one_beam_lost_too
         partial[lost] = np.nan
         assert from_beams(partial, angle) == pytest.approx(truth)
     assert np.isnan(from_beams(np.array([np.nan, np.nan, 0.1, 0.1]), angle)).any()
+
+
+def own_sensors(path, *contents):
+    path.write_bytes(b"".join(contents))
+    found = {}
+    for message in Pd0Log(path).messages():
+        found.setdefault(message.channel.topic, []).append(message.data)
+    return found
+
+
+def test_its_own_heading_tilts_and_depth_are_those_of_the_frame_dvl(tmp_path):
+    found = own_sensors(tmp_path / "x.pd0", ensemble_bytes(1, heading=9000, pitch=-1000, roll=0))
+    (attitude,), (depth,) = found["imu"], found["pressure"]
+    ned_from_dvl = Rotation.from_quat(attitude.quaternion).as_matrix()
+    # Beam 3, x of dvl, looks east and 10 degrees down (its pitch is negative); the transducers look down and back.
+    np.testing.assert_allclose(ned_from_dvl[:, 0], [0, np.cos(10 * DEG), np.sin(10 * DEG)], atol=1e-12)
+    np.testing.assert_allclose(ned_from_dvl[:, 2], [0, -np.sin(10 * DEG), np.cos(10 * DEG)], atol=1e-12)
+    assert attitude.of_dvl
+    assert (depth.height, depth.is_up, depth.of_dvl) == (2.5, False, True)
+
+
+def test_an_instrument_whose_angles_are_all_zero_has_no_compass(tmp_path):
+    assert set(own_sensors(tmp_path / "x.pd0", ensemble_bytes(1))) == {"dvl", "pressure"}
+
+
+def test_velocity_over_ground_and_attitude_of_a_glider_agree(data):
+    """A velocity that was logged along the earth's axes comes back by the attitude that the reader gives."""
+    for message in Pd0Log(data / "dvl-pd0-slocum" / "LA100204.PD0").messages():
+        if message.channel.topic == "dvl":
+            velocity = message.data.velocity
+        elif message.channel.topic == "imu" and np.isfinite(velocity).all():
+            north_east_down = Rotation.from_quat(message.data.quaternion).apply(velocity)
+            break
+    with (data / "dvl-pd0-slocum" / "LA100204.PD0").open("rb") as stream:
+        ping = next(e for *_, e in ensembles(stream) if isinstance(e, Ensemble) and np.isfinite(e.bottom[:3]).all())
+    east, north, up = -ping.bottom[:3]
+    np.testing.assert_allclose(north_east_down, [north, east, -up], atol=1e-9)
+
+
+def test_a_file_without_bottom_track_says_so(tmp_path):
+    (tmp_path / "x.pd0").write_bytes(ensemble_bytes(1, ranges=(0, 0, 0, 0), velocity=(-32768,) * 4))
+    _, log = read(tmp_path / "x.pd0")
+    assert log.remarks[0].startswith("no ensemble has a bottom track")
 
 
 def test_a_wrong_checksum_loses_that_ensemble_alone_and_says_where(tmp_path):

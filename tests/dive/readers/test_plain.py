@@ -313,3 +313,14 @@ def test_links_in_a_circle_cost_their_row_alone(tmp_path):
     assert sum(isinstance(s, SonarSample) for s in samples) == 1
     assert [loss.topic for loss in log.losses()] == ["sonar"]
     assert log.named_files() == [Path("p.npz")]
+
+
+def test_pings_that_an_oculus_sent_are_named_by_file_and_number(data, tmp_path):
+    (tmp_path / "p.raw").write_bytes((data / "oculus-pings" / "three_pings_8bit.raw").read_bytes())
+    (tmp_path / "sonar.csv").write_text("t,file,ping\n1,p.raw,0\n2,p.raw,2\n3,p.raw,2\n4,p.raw,9\n5,p.raw,x\n")
+    log = PlainLog(tmp_path)
+    samples = [m.data for m in log.messages()]
+    assert [s.t_ns for s in samples] == [10**9, 2 * 10**9]
+    assert samples[0].image.shape == (256, 703)
+    assert samples[0].directions[0] == pytest.approx([0, -0.5, np.sqrt(0.75)])
+    assert "lines 4, 5, 6 of sonar.csv cannot be read" in log.losses()[0].why

@@ -205,7 +205,7 @@ def test_a_database_without_its_first_page_is_one_line(database):
 def test_a_damaged_definition_costs_its_topic_alone(database):
     change(database, "UPDATE message_definitions SET encoded_message_definition = x'ff00' WHERE topic_type LIKE '%Imu'")
     log = open_log(database)
-    found = read_streams([log], {"/imu": "imu", "/pressure": "pressure"}, lambda *_: None)
+    found = read_streams([log], {"/imu": ("imu",), "/pressure": ("pressure",)}, lambda *_: None)
     assert len(found.samples["pressure"]) == 20
 
 

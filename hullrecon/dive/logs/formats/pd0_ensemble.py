@@ -52,6 +52,11 @@ class Ensemble:
     water: Array
     cell_m: Array
 
+    @property
+    def has_attitude(self) -> bool:
+        """Tell whether heading or a tilt is other than zero: where an instrument lacks the sensors, all three are zero."""
+        return any((self.heading_rad, self.pitch_rad, self.roll_rad))
+
 
 def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
     """(start, end, ensemble) of every ensemble whose checksum holds; between them (start, end, why) of bytes of no ensemble."""

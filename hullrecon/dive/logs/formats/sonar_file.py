@@ -1,17 +1,20 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A sonar ping of plain files: an .npz with `image`, `azimuth` and `range`, whose sizes are looked at before it is unpacked."""
+"""A sonar ping of plain files: an .npz with `image`, `azimuth` and `range`, whose sizes are looked at before it is unpacked, or
+one of those that an Oculus sent and a file keeps as they came."""
 
 from __future__ import annotations
 
 import math
 import warnings
 import zipfile
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.dive.logs.formats import oculus_ping
 from hullrecon.dive.logs.readers.file_log import require_regular_file
 from hullrecon.dive.logs.readers.unpack import LONGEST_REASON, printable
 from hullrecon.typing import Array
@@ -22,14 +25,15 @@ FREE_BYTES, RATIO = 1 << 22, 256  # an array unpacks to at most so many bytes an
 NUMBERS = "biuf"  # kinds of dtypes
 
 
-def read_ping(path: Path) -> tuple[NDArray[np.generic], Array, Array]:
+def read_ping(path: Path, number: int = 0) -> tuple[NDArray[np.generic], Array, Array]:
     """Return the image [beams, ranges], azimuth (beams,) rad and range (ranges,) m of a ping.
 
-    Raises ValueError that says what is wrong with the file.
+    number: which ping, from 0, of a file of what an Oculus sent. Raises ValueError that says what is wrong with the file.
     """
     try:
+        require_regular_file(path)
         with warnings.catch_warnings(action="ignore"):
-            image, azimuth, range_m = _arrays(path)
+            image, azimuth, range_m = _oculus(path, number) if _is_oculus(path) else _arrays(path)
     except Exception as error:  # numpy and zipfile raise a dozen kinds over a damaged .npz
         raise ValueError(printable(str(error), LONGEST_REASON)) from None
     if azimuth.ndim != 1 or range_m.ndim != 1 or image.shape != (len(azimuth), len(range_m)) or not image.size:
@@ -37,6 +41,39 @@ def read_ping(path: Path) -> tuple[NDArray[np.generic], Array, Array]:
     if not (np.isfinite(azimuth).all() and np.isfinite(range_m).all()):
         raise ValueError("azimuth and range are not all numbers")
     return image, azimuth.astype(float), range_m.astype(float)
+
+
+def _is_oculus(path: Path) -> bool:
+    with path.open("rb") as stream:
+        return stream.read(len(oculus_ping.MAGIC)) == oculus_ping.MAGIC
+
+
+def _oculus(path: Path, number: int) -> tuple[NDArray[np.generic], Array, Array]:
+    found = path.stat()
+    offsets = _ping_offsets(path, found.st_size, found.st_mtime_ns)
+    if number >= len(offsets):
+        raise ValueError("it holds no ping of that number")
+    with path.open("rb") as stream:
+        stream.seek(offsets[number])
+        head = stream.read(oculus_ping.HEADER_BYTES)
+        length = oculus_ping.message_bytes(head)
+        if length > LARGEST_FILE:
+            raise ValueError(f"the ping has {length} bytes")
+        ping = oculus_ping.parse_ping(head + stream.read(length - len(head)))
+    return ping.image, ping.azimuth_rad, ping.range_m
+
+
+@lru_cache(maxsize=4)
+def _ping_offsets(path: Path, size: int, mtime_ns: int) -> list[int]:
+    """Where the pings begin: heads are stepped over by the lengths that they tell. A file that has changed is read anew."""
+    offsets, at = [], 0
+    with path.open("rb") as stream:
+        while len(head := stream.read(oculus_ping.HEADER_BYTES)) == oculus_ping.HEADER_BYTES:
+            if oculus_ping.is_ping(head):
+                offsets.append(at)
+            at += oculus_ping.message_bytes(head)
+            stream.seek(at)
+    return offsets
 
 
 def _arrays(path: Path) -> list[NDArray[np.generic]]:

@@ -82,6 +82,45 @@ int64 status
 string form
 """
 
+DVL_MSGS_DVL = """
+std_msgs/Header header
+float64 time
+geometry_msgs/Vector3 velocity
+float64 fom
+float64[] covariance
+float64 altitude
+dvl_msgs/DVLBeam[] beams
+bool velocity_valid
+int64 status
+int64 time_of_validity
+int64 time_of_transmission
+string form
+"""
+
+HEAD_UP_DISPLAY = """
+std_msgs/Header header
+float32 airspeed
+float32 groundspeed
+int16 heading
+float32 throttle
+float32 altitude
+float32 climb
+"""
+
+SONAR_IMAGE = """
+std_msgs/Header header
+float32 frequency
+float32 sound_speed
+float32 azimuth_beamwidth
+float32 elevation_beamwidth
+float32[] azimuth_angles
+float32[] elevation_angles
+float32[] ranges
+bool is_bigendian
+uint8 data_size
+uint8[] intensities
+"""
+
 BUNDLED: dict[str, str] = {
     "marine_acoustic_msgs/msg/Dvl": DVL,
     "marine_acoustic_msgs/msg/PingInfo": PING_INFO,
@@ -89,4 +128,8 @@ BUNDLED: dict[str, str] = {
     "marine_acoustic_msgs/msg/ProjectedSonarImage": PROJECTED_SONAR_IMAGE,
     "waterlinked_a50_ros_driver/msg/DVLBeam": DVL_BEAM,
     "waterlinked_a50_ros_driver/msg/DVL": WATERLINKED_DVL.format(package="waterlinked_a50_ros_driver"),
+    "dvl_msgs/msg/DVLBeam": DVL_BEAM,
+    "dvl_msgs/msg/DVL": DVL_MSGS_DVL,
+    "mavros_msgs/msg/VfrHud": HEAD_UP_DISPLAY,
+    "acoustic_msgs/msg/SonarImage": SONAR_IMAGE,
 }

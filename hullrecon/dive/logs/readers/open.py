@@ -4,10 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from hullrecon.dive.logs.formats import bag_records, mcap_records, pd0_ensemble
+from hullrecon.dive.logs.formats.foreign_forms import describe_file, describe_folder
 from hullrecon.dive.logs.readers import sqlite
 from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.mcap import McapLog
@@ -18,13 +19,17 @@ from hullrecon.dive.logs.readers.rosbag1 import Rosbag1Log
 from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE, Rosbag2Log
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
 from hullrecon.dive.logs.readers.unpack import printable
+from hullrecon.dive.logs.readers.water_linked import START_BYTES, SUFFIXES, WaterLinkedLog, is_water_linked
 from hullrecon.errors import InputError
 
 BY_MAGIC: dict[bytes, Callable[[Path], Log]] = {
     mcap_records.MAGIC: McapLog, bag_records.MAGIC: Rosbag1Log, sqlite.MAGIC: SqliteLog, pd0_ensemble.MAGIC: Pd0Log,
 }  # fmt: skip
-BY_SUFFIX: dict[str, Callable[[Path], Log]] = {".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log}
-FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 file or a folder of CSVs"
+BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
+    ".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log,
+}  # fmt: skip
+MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
+FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 file, the JSON lines of a Water Linked DVL or a folder of CSVs"
 
 
 def open_log(path: Path, package: Path | None = None) -> Log:
@@ -45,10 +50,12 @@ def open_log(path: Path, package: Path | None = None) -> Log:
         raise InputError(f"the log {name} cannot be read: {error}", where=where) from None
     if not start:
         raise InputError(f"the log {name} is empty", where=where)
+    if is_water_linked(start):
+        return WaterLinkedLog(path)
     found = [reader for magic, reader in BY_MAGIC.items() if start.startswith(magic)]
     found += [reader for suffix, reader in BY_SUFFIX.items() if path.suffix.lower() == suffix]
     if not found:
-        raise InputError(f"{name} is no log that is read here", where=where, remedy=f"give {FORMS}")
+        raise _not_read(name, where, *describe_file(path, start))
     return found[0](path)
 
 
@@ -58,10 +65,14 @@ def _open_folder(path: Path, package: Path | None) -> Log:
         return Rosbag2Log(path)
     if any(f"{sensor}.csv" in names for sensor in COLUMNS):
         return PlainLog(path, package)
-    raise InputError(
-        f"the folder {printable(path.name)} holds no log that is read here", where=printable(str(path.parent)),
-        remedy=f"give {FORMS}",
-    )  # fmt: skip
+    raise _not_read(f"the folder {printable(path.name)}", printable(str(path.parent)), *_describe(sorted(path.iterdir())))
+
+
+def _not_read(name: str, where: str, what: str, remedy: str) -> InputError:
+    """The error for what no reader knows, with what it is and what to do where that is known."""
+    state = "holds no log" if name.startswith("the folder ") else "is no log"
+    kind = f": {what}" if what else ""
+    return InputError(f"{name} {state} that is read here{kind}", where=where, remedy=remedy or f"give {FORMS}")
 
 
 def find_logs(path: Path) -> list[Path]:
@@ -79,11 +90,28 @@ def _find_logs(path: Path) -> list[Path]:
         if folder.is_dir() and _holds_log(folder):
             return [folder]
         inside = sorted(folder.iterdir()) if folder.is_dir() else []
-        found = [p for p in inside if p.suffix.lower() in BY_SUFFIX or (p.is_dir() and p.name != "logs" and _holds_log(p))]
+        found = [p for p in inside if _is_log(p)]
         if found:
             return found
-    name, where = printable(path.name), printable(str(path))
-    raise InputError(f"the folder {name} holds no log that is read here", where=where, remedy=f"give {FORMS}")
+    inside = [p for folder in (path, path / "logs") if folder.is_dir() for p in sorted(folder.iterdir())]
+    raise _not_read(f"the folder {printable(path.name)}", printable(str(path.parent)), *_describe(inside))
+
+
+def _is_log(path: Path) -> bool:
+    if path.is_dir():
+        return path.name != "logs" and _holds_log(path)
+    return path.suffix.lower() in BY_SUFFIX or (
+        path.suffix.lower() in SUFFIXES and path.is_file() and is_water_linked(_start(path))
+    )
+
+
+def _describe(inside: Sequence[Path]) -> tuple[str, str]:
+    """What lies in a folder without a log: by the names, else by the first bytes of a file."""
+    found = describe_folder(p.name for p in inside)
+    for path in inside[:MOST_LOOKED_AT]:
+        if not found[0] and path.is_file():
+            found = describe_file(path, _start(path))
+    return found
 
 
 def _holds_log(folder: Path) -> bool:
@@ -95,7 +123,7 @@ def _holds_log(folder: Path) -> bool:
 def _start(path: Path) -> bytes:
     require_regular_file(path)
     with path.open("rb") as stream:
-        return stream.read(64)
+        return stream.read(START_BYTES)
 
 
 def _beside(path: Path) -> str:

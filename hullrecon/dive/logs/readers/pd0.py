@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""A Teledyne .pd0 file as a DVL: every ensemble's bottom track in the frame `dvl`.
+"""A Teledyne .pd0 file as a DVL: every ensemble's bottom track in the frame `dvl`; heading, tilts, depth of its sensors.
 
 `dvl` of a PD0 file: z out of the transducers, x towards beam 3, y towards beam 2. The instrument's own axes are x towards
 beam 2, y towards beam 3, z into the housing (Teledyne RD Instruments, Coordinate Transformation), whichever way it faces.
@@ -11,15 +11,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.formats.pd0_ensemble import Ensemble, ensembles
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Channel, Message
-from hullrecon.dive.logs.samples import DvlSample
+from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample
 from hullrecon.typing import Array
 
-CHANNEL = Channel("dvl", "Teledyne PD0", "sample")
+CHANNEL, ATTITUDE, DEPTH = (Channel(sensor, "Teledyne PD0", "sample") for sensor in ("dvl", "imu", "pressure"))
+NED_FROM_ENU = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
 DVL_FROM_INSTRUMENT = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
+LOST = np.full(3, np.nan)
 AZIMUTH_RAD = np.radians([-90.0, 90.0, 0.0, 180.0])  # of beams 1 to 4 about z of `dvl`
 
 
@@ -30,15 +33,22 @@ class Pd0Log(FileLog):
     gives_samples = True
 
     def _read(self) -> Iterator[Message]:
-        frames = set()
+        frames, has_bottom = set(), False
         with self.path.open("rb") as stream:
             for start, end, found in ensembles(stream):
                 if isinstance(found, str):
                     self._tracker.open_gap(f"{end - start} bytes from byte {start} on hold no whole ensemble: {found}")
                     continue
                 frames.add(found.frame)
+                has_bottom = has_bottom or bool(np.isfinite(found.range_m).any())
                 yield self._tracker.record(Message(CHANNEL, found.t_ns, to_sample(found)))
+                if found.has_attitude:
+                    yield Message(ATTITUDE, found.t_ns, attitude(found))
+                if found.depth_m > 0:
+                    yield Message(DEPTH, found.t_ns, DepthSample(found.t_ns, found.depth_m, is_up=False, of_dvl=True))
         self._tracker.finish()
+        if frames and not has_bottom:
+            self.remarks.append("no ensemble has a bottom track (a current profiler's file?): it gives no velocity over ground")
         self.remarks.append(
             f"velocities in {' and '.join(sorted(frames)) or 'no'} coordinates were turned into the frame dvl (x to beam 3); "
             "ranges along the axis were divided by the cosine of the beam angle; the instrument's clock was taken as UTC"
@@ -51,6 +61,13 @@ def to_sample(ping: Ensemble) -> DvlSample:
     tilt = ping.beam_angle_rad
     beams = np.stack([np.sin(tilt) * np.cos(AZIMUTH_RAD), np.sin(tilt) * np.sin(AZIMUTH_RAD), np.full(4, np.cos(tilt))], axis=1)
     return DvlSample(ping.t_ns, velocity, float("nan"), ping.range_m / np.cos(tilt), beams)
+
+
+def attitude(ping: Ensemble) -> ImuSample:
+    """Return the attitude of the frame `dvl` in north-east-down, by the instrument's compass and tilt sensors."""
+    enu_from_instrument = earth_from_instrument(ping.heading_rad, *_tilts(ping))
+    ned_from_dvl = NED_FROM_ENU @ enu_from_instrument @ DVL_FROM_INSTRUMENT.T
+    return ImuSample(ping.t_ns, Rotation.from_matrix(ned_from_dvl).as_quat(), LOST, LOST, of_dvl=True)
 
 
 def instrument_velocity(ping: Ensemble) -> Array:

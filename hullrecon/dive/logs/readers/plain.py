@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
+from hullrecon.dive.logs.formats import video_frames
 from hullrecon.dive.logs.formats.csv_rows import Row, read_rows
 from hullrecon.dive.logs.formats.sonar_file import read_ping
+from hullrecon.dive.logs.messages.sonar import in_fan
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
 from hullrecon.dive.logs.readers.unpack import LONGEST_REASON, printable
 from hullrecon.dive.logs.samples import DvlSample, ImageSample, ImuSample, JointSample, PressureSample, Sample, SonarSample
@@ -44,12 +46,15 @@ class PlainLog:
         self.path, self.package = path, package or path
         self.remarks: list[str] = []
         self._losses: list[Loss] = []
-        self._pings: set[Path] = set()
+        self._pings: set[tuple[Path, int]] = set()
+        self._ping_files: set[Path] = set()
         self._ping_bytes_left = PING_FREE_BYTES
+        self._videos: dict[str, tuple[Path, video_frames.VideoFrames]] = {}
 
     def messages(self) -> Iterator[Message]:
         """Yield the rows of all tables, table by table. Raises InputError for a table of which nothing can be read."""
         self.remarks, self._losses, self._pings, self._ping_bytes_left = [], [], set(), PING_FREE_BYTES
+        self._ping_files, self._videos = set(), {}
         for table in self.tables():
             yield from self._table(table.removesuffix(".csv"))
 
@@ -124,7 +129,19 @@ class PlainLog:
         is_name = 0 < len(name) <= LONGEST_PATH and len(path.name) <= LONGEST_FILE_NAME
         if not is_name or (is_there(path) and not is_file(path)):
             raise ValueError(f"{printable(name, LONGEST_REASON)!r} is no file")
+        if path.suffix.lower() in video_frames.SUFFIXES:
+            return ImageSample(_ns(row), camera, self._frame(camera, path, row))
         return ImageSample(_ns(row), camera, b"", self._in_package(path).as_posix())
+
+    def _frame(self, camera: str, path: Path, row: Row) -> bytes:
+        """A frame of a video, whose rows follow each other."""
+        if not (row.get("frame") or "").strip().isdecimal():
+            raise ValueError("a video needs the number of its frame in column frame")
+        name, video = self._videos.get(camera, (None, None))
+        if name != path or video is None:
+            video = video_frames.VideoFrames(path)
+            self._videos[camera] = (path, video)
+        return video.jpeg(int(row["frame"]))
 
     def _in_package(self, path: Path) -> Path:
         return path.relative_to(self.package) if path.is_relative_to(self.package) else path.absolute()
@@ -133,18 +150,21 @@ class PlainLog:
         """Beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
         name = printable(row["file"], LONGEST_REASON)
         path = Path(os.path.realpath(self._locate(row["file"])))  # of links in a circle, too
-        if path in self._pings:
+        number = int(row.get("ping") or 0)
+        if (path, number) in self._pings:
             raise ValueError(f"{name}: it was another ping's file already")
         try:
-            image, azimuth, range_m = read_ping(path)
+            image, azimuth, range_m = read_ping(path, max(0, number))
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from None
-        self._pings.add(path)
-        self._ping_bytes_left += PING_RATIO * path.stat().st_size - image.nbytes
+        if path not in self._ping_files:
+            self._ping_bytes_left += PING_RATIO * path.stat().st_size
+        self._ping_files.add(path)
+        self._pings.add((path, number))
+        self._ping_bytes_left -= image.nbytes
         if self._ping_bytes_left < 0:
             raise ValueError(f"{name}: with it the pings would unpack to more than {PING_RATIO} times their size")
-        directions = np.stack([np.zeros(len(azimuth)), np.sin(azimuth), np.cos(azimuth)], axis=1)
-        return SonarSample(_ns(row), image, directions, range_m)
+        return SonarSample(_ns(row), image, in_fan(azimuth), range_m)
 
 
 class _BadLines:

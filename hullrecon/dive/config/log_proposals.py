@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Find what a log says, and does not say, for a dive.toml: frames, calibrations and mounts that `init` proposes or asks for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.logs.dvl_beams import ask_for_beams
+from hullrecon.dive.logs.messages.decode import ENCODINGS, type_name
+from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, calibration_yaml, frame_tree, mount_of, vehicle_from
+from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER
+from hullrecon.dive.logs.readers.unpack import printable
+from hullrecon.dive.logs.samples import DvlSample, ImuSample
+from hullrecon.dive.logs.summary import COMPRESSED, LogSummary, guess_topics
+
+MOUNTS = {"dvl": "dvl.mount", "camera_top": "camera.top.mount", "sonar": "sonar.mount", "pressure": "pressure.origin"}
+GRAVITY_FELT, UNIT = 5.0, 0.05  # m/s2; and how far a quaternion's length may be off 1
+
+
+def questions(summary: LogSummary) -> list[str]:
+    """Return a sentence for each thing that the log does not say and that a run cannot do without."""
+    beams = beams_to_ask_for(summary)
+    out = [f"to fill in: {ask_for_beams(beams).line()}"] if beams else []
+    if has_attitude_of_dvl(summary):
+        out.append(
+            "to fill in: imu.mount_deg: roll, pitch, yaw in degrees of the frame dvl in the vehicle: the only attitude is that "
+            "of the DVL's own sensors"
+        )
+    return out
+
+
+def has_attitude_of_dvl(summary: LogSummary) -> bool:
+    """Return whether the only attitude is one of the DVL's own sensors."""
+    topic = guess_topics(summary.topics).get("imu")
+    return any(isinstance(t.first, ImuSample) and t.first.of_dvl for t in summary.topics if t.channel.topic == topic)
+
+
+def imu_frame(summary: LogSummary) -> tuple[str, str]:
+    """Return the convention of the logged attitude and why: by gravity where it was logged, else by a standard."""
+    topic = guess_topics(summary.topics).get("imu")
+    note = next((t for t in summary.topics if t.channel.topic == topic), None)
+    first = None if note is None else note.first
+    is_message = note is not None and note.channel.encoding != "sample"
+    if note is not None and is_message and first is not None:
+        first = next(iter(TYPES["imu"][type_name(note.channel)](first, 0, "imu")), None)
+    if isinstance(first, ImuSample) and abs(np.linalg.norm(first.quaternion) - 1) < UNIT:
+        up = Rotation.from_quat(first.quaternion).apply(first.acceleration)[2]
+        if abs(up) > GRAVITY_FELT:
+            return ("enu" if up > 0 else "ned"), "by gravity in the first message"
+    if is_message:
+        return "enu", "REP 145, as no gravity is logged; or ned"
+    return "ned", "or enu: the convention of the orientation"
+
+
+def beams_to_ask_for(summary: LogSummary) -> int:
+    """Return the number of the DVL's beams where the first message has ranges but nothing says where they point, else 0."""
+    topic = guess_topics(summary.topics).get("dvl")
+    note = next((t for t in summary.topics if t.channel.topic == topic), None)
+    first = None if note is None else note.first
+    if note is not None and first is not None and not isinstance(first, DvlSample):
+        first = next(iter(TYPES["dvl"][type_name(note.channel)](first, 0, "dvl")), None)
+    return len(first.ranges) if isinstance(first, DvlSample) and first.beams is None else 0
+
+
+def missing_calibrations(summary: LogSummary, folder: Path) -> dict[str, str]:
+    """Return YAML texts by path in the package, of cameras without a file there whose CameraInfo was logged."""
+    out = {}
+    for camera in ("camera_top", "camera_bottom"):
+        topic = guess_topics(summary.topics).get(camera)
+        if topic is None or find_calibration(folder, camera) is not None:
+            continue
+        where = topic.removesuffix(COMPRESSED).rpartition("/")[0]
+        infos = [t for t in summary.topics if type_name(t.channel) == CAMERA_INFO and t.first is not None]
+        beside = [t for t in infos if t.channel.topic.rpartition("/")[0] == where]
+        text = calibration_yaml(beside[0].first, beside[0].channel.topic) if beside else None
+        if text is not None:
+            out[f"calibration/{camera}.yaml"] = text
+    return out
+
+
+def proposed_mounts(summary: LogSummary) -> dict[str, tuple[list[float], str]]:
+    """Return values for keys of dive.toml, and the frames they come from, where tf_static leads from base_link to a sensor."""
+    tree = frame_tree(message for note in summary.topics for message in note.frames)
+    guessed = guess_topics(summary.topics)
+    frames = {
+        sensor: str(note.first.header.frame_id)  # type: ignore[attr-defined]
+        for sensor, topic in guessed.items()
+        for note in summary.topics
+        if note.channel.topic == topic and note.channel.encoding in ENCODINGS and note.first is not None
+        and type_name(note.channel) not in WITHOUT_HEADER
+    }  # fmt: skip
+    poses = {sensor: vehicle_from(frame, tree) for sensor, frame in frames.items()}
+    out: dict[str, tuple[list[float], str]] = {}
+    for sensor, key in MOUNTS.items():
+        pose = poses.get(sensor)
+        if pose is not None:
+            value = mount_of(pose)
+            out[key] = (value[:3] if key.endswith("origin") else value, f"tf_static, frame {printable(frames[sensor])}")
+    top, bottom = poses.get("camera_top"), poses.get("camera_bottom")
+    if top is not None and bottom is not None:
+        out["camera.bottom.pose_in_top"] = (mount_of(top.inverse() @ bottom), "tf_static")
+    if out.keys() & {"dvl.mount", "camera.top.mount"}:
+        out["tray.origin"] = ([0.0, 0.0, 0.0], "tf_static: what is fixed there turns with no tray")
+    if "sonar.mount" in out:
+        out["sonar.origin"] = ([0.0, 0.0, 0.0], "tf_static")
+    return out
+
+
+def find_calibration(folder: Path, camera: str) -> str | None:
+    """Return the YAML file of a package that is named after that camera, relative to it; None where there is none."""
+    side = camera.removeprefix("camera_")
+    patterns = ("*.yaml", "*.yml", "*/*.yaml", "*/*.yml")
+    found = sorted(p for pattern in patterns for p in folder.glob(pattern) if side in p.stem.lower())
+    return found[0].relative_to(folder).as_posix() if found else None

@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Name what people bring that is no log of a dive here, and say how to bring it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+
+from hullrecon.dive.logs.readers.unpack import printable
+
+PHOTOS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp")
+VIDEOS = (".mp4", ".mov", ".mkv", ".avi", ".ts", ".mpg")
+TABLES = "tables dvl.csv, imu.csv, pressure.csv, camera_top.csv, ... with the columns of docs/dive_package.md"
+TO_PHOTOS = "camera_top.csv with columns t (s since 1970) and file, and camera_bottom.csv for a second camera"
+TO_MCAP = "convert it to MCAP or to tables"
+BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
+    (b"SO", "pings of an Oculus sonar without the time of day", "name file and ping in sonar.csv, with columns t, file, ping"),
+    (b"RIP", "a recording of a 3-D sonar (Water Linked Sonar 3D-15)", "3-D sonars are not read; give DVL and IMU, or cameras"),
+    (b"DDF", "a recording of a DIDSON or ARIS sonar", "export its frames and name them in sonar.csv"),
+    (b"\xa3\x95", "a data-flash log of ArduPilot", TO_MCAP),
+    (b"\xa5\x0a", "a file of a Nortek instrument (AD2CP)", "have its DVL write PD0, or log it as nortek_dvl/Dvl"),
+    (b"\x1f\x8b", "packed by gzip", "unpack it (gunzip) first"),
+    (b"7z\xbc\xaf", "a packed archive", "unpack it first"),
+    (b"\x89HDF", "an HDF5 or NetCDF file", f"write its sensors as {TABLES}"),
+)
+BY_SUFFIX = {
+    ".tlog": ("a telemetry log of ArduPilot", TO_MCAP), ".svlog": ("a log of SonarView", TO_MCAP),
+    ".oculus": ("a log of Oculus ViewPoint", "export its pings and name them in sonar.csv"),
+    ".npz": ("an archive of NumPy arrays", f"write its sensors as {TABLES}"), ".mat": ("a file of MATLAB", f"write {TABLES}"),
+    ".zip": ("a packed archive", "unpack it first"), ".csv": ("one table", f"give its folder, with {TABLES}"),
+    ".xtf": ("a side-scan recording", "side scans are not read"), ".jsf": ("a side-scan recording", "side scans are not read"),
+}  # fmt: skip
+
+
+def describe_file(path: Path, start: bytes) -> tuple[str, str]:
+    """Return what a file is and what to do with it, by its first bytes and its name; two empty texts where nobody knows."""
+    suffix = path.suffix.lower()
+    if suffix in PHOTOS or suffix in VIDEOS:
+        kind = "a photo" if suffix in PHOTOS else "a video"
+        return kind, f"give the folder that holds it, with {TO_PHOTOS}"
+    known = [(what, remedy) for magic, what, remedy in BY_MAGIC if start.startswith(magic)]
+    return (known or [BY_SUFFIX.get(suffix, ("", ""))])[0]
+
+
+def describe_folder(names: Iterable[str]) -> tuple[str, str]:
+    """Return what lies in a folder without a log, and what to do with it; two empty texts where nobody knows."""
+    names = sorted(names)
+    suffixes = Counter(Path(name.lower().removesuffix(".gz")).suffix for name in names)
+    photos = sum(suffixes[suffix] for suffix in PHOTOS)
+    if any(suffixes[suffix] for suffix in VIDEOS):
+        return "videos without times", f"put beside them {TO_PHOTOS} (a row names the video and, in a column frame, its frame)"
+    if photos > 1:
+        return f"{photos} photos without times", f"put beside them {TO_PHOTOS}"
+    tables = [name for name in names if name.lower().endswith((".csv", ".csv.gz"))]
+    if tables:
+        shown = printable(", ".join(tables[:3])) + (", ..." if len(tables) > 3 else "")
+        return f"tables of other names ({shown})", f"rename or rewrite them (unpacked) as {TABLES}"
+    found = [BY_SUFFIX[suffix] for suffix in suffixes if suffix in BY_SUFFIX]
+    return found[0] if found else ("", "")

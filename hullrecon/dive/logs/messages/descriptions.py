@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Read what a log says of its sensors themselves: CameraInfo, and the fixed frames of tf_static. `init` proposes it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.dive.logs.messages.decode import Fields
+from hullrecon.dive.logs.messages.vectors import vector
+from hullrecon.geometry.poses import Poses, identity
+
+CAMERA_INFO, TRANSFORMS = "sensor_msgs/msg/CameraInfo", ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
+BASE_FRAMES = ("base_link", "base_footprint")  # REP 105: on the vehicle, x forward, y to port, z up
+FRD_FROM_FLU = Poses(Rotation.from_euler("x", 180, degrees=True).as_quat()[None], np.zeros((1, 3)))
+MOST_FRAMES, DEEPEST = 1000, 20
+
+Tree = Mapping[str, tuple[str, Poses]]  # child frame: its parent, and T_parent_child
+
+
+def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
+    """Return the fixed frames of tf_static messages, by child. Frames of lengths that are no rotation are left out."""
+    tree: dict[str, tuple[str, Poses]] = {}
+    for transform in (t for message in messages for t in message.transforms):
+        r, child = transform.transform.rotation, _frame(transform.child_frame_id)
+        quaternion = np.array([r.x, r.y, r.z, r.w], float)
+        shift = vector(transform.transform.translation)
+        if abs(np.linalg.norm(quaternion) - 1) < 0.05 and np.isfinite(shift).all() and len(tree) < MOST_FRAMES:
+            tree[child] = (_frame(transform.header.frame_id), Poses(quaternion[None], shift[None]))
+    return tree
+
+
+def vehicle_from(frame: str, tree: Tree) -> Poses | None:
+    """Return T_v_frame, the vehicle's axes forward, starboard, down, by the way up to base_link; None where there is no way."""
+    pose, at = identity(), _frame(frame)
+    for _ in range(DEEPEST):
+        if at.rpartition("/")[2] in BASE_FRAMES:
+            return FRD_FROM_FLU @ pose
+        if at not in tree:
+            return None
+        at, step = tree[at]
+        pose = step @ pose
+    return None
+
+
+def mount_of(pose: Poses) -> list[float]:
+    """Return x, y, z in m, roll, pitch, yaw in degrees, as dive.toml has them."""
+    matrix = pose.rotation.as_matrix()[0]
+    pitch = np.arcsin(np.clip(-matrix[2, 0], -1, 1))
+    if np.hypot(matrix[2, 1], matrix[2, 2]) < 1e-6:  # at 90 degrees roll and yaw are one: all of it is roll, yaw is 0
+        roll, yaw = np.arctan2(-np.sign(matrix[2, 0]) * matrix[0, 1], matrix[1, 1]), 0.0
+    else:
+        roll, yaw = np.arctan2(matrix[2, 1], matrix[2, 2]), np.arctan2(matrix[1, 0], matrix[0, 0])
+    values = [*pose.translation[0], *np.degrees([roll, pitch, yaw])]
+    return [round(float(v), 4) + 0.0 for v in values]
+
+
+def calibration_yaml(info: Fields, topic: str) -> str | None:
+    """Return the YAML of ROS's camera_calibration for a CameraInfo; None where that is not filled in."""
+    matrix = [float(v) for v in (info.k if "k" in info.__dataclass_fields__ else info.K)]
+    distortion = [float(v) for v in (info.d if "d" in info.__dataclass_fields__ else info.D)]
+    if not (info.width and info.height and np.isfinite(matrix + distortion).all() and matrix[0] > 0 and matrix[4] > 0):
+        return None
+    return "\n".join(
+        [
+            f"# From the CameraInfo on {topic}. It has to be the calibration in water: see that it is.",
+            f"image_width: {int(info.width)}",
+            f"image_height: {int(info.height)}",
+            f"camera_matrix: {{rows: 3, cols: 3, data: {matrix}}}",
+            f"distortion_model: {info.distortion_model if str(info.distortion_model).isidentifier() else 'plumb_bob'}",
+            f"distortion_coefficients: {{rows: 1, cols: {len(distortion)}, data: {distortion}}}",
+            "",
+        ]
+    )
+
+
+def _frame(name: str) -> str:
+    return str(name).lstrip("/")

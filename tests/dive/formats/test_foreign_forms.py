@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
+import pytest
+
+from hullrecon.dive.logs.formats.foreign_forms import describe_file, describe_folder
+from hullrecon.dive.logs.readers.open import find_logs, open_log
+from hullrecon.errors import InputError
+
+
+@pytest.mark.parametrize(
+    ("name", "start", "what", "remedy"),
+    [
+        ("x.raw", b"SO\xd4\x1e", "Oculus", "sonar.csv"),
+        ("x.sonar", b"RIP2\xbf", "3-D sonar", "DVL and IMU"),
+        ("x.aris", b"DDF\x05", "ARIS", "sonar.csv"),
+        ("x.ad2cp", b"\xa5\x0a\xa0", "Nortek", "PD0"),
+        ("x.csv.gz", b"\x1f\x8b\x08", "gzip", "unpack"),
+        ("x.tlog", b"\0\0", "ArduPilot", "MCAP"),
+        ("x.nc", b"\x89HDF\r\n", "NetCDF", "dvl.csv"),
+        ("x.npz", b"PK\3\4", "NumPy", "dvl.csv"),
+        ("x.JPG", b"\xff\xd8", "a photo", "camera_top.csv"),
+        ("x.mp4", b"\0\0\0\x18ftyp", "a video", "camera_top.csv"),
+    ],
+)
+def test_a_known_form_is_named_with_what_to_do(tmp_path, name, start, what, remedy):
+    found = describe_file(Path(name), start)
+    assert what in found[0]
+    assert remedy in found[1]
+    (tmp_path / name).write_bytes(start + b"x" * 100)
+    with pytest.raises(InputError, match="is no log that is read here: ") as caught:
+        open_log(tmp_path / name)
+    assert remedy in caught.value.remedy
+
+
+def test_what_nobody_knows_is_told_what_is_read(tmp_path):
+    assert describe_file(Path("x.txt"), b"hello") == ("", "")
+    (tmp_path / "x.txt").write_text("hello")
+    with pytest.raises(InputError, match=r"x\.txt is no log that is read here") as caught:
+        open_log(tmp_path / "x.txt")
+    assert caught.value.remedy.startswith("give an MCAP, ")
+
+
+@pytest.mark.parametrize(
+    ("names", "what"),
+    [
+        (["a.jpg", "b.JPG", "notes.md"], "2 photos without times"),
+        (["a.mp4", "b.jpg", "c.jpg"], "videos without times"),
+        (["nav.csv", "depth.csv.gz", "x.txt"], r"tables of other names \(depth.csv.gz, nav.csv\)"),
+        (["a.npz", "b.json.txt"], "archive of NumPy arrays"),
+    ],
+)
+def test_a_folder_without_a_log_is_named_by_what_lies_in_it(tmp_path, names, what):
+    for name in names:
+        (tmp_path / name).write_bytes(b"x")
+    for look in (find_logs, open_log):
+        with pytest.raises(InputError, match=f"holds no log that is read here: .*{what}"):
+            look(tmp_path)
+
+
+def test_a_folder_whose_names_say_nothing_is_named_by_the_first_bytes_of_a_file(tmp_path):
+    (tmp_path / "README").write_text("hello")
+    (tmp_path / "a.raw").write_bytes(b"SO\xd4\x1e" + bytes(100))
+    with pytest.raises(InputError, match="holds no log that is read here: pings of an Oculus"):
+        find_logs(tmp_path)
+
+
+def test_an_empty_folder_is_none_of_them():
+    assert describe_folder([]) == ("", "")
