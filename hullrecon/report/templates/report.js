@@ -1,4 +1,4 @@
-/*! hullrecon's report page, Apache-2.0. Bundled:
+/*! hullrecon's report page, Apache-2.0, of sources d9b2d186529613582a66c7aedf56b8a08ffc0302f5412a4e7820fbcb0a9746b7. Bundled:
 
 Leaflet 1.9.4
 
