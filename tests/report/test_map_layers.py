@@ -50,6 +50,18 @@ def test_a_mosaic_lies_where_its_raster_lies(ortho: Path) -> None:
     assert layer.legend is None
 
 
+def test_the_hazy_range_of_an_underwater_mosaic_is_spread_and_its_colours_stay(tmp_path: Path) -> None:
+    values = np.full((4, 20, 20), 255, np.uint8)
+    values[0], values[1], values[2] = np.linspace(60, 120, 20)[None], 90, 75
+    profile = {"driver": "GTiff", "width": 20, "height": 20, "count": 4, "dtype": "uint8", "photometric": "RGB", "alpha": "YES"}
+    with rasterio.open(tmp_path / "hazy.tif", "w", transform=rasterio.Affine(1, 0, 5, 0, -1, 0), **profile) as file:
+        file.write(values)
+    picture = pixels_of(mosaic_layer("optical", "Camera mosaic", tmp_path / "hazy.tif")).astype(int)
+    assert picture[10, 1, 0] < 30
+    assert picture[10, 18, 0] > 220
+    assert (picture[5:15, 5:15, 1] - picture[5:15, 5:15, 2]).min() > 30  # 90 and 75 are farther apart, alike everywhere
+
+
 def test_a_large_mosaic_is_shown_smaller(ortho: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(map_layers, "MOST_PIXELS", 6)
     layer = mosaic_layer("optical", "Camera mosaic", ortho)

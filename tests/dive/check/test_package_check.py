@@ -10,6 +10,7 @@ from hullrecon.dive.check.package_check import check_package, defaults_of
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.summary import missing, needs
 from hullrecon.steps.ingest import USES, request_of
+from hullrecon.steps.report import ReportOptions
 
 
 def check(package: Path, *overrides: str):
@@ -178,3 +179,11 @@ def test_a_package_of_which_no_sensor_is_named_gets_a_verdict_too(package):
     found = check(package)
     assert found.verdict.startswith("not ready: no sensor could be read from the logs")
     assert found.verdict.endswith("; missing: a DVL with an IMU, or two cameras")
+
+
+def test_a_logo_that_is_not_there_is_missed(package):
+    loaded = load_config(package, {"report": ReportOptions}, ["report.logo=logo.png"])
+    request = request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
+    assert check_package(loaded, request).missing_files == ["logo.png (report.logo)"]
+    (package / "logo.png").write_bytes(b"")
+    assert check_package(loaded, request).missing_files == []

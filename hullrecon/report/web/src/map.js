@@ -13,10 +13,9 @@ const LINK_COLOURS = { "along the track": "#1f5f99", "between legs": "#c8541b" }
  * marks that can be switched. Returns {show(id)}, which brings an object into view, and setLayer(id).
  */
 export function mountMap(element, data, cards) {
-  const map = L.map(element, { crs: L.CRS.Simple, zoomSnap: 0.25, zoomDelta: 0.5, preferCanvas: true, attributionControl: false });
-  map.fitBounds(box(data.map.bounds));
-  map.setMinZoom(map.getZoom() - 1).setMaxZoom(Math.log2(CLOSEST_PX_PER_M));
-  map.setMaxBounds(box(data.map.bounds).pad(0.5));
+  const map = L.map(element, { crs: L.CRS.Simple, zoomSnap: 0.1, zoomDelta: 0.5, preferCanvas: true, attributionControl: false });
+  keepFitted(map, box(data.map.bounds));
+  map.setMaxZoom(Math.log2(CLOSEST_PX_PER_M)).setMaxBounds(box(data.map.bounds).pad(0.5));
 
   const pictures = stackPictures(map, data.map.layers);
   const marks = makeMarks(data, cards);
@@ -28,6 +27,9 @@ export function mountMap(element, data, cards) {
     onMark: (name, shown) => (shown ? marks[name].layer.addTo(map) : marks[name].layer.remove()),
   });
   showCoordinates(map, data.map, pictures);
+  const thin = () => element.classList.toggle("dense", crowded(map, data));
+  map.on("zoomend", thin);
+  thin();
 
   return {
     setLayer: pictures.show,
@@ -40,6 +42,28 @@ export function mountMap(element, data, cards) {
       marks.objects.byId.get(String(id))?.getElement()?.focus({ preventScroll: true });
     },
   };
+}
+
+/** Shows a rectangle whole, and does so again when the element's size changes, until a reader has moved the map. */
+function keepFitted(map, bounds) {
+  let fitted = null;
+  const fit = () => {
+    map.setMinZoom(map.getBoundsZoom(bounds) - 1);
+    map.fitBounds(bounds, { animate: false });
+    fitted = { zoom: map.getZoom(), center: map.getCenter() };
+  };
+  fit();
+  new ResizeObserver(() => {
+    const untouched = map.getZoom() === fitted.zoom && map.getCenter().equals(fitted.center, 1e-6);
+    map.invalidateSize({ animate: false, pan: false });
+    if (untouched) fit();
+  }).observe(map.getContainer());
+}
+
+/** Returns whether the objects' numbers would cover each other at this zoom. */
+function crowded(map, { objects, map: { bounds } }) {
+  const area = (bounds[2] - bounds[0]) * (bounds[3] - bounds[1]) * 4 ** map.getZoom();
+  return Math.sqrt(area / Math.max(objects.length, 1)) < 45;
 }
 
 /** The pictures: one shown on top, the camera mosaic below it, so that a transparent one lies on what the hull looks like. */
@@ -117,7 +141,7 @@ function makeMarks(data, cards) {
 
 function number(found) {
   const title = `Object ${found.id}: ${found.kind}, height ${found.height.toFixed(3)} m. Open its card.`;
-  const icon = L.divIcon({ className: "map-number", html: String(found.id), iconSize: [26, 26] });
+  const icon = L.divIcon({ className: "map-number", html: `<span>${Number(found.id)}</span>`, iconSize: [26, 26] });
   const marker = L.marker(latLng(found.at), { icon, title, alt: title, riseOnHover: true });
   marker.on("add", () => marker.getElement().setAttribute("aria-label", title));
   return marker;
