@@ -83,6 +83,9 @@ def _named_files(loaded: LoadedConfig) -> Iterator[tuple[str, Path]]:
             yield f"{camera.section}.calibration", package / calibration
     if config.hull is not None:
         yield "hull.mesh", package / config.hull.mesh
+    logo = loaded.value("report.logo")
+    if isinstance(logo, str):
+        yield "report.logo", package / logo
     for name in config.logs.files:
         yield from _files_of_log("logs.files", package / name, package)
 

@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Protocol
 
 from hullrecon.report.content.object_images import Crop, object_crops, photo_jpeg
-from hullrecon.report.content.objects import objects_table
 from hullrecon.report.content.page import render_page
 from hullrecon.report.content.page_context import page_context
 from hullrecon.report.export.chart_export import chart_document, chart_mesh, chart_ply
 from hullrecon.report.export.csv_export import csv_text
 from hullrecon.report.export.geometry_export import alignment_document, landmarks_ply, surface_ply
 from hullrecon.report.export.object_layers import object_layers, objects_geojson, objects_gpkg, photo_name
+from hullrecon.report.export.objects_table import objects_table
 from hullrecon.report.export.summary import summary_document
 from hullrecon.report.export.table import csv_metadata
 from hullrecon.report.export.trajectory import trajectory_table, trajectory_tum
@@ -97,9 +97,10 @@ def deliver(survey: Survey, out: FileWriter) -> None:
     for plot in plots:
         writer.write(f"plots/{plot.name}.png", plot.png)
         writer.write(f"plots/{plot.name}.csv", csv_text(plot.table))
+    context = page_context(survey, plots, writer.entries, photos)
     if PDF not in survey.provenance.missing:
-        writer.write(PDF, render_pdf(page_context(survey, plots, writer.entries, photos)))
-    writer.write("report/index.html", render_page(page_context(survey, plots, writer.entries, photos)))
+        writer.write(PDF, render_pdf(context))
+    writer.write("report/index.html", render_page({**context, "deliverables": writer.entries}))
     out.json(f"{FOLDER}/summary.json", summary_document(survey, writer.entries))
 
 

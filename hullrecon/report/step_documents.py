@@ -40,10 +40,31 @@ class PairFacts(StepDocument, frozen=True):
 
 
 class FactorResiduals(StepDocument, frozen=True):
-    """Residuals of one kind of measurement, in their own sigma."""
+    """Residuals of one kind of measurement, in their own sigma. robust_sigma: from their median; share_beyond_3: of three
+    sigmas."""
 
     rms: float
     count: float = 0
+    robust_sigma: float | None = None
+    share_beyond_3: float | None = None
+
+
+class AdjustSigmas(StepDocument, frozen=True):
+    """One sigma of a pixel and of a DVL range, as the adjustment weighted them; None where there was none."""
+
+    pixel_px: float | None = None
+    range_m: float | None = None
+
+
+class SensorErrors(StepDocument, frozen=True):
+    """Errors of the navigation's sensors that the adjustment estimated."""
+
+    dvl_scale: float = 0.0
+    heading_drift_rad_s: float = 0.0
+    roll_bias_rad: float = 0.0
+    pitch_bias_rad: float = 0.0
+    depth_bias_m: float = 0.0
+    tray_play_rad: float = 0.0
 
 
 class WeakDirection(StepDocument, frozen=True):
@@ -54,14 +75,26 @@ class WeakDirection(StepDocument, frozen=True):
     sentence: str = ""
 
 
+class RefinedParameter(StepDocument, frozen=True):
+    """A parameter of a camera: as calibrated, as found, and its sigma."""
+
+    calibrated: float
+    found: float
+    sigma: float
+
+
 class AdjustSummary(StepDocument, frozen=True):
-    """adjust.json of adjust. cad_model_refused: why the CAD model was left out; None where it was not."""
+    """adjust.json of adjust. intrinsics: by camera and name, empty where the calibrations were held; cad_model_refused: why the
+    CAD model was left out, None where it was not."""
 
     method: str = "maxmix"
     observations: int = 0
     observations_left_out: int = 0
     residuals_before: Mapping[str, FactorResiduals] = {}
     residuals_after: Mapping[str, FactorResiduals] = {}
+    sigmas: AdjustSigmas = AdjustSigmas()
+    navigation: SensorErrors | None = None
+    intrinsics: Mapping[str, Mapping[str, RefinedParameter]] = {}
     cad_model_refused: str | None = None
 
 

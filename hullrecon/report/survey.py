@@ -14,10 +14,12 @@ from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.frames import Camera, Frame
 from hullrecon.records.deliverables import Coverage, RejectedRegion, ReportedObject
+from hullrecon.records.links import NodePairs
 from hullrecon.records.sensors import DvlPings, ImageIndex
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Trajectory, VehicleTrack
+from hullrecon.report.about import AboutInspection
 from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts, NavigationFacts, PairFacts
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Arrays, Pixels
@@ -39,7 +41,8 @@ class ImageSource(Protocol):
 @dataclass(frozen=True, kw_only=True)
 class DiveFacts:
     """What was dived, what was carried, and what the log, its navigation and its image pairs say in sentences. has_depth: a
-    pressure sensor was logged; has_attitude: an IMU was."""
+    pressure sensor was logged; has_attitude: an IMU was; node_pairs: all pairs of nodes whose images were compared; about: what
+    [report] of dive.toml says of the inspection."""
 
     dive: Dive
     hull: Hull | None = None
@@ -51,6 +54,8 @@ class DiveFacts:
     log: LogFindings = field(default_factory=LogFindings)
     navigation: NavigationFacts = field(default_factory=NavigationFacts)
     pairs: PairFacts = field(default_factory=PairFacts)
+    node_pairs: NodePairs | None = None
+    about: AboutInspection = field(default_factory=AboutInspection)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,14 +6,18 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Annotated
 
 import msgspec
 
 from hullrecon.artifacts.graph.stage import Context, Stage
-from hullrecon.dive.config.schema import Dive, Hull
+from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.dive.config.config_errors import ONE_LINE
+from hullrecon.dive.config.schema import Dive, FileName, Hull
 from hullrecon.geometry.charts.outside_map import outside_map
 from hullrecon.records.deliverables import Coverage, ReportedObject
 from hullrecon.records.solution import Solution
+from hullrecon.report.about import AboutInspection, read_logo
 from hullrecon.report.content.missing_deliverables import OF_OBJECTS, Carried, missing_deliverables
 from hullrecon.report.deliver import deliver
 from hullrecon.report.export.trajectory import track_of
@@ -43,15 +47,31 @@ from hullrecon.rig import RIG_KEYS, SensorRig, rig_from_settings
 from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, InputArtifacts
 from hullrecon.steps.features import external
 
-CHAIN = ("ingest", "navigate", "features", "matches", "adjust", "surface", "detect", "mosaic-optical", "mosaic-sonar")
+CHAIN = ("ingest", "navigate", "features", "links", "matches", "adjust", "surface", "detect", "mosaic-optical", "mosaic-sonar")
 MOSAICS = {"mosaic-optical": "optical", "mosaic-sonar": "sonar"}
 DELIVERED = {"ortho.tif": "ortho_{}.tif", "ortho.png": "ortho_{}.png", "mosaic.glb": "mosaic_{}.glb",
              "variance.tif": "variance_{}.tif", "views.tif": "views_{}.tif"}  # fmt: skip
 SURFACE_RASTERS = tuple(f"{name}.tif" for name in ("deviation", "deviation_sigma", "form", "form_sigma", "support"))
 
 
+Line = Annotated[str, msgspec.Meta(pattern=ONE_LINE, max_length=200)]
+LongText = Annotated[str, msgspec.Meta(max_length=4000)]
+
+
 class ReportOptions(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Of the report: it has none."""
+    """What the page says of the inspection; what is empty is not shown."""
+
+    client: Annotated[Line | None, msgspec.Meta(description="who asked for the inspection")] = None
+    operator: Annotated[Line | None, msgspec.Meta(description="who inspected")] = None
+    vessel_operator: Annotated[Line | None, msgspec.Meta(description="who runs the ship")] = None
+    equipment: Annotated[
+        tuple[Line, ...], msgspec.Meta(max_length=20, description="vehicle, cameras, sonar, lights: a text each")
+    ] = ()
+    water: Annotated[Line | None, msgspec.Meta(description="place, visibility, temperature, current")] = None
+    conclusion: Annotated[
+        LongText | None, msgspec.Meta(description="the inspector's own words; a blank line parts paragraphs")
+    ] = None
+    logo: Annotated[FileName | None, msgspec.Meta(description="PNG, JPEG or WebP, relative to dive.toml")] = None
 
 
 def run(context: Context[ReportOptions]) -> None:
@@ -114,7 +134,28 @@ def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig:
         log=msgspec.convert(ingest.findings, LogFindings),
         navigation=msgspec.convert(artifacts.navigate.facts, NavigationFacts),
         pairs=msgspec.convert(matches.pairs if matches is not None else {}, PairFacts),
+        node_pairs=artifacts.links.pairs if artifacts.links is not None else None,
+        about=_about(context),
     )
+
+
+def _about(context: Context[ReportOptions]) -> AboutInspection:
+    options = context.parameters
+    return AboutInspection(
+        client=options.client or "",
+        operator=options.operator or "",
+        vessel_operator=options.vessel_operator or "",
+        equipment=options.equipment,
+        water=options.water or "",
+        conclusion=options.conclusion or "",
+        logo=None if options.logo is None else read_logo(context.source / options.logo),
+    )
+
+
+def files_of_package(settings: StageSettings, package: Path) -> list[Path]:
+    """Return the files of the package that the report reads: images that lie there as files, and the logo."""
+    logo = settings.read("report", ReportOptions).logo
+    return [*external(settings, package), *([Path(logo)] if logo is not None else [])]
 
 
 def _surfaces(context: Context[ReportOptions], artifacts: InputArtifacts, frame: str) -> Surfaces:
@@ -223,5 +264,5 @@ STAGE = Stage(
     version=5,
     run=run,
     uses=("dive", "logs", "hull", "camera.top.calibration", *RIG_KEYS),
-    external=external,
+    external=files_of_package,
 )

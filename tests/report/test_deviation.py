@@ -13,8 +13,8 @@ from PIL import Image
 
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.report.content.deviation import DeviationFigures, deviation_document, deviation_figures, deviation_rows
-from hullrecon.report.content.page_context import chart_view
 from hullrecon.report.figures.chart_map import form_png
+from hullrecon.report.figures.survey_map import chart_view
 from hullrecon.report.survey import Survey
 
 

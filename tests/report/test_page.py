@@ -7,6 +7,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from itertools import pairwise
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.records.deliverables import Coverage, RejectedRegion, ReportedObject, SensorCoverage
 from hullrecon.report.content.frame_words import frame_in_words
 from hullrecon.report.content.headline import headline, weak_sentences
+from hullrecon.report.content.object_card import object_rows
 from hullrecon.report.content.object_images import object_crops
 from hullrecon.report.content.page import render_page
 from hullrecon.report.content.page_context import coverage_rows, page_context
@@ -119,7 +121,10 @@ def test_a_bare_dive_gets_the_whole_page_with_reasons(bare: Survey) -> None:
     assert page.open == []
     assert "no camera was carried" in page.text
     assert "dead reckon" in page.text
-    assert {"summary", "plan", "objects", "position", "rejected", "record"} <= set(page.with_attribute("id"))
+    ids = set(page.with_attribute("id"))
+    assert {"summary", "position", "rejected", "record"} <= ids
+    assert not ids & {"plan", "map", "objects", "object-table", "deviation", "mosaics", "coverage", "view", "scene"}
+    assert "Objects were not looked for: no camera was carried." in page.text
 
 
 def test_the_same_survey_gives_the_same_bytes(survey: Survey) -> None:
@@ -203,7 +208,8 @@ def test_without_a_cad_model_no_deviation_is_claimed(survey: Survey, bare: Surve
     assert not any("patch" in line for line in headline(in_g))
     text = page_of(in_g).text
     assert "Deviation from the CAD model" not in text
-    assert "3 Mosaics" in text
+    numbers = [int(n) for n in re.findall(r"(?m)^(\d+) [A-Z]", text)]
+    assert sorted(set(numbers)) == list(range(1, max(numbers) + 1))  # without a gap for the section that is absent
     assert "deviation_histogram" not in [plot.name for plot in draw_all_plots(in_g)]
 
 
@@ -266,3 +272,61 @@ def test_the_page_links_only_rasters_that_are_delivered(survey: Survey) -> None:
     text = render_page(page_context(survey, [], files, {}))
     assert 'href="../form.tif"' in text
     assert "where images saw it" not in text
+
+
+def test_what_a_reader_asks_first_is_on_top(survey: Survey) -> None:
+    found = re.search(
+        r'(?s)class="verdict">(.*?)</p>.*?class="tiles">(.*?)</dl>', render_page(page_context(survey, [], FILES, {}))
+    )
+    assert found is not None
+    assert found[1] == "1 object found on the hull (1 protrusion); the largest, no. 1, has a height of 0.100 ± 0.004 m."
+    words = re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", found[2])).strip()
+    assert words == (
+        "Object 1 on the hull Hull seen 4.0 m² by camera Position along ± 0.50 m ± 20 mm in girth, one sigma "
+        "Form off the CAD model -3 to +3 mm one sigma 2.0 mm"
+    )
+
+
+def test_the_table_has_a_row_an_object_that_leads_to_its_card(survey: Survey, found: ReportedObject) -> None:
+    recess = replace(found, id=2, height=-0.03, address="frame 9", p_value=None, depth=None)
+    page = page_of(with_objects(survey, found, recess))
+    assert {"row-1", "row-2", "object-1", "object-2"} <= set(page.with_attribute("id"))
+    assert [a["data-object"] for t, a in page.tags if t == "a" and a.get("data-action") == "card"] == ["1", "2"]
+    table = object_rows(with_objects(survey, found, recess))
+    assert table.headings == ["No.", "Kind", "Height", "Area", "Along", "Girth", "Depth", "False alarm"]
+    cells = dict(table.rows)[2]
+    assert [cell.text for cell in cells] == [
+        "2", "recess", "-0.030 ± 0.004 m", "250 ± 20 cm²", "1.0 ± 0.3 m", "-1.20 ± 0.02 m", "–", "–"]  # fmt: skip
+    assert [cell.value for cell in cells] == [2, None, -0.03, 0.025, 1.0, -1.2, None, None]
+
+
+def test_a_column_that_no_object_fills_is_absent(survey: Survey, bare: Survey, found: ReportedObject) -> None:
+    dry = with_objects(survey, replace(found, depth=None, along=None))
+    assert object_rows(dry).headings == ["No.", "Kind", "Height", "Area", "Girth", "False alarm"]
+    assert "Across" in object_rows(with_objects(bare, found)).headings
+    assert object_rows(bare).rows == []
+
+
+def test_many_cards_are_folded_away_and_few_are_not(survey: Survey, found: ReportedObject) -> None:
+    def folded(count: int) -> bool:
+        many = with_objects(survey, *(replace(found, id=k + 1) for k in range(count)))
+        return 'class="all-cards"><summary>' in render_page(page_context(many, [], FILES, {}))
+
+    assert not folded(12)
+    assert folded(13)
+
+
+def test_headings_never_skip_a_level(survey: Survey) -> None:
+    levels = [int(tag[1]) for tag, _ in page_of(survey, plots=True).tags if re.fullmatch(r"h[1-6]", tag)]
+    assert levels[0] == 1
+    assert all(below <= above + 1 for above, below in pairwise(levels))
+
+
+def test_all_controls_have_names(survey: Survey) -> None:
+    page = page_of(survey)
+    labelled = set(page.with_attribute("for"))
+    for tag, attributes in page.tags:
+        if tag == "input":
+            assert attributes["id"] in labelled
+        if attributes.get("role") == "region":
+            assert attributes["aria-label"]

@@ -15,7 +15,6 @@ from hullrecon.records.deliverables import Coverage, CoverageHole, ReportedObjec
 from hullrecon.report.content.object_card import card_context
 from hullrecon.report.content.object_images import object_crops
 from hullrecon.report.content.page_context import (
-    chart_view,
     coverage_rows,
     deviation_map,
     draw_plan,
@@ -26,6 +25,7 @@ from hullrecon.report.content.page_context import (
     place_words,
 )
 from hullrecon.report.figures.plan_view import SigmaEllipse
+from hullrecon.report.figures.survey_map import chart_view
 from hullrecon.report.step_documents import MosaicFacts
 from hullrecon.report.survey import Mosaic, Survey
 

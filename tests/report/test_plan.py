@@ -13,7 +13,6 @@ from PIL import Image
 
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.surface import Surface
-from hullrecon.report.content.page_context import chart_view, object_ellipses
 from hullrecon.report.figures.chart_map import Extent, extent_of, ground_png, project_surface, seen_faces, weighted_percentiles
 from hullrecon.report.figures.plan_view import (
     LEFT,
@@ -27,6 +26,7 @@ from hullrecon.report.figures.plan_view import (
     plan_svg,
     sigma_ellipse,
 )
+from hullrecon.report.figures.survey_map import chart_view, object_ellipses
 from hullrecon.report.survey import Survey
 
 EXTENT = Extent(along=(30.0, 40.0), girth=(2.0, 7.0))

@@ -78,6 +78,8 @@ def check_package(
     check_images: looks at some of the images, by camera, and returns what contradicts the configuration.
     """
     request, missing_files = _leave_out_missing(loaded.package, request)
+    logo = loaded.value("report.logo")
+    missing_files += [f"{logo} (report.logo)"] if isinstance(logo, str) and not _exists(loaded.package / logo) else []
     sampled: dict[str, SampledImages] = {}
     found = ingest(loaded.package, request, lambda camera: sampled.setdefault(camera, SampledImages()), watch)
     streams: Mapping[str, Stream] = {**found.records.by_name(), **found.images}

@@ -24,6 +24,34 @@ def headline(survey: Survey) -> list[str]:
     return [line for line in lines if line][:10]
 
 
+def verdict(survey: Survey) -> str:
+    """Return the one sentence that a reader asks for first: what is on the hull."""
+    if survey.findings.objects is None:
+        reason = survey.provenance.missing.get("objects.json", "the step did not run")
+        return f"Objects were not looked for: {reason}."
+    return _objects(survey)
+
+
+def key_figures(survey: Survey) -> list[tuple[str, str, str]]:
+    """Return the figures on top of the page: what, how much, and a remark; those that the dive gives."""
+    found, coverage, figures = survey.findings.objects, survey.findings.coverage, deviation_figures(survey)
+    seen = coverage.camera if coverage is not None else None
+    rows = [] if found is None else [("Objects" if len(found) != 1 else "Object", str(len(found)), "on the hull")]
+    if seen is not None and seen.area_m2:
+        rows.append(("Hull seen", f"{seen.area_m2:.1f} m²", "by camera"))
+    if survey.surfaces.chart is not None:
+        along, girth = survey.track.sigma_on_chart(survey.surfaces.chart)
+        if np.isfinite(along + girth):
+            across = "in girth" if survey.is_in_hull_frame else "across"
+            rows.append(("Position along", f"± {length(along)}", f"± {length(girth)} {across}, one sigma"))
+    if figures is not None:
+        low, _, high = 1000 * figures.form
+        rows.append(
+            ("Form off the CAD model", f"{low:+.0f} to {high:+.0f} mm", f"one sigma {1000 * figures.form_sigma:.1f} mm")
+        )
+    return rows
+
+
 def path_length_m(survey: Survey) -> float:
     """Return the length of the vehicle's path to the millimetre, m: one number, which sentences and files round alike."""
     return round(float(np.linalg.norm(np.diff(survey.track.poses.translation, axis=0), axis=1).sum()), 3)

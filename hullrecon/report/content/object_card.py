@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -48,6 +49,50 @@ def card_context(found: ReportedObject, survey: Survey, crop: Crop | None) -> Ca
         "rows": rows,
         "crop": crop and crop_context(crop, found),
     }
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObjectCell:
+    """A cell of the table of objects: its text, and the number that it is sorted by, None for words."""
+
+    text: str
+    value: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObjectRows:
+    """The table of objects: headings, and a row of cells by each object's number."""
+
+    headings: Sequence[str]
+    rows: Sequence[tuple[int, Sequence[ObjectCell]]]
+
+
+def object_rows(survey: Survey) -> ObjectRows:
+    """Return the table of objects. Columns that no object has (a depth, a side) are left out."""
+    across = "Girth" if survey.is_in_hull_frame else "Across"
+    columns = [_column(found, across) for found in survey.findings.objects or ()]
+    names = [name for name in (columns[0] if columns else ()) if any(c[name].text != "–" for c in columns)]
+    objects = survey.findings.objects or ()
+    rows = [(found.id, [cells[name] for name in names]) for found, cells in zip(objects, columns, strict=True)]
+    return ObjectRows(headings=names, rows=rows)
+
+
+def _column(found: ReportedObject, across: str) -> dict[str, ObjectCell]:
+    """Return the cells of an object by their headings."""
+    return {
+        "No.": ObjectCell(text=str(found.id), value=found.id),
+        "Kind": ObjectCell(text="protrusion" if found.height >= 0 else "recess"),
+        "Height": _number(found.height, found.height_sigma, "m"),
+        "Area": ObjectCell(text=_scaled(found.area, found.area_sigma, 1e4, "cm²"), value=found.area),
+        "Along": _number(found.along, found.sigma_along, "m"),
+        across: _number(found.girth, found.sigma_girth, "m"),
+        "Depth": _number(found.depth, found.depth_sigma, "m"),
+        "False alarm": ObjectCell(text=probability(found.p_value), value=found.p_value),
+    }
+
+
+def _number(value: float | None, sigma: float | None, unit: str) -> ObjectCell:
+    return ObjectCell(text="–") if value is None else ObjectCell(text=with_sigma(value, sigma, unit), value=value)
 
 
 def _extents(found: ReportedObject) -> list[str]:

@@ -6,46 +6,38 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from hullrecon import __version__
-from hullrecon.geometry.charts.chart import Chart
-from hullrecon.geometry.charts.tangents import tangents_at
-from hullrecon.geometry.charts.viewing_side import UP, flips
+from hullrecon.geometry.charts.axis_chart import AxisChart
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.deliverables import Coverage, CoverageHole, ReportedObject
 from hullrecon.report.content.deviation import deviation_figures, deviation_rows
 from hullrecon.report.content.frame_words import frame_in_words, origin_in_words
-from hullrecon.report.content.headline import headline, weak_sentences
-from hullrecon.report.content.object_card import card_context
+from hullrecon.report.content.headline import headline, key_figures, verdict, weak_sentences
+from hullrecon.report.content.object_card import card_context, object_rows
 from hullrecon.report.content.object_images import Crop, jpeg_uri
-from hullrecon.report.content.page_data import page_data, script_json
+from hullrecon.report.content.page_data import image_id, image_uri, page_data, script_json
 from hullrecon.report.content.phrases import count, length, with_sigma
+from hullrecon.report.content.quality import quality_tables
 from hullrecon.report.content.rejected import rejected_groups, settings_rows
-from hullrecon.report.figures.chart_map import ChartedSurface, Extent, extent_of, form_png, ground_png, project_surface
-from hullrecon.report.figures.plan_view import Mark, Plan, SigmaEllipse, plan_svg, sigma_ellipse
+from hullrecon.report.figures.chart_map import form_png, ground_png
+from hullrecon.report.figures.plan_view import Mark, Plan, SigmaEllipse, plan_svg
+from hullrecon.report.figures.ship_view import ship_svg
 from hullrecon.report.figures.style import Plot
+from hullrecon.report.figures.survey_map import ChartView, chart_view, object_ellipses, survey_layers
+from hullrecon.report.scene.scene_data import BLOCK, make_scene
 from hullrecon.report.survey import Mosaic, Survey
 from hullrecon.typing import Array, Pixels
 
 PageContext = Mapping[str, object]
 SECTIONS = (
-    ("plan", "Plan of the dive"), ("view", "The hull in 3-D"), ("objects", "Objects on the hull"), ("deviation", "Deviation from the CAD model"),
-    ("mosaics", "Mosaics"), ("coverage", "Coverage"), ("position", "Position uncertainty"), ("navigation", "Navigation"),
-    ("solution", "Adjustment quality"), ("rejected", "Rejected data and warnings"), ("record", "Record"),
+    ("plan", "Map of the hull"), ("view", "The hull in 3-D"), ("objects", "Objects on the hull"),
+    ("deviation", "Deviation from the CAD model"), ("mosaics", "Mosaics"), ("coverage", "Coverage"),
+    ("position", "Position uncertainty"), ("quality", "Quality of the data"), ("rejected", "Rejected data and warnings"),
+    ("record", "Record"), ("appendix", "Appendix: plots"),
 )  # fmt: skip
-
-
-@dataclass(frozen=True, kw_only=True)
-class ChartView:
-    """What is shown on the chart: its extent, the vehicle's path (n, 2), the objects (k, 2) and the surface as found."""
-
-    chart: Chart
-    extent: Extent
-    path: Array
-    objects: Array
-    found: ChartedSurface | None
 
 
 def page_context(
@@ -53,11 +45,19 @@ def page_context(
 ) -> PageContext:
     """Return the template's variables; deliverables: entries with bytes and sha256 by name; photos: of the objects."""
     view = chart_view(survey)
+    layers = survey_layers(survey, view) if view else []
+    ellipses = object_ellipses(survey.findings.objects or (), view.chart) if view else []
     dive = survey.facts.dive
     coverage = survey.findings.coverage
     figures = deviation_figures(survey)
-    data = page_data(survey)
-    absent = {name for name, has in (("deviation", survey.is_in_hull_frame), ("view", data["scene"])) if not has}
+    scene = make_scene(survey, view)
+    data = {**page_data(survey, view, layers, ellipses), "scene": scene and scene.document}
+    quality, mosaics = quality_tables(survey), survey.mosaics.named()
+    has = {
+        "deviation": survey.is_in_hull_frame, "view": data["scene"], "mosaics": mosaics, "coverage": coverage_rows(coverage),
+        "appendix": plots, "plan": view is not None, "objects": survey.findings.objects is not None, "quality": quality,
+    }  # fmt: skip
+    absent = {name for name, there in has.items() if not there}
     sections = [(name, title) for name, title in SECTIONS if name not in absent]
     return {
         "sections": sections,
@@ -69,16 +69,25 @@ def page_context(
         "place": place_words(survey),
         "survey": survey,
         "title": f"Hull survey: {dive.name}",
+        "about": survey.facts.about,
+        "logo": png_uri(survey.facts.about.logo) if survey.facts.about.logo else None,
+        "ship": draw_ship(survey),
+        "verdict": verdict(survey),
+        "figures": key_figures(survey),
+        "quality": {table.name: table for table in quality},
+        "layers": [(image_id(layer), image_uri(layer)) for layer in layers] + ([(BLOCK, scene.block)] if scene else []),
+        "table": object_rows(survey),
+        "address_of": {o.id: o.address for o in survey.findings.objects or ()},
         "date": dive.date.strftime("%d %B %Y, %H:%M UTC") if dive.date else "",
         "lines": headline(survey),
         "weak": weak_sentences(survey),
         "plan": draw_plan(survey, view) if view else None,
         "deviation_map": deviation_map(survey, view) if view else None,
-        "mosaics": [mosaic_context(name, m) for name, m in survey.mosaics.named().items()],
+        "mosaics": [mosaic_context(name, m) for name, m in mosaics.items()],
         "cards": [card_context(o, survey, photos.get(o.id)) for o in survey.findings.objects or ()],
         "coverage": coverage_rows(coverage),
         "min_hole": f"{coverage.min_hole_m2:g} m²" if coverage is not None else "",
-        "gaps": any(m.facts.gap_area_m2 > 0 for m in survey.mosaics.named().values()),
+        "gaps": any(m.facts.gap_area_m2 > 0 for m in mosaics.values()),
         "holes": [hole_text(hole) for hole in coverage.holes] if coverage is not None else [],
         "plots": {p.name: {"title": p.title, "alt": p.alt, "src": png_uri(p.png), "csv": f"plots/{p.name}.csv"} for p in plots},
         "rejected": rejected_groups(survey),
@@ -92,28 +101,19 @@ def page_context(
     }
 
 
+def draw_ship(survey: Survey) -> tuple[str, str] | None:
+    """Return the ship with the surveyed patch on it as SVG, and which side it shows; None without a CAD model or where nothing
+    of it was seen."""
+    chart, surface = survey.surfaces.chart, survey.surfaces.as_found or survey.surfaces.surveyed
+    if not isinstance(chart, AxisChart) or surface is None or not survey.is_in_hull_frame:
+        return None
+    seen = surface.faces[(surface.support[surface.faces] > 0).all(axis=1)]
+    return ship_svg(chart.mesh, Mesh(surface.vertices @ chart.axes.T, seen)) if len(seen) else None
+
+
 def png_uri(png: bytes) -> str:
     """Return a PNG as a data URI."""
     return "data:image/png;base64," + b64encode(png).decode()
-
-
-def chart_view(survey: Survey) -> ChartView | None:
-    """Return what is shown on the chart; None without a chart, or when nothing of the dive lies on it."""
-    chart = survey.surfaces.chart
-    if chart is None:
-        return None
-    path = chart.to_chart(survey.track.poses.translation)[:, :2]
-    centers = np.array([o.center for o in survey.findings.objects or ()], float).reshape(-1, 3)
-    objects = chart.to_chart(centers)[:, :2] if len(centers) else np.zeros((0, 2))
-    surface = survey.surfaces.as_found if survey.surfaces.as_found is not None else survey.surfaces.surveyed
-    found = project_surface(surface, chart) if surface is not None else None
-    seen = found.at[found.surface.support > 0] if found is not None else np.zeros((0, 2))
-    corners = np.vstack([path, objects, seen])
-    if not np.isfinite(corners).all(axis=1).any():
-        return None
-    outside = survey.surfaces.outside
-    extent = extent_of(corners, outside.flips if outside is not None else flips(chart, path, UP[survey.track.frame]))
-    return ChartView(chart=chart, extent=extent, path=path, objects=objects, found=found)
 
 
 def draw_plan(survey: Survey, view: ChartView) -> str:
@@ -133,18 +133,6 @@ def draw_plan(survey: Survey, view: ChartView) -> str:
         frame_spacing_m=survey.facts.hull.frame_spacing if survey.facts.hull else None,
     )
     return plan_svg(plan, title)
-
-
-def object_ellipses(objects: Sequence[ReportedObject], chart: Chart) -> list[SigmaEllipse | None]:
-    """Return the one-sigma ellipse of each object's own place on the chart; None where its covariance is not known."""
-    if not objects:
-        return []
-    tangents = np.stack(tangents_at(chart, np.array([o.center for o in objects], float)), axis=1)
-    out: list[SigmaEllipse | None] = []
-    for found, axes in zip(objects, tangents, strict=True):
-        known = found.position_covariance is not None and np.isfinite(axes).all()
-        out.append(sigma_ellipse(axes @ np.array(found.position_covariance) @ axes.T) if known else None)
-    return out
 
 
 def mark_of(found: ReportedObject, at: Array, ellipse: SigmaEllipse | None) -> Mark:

@@ -93,30 +93,6 @@ def ground_png(found: ChartedSurface, extent: Extent, width_px: int = 1400) -> b
     return png_bytes(figure, transparent=True)
 
 
-def form_png(found: ChartedSurface, split: DeviationSplit, extent: Extent, marks: list[tuple[str, float, float]]) -> bytes:
-    """Return maps of the form of the seen faces in millimetres, blue inward, red outward, and below it of its sigma; marks:
-    labels at along, girth. The colours span what the bare hull does; structures are beyond their ends."""
-    width, height = extent.size
-    figure, axes = new_figure(7.6, 2 * min(5.0, max(1.8, 6.0 * height / width + 0.6)), rows=2)
-    weight = np.where(np.isfinite(split.form), vertex_areas(found.surface.mesh()), 0.0)
-    form, sigma = 1000 * np.nan_to_num(split.form), 1000 * np.nan_to_num(split.form_sigma)
-    if weight.sum() > 0:
-        typical = float(weighted_percentiles(np.abs(form), weight, (50,))[0])
-        top, most = max(5.0, 5 * typical), max(2.0, float(weighted_percentiles(sigma, weight, (95,))[0]))
-        name = "form (mm)"
-        _draw_field(axes[0], found, form, Shading(colours="RdBu_r", low=-top, high=top, label=name, extend="both"))
-        _draw_field(
-            axes[1], found, sigma, Shading(colours="viridis", low=0, high=most, label=f"one sigma of the {name}", extend="max")
-        )
-    for axis in axes:
-        axis.set(xlim=extent.limits[0], ylim=extent.limits[1], aspect="equal", xlabel="along (m)", ylabel="girth (m)")
-    for text, along, girth in marks:
-        axes[0].annotate(
-            text, (along, girth), fontsize=8, ha="center", va="center", bbox={"boxstyle": "circle", "fc": "white", "lw": 0.8}
-        )
-    return png_bytes(figure)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Shading:
     """How values are coloured: the colours' name, the values at their ends, the legend, and which end goes on."""
@@ -126,6 +102,38 @@ class Shading:
     high: float
     label: str
     extend: str
+
+
+def form_shadings(found: ChartedSurface, split: DeviationSplit) -> tuple[Shading, Shading] | None:
+    """Return how the form of the deviation (mm) and its sigma (mm) are coloured; None where nothing was seen. The bare hull
+    sets the ends: five times the median, since it is most of the area; structures are beyond them."""
+    weight = np.where(np.isfinite(split.form), vertex_areas(found.surface.mesh()), 0.0)
+    if not weight.sum() > 0:
+        return None
+    form, sigma = 1000 * np.nan_to_num(split.form), 1000 * np.nan_to_num(split.form_sigma)
+    top = max(5.0, 5 * float(weighted_percentiles(np.abs(form), weight, (50,))[0]))
+    most = max(2.0, float(weighted_percentiles(sigma, weight, (95,))[0]))
+    return (
+        Shading(colours="RdBu_r", low=-top, high=top, label="form (mm)", extend="both"),
+        Shading(colours="viridis", low=0, high=most, label="one sigma of the form (mm)", extend="max"),
+    )
+
+
+def form_png(found: ChartedSurface, split: DeviationSplit, extent: Extent, marks: list[tuple[str, float, float]]) -> bytes:
+    """Return maps of the form of the seen faces in millimetres, blue inward, red outward, and below it of its sigma; marks:
+    labels at along, girth."""
+    width, height = extent.size
+    figure, axes = new_figure(7.6, 2 * min(5.0, max(1.8, 6.0 * height / width + 0.6)), rows=2)
+    fields = (1000 * np.nan_to_num(split.form), 1000 * np.nan_to_num(split.form_sigma))
+    for axis, values, shading in zip(axes, fields, form_shadings(found, split) or (), strict=False):
+        _draw_field(axis, found, values, shading)
+    for axis in axes:
+        axis.set(xlim=extent.limits[0], ylim=extent.limits[1], aspect="equal", xlabel="along (m)", ylabel="girth (m)")
+    for text, along, girth in marks:
+        axes[0].annotate(
+            text, (along, girth), fontsize=8, ha="center", va="center", bbox={"boxstyle": "circle", "fc": "white", "lw": 0.8}
+        )
+    return png_bytes(figure)
 
 
 def _draw_field(axis: Axes, found: ChartedSurface, values: Array, shading: Shading) -> None:

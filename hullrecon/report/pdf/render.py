@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import io
 import logging
+import re
 from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout
 from importlib import resources
@@ -13,7 +14,7 @@ from pathlib import Path
 
 PDF = "report/report.pdf"  # in deliver/
 _FONT = "font:"  # scheme of the fonts named in print.css
-_PLAN_STYLE = "/* Plan of the dive */"  # before the rules of the plan in print.css
+_PLAN_STYLE = "/* Pictures */"  # before the rules of plan and ship in print.css
 
 
 def why_no_pdf() -> str | None:
@@ -52,13 +53,24 @@ def render_html(context: Mapping[str, object]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    cards, plan = context["cards"], context["plan"]
+    cards = context["cards"]
     style, _, plan_style = style.partition(_PLAN_STYLE)  # rules of the page do not reach into a picture
+    sections = [section for section in context["sections"] if section[0] != "view"]  # type: ignore[attr-defined]
     more = {
-        "plan": plan and str(plan).replace("</title>", f"</title><style>{plan_style}</style>", 1),
+        "sections": sections,
+        "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
+        "plan": _styled(context["plan"], plan_style),
+        "ship": _styled(context["ship"], plan_style),
         "columns": _columns(cards) if isinstance(cards, Sequence) else [],
     }
     return environment.get_template("print.html").render({**context, **more}, style=style, dict=dict)
+
+
+def _styled(picture: object, style: str) -> str | None:
+    """Return an SVG with rules of its own."""
+    return (
+        None if picture is None else re.sub(r"(<svg[^>]*>)", lambda m: f"{m[1]}<style>{style}</style>", str(picture), count=1)
+    )
 
 
 def _columns(cards: Sequence[Mapping[str, Sequence[tuple[str, str]]]]) -> list[str]:

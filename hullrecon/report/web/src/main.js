@@ -21,7 +21,7 @@ function start() {
   const map = data.map && mountMap(document.getElementById("map"), data, cards);
   mountTable(document.getElementById("object-table"), map, cards);
   const scene = document.getElementById("scene");
-  if (scene && data.scene) mountScene(scene, data);
+  if (scene && data.scene) mountScene(scene, data, cards);
 }
 
 start();

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
 
+const order = new Intl.Collator("en", { numeric: true });
+
 /** Makes the table of objects sortable by its headings and filterable by a text; rows lead to map and card. */
 export function mountTable(table, map, cards) {
   if (!table) return;
@@ -15,7 +17,9 @@ export function mountTable(table, map, cards) {
   function sort(column, descending) {
     const sign = descending ? -1 : 1;
     rows.sort((a, b) => sign * compare(a.keys[column], b.keys[column]));
-    body.append(...rows.map((entry) => entry.row)); // moves them all at once
+    const sorted = document.createDocumentFragment(); // all rows move at once: one layout, however many there are
+    sorted.append(...rows.map((entry) => entry.row));
+    body.append(sorted);
     headings.forEach((heading, k) => {
       if (k === column) heading.setAttribute("aria-sort", descending ? "descending" : "ascending");
       else heading.removeAttribute("aria-sort");
@@ -50,5 +54,5 @@ export function mountTable(table, map, cards) {
 
 function compare(a, b) {
   if (typeof a === "number" && typeof b === "number") return Number.isNaN(a) - Number.isNaN(b) || a - b;
-  return String(a).localeCompare(String(b), "en", { numeric: true });
+  return order.compare(a, b);
 }

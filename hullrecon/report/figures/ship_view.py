@@ -1,0 +1,140 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The ship as its CAD model has it, seen from the side or from below, with the surveyed patch on it, as SVG."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from dataclasses import dataclass
+from html import escape
+from io import BytesIO
+
+import numpy as np
+
+from hullrecon.geometry.meshes.mesh import Mesh, face_areas, face_normals
+from hullrecon.report.figures.plan_view import nice_below
+from hullrecon.report.figures.style import png_bytes
+from hullrecon.typing import Array
+
+WIDTH, MARGIN, FOOT = 1000.0, 26.0, 26.0
+LEAST_FRAME = 26.0  # of the rectangle around the patch: a small one on a long ship is found all the same
+STEEL, PATCH = np.array([0.50, 0.58, 0.66]), np.array([0.88, 0.42, 0.10])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Side:
+    """A way to look at a ship whose axes are forward, port, up. right, up (3,): of the picture; words: where the viewer is."""
+
+    right: Array
+    up: Array
+    words: str
+
+    @property
+    def toward(self) -> Array:
+        """Return the direction (3,) from the ship to the viewer."""
+        return np.cross(self.right, self.up)
+
+    def project(self, points: Array) -> Array:
+        """Return places on the picture (..., 2), metres, of points (..., 3)."""
+        return np.asarray(points @ np.stack([self.right, self.up], axis=1))
+
+    @property
+    def bow_is_left(self) -> bool:
+        """Return whether the bow lies on the left."""
+        return bool(self.right[0] < 0)
+
+
+PORT = Side(right=np.array([-1.0, 0, 0]), up=np.array([0, 0, 1.0]), words="port side")
+STARBOARD = Side(right=np.array([1.0, 0, 0]), up=np.array([0, 0, 1.0]), words="starboard side")
+BELOW = Side(right=np.array([1.0, 0, 0]), up=np.array([0, -1.0, 0]), words="bottom, seen from below, starboard on top")
+
+
+def facing_side(patch: Mesh) -> Side:
+    """Return the side from which most of a patch is seen; patch: in axes forward, port, up."""
+    area = face_areas(patch) @ face_normals(patch)
+    if -area[2] > abs(area[1]):
+        return BELOW
+    return PORT if area[1] > 0 else STARBOARD
+
+
+def ship_svg(ship: Mesh, patch: Mesh) -> tuple[str, str]:
+    """Return the picture, and in words which side it shows; ship, patch: in axes forward, port, up, metres."""
+    side = facing_side(patch)
+    at = side.project(ship.vertices)
+    low, high = at.min(axis=0), at.max(axis=0)
+    scale = (WIDTH - 2 * MARGIN) / (high[0] - low[0])
+    height = scale * (high[1] - low[1])
+    text = (
+        f"The ship from its CAD model, {side.words}; the surveyed patch is in colour. "
+        f"The bow is on the {'left' if side.bow_is_left else 'right'}."
+    )
+    picture = b64encode(_render(ship, patch, side, (low, high))).decode()
+    box = f'x="{MARGIN}" y="{MARGIN}" width="{WIDTH - 2 * MARGIN:.1f}" height="{height:.1f}"'
+    svg = (
+        f'<svg class="ship" viewBox="0 0 {WIDTH:.0f} {height + 2 * MARGIN + FOOT:.0f}" role="img" '
+        f'aria-label="{escape(text, quote=True)}" xmlns="http://www.w3.org/2000/svg"><title>{escape(text)}</title>'
+        f'<image {box} preserveAspectRatio="none" href="data:image/png;base64,{picture}"/>'
+        f"{_frame(side.project(patch.vertices[np.unique(patch.faces)]), low, scale, height)}{_foot(side, scale, height)}</svg>"
+    )
+    return svg, side.words
+
+
+def _frame(patch: Array, low: Array, scale: float, height: float) -> str:
+    """Return a rectangle around the patch, which is given as places (n, 2) on the picture."""
+    (x0, y0), (x1, y1) = (patch.min(axis=0) - low) * scale, (patch.max(axis=0) - low) * scale
+    x, y = MARGIN + (x0 + x1) / 2, MARGIN + height - (y0 + y1) / 2
+    w, h = (max(LEAST_FRAME, span + 12) for span in (x1 - x0, y1 - y0))
+    return f'<rect class="patch" x="{x - w / 2:.1f}" y="{y - h / 2:.1f}" width="{w:.1f}" height="{h:.1f}"/>'
+
+
+def _foot(side: Side, scale: float, height: float) -> str:
+    """Return bow, stern and between them a scale bar, below the ship."""
+    y = 2 * MARGIN + height + 8
+    left, right = ("bow", "stern") if side.bow_is_left else ("stern", "bow")
+    metres = nice_below(0.25 * WIDTH / scale)
+    bar, middle = metres * scale, WIDTH / 2
+    return (
+        f'<text x="{MARGIN:.0f}" y="{y:.1f}">{left}</text>'
+        f'<text x="{WIDTH - MARGIN:.0f}" y="{y:.1f}" class="end">{right}</text>'
+        f'<path class="bar" d="M{middle - bar / 2:.1f} {y - 10:.1f}v10m0 -5h{bar:.1f}m0 -5v10"/>'
+        f'<text x="{middle + bar / 2 + 8:.1f}" y="{y:.1f}">{metres:g} m</text>'
+    )
+
+
+def _render(ship: Mesh, patch: Mesh, side: Side, bounds: tuple[Array, Array]) -> bytes:
+    """Return the shaded ship with the patch as PNG, transparent around it; it fills the bounds (2,), (2,) of the picture."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.figure import Figure
+
+    low, high = bounds
+    wide, tall = high - low
+    figure = Figure(figsize=(16, max(16 * tall / wide, 0.4)), dpi=200, frameon=False)
+    axis = figure.add_axes((0, 0, 1, 1))
+    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axis.axis("off")
+    for mesh, tint in ((ship, STEEL), (patch, PATCH)):
+        corners, colours = _shaded_faces(mesh, side, tint)
+        axis.add_collection(PolyCollection(list(corners), facecolors=colours, antialiaseds=False))
+    return _halved(png_bytes(figure, transparent=True))
+
+
+def _halved(png: bytes) -> bytes:
+    """Return a picture of half the size: faces drawn without smoothing leave no seams, and this smooths their outline."""
+    from PIL import Image
+
+    buffer = BytesIO()
+    with Image.open(BytesIO(png)) as picture:
+        picture.reduce(2).save(buffer, format="PNG", optimize=True)
+    return buffer.getvalue()
+
+
+def _shaded_faces(mesh: Mesh, side: Side, tint: Array) -> tuple[Array, Array]:
+    """Return the faces that the viewer sees, farthest first (m, 3, 2), and their colours (m, 3)."""
+    normal = face_normals(mesh)
+    facing = normal @ side.toward
+    depth = mesh.vertices[mesh.faces].mean(axis=1) @ side.toward
+    shown = np.flatnonzero(facing > 0)
+    shown = shown[np.argsort(depth[shown], kind="stable")]
+    light = 0.55 * side.toward + 0.75 * side.up + 0.25 * side.right
+    shade = 0.62 + 0.38 * np.clip(normal[shown] @ light / np.linalg.norm(light), 0, 1)
+    return side.project(mesh.vertices[mesh.faces[shown]]), np.clip(shade[:, None] * tint * 1.12, 0, 1)
