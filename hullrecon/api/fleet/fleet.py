@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
+from hullrecon.api.fleet.index_page import FleetIndex
 from hullrecon.api.fleet.outcome import FleetDive, FleetResult, State
 from hullrecon.api.fleet.plan import PlannedDive, packages_for, plan_fleet, result_signature
 from hullrecon.api.fleet.processes import Ended, run_each
@@ -51,10 +52,22 @@ def run_fleet(
                 _note(dive, done[dive.package], records, out, on_failure)
         log.info("%d of %d dives to run", len(to_do), len(planned))
         commands = {package: _command(dive, out, scheduler) for package, dive in to_do.items()}
-        with closing(run_each(commands, jobs, out / FOLDER)) as ended:
-            for package, end in (progress or Silent()).track(ended, "dives", len(commands)):
-                done[package] = _outcome(to_do[package], end, out)
-                _note(to_do[package], done[package], records, out, on_failure)
+        index, running = FleetIndex(out), set[Path]()
+
+        def start(package: Path) -> None:
+            running.add(package)
+            index.write(done.values(), running)
+
+        try:
+            with closing(run_each(commands, jobs, out / FOLDER, on_start=start)) as ended:
+                for package, end in (progress or Silent()).track(ended, "dives", len(commands)):
+                    running.remove(package)
+                    done[package] = _outcome(to_do[package], end, out)
+                    _note(to_do[package], done[package], records, out, on_failure)
+                    index.forget(to_do[package].name)
+                    index.write(done.values(), running)
+        finally:
+            index.write(done.values())
     return FleetResult(dives_folder=here, runs=out, dives=tuple(done.values()), skipped=tuple(skipped))
 
 

@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 from collections import deque
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -49,16 +49,21 @@ class _Running(Generic[Key]):
     started: float
 
 
-def run_each(commands: Mapping[Key, Sequence[str]], jobs: int, scratch: Path) -> Generator[tuple[Key, Ended], None, None]:
+def run_each(
+    commands: Mapping[Key, Sequence[str]], jobs: int, scratch: Path, on_start: Callable[[Key], None] | None = None
+) -> Generator[tuple[Key, Ended], None, None]:
     """Run hullrecon with each of these arguments, `jobs` at a time, and yield how each ended, as they end.
 
-    When the generator is closed, what still runs is ended with SIGTERM. scratch: folder for what the commands print.
+    When the generator is closed, what still runs is ended with SIGTERM. scratch: folder for what the commands print. on_start:
+    called with each command that was started.
     """
     waiting, running = deque(commands.items()), list[_Running[Key]]()
     try:
         while waiting or running:
             while waiting and len(running) < jobs:
                 running.append(_start(*waiting.popleft(), scratch))
+                if on_start is not None:
+                    on_start(running[-1].key)
             ended = [r for r in running if r.process.poll() is not None]
             for r in ended:
                 running.remove(r)
