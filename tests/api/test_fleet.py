@@ -348,3 +348,14 @@ def test_a_killed_fleet_leaves_no_process_and_the_next_call_does_the_rest(
     assert (result.exit_code, result.count("delivered", "up to date")) == (0, 4)
     assert set(ran(trace)) >= {"b", "c", "d"}
     assert states(run_fleet(dives, runs)) == dict.fromkeys("abcd", "up to date")
+
+
+def test_the_index_names_every_dive_while_they_run_and_at_the_end(dives: Path, runs: Path, dive: Dive) -> None:
+    dive("a")
+    dive("b", "fail")
+    seen: list[str] = []
+    run_fleet(dives, runs, on_failure=lambda _: seen.append((runs / "index.html").read_text()))
+    assert "1 running" in seen[0]
+    after = (runs / "index.html").read_text()
+    assert "2 dives: 1 failed, 1 done" in after
+    assert "too few" in after
