@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from browser.chromium import Visit, browser, visit
 from end_to_end.shell import SAMPLE
 from playwright.sync_api import Browser
 
+from benchmarks.chromium import Visit, browser, visit
 from benchmarks.page import crowded_report
 
 OBJECTS = 500

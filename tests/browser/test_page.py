@@ -9,9 +9,10 @@ from urllib.parse import urlsplit
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from browser.chromium import NARROW, WIDE, Visit, visit
 from browser.conftest import OBJECTS
 from playwright.sync_api import Browser
+
+from benchmarks.chromium import NARROW, WIDE, Visit, visit
 
 pytestmark = pytest.mark.slow
 HEAVIEST = 60_000_000

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser.chromium import Visit, visit
 from PIL import Image
 from playwright.sync_api import Browser, Locator
 from scipy import ndimage
+
+from benchmarks.chromium import Visit, visit
 
 pytestmark = pytest.mark.slow
 NUMBER = (200, 84, 27)  # the colour of objects

@@ -28,13 +28,13 @@ def relief_of(points: Array, form: Array) -> Array:
         spacing *= np.sqrt(2.0)
         samples = _thin(points, spacing)
     radius = RADIUS_M * spacing / SPACING_M
-    at, values = points[samples], form[samples]
+    at, samples_form = points[samples], form[samples]
     tree = cKDTree(at)
     neighbours = tree.query_ball_point(at, radius, return_sorted=True)
-    medians = np.array([np.median(values[near]) for near in neighbours])
+    medians = np.array([np.median(samples_form[near]) for near in neighbours])
     smooth = np.array([medians[near].mean() for near in tree.query_ball_point(at, radius / 2, return_sorted=True)])
     distance, nearest = tree.query(points, k=min(4, len(at)))
-    distance, nearest = distance.reshape(len(points), -1), np.asarray(nearest).reshape(len(points), -1)
+    distance, nearest = (np.reshape(values, (len(points), -1)) for values in (distance, nearest))
     weight = 1.0 / (distance + 0.25 * spacing) ** 2
     return np.asarray((smooth[nearest] * weight).sum(axis=1) / weight.sum(axis=1))
 
