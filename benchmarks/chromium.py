@@ -18,7 +18,6 @@ FLAGS = (
 )  # fmt: skip
 WIDE, NARROW = (1280, 900), (390, 844)
 PATIENCE_MS = 120_000
-MOST_PICTURES = 100
 
 
 class NoBrowserError(RuntimeError):
@@ -80,17 +79,6 @@ class Visit:
         scene.scroll_into_view_if_needed()
         self.page.wait_for_selector("#scene[data-state]")
         return scene
-
-    def settled(self, element: Locator) -> bytes:
-        """Return a picture of an element (PNG) that has stopped changing."""
-        last = b""
-        for _ in range(MOST_PICTURES):
-            picture = element.screenshot()
-            if picture == last:
-                return picture
-            last = picture
-            self.page.wait_for_timeout(150)
-        raise AssertionError("the page does not come to rest")
 
 
 @contextmanager

@@ -4,12 +4,11 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+from browser.pictures import Picture, settled, share_changed
 from playwright.sync_api import Browser, Locator
 from scipy import ndimage
 
@@ -31,17 +30,8 @@ def scene(page: Visit) -> Locator:
     return shown.locator("canvas")
 
 
-def pixels(picture: bytes) -> np.ndarray:
-    return np.asarray(Image.open(io.BytesIO(picture)).convert("RGB")).astype(int)
-
-
-def share_changed(before: bytes, after: bytes) -> float:
-    """Return the share of pixels that another eye would call different."""
-    return float((np.abs(pixels(before) - pixels(after)).max(axis=2) > 12).mean())
-
-
 def test_the_hull_is_seen_in_colour(page: Visit, scene: Locator) -> None:
-    shown = pixels(page.settled(scene))
+    shown = settled(scene)
     saturation = shown.max(axis=2) - shown.min(axis=2)
     assert (saturation > 40).mean() > 0.05
 
@@ -51,56 +41,57 @@ def test_each_layer_can_be_taken_away(page: Visit, scene: Locator) -> None:
     names = [boxes.nth(k).get_attribute("id") for k in range(boxes.count())]
     assert names == ["scene-found", "scene-cad", "scene-ship", "scene-objects", "scene-path"]
     for name in names:
-        before = page.settled(scene)
+        before = settled(scene)
         page.page.locator(f"#{name}").click()
-        assert share_changed(before, page.settled(scene)) > 0.0005, name
+        assert share_changed(before, settled(scene)) > 0.0005, name
 
 
 def test_each_picture_can_be_laid_on_the_hull(page: Visit, scene: Locator) -> None:
     choices = page.page.locator("#scene-picture option").evaluate_all("all => all.map((one) => one.value)")
     assert {"optical", "sonar", "form", "plain"} <= set(choices)
-    seen = set()
+    seen: list[Picture] = []
     for choice in choices:
         page.page.select_option("#scene-picture", choice)
         page.page.wait_for_timeout(400)
-        seen.add(page.settled(scene))
-    assert len(seen) == len(choices)
+        now = settled(scene)
+        assert all(share_changed(now, other) > 0.005 for other in seen), choice
+        seen.append(now)
 
 
 def test_the_slider_goes_from_drawn_to_found_and_relief_is_labelled(page: Visit, scene: Locator) -> None:
     page.page.select_option("#scene-picture", "plain")
-    found = page.settled(scene)
+    found = settled(scene)
     page.page.locator("#scene-factor").fill("20")
     assert "×20" in page.page.locator(".scene-panel").inner_text()
-    relief = page.settled(scene)
+    relief = settled(scene)
     page.page.locator("#scene-shape").fill("0")
     assert "as drawn" in page.page.locator(".scene-panel").inner_text()
-    drawn = page.settled(scene)
+    drawn = settled(scene)
     assert share_changed(found, relief) > 0.01
     assert share_changed(drawn, relief) > 0.01
     assert share_changed(drawn, found) > 0.001
     page.page.locator("#scene-factor").fill("1")
-    assert share_changed(drawn, page.settled(scene)) == 0  # as drawn, there is nothing to exaggerate
+    assert share_changed(drawn, settled(scene)) == 0  # as drawn, there is nothing to exaggerate
 
 
 def test_wheel_and_keys_move_the_view_and_the_button_brings_it_back(page: Visit, scene: Locator) -> None:
-    home = page.settled(scene)
+    home = settled(scene)
     scene.hover()
     page.page.mouse.wheel(0, -400)
-    nearer = page.settled(scene)
+    nearer = settled(scene)
     assert share_changed(home, nearer) > 0.02
     scene.focus()
     for key in ("ArrowLeft", "ArrowUp", "-"):
-        before = page.settled(scene)
+        before = settled(scene)
         page.page.keyboard.press(key)
-        assert share_changed(before, page.settled(scene)) > 0.005, key
+        assert share_changed(before, settled(scene)) > 0.005, key
     page.page.locator(".scene-panel button").click()
-    assert share_changed(home, page.settled(scene)) < 0.001
+    assert share_changed(home, settled(scene)) < 0.001
 
 
 def test_a_click_on_a_number_opens_the_card_of_the_object(page: Visit, scene: Locator) -> None:
     page.page.locator("#scene-picture").select_option("plain")
-    shown = pixels(page.settled(scene))
+    shown = settled(scene)
     parts, _ = ndimage.label(np.abs(shown - NUMBER).max(axis=2) < 12)
     sizes = np.bincount(parts.ravel())
     sizes[0] = 0
@@ -113,12 +104,12 @@ def test_a_click_on_a_number_opens_the_card_of_the_object(page: Visit, scene: Lo
 
 def test_the_scale_bar_has_a_round_length_and_grows_as_one_comes_closer(page: Visit, scene: Locator) -> None:
     bar = page.page.locator(".scene-bar")
-    page.settled(scene)
+    settled(scene)
     first = bar.inner_text().strip()
     assert first.split()[0].rstrip("0").rstrip(".") in {"1", "2", "5"}
     for _ in range(8):
         scene.press("+")
-    page.settled(scene)
+    settled(scene)
     assert bar.inner_text().strip() != first
 
 

@@ -4,26 +4,28 @@
 
 from __future__ import annotations
 
+import json
 from base64 import b64decode
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from hullrecon.report.figures.survey_map import chart_view
 from hullrecon.report.scene import parts
 from hullrecon.report.scene.parts import scene_parts
 from hullrecon.report.scene.relief import relief_of
-from hullrecon.report.scene.scene_data import Scene, make_scene
+from hullrecon.report.scene.scene_data import SceneView, make_scene
 from hullrecon.report.survey import Survey
 
 
-def scene_of(survey: Survey) -> Scene:
+def scene_of(survey: Survey) -> SceneView:
     scene = make_scene(survey, chart_view(survey))
     assert scene is not None
     return scene
 
 
-def arrays(scene: Scene, name: str) -> dict[str, np.ndarray]:
+def arrays(scene: SceneView, name: str) -> dict[str, np.ndarray]:
     """The arrays of a part as the script reads them."""
     part, raw = scene.document[name], b64decode(scene.block)
     n, m = part["count"], part["triangles"]  # type: ignore[index]
@@ -133,3 +135,25 @@ def test_a_large_mesh_is_thinned_keeps_its_shape_and_gives_the_same_bytes() -> N
     assert again is not None
     np.testing.assert_array_equal(thin.vertices, again.vertices)
     np.testing.assert_array_equal(thin.faces, again.faces)
+
+
+def test_a_long_path_is_thinned_and_small_objects_keep_their_outline(survey: Survey, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("hullrecon.report.scene.scene_data.MAX_PATH", 2)
+    document = scene_of(survey).document
+    assert len(document["path"]) == 2  # type: ignore[arg-type]
+    outline = document["objects"][0]["outline"]  # type: ignore[index]
+    np.testing.assert_allclose(outline, (survey.findings.objects or ())[0].outline, atol=1e-4)
+
+
+def test_the_document_is_json_without_a_nan_and_each_array_begins_at_a_multiple_of_four(survey: Survey) -> None:
+    document = scene_of(survey).document
+    assert json.loads(json.dumps(document, allow_nan=False))["block"] == "scene-block"
+    for part in (document["surveyed"], document["rest"]):
+        starts = [part[name] for name in ("vertices", "form", "relief", "normals", "map", "faces")]  # type: ignore[index]
+        assert starts == sorted(starts)
+        assert all(start % 4 == 0 for start in starts)
+
+
+def test_a_form_of_nothing_has_no_relief() -> None:
+    assert (relief_of(np.zeros((4, 3)), np.zeros(4)) == 0).all()
+    assert relief_of(np.zeros((0, 3)), np.zeros(0)).shape == (0,)

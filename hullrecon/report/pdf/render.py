@@ -15,6 +15,7 @@ from typing import TypedDict, cast
 
 PDF = "report/report.pdf"  # in deliver/
 _FONT = "font:"  # scheme of the fonts named in print.css
+MAX_CARDS = 40  # of more objects there is a photo with a line; all numbers stand in the annex
 _PICTURES = "/* Pictures */"  # before the rules of plan and ship in print.css
 
 
@@ -76,6 +77,7 @@ def render_html(context: Mapping[str, object]) -> str:
         "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
         "plan": plan and _with_style(plan, pictures),
         "ship": ship and (_with_style(ship[0], pictures), ship[1]),
+        "compact": len(shown["cards"]) > MAX_CARDS,
         "columns": list(dict.fromkeys(name for card in shown["cards"] for name, _ in card["rows"])),
     }
     return environment.get_template("print.html").render({**context, **more}, style=style, dict=dict)

@@ -31,14 +31,14 @@ _STEPS = 65535
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scene:
+class SceneView:
     """The 3-D view: its document, and the block of arrays as base64."""
 
     document: SceneDocument
     block: str
 
 
-def make_scene(survey: Survey, view: ChartView | None) -> Scene | None:
+def make_scene(survey: Survey, view: ChartView | None) -> SceneView | None:
     """Return the 3-D view of a survey; None where there is no surface. view: what the page's map shows of the chart."""
     surveyed, rest = scene_parts(survey.surfaces)
     if surveyed is None or view is None:
@@ -58,7 +58,7 @@ def make_scene(survey: Survey, view: ChartView | None) -> Scene | None:
         "path": _rounded(survey.track.poses.translation[:: max(1, -(-len(survey.track.t_ns) // MAX_PATH))]),
         "objects": [_object(found) for found in survey.findings.objects or ()],
     }
-    return Scene(document=document, block=b64encode(bytes(block)).decode())
+    return SceneView(document=document, block=b64encode(bytes(block)).decode())
 
 
 def _pack(part: ScenePart, outside: OutsideMap, block: bytearray) -> SceneDocument:
