@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/images/report.png, the README's picture of a report, with a headless Chromium:
+"""Makes docs/images/report.png and report_phone.png, the README's pictures of a report, with a headless Chromium:
 
 hullrecon run sample_data/demo --runs RUNS
 python docs/figures/report_screenshot.py RUNS/demo/deliver/report/index.html
@@ -17,13 +17,13 @@ from pathlib import Path
 
 from PIL import Image
 
-TARGET = Path(__file__).resolve().parents[1] / "images" / "report.png"
-WIDTH, HEIGHT = 1280, 2140  # headline, plan of the dive and the first row of objects
+IMAGES = Path(__file__).resolve().parents[1] / "images"
+SIZES = {"report.png": (1280, 2330), "report_phone.png": (390, 2180)}  # summary and map; the second on a phone
 COLOURS = 256
 
 
 def main() -> int:
-    """Write the picture; return 1 where no browser is installed."""
+    """Write the pictures; return 1 where no browser is installed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("page", type=Path, help="report/index.html of a run")
     page = parser.parse_args().page.resolve()
@@ -31,15 +31,23 @@ def main() -> int:
     if browser is None:
         print("no Chromium was found", file=sys.stderr)
         return 1
+    for name, size in SIZES.items():
+        take_picture(browser, page, size, IMAGES / name)
+        print(f"{IMAGES / name}: {(IMAGES / name).stat().st_size / 1e3:.0f} kB")
+    return 0
+
+
+def take_picture(browser: str, page: Path, size: tuple[int, int], target: Path) -> None:
+    """Write a picture of the top of a page at that window size, with few colours."""
     with tempfile.TemporaryDirectory() as folder:
         shot = Path(folder) / "shot.png"
-        flags = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--window-size={WIDTH},{HEIGHT}"]
-        subprocess.run([browser, *flags, f"--screenshot={shot}", page.as_uri()], check=True, capture_output=True)
+        flags = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--user-data-dir={folder}/profile"]
+        flags += ["--no-first-run", "--disable-background-networking", "--virtual-time-budget=5000"]
+        command = [browser, *flags, f"--window-size={size[0]},{size[1]}", f"--screenshot={shot}", page.as_uri()]
+        subprocess.run(command, check=True, capture_output=True)
         with Image.open(shot) as picture:
-            TARGET.parent.mkdir(exist_ok=True)
-            picture.convert("RGB").quantize(COLOURS, kmeans=4).save(TARGET, optimize=True)
-    print(f"{TARGET}: {TARGET.stat().st_size / 1e3:.0f} kB")
-    return 0
+            target.parent.mkdir(exist_ok=True)
+            picture.convert("RGB").quantize(COLOURS, kmeans=4).save(target, optimize=True)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ import pytest
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.package_files import check_files, check_log, lies_inside, log_files
 from hullrecon.errors import InputError
+from hullrecon.steps.report import ReportOptions
 
 TOML = """[dive]
 name = "small"
@@ -85,6 +86,14 @@ def test_a_file_outside_is_refused_with_its_key_and_the_option_that_allows_it(pa
     assert outside(key, "") in line
     assert "--allow-outside" in line
     check_files(load_config(package), allow_outside=True)
+
+
+def test_a_logo_outside_is_refused_too(package):
+    loaded = load_config(package, {"report": ReportOptions}, ["report.logo=../other/secret.png"])
+    with pytest.raises(InputError, match=r"report\.logo names a file outside the package"):
+        check_files(loaded)
+    check_files(loaded, allow_outside=True)
+    check_files(load_config(package, {"report": ReportOptions}, ["report.logo=logos/own.png"]))
 
 
 def test_a_file_that_leaves_the_package_and_comes_back_lies_in_it(package):

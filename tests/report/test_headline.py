@@ -12,7 +12,7 @@ import pytest
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit
-from hullrecon.report.content.headline import headline, path_length_m, weak_sentences
+from hullrecon.report.content.headline import headline, key_figures, path_length_m, verdict, weak_sentences
 from hullrecon.report.export.summary import counts
 from hullrecon.report.step_documents import LogFindings, MosaicFacts
 from hullrecon.report.survey import Mosaic, Mosaics, Provenance, Survey
@@ -125,3 +125,27 @@ def test_losses_and_warnings_are_counted(survey: Survey) -> None:
 def test_a_mosaic_without_a_resolution_is_not_named(survey: Survey) -> None:
     unknown = Mosaic(facts=MosaicFacts(caption="x"), preview=b"", has_mesh=False)
     assert not any("Mosaic" in line for line in headline(replace(survey, mosaics=Mosaics(optical=unknown))))
+
+
+def test_the_verdict_says_why_nothing_was_looked_for(survey: Survey, bare: Survey) -> None:
+    assert verdict(bare) == "Objects were not looked for: no camera was carried."
+    nothing = replace(bare, provenance=Provenance())
+    assert verdict(nothing) == "Objects were not looked for: the step did not run."
+    clean = replace(survey, findings=replace(survey.findings, objects=()))
+    assert verdict(clean).startswith("No object was found that protrudes from the hull")
+    assert verdict(clean) in headline(clean)
+    assert verdict(survey) in headline(survey)
+
+
+def test_a_figure_is_given_where_it_was_measured(survey: Survey, bare: Survey) -> None:
+    assert [name for name, _, _ in key_figures(survey)] == ["Object", "Hull seen", "Position along", "Form off the CAD model"]
+    assert key_figures(bare) == []
+    blind = replace(survey, findings=replace(survey.findings, coverage=None, objects=None))
+    assert [name for name, _, _ in key_figures(blind)] == ["Position along", "Form off the CAD model"]
+
+
+def test_without_a_cad_model_the_place_is_along_and_across(survey: Survey, bare: Survey) -> None:
+    in_g = replace(bare, surfaces=replace(survey.surfaces, deviation=None))
+    ((name, value, remark),) = key_figures(in_g)
+    assert (name, remark.endswith("across, one sigma")) == ("Position along", True)
+    assert value.startswith("± ")

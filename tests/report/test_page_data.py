@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 from dataclasses import replace
@@ -109,6 +110,22 @@ def test_what_is_bundled_comes_with_its_licence_and_loads_nothing() -> None:
         assert "Redistributions in binary form must reproduce the above copyright" in text
         assert "</script" not in text.lower()
         assert not re.search(r"@import|url\((?!data:|#)|sourceMappingURL", text)
+
+
+def test_what_is_built_is_built_from_the_sources_that_lie_here() -> None:
+    hash_of = hashlib.sha256()
+    for path in [WEB / "package.json", *sorted((WEB / "src").iterdir(), key=lambda p: p.name)]:
+        hash_of.update(f"{path.relative_to(WEB).as_posix()}\n".encode() + path.read_bytes())
+    for name in ("report.js", "report.css"):
+        assert f"of sources {hash_of.hexdigest()}." in (TEMPLATES / name).read_text(), "out of date: make web"
+
+
+def test_the_script_finds_its_elements_in_the_page(survey: Survey) -> None:
+    text = render_page(page_context(survey, [], {}, {}))
+    ids = set(re.findall(r' id="([^"]+)"', re.sub(r"(?s)<script>.*?</script>", "", text)))
+    for source in (WEB / "src").glob("*.js"):
+        for wanted in re.findall(r'getElementById\("([^"$]+)"\)', source.read_text()):
+            assert wanted in ids | {"scene"}, f"{source.name} looks for #{wanted}"
 
 
 def test_the_lock_names_exact_versions_and_no_registry() -> None:

@@ -14,11 +14,12 @@ import pytest
 from PIL import Image
 
 from hullrecon.artifacts.execution.runner import run_stage
+from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.schema import Dive, DiveConfig, Logs
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.report.step_documents import SurfaceFacts
-from hullrecon.steps.report import STAGE
+from hullrecon.steps.report import STAGE, ReportOptions, files_of_package
 
 
 def save(folder: Path, name: str, record: object) -> None:
@@ -48,10 +49,11 @@ def navigated(tmp_path: Path) -> dict[str, Path]:
     return {"ingest": tmp_path / "ingest", "navigate": tmp_path / "navigate"}
 
 
-def run(inputs: dict[str, Path], out: Path) -> Path:
+def run(inputs: dict[str, Path], out: Path, options: ReportOptions | None = None) -> Path:
     config = DiveConfig(dive=Dive(name="bare"), logs=Logs(files=("logs/dive.mcap",)))
     settings = {name: getattr(config, name) for name in ("dive", "logs", "tray", "camera", "sonar", "hull")}
-    return run_stage(STAGE, settings, inputs, out, source=out.parent) / "deliver"
+    section = {} if options is None else {"report": options}
+    return run_stage(STAGE, settings | section, inputs, out, source=out.parent) / "deliver"
 
 
 def test_a_mosaic_without_a_textured_mesh_says_why(navigated: dict[str, Path], tmp_path: Path) -> None:
@@ -113,3 +115,20 @@ def test_a_machine_without_pango_delivers_the_page_and_says_why_there_is_no_pdf(
     deliver = run(navigated, tmp_path / "report")
     assert json.loads((deliver / "summary.json").read_text())["absent"]["report/report.pdf"] == "Pango is not installed"
     assert sorted(p.name for p in (deliver / "report").iterdir()) == ["index.html"]
+
+
+def test_the_page_says_what_the_package_says_of_the_inspection(navigated: dict[str, Path], tmp_path: Path) -> None:
+    Image.new("RGB", (60, 20), (10, 80, 140)).save(tmp_path / "logo.png")
+    options = ReportOptions(client="Harbour & Sons", equipment=("A50",), conclusion="Fine.\n\nLook again.", logo="logo.png")
+    page = (run(navigated, tmp_path / "report", options) / "report" / "index.html").read_text()
+    for text in ("Harbour &amp; Sons", "A50", "<p>Look again.</p>", 'class="logo" src="data:image/png;base64,'):
+        assert text in page, text
+
+
+def test_another_logo_makes_the_report_out_of_date(tmp_path: Path) -> None:
+    def files(**options: str) -> list[Path]:
+        sections = {"logs": Logs(files=("logs/dive.mcap",)), "report": ReportOptions(**options)}
+        return files_of_package(StageSettings("report", sections), tmp_path)
+
+    assert files(logo="brand/logo.png") == [Path("brand/logo.png")]
+    assert files() == []

@@ -2,18 +2,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // Builds ../templates/report.js and report.css, which the page carries inline: one script and one style, with the licences of
 // what they bundle on top, since every page that is handed on hands these on too.
-import { readFileSync, writeFileSync } from "node:fs";
+import { createHash } from "node:crypto";
+import { readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { build } from "esbuild";
 
 const BUNDLED = { leaflet: "Leaflet", three: "three.js" };
 const OUT = new URL("../templates/", import.meta.url);
+
+/** Returns a hash of package.json and all sources, by which a test tells whether the built files are those of the sources. */
+function sourcesHash() {
+  const hash = createHash("sha256");
+  for (const name of ["package.json", ...readdirSync(new URL("src/", import.meta.url)).sort().map((file) => `src/${file}`)]) {
+    hash.update(`${name}\n`).update(readFileSync(new URL(name, import.meta.url)));
+  }
+  return hash.digest("hex");
+}
 
 function licences() {
   const texts = Object.entries(BUNDLED).map(([name, title]) => {
     const { version } = JSON.parse(readFileSync(new URL(`node_modules/${name}/package.json`, import.meta.url), "utf8"));
     return `${title} ${version}\n\n${readFileSync(new URL(`node_modules/${name}/LICENSE`, import.meta.url), "utf8").trim()}`;
   });
-  return `/*! hullrecon's report page, Apache-2.0. Bundled:\n\n${texts.join("\n\n---\n\n").replaceAll("*/", "* /")}\n*/`;
+  return `/*! hullrecon's report page, Apache-2.0, of sources ${sourcesHash()}. Bundled:\n\n${texts.join("\n\n---\n\n").replaceAll("*/", "* /")}\n*/`;
 }
 
 const result = await build({

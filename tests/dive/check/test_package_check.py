@@ -9,6 +9,7 @@ from hullrecon.dive.check.package_check import check_package, defaults_of
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.summary import is_runnable, missing
 from hullrecon.steps.ingest import USES, request_of
+from hullrecon.steps.report import ReportOptions
 
 
 def check(package: Path, *overrides: str):
@@ -125,3 +126,11 @@ def test_files_that_are_missing_are_listed_with_their_keys_and_forbid_a_run(pack
 def test_a_run_needs_velocities_with_a_heading_or_stereo_images(sensors, runnable):
     assert is_runnable(sensors) == runnable
     assert any("no run is possible" in line for line in missing(sensors)) != runnable
+
+
+def test_a_logo_that_is_not_there_is_missed(package):
+    loaded = load_config(package, {"report": ReportOptions}, ["report.logo=logo.png"])
+    request = request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
+    assert check_package(loaded, request).missing_files == ["logo.png (report.logo)"]
+    (package / "logo.png").write_bytes(b"")
+    assert check_package(loaded, request).missing_files == []

@@ -14,10 +14,8 @@ const LINK_COLOURS = { "along the track": "#1f5f99", "between legs": "#c8541b" }
  */
 export function mountMap(element, data, cards) {
   const map = L.map(element, { crs: L.CRS.Simple, zoomSnap: 0.1, zoomDelta: 0.5, preferCanvas: true, attributionControl: false });
-  map.fitBounds(box(data.map.bounds));
-  new ResizeObserver(() => map.invalidateSize({ animate: false })).observe(element);
-  map.setMinZoom(map.getZoom() - 1).setMaxZoom(Math.log2(CLOSEST_PX_PER_M));
-  map.setMaxBounds(box(data.map.bounds).pad(0.5));
+  keepFitted(map, box(data.map.bounds));
+  map.setMaxZoom(Math.log2(CLOSEST_PX_PER_M)).setMaxBounds(box(data.map.bounds).pad(0.5));
 
   const pictures = stackPictures(map, data.map.layers);
   const marks = makeMarks(data, cards);
@@ -44,6 +42,22 @@ export function mountMap(element, data, cards) {
       marks.objects.byId.get(String(id))?.getElement()?.focus({ preventScroll: true });
     },
   };
+}
+
+/** Shows a rectangle whole, and does so again when the element's size changes, until a reader has moved the map. */
+function keepFitted(map, bounds) {
+  let fitted = null;
+  const fit = () => {
+    map.setMinZoom(map.getBoundsZoom(bounds) - 1);
+    map.fitBounds(bounds, { animate: false });
+    fitted = { zoom: map.getZoom(), center: map.getCenter() };
+  };
+  fit();
+  new ResizeObserver(() => {
+    const untouched = map.getZoom() === fitted.zoom && map.getCenter().equals(fitted.center, 1e-6);
+    map.invalidateSize({ animate: false, pan: false });
+    if (untouched) fit();
+  }).observe(map.getContainer());
 }
 
 /** Returns whether the objects' numbers would cover each other at this zoom. */
