@@ -12,7 +12,7 @@ from browser.pictures import Picture, settled, share_changed
 from playwright.sync_api import Browser, Locator
 from scipy import ndimage
 
-from benchmarks.chromium import Visit, visit
+from benchmarks.chromium import NARROW, Visit, visit
 
 pytestmark = pytest.mark.slow
 NUMBER = (200, 84, 27)  # the colour of objects
@@ -121,3 +121,14 @@ def test_a_browser_without_webgl_shows_a_sentence_and_a_picture(chromium: Browse
         assert scene.locator("svg.ship").is_visible()
         assert scene.locator("canvas").count() == 0
         assert seen.messages == []
+
+
+def test_on_a_small_screen_the_whole_panel_can_be_reached_below_the_view(chromium: Browser, report: Path) -> None:
+    with visit(chromium, report, NARROW) as seen:
+        scene = seen.show_scene()
+        outer = scene.bounding_box()
+        button = scene.locator(".scene-panel button").bounding_box()
+        assert outer is not None
+        assert button is not None
+        assert button["y"] + button["height"] <= outer["y"] + outer["height"]
+        assert scene.locator(".scene-panel").evaluate("one => one.scrollHeight - one.clientHeight") <= 0

@@ -1,4 +1,4 @@
-/*! hullrecon's report page, Apache-2.0, of sources c728fed99c4328359b8a69c18a8903936dd59001ca0827c28a6949a3cc3d77ea. Bundled:
+/*! hullrecon's report page, Apache-2.0, of sources df85fa85031f864b7a031a3ecddb47cdc6f5499f0b67b4c2994d027b3ad96cc1. Bundled:
 
 Leaflet 1.9.4
 
