@@ -3,9 +3,11 @@
 """One thread for BLAS, as the commands have it: its threads wait by spinning, and a test took two minutes instead of six
 seconds beside another process. Set here, before anything imports numpy, for a pytest that is called by itself."""
 
+import fcntl
 import os
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -24,3 +26,19 @@ def _signals_end_with_their_test() -> Iterator[None]:
     for number, handler in before.items():
         signal.signal(number, handler)
     interruption._requested.clear()
+
+
+@pytest.fixture(scope="session")
+def demo_run(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
+    """The folder of a whole run over sample_data/demo, made once for all workers of a session: to be read, not changed."""
+    from end_to_end.shell import SAMPLE, Shell
+
+    base = tmp_path_factory.getbasetemp()
+    folder = (base if worker_id == "master" else base.parent) / "demo"
+    folder.mkdir(exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / "done").exists():
+            Shell(folder)("run", SAMPLE, "--runs", "out", "--jobs", 2)
+            (folder / "done").touch()
+    return folder / "out" / "demo"

@@ -372,3 +372,14 @@ def test_a_package_may_read_outside_itself_where_the_fleet_allows_it(dive: Dive,
     assert states(run_fleet(dives, runs)) == {"kestrel": "failed", "merlin": "up to date"}
     assert states(run_fleet(dives, runs, allow_outside=True)) == {"kestrel": "delivered", "merlin": "up to date"}
     assert ran(trace) == ["kestrel", "kestrel", "merlin"]
+
+
+def test_the_index_names_every_dive_while_they_run_and_at_the_end(dives: Path, runs: Path, dive: Dive) -> None:
+    dive("a")
+    dive("b", "fail")
+    seen: list[str] = []
+    run_fleet(dives, runs, on_failure=lambda _: seen.append((runs / "index.html").read_text()))
+    assert "1 running" in seen[0]
+    after = (runs / "index.html").read_text()
+    assert "2 dives: 1 failed, 1 done" in after
+    assert "too few" in after

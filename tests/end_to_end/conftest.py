@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from datasets import dataset
-from end_to_end.shell import SAMPLE, TINY, Shell
+from end_to_end.shell import TINY, Shell
 
 
 @pytest.fixture
@@ -26,14 +26,6 @@ def tiny(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tiny") / "tiny"
     Shell(folder.parent)("simulate", folder, *TINY, "--leg-length-m", 1.6, "--structures", 1, "--seed", 5)
     return folder
-
-
-@pytest.fixture(scope="session")
-def demo_run(tmp_path_factory):
-    """The folder of a whole run over sample_data/demo, made once a session: to be read, not to be changed."""
-    shell = Shell(tmp_path_factory.mktemp("demo"))
-    shell("run", SAMPLE, "--runs", "out", "--jobs", 2)
-    return shell.folder / "out" / "demo"
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ from pypdf import PdfReader
 
 from hullrecon import __version__
 from hullrecon.dive.config.schema import Dive
+from hullrecon.report.about import AboutInspection
 from hullrecon.report.content.object_images import object_crops
 from hullrecon.report.content.page_context import page_context
 from hullrecon.report.deliver import FileEntry
@@ -76,8 +77,24 @@ def _check_rows(text: str) -> None:
     """Every object has its row in the list and in the annex."""
     listed, annex = text.split("Objects, 24 in all")[1], text.split("Annex: the numbers of all objects")[-1]
     for k in range(1, MANY + 1):
-        assert re.search(rf"\b{k} Protrusion frame {k}, port", listed), k
+        assert re.search(rf"\b{k} protrusion {0.05 + 0.001 * (k - 1):.3f} ±", listed), k
         assert re.search(rf"\b{k} frame {k}, port", annex), k
+
+
+def test_many_objects_have_a_photo_with_a_line_each_and_all_their_numbers_in_the_annex(
+    survey: Survey, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hullrecon.report.pdf.render.MAX_CARDS", 3)
+    context = context_of(crowded(survey))
+    reader = PdfReader(io.BytesIO(render_pdf(context)))
+    text = re.sub(r"\s+", "", "".join(page.extract_text() for page in reader.pages))
+    for card in context["cards"]:  # type: ignore[attr-defined]
+        assert f"{card['id']}·Protrusion,{dict(card['rows'])['Height above the hull around it']}".replace(" ", "") in text
+    annex = text.split("Annex:thenumbersofallobjects")[-1]
+    for card in context["cards"]:  # type: ignore[attr-defined]
+        for _, value in card["rows"]:
+            assert value.replace(" ", "") in annex
+    assert sum(len(page.images) for page in reader.pages) >= MANY
 
 
 def test_a_heading_never_ends_a_page(survey: Survey) -> None:
@@ -117,7 +134,10 @@ def test_the_document_is_tagged_titled_and_has_bookmarks(survey: Survey) -> None
     assert reader.metadata.title == "Hull survey: plate-1"
     assert reader.metadata.creation_date is None
     assert reader.trailer["/Root"]["/MarkInfo"]["/Marked"]  # type: ignore[index]
-    assert "1 Plan of the dive" in [entry.title for entry in _flat(reader.outline)]
+    assert any(str(entry.title).startswith("1 ") for entry in _flat(reader.outline))  # type: ignore[attr-defined]
+    html = render_html(context_of(survey))
+    assert html.count("<svg") == len(re.findall(r"<svg[^>]*>(?:<style>[^<]*</style>)?<title>[^<]+</title>", html)) > 0
+    assert html.count("<img") == len(re.findall(r'<img[^>]* alt="[^"]+"', html))
 
 
 def _flat(outline: list[object]) -> list[object]:
@@ -149,3 +169,31 @@ def test_a_missing_library_is_a_reason_and_prints_nothing(
     monkeypatch.setattr(sys, "meta_path", [Finder, *sys.meta_path])
     assert "libpango-1.0-0" in (render.why_no_pdf() or "")
     assert capsys.readouterr().out == ""
+
+
+def test_who_asked_who_dived_and_the_conclusion_stand_on_the_first_page(survey: Survey) -> None:
+    about = AboutInspection(
+        client="Harbour Authority & Sons",
+        operator="Divers <Ltd>",
+        equipment=("ROV with DVL", "stereo rig"),
+        water="visibility 3 m",
+        conclusion="Nothing that hinders service.\n\nClean the intake.",
+    )
+    reader = PdfReader(io.BytesIO(render_pdf(context_of(replace(survey, facts=replace(survey.facts, about=about))))))
+    text = " ".join(reader.pages[0].extract_text().split())
+    for words in ("Client Harbour Authority & Sons", "Inspected by Divers <Ltd>", "ROV with DVL; stereo rig", "visibility 3 m",
+                  "Conclusion of the inspector", "Nothing that hinders service.", "Clean the intake."):  # fmt: skip
+        assert words in text
+
+
+def test_times_of_a_run_are_not_on_paper_since_they_differ_between_equal_runs(survey: Survey) -> None:
+    html = render_html(context_of(survey))
+    assert "7.5 s" not in html
+    assert "Quality of the data" in html
+
+
+def test_a_dive_without_objects_has_no_annex(survey: Survey) -> None:
+    empty = replace(survey, findings=replace(survey.findings, objects=()))
+    html = render_html(context_of(empty))
+    assert "Annex" not in html
+    assert "No object was found." in html

@@ -49,7 +49,7 @@ class _Alignment(msgspec.Struct, frozen=True):
 
 
 class DiveFindings(msgspec.Struct, frozen=True, kw_only=True):
-    """about: vessel and date; sentences: what stands out, the worst first; largest_m: height of the largest object, 0 without."""
+    """about: vessel and date; sentences: what stands out, the worst first; largest_m: of the largest object, 0 without."""
 
     about: str = ""
     sentences: tuple[str, ...] = ()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""RUNS/index.html: every dive, its state, what stands out, and the way to its report. A static page, written whole each time."""
+"""Write RUNS/index.html: every dive, its state, what stands out, and the way to its report. A static page, written whole."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from hullrecon.artifacts.storage.workspace import PUBLISHED
 
 FILE = "index.html"
 REPORT = Path(PUBLISHED) / "report" / "index.html"
-_ORDER = ("failed", "running", "stale", "waiting", "done")
+_WORDS = {"failed": "failed", "running": "running", "stale": "out of date", "waiting": "not run yet", "done": "done"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +53,7 @@ class FleetIndex:
         dives = list(dives)
         rows = [self._row(dive, dive.package in running) for dive in dives]
         rows += self._others({dive.name for dive in dives})
-        rows.sort(key=lambda row: (_ORDER.index(row.kind), -row.largest_m, row.name))
+        rows.sort(key=lambda row: (list(_WORDS).index(row.kind), -row.largest_m, row.name))
         if not (self._runs / FILE).is_dir():  # a dive may be called so
             write_file(self._runs / FILE, render_index(rows).encode())
 
@@ -103,8 +103,7 @@ def render_index(rows: Sequence[IndexRow]) -> str:
 
     text = (resources.files("hullrecon.api.fleet") / "templates" / "index.html").read_text(encoding="utf-8")
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    kinds = [(sum(row.kind == kind for row in rows), word) for kind, word in
-             (("done", "done"), ("failed", "failed"), ("running", "running"), ("stale", "out of date"), ("waiting", "not run yet"))]  # fmt: skip
+    kinds = [(sum(row.kind == kind for row in rows), word) for kind, word in _WORDS.items()]
     counts = f"{len(rows)} dive{'s' if len(rows) != 1 else ''}: " + ", ".join(f"{n} {word}" for n, word in kinds if n)
     written = time.strftime("%d %B %Y, %H:%M UTC", time.gmtime())
     return environment.from_string(text).render(rows=rows, counts=counts if rows else "none", written=written)

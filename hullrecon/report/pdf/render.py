@@ -11,10 +11,25 @@ from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout
 from importlib import resources
 from pathlib import Path
+from typing import TypedDict, cast
 
 PDF = "report/report.pdf"  # in deliver/
 _FONT = "font:"  # scheme of the fonts named in print.css
-_PLAN_STYLE = "/* Pictures */"  # before the rules of plan and ship in print.css
+MAX_CARDS = 40  # of more objects there is a photo with a line; all numbers stand in the annex
+_PICTURES = "/* Pictures */"  # before the rules of plan and ship in print.css
+
+
+class _Card(TypedDict):
+    rows: Sequence[tuple[str, str]]
+
+
+class _Shown(TypedDict):
+    """What is looked into of the page's variables; the template takes the others as they are."""
+
+    sections: Sequence[tuple[str, str]]
+    cards: Sequence[_Card]
+    plan: str | None
+    ship: tuple[str, str] | None
 
 
 def why_no_pdf() -> str | None:
@@ -53,29 +68,24 @@ def render_html(context: Mapping[str, object]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    cards = context["cards"]
-    style, _, plan_style = style.partition(_PLAN_STYLE)  # rules of the page do not reach into a picture
-    sections = [section for section in context["sections"] if section[0] != "view"]  # type: ignore[attr-defined]
+    shown = cast(_Shown, context)
+    style, _, pictures = style.partition(_PICTURES)  # rules of the page do not reach into a picture
+    sections = [section for section in shown["sections"] if section[0] != "view"]
+    plan, ship = shown["plan"], shown["ship"]
     more = {
         "sections": sections,
         "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
-        "plan": _styled(context["plan"], plan_style),
-        "ship": _styled(context["ship"], plan_style),
-        "columns": _columns(cards) if isinstance(cards, Sequence) else [],
+        "plan": plan and _with_style(plan, pictures),
+        "ship": ship and (_with_style(ship[0], pictures), ship[1]),
+        "compact": len(shown["cards"]) > MAX_CARDS,
+        "columns": list(dict.fromkeys(name for card in shown["cards"] for name, _ in card["rows"])),
     }
     return environment.get_template("print.html").render({**context, **more}, style=style, dict=dict)
 
 
-def _styled(picture: object, style: str) -> str | None:
-    """Return an SVG with rules of its own."""
-    return (
-        None if picture is None else re.sub(r"(<svg[^>]*>)", lambda m: f"{m[1]}<style>{style}</style>", str(picture), count=1)
-    )
-
-
-def _columns(cards: Sequence[Mapping[str, Sequence[tuple[str, str]]]]) -> list[str]:
-    """Return what is known of any object, in the order of the cards."""
-    return list(dict.fromkeys(name for card in cards for name, _ in card["rows"]))
+def _with_style(svg: str, rules: str) -> str:
+    """Return a picture with rules of its own."""
+    return re.sub(r"<svg[^>]*>", lambda found: f"{found[0]}<style>{rules}</style>", svg, count=1)
 
 
 def _fetch(url: str, headers: Mapping[str, str] | None = None) -> object:

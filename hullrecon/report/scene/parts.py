@@ -10,7 +10,7 @@ import numpy as np
 
 from hullrecon.geometry.meshes.mesh import vertex_normals
 from hullrecon.report.survey import Surfaces
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
 
 MAX_SURVEYED, MAX_REST = 220_000, 80_000  # triangles: what a telephone still turns smoothly
 
@@ -51,12 +51,12 @@ def scene_parts(surfaces: Surfaces) -> tuple[ScenePart | None, ScenePart | None]
     smooth, rough = surfaces.chart.from_chart(chart)[1], vertex_normals(surface.mesh())
     normals = np.where(np.isfinite(smooth).all(axis=1, keepdims=True), smooth, rough)  # of the form: not those of its bumps
     base = surface.vertices - form[:, None] * normals
-    whole = ScenePart(vertices=base, form=form, normals=normals, faces=surface.faces, chart=chart)
-    seen = (surface.support[surface.faces] > 0).all(axis=1)
+    whole = ScenePart(vertices=base, form=form, normals=normals, faces=surface.faces.astype(np.int64), chart=chart)
+    seen = np.asarray((surface.support[surface.faces] > 0).all(axis=1), bool)
     return _decimate(_submesh(whole, seen), MAX_SURVEYED), _decimate(_submesh(whole, ~seen), MAX_REST)
 
 
-def _submesh(part: ScenePart, faces: Array) -> ScenePart | None:
+def _submesh(part: ScenePart, faces: Mask) -> ScenePart | None:
     """Return the part of those faces (m,) bool, without the vertices that it does not use."""
     kept = part.faces[faces]
     if not len(kept):
@@ -83,5 +83,5 @@ def _decimate(part: ScenePart | None, most: int) -> ScenePart | None:
     mesh = o3d.geometry.TriangleMesh(o3d.utility.Vector3dVector(found), o3d.utility.Vector3iVector(part.faces.astype(np.int32)))
     mesh = mesh.simplify_quadric_decimation(target_number_of_triangles=most)
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.triangles)
-    nearest = cKDTree(found).query(vertices)[1]
+    nearest = np.asarray(cKDTree(found).query(vertices)[1], np.int64)
     return _at(part, nearest, vertices - part.form[nearest, None] * part.normals[nearest], faces)

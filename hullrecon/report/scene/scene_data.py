@@ -3,8 +3,8 @@
 """What report/web/src/scene.js is given: a document, and one packed block of arrays that it points into.
 
 All arrays are little-endian, each begins at a multiple of four bytes. A vertex is three uint16 inside the part's box; its form
-an int16 in steps of `form_step_m` along a normal of three int8 (in 127ths); its place on the map two float32; a triangle three
-uint32. `relief_m` bounds the form that may be exaggerated: what stands out farther is an object, and stays true to scale.
+an int16 in steps of `form_step_m` along a normal of three int8 (in 127ths), and so its relief, the part of the form that may be
+exaggerated; its place on the map two float32; a triangle three uint32.
 """
 
 from __future__ import annotations
@@ -20,25 +20,25 @@ from hullrecon.geometry.charts.viewing_side import UP
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.report.figures.survey_map import ChartView
 from hullrecon.report.scene.parts import ScenePart, scene_parts
+from hullrecon.report.scene.relief import relief_of
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
 
 SceneDocument = Mapping[str, object]
 BLOCK = "scene-block"  # id of the element that holds the packed arrays
 MAX_PATH = 2000
-RELIEF_PERCENTILE = 95.0
 _STEPS = 65535
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scene:
+class SceneView:
     """The 3-D view: its document, and the block of arrays as base64."""
 
     document: SceneDocument
     block: str
 
 
-def make_scene(survey: Survey, view: ChartView | None) -> Scene | None:
+def make_scene(survey: Survey, view: ChartView | None) -> SceneView | None:
     """Return the 3-D view of a survey; None where there is no surface. view: what the page's map shows of the chart."""
     surveyed, rest = scene_parts(survey.surfaces)
     if surveyed is None or view is None:
@@ -54,12 +54,11 @@ def make_scene(survey: Survey, view: ChartView | None) -> Scene | None:
         "surveyed": _pack(surveyed, outside, block),
         "rest": None if rest is None else _pack(rest, outside, block),
         "has_form": surveyed.has_form,
-        "relief_m": round(float(np.percentile(np.abs(surveyed.form), RELIEF_PERCENTILE)), 5),
         "has_cad": survey.is_in_hull_frame,
         "path": _rounded(survey.track.poses.translation[:: max(1, -(-len(survey.track.t_ns) // MAX_PATH))]),
         "objects": [_object(found) for found in survey.findings.objects or ()],
     }
-    return Scene(document=document, block=b64encode(bytes(block)).decode())
+    return SceneView(document=document, block=b64encode(bytes(block)).decode())
 
 
 def _pack(part: ScenePart, outside: OutsideMap, block: bytearray) -> SceneDocument:
@@ -75,6 +74,7 @@ def _pack(part: ScenePart, outside: OutsideMap, block: bytearray) -> SceneDocume
         "form_step_m": form_step,
         "vertices": _append(block, np.round((part.vertices - low) / span * _STEPS).astype("<u2")),
         "form": _append(block, np.round(part.form / form_step).astype("<i2")),
+        "relief": _append(block, np.round(relief_of(part.vertices, part.form) / form_step).astype("<i2")),
         "normals": _append(block, np.round(127 * part.normals).astype("i1")),
         "map": _append(block, outside.to_map(part.chart).astype("<f4")),
         "faces": _append(block, part.faces.astype("<u4")),

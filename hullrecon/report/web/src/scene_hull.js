@@ -51,7 +51,7 @@ export function makeHull(data, draw) {
     setPicture,
     /** t: 0 as the CAD model has it, 1 as found; factor: how often its relief is added; objects stay true to scale. */
     setShape(t, factor) {
-      surveyed.shape(found.geometry, t, factor, data.scene.relief_m);
+      surveyed.shape(found.geometry, t, factor);
       draw();
     },
   };
@@ -78,17 +78,17 @@ function unpack(part, buffer) {
   const n = part.count;
   const steps = new Uint16Array(buffer, part.vertices, 3 * n);
   const form = new Int16Array(buffer, part.form, n);
+  const relief = new Int16Array(buffer, part.relief, n);
   const normals = new Int8Array(buffer, part.normals, 3 * n);
   const map = new Float32Array(buffer, part.map, 2 * n);
   const faces = new Uint32Array(buffer, part.faces, 3 * part.triangles);
   const base = new Float32Array(3 * n);
   for (let k = 0; k < 3 * n; k++) base[k] = part.low[k % 3] + steps[k] * part.step[k % 3];
 
-  function shape(geometry, t, factor, relief) {
+  function shape(geometry, t, factor) {
     const at = geometry.getAttribute("position");
     for (let k = 0; k < n; k++) {
-      const metres = form[k] * part.form_step_m;
-      const shown = t * (metres + (factor - 1) * Math.min(Math.max(metres, -relief), relief));
+      const shown = t * part.form_step_m * (form[k] + (factor - 1) * relief[k]);
       for (let axis = 3 * k; axis < 3 * k + 3; axis++) at.array[axis] = base[axis] + (shown * normals[axis]) / 127;
     }
     at.needsUpdate = true;

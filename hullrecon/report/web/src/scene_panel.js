@@ -63,17 +63,17 @@ function shapeSliders(hull) {
   return make("fieldset", {}, [
     make("legend", { textContent: "Form" }),
     make("label", {}, ["As drawn – as found: ", says, shape]),
-    make("label", {}, ["Relief: ", factorSays, factor]),
+    make("label", {}, ["Relief of the hull: ", factorSays, factor]),
   ]);
 }
 
 function showLegend(element, layer) {
   element.replaceChildren();
   if (!layer?.legend) return;
-  const { label, low, high, colours } = layer.legend;
+  const { label, low, high, colours, extend } = layer.legend;
   const strip = make("span", { className: "scene-colours" });
   strip.style.background = `linear-gradient(to right, ${colours.join(", ")})`;
-  element.append(make("span", { textContent: label }), strip, make("span", { className: "scene-ends" }, [low, high].map((value) => make("span", { textContent: rounded(value) }))));
+  element.append(make("span", { textContent: label }), strip, make("span", { className: "scene-ends" }, [(extend === "both" ? "≤ " : "") + rounded(low), `≥ ${rounded(high)}`].map((text) => make("span", { textContent: text }))));
 }
 
 function rounded(value) {

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, sync_playwright
 
 NAMES = ("chromium", "google-chrome-stable", "google-chrome", "chromium-browser")
 FLAGS = (
@@ -17,6 +17,7 @@ FLAGS = (
     "--force-color-profile=srgb", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
 )  # fmt: skip
 WIDE, NARROW = (1280, 900), (390, 844)
+PATIENCE_MS = 120_000
 
 
 class NoBrowserError(RuntimeError):
@@ -68,14 +69,24 @@ class Visit:
         page.on("pageerror", lambda error: self.messages.append(f"error: {error}"))
         page.on("request", lambda request: self.requests.append(request.url))
         page.on("crash", lambda _: self.messages.append("error: the page crashed"))
+        page.set_default_timeout(PATIENCE_MS)
         context.set_offline(True)
         page.goto(report.as_uri(), wait_until="load")
 
+    def show_scene(self) -> Locator:
+        """Scroll to the 3-D view and wait until it is there or has given up."""
+        scene = self.page.locator("#scene")
+        scene.scroll_into_view_if_needed()
+        self.page.wait_for_selector("#scene[data-state]")
+        return scene
+
 
 @contextmanager
-def visit(chromium: Browser, report: Path, size: tuple[int, int] = WIDE) -> Iterator[Visit]:
-    """Open a report in a context of its own."""
+def visit(chromium: Browser, report: Path, size: tuple[int, int] = WIDE, script: str = "") -> Iterator[Visit]:
+    """Open a report in a context of its own. script: runs before those of the page."""
     context = chromium.new_context(viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce")
+    if script:
+        context.add_init_script(script)
     try:
         yield Visit(context, context.new_page(), report)
     finally:

@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page opens from disk without a network and answers to clicks, keys and small screens."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from browser.conftest import OBJECTS
+from browser.pictures import settled, share_changed
+from playwright.sync_api import Browser
+
+from benchmarks.chromium import NARROW, WIDE, Visit, visit
+
+pytestmark = pytest.mark.slow
+HEAVIEST = 60_000_000
+TAGS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
+
+
+def weight(seen: Visit) -> int:
+    """Return the bytes of all that the page took from disk."""
+    files = {urlsplit(url).path for url in seen.requests if url.startswith("file:")}
+    return sum(Path(name).stat().st_size for name in files)
+
+
+def scroll_through(seen: Visit) -> None:
+    """Show every part of the page once."""
+    height = seen.page.evaluate("document.documentElement.scrollHeight")
+    for y in range(0, height, 700):
+        seen.page.evaluate(f"scrollTo(0, {y})")
+        seen.page.wait_for_timeout(30)
+    seen.show_scene()
+
+
+@pytest.mark.parametrize("size", [WIDE, NARROW], ids=["wide", "narrow"])
+def test_the_page_opens_offline_needs_nothing_else_and_its_console_is_empty(
+    chromium: Browser, report: Path, size: tuple[int, int]
+) -> None:
+    with visit(chromium, report, size) as seen:
+        scroll_through(seen)
+        assert {url.split(":")[0] for url in seen.requests} <= {"file", "data", "blob"}
+        assert {urlsplit(url).path for url in seen.requests if url.startswith("file:")} == {str(report)}
+        assert seen.messages == []
+        assert weight(seen) <= HEAVIEST
+        wider = seen.page.evaluate("document.documentElement.scrollWidth - innerWidth")
+        assert wider <= 0, f"the page is {wider} px wider than its screen"
+
+
+@pytest.mark.parametrize("size", [WIDE, NARROW], ids=["wide", "narrow"])
+def test_axe_finds_no_violation(chromium: Browser, report: Path, size: tuple[int, int]) -> None:
+    with visit(chromium, report, size) as seen:
+        scroll_through(seen)
+        seen.page.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true })")
+        found = Axe().run(seen.page, options={"runOnly": {"type": "tag", "values": TAGS}}).response["violations"]
+        assert not found, "\n".join(f"{v['id']}: {node['html'][:160]}" for v in found for node in v["nodes"])
+
+
+def test_each_layer_of_the_map_changes_its_pixels(page: Visit) -> None:
+    panel, shown = page.page.locator("#map-panel"), page.page.locator("#map")
+    shown.scroll_into_view_if_needed()
+    controls = panel.locator("input[type=radio]:not(:checked), input[type=checkbox]")
+    names = [controls.nth(k).evaluate("one => one.labels[0].textContent.trim()") for k in range(controls.count())]
+    assert len(names) >= 6
+    for name in names:
+        control, before = panel.get_by_label(name, exact=True), settled(shown)
+        control.click()
+        assert share_changed(before, settled(shown)) > 0.0005, name
+
+
+def test_zooming_the_map_changes_its_pixels(page: Visit) -> None:
+    shown = page.page.locator("#map")
+    shown.scroll_into_view_if_needed()
+    before = settled(shown)
+    page.page.locator("#map .leaflet-control-zoom-in").click()
+    assert share_changed(before, settled(shown)) > 0.05
+
+
+def test_a_click_on_an_object_of_the_map_opens_its_card(page: Visit) -> None:
+    number = page.page.locator("#map .map-number", has_text="1").first
+    number.scroll_into_view_if_needed()
+    assert not page.page.locator("#card").is_visible()
+    number.click()
+    card = page.page.locator("#card")
+    assert card.is_visible()
+    assert card.locator("h3").inner_text().startswith("1 ·")
+    page.page.keyboard.press("Escape")
+    assert not card.is_visible()
+
+
+def test_a_click_in_the_table_opens_the_card(page: Visit) -> None:
+    page.page.locator("#row-2 a[data-action=card]").click()
+    assert page.page.locator("#card h3").inner_text().startswith("2 ·")
+
+
+def test_five_hundred_objects_sort_in_order_and_each_row_moves_once(chromium: Browser, crowded: Path) -> None:
+    """How long it takes is measured by benchmarks.page; here is counted what it costs."""
+    with visit(chromium, crowded) as seen:
+        assert seen.page.locator("#object-table tbody tr").count() == OBJECTS
+        for direction in ("ascending", "descending"):
+            moved = seen.page.evaluate("""async () => {
+              let added = 0
+              const body = document.querySelector('#object-table tbody')
+              const watch = new MutationObserver((records) => { for (const one of records) added += one.addedNodes.length })
+              watch.observe(body, { childList: true, subtree: true })
+              const headings = [...document.querySelectorAll('#object-table thead button')]
+              headings.find((one) => one.textContent.trim() === 'Height').click()
+              await new Promise((done) => setTimeout(done))
+              watch.disconnect()
+              return added
+            }""")
+            assert moved == OBJECTS
+            column = seen.page.evaluate("""() => {
+              const heading = [...document.querySelectorAll('#object-table thead th')].find((one) => one.ariaSort)
+              const index = heading.cellIndex
+              const rows = [...document.querySelectorAll('#object-table tbody tr')]
+              return [heading.ariaSort, heading.textContent.trim(), rows.map((row) => Number(row.cells[index].dataset.value))]
+            }""")
+            assert column[:2] == [direction, "Height"]
+            assert column[2] == sorted(column[2], reverse=direction == "descending")
+            assert len(set(column[2])) == OBJECTS
+        assert seen.messages == []
+        assert weight(seen) <= HEAVIEST
+
+
+def test_without_javascript_the_page_still_holds_every_object_and_a_plan(chromium: Browser, report: Path) -> None:
+    context = chromium.new_context(java_script_enabled=False)
+    try:
+        page = context.new_page()
+        page.goto(report.as_uri())
+        assert page.locator("article.card").count() == page.locator("#object-table tbody tr").count() > 0
+        assert page.locator("#plan svg.plan").is_visible()
+        assert not page.locator("#map").is_visible()
+    finally:
+        context.close()
