@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import resource
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -89,6 +90,19 @@ def test_the_description_gives_the_chart_without_the_map(tmp_path: Path) -> None
     assert said["metres_per_pixel"] == 0.01
     assert (said["along_from_x"], said["girth_from_y"], said["chart_frame"]) == (-1, 1, "M")
     assert (said["origin_along_m"], said["origin_girth_m"]) == pytest.approx((45.0, 6.0))
+
+
+def test_a_disk_that_takes_no_more_is_an_error_of_the_system_and_nothing_is_printed(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (512, before[1]))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            write_raster(tmp_path / "ortho.tif", tiles(1), place(1, -1), METRES)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert capfd.readouterr().err == ""
 
 
 def test_the_same_tiles_give_the_same_bytes(tmp_path: Path) -> None:

@@ -56,7 +56,8 @@ class RasterPlace:
 def write_raster(path: Path, tiles: Iterable[NDArray[np.generic]], place: RasterPlace, bands: RasterBands) -> None:
     """Write tiles (size, size, bands), or (size, size), in the order of grid.tiles(size). Same bytes for the same tiles.
 
-    GDAL's driver for cloud-optimised files copies a whole file with its overviews; the first, deflated, stays in memory.
+    GDAL's driver for cloud-optimised files copies a whole file with its overviews. Both, deflated, stay in memory: on a full
+    disk GDAL raises errors of its own and prints on standard error, a write of ours raises OSError.
     """
     import rasterio
     from rasterio.io import MemoryFile
@@ -64,7 +65,7 @@ def write_raster(path: Path, tiles: Iterable[NDArray[np.generic]], place: Raster
 
     grid, (west, north) = place.grid, place.corner
     options = bands.creation_options
-    with rasterio.Env(GDAL_NUM_THREADS=1), MemoryFile() as memory:
+    with rasterio.Env(GDAL_NUM_THREADS=1), MemoryFile() as memory, MemoryFile(ext=".tif") as finished:
         with memory.open(
             driver="GTiff", width=grid.width, height=grid.height, count=len(bands.names), dtype=bands.dtype,
             crs=rasterio.CRS.from_wkt(place.outside.wkt), nodata=bands.nodata, tiled=True, blockxsize=512, blockysize=512,
@@ -79,9 +80,10 @@ def write_raster(path: Path, tiles: Iterable[NDArray[np.generic]], place: Raster
             file.update_tags(TIFFTAG_IMAGEDESCRIPTION=json.dumps(description(place, bands), sort_keys=True))
             file.update_tags(TIFFTAG_SOFTWARE="hullrecon")
         copy(
-            memory.name, path, driver="COG", compress="DEFLATE", blocksize=512, bigtiff="IF_SAFER",
+            memory.name, finished.name, driver="COG", compress="DEFLATE", blocksize=512, bigtiff="IF_SAFER",
             predictor="YES", overview_resampling="average",
         )  # fmt: skip
+        path.write_bytes(finished.getbuffer())
 
 
 def description(place: RasterPlace, bands: RasterBands) -> dict[str, object]:

@@ -10,7 +10,7 @@ from typing import Protocol
 
 LARGEST_CHUNK = 1 << 27  # bytes; recorders write chunks of 1 to 4 MiB, or of one message; a larger size is a damaged field
 FREE_BYTES, RATIO = 1 << 23, 256  # a log unpacks to at most so many bytes and so many times its own size
-LONGEST_NAME = 1000  # characters; ROS allows 255
+LONGEST_NAME = 400  # characters; ROS allows 255, and a line that names one stays a line
 LONGEST_REASON = 200  # characters of what a library says about damaged bytes: they may quote all of them
 
 
