@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from steps.painted_wall import build_dive, run_links, with_navigation
 
-from hullrecon.dive.config.schema import CameraTop
 from hullrecon.geometry.poses import Poses, exp
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.steps.artifacts import LinksArtifact, NavigateArtifact
-from hullrecon.steps.links import STAGE
 from hullrecon.vision.options import LinkOptions
 
 
@@ -180,8 +178,3 @@ def test_a_dive_on_which_nothing_matches_keeps_its_dead_reckoned_path(dive, tmp_
     assert (found.path.part == -1).all()
     reckoned = NavigateArtifact(dive.folder / "navigate").trajectory
     np.testing.assert_allclose(found.path.pose[:, :2], reckoned.translation[:, :2], atol=0.01)
-
-
-def test_a_dive_without_camera_has_no_links():
-    assert STAGE.applies({"camera.top": None}) == "no camera was carried"
-    assert STAGE.applies({"camera.top": CameraTop(calibration="t")}) is None
