@@ -20,7 +20,8 @@ import numpy as np
 
 from hullrecon.api.change import diff
 from hullrecon.api.commands import run_dive
-from hullrecon.records.change import HullChange
+from hullrecon.geometry.poses import Poses, from_matrix
+from hullrecon.records.change import HullChange, HullSurvey
 from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.output.package import write_package
 
@@ -30,7 +31,7 @@ SMALLEST: dict[str, Any] = {
 }  # fmt: skip
 CHANGES: dict[str, Any] = {"added": 3, "removed": 1, "grown_m": 0.03}
 SECOND_SEED = 1000  # what is added to the seed of the first dive
-NEAR_M = 0.2  # a change so near to a true one, the first dive's own offset taken off, is that one
+NEAR_M = 0.2  # a change so near to a true one is that one
 Truth = dict[str, list[tuple[np.ndarray, float]]]
 
 
@@ -64,14 +65,15 @@ def _structures(package: Path) -> list[tuple[np.ndarray, float]]:
     return [(np.array(row["center"]), row["height"]) for row in rows if not row["painted"]]
 
 
-def score(change: HullChange, truth: Truth, off: np.ndarray) -> dict[str, Any]:
-    """Return how many true changes were found, those missed, and what was found that is none; off (3,): of the first dive's
-    hull frame from the true one."""
+def score(change: HullChange, truth: Truth, placed: Poses) -> dict[str, Any]:
+    """Return how many true changes were found, those missed, and what was found that is none. placed: from the true hull frame
+    to that in which the first dive reports, which lies off it by its hull pose's error."""
     found, missed, growth = 0, [], []
     left = list(change.changed())
     for status, rows in truth.items():
         for place, height in rows:
-            near = [row for row in left if row.status == status and np.linalg.norm(row.center - off - place) < NEAR_M]
+            there = placed.apply(place[None])[0]
+            near = [row for row in left if row.status == status and np.linalg.norm(row.center - there) < NEAR_M]
             if not near:
                 missed.append({"status": status, "center": place.round(2).tolist(), "change_m": round(height, 3)})
                 continue
@@ -86,14 +88,10 @@ def score(change: HullChange, truth: Truth, off: np.ndarray) -> dict[str, Any]:
     return {"found": found, "missed": missed, "false": false, "grown_m": growth}
 
 
-def place_error(found: Any, truth: Path) -> np.ndarray:
-    """Return how far a dive's hull frame lies off the true one (3,), by the median of its objects' places."""
-    true = np.array([place for place, _ in _structures(truth)])
-    gaps = []
-    for thing in found.survey.objects:
-        gap = np.array(thing.center) - true
-        gaps.append(gap[np.argmin(np.linalg.norm(gap, axis=1))])
-    return np.median(gaps, axis=0) if gaps else np.zeros(3)
+def reported_from_true(survey: HullSurvey, package: Path) -> Poses:
+    """Return where a dive reports what lies at a place of the true hull frame."""
+    stated = json.loads((package / "truth" / "alignment.json").read_text())["T_g_M"]["matrix"]
+    return survey.hull_pose.global_from_hull.inverse() @ from_matrix(np.array(stated))
 
 
 def compare(folder: Path, seed: int, options: dict[str, Any]) -> dict[str, Any]:
@@ -103,7 +101,7 @@ def compare(folder: Path, seed: int, options: dict[str, Any]) -> dict[str, Any]:
         run_dive(package, folder / "runs", last_step="detect")
     runs = [folder / "runs" / package.name for package in packages]
     result = diff(*runs)
-    return {"seed": seed, **score(result.change, true_changes(*packages), place_error(result.first, packages[0]))}
+    return {"seed": seed, **score(result.change, true_changes(*packages), reported_from_true(result.first.survey, packages[0]))}
 
 
 def main() -> int:

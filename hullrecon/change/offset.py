@@ -177,8 +177,8 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
         if len(gap) < max(MIN_SHARED_CELLS / 4, MIN_SHARED_SHARE * most):
             continue
         shift = step * (np.array([i, j]) - reach)
-        misfit = most * (step / CORRELATED_M) ** 2 * _truncated(gap - np.median(gap))
-        tried.append((misfit + float(((shift / sigma) ** 2).sum()), *shift.tolist()))
+        disagreement = most * (step / CORRELATED_M) ** 2 * _truncated(gap - np.median(gap))
+        tried.append((disagreement + float(((shift / sigma) ** 2).sum()), *shift.tolist()))
     if not tried:
         raise _too_little()
     chosen: list[Array] = []

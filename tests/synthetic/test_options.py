@@ -97,3 +97,15 @@ def test_each_purpose_has_random_numbers_of_its_own() -> None:
     assert first == again
     assert first != other
     assert DiveSpec(seed=2).random("a").random(4).tolist() != first
+
+
+def test_what_belongs_to_the_hull_is_drawn_from_the_hulls_seed() -> None:
+    first, second = DiveSpec(seed=3), DiveSpec(seed=4, hull_seed=3)
+    assert first.hull_random("steel").random(3).tolist() == second.hull_random("steel").random(3).tolist()
+    assert first.random("dvl").random(3).tolist() != second.random("dvl").random(3).tolist()
+
+
+def test_a_seed_that_may_be_absent_is_a_whole_number() -> None:
+    (option,) = (option for option in options() if option.name == "hull_seed")
+    assert option.kind is int
+    assert option.default is None

@@ -55,3 +55,31 @@ def test_too_many_are_refused_with_advice() -> None:
 def test_the_seed_decides_where() -> None:
     assert place_items(spec_from(seed=5), *ROOM) == place_items(spec_from(seed=5), *ROOM)
     assert place_items(spec_from(seed=5), *ROOM) != place_items(spec_from(seed=6), *ROOM)
+
+
+def test_a_second_dive_of_the_hull_has_the_same_items() -> None:
+    assert place_items(spec_from(seed=9, hull_seed=5), *ROOM) == place_items(spec_from(seed=5), *ROOM)
+
+
+def test_what_changed_since_is_what_was_asked_for() -> None:
+    before = place_items(spec_from(seed=5, structures=4), *ROOM)
+    after = place_items(spec_from(seed=9, hull_seed=5, structures=4, added=3, removed=1, grown_m=0.03), *ROOM)
+    assert after[0].height_m == pytest.approx(before[0].height_m + 0.03)
+    assert [i for i in before if i not in after] == [before[0], before[3]]
+    assert len([i for i in after if i not in before]) == 4
+
+
+def test_what_is_added_keeps_clear_of_what_went() -> None:
+    before = place_items(spec_from(seed=5, structures=4), *ROOM)
+    added = place_items(spec_from(seed=9, hull_seed=5, structures=4, added=3, removed=1), *ROOM)[-3:]
+    for item in added:
+        assert np.hypot(item.along_m - before[3].along_m, item.girth_m - before[3].girth_m) > item.reach_m()
+
+
+def test_what_is_to_grow_grows_by_so_much() -> None:
+    assert place_items(spec_from(seed=5, structures=1, grown_m=0.02), *ROOM)[0].height_m == pytest.approx(0.13)
+
+
+def test_more_changes_than_structures_are_refused() -> None:
+    with pytest.raises(UsageError, match="too few to change"):
+        place_items(spec_from(structures=1, removed=2), *ROOM)
