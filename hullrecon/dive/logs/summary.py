@@ -7,6 +7,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from hullrecon.dive.check import messages
 from hullrecon.dive.logs.messages.decode import ENCODINGS, Fields, decode, type_name
 from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, TRANSFORMS
@@ -24,6 +26,7 @@ NAMED = {
 UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "cam1")
 COMPRESSED = "/compressed"
 DIFFERENTIAL, LOWEST_ABSOLUTE_PA = ("diff", "gauge", "relative"), 80e3  # the lowest air pressure at any sea is 87 kPa
+UNIT = 0.05  # how far the length of an attitude's quaternion may be off 1
 MOST_FRAME_MESSAGES = 64
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
 
@@ -141,7 +144,7 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
     """Return topics by sensor: those whose type fits, by name where several do; of types that many things have, by both."""
     found: dict[str, str] = {}
     for sensor, parts in NAMED.items():
-        fitting = [t for t in topics if _fits(t, TYPES[sensor]) and not (sensor == "pressure" and _is_differential(t))]
+        fitting = [t for t in topics if _fits(t, TYPES[sensor]) and not UNFIT.get(sensor, _never)(t)]
         own = [t.channel.topic for t in fitting if type_name(t.channel) not in COMMON_TYPES]
         common = [t.channel.topic for t in fitting if type_name(t.channel) in COMMON_TYPES]
         chosen = _named(own, parts) or own or _named(common, parts)
@@ -150,6 +153,18 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
     found |= _guess_cameras([t.channel.topic for t in topics if _fits(t, IMAGE_TYPES)])
     samples = [t for t in topics if t.channel.encoding == "sample" and t.channel.topic in TYPES]
     return found | {t.channel.topic: t.channel.topic for t in samples if t.channel.topic not in found or not _is_of_dvl(t)}
+
+
+def _has_no_attitude(topic: TopicNote) -> bool:
+    """Whether an IMU's messages have rates and acceleration alone, as raw ones do."""
+    if type_name(topic.channel) != "sensor_msgs/msg/Imu" or topic.first is None:
+        return False
+    samples = TYPES["imu"]["sensor_msgs/msg/Imu"](topic.first, 0, "imu")
+    return not any(isinstance(s, ImuSample) and abs(np.linalg.norm(s.quaternion) - 1) < UNIT for s in samples)
+
+
+def _never(topic: TopicNote) -> bool:
+    return False
 
 
 def _is_of_dvl(topic: TopicNote) -> bool:
@@ -248,3 +263,6 @@ def _first(message: Message) -> object:
     except Exception:  # fields of any names and types, where the definition that the log carries is damaged
         return None
     return fields
+
+
+UNFIT = {"pressure": _is_differential, "imu": _has_no_attitude}  # what no sensor can be, whatever its type

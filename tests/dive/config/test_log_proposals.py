@@ -133,3 +133,12 @@ def test_a_file_of_a_dvl_beside_a_log_takes_no_topic_from_it(kit, data, tmp_path
     topics = written(summary, tmp_path).config.topics
     assert (topics.dvl, topics.imu, topics.pressure, topics.joints) == (None, "/imu", "/pressure", "/joints")
     assert questions(summary) == []
+
+
+def test_of_two_imus_the_one_with_an_attitude_is_chosen(kit, tmp_path):
+    raw = kit.imu(kit.start_ns, orientation_covariance=np.array([-1.0, *[0.0] * 8]))
+    empty = kit.imu(kit.start_ns, quaternion=(0, 0, 0, 0))
+    kind = "sensor_msgs/msg/Imu"
+    more = [("/a/imu/raw", kind, 1, raw), ("/b/imu/empty", kind, 1, empty), ("/z/imu/data", kind, 1, kit.imu(kit.start_ns))]
+    summary = summary_of(kit, tmp_path / "x.mcap", entries_of(kit, more, ["/imu"]))
+    assert guess_topics(summary.topics)["imu"] == "/z/imu/data"

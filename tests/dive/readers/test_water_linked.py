@@ -3,6 +3,7 @@
 """Reports as the protocol's documentation prints them."""
 
 import json
+import os
 
 import numpy as np
 import pytest
@@ -140,6 +141,8 @@ def test_other_json_in_a_folder_is_no_log(tmp_path):
         find_logs(tmp_path)
     (tmp_path / "dvl.txt").write_text(json.dumps(velocity()) + "\n")
     (tmp_path / "notes.txt").write_text("hello")
+    (tmp_path / "gone.log").symlink_to(tmp_path / "nowhere")
+    os.mkfifo(tmp_path / "pipe.log")
     assert [p.name for p in find_logs(tmp_path)] == ["dvl.txt"]
 
 

@@ -101,7 +101,7 @@ def _is_log(path: Path) -> bool:
     if path.is_dir():
         return path.name != "logs" and _holds_log(path)
     return path.suffix.lower() in BY_SUFFIX or (
-        path.suffix.lower() in SUFFIXES and path.is_file() and is_water_linked(_start(path))
+        path.suffix.lower() in SUFFIXES and path.is_file() and is_water_linked(_peek(path))
     )
 
 
@@ -110,7 +110,7 @@ def _describe(inside: Sequence[Path]) -> tuple[str, str]:
     found = describe_folder(p.name for p in inside)
     for path in inside[:MOST_LOOKED_AT]:
         if not found[0] and path.is_file():
-            found = describe_file(path, _start(path))
+            found = describe_file(path, _peek(path))
     return found
 
 
@@ -118,6 +118,14 @@ def _holds_log(folder: Path) -> bool:
     """Whether a folder is itself a log: of CSVs, or with the metadata of ROS 2."""
     names = {p.name for p in folder.iterdir()}
     return METADATA in names or any(f"{sensor}.csv" in names for sensor in COLUMNS)
+
+
+def _peek(path: Path) -> bytes:
+    """The first bytes of a file that lies beside logs; none where it cannot be read, which is no reason to stop."""
+    try:
+        return _start(path)
+    except (OSError, InputError):
+        return b""
 
 
 def _start(path: Path) -> bytes:
