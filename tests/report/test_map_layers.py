@@ -45,7 +45,7 @@ def test_a_mosaic_lies_where_its_raster_lies(ortho: Path) -> None:
     assert layer.bounds == (10.0, 5.0, 13.0, 7.0)
     picture = pixels_of(layer)
     assert picture.shape == (4, 6, 4)
-    assert picture[:, :2, 0].min() > 150
+    assert picture[:, :2, 0].min() > picture[:, :2, 1].max()
     np.testing.assert_array_equal(picture[..., 3], np.tile([255, 255, 255, 0, 0, 0], (4, 1)))
     assert layer.legend is None
 
@@ -57,9 +57,10 @@ def test_the_hazy_range_of_an_underwater_mosaic_is_spread_and_its_colours_stay(t
     with rasterio.open(tmp_path / "hazy.tif", "w", transform=rasterio.Affine(1, 0, 5, 0, -1, 0), **profile) as file:
         file.write(values)
     picture = pixels_of(mosaic_layer("optical", "Camera mosaic", tmp_path / "hazy.tif")).astype(int)
-    assert picture[10, 1, 0] < 30
-    assert picture[10, 18, 0] > 220
-    assert (picture[5:15, 5:15, 1] - picture[5:15, 5:15, 2]).min() > 30  # 90 and 75 are farther apart, alike everywhere
+    level = picture[..., :3].mean(axis=2)
+    assert level[10, 1] < 40
+    assert level[10, 18] > 160
+    assert 10 <= (picture[5:15, 5:15, 1] - picture[5:15, 5:15, 2]).mean() <= 25  # 15 before: colours do not glare
 
 
 def test_a_large_mosaic_is_shown_smaller(ortho: Path, monkeypatch: pytest.MonkeyPatch) -> None:
