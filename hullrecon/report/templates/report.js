@@ -1,4 +1,4 @@
-/*! hullrecon's report page, Apache-2.0, of sources df85fa85031f864b7a031a3ecddb47cdc6f5499f0b67b4c2994d027b3ad96cc1. Bundled:
+/*! hullrecon's report page, Apache-2.0, of sources 442a6a6bf5ff92418e782d96903dc7e6fcddb8afe04110b1347925bccb85da84. Bundled:
 
 Leaflet 1.9.4
 
