@@ -45,9 +45,22 @@ def test_a_mosaic_lies_where_its_raster_lies(ortho: Path) -> None:
     assert layer.bounds == (10.0, 5.0, 13.0, 7.0)
     picture = pixels_of(layer)
     assert picture.shape == (4, 6, 4)
-    assert picture[:, :2, 0].min() > 150
+    assert picture[:, :2, 0].min() > picture[:, :2, 1].max()
     np.testing.assert_array_equal(picture[..., 3], np.tile([255, 255, 255, 0, 0, 0], (4, 1)))
     assert layer.legend is None
+
+
+def test_the_hazy_range_of_an_underwater_mosaic_is_spread_and_its_colours_stay(tmp_path: Path) -> None:
+    values = np.full((4, 20, 20), 255, np.uint8)
+    values[0], values[1], values[2] = np.linspace(60, 120, 20)[None], 90, 75
+    profile = {"driver": "GTiff", "width": 20, "height": 20, "count": 4, "dtype": "uint8", "photometric": "RGB", "alpha": "YES"}
+    with rasterio.open(tmp_path / "hazy.tif", "w", transform=rasterio.Affine(1, 0, 5, 0, -1, 0), **profile) as file:
+        file.write(values)
+    picture = pixels_of(mosaic_layer("optical", "Camera mosaic", tmp_path / "hazy.tif")).astype(int)
+    level = picture[..., :3].mean(axis=2)
+    assert level[10, 1] < 40
+    assert level[10, 18] > 160
+    assert 10 <= (picture[5:15, 5:15, 1] - picture[5:15, 5:15, 2]).mean() <= 25  # 15 before: colours do not glare
 
 
 def test_a_large_mosaic_is_shown_smaller(ortho: Path, monkeypatch: pytest.MonkeyPatch) -> None:

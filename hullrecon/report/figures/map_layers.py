@@ -9,11 +9,10 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.report.figures.chart_map import ChartedSurface, Extent, Shading, seen_faces
-from hullrecon.typing import Array, Pixels
+from hullrecon.typing import Array, Mask, Pixels
 
 Bounds = tuple[float, float, float, float]  # left, bottom, right, top in map coordinates, m
 MOST_PIXELS = 12e6  # of a mosaic: 10 m2 at 1 mm a pixel in some 4 MB; the GeoTIFF beside has all of them
@@ -34,7 +33,8 @@ class MapLayer:
 
 
 def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer:
-    """Return an ortho as a layer, at most MOST_PIXELS large, transparent where nothing was seen; ortho: its GeoTIFF."""
+    """Return an ortho as a layer, at most MOST_PIXELS large, its contrast stretched, transparent where nothing was seen; ortho:
+    its GeoTIFF."""
     import rasterio
     from rasterio.enums import Resampling
 
@@ -45,8 +45,20 @@ def mosaic_layer(name: str, title: str, ortho: Path, note: str = "") -> MapLayer
         picture = source.read(bands, out_shape=(3, *shape), resampling=Resampling.average)
         seen = source.dataset_mask(out_shape=shape)
         left, bottom, right, top = (float(v) for v in source.bounds)
-    rgba = np.dstack([*np.asarray(picture, np.uint8), seen])
+    rgba = np.dstack([*_stretched(np.asarray(picture, np.uint8), seen > 0), seen])
     return MapLayer(name=name, title=title, webp=webp_bytes(rgba), bounds=(left, bottom, right, top), note=note)
+
+
+def _stretched(picture: Pixels, seen: Mask) -> Pixels:
+    """Return bands (3, h, w) with their brightness spread over the range: water leaves a third of it. Colour grows less, or it
+    would glare."""
+    level = picture.mean(axis=0, dtype=np.float32)
+    if not seen.any():
+        return picture
+    low, high = np.percentile(level[seen], (0.5, 99.5))
+    gain = 220 / max(high - low, 25.0)
+    bands = [np.clip(15 + (level - low) * gain + (band - level) * min(gain, 1.25), 0, 255) for band in picture]
+    return np.stack([band.astype(np.uint8) for band in bands])
 
 
 def field_layer(
@@ -76,9 +88,7 @@ def palette(name: str) -> Pixels:
     return np.asarray(np.rint(255 * colormaps[name](np.linspace(0, 1, 256))[:, :3]), np.uint8)
 
 
-def _levels(
-    found: ChartedSurface, values: Array, shading: Shading, extent: Extent
-) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
+def _levels(found: ChartedSurface, values: Array, shading: Shading, extent: Extent) -> tuple[Pixels, Mask]:
     """Return values as levels 0 to 255 of the shading, and where there are any: both (h, w), drawn in grey by matplotlib."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

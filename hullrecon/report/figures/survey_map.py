@@ -78,7 +78,7 @@ def survey_layers(survey: Survey, view: ChartView) -> list[MapLayer]:
     """Return the layers that this dive gives, the one that is shown first in front: mosaics, deviation, sigma, coverage."""
     mosaics, copies = survey.mosaics.named(), survey.provenance.copies
     layers = [
-        mosaic_layer(name, MOSAIC_TITLES[name], copies[f"ortho_{name}.tif"], mosaic.facts.caption)
+        mosaic_layer(name, MOSAIC_TITLES[name], copies[f"ortho_{name}.tif"], f"{mosaic.facts.caption} Contrast stretched.")
         for name, mosaic in mosaics.items()
         if f"ortho_{name}.tif" in copies
     ]

@@ -4,7 +4,6 @@
 /** Opens an object's card in the dialog #card: a copy of the article #object-<id>, which the page holds for all readers. */
 export function mountCards() {
   const dialog = document.getElementById("card");
-  const listeners = [];
   const body = dialog?.querySelector(".card-body");
 
   function open(id) {
@@ -16,11 +15,10 @@ export function mountCards() {
     dialog.dataset.object = id;
     dialog.setAttribute("aria-label", `Object ${id}`);
     if (!dialog.open) dialog.showModal();
-    for (const listener of listeners) listener(id);
   }
 
   dialog?.addEventListener("click", (event) => {
     if (event.target === dialog) dialog.close(); // outside of the card
   });
-  return { open, onOpen: (listener) => listeners.push(listener) };
+  return { open };
 }

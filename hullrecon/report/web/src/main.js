@@ -17,7 +17,7 @@ import { mountTable } from "./table.js";
 
 function start() {
   const data = JSON.parse(document.getElementById("report-data").textContent);
-  const cards = mountCards(data);
+  const cards = mountCards();
   const map = data.map && mountMap(document.getElementById("map"), data, cards);
   mountTable(document.getElementById("object-table"), map, cards);
   const scene = document.getElementById("scene");
