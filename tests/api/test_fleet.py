@@ -193,7 +193,7 @@ def test_a_name_that_is_no_name_is_explained_and_nothing_is_written_for_it(
     (only,) = run_fleet(dives, runs).dives
     assert (only.state, only.exit_code, only.name) == ("failed", 2, None)
     assert only.reason == "dive.toml is not valid TOML"
-    assert [p.name for p in runs.iterdir()] == [FOLDER]
+    assert sorted(p.name for p in runs.iterdir()) == [FOLDER, "index.html"]
     assert ran(trace) == []
 
 

@@ -1,4 +1,4 @@
-/*! hullrecon's report page, Apache-2.0, of sources 0b6f58c29036ad3ba178b4a21bb5c0810459040a3ef37307872858a0b7bb9700. Bundled:
+/*! hullrecon's report page, Apache-2.0, of sources 77a3331e71176e6a480afe5be2ce2953a7de1296dff369bf1807553e16d9a449. Bundled:
 
 Leaflet 1.9.4
 
