@@ -4,6 +4,7 @@ import dataclasses
 import io
 import os
 from collections import Counter
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mcap.writer import IndexType
 
+from benchmarks.fuzz.records import record_starts
 from hullrecon.dive.logs.messages.decode import decode
 from hullrecon.dive.logs.read_streams import read_streams
 from hullrecon.dive.logs.readers import mcap as mcap_module
@@ -127,6 +129,15 @@ def test_a_damaged_summary_is_done_without(kit, tmp_path, whole):
     messages, log = read(broken(tmp_path, bytes(data)))
     assert len(messages) == len(kit.dive())
     assert log.losses() == []
+    assert [remark for remark in log.remarks if "summary is damaged or does not fit its records" in remark]
+
+
+def test_a_chunk_that_was_cut_out_whole_is_no_silence(kit, tmp_path, whole):
+    data = whole.read_bytes()
+    start, end = next((a, b) for a, b in pairwise(record_starts(data)) if data[a] == 6)
+    messages, log = read(broken(tmp_path, data[:start] + data[end:]))
+    assert len(messages) < len(kit.dive())
+    assert any("whole chunks may be missing" in remark for remark in log.remarks)
 
 
 def test_chunks_without_a_checksum_are_remarked(kit, tmp_path):

@@ -77,6 +77,12 @@ def is_end_of_data(stream: BinaryIO, opcode: int, length: int, at: int, size: in
     return behind == foot or start == behind or _is_summary(stream, behind, foot)
 
 
+def claims_summary(stream: BinaryIO, size: int) -> bool:
+    """Return whether the file ends with a footer that says where its summary starts."""
+    footer = _footer(stream, size)
+    return footer is not None and footer[0] != 0
+
+
 def _footer(stream: BinaryIO, size: int) -> tuple[int, int] | None:
     """The start of the summary as the footer has it, and the footer's own byte; None where no footer and magic end the file."""
     at = size - FOOTER_SIZE - len(MAGIC)

@@ -31,7 +31,7 @@ from hullrecon.dive.logs.formats.mcap_records import (
     packed_at,
     read_chunk,
 )  # fmt: skip
-from hullrecon.dive.logs.formats.mcap_summary import Summary, is_end_of_data, read_summary
+from hullrecon.dive.logs.formats.mcap_summary import Summary, claims_summary, is_end_of_data, read_summary
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Message
 from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, UnpackBudget, fields
@@ -39,6 +39,7 @@ from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, Unpa
 BLOCK = 1 << 20
 LIKE_A_CHUNK = re.compile(rb"\x06(?=.{5}\x00\x00\x00)", re.DOTALL)  # no chunk is longer than 2^40 bytes
 PATIENCE = 4  # times the file's size: so much of chunks that turn out damaged is read before the rest is given up
+UNFIT_SUMMARY = "the MCAP's summary is damaged or does not fit its records: whole chunks may be missing"
 NO_CHECKSUM = "chunks of the MCAP carry no checksum: damage inside them may go unseen"
 
 
@@ -64,6 +65,8 @@ class McapLog(FileLog):
             else:
                 self._definitions = Definitions()
                 yield from self._from_start(stream, size)
+                if summary is None and claims_summary(stream, size):
+                    self.remarks.append(UNFIT_SUMMARY)
         self._tracker.count_lost("they belong to topics whose definition was lost", self._definitions.unknown)
         if self._seen.private:
             self.remarks.append(f"{self._seen.private} records of a private kind were left aside")
