@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The commands as functions, for notebooks and scripts: see examples/."""
 
-from hullrecon.api.change import diff
-from hullrecon.api.commands import MethodComparison, compare_methods, draw_figures, evaluate, run_dive
+from hullrecon.api.commands import MethodComparison, compare_methods, diff, draw_figures, evaluate, run_dive
 from hullrecon.api.dive_run import DiveRun, open_dive
 
 __all__ = ["DiveRun", "MethodComparison", "compare_methods", "diff", "draw_figures", "evaluate", "open_dive", "run_dive"]

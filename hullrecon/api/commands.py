@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""run, evaluate, compare-methods and figures as functions that return what the commands print."""
+"""run, evaluate, diff, compare-methods and figures as functions that return what the commands print."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ from hullrecon.artifacts.execution.runner import RunContext
 from hullrecon.artifacts.storage.writer import ArtifactWriter
 
 if TYPE_CHECKING:
+    from hullrecon.api.change import RunComparison
     from hullrecon.evaluation.comparison.method_comparison import MethodFigures
     from hullrecon.evaluation.figures.figure_style import PublishedFigure
     from hullrecon.evaluation.scoring.score import Score
@@ -64,6 +65,17 @@ def evaluate(run: Path | str, package: Path | str) -> Score:
     from hullrecon.evaluation.scoring.score import score_run
 
     return score_run(Path(run), Path(package))
+
+
+def diff(first: Path | str, second: Path | str) -> RunComparison:
+    """Return what changed on a hull from one run (RUNS/<dive>) to another; hullrecon.api.change writes its files.
+
+    Raises InputError when one of them is no finished run with a CAD model or when the CAD models are of different hulls,
+    StageError when they saw too little of the same hull.
+    """
+    from hullrecon.api.change import diff as diff_runs
+
+    return diff_runs(first, second)
 
 
 def compare_methods(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> MethodComparison:

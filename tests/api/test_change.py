@@ -103,3 +103,10 @@ def test_the_command_prints_the_verdict_first(
     assert lines[1] == "new: object 5 at frame 52, port, height 90 mm"
     assert lines[-1] == f"files: {tmp_path / 'out'}"
     assert json.loads((tmp_path / "out" / "change.json").read_text())["verdict"] == lines[0]
+
+
+def test_a_notebook_has_the_same_function(found: api.RunComparison, monkeypatch: pytest.MonkeyPatch) -> None:
+    import hullrecon
+
+    monkeypatch.setattr(api, "diff", lambda first, second: found)
+    assert hullrecon.diff("may", "june").change.first == "may"
