@@ -22,7 +22,12 @@ from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import Watch
 from hullrecon.dive.logs.summary import missing, needs
 from hullrecon.dive.logs.timeline import rate_hz
+<<<<<<< HEAD
 from hullrecon.dive.problems import Problems
+=======
+from hullrecon.dive.package_files import logo_of
+from hullrecon.errors import InputError
+>>>>>>> page
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import DvlPings
 
@@ -102,8 +107,8 @@ def check_package(
     check_images: looks at some of the images, by camera, and returns what contradicts the configuration.
     """
     request, missing_files = _leave_out_missing(loaded.package, request)
-    logo = loaded.value("report.logo")
-    missing_files += [f"{logo} (report.logo)"] if isinstance(logo, str) and not _exists(loaded.package / logo) else []
+    logo = logo_of(loaded)
+    missing_files += [f"{logo} (report.logo)"] if logo is not None and not _exists(loaded.package / logo) else []
     sampled: dict[str, SampledImages] = {}
     problems = Problems(go_on=True)
     found = ingest(loaded.package, request, lambda camera: sampled.setdefault(camera, SampledImages()), watch, problems)
