@@ -22,12 +22,8 @@ from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import Watch
 from hullrecon.dive.logs.summary import missing, needs
 from hullrecon.dive.logs.timeline import rate_hz
-<<<<<<< HEAD
-from hullrecon.dive.problems import Problems
-=======
 from hullrecon.dive.package_files import logo_of
-from hullrecon.errors import InputError
->>>>>>> page
+from hullrecon.dive.problems import Problems
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import DvlPings
 
