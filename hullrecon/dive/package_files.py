@@ -83,11 +83,17 @@ def _named_files(loaded: LoadedConfig) -> Iterator[tuple[str, Path]]:
             yield f"{camera.section}.calibration", package / calibration
     if config.hull is not None:
         yield "hull.mesh", package / config.hull.mesh
-    logo = loaded.value("report.logo")
-    if isinstance(logo, str):
+    logo = logo_of(loaded)
+    if logo is not None:
         yield "report.logo", package / logo
     for name in config.logs.files:
         yield from _files_of_log("logs.files", package / name, package)
+
+
+def logo_of(loaded: LoadedConfig) -> str | None:
+    """Return the file that [report] names as logo; None where it names none, or the chain has no such section."""
+    logo: object = getattr(loaded.sections.get("report"), "logo", None)
+    return logo if isinstance(logo, str) else None
 
 
 def _files_of_log(key: str, log: Path, package: Path) -> Iterator[tuple[str, Path]]:

@@ -21,6 +21,7 @@ from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import Watch
 from hullrecon.dive.logs.summary import is_runnable, missing
 from hullrecon.dive.logs.timeline import rate_hz
+from hullrecon.dive.package_files import logo_of
 from hullrecon.errors import InputError
 from hullrecon.geometry.frames import Camera
 
@@ -78,8 +79,8 @@ def check_package(
     check_images: looks at some of the images, by camera, and returns what contradicts the configuration.
     """
     request, missing_files = _leave_out_missing(loaded.package, request)
-    logo = loaded.value("report.logo")
-    missing_files += [f"{logo} (report.logo)"] if isinstance(logo, str) and not _exists(loaded.package / logo) else []
+    logo = logo_of(loaded)
+    missing_files += [f"{logo} (report.logo)"] if logo is not None and not _exists(loaded.package / logo) else []
     sampled: dict[str, SampledImages] = {}
     found = ingest(loaded.package, request, lambda camera: sampled.setdefault(camera, SampledImages()), watch)
     streams: Mapping[str, Stream] = {**found.records.by_name(), **found.images}
