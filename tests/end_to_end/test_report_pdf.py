@@ -26,9 +26,8 @@ def joined(texts):
 
 
 def test_pages_are_numbered(pages):
-    assert [re.search(r"(\d+) of (\d+)", text).groups() for text in pages] == [
-        (str(k), str(len(pages))) for k in range(1, len(pages) + 1)
-    ]
+    assert len(pages) > 5
+    assert [k for k, text in enumerate(pages, start=1) if f"{k} of {len(pages)}" not in text] == []
 
 
 def test_every_object_every_deliverable_and_every_parameter_is_on_paper(deliver, pages):

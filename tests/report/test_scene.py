@@ -154,6 +154,13 @@ def test_the_document_is_json_without_a_nan_and_each_array_begins_at_a_multiple_
         assert all(start % 4 == 0 for start in starts)
 
 
+def test_an_object_without_a_place_is_left_out(survey: Survey) -> None:
+    (one,) = survey.findings.objects or ()
+    lost = replace(one, id=2, center=(float("nan"),) * 3)
+    document = scene_of(replace(survey, findings=replace(survey.findings, objects=(one, lost)))).document
+    assert [shown["id"] for shown in document["objects"]] == [1]  # type: ignore[attr-defined]
+
+
 def test_a_form_of_nothing_has_no_relief() -> None:
     assert (relief_of(np.zeros((4, 3)), np.zeros(4)) == 0).all()
     assert relief_of(np.zeros((0, 3)), np.zeros(0)).shape == (0,)

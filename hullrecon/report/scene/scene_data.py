@@ -55,8 +55,8 @@ def make_scene(survey: Survey, view: ChartView | None) -> SceneView | None:
         "rest": None if rest is None else _pack(rest, outside, block),
         "has_form": surveyed.has_form,
         "has_cad": survey.is_in_hull_frame,
-        "path": _rounded(survey.track.poses.translation[:: max(1, -(-len(survey.track.t_ns) // MAX_PATH))]),
-        "objects": [_object(found) for found in survey.findings.objects or ()],
+        "path": _rounded(_known(survey.track.poses.translation)[:: max(1, -(-len(survey.track.t_ns) // MAX_PATH))]),
+        "objects": [_object(o) for o in survey.findings.objects or () if np.isfinite((*o.center, *o.normal)).all()],
     }
     return SceneView(document=document, block=b64encode(bytes(block)).decode())
 
@@ -95,8 +95,13 @@ def _object(found: ReportedObject) -> SceneDocument:
         "kind": "protrusion" if found.height >= 0 else "recess",
         "at": _rounded(np.array(found.center, float)),
         "normal": _rounded(np.array(found.normal, float)),
-        "outline": _rounded(np.array(found.outline, float).reshape(-1, 3)),
+        "outline": _rounded(_known(np.array(found.outline, float).reshape(-1, 3))),
     }
+
+
+def _known(points: Array) -> Array:
+    """Return the points (n, 3) without a NaN."""
+    return points[np.isfinite(points).all(axis=1)]
 
 
 def _rounded(values: Array) -> list[object]:
