@@ -24,7 +24,11 @@ STAMPS = 10**15 + PERIOD_NS * np.arange(COUNT)
 @pytest.fixture
 def dive(look, monkeypatch):
     """Features of a rig that moves by 8 cm from frame to frame: an 'image' is its camera and number."""
-    nodes = [look([0.08 * k, 0.01 * (k % 3), 0, 0, 0, 0], seed=k) for k in range(COUNT)]
+    move_past(look, monkeypatch)
+
+
+def move_past(look, monkeypatch, noise_px=0.2):
+    nodes = [look([0.08 * k, 0.01 * (k % 3), 0, 0, 0, 0], noise_px, seed=k) for k in range(COUNT)]
 
     def features(image, options):
         camera, row = image
@@ -55,6 +59,22 @@ def test_a_sound_rig_raises_nothing(rig, dive):
     assert found.problem is None
     assert found.error_px < 0.3
     np.testing.assert_allclose(found.depth_m, 1.3, atol=0.05)
+
+
+@pytest.mark.parametrize("noise_px", [0.1, 0.3, 0.6])
+def test_a_sound_rig_before_a_plane_raises_nothing(rig, wall, look, monkeypatch, noise_px):
+    """Two motions explain the images of a plane: the other one is no evidence against the calibration."""
+    wall.points[:, 2] = 1.3 + 0.001 * np.sin(50 * wall.points[:, 0])
+    move_past(look, monkeypatch, noise_px)
+    assert check(rig).problem is None
+
+
+@pytest.mark.parametrize("deg", [1.0, -1.0])
+def test_a_turned_rig_before_a_plane_is_named(rig, wall, look, monkeypatch, deg):
+    wall.points[:, 2] = 1.3 + 0.001 * np.sin(50 * wall.points[:, 0])
+    move_past(look, monkeypatch)
+    found = check(with_rig(rig, turned(rig.top_from_bottom, 0, deg)))
+    assert found.problem is not None
 
 
 @pytest.mark.parametrize("axis", range(3))

@@ -31,6 +31,7 @@ MIN_PAIRS = 3
 MAX_ERROR_PX = 1.5  # median, as wide as the band in which stereo matches are sought
 MAX_TURN_DEG = 0.3  # of the bottom camera; a calibration under water is good to a tenth
 TURN_SIGMAS = 5.0
+CLEARLY_BETTER = 1.2  # the median error of one fit over another's
 MAX_SHARE = 0.3  # of the pairs, beyond MAX_ERROR_PX
 MAX_SHIFT = 3  # frames by which the stamps of one camera may be off
 MAX_DEPTH_RATIO = 0.15  # between stereo and DVL: a curved hull, relief and lever arms make some of it
@@ -232,7 +233,9 @@ def _explain(look: _Look, pairs: Sequence[_Matched], error_px: float) -> RigProb
 
 def _turned(look: _Look, pairs: Sequence[_Matched], error_px: float, sigma_rad: float) -> RigProblem | None:
     """Return words where the matches lie near their lines and yet show the bottom camera turned towards the top one."""
-    found, covariance, fitted_px = _fit(pairs, look.focal_px)
+    # Images of a plane fit two motions alike: the one next to what is given counts, unless another is clearly better.
+    near, far = _fit(pairs, look.focal_px, look.given), _fit(pairs, look.focal_px)
+    found, covariance, fitted_px = near if near[2] <= CLEARLY_BETTER * far[2] else far
     turn = np.linalg.norm(Rotation.from_matrix(look.given[:3, :3].T @ found[:3, :3]).as_rotvec())
     sigma = float(np.sqrt(np.linalg.eigvalsh(covariance[:3, :3]).max()))
     if turn < max(np.radians(MAX_TURN_DEG) + 3 * sigma_rad, TURN_SIGMAS * sigma):
@@ -249,11 +252,15 @@ def _contradiction(found: Array, given: Array, error_px: float, fitted_px: float
     )
 
 
-def _fit(pairs: Sequence[_Matched], focal: float) -> tuple[Array, Array, float]:
+def _fit(pairs: Sequence[_Matched], focal: float, given: Array | None = None) -> tuple[Array, Array, float]:
     """Return the motion (4, 4) from the top to the bottom camera that all pairs of images fit best, |t| = 1, its covariance
-    (5, 5), and the median error, px."""
+    (5, 5), and the median error, px. given: the motion to start from; None: that of the pair whose own fits all best."""
     top, bottom = (np.concatenate([getattr(m, name) for m in pairs]) for name in ("top", "bottom"))
-    start = min((m.motion for m in pairs), key=lambda k: float(np.median(sampson_squared(essential_of(k), top, bottom))))
+    if given is None:
+        start = min((m.motion for m in pairs), key=lambda k: float(np.median(sampson_squared(essential_of(k), top, bottom))))
+    else:
+        start = given.copy()
+        start[:3, 3] /= np.linalg.norm(given[:3, 3])
     for _ in range(2):
         squared = sampson_squared(essential_of(start), top, bottom)
         near = squared < 9 * max(float(np.median(squared)) / 0.455, 1e-12)
