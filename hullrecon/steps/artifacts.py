@@ -149,6 +149,11 @@ class LinksArtifact(StepArtifact):
         return self._required("pairs.npz", NodePairs)
 
     @property
+    def compared(self) -> NodePairs | None:
+        """Return the pairs; None where no camera was carried."""
+        return self._optional("pairs.npz", NodePairs)
+
+    @property
     def features(self) -> PairFeatures:
         return self._required("features.npz", PairFeatures)
 

@@ -134,7 +134,7 @@ def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig:
         log=msgspec.convert(ingest.findings, LogFindings),
         navigation=msgspec.convert(artifacts.navigate.facts, NavigationFacts),
         pairs=msgspec.convert(matches.pairs if matches is not None else {}, PairFacts),
-        node_pairs=artifacts.links.pairs if artifacts.links is not None else None,
+        node_pairs=artifacts.links.compared if artifacts.links is not None else None,
         about=_about(context),
     )
 

@@ -165,6 +165,7 @@ def measured_steps(rng: np.random.Generator, truth: Poses, navigation: np.ndarra
         by_navigation=by_navigation,
         by_mount=by_mount,
         by_tray=np.zeros((m, 6)),
+        from_images=np.zeros(m, bool),
     )
 
 

@@ -21,7 +21,7 @@ def change_page(change: HullChange, png: bytes) -> str:
     from jinja2 import DictLoader, Environment, StrictUndefined
 
     folder = resources.files("hullrecon.report") / "templates"
-    texts = {name: (folder / name).read_text(encoding="utf-8") for name in ("change.html", "style.css")}
+    texts = {name: (folder / name).read_text(encoding="utf-8") for name in ("change.html", "report.css")}
     environment = Environment(
         loader=DictLoader(texts), autoescape=lambda name: name == "change.html", undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
