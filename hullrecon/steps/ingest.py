@@ -27,7 +27,7 @@ from hullrecon.records.serialisation import to_arrays
 from hullrecon.typing import Array
 
 USES = (
-    "dive.start", "dive.end",
+    "dive.from", "dive.to",
     "logs", "topics", "tray.joint", "sonar.joint", "imu.frame", "imu.mount_deg", "pressure.density", "pressure.gravity",
     "pressure.atmosphere", "pressure.z_axis",
     "dvl.beams", "dvl.beam_angle_deg", "dvl.beam_azimuth_deg", "dvl.sigma_velocity",
@@ -62,8 +62,8 @@ def request_of(settings: StageSettings) -> IngestRequest:
         offset_ns={c.key: offset_ns(settings.read_optional(f"{c.section}.time_offset", float) or 0.0) for c in Camera},
         mesh=settings.read_optional("hull.mesh", str),
         units=settings.read_optional("hull.units", str) or "m",
-        start=_instant(settings, "dive.start"),
-        end=_instant(settings, "dive.end"),
+        start=_instant(settings, "dive.from"),
+        end=_instant(settings, "dive.to"),
     )
 
 

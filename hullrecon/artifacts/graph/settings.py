@@ -7,6 +7,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from msgspec import Struct, structs
+
 from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.artifacts.storage.documents import Json, plain
@@ -50,6 +52,8 @@ def _section(sections: Mapping[str, object], dotted: str) -> object:
         return sections[dotted]
     outer, _, inner = dotted.rpartition(".")
     section = _section(sections, outer) if outer else None
+    if isinstance(section, Struct):  # as it is written: an option `from` is a field of another name
+        inner = {field.encode_name: field.name for field in structs.fields(type(section))}.get(inner, inner)
     if section is not None and not hasattr(section, inner):
         raise RuntimeError(f"section {outer} has no option {inner}")
     return getattr(section, inner, None)

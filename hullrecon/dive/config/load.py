@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import TypeVar
 
 import msgspec
-from msgspec import Struct
+from msgspec import Struct, structs
 
 from hullrecon.dive.config.config_errors import explain_error, refuse_deep, refuse_not_finite, shorten
 from hullrecon.dive.config.schema import DiveConfig, Dvl, Topics
@@ -45,9 +45,12 @@ class LoadedConfig:
             return self.sections[dotted]
         parent, _, key = dotted.rpartition(".")
         section = self.value(parent) if parent else None
-        if isinstance(section, Struct) and key not in section.__struct_fields__:
+        if not isinstance(section, Struct):
+            return None if section is None else getattr(section, key)
+        names = {field.encode_name: field.name for field in structs.fields(type(section))}
+        if key not in names:
             raise KeyError(dotted)
-        return None if section is None else getattr(section, key)
+        return getattr(section, names[key])
 
 
 def load_config(
