@@ -73,7 +73,8 @@ def run_fleet(
                     index.forget(to_do[package].name)
                     index.write(done.values(), running)
         finally:
-            index.write(done.values())
+            if to_do or not index.exists():  # a call that finds nothing to do reads no results
+                index.write(done.values())
     return FleetResult(dives_folder=here, runs=out, dives=tuple(done.values()), skipped=tuple(skipped))
 
 

@@ -48,6 +48,10 @@ class FleetIndex:
         """Read the result of a dive again, which has ended."""
         self._known.pop(name or "", None)
 
+    def exists(self) -> bool:
+        """Return whether the page, or a dive of its name, is there."""
+        return (self._runs / FILE).exists()
+
     def write(self, dives: Iterable[FleetDive], running: Collection[Path] = ()) -> None:
         """Write the page, durably and in one step. running: packages of the dives that are at work now."""
         dives = list(dives)
@@ -66,7 +70,10 @@ class FleetIndex:
 
     def _others(self, names: Collection[str | None]) -> list[IndexRow]:
         """Return the runs that lie here and are none of this fleet's."""
-        there = sorted(path.name for path in self._runs.iterdir() if path.name not in names and not path.name.startswith("."))
+        there = sorted(
+            path.name for path in self._runs.iterdir()
+            if path.name not in names and not path.name.startswith(".") and path.is_dir()
+        )  # fmt: skip
         rows = [self._with_result(name, "done", "done, not of this fleet", "", True, name) for name in there]
         return [row for row in rows if row.link]
 
