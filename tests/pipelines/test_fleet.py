@@ -28,7 +28,7 @@ def test_a_fleet_is_made_and_then_left_alone_without_a_word(fleet, make_package,
         answer = fleet(tmp_path / "dives", 2)
         assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
     assert trace.read_text().split().count("report") == 2
-    assert {p.name for p in (tmp_path / "runs").iterdir()} == {"kestrel", "merlin", ".fleet"}
+    assert {p.name for p in (tmp_path / "runs").iterdir()} == {"kestrel", "merlin", ".fleet", "index.html"}
     assert "report: done" in (tmp_path / "runs" / ".fleet" / "logs" / "merlin.log").read_text()
 
 
