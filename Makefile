@@ -48,6 +48,7 @@ demo: setup
 	@echo "Open the report: $(abspath $(RUNS))/$(notdir $(DEMO))/deliver/report/index.html"
 
 test: setup
+	@bash pipelines/setup.sh browser
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile -q
 
 check: lint types imports format

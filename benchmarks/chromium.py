@@ -32,8 +32,7 @@ def find_browser() -> str:
         if path is not None and not _is_snap_stub(Path(path)):
             return path
     raise NoBrowserError(
-        "no Chromium was found: apt-get install chromium (Debian), or Google Chrome where chromium is a snap (Ubuntu);"
-        " pytest --ignore=tests/browser leaves these tests out"
+        "no Chromium was found: apt-get install chromium (Debian), or Google Chrome where chromium is a snap (Ubuntu)"
     )
 
 

@@ -4,17 +4,15 @@
 #
 # Called by the Makefile.   setup.sh packages VENV   system packages, virtual environment, locked wheels
 #                           setup.sh install VENV    hullrecon itself, with its native module
+#                           setup.sh browser         for tests of the report's page only: a browser, where this system has one
 #
 # SKIP_SYSTEM_PACKAGES=1 leaves the system as it is: then the compiler and the libraries have to be there.
 set -euo pipefail
 
 # libegl1, libgl1 and libusb-1.0-0 are for open3d alone; libopenblas-dev keeps libceres-dev from choosing the slow ATLAS; Pango and
-# libharfbuzz-subset0 are for report.pdf; chromium is for tests of the report's page.
+# libharfbuzz-subset0 are for report.pdf.
 SYSTEM=(make g++ python3 python3-venv python3-dev libceres-dev libsuitesparse-dev libopenblas-dev doctest-dev
         libegl1 libgl1 libgomp1 libusb-1.0-0 libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0)
-
-# Ubuntu's package chromium starts a snap, which is no use where there is no snapd: there the tests take Google Chrome.
-grep -qs '^ID=ubuntu' /etc/os-release || SYSTEM+=(chromium)
 
 die() { echo "setup: $*" >&2; exit 1; }
 
@@ -50,6 +48,26 @@ system_packages() {
     fi
 }
 
+# Nothing but tests needs a browser, so what cannot be had is said and left out: those tests are then skipped.
+browser() {
+    local name
+    for name in chromium google-chrome-stable google-chrome; do
+        dpkg-query -W -f='${db:Status-Status}\n' "$name" 2>/dev/null | grep -qx installed && return
+    done
+    local line="apt-get install -y --no-install-recommends chromium"
+    if [ "${SKIP_SYSTEM_PACKAGES:-}" = 1 ]; then
+        echo "setup: no browser: tests of the report's page will be skipped (SKIP_SYSTEM_PACKAGES=1)"
+    elif grep -qs '^ID=ubuntu' "${OS_RELEASE:-/etc/os-release}"; then
+        echo "setup: no browser: tests of the report's page will be skipped (Ubuntu's chromium is a snap; install Google Chrome)"
+    elif [ "$(id -u)" -ne 0 ] || ! command -v apt-get >/dev/null; then
+        echo "setup: no browser: tests of the report's page will be skipped (as root: $line)"
+    else
+        announce "$line"
+        apt-get update -q && DEBIAN_FRONTEND=noninteractive $line ||
+            echo "setup: no browser could be installed: tests of the report's page will be skipped"
+    fi
+}
+
 environment() {
     local venv=$1 python=${PYTHON:-python3}
     "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || die "Python 3.11 or later is needed ($python is older)"
@@ -69,5 +87,6 @@ install() {
 case "${1:-}" in
     packages) system_packages; environment "$2" ;;
     install) install "$2" ;;
-    *) die "usage: setup.sh packages|install VENV" ;;
+    browser) browser ;;
+    *) die "usage: setup.sh packages|install VENV, or setup.sh browser" ;;
 esac
