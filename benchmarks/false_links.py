@@ -24,9 +24,9 @@ from hullrecon.steps.artifacts import IngestArtifact, NavigateArtifact
 from hullrecon.steps.chain import stages
 from hullrecon.typing import Array, Ints
 from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pair_match import Reason
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchPairs, MatchStereo, MatchWorker, NodePair
-from hullrecon.vision.pairs.matching import Reason
 from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import no_matches
 

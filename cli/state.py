@@ -60,7 +60,7 @@ class _Stderr(logging.StreamHandler[TextIO]):
 
     @stream.setter
     def stream(self, value: TextIO) -> None:
-        """sys.stderr is always the one."""
+        """Leave it: sys.stderr is always the one."""
 
 
 class _MessageFormatter(logging.Formatter):
@@ -72,7 +72,7 @@ class _MessageFormatter(logging.Formatter):
 
 
 def configure_logging(state: CallState) -> None:
-    """Standard error as --quiet and --verbose ask, the log file with everything and the time."""
+    """Set up logging: standard error as --quiet and --verbose ask, the log file with everything and the time."""
     logger = logging.getLogger("hullrecon")
     for handler in logger.handlers[:]:
         logger.removeHandler(handler)
@@ -119,7 +119,7 @@ def _file_handler(path: Path) -> logging.Handler:
 
 
 def add_common_options(command: click.Command) -> None:
-    """--verbose, --quiet, --json and --log-file on every command too, so that they may stand at either place."""
+    """Add --verbose, --quiet, --json and --log-file to a command too, so that they may stand at either place."""
     taken = {name for parameter in command.params for name in parameter.opts}
     for option in common_options():
         if not taken.intersection(option.opts):

@@ -18,7 +18,7 @@ from pathlib import Path
 from PIL import Image
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
-SIZES = {"report.png": (1280, 2330), "report_phone.png": (390, 2180)}  # summary and map; the second on a phone
+SIZES = {"report.png": (1280, 2735), "report_phone.png": (390, 2376)}  # ship, verdict, map and 3-D; on a phone up to the map
 COLOURS = 256
 
 

@@ -143,9 +143,14 @@ def _manifests(workspace: Workspace) -> Mapping[str, Manifest]:
     return found
 
 
+def cad_model_gap(first: Mesh, second: Mesh) -> float:
+    """Return how far apart the surfaces of two CAD models lie at most, in metres, however they are meshed."""
+    return max(_farthest_vertex(first, second), _farthest_vertex(second, first))
+
+
 def _refuse_other_hull(before: FinishedRun, after: FinishedRun) -> None:
-    """Raise InputError where the CAD models differ by geometry, however they are meshed."""
-    gap = max(_farthest(before.cad_model, after.cad_model), _farthest(after.cad_model, before.cad_model))
+    """Raise InputError where the CAD models differ by geometry."""
+    gap = cad_model_gap(before.cad_model, after.cad_model)
     if not gap <= SAME_CAD_M:
         raise InputError(
             f"the CAD models are of different hulls: they lie up to {gap:.3g} m apart",
@@ -153,7 +158,7 @@ def _refuse_other_hull(before: FinishedRun, after: FinishedRun) -> None:
         )  # fmt: skip
 
 
-def _farthest(mesh: Mesh, other: Mesh, most: int = 20_000) -> float:
-    """Return how far any vertex of a mesh, or enough of them, lies from another."""
+def _farthest_vertex(mesh: Mesh, other: Mesh, most: int = 20_000) -> float:
+    """Return the greatest distance in metres of a vertex of a mesh (of some `most` of them) from another mesh."""
     some = mesh.vertices[:: max(1, len(mesh.vertices) // most)]
     return float(np.abs(Scene(other).closest(some).distance).max(initial=0.0))

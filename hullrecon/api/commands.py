@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from hullrecon.api.dive_run import DiveRun, open_dive
 from hullrecon.api.method_variants import (
-    COMPARED,
     find_objects,
     read_dead_reckoning,
     read_objects,
@@ -23,6 +22,7 @@ from hullrecon.artifacts.execution.chain_runner import first_failure, run_chain
 from hullrecon.artifacts.execution.executor import choose_executor
 from hullrecon.artifacts.execution.progress import Progress, Silent
 from hullrecon.artifacts.execution.runner import RunContext
+from hullrecon.artifacts.storage.claim import COMPARE_FOLDER
 from hullrecon.artifacts.storage.writer import ArtifactWriter
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def draw_figures(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = No
         solve_all(dive, run_context)
         find_objects(dive, run_context)
     figures = draw(read_solutions(dive), read_dead_reckoning(dive), truth, read_objects(dive))
-    folder = dive.workspace.root / COMPARED / "figures"
+    folder = dive.workspace.root / COMPARE_FOLDER / "figures"
     out = ArtifactWriter(folder)
     for figure in figures:
         out.bytes(f"{figure.name}.png", figure.png)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The solves that `compare-methods` and `figures` set side by side: solved when out of date, read back when they are there."""
+"""The variants of the method that `compare-methods` and `figures` need: solved when out of date, else read back."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from hullrecon.artifacts.execution.runner import RunContext, build
 from hullrecon.artifacts.graph.chain import Chain, inputs_of
 from hullrecon.artifacts.graph.job import make_job
 from hullrecon.artifacts.graph.plan import assess_step
+from hullrecon.artifacts.storage.claim import COMPARE_FOLDER
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.errors import InputError
 
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from hullrecon.evaluation.comparison.comparison import DeadReckoning, SolvedVariant
     from hullrecon.records.deliverables import ReportedObject
 
-COMPARED = "compare"  # RUNS/<dive>/compare/<variant>/adjust: one workspace a variant, beside the chain's own artifacts
 WHOLE_SOLVE_ITERATIONS = 200  # 26 to 51 in [Ozog2016 Fig. 4.13]
 
 
@@ -48,10 +48,10 @@ class MethodVariant:
         return replace(whole, sections={**whole.sections, "adjust": own})
 
     def workspace(self, dive: DiveRun) -> Workspace:
-        """Return the run's own folder for the variant that the chain itself solves, else one below `compare`."""
+        """Return RUNS/<dive> for the variant that the chain itself solves, else RUNS/<dive>/compare/<variant>."""
         if self.chain(dive.chain).sections["adjust"] == dive.chain.sections["adjust"]:
             return dive.workspace
-        return Workspace(dive.workspace.root / COMPARED / f"{self.method}-{self.weighting.replace(' ', '-')}")
+        return Workspace(dive.workspace.root / COMPARE_FOLDER / f"{self.method}-{self.weighting.replace(' ', '-')}")
 
 
 def variants() -> list[MethodVariant]:

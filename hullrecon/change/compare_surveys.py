@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""From two surveys of one hull to what changed between them."""
+"""From two surveys of one hull to what changed between them (docs/methods.md 19)."""
 
 from __future__ import annotations
 

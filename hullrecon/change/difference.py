@@ -59,7 +59,7 @@ def well_seen(relief: Relief, options: ChangeOptions) -> Mask:
 
 
 def _beyond(height: Array, of: Array, cells: int) -> Array:
-    """Return how far heights (a, g) lie above or below all of the other survey's within so many cells."""
+    """Return how far heights (a, g) lie above or below all of the other survey's within so many cells: docs/methods.md (71)."""
     from scipy.ndimage import maximum_filter, minimum_filter
 
     reach = np.hypot(*np.mgrid[-cells : cells + 1, -cells : cells + 1]) <= cells + 0.5
@@ -148,7 +148,7 @@ def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOption
 
 
 def corrected_p_value(value: float, sigma: float, places: int) -> float:
-    """Return the two-sided probability that any of so many places shows this value by its sigma alone."""
+    """Return the two-sided probability that any of so many places shows this value by its sigma alone: docs/methods.md (72)."""
     from scipy.special import log_ndtr
 
     one = np.log(2.0) + float(log_ndtr(-abs(value) / max(sigma, 1e-9)))

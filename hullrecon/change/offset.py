@@ -5,7 +5,7 @@
 Each dive places itself on the CAD model to centimetres, along a parallel side to decimetres. That offset is no change of the
 hull. It is estimated as one rigid motion: first its part along the hull and in girth, by trying all shifts that the hull poses
 leave open, then all six numbers by robust least squares on the heights of one survey over the other, held by the hull poses'
-covariances.
+covariances (docs/methods.md 19).
 """
 
 from __future__ import annotations
@@ -59,7 +59,10 @@ class _Solved:
 
 @dataclass(frozen=True, kw_only=True)
 class _Fit:
-    """Robust least squares of the six numbers about a center (3,), held by their prior covariance (6, 6)."""
+    """Robust least squares of the six numbers about a center (3,), held by their prior covariance (6, 6).
+
+    docs/methods.md (68).
+    """
 
     chart: Chart
     lattice: Lattice
@@ -239,7 +242,7 @@ def _samples(chart: Chart, lattice: Lattice, height: Array, shared_m: float) -> 
 
 def _covariance(information: Array, held: Array, by_error: Array, block: Ints) -> Array:
     """Return the covariance (6, 6) of a solution whose right-hand side each point's error enters by (n, 6): errors of a block
-    of the hull are one, beside what independent errors would leave."""
+    of the hull are one, beside what independent errors would leave: docs/methods.md (69)."""
     inverse = np.linalg.inv(information)
     total = np.stack([np.bincount(block, np.ascontiguousarray(by_error[:, k])) for k in range(6)], axis=1)
     spread = np.asarray(total.T @ total, float)

@@ -75,7 +75,7 @@ def hull_patches(mesh: Mesh) -> HullPatches:
 
 
 def camera_facts(hull: HullPatches, seen: Visibility, focal_px: float, images: int) -> Facts:
-    """Area, metres per pixel on the surface and incidence, each at its best view."""
+    """Return area, metres per pixel on the surface and incidence, each at its best view."""
     which = seen.views > 0
     gsd = seen.distance[which] / focal_px
     incidence = np.degrees(np.arccos(np.clip(seen.cosine[which], -1, 1)))
@@ -87,14 +87,14 @@ def camera_facts(hull: HullPatches, seen: Visibility, focal_px: float, images: i
 
 
 def covered_by_surface(hull: HullPatches, vertices: Array, reach_m: float) -> Mask:
-    """Pieces that the DVL's surface with those vertices covers."""
+    """Return the pieces that the DVL's surface with those vertices covers."""
     if not len(vertices):
         return np.zeros(len(hull.area), bool)
     return np.asarray(np.isfinite(nearest(vertices, hull.mesh.vertices, 1, reach_m)[0][:, 0]))
 
 
 def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mask:
-    """Pieces inside any ping's fan: range, bearing and elevation fit, facing the sonar, nothing in front.
+    """Return the pieces inside any ping's fan: range, bearing and elevation fit, facing the sonar, nothing in front.
 
     z of the sonar looks along the middle of the fan, x out of its plane (docs/conventions.md).
     """
@@ -123,7 +123,7 @@ def area_facts(hull: HullPatches, seen: Mask) -> Facts:
 
 
 def find_holes(hull: HullPatches, seen: Mask, chart: Chart, address: Callable[[Array], str]) -> list[Facts]:
-    """Parts of the chart inside the surveyed area that nothing was seen of, the largest first: address, center, area.
+    """Return the parts of the chart inside the surveyed area that were not seen, the largest first: address, center, area.
 
     Without a CAD model there is no patch where there was nothing to see; such parts are holes as well. What lies off the hull
     is none.

@@ -80,7 +80,7 @@ def rows_in_image(views: CameraViews, view: int, points: Array, near: Ints) -> I
 
 
 def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints]]:
-    """View by view the rows of points (n, 3) in its image and within reach, hidden ones included."""
+    """Yield view by view the rows of points (n, 3) in its image and within reach, hidden ones included."""
     around = Around(points)
     for view in range(len(views)):
         center = views.T_x_c.translation[view]
@@ -90,7 +90,7 @@ def iterate_views(views: CameraViews, points: Array) -> Iterator[tuple[int, Ints
 
 
 def find_visibility(views: CameraViews, points: Array, normals: Array, scene: Scene) -> Visibility:
-    """Which views saw the points (n, 3) with normals (n, 3): in the image, facing it, nothing of the scene in between."""
+    """Return which views saw the points (n, 3) with normals (n, 3): in the image, facing it, nothing of the scene between."""
     count = np.zeros(len(points), np.int64)
     best, cosine = np.full(len(points), np.inf), np.full(len(points), np.nan)
     for view, rows in iterate_views(views, points):

@@ -15,7 +15,7 @@ REDUCED = 4  # the coarsest band is made at a quarter of the size: six times fas
 
 
 def split_bands(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
-    """Coarse, middle and fine band (h, w, channels); their sum is the picture."""
+    """Return the coarse, middle and fine band (h, w, channels); their sum is the picture."""
     import cv2
 
     size = (picture.shape[1], picture.shape[0])
@@ -27,6 +27,6 @@ def split_bands(picture: Floats32) -> tuple[Floats32, Floats32, Floats32]:
 
 
 def band_weight(ratio: NDArray[np.floating], steepness: float) -> Floats32:
-    """B_k(r) = exp(-k r/R) / (1 + exp(-2 k r/R)), for r/R from 0 to 1; 0 where that is NaN."""
+    """Return B_k(r) = exp(-k r/R) / (1 + exp(-2 k r/R)), for r/R from 0 to 1; 0 where that is NaN."""
     fall = np.exp(-steepness * np.nan_to_num(ratio, nan=0.0))
     return np.where(np.isfinite(ratio), fall / (1 + fall * fall), 0).astype(np.float32)

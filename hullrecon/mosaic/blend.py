@@ -54,7 +54,7 @@ def blend_tile(
     limits: ViewLimits,
     channels: int,
 ) -> Tile:
-    """Return the story of a tile: its surface, the four best views of each texel, their weighted bands."""
+    """Return a tile, from its surface and the four best views of each texel, their weighted bands."""
     patch = sample_surface(surface, grid, window)
     near = [k for k, w in enumerate(windows) if not w.meet(window).empty]
     choice = choose_views(surface, patch, window, {k: image_views[k] for k in near}, {k: windows[k] for k in near}, limits)
@@ -69,7 +69,7 @@ def choose_views(
     windows: dict[int, Window],
     limits: ViewLimits,
 ) -> BestViews:
-    """Best views first by distance from the image's best place, plus the slant of the view."""
+    """Return the best views first by distance from the image's best place, plus the slant of the view."""
     best = BestViews(
         view=np.full((VIEWS, *window.shape), -1, np.int32), cost=np.full((VIEWS, *window.shape), np.inf, np.float32)
     )
@@ -83,7 +83,7 @@ def choose_views(
 def view_cost(
     surface: MosaicSurface, patch: SurfacePatch, part: tuple[slice, slice], image_view: ImageView, limits: ViewLimits
 ) -> Floats32:
-    """(h, w) of the part: lower is better, inf where the view does not see the texel."""
+    """Return the cost (h, w) of a view for the part: lower is better, inf where the view does not see the texel."""
     inside = patch.part(part)
     point = inside.point.reshape(-1, 3)
     cost = np.full(len(point), np.inf, np.float32)
@@ -116,7 +116,7 @@ def blend(
     windows: Sequence[Window],
     channels: int,
 ) -> Tile:
-    """Weighted bands, normalised a band; the variance is that of the intensities under the mean of the bands' weights."""
+    """Return the weighted bands, normalised a band; the variance is of intensities under the mean of the bands' weights."""
     shape = window.shape
     total = [np.zeros((*shape, channels), np.float32) for _ in STEEPNESS]
     weights = [np.zeros(shape, np.float32) for _ in STEEPNESS]

@@ -35,7 +35,7 @@ class Window:
         return Window(top, max(top, min(self.bottom, other.bottom)), left, max(left, min(self.right, other.right)))
 
     def within(self, outer: Window) -> tuple[slice, slice]:
-        """Slices of this window in an array of the outer one's shape."""
+        """Return slices of this window in an array of the outer one's shape."""
         return (
             slice(self.top - outer.top, self.bottom - outer.top),
             slice(self.left - outer.left, self.right - outer.left),
@@ -57,7 +57,7 @@ class TexelGrid:
         return Window(0, self.height, 0, self.width)
 
     def centers(self, rows: Array, columns: Array) -> Array:
-        """(len(rows), len(columns), 2) along and girth of texel centres; rows and columns may be fractions."""
+        """Return (len(rows), len(columns), 2) along and girth of texel centres; rows and columns may be fractions."""
         along = self.west + (columns + 0.5) * self.step_m
         girth = self.north - (rows + 0.5) * self.step_m
         return np.stack(np.broadcast_arrays(along[None, :], girth[:, None]), axis=-1)
@@ -74,7 +74,7 @@ class TexelGrid:
         return found.meet(self.whole)
 
     def tiles(self, size: int) -> Iterator[Window]:
-        """Square windows in row-major order; the last of a row or column stick out of the raster."""
+        """Yield square windows in row-major order; the last of a row or column stick out of the raster."""
         for top in range(0, self.height, size):
             for left in range(0, self.width, size):
                 yield Window(top, top + size, left, left + size)

@@ -47,7 +47,7 @@ def build_occlusion_horizon(mesh: Mesh, chart: Chart, bounds: Array, span_m: flo
 
 
 def hidden_from(horizon: OcclusionHorizon, point: Array, normal: Array, step_m: float) -> Floats32:
-    """(h, w): the tangent of the incidence up to which nothing can hide the texel, for texels point and normal (h, w, 3).
+    """Return the tangent (h, w) of the incidence up to which nothing can hide a texel of that point and normal (h, w, 3).
 
     A line of sight with the tangent t rises 1 m over t metres along the tangent plane. What stands h above that plane at
     the

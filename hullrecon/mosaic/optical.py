@@ -40,7 +40,10 @@ class OpticalMosaic:
 def optical_mosaic(
     surface: MosaicSurface, cameras: Sequence[CameraImages], options: OpticalOptions, progress: Progress
 ) -> OpticalMosaic:
-    """Footprints, light, then tile by tile. ValueError when no image meets the surface or the raster would be too large."""
+    """Return the mosaic: footprints, light, then tile by tile.
+
+    Raises ValueError when no image meets the surface or the raster would be too large.
+    """
     image_views = plain_views(cameras)
     footprints = compute_footprints(surface, image_views)
     gsd = ground_sample_distance(cameras, footprints)
@@ -63,7 +66,7 @@ def optical_mosaic(
 
 
 def ground_sample_distance(cameras: Sequence[CameraImages], footprints: Footprints) -> float:
-    """Median distance over focal length, metres. ValueError when no image meets the surface."""
+    """Return the median distance over focal length, metres. Raises ValueError when no image meets the surface."""
     focal = np.concatenate([np.full(len(s.rows), 0.5 * (s.camera.fx + s.camera.fy)) for s in cameras])
     gsd = footprints.distance / focal
     if not np.isfinite(gsd).any():

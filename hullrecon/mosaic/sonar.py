@@ -43,12 +43,12 @@ class SonarView:
         return np.asarray(self.pose.translation[0])
 
     def project(self, points: Array) -> tuple[Array, Array]:
-        """Pixel: range bin, beam. r/R on the fan as displayed, from u = w/2, v = 3h/4."""
+        """Return pixels (range bin, beam) and r/R on the fan as displayed, from u = w/2, v = 3h/4."""
         inside = (points - self.center) @ self.pose.rotation.as_matrix()[0]
         return self.fan.locate(inside)
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Rays all over the aperture; where the surface is met beyond the last range, the point at that range."""
+        """Return rays all over the aperture; where the surface is met beyond the last range, the point at that range."""
         rays = self.fan.rays(bearings=9, elevations=13) @ self.pose.rotation.as_matrix()[0].T
         gone = surface.scene.cast(np.tile(self.center, (len(rays), 1)), rays)
         gone = np.where(np.isfinite(gone), np.minimum(gone, self.fan.range_m[-1]), np.nan)
@@ -72,7 +72,10 @@ class SonarMosaic:
 def sonar_mosaic(
     surface: MosaicSurface, pings: SonarPings, poses: Poses, elevation_rad: float, options: SonarOptions, progress: Progress
 ) -> SonarMosaic:
-    """poses: T_M_o at the pings; elevation_rad: the full aperture out of the fan. ValueError when no ping meets the surface."""
+    """Return the mosaic. poses: T_M_o at the pings; elevation_rad: the full aperture out of the fan.
+
+    Raises ValueError when no ping meets the surface.
+    """
     fan = build_fan(pings.directions, pings.range_m, options.aperture_share * elevation_rad)
     image_views = [SonarView(pose=poses[i], fan=fan, image=image) for i, image in enumerate(pings.image)]
     footprints = compute_footprints(surface, image_views)

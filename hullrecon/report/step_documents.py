@@ -64,7 +64,7 @@ class SensorErrors(StepDocument, frozen=True):
     roll_bias_rad: float = 0.0
     pitch_bias_rad: float = 0.0
     depth_bias_m: float = 0.0
-    tray_play_rad: float = 0.0
+    tray_backlash_rad: float = 0.0
 
 
 class WeakDirection(StepDocument, frozen=True):

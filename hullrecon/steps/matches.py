@@ -13,8 +13,8 @@ from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.vision.match_images import MatchedImages, join_images
 from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pair_match import REASON_TEXTS
 from hullrecon.vision.pairs.match_worker import MatchWorker
-from hullrecon.vision.pairs.matching import REASON_TEXTS
 from hullrecon.vision.stereo.camera_rig import CameraRig
 
 

@@ -28,7 +28,7 @@ class NotPositiveDefiniteError(StageError):
 
 
 def factorise(matrix: sparse.csr_array) -> Factor:
-    """Raises NotPositiveDefiniteError when a pivot is not positive."""
+    """Return the factor. Raises NotPositiveDefiniteError when a pivot is not positive."""
     n = matrix.shape[0]
     if n <= SMALL or matrix.nnz > 0.3 * n * n:
         return _Dense(matrix)

@@ -27,12 +27,11 @@ class Regression:
     factor: Factor
 
     def mean(self, wanted: Array) -> Array:
-        """Predicted values [Ozog2016 eq. 3.2] at (m, 2)."""
+        """Return predicted values [Ozog2016 eq. 3.2] at (m, 2)."""
         return np.asarray(self.kernel.matrix(wanted, self.at) @ self.weights)
 
     def sigma(self, wanted: Array, noise: float = 0.0) -> Array:
-        """Deviations [Ozog2016 eq. 3.3] at (m, 2): one sigma of the surface; with the noise of a return, one sigma of the next
-        return."""
+        """Return sigmas [Ozog2016 eq. 3.3] at (m, 2): of the surface; with the noise of a return, of the next return."""
         parts = [self._explained_variance(wanted[i : i + CHUNK]) for i in range(0, len(wanted), CHUNK)]
         variance = np.concatenate([np.zeros(0), *parts])
         return np.asarray(np.sqrt(np.maximum(0.0, self.kernel.sigma**2 - variance) + noise**2))
@@ -43,7 +42,7 @@ class Regression:
 
 
 def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
-    """Condition a zero-mean field on values (n,) m at (n, 2) with noise (n,) m.
+    """Return a zero-mean field conditioned on values (n,) m at (n, 2) with noise (n,) m.
 
     Raises NotPositiveDefiniteError when the kernel is no covariance on these points, even if noise would hide it.
     """
@@ -69,7 +68,7 @@ def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array, threshold
 def maximise_likelihood(
     start: Kernel, at: Array, values: Array, noise: Array, limit: tuple[float, float]
 ) -> tuple[Kernel, float]:
-    """Lengths and sigma of the field, and a factor on the noise, by marginal likelihood; lengths stay within `limit` m."""
+    """Return the field's lengths and sigma and a factor on the noise by marginal likelihood; lengths stay within `limit` m."""
     from scipy.optimize import minimize
 
     gap = at[:, None, :] - at[None, :, :]

@@ -29,7 +29,7 @@ class Kernel:
     sigma: float
 
     def matrix(self, a: Array, b: Array) -> sparse.csr_array:
-        """Covariances (n, m) between points (n, 2) and (m, 2) of the chart."""
+        """Return covariances (n, m) between points (n, 2) and (m, 2) of the chart."""
         from scipy.spatial import cKDTree
 
         scale = np.array(self.length)
@@ -41,7 +41,7 @@ class Kernel:
         return sparse.csr_array((value, (row, column)), shape=(len(left), len(right)))
 
     def correlation(self, gap: Array) -> Array:
-        """Correlation (k,) at gaps (k, 2) in units of the lengths."""
+        """Return correlations (k,) at gaps (k, 2) in units of the lengths."""
         if self.form == "product":
             return np.asarray(compact(np.abs(gap[:, 0])) * compact(np.abs(gap[:, 1])))
         radius = np.linalg.norm(gap, axis=1)
@@ -55,5 +55,5 @@ def compact(r: Array) -> Array:
 
 
 def wendland(r: Array) -> Array:
-    """Wendland's C2 function [Wendland1995], positive definite in up to three dimensions."""
+    """Return Wendland's C2 function [Wendland1995], positive definite in up to three dimensions."""
     return np.asarray(np.maximum(0.0, 1 - r) ** 4 * (4 * r + 1))

@@ -11,7 +11,7 @@ from hullrecon.typing import Array
 
 
 def supported_lattice(at: Array, step_m: float, reach_m: float) -> Mesh:
-    """Grid nodes (along, girth, 0) no farther than `reach_m` from a return at (n, 2), triangulated (Delaunay of the grid).
+    """Return grid nodes (along, girth, 0) no farther than `reach_m` from a return at (n, 2), triangulated (Delaunay).
 
     Faces look along along x girth. Nodes that no whole cell uses are left out.
     """

@@ -12,7 +12,7 @@ from hullrecon.typing import Array
 
 
 def interpolate(at: Array, values: Array, wanted: Array) -> Array:
-    """Values (m,) at (m, 2), linear on the Delaunay triangles of (n, 2); outside them the nearest value."""
+    """Return values (m,) at (m, 2), linear on the Delaunay triangles of (n, 2); outside them the nearest value."""
     from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
     if len(at) < 4 or np.linalg.matrix_rank(at - at.mean(axis=0), tol=1e-6) < 2:

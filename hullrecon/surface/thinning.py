@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Means over square cells of the chart."""
+"""Weighted means over square cells of the chart."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Observations:
 
 
 def cell_means(at: Array, offset: Array, noise: Array, cell_m: float) -> Observations:
-    """Weighted means over the cells of a grid, in the grid's order; noise (n,) is white, so means have less of it."""
+    """Return weighted means over the cells of a grid, in the grid's order; noise (n,) is white, so means have less of it."""
     corner = np.floor(at / cell_m).astype(np.int64)
     _, cell = np.unique(corner, axis=0, return_inverse=True)
     cell = cell.reshape(-1)

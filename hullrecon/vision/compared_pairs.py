@@ -16,9 +16,9 @@ from hullrecon.geometry.poses import from_matrix
 from hullrecon.records.links import CameraLinks
 from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel, VehiclePath
 from hullrecon.typing import Array, Ints, Mask
+from hullrecon.vision.pair_match import PairMatch
 from hullrecon.vision.pairs.camera_track import CameraTrack, RelativeErrors, bottom_leads, leading_cameras
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchPairs, MatchWorker, NodePair
-from hullrecon.vision.pairs.matching import PairMatch
 from hullrecon.vision.pairs.selection import Proposal
 
 BLOCK = 48  # pairs that one call of a worker compares: neighbours share views

@@ -18,6 +18,7 @@ from hullrecon.records.links import CameraLinks, LinkedPath, NodePairs, NodeSter
 from hullrecon.records.trajectory import VehiclePath
 from hullrecon.typing import Ints, Mask
 from hullrecon.vision.compared_pairs import ComparedPairs, LinkedScene, Map, NavigatedDive
+from hullrecon.vision.pair_match import Reason
 from hullrecon.vision.pairs.camera_track import (
     CameraTrack,
     RelativeErrors,
@@ -26,7 +27,6 @@ from hullrecon.vision.pairs.camera_track import (
 )
 from hullrecon.vision.pairs.cycles import contradicted_links
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchStereo, MatchWorker
-from hullrecon.vision.pairs.matching import Reason
 from hullrecon.vision.pairs.selection import propose_neighbours, propose_revisits, select_keyframes
 from hullrecon.vision.stereo.matching import no_matches
 

@@ -15,9 +15,9 @@ from hullrecon.records.links import CameraLinks, NodePairs, NodeStereo, PairFeat
 from hullrecon.records.tracks import Tracks
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pair_match import REASON_TEXTS, Reason
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.match_worker import MatchWorker
-from hullrecon.vision.pairs.matching import REASON_TEXTS, Reason
 from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import StereoMatches
 from hullrecon.vision.tracks.landmarks import NodeMatches, build_tracks

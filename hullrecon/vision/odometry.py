@@ -14,8 +14,9 @@ from hullrecon.rig import SensorRig
 from hullrecon.typing import Pixels
 from hullrecon.vision.features.extraction import FeatureOptions, extract, no_features
 from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pair_match import PairMatch
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.matching import PairMatch, PairMatcher
+from hullrecon.vision.pairs.matching import PairMatcher
 from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence
 from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.node_view import NodeView, stereo_of_node, view_of_node

@@ -21,7 +21,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.records.tracks import Tracks
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 
-SEMI_AXES_M = np.array([6.0, 2.5, 2.0])  # of the drawn hull, x forward, y port, z up: it curves both ways
+SEMI_AXES_M = np.array([6.0, 2.5, 2.0])  # of the CAD model, x forward, y port, z up: it curves both ways
 BOX_M = (0.3, 0.75, 0.0, 0.3, 0.08)  # x from, to, z from, to, height
 BUMP_M, BUMP_LENGTH_M = 0.02, 0.7  # the hull as it is stands out by this around (-0.7, 0.15)
 CAMERA = CameraModel(640, 512, 650.0, 651.0, 322.0, 255.0, -0.05, 0.02)
@@ -65,30 +65,30 @@ TRAY_FROM_DVL, TRAY_FROM_TOP = motion(0.02, -0.15, 0.0, 0.0, 90.0, 0.0), motion(
 TOP_FROM_BOTTOM = motion(0.001, 0.1, 0.002, 0.2, -0.1, 0.15)
 
 
-def drawn_side(x, z):
-    """y of the drawn port side."""
+def cad_side(x, z):
+    """y of the CAD model's port side."""
     a, b, c = SEMI_AXES_M
     return b * np.sqrt(np.maximum(1 - (x / a) ** 2 - (z / c) ** 2, 1e-9))
 
 
 def outward(x, z):
-    """Unit normals (n, 3) of the drawn port side."""
-    n = np.stack([x, drawn_side(x, z), z], -1) / SEMI_AXES_M**2
+    """Unit normals (n, 3) of the CAD model's port side."""
+    n = np.stack([x, cad_side(x, z), z], -1) / SEMI_AXES_M**2
     return n / np.linalg.norm(n, axis=-1, keepdims=True)
 
 
 def true_deviation(x, z):
-    """Of the hull as it is from the CAD model, along the drawn normal, m."""
+    """Of the hull as it is from the CAD model, along the CAD model's normal, m."""
     return BUMP_M * np.exp(-((x + 0.7) ** 2 + (z - 0.15) ** 2) / (2 * BUMP_LENGTH_M**2))
 
 
 def true_side(x, z):
     """y of the hull as it is: the deviation is laid along y, which lies near the normal."""
-    return drawn_side(x, z) + true_deviation(x, z) / outward(x, z)[..., 1]
+    return cad_side(x, z) + true_deviation(x, z) / outward(x, z)[..., 1]
 
 
 @lru_cache
-def drawn_hull(spacing_m=0.1):
+def cad_hull(spacing_m=0.1):
     """The whole ellipsoid as a mesh; its facets stand some tenths of a millimetre off."""
     along = np.linspace(0.02, np.pi - 0.02, int(np.pi * SEMI_AXES_M[0] / 2 / spacing_m))
     around = np.linspace(0, 2 * np.pi, int(2 * np.pi * SEMI_AXES_M[1] / spacing_m), endpoint=False)
@@ -106,7 +106,7 @@ def drawn_hull(spacing_m=0.1):
 
 @lru_cache
 def hull_chart():
-    return chart_for_hull(drawn_hull())
+    return chart_for_hull(cad_hull())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,7 +128,7 @@ def path(s, per_leg):
     x, z = np.where(leg > 0, 1.3 - 2.6 * share, -1.3 + 2.6 * share), np.where(leg > 0, -0.15, 0.45)
     normal = outward(x, z)
     x, z = x + 0.02 * np.sin(0.9 * s), z + 0.03 * np.sin(0.5 * s)
-    origin = np.stack([x, drawn_side(x, z) + 1.35 + 0.05 * np.sin(0.3 * s), z], -1)
+    origin = np.stack([x, cad_side(x, z) + 1.35 + 0.05 * np.sin(0.3 * s), z], -1)
     facing = np.array([[0, -1, 0], [-1, 0, 0], [0, 0, -1.0]])  # x_v to -y_M, z_v down
     turn = Rotation.from_euler("z", -np.arctan2(normal[:, :1], normal[:, 1:2])) * Rotation.from_matrix(facing)
     wobble = 0.02 * np.stack([np.sin(0.7 * s), np.sin(0.45 * s + 1), np.sin(0.35 * s + 2)], -1)
@@ -350,7 +350,7 @@ def _cad_model(poses):
     about = matrix(middle[None], Rotation.identity(1))[0]
     wrong = matrix(error[None, :3], Rotation.from_rotvec(error[None, 3:]))[0]
     guess = records_poses(GLOBAL_FROM_HULL @ about @ wrong @ np.linalg.inv(about))
-    return CadModel(drawn_hull(), hull_chart(), guess, GUESS_SIGMA, 0.02, (3.0, 1.5))
+    return CadModel(cad_hull(), hull_chart(), guess, GUESS_SIGMA, 0.02, (3.0, 1.5))
 
 
 def aligning(points, onto):

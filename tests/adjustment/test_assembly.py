@@ -13,7 +13,7 @@ from adjustment.simulated_dive import (
     TRAY_FROM_DVL,
     TRAY_NOISE_RAD,
     TRAY_ORIGIN_M,
-    drawn_hull,
+    cad_hull,
     matrix,
     moved,
     records_poses,
@@ -148,7 +148,7 @@ def test_the_hull_is_moved_to_the_surveys_centre_and_stays_where_it_is_in_g():
     dive = simulate()
     problem, _, _ = problem_at(dive, true_state(dive))
     hull = Poses(problem.unknowns.T_g_M[None, 3:], problem.unknowns.T_g_M[None, :3])
-    expected = moved(GLOBAL_FROM_HULL, drawn_hull().vertices)
+    expected = moved(GLOBAL_FROM_HULL, cad_hull().vertices)
     np.testing.assert_allclose(hull.apply(problem.cad_mesh.vertices), expected, atol=1e-9)
 
 
@@ -192,7 +192,7 @@ def test_what_is_calibrated_absent_or_asked_to_stay_is_held(scene, options, held
 
 
 def ellipsoid_hits(origin, direction):
-    """Where rays in M first meet the drawn ellipsoid, (n, 3); NaN where they pass it."""
+    """Where rays in M first meet the CAD model's ellipsoid, (n, 3); NaN where they pass it."""
     o, d = origin / SEMI_AXES_M, direction / SEMI_AXES_M
     a, b, c = (d * d).sum(1), (o * d).sum(1), (o * o).sum(1) - 1
     inside = b * b - a * c

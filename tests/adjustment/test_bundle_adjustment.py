@@ -29,8 +29,8 @@ CASES = {
     "mono with CAD": ({"stereo": False}, 3e-3, 1.5e-3, 2.0e-3),
     "stereo without CAD": ({"cad": False}, 2e-3, 1.5e-3, 1.0e-3),
     "mono without CAD": ({"cad": False, "stereo": False}, 3e-3, 1.5e-3, 2.0e-3),
-    "stereo with CAD, every landmark drawn to it": ({"method": "geva"}, 2e-3, 1.5e-3, 1.0e-3),
-    "stereo with CAD, no landmark drawn to it": ({"method": "naive"}, 2e-3, 1.5e-3, 1.0e-3),
+    "stereo with CAD, every landmark on it": ({"method": "geva"}, 2e-3, 1.5e-3, 1.0e-3),
+    "stereo with CAD, no landmark on it": ({"method": "naive"}, 2e-3, 1.5e-3, 1.0e-3),
     "labels by an outer loop": ({"labels": "outer"}, 2e-3, 1.5e-3, 1.0e-3),
     "a single round": ({"rounds": 1}, 2e-3, 1.5e-3, 1.0e-3),
     "as published": ({"as_published": True}, 5e-3, 5e-3, 1.5e-3),
@@ -95,8 +95,8 @@ def test_the_distance_of_the_boxs_face_is_its_height():
 
 
 def test_naive_draws_no_landmark_to_the_hull_and_geva_draws_all():
-    assert not of("stereo with CAD, no landmark drawn to it").outcome.solution.landmarks.label.any()
-    assert of("stereo with CAD, every landmark drawn to it").outcome.solution.landmarks.label.all()
+    assert not of("stereo with CAD, no landmark on it").outcome.solution.landmarks.label.any()
+    assert of("stereo with CAD, every landmark on it").outcome.solution.landmarks.label.all()
 
 
 @pytest.mark.parametrize("case", [c for c in CASES if c != "as published"])

@@ -28,10 +28,10 @@ def placed(fullness, error=GUESS_ERROR, noise_m=0.003, structure_m=0.0, seed=5):
     local[:, 1] += structure_m * ((abs(local[:, 0] - 6) < 0.4) & (abs(local[:, 2] - 2.5) < 0.4))
     points = thin_points(TRUTH.apply(local + noise_m * rng.standard_normal(local.shape)), 0.35, 500)
     center = TRUTH.inverse().apply(points).mean(0)
-    drawn = cad_model(mesh, TRUTH, 0 * GUESS_ERROR)
-    drawn = replace(drawn, guess=perturb_pose(TRUTH, center, error), deviation_sigma=0.01)
-    ground, best = estimate.fit_hull_pose(points, drawn.guess, drawn, center)
-    return ground, best, estimate.profile_mean_pose(ground, best)
+    model = cad_model(mesh, TRUTH, 0 * GUESS_ERROR)
+    model = replace(model, guess=perturb_pose(TRUTH, center, error), deviation_sigma=0.01)
+    evidence, best = estimate.fit_hull_pose(points, model.guess, model, center)
+    return evidence, best, estimate.profile_mean_pose(evidence, best)
 
 
 def apart(found, center):
@@ -40,33 +40,33 @@ def apart(found, center):
     return ((TRUTH @ middle).inverse() @ found @ middle).log()[0]
 
 
-def along_axes(ground, found):
-    return hull_axes(estimate.hull_pose_covariance(ground, found), found)
+def along_axes(evidence, found):
+    return hull_axes(estimate.hull_pose_covariance(evidence, found), found)
 
 
 def test_a_curved_hull_is_found_within_three_sigmas_and_across_it_to_centimetres():
-    ground, _, found = placed(CURVED)
-    error, covariance = apart(found, ground.center), along_axes(ground, found)
+    evidence, _, found = placed(CURVED)
+    error, covariance = apart(found, evidence.center), along_axes(evidence, found)
     assert np.all(np.abs(error) < 3 * np.sqrt(np.diag(covariance)))
     assert abs(error[1]) < 0.03
     assert np.abs(error[5]) < np.radians(1.0)
 
 
 def test_the_mean_of_the_profile_is_nearer_than_the_guess_where_curvature_holds_it():
-    ground, _, found = placed(CURVED)
-    assert abs(apart(found, ground.center)[0]) < abs(apart(ground.cad_model.guess, ground.center)[0])
+    evidence, _, found = placed(CURVED)
+    assert abs(apart(found, evidence.center)[0]) < abs(apart(evidence.cad_model.guess, evidence.center)[0])
 
 
 def test_a_cylinder_leaves_the_place_along_it_where_the_guess_had_it():
-    ground, _, found = placed(CYLINDER)
-    assert apart(found, ground.center)[0] == pytest.approx(apart(ground.cad_model.guess, ground.center)[0], abs=0.2)
-    sigma = np.sqrt(along_axes(ground, found)[0, 0])
-    assert sigma == pytest.approx(ground.cad_model.guess_sigma[0], rel=0.25)
+    evidence, _, found = placed(CYLINDER)
+    assert apart(found, evidence.center)[0] == pytest.approx(apart(evidence.cad_model.guess, evidence.center)[0], abs=0.2)
+    sigma = np.sqrt(along_axes(evidence, found)[0, 0])
+    assert sigma == pytest.approx(evidence.cad_model.guess_sigma[0], rel=0.25)
 
 
 def test_along_a_cylinder_is_named_as_weak_and_across_it_is_not():
-    ground, _, found = placed(CYLINDER)
-    weak = find_weak_directions(along_axes(ground, found))
+    evidence, _, found = placed(CYLINDER)
+    weak = find_weak_directions(along_axes(evidence, found))
     positions = [w for w in weak if w["kind"] == "position"]
     assert len(positions) == 1
     assert abs(positions[0]["direction"][0]) > 0.98
@@ -80,11 +80,11 @@ def test_curvature_makes_the_place_along_the_hull_surer():
 
 @pytest.mark.parametrize("fullness", [CURVED, CYLINDER])
 def test_the_covariance_is_symmetric_positive_and_no_narrower_than_the_points_alone_allow(fullness):
-    ground, _, found = placed(fullness)
-    covariance = estimate.hull_pose_covariance(ground, found)
+    evidence, _, found = placed(fullness)
+    covariance = estimate.hull_pose_covariance(evidence, found)
     np.testing.assert_allclose(covariance, covariance.T, rtol=1e-6, atol=1e-12)
     assert (np.linalg.eigvalsh(covariance) > 0).all()
-    assert covariance[0, 0] <= 1.5 * (ground.cad_model.guess_sigma[:3] ** 2).max()
+    assert covariance[0, 0] <= 1.5 * (evidence.cad_model.guess_sigma[:3] ** 2).max()
 
 
 def test_points_on_a_structure_say_nothing_of_the_place():
@@ -95,11 +95,11 @@ def test_points_on_a_structure_say_nothing_of_the_place():
 
 def test_the_answer_does_not_depend_on_where_the_search_starts():
     _, _, found = placed(CYLINDER)
-    ground, best, _ = placed(CYLINDER)
+    evidence, best, _ = placed(CYLINDER)
     again = estimate.profile_mean_pose(
-        ground, perturb_pose(best, ground.center, np.r_[TRUTH.rotation.as_matrix()[0] @ [0.1, 0, 0], 0, 0, 0])
+        evidence, perturb_pose(best, evidence.center, np.r_[TRUTH.rotation.as_matrix()[0] @ [0.1, 0, 0], 0, 0, 0])
     )
-    assert abs(apart(again, ground.center)[0] - apart(found, ground.center)[0]) < 0.05
+    assert abs(apart(again, evidence.center)[0] - apart(found, evidence.center)[0]) < 0.05
 
 
 def test_the_points_of_a_dive_are_landmarks_on_the_hull_and_returns():
@@ -123,8 +123,8 @@ def test_registration_finds_a_known_offset_whichever_way_the_guess_errs():
     points = TRUTH.apply(survey(mesh, np.random.default_rng(2)))
     ends = []
     for sense in (1.0, -1.0):
-        drawn = replace(cad_model(mesh, TRUTH, sense * GUESS_ERROR), deviation_sigma=0.01)
-        found = register(points, drawn, 0.01)
+        model = replace(cad_model(mesh, TRUTH, sense * GUESS_ERROR), deviation_sigma=0.01)
+        found = register(points, model, 0.01)
         error = apart(found.global_from_hull, found.center)
         turned = np.sqrt(np.diag(hull_axes(found.covariance, found.global_from_hull)))
         assert np.all(np.abs(error) < 3.5 * turned), sense
@@ -142,23 +142,25 @@ def test_registration_repeats_itself_to_the_byte():
 
 def test_points_on_one_facet_share_out_its_information():
     """The same hull in coarser facets is known less well."""
-    ground, best, _ = placed(CURVED)
-    v = ground.cad_model.mesh.vertices.reshape(121, 41, 3)[::8, ::8].reshape(-1, 3)
+    evidence, best, _ = placed(CURVED)
+    v = evidence.cad_model.mesh.vertices.reshape(121, 41, 3)[::8, ::8].reshape(-1, 3)
     number = np.arange(len(v)).reshape(16, 6)
     a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
     faces = np.vstack([np.stack([a, c, b], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)]).astype(np.int32)
-    coarse = replace(ground, cad_model=replace(ground.cad_model, mesh=type(ground.cad_model.mesh)(v, faces)))
-    at = best.inverse().apply(ground.points)
-    assert tessellation_error(coarse.cad_model.mesh, at).sigma_m > 5 * tessellation_error(ground.cad_model.mesh, at).sigma_m
-    fine, rough = (np.linalg.det(estimate.hull_pose_covariance(g, best)[:3, :3]) for g in (ground, coarse))
+    coarse = replace(evidence, cad_model=replace(evidence.cad_model, mesh=type(evidence.cad_model.mesh)(v, faces)))
+    at = best.inverse().apply(evidence.points)
+    assert tessellation_error(coarse.cad_model.mesh, at).sigma_m > 5 * tessellation_error(evidence.cad_model.mesh, at).sigma_m
+    fine, rough = (np.linalg.det(estimate.hull_pose_covariance(g, best)[:3, :3]) for g in (evidence, coarse))
     assert rough > fine
 
 
 def test_a_hull_pose_turned_in_g_turns_its_covariance_with_it():
-    ground, _, found = placed(CYLINDER)
+    evidence, _, found = placed(CYLINDER)
     turn = poses.from_rpy([0.0, 0.0, 0.0], [0.0, 0.0, np.radians(70)])
     turned = replace(
-        ground, points=turn.apply(ground.points), cad_model=replace(ground.cad_model, guess=turn @ ground.cad_model.guess)
+        evidence,
+        points=turn.apply(evidence.points),
+        cad_model=replace(evidence.cad_model, guess=turn @ evidence.cad_model.guess),
     )
     spun = estimate.hull_pose_covariance(turned, turn @ found)
-    np.testing.assert_allclose(hull_axes(spun, turn @ found), along_axes(ground, found), rtol=0.05, atol=1e-5)
+    np.testing.assert_allclose(hull_axes(spun, turn @ found), along_axes(evidence, found), rtol=0.05, atol=1e-5)

@@ -20,7 +20,7 @@ ASKED = AdjustOptions(refine_intrinsics=True, focal_sigma=0.01)
 
 
 @dataclass(frozen=True)
-class Lenses:
+class CameraPair:
     """Of a rig, all that is asked of one here."""
 
     top: CameraModel
@@ -29,12 +29,12 @@ class Lenses:
 
 @dataclass(frozen=True)
 class Measured:
-    rig: Lenses
+    rig: CameraPair
 
 
 @pytest.fixture
 def rig():
-    return Lenses(CALIBRATED, CALIBRATED)
+    return CameraPair(CALIBRATED, CALIBRATED)
 
 
 @pytest.fixture
@@ -109,7 +109,7 @@ def test_priors_are_shares_of_the_focal_length_and_pixels() -> None:
 
 
 def test_what_moved_is_told_in_sigmas_and_far_moves_are_complained_of(rig) -> None:
-    found = Lenses(replace(CALIBRATED, fx=520.0, cx=321.0), CALIBRATED)
+    found = CameraPair(replace(CALIBRATED, fx=520.0, cx=321.0), CALIBRATED)
     nothing = np.zeros((9, 9))
     marginals = SimpleNamespace(intrinsics_top=np.diag(np.full(9, 0.04)), intrinsics_bottom=nothing)
     figures = intrinsics.summarise_intrinsics(rig, found, marginals, ASKED)
@@ -122,7 +122,7 @@ def test_what_moved_is_told_in_sigmas_and_far_moves_are_complained_of(rig) -> No
     assert "cx" not in said[0]
 
 
-def test_held_cameras_have_no_figures_and_no_complaint(rig) -> None:
+def test_held_cameras_have_no_figures_and_no_warning(rig) -> None:
     marginals = SimpleNamespace(intrinsics_top=np.zeros((9, 9)), intrinsics_bottom=np.zeros((9, 9)))
     assert intrinsics.summarise_intrinsics(rig, rig, marginals, ASKED) == {}
     assert intrinsics.intrinsics_warnings({}) == []

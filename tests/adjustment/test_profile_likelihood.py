@@ -24,13 +24,13 @@ ALONG = np.array([1.0, 0.0, 0.0])
 def profiled(fullness, span=(2.0, 11.0), sigma=0.02):
     mesh = side(fullness)
     points = thin_points(TRUTH.apply(survey(mesh, np.random.default_rng(4), span)), 0.3, 600)
-    drawn = cad_model(mesh, TRUTH, 0 * ERROR)
-    drawn = drawn.__class__(**{**drawn.__dict__, "deviation_sigma": sigma})
+    model = cad_model(mesh, TRUTH, 0 * ERROR)
+    model = model.__class__(**{**model.__dict__, "deviation_sigma": sigma})
     center = TRUTH.inverse().apply(points).mean(0)
     index = MeshIndex(mesh.vertices, mesh.faces)
-    known = cad_error.CadError(sigma=sigma, length=drawn.deviation_length, noise=0.01, offset=0.0)
-    factor = cho_factor(cad_error.distance_covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
-    cost = HullPoseCost(points=points, cad_model=drawn, center=center, index=index, factor=factor)
+    known = cad_error.CadError(sigma=sigma, length=model.deviation_length, noise=0.01, offset=0.0)
+    factor = cho_factor(cad_error.distance_covariance(known, model, TRUTH.inverse().apply(points)), lower=True)
+    cost = HullPoseCost(points=points, cad_model=model, center=center, index=index, factor=factor)
     return profile(Valley(cost=cost, direction=ALONG), TRUTH, reach=3.0), center
 
 
@@ -71,12 +71,12 @@ def test_where_the_valley_is_a_parabola_the_profiles_sigma_is_the_hessians():
     """A tight prior along the hull makes it one."""
     mesh = side(0.0)
     points = thin_points(TRUTH.apply(survey(mesh, np.random.default_rng(4))), 0.3, 600)
-    drawn = replace(cad_model(mesh, TRUTH, 0 * ERROR), guess_sigma=np.r_[0.05, 0.3, 0.3, np.radians([1, 1, 5])])
+    model = replace(cad_model(mesh, TRUTH, 0 * ERROR), guess_sigma=np.r_[0.05, 0.3, 0.3, np.radians([1, 1, 5])])
     center = TRUTH.inverse().apply(points).mean(0)
-    known = cad_error.CadError(sigma=0.02, length=drawn.deviation_length, noise=0.01, offset=0.0)
-    factor = cho_factor(cad_error.distance_covariance(known, drawn, TRUTH.inverse().apply(points)), lower=True)
+    known = cad_error.CadError(sigma=0.02, length=model.deviation_length, noise=0.01, offset=0.0)
+    factor = cho_factor(cad_error.distance_covariance(known, model, TRUTH.inverse().apply(points)), lower=True)
     index = MeshIndex(mesh.vertices, mesh.faces)
-    cost = HullPoseCost(points=points, cad_model=drawn, center=center, index=index, factor=factor)
+    cost = HullPoseCost(points=points, cad_model=model, center=center, index=index, factor=factor)
     valley = Valley(cost=cost, direction=ALONG)
     best, _ = minimise_cost(valley, TRUTH)
     along = np.r_[best.rotation.as_matrix()[0] @ ALONG, np.zeros(3)]

@@ -126,7 +126,7 @@ def test_the_summary_holds_its_keys_and_is_json(found):
     assert summary["landmarks"] == len(found.outcome.solution.landmarks)
     assert summary["on_hull"] == int((found.outcome.solution.landmarks.label == 1).sum())
     assert set(summary["navigation"]) == {
-        "dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_play_rad",
+        "dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_backlash_rad",
     }  # fmt: skip
 
 

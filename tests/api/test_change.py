@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -70,8 +71,26 @@ def test_cad_models_of_different_hulls_are_refused_by_their_geometry() -> None:
 
 
 def test_the_same_hull_meshed_otherwise_is_the_same_hull() -> None:
+    """Quads split along the other diagonal, and one of them into four about its middle."""
     turned = np.array([[0, 1, 2], [1, 3, 2], [4, 6, 5], [6, 7, 5]], np.int32)
-    api._refuse_other_hull(finished("may", Mesh(BOX, FACES)), finished("june", Mesh(BOX, turned)))
+    fan = np.array([[0, 1, 8], [1, 3, 8], [3, 2, 8], [2, 0, 8], *FACES[2:]], np.int32)
+    for other in (Mesh(BOX, turned), Mesh(np.vstack([BOX, BOX[:4].mean(axis=0)]), fan)):
+        assert api.cad_model_gap(Mesh(BOX, FACES), other) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_the_gap_of_two_cad_models_is_the_same_from_both_sides() -> None:
+    """A part that one of them lacks counts, although all of the other lies on it."""
+    whole, half = Mesh(BOX, FACES), Mesh(BOX[:4], FACES[:2])
+    assert api.cad_model_gap(whole, half) == pytest.approx(10.0)
+    assert api.cad_model_gap(half, whole) == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(("shift_m", "refused"), [(0.001, False), (0.004, True)])
+def test_cad_models_of_one_hull_may_differ_by_rounding(shift_m: float, refused: bool) -> None:
+    moved = Mesh(BOX + np.array([shift_m, 0, 0]), FACES)
+    assert api.cad_model_gap(Mesh(BOX, FACES), moved) == pytest.approx(shift_m, rel=1e-3)
+    with pytest.raises(InputError, match="different hulls") if refused else nullcontext():
+        api._refuse_other_hull(finished("may", Mesh(BOX, FACES)), finished("june", moved))
 
 
 @pytest.fixture

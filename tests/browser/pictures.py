@@ -22,7 +22,7 @@ def picture_of(element: Locator) -> Picture:
     return np.asarray(Image.open(io.BytesIO(element.screenshot())).convert("RGB")).astype(np.int64)
 
 
-def settled(element: Locator) -> Picture:
+def picture_at_rest(element: Locator) -> Picture:
     """Return what an element looks like once it has stopped changing."""
     last = picture_of(element)
     for _ in range(MOST_PICTURES):

@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from browser.conftest import OBJECTS
-from browser.pictures import settled, share_changed
+from browser.pictures import picture_at_rest, share_changed
 from playwright.sync_api import Browser
 
 from benchmarks.chromium import NARROW, WIDE, Visit, visit
@@ -65,17 +65,17 @@ def test_each_layer_of_the_map_changes_its_pixels(page: Visit) -> None:
     names = [controls.nth(k).evaluate("one => one.labels[0].textContent.trim()") for k in range(controls.count())]
     assert len(names) >= 6
     for name in names:
-        control, before = panel.get_by_label(name, exact=True), settled(shown)
+        control, before = panel.get_by_label(name, exact=True), picture_at_rest(shown)
         control.click()
-        assert share_changed(before, settled(shown)) > 0.0005, name
+        assert share_changed(before, picture_at_rest(shown)) > 0.0005, name
 
 
 def test_zooming_the_map_changes_its_pixels(page: Visit) -> None:
     shown = page.page.locator("#map")
     shown.scroll_into_view_if_needed()
-    before = settled(shown)
+    before = picture_at_rest(shown)
     page.page.locator("#map .leaflet-control-zoom-in").click()
-    assert share_changed(before, settled(shown)) > 0.05
+    assert share_changed(before, picture_at_rest(shown)) > 0.05
 
 
 def test_a_click_on_an_object_of_the_map_opens_its_card(page: Visit) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser.pictures import Picture, settled, share_changed
+from browser.pictures import Picture, picture_at_rest, share_changed
 from playwright.sync_api import Browser, Locator
 from scipy import ndimage
 
@@ -31,7 +31,7 @@ def scene(page: Visit) -> Locator:
 
 
 def test_the_hull_is_seen_in_colour(page: Visit, scene: Locator) -> None:
-    shown = settled(scene)
+    shown = picture_at_rest(scene)
     saturation = shown.max(axis=2) - shown.min(axis=2)
     assert (saturation > 40).mean() > 0.05
 
@@ -41,9 +41,9 @@ def test_each_layer_can_be_taken_away(page: Visit, scene: Locator) -> None:
     names = [boxes.nth(k).get_attribute("id") for k in range(boxes.count())]
     assert names == ["scene-found", "scene-cad", "scene-ship", "scene-objects", "scene-path"]
     for name in names:
-        before = settled(scene)
+        before = picture_at_rest(scene)
         page.page.locator(f"#{name}").click()
-        assert share_changed(before, settled(scene)) > 0.0005, name
+        assert share_changed(before, picture_at_rest(scene)) > 0.0005, name
 
 
 def test_each_picture_can_be_laid_on_the_hull(page: Visit, scene: Locator) -> None:
@@ -53,45 +53,45 @@ def test_each_picture_can_be_laid_on_the_hull(page: Visit, scene: Locator) -> No
     for choice in choices:
         page.page.select_option("#scene-picture", choice)
         page.page.wait_for_timeout(400)
-        now = settled(scene)
+        now = picture_at_rest(scene)
         assert all(share_changed(now, other) > 0.005 for other in seen), choice
         seen.append(now)
 
 
-def test_the_slider_goes_from_drawn_to_found_and_relief_is_labelled(page: Visit, scene: Locator) -> None:
+def test_the_slider_goes_from_the_cad_model_to_the_hull_as_found_and_relief_is_labelled(page: Visit, scene: Locator) -> None:
     page.page.select_option("#scene-picture", "plain")
-    found = settled(scene)
+    found = picture_at_rest(scene)
     page.page.locator("#scene-factor").fill("20")
     assert "×20" in page.page.locator(".scene-panel").inner_text()
-    relief = settled(scene)
+    relief = picture_at_rest(scene)
     page.page.locator("#scene-shape").fill("0")
-    assert "as drawn" in page.page.locator(".scene-panel").inner_text()
-    drawn = settled(scene)
+    assert page.page.locator("#scene-shape").get_attribute("aria-valuetext") == "CAD model"
+    cad_model = picture_at_rest(scene)
     assert share_changed(found, relief) > 0.01
-    assert share_changed(drawn, relief) > 0.01
-    assert share_changed(drawn, found) > 0.001
+    assert share_changed(cad_model, relief) > 0.01
+    assert share_changed(cad_model, found) > 0.001
     page.page.locator("#scene-factor").fill("1")
-    assert share_changed(drawn, settled(scene)) == 0  # as drawn, there is nothing to exaggerate
+    assert share_changed(cad_model, picture_at_rest(scene)) == 0  # on the CAD model there is nothing to exaggerate
 
 
 def test_wheel_and_keys_move_the_view_and_the_button_brings_it_back(page: Visit, scene: Locator) -> None:
-    home = settled(scene)
+    home = picture_at_rest(scene)
     scene.hover()
     page.page.mouse.wheel(0, -400)
-    nearer = settled(scene)
+    nearer = picture_at_rest(scene)
     assert share_changed(home, nearer) > 0.02
     scene.focus()
     for key in ("ArrowLeft", "ArrowUp", "-"):
-        before = settled(scene)
+        before = picture_at_rest(scene)
         page.page.keyboard.press(key)
-        assert share_changed(before, settled(scene)) > 0.005, key
+        assert share_changed(before, picture_at_rest(scene)) > 0.005, key
     page.page.locator(".scene-panel button").click()
-    assert share_changed(home, settled(scene)) < 0.001
+    assert share_changed(home, picture_at_rest(scene)) < 0.001
 
 
 def test_a_click_on_a_number_opens_the_card_of_the_object(page: Visit, scene: Locator) -> None:
     page.page.locator("#scene-picture").select_option("plain")
-    shown = settled(scene)
+    shown = picture_at_rest(scene)
     parts, _ = ndimage.label(np.abs(shown - NUMBER).max(axis=2) < 12)
     sizes = np.bincount(parts.ravel())
     sizes[0] = 0
@@ -104,12 +104,12 @@ def test_a_click_on_a_number_opens_the_card_of_the_object(page: Visit, scene: Lo
 
 def test_the_scale_bar_has_a_round_length_and_grows_as_one_comes_closer(page: Visit, scene: Locator) -> None:
     bar = page.page.locator(".scene-bar")
-    settled(scene)
+    picture_at_rest(scene)
     first = bar.inner_text().strip()
     assert first.split()[0].rstrip("0").rstrip(".") in {"1", "2", "5"}
     for _ in range(8):
         scene.press("+")
-    settled(scene)
+    picture_at_rest(scene)
     assert bar.inner_text().strip() != first
 
 

@@ -24,7 +24,7 @@ def nanoseconds(t_s: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Swim:
+class SimulatedPath:
     """A swum path whose every quantity is known in closed form: seconds to poses, tray and sensor readings."""
 
     rig: SensorRig
@@ -100,18 +100,18 @@ def rig() -> SensorRig:
 
 
 @pytest.fixture(scope="session")
-def swim(rig: SensorRig) -> Swim:
-    return Swim(rig)
+def simulated(rig: SensorRig) -> SimulatedPath:
+    return SimulatedPath(rig)
 
 
 @pytest.fixture(scope="session")
-def perfect(swim: Swim) -> NavigationLogs:
-    return swim.logs()
+def perfect(simulated: SimulatedPath) -> NavigationLogs:
+    return simulated.logs()
 
 
 @pytest.fixture(scope="session")
-def noisy(swim: Swim) -> NavigationLogs:
-    return swim.logs(noise=1.0)
+def noisy(simulated: SimulatedPath) -> NavigationLogs:
+    return simulated.logs(noise=1.0)
 
 
 def without(logs: NavigationLogs, start_s: float, stop_s: float) -> NavigationLogs:

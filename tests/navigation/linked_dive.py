@@ -64,7 +64,7 @@ def simulate(seed: int, per_leg: int = 30, drift: float | None = None) -> Linked
     truth = true_path(per_leg)
     navigation = NAVIGATION_SIGMA * rng.standard_normal(6)
     navigation[1] = navigation[1] if drift is None else drift
-    odometry = measured_steps(rng, truth, navigation)
+    odometry = measured_steps(rng, truth, navigation, DVL_TURN_SIGMA * rng.standard_normal(3))
     roll_pitch = Rotation.from_matrix(truth[:, :3, :3]).as_euler("xyz")[:, :2] + navigation[2:4]
     measured = np.column_stack([truth[:, 2, 3] + navigation[4], roll_pitch]) + ATTITUDE_SIGMA * rng.standard_normal(
         (len(truth), 3)
@@ -114,26 +114,32 @@ def true_path(per_leg: int) -> np.ndarray:
     return matrices(place, Rotation.from_euler("xyz", turn))
 
 
-def measured_steps(rng: np.random.Generator, truth: np.ndarray, navigation: np.ndarray) -> Odometry:
-    """Steps with a wrong scale, a drifting heading and a turned mount, besides white noise."""
+def measured_steps(
+    rng: np.random.Generator,
+    truth: np.ndarray,
+    navigation: np.ndarray,
+    mount: np.ndarray,
+    step_s: float = STEP_S,
+    step_sigma: np.ndarray = STEP_SIGMA,
+) -> Odometry:
+    """Steps with a wrong scale, a drifting heading and a mount turned by mount (3,) rad, besides white noise."""
     first, second = np.arange(len(truth) - 1), np.arange(1, len(truth))
     step = np.linalg.inv(truth[first]) @ truth[second]
     t, m = step[:, :3, 3], len(first)
     by_navigation, by_mount, by_tray = np.zeros((m, 6, 2)), np.zeros((m, 6, 3)), np.zeros((m, 6))
     by_navigation[:, :3, 0] = t
-    by_navigation[:, :3, 1] = 0.5 * STEP_S * np.cross(truth[first, 2, :3], t)
-    by_navigation[:, 3:, 1] = STEP_S * truth[second, 2, :3]
+    by_navigation[:, :3, 1] = 0.5 * step_s * np.cross(truth[first, 2, :3], t)
+    by_navigation[:, 3:, 1] = step_s * truth[second, 2, :3]
     by_mount[:, :3] = np.cross(t[:, None], np.eye(3))  # what a small turn of the mount does: turn x t
     by_tray[:, :3] = np.cross([0.0, 1.0, 0.0], t)
-    mount = DVL_TURN_SIGMA * rng.standard_normal(3)
-    error = by_navigation @ navigation[:2] + by_mount @ mount + STEP_SIGMA * rng.standard_normal((m, 6))
+    error = by_navigation @ navigation[:2] + by_mount @ mount + step_sigma * rng.standard_normal((m, 6))
     turn = Rotation.from_matrix(step[:, :3, :3]) * Rotation.from_rotvec(-error[:, 3:])
     return Odometry(
         first=first,
         second=second,
         quaternion=turn.as_quat(),
         translation=t - error[:, :3],
-        covariance=np.tile(np.diag(STEP_SIGMA**2), (m, 1, 1)),
+        covariance=np.tile(np.diag(step_sigma**2), (m, 1, 1)),
         by_navigation=by_navigation,
         by_mount=by_mount,
         by_tray=by_tray,

@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from navigation.linked_dive import ATTITUDE_SIGMA, TRAY_ORIGIN_M, reckoned
-from scipy.spatial.transform import Rotation
+from navigation.linked_dive import ATTITUDE_SIGMA, TRAY_ORIGIN_M, measured_steps, reckoned
 
 from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry.poses import Poses, exp, from_rpy, identity
@@ -73,8 +72,10 @@ def measured(
     sigma = np.r_[0.003, np.radians(abs(drift_deg_per_hour)) / 3600, 1e-3, 1e-3, 0.02, 1e-9]
     navigation = sigma * rng.standard_normal(6)
     navigation[1] = np.radians(drift_deg_per_hour) / 3600
-    mount = exp(np.r_[np.zeros(3), MOUNT_SIGMA * rng.standard_normal(3)])
-    odometry = measured_steps(rng, truth, navigation[:2], mount)
+    turn = MOUNT_SIGMA * rng.standard_normal(3)
+    mount = exp(np.r_[np.zeros(3), turn])
+    odometry = measured_steps(rng, truth.matrix(), navigation, turn, STEP_S, STEP_SIGMA)
+    odometry = replace(odometry, by_tray=np.zeros((len(truth) - 1, 6)))
     roll_pitch = truth.rotation.as_euler("xyz")[:, :2] - navigation[2:4]
     measured = np.column_stack([truth.translation[:, 2] + navigation[4], roll_pitch])
     measured += ATTITUDE_SIGMA * rng.standard_normal(measured.shape)
@@ -139,34 +140,6 @@ def true_path(
     heading = np.arctan2(surface_x(axes, y + 1e-3, z) - surface_x(axes, y - 1e-3, z), 2e-3)
     place = np.column_stack([surface_x(axes, y, z) - STANDOFF_M, y, z + 3.0]) + turn[:, :3]
     return from_rpy(place, turn[:, 3:] + np.c_[np.zeros((len(k), 2)), -heading]), leg
-
-
-def measured_steps(rng: np.random.Generator, truth: Poses, navigation: np.ndarray, mount: Poses) -> Odometry:
-    """Steps with a wrong scale, a drifting heading and a turned mount, besides white noise."""
-    first, second = np.arange(len(truth) - 1), np.arange(1, len(truth))
-    step = truth[first].inverse() @ truth[second]
-    down_first, down_second = (truth[k].rotation.as_matrix()[:, 2] for k in (first, second))
-    t, m = step.translation, len(first)
-    by_navigation, by_mount = np.zeros((m, 6, 2)), np.zeros((m, 6, 3))
-    by_navigation[:, :3, 0] = t
-    by_navigation[:, :3, 1] = 0.5 * STEP_S * np.cross(down_first, t)
-    by_navigation[:, 3:, 1] = STEP_S * down_second
-    by_mount[:, :3] = np.cross(np.eye(3)[None], t[:, None]).swapaxes(
-        1, 2
-    )  # a turn w of the mount turns what was measured: w x t
-    error = by_navigation @ navigation + by_mount @ mount.log()[0, 3:] + STEP_SIGMA * rng.standard_normal((m, 6))
-    turn = step.rotation * Rotation.from_rotvec(-error[:, 3:])
-    return Odometry(
-        first=first,
-        second=second,
-        quaternion=turn.as_quat(),
-        translation=t - error[:, :3],
-        covariance=np.tile(np.diag(STEP_SIGMA**2), (m, 1, 1)),
-        by_navigation=by_navigation,
-        by_mount=by_mount,
-        by_tray=np.zeros((m, 6)),
-        from_images=np.zeros(m, bool),
-    )
 
 
 def measured_ranges(

@@ -23,37 +23,37 @@ def reckoned(logs: NavigationLogs, rig: SensorRig, sigmas: NavigationSigmas = SI
     return dead_reckon(logs, rig, sigmas, OPTIONS)
 
 
-def truth_at(swim, found: Navigated) -> Poses:
+def truth_at(simulated, found: Navigated) -> Poses:
     t = (found.trajectory.t_ns - 1_777_887_000_000_000_000) * 1e-9
-    place = swim.place(t) - swim.place(np.zeros(1)) * [1, 1, 0]
-    return Poses(swim.attitude(t).as_quat(), place)
+    place = simulated.place(t) - simulated.place(np.zeros(1)) * [1, 1, 0]
+    return Poses(simulated.attitude(t).as_quat(), place)
 
 
-def edges_error(swim, found: Navigated) -> np.ndarray:
+def edges_error(simulated, found: Navigated) -> np.ndarray:
     """(m, 6) true minus measured motion, translation in i and rotation in the measured j."""
-    true, o = truth_at(swim, found), found.odometry
+    true, o = truth_at(simulated, found), found.odometry
     step = true[o.first].inverse() @ true[o.second]
     turn = Rotation.from_quat(o.quaternion).inv() * step.rotation
     return np.hstack([step.translation - o.translation, turn.as_rotvec()])
 
 
-def test_perfect_instruments_give_the_path_back_lever_and_tray_included(swim, perfect, rig):
+def test_perfect_instruments_give_the_path_back_lever_and_tray_included(simulated, perfect, rig):
     found = reckoned(perfect, rig)
-    error = found.trajectory.translation - truth_at(swim, found).translation
+    error = found.trajectory.translation - truth_at(simulated, found).translation
     assert np.abs(error).max() < 2e-3  # 20 Hz, trapezoid
-    assert np.abs(edges_error(swim, found)).max() < 1e-4
+    assert np.abs(edges_error(simulated, found)).max() < 1e-4
 
 
-def test_the_path_starts_at_nothing_in_the_plane_and_depth_is_from_the_surface(swim, perfect, rig):
+def test_the_path_starts_at_nothing_in_the_plane_and_depth_is_from_the_surface(simulated, perfect, rig):
     found = reckoned(perfect, rig)
-    first = truth_at(swim, found).translation[0]
+    first = truth_at(simulated, found).translation[0]
     assert np.allclose(found.trajectory.translation[0], first, atol=2e-3)
     assert found.trajectory.translation[0, 2] == pytest.approx(2.0, abs=0.05)
 
 
-def test_a_lever_that_is_forgotten_shows(swim, perfect, rig):
+def test_a_lever_that_is_forgotten_shows(simulated, perfect, rig):
     shifted = replace(rig, tray_origin=rig.tray_origin + np.array([0.2, 0, 0]))
-    error = edges_error(swim, reckoned(perfect, shifted))
+    error = edges_error(simulated, reckoned(perfect, shifted))
     assert np.abs(error[:, :3]).max() > 2e-3
 
 
@@ -65,34 +65,34 @@ def test_odometry_does_not_know_the_pressure(perfect, rig):
     assert other.trajectory.translation[0, 2] - plain.trajectory.translation[0, 2] == pytest.approx(3.0, abs=0.05)
 
 
-def test_odometry_errors_are_as_large_as_their_covariance_says(swim, noisy, rig):
+def test_odometry_errors_are_as_large_as_their_covariance_says(simulated, noisy, rig):
     found = reckoned(noisy, rig)
     white = np.linalg.inv(np.linalg.cholesky(found.odometry.covariance))
-    error = np.einsum("nij,nj->ni", white, edges_error(swim, found))
+    error = np.einsum("nij,nj->ni", white, edges_error(simulated, found))
     assert 0.7 < np.sqrt(np.mean(error[:, :3] ** 2)) < 1.3
     assert 0.4 < np.sqrt(np.mean(error[:, 3:] ** 2)) < 1.3
 
 
-def test_rates_make_the_attitude_far_better_than_one_reading(swim, noisy, rig):
-    with_rates = edges_error(swim, reckoned(noisy, rig))[:, 3:]
+def test_rates_make_the_attitude_far_better_than_one_reading(simulated, noisy, rig):
+    with_rates = edges_error(simulated, reckoned(noisy, rig))[:, 3:]
     silent = replace(noisy, imu=replace(noisy.imu, angular_velocity=np.full_like(noisy.imu.angular_velocity, np.nan)))
     without = reckoned(silent, rig)
-    assert np.std(with_rates) < 0.3 * np.std(edges_error(swim, without)[:, 3:])
+    assert np.std(with_rates) < 0.3 * np.std(edges_error(simulated, without)[:, 3:])
     assert any("no rates" in words for words in without.remarks)
 
 
-def test_depth_drifts_neither_with_the_dvl_nor_scatters_with_the_pressure(swim, noisy, rig):
+def test_depth_drifts_neither_with_the_dvl_nor_scatters_with_the_pressure(simulated, noisy, rig):
     fast = replace(noisy, dvl=replace(noisy.dvl, velocity=noisy.dvl.velocity + np.array([0.01, 0, 0])))
     found = reckoned(fast, rig)
-    error = found.trajectory.translation[:, 2] - truth_at(swim, found).translation[:, 2]
+    error = found.trajectory.translation[:, 2] - truth_at(simulated, found).translation[:, 2]
     assert np.abs(error).max() < 0.012  # 0.40 m by the DVL alone, 0.02 m a reading
 
 
-def test_the_trajectory_stays_within_its_sigma_when_scale_and_mount_are_off(swim, noisy, rig):
+def test_the_trajectory_stays_within_its_sigma_when_scale_and_mount_are_off(simulated, noisy, rig):
     mount = rig.tray_from_dvl.rotation * Rotation.from_rotvec([0.004, -0.003, 0.005])
     off = replace(rig, tray_from_dvl=Poses(mount.as_quat(), rig.tray_from_dvl.translation))
     found = reckoned(replace(noisy, dvl=replace(noisy.dvl, velocity=1.004 * noisy.dvl.velocity)), off)
-    error = found.trajectory.translation - truth_at(swim, found).translation
+    error = found.trajectory.translation - truth_at(simulated, found).translation
     sigma = np.sqrt(np.diagonal(found.trajectory.covariance, axis1=1, axis2=2))[:, :3]
     assert np.abs(error[-1, :2]).max() > 0.01
     assert (np.abs(error) < 3 * sigma).all()
@@ -157,9 +157,9 @@ def test_the_covariance_of_the_path_is_that_of_its_causes(perfect, rig):
     assert np.allclose(base.covariance[-1, :2, :2], np.outer(moved[-1], moved[-1]), atol=1e-5)
 
 
-def test_an_outage_is_bridged_reported_and_widens_the_covariance(swim, perfect, rig, silenced):
+def test_an_outage_is_bridged_reported_and_widens_the_covariance(simulated, perfect, rig, silenced):
     whole, holed = reckoned(perfect, rig), reckoned(silenced(perfect, 10.0, 14.0), rig)
-    error = holed.trajectory.translation - truth_at(swim, holed).translation
+    error = holed.trajectory.translation - truth_at(simulated, holed).translation
     assert np.abs(error[:, :2]).max() < 0.25
     wide, usual = holed.odometry.covariance[:, 0, 0], whole.odometry.covariance[:, 0, 0]
     inside = slice(21, 26)
@@ -169,11 +169,11 @@ def test_an_outage_is_bridged_reported_and_widens_the_covariance(swim, perfect, 
     assert holed.facts["outages_s"] == [[9.95, 14.05]]
 
 
-def test_a_wild_velocity_is_rejected_and_reported(swim, perfect, rig):
+def test_a_wild_velocity_is_rejected_and_reported(simulated, perfect, rig):
     velocity = perfect.dvl.velocity.copy()
     velocity[200] += [3.0, 0, 0]
     found = reckoned(replace(perfect, dvl=replace(perfect.dvl, velocity=velocity)), rig)
-    assert np.abs(found.trajectory.translation - truth_at(swim, found).translation).max() < 3e-3
+    assert np.abs(found.trajectory.translation - truth_at(simulated, found).translation).max() < 3e-3
     assert any("1 velocity rejected" in sentence for sentence in found.remarks)
 
 

@@ -121,13 +121,13 @@ def test_a_sphere_is_mapped_alike_with_characteristic_radii_of_4_to_20_m() -> No
     for characteristic in (4.0, 8.0, 20.0):
         curvature = np.array([1.0, 0.3, 1.0]) / characteristic
         planar = PlanarGraph(graph=graph(dive), returns=dive.returns, curvature=curvature).solve(no_links())
-        odd[characteristic] = sphere_misfit_m(planar.path.poses.translation, radius)
-    alone = sphere_misfit_m(graph(dive).solve(no_links()).path.poses.translation, radius)
+        odd[characteristic] = sphere_error_m(planar.path.poses.translation, radius)
+    alone = sphere_error_m(graph(dive).solve(no_links()).path.poses.translation, radius)
     assert max(odd.values()) < 0.4 * alone
     assert max(odd.values()) - min(odd.values()) < 0.25 * max(odd.values()) + 0.002
 
 
-def sphere_misfit_m(at: np.ndarray, radius: float) -> float:
+def sphere_error_m(at: np.ndarray, radius: float) -> float:
     """Root mean square distance from the sphere that fits best."""
     solution = np.linalg.lstsq(np.c_[2 * at, np.ones(len(at))], np.sum(at**2, axis=1), rcond=None)[0]
     assert abs(np.sqrt(solution[3] + solution[:3] @ solution[:3]) - radius) < 0.5 * radius

@@ -20,15 +20,15 @@ def found(perfect, rig):
     return dead_reckon(perfect, rig, SIGMAS, NavigateOptions())
 
 
-def test_a_return_carries_the_vehicle_from_its_node_to_its_ping(swim, found, rig):
+def test_a_return_carries_the_vehicle_from_its_node_to_its_ping(simulated, found, rig):
     """Hung on the true nodes, the beam's start is where the true instrument was at the ping."""
     r, t = found.returns, found.trajectory
     seconds = (r.t_ns - t.t_ns[0]) * 1e-9 + (t.t_ns[0] - 1_777_887_000_000_000_000) * 1e-9
     node_s = (t.t_ns - 1_777_887_000_000_000_000) * 1e-9
-    at_ping = swim.poses(node_s)[r.node] @ Poses(r.quaternion, r.translation)
-    angle = swim.tray(node_s)[r.node] + r.tray_offset
+    at_ping = simulated.poses(node_s)[r.node] @ Poses(r.quaternion, r.translation)
+    angle = simulated.tray(node_s)[r.node] + r.tray_offset
     instrument = at_ping @ poses.tray_poses(rig.tray_origin, angle) @ rig.tray_from_dvl
-    assert np.abs(instrument.translation - swim.instrument(seconds).translation).max() < 1e-3
+    assert np.abs(instrument.translation - simulated.instrument(seconds).translation).max() < 1e-3
 
 
 def test_returns_hang_on_the_nearest_node(found):
@@ -38,11 +38,11 @@ def test_returns_hang_on_the_nearest_node(found):
     assert len(r.t_ns) == 4 * 800
 
 
-def test_attitude_has_the_depth_of_the_sensor_and_not_of_the_vehicle(swim, found, rig):
+def test_attitude_has_the_depth_of_the_sensor_and_not_of_the_vehicle(simulated, found, rig):
     t = (found.trajectory.t_ns - 1_777_887_000_000_000_000) * 1e-9
-    sensor = swim.poses(t).apply(rig.pressure_origin)[:, 2]
+    sensor = simulated.poses(t).apply(rig.pressure_origin)[:, 2]
     assert np.abs(found.attitude.depth - sensor).max() < 3e-3
-    rpy = roll_pitch_yaw(swim.attitude(t))
+    rpy = roll_pitch_yaw(simulated.attitude(t))
     assert np.allclose(np.stack([found.attitude.roll, found.attitude.pitch], 1), rpy[:, :2], atol=1e-3)
     assert found.attitude.sigma[0].tolist() == [SIGMAS.depth_m, SIGMAS.tilt_rad, SIGMAS.tilt_rad]
 

@@ -39,12 +39,12 @@ def test_percentiles_of_the_form_go_by_the_area_seen(survey: Survey, split: Devi
 
 
 def test_the_words_of_an_offset_say_its_side_and_what_its_sigma_makes_of_it(figures: DeviationFigures) -> None:
-    assert figures.offset_words == "6 mm outside it (one sigma 20 mm, which is not told from zero)"
+    assert figures.offset_words == "6 mm outside it (one sigma 20 mm, not significantly different from zero)"
     assert replace(figures, offset=-0.041).offset_words == "41 mm inside it (one sigma 20 mm)"
 
 
 def test_the_words_of_the_form_have_its_sigma(figures: DeviationFigures) -> None:
-    assert figures.form_words == "-3 to +3 mm (5th to 95th percentile; one sigma 2.0 mm)"
+    assert figures.form_words == "−3 to +3 mm (5th to 95th percentile; one sigma 2.0 mm)"
 
 
 def test_the_table_has_form_offset_and_tilt(figures: DeviationFigures) -> None:

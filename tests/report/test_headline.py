@@ -91,8 +91,8 @@ def test_objects_that_were_not_looked_for_are_not_mentioned(bare: Survey) -> Non
 
 def test_form_and_offset_are_told_apart_each_with_its_sigma(survey: Survey) -> None:
     assert line_with(survey, "CAD model by") == (
-        "Within the surveyed patch the hull's form departs from its CAD model by -3 to +3 mm (5th to 95th percentile; one "
-        "sigma 2.0 mm); as a whole the patch lies 6 mm outside it (one sigma 20 mm, which is not told from zero)."
+        "Within the surveyed patch the hull's form departs from its CAD model by −3 to +3 mm (5th to 95th percentile; one "
+        "sigma 2.0 mm); as a whole the patch lies 6 mm outside it (one sigma 20 mm, not significantly different from zero)."
     )
 
 

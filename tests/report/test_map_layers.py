@@ -139,4 +139,4 @@ def test_a_dive_has_the_layers_that_it_gives(survey: Survey, bare: Survey, ortho
 
 def test_the_note_of_the_form_says_what_it_leaves_out(survey: Survey) -> None:
     form = survey_layers(survey, chart_view(survey))[0]
-    assert "as a whole the patch lies 6 mm outside it (one sigma 20 mm, which is not told from zero)" in form.note
+    assert "as a whole the patch lies 6 mm outside it (one sigma 20 mm, not significantly different from zero)" in form.note

@@ -283,7 +283,7 @@ def test_what_a_reader_asks_first_is_on_top(survey: Survey) -> None:
     words = re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", found[2])).strip()
     assert words == (
         "Object 1 on the hull Hull seen 4.0 m² by camera Position along ± 0.50 m ± 20 mm in girth, one sigma "
-        "Form off the CAD model -3 to +3 mm one sigma 2.0 mm"
+        "Form off the CAD model −3 to +3 mm one sigma 2.0 mm"
     )
 
 

@@ -118,7 +118,7 @@ def test_without_a_pressure_sensor_a_card_has_no_depth(survey: Survey, found: Re
 def test_the_place_of_the_whole_survey_is_told_with_its_sigma(survey: Survey, bare: Survey) -> None:
     assert (
         place_words(survey)
-        == "As a whole it lies in its place to 0.50 m along the hull and 20 mm in girth (one sigma, median)."
+        == "Its position as a whole is known to 0.50 m along the hull and 20 mm in girth (one sigma, median)."
     )
     assert place_words(bare) == ""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.report.content.phrases import count, duration, join, length, lengths, probability, with_sigma
+from hullrecon.report.content.phrases import count, duration, join, length, lengths, probability, signed_range, with_sigma
 
 
 @pytest.mark.parametrize(
@@ -66,3 +66,8 @@ def test_a_list_ends_with_and() -> None:
 )
 def test_a_row_of_lengths_has_one_unit(metres: list[float], text: str) -> None:
     assert lengths(metres) == text
+
+
+def test_a_range_with_signs_has_minus_signs_and_no_hyphens() -> None:
+    assert signed_range(-10.4, 16.0) == "−10 to +16"
+    assert signed_range(-0.26, -0.14, 1) == "−0.3 to −0.1"

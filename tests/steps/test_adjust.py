@@ -18,7 +18,7 @@ from adjustment.simulated_dive import (
     TOP_FROM_BOTTOM,
     TRAY_ORIGIN_M,
     aligning,
-    drawn_hull,
+    cad_hull,
     hull_chart,
     moved,
     simulate,
@@ -153,7 +153,7 @@ def test_warnings_and_times_go_into_the_manifest_and_not_into_the_result(stereo)
 
 def test_the_chart_is_the_hulls(stereo):
     _, out = stereo
-    at = drawn_hull().vertices[5000:5200]
+    at = cad_hull().vertices[5000:5200]
     np.testing.assert_allclose(chart_from_arrays(load_arrays(out / "chart.npz")).to_chart(at), hull_chart().to_chart(at))
 
 

@@ -19,8 +19,8 @@ from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.vision.compared_pairs import NavigatedDive
 from hullrecon.vision.link_images import link_images
 from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pair_match import PairMatch, Reason
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.matching import PairMatch, Reason
 from hullrecon.vision.stereo.matching import StereoMatches
 
 PER_LEG, DEPTH_M, SEEN = 30, 1.6, 0.25

@@ -8,7 +8,7 @@ import pytest
 from hullrecon.records.links import NodePairs
 from hullrecon.records.tracks import Tracks
 from hullrecon.vision.match_images import MatchedImages
-from hullrecon.vision.pairs.matching import REASON_TEXTS, Reason
+from hullrecon.vision.pair_match import REASON_TEXTS, Reason
 
 
 def matched(nodes, reasons, across=None, rejected=None):

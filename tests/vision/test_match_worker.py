@@ -10,9 +10,10 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import exp
 from hullrecon.vision.features.store import GrowingArray
 from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pair_match import Reason
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchPairs, MatchStereo, MatchWorker, NodePair
-from hullrecon.vision.pairs.matching import PairMatcher, Reason
+from hullrecon.vision.pairs.matching import PairMatcher
 from hullrecon.vision.stereo.matching import no_matches
 from hullrecon.vision.stereo.node_view import DepthPrior
 

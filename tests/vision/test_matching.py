@@ -10,8 +10,9 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import exp
 from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pair_match import REASON_TEXTS, Reason, agrees
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.matching import REASON_TEXTS, PairMatcher, Reason, agrees
+from hullrecon.vision.pairs.matching import PairMatcher
 from hullrecon.vision.stereo.matching import no_matches
 from hullrecon.vision.stereo.node_view import DepthPrior, stereo_of_node, view_of_node
 from hullrecon.vision.tracks.landmarks import NodeFeatures

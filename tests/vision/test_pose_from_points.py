@@ -89,11 +89,11 @@ def test_the_jacobian_is_that_of_numeric_differences(scene):
     mask = np.ones(len(scene), bool)
     for view in views(scene):
         far = image_view(view.points, view.xy, view.camera_from_node, view.backward, 1e9)  # whitening is the identity
-        _, jacobian = pose_from_points._linearised(guess, far, mask)
+        _, jacobian = pose_from_points._linearise(guess, far, mask)
         for k in range(6):
             step = 1e-6 * np.eye(6)[k]
             ahead, behind = (
-                pose_from_points._linearised(pose_from_points._moved(guess, s), far, mask)[0] for s in (step, -step)
+                pose_from_points._linearise(pose_from_points._apply_step(guess, s), far, mask)[0] for s in (step, -step)
             )
             np.testing.assert_allclose(jacobian[:, :, k], (ahead - behind) / 2e-6, atol=1e-7)
 
@@ -112,8 +112,8 @@ def test_a_wrong_depth_is_forgiven_along_its_line_only(scene):
     mask = np.ones(len(scene), bool)
     stiff = image_view(deep, along.xy, along.camera_from_node, False, 1e9)
     assert (
-        np.abs(pose_from_points._linearised(TRUTH, along, mask)[0]).sum()
-        < 0.5 * np.abs(pose_from_points._linearised(TRUTH, stiff, mask)[0]).sum()
+        np.abs(pose_from_points._linearise(TRUTH, along, mask)[0]).sum()
+        < 0.5 * np.abs(pose_from_points._linearise(TRUTH, stiff, mask)[0]).sum()
     )
 
 

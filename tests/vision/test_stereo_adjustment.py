@@ -125,7 +125,7 @@ def test_the_derivatives_are_those_of_numeric_differences():
     _, by_point, by_motion, _ = at(MOTION, points)
     for k in range(6):
         step = 1e-6 * np.eye(6)[k]
-        ahead, behind = (at(stereo_adjustment._moved(MOTION, s), points)[0] for s in (step, -step))
+        ahead, behind = (at(stereo_adjustment._apply_step(MOTION, s), points)[0] for s in (step, -step))
         np.testing.assert_allclose(by_motion[:, :, k], (ahead - behind) / 2e-6, atol=1e-7)
     for k in range(3):
         step = 1e-6 * np.eye(3)[k]

@@ -122,12 +122,12 @@ def thin_points(points: Array, voxel: float, most: int) -> Array:
 
 
 def frame_at(center: Array) -> Poses:
-    """T_M_M': the hull frame moved to a point (3,) of M."""
+    """Return T_M_M': the hull frame moved to a point (3,) of M."""
     return Poses(np.array([[0.0, 0, 0, 1]]), center[None])
 
 
 def perturb_pose(global_from_hull: Poses, center: Array, step: Array) -> Poses:
-    """T_g_M after a step (6,): translation added in g, rotation on the right, both about `center` in M."""
+    """Return T_g_M after a step (6,): translation added in g, rotation on the right, both about `center` in M."""
     moved = global_from_hull @ frame_at(center)
     turned = Poses(moved.quaternion, moved.translation + step[:3]) @ poses.exp(np.r_[np.zeros(3), step[3:]])
     return turned @ frame_at(center).inverse()
@@ -189,7 +189,7 @@ def _gicp(points: Array, target: Array, start: Poses) -> Poses:
 
 
 def prior_step(global_from_hull: Poses, cad_model: CadModel, center: Array) -> Array:
-    """(6,) error against the guess in M's axes about the centre: what `guess_sigma` whitens."""
+    """Return the error (6,) against the guess in M's axes about the centre: what `guess_sigma` whitens."""
     return np.asarray(((cad_model.guess @ frame_at(center)).inverse() @ global_from_hull @ frame_at(center)).log()[0])
 
 
@@ -259,7 +259,7 @@ class HullPoseCost:
 
 
 def prior_rows(cad_model: CadModel) -> Array:
-    """Whitened derivative of `prior_step` by the step of `perturb_pose` (translation in g, rotation in M)."""
+    """Return the whitened derivative of `prior_step` by the step of `perturb_pose` (translation in g, rotation in M)."""
     to_hull = cad_model.guess.rotation.as_matrix()[0].T
     rows = np.zeros((6, 6))
     rows[:3, :3], rows[3:, 3:] = to_hull, np.eye(3)
@@ -267,7 +267,7 @@ def prior_rows(cad_model: CadModel) -> Array:
 
 
 def signed_distances(points: Array, global_from_hull: Poses, center: Array, index: MeshIndex) -> tuple[Array, Array]:
-    """Signed distances (n,) and their derivatives (n, 6) by the step of `perturb_pose`."""
+    """Return signed distances (n,) and their derivatives (n, 6) by the step of `perturb_pose`."""
     local = global_from_hull.inverse().apply(points)
     nearest = index.closest(local)
     rotation = global_from_hull.rotation.as_matrix()[0]

@@ -16,8 +16,11 @@ from hullrecon.typing import Array, Ints
 
 
 def estimate_sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0) -> Array:
-    """+1 or -1 for each node (n,): the side that explains measured - adjusted = backlash * side. `excess` (n,) is measured
-    minus adjusted, rad. Where no backlash shows (levels closer than their spread) the prior direction is kept."""
+    """Return +1 or -1 for each node (n,): the side that explains measured - adjusted = backlash * side.
+
+    excess (n,): measured minus adjusted, rad. Where no backlash shows (levels closer than their spread) the prior direction
+    is kept.
+    """
     low, high = _two_levels(excess)
     sigma = max(robust_sigma(np.minimum(np.abs(excess - low), np.abs(excess - high)), about=0.0), 1e-5)
     if high - low < 3 * sigma or len(excess) < 10:

@@ -58,7 +58,7 @@ def grid_over(along_girth: Array, length: tuple[float, float], nodes_per_length:
 
 
 def prior_rows(grid: DeviationGrid, sigma: float, length: tuple[float, float]) -> sparse.csr_array:
-    """Whitening rows A (size, size): A b has unit covariance for a field of that sigma and those lengths (along, girth)."""
+    """Return whitening rows A (size, size): A b has unit covariance for a field of that sigma and those lengths."""
     scaled = grid.step * np.sqrt(2.0) / np.array(length)
     return sparse.csr_array(_operator(grid.shape, scaled) * (_interior_sigma(scaled) / sigma))
 

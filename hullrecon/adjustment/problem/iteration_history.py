@@ -40,7 +40,7 @@ class Round:
 
 
 def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
-    """Arrays with a row an iteration, rounds one after the other; names and meaning in docs/formats.md."""
+    """Return arrays with a row an iteration, rounds one after the other; names and meaning in docs/formats.md."""
     long = [len(r.record.cost) for r in rounds]
     found: dict[str, NDArray[Any]] = {
         "round": np.repeat(np.arange(1, len(rounds) + 1), long),
@@ -58,7 +58,7 @@ def columns(rounds: Sequence[Round]) -> dict[str, NDArray[Any]]:
 
 
 def seconds(rounds: Sequence[Round]) -> Array:
-    """(k,) wall-clock seconds since the adjustment began, at the rows of `columns`."""
+    """Return wall-clock seconds (k,) since the adjustment began, at the rows of `columns`."""
     return np.concatenate([r.began_s + r.record.seconds for r in rounds])
 
 

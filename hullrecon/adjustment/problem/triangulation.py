@@ -31,7 +31,7 @@ def camera_poses(nodes: Poses, tray_angle: Array, rig: Rig, T_s_ct: Poses, T_ct_
 
 
 def triangulate(tracks: Tracks, n_landmarks: int, top: Poses, bottom: Poses | None, rig: Rig) -> tuple[Array, Array]:
-    """Positions (L, 3) in g, NaN where fewer than two rays or no parallax; and the widest angle between rays, rad (L,)."""
+    """Return positions (L, 3) in g, NaN where fewer than two rays or no parallax, and the widest angle of rays, rad (L,)."""
     normal, right, mean_ray, count = (
         np.zeros((n_landmarks, 3, 3)),
         np.zeros((n_landmarks, 3)),
@@ -57,7 +57,7 @@ def triangulate(tracks: Tracks, n_landmarks: int, top: Poses, bottom: Poses | No
 
 
 def rays_in_global(pixels: Array, node: Ints, camera: CameraModel, pose: Poses) -> tuple[Array, Array]:
-    """Origins and unit directions (n, 3) in g of pixels (n, 2) of a camera whose poses at the nodes are T_g_c."""
+    """Return origins and unit directions (n, 3) in g of pixels (n, 2) of a camera whose poses at the nodes are T_g_c."""
     at = pose[node]
     return at.translation, np.asarray(at.rotation.apply(camera.rays(pixels)))
 
@@ -69,7 +69,7 @@ def _ray_spread(mean_ray: Array, count: Array) -> Array:
 
 
 def reprojection_errors(tracks: Tracks, landmark: Array, top: Poses, bottom: Poses | None, rig: Rig) -> tuple[Array, Array]:
-    """Pixel distances (m,) of each observation in the top and the bottom camera; NaN where it has none."""
+    """Return pixel distances (m,) of each observation in the top and the bottom camera; NaN where it has none."""
     errors = []
     for pixels, camera, pose in ((tracks.top, rig.top, top), (tracks.bottom, rig.bottom, bottom)):
         if camera is None or pose is None:

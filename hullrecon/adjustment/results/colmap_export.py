@@ -39,7 +39,7 @@ class SparseModel:
 
 
 def write_model(model: SparseModel, folder: Path) -> None:
-    """cameras.bin, rigs.bin, frames.bin, images.bin and points3D.bin into an existing folder."""
+    """Write cameras.bin, rigs.bin, frames.bin, images.bin and points3D.bin into an existing folder."""
     reconstruction = build(model)
     reconstruction.write_binary(str(folder))
 

@@ -12,7 +12,7 @@ from hullrecon.geometry.robust import robust_sigma
 
 
 def by_factor(evaluation: native.Evaluation) -> dict[str, dict[str, float]]:
-    """For each factor of a problem: count of residuals, RMS, robust sigma and share beyond three."""
+    """Return for each factor of a problem: count of residuals, RMS, robust sigma and share beyond three."""
     found = {}
     for number, name in enumerate(native.FACTORS):
         values = evaluation.residual[evaluation.factor == number]

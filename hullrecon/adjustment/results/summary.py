@@ -23,7 +23,7 @@ from hullrecon.geometry.poses import pose_vector
 from hullrecon.records.solution import Solution
 from hullrecon.typing import Array, Arrays
 
-NAVIGATION = ("dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_play_rad")
+NAVIGATION = ("dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_backlash_rad")
 
 
 @dataclass(frozen=True, kw_only=True)

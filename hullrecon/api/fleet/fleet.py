@@ -52,7 +52,7 @@ def run_fleet(
         if scheduler is not None and to_do:
             with choose_executor(scheduler=scheduler):  # an address where nobody answers ends here
                 pass
-        done = {dive.package: _standing(dive, out) for dive in planned}
+        done = {dive.package: _fleet_dive(dive, out) for dive in planned}
         for dive in planned:
             if not dive.to_do:
                 _note(dive, done[dive.package], memory)
@@ -87,7 +87,7 @@ def preview_fleet(
     terms = RunTerms(allow_outside=allow_outside, time_limit_s=time_limit_s)
     planned, skipped = plan_fleet(here, out, FleetRecords(out), retry=retry, terms=terms)
     return FleetResult(
-        dives_folder=here, runs=out, dives=tuple(_standing(dive, out) for dive in planned), skipped=tuple(skipped)
+        dives_folder=here, runs=out, dives=tuple(_fleet_dive(dive, out) for dive in planned), skipped=tuple(skipped)
     )
 
 
@@ -136,7 +136,7 @@ def _outcome(dive: PlannedDive, ended: Ended, runs: Path) -> FleetDive:
     return _dive(dive, runs, "failed" if code else "delivered", code, reason, ran=True, known=known)
 
 
-def _standing(dive: PlannedDive, runs: Path) -> FleetDive:
+def _fleet_dive(dive: PlannedDive, runs: Path) -> FleetDive:
     """Return how a dive stands that is not run, or not yet."""
     record = dive.record
     if dive.refused is not None:

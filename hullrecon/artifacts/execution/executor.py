@@ -30,7 +30,7 @@ _CHUNKS_PER_WORKER = 8
 
 class Executor(Protocol):
     def map(self, function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
-        """Results in the order of the items. StageError when a worker dies; a function's own error passes through."""
+        """Yield results in the order of the items. Raises StageError when a worker dies; a function's error passes."""
 
     def __enter__(self) -> Self: ...
 
@@ -90,7 +90,7 @@ def worker_killed_error() -> StageError:
 
 @contextmanager
 def one_thread_each() -> Iterator[None]:
-    """Processes started inside take the parent's number of threads where it is set, else one."""
+    """Let processes started inside take the parent's number of threads where it is set, else one."""
     added = [name for name in THREAD_VARIABLES if name not in os.environ]
     os.environ.update(dict.fromkeys(added, "1"))
     try:

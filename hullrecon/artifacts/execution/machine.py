@@ -23,7 +23,7 @@ _KIB = 1024
 
 @cache
 def versions() -> dict[str, str]:
-    """Python and the libraries that are installed."""
+    """Return the versions of Python and of the libraries that are installed."""
     found = {"python": platform.python_version()}
     for name in LIBRARIES:
         with suppress(PackageNotFoundError):
@@ -42,7 +42,7 @@ def reset_peak_rss() -> None:
 
 
 def peak_rss(process: int | None = None) -> int:
-    """Largest resident memory of a process in bytes (this one for None); 0 when it is gone."""
+    """Return the largest resident memory of a process in bytes (this one for None); 0 when it is gone."""
     with suppress(OSError):
         for line in Path(f"/proc/{process or 'self'}/status").read_text().splitlines():
             if line.startswith("VmHWM:"):

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from hullrecon.artifacts.storage.claim import COMPARED, PRIVATE
+from hullrecon.artifacts.storage.claim import COMPARE_FOLDER, PRIVATE
 from hullrecon.artifacts.storage.delivery import PUBLISHED, delivered_records, unlike_files
 from hullrecon.artifacts.storage.documents import DamagedArtifactError, unseal
 from hullrecon.artifacts.storage.hashing import HashCache
@@ -34,14 +34,14 @@ def check_workspace(workspace: Workspace, names: Sequence[str], *, read_data: bo
     hashes = workspace.hashes(trusting=not read_data)
     _check_own_documents(workspace, result)
     _check_artifacts(workspace, names, hashes, read_data, result)
-    for variant in sorted((workspace.root / COMPARED).glob("*/")):
+    for variant in sorted((workspace.root / COMPARE_FOLDER).glob("*/")):
         found = WorkspaceCheck()
         _check_artifacts(Workspace(variant), names, hashes, False, found)
         result.artifacts += found.artifacts
         result.files += found.files
         result.read_bytes += found.read_bytes
         remedy = "remove it with its step's folder, and `hullrecon compare` solves it again"
-        result.damaged += [f"{COMPARED}/{variant.name}/{sentence}: {remedy}" for sentence in found.damaged]
+        result.damaged += [f"{COMPARE_FOLDER}/{variant.name}/{sentence}: {remedy}" for sentence in found.damaged]
     return result
 
 

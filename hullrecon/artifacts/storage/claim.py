@@ -12,7 +12,9 @@ from pathlib import Path
 from hullrecon.errors import UsageError
 
 PRIVATE = ".hullrecon"  # lock, hashes, where the package lies, folders under construction
-COMPARED = "compare"  # workspaces of other variants, one folder each
+COMPARE_FOLDER = (
+    "compare"  # RUNS/<dive>/compare/<variant>: a workspace for each variant of the method, beside the chain's own artifacts
+)
 _REMEDY = "choose another folder with --runs, or another dive.name"
 
 
@@ -47,8 +49,8 @@ def _own_paths(root: Path) -> Iterator[Path]:
     yield from root.iterdir()
     for folder, folders, files in os.walk(root / PRIVATE):
         yield from (Path(folder, name) for name in (*folders, *files))
-    if (root / COMPARED).is_dir():
-        for variant in (root / COMPARED).iterdir():
+    if (root / COMPARE_FOLDER).is_dir():
+        for variant in (root / COMPARE_FOLDER).iterdir():
             yield variant
             if variant.is_dir() and not variant.is_symlink():
                 yield from _own_paths(variant)

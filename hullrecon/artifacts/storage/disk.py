@@ -36,7 +36,7 @@ _COPY_BYTES = 1 << 30
 
 @contextmanager
 def storage_errors(folder: Path, only_below: Path | None = None) -> Iterator[None]:
-    """Turns a full, read-only or forbidden disk into a StorageError that names the folder.
+    """Turn a full, read-only or forbidden disk into a StorageError that names the folder.
 
     only_below: an error that names a file outside that folder is not ours and passes.
     """
@@ -100,7 +100,7 @@ def temporary_name(path: Path) -> Path:
 
 
 def make_folder(path: Path) -> None:
-    """Creates the folder and its parents, and syncs each parent that got a new entry."""
+    """Create the folder and its parents, and sync each parent that got a new entry."""
     with storage_errors(path):
         missing = [p for p in (path, *path.parents) if not p.exists()]
         try:
@@ -135,7 +135,7 @@ def sync_folder(path: Path) -> None:
 
 
 def sync_tree(path: Path) -> None:
-    """Syncs a file, or every file and folder below a folder; FileNotFoundError when nothing was written."""
+    """Sync a file, or every file and folder below a folder; FileNotFoundError when nothing was written."""
     if not path.is_dir():
         descriptor = os.open(path, os.O_RDONLY)
         try:
@@ -149,7 +149,7 @@ def sync_tree(path: Path) -> None:
 
 
 def remove(path: Path) -> None:
-    """Removes a file or a folder with all it holds; nothing there is fine."""
+    """Remove a file or a folder with all it holds; nothing there is fine."""
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path)
     else:
@@ -157,7 +157,7 @@ def remove(path: Path) -> None:
 
 
 def commit_folder(built: Path, final: Path) -> None:
-    """Puts the folder `built` at `final` in one step; what was there is removed afterwards.
+    """Put the folder `built` at `final` in one step; what was there is removed afterwards.
 
     Linux swaps two folders in one call. Where the file system cannot (NFS), the old folder is first set aside under the name
     that `set_aside` gives and that `recover` and `present` know.
@@ -185,7 +185,7 @@ def existing_folder(final: Path) -> Path:
 
 
 def recover(final: Path) -> None:
-    """Ends a commit that was cut short: the old folder returns when the new one never came, else it goes."""
+    """End a commit that was cut short: the old folder returns when the new one never came, else it goes."""
     old = set_aside(final)
     with storage_errors(final.parent):
         if old.exists() and not final.exists():
@@ -194,7 +194,7 @@ def recover(final: Path) -> None:
 
 
 def exchange(first: Path, second: Path) -> bool:
-    """Swaps two folders in one call; False when this system or file system has no such call."""
+    """Swap two folders in one call; False when this system or file system has no such call."""
     renameat2 = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None)
     if renameat2 is None:
         return False

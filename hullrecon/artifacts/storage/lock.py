@@ -19,7 +19,7 @@ _POLL_S = 0.2
 
 @contextmanager
 def hold_lock(path: Path, wait_s: float = 0.0) -> Iterator[None]:
-    """Holds the lock of the workspace whose lock file is `path`. LockedError when another holds it after `wait_s` seconds."""
+    """Hold the lock of a workspace, the file `path`. Raises LockedError when another holds it after `wait_s` seconds."""
     make_folder(path.parent)
     with storage_errors(path.parent):
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)

@@ -82,7 +82,7 @@ class Workspace:
             write_file(self.root / PRIVATE / "workspace.json", seal({"package": str(package.resolve())}))
 
     def tidy(self, names: Iterable[str]) -> None:
-        """Ends what a killed run left half done."""
+        """End what a killed run left half done."""
         with storage_errors(self.root):
             remove(self.root / PRIVATE / "building")
             for unfinished in (self.root / PRIVATE).glob(temporary_name(Path("*")).name):
@@ -92,7 +92,7 @@ class Workspace:
         self.delivery.recover()
 
     def remove(self, name: str) -> bool:
-        """Removes an artifact; it is out of sight at once. False when there was none."""
+        """Remove an artifact; it is out of sight at once. False when there was none."""
         folder = self.artifact(name)
         if not folder.exists():
             return False
@@ -107,7 +107,7 @@ class Workspace:
         return True
 
     def quarantine(self, name: str) -> Path:
-        """Sets a damaged artifact apart under a new name: what can still be read of it is not ours to throw away."""
+        """Set a damaged artifact apart under a new name: what can still be read of it is not ours to throw away."""
         target = self._quarantine_folder(name)
         with storage_errors(self.root):
             os.rename(self.artifact(name), target)

@@ -13,7 +13,7 @@ from hullrecon.typing import Array
 
 
 def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mesh:
-    """Edges no longer than `edge_m` within `reach_m` of the points (n, 3), growing longer in proportion beyond."""
+    """Return a mesh with edges no longer than `edge_m` within `reach_m` of the points (n, 3), in proportion longer beyond."""
     cell = 0.5 * max(edge_m, reach_m)
     thinned: Array = np.unique(np.round(points / cell), axis=0) * cell
 

@@ -18,8 +18,9 @@ SEAM_SIGMA_M = 0.01  # of a height carried over the width of one triangle of the
 
 
 def as_found_surface(found: HullAsFound, measured: SurfaceLandmarks, has_cad_model: bool = True) -> Surface:
-    """support: views that saw the vertex where landmarks measured it, 0 elsewhere (unseen, or seen without texture). sigma:
-    of the place in the hull's frame, so with what all landmarks around share. deviation: NaN without a CAD model."""
+    """Return the hull as found. support: views that saw the vertex where landmarks measured it, 0 elsewhere (unseen, or seen
+    without texture); sigma: of its position in the hull frame, so with what all landmarks around share; deviation: NaN without
+    a CAD model."""
     _, row = nearest(measured.foot, found.base.vertices, 1)
     shared = measured.common[row[:, 0]]
     sigma = np.where(found.measured, np.hypot(found.sigma, shared), np.hypot(found.sigma, found.hull_sigma))

@@ -117,7 +117,7 @@ def find_objects(
     base: BaseSurface,
     options: DetectOptions,
 ) -> tuple[list[HullObject], list[UnreportedRegion]]:
-    """Objects, the highest first, and the regions that were not certain enough.
+    """Return the objects, the highest first, and the regions that were not certain enough.
 
     measured with its heights (m,) above the hull are the landmarks.
     """

@@ -36,7 +36,7 @@ class Heights:
 def local_heights(
     at: Array, normal: Array, feet: Array, height: Array, sigma: Array, neighbours: int, reach_m: float
 ) -> Heights:
-    """Heights at vertices (n, 3) with outward normals (n, 3) from landmarks' feet (m, 3), heights (m,) and sigmas (m,) m.
+    """Return heights m at vertices (n, 3) with outward normals (n, 3) from landmarks' feet (m, 3), heights and sigmas (m,) m.
 
     Around each vertex: the median of the nearest few, then a polynomial of second order in the tangent plane refitted with
     Tukey's weights about it, so that the side of a step on which the vertex lies decides; slope and bend are held to zero by

@@ -57,7 +57,7 @@ class _Relief:
 
 
 def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
-    """Raised and sunken regions of measured vertices, the highest first; parts nearer than `cluster_reach` are one."""
+    """Return raised and sunken regions of measured vertices, the highest first; parts nearer than `cluster_reach` are one."""
     off = found.measured & (np.abs(found.height) >= options.min_offset_m)
     relief = _Relief(found=found, area=vertex_areas(found.base), off=off, around=Around(found.base.vertices), options=options)
     regions = [_region(relief, seed, foreign, side) for side in (1.0, -1.0) for seed, foreign in _seeds(relief, side)]

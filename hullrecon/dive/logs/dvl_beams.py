@@ -62,7 +62,7 @@ def ask_for_beams(count: int) -> InputError:
     return InputError(f"nothing says where the DVL's {count} beams point", where="dvl.beams", remedy=ADVICE)
 
 
-def doubt_beams(beams: Array, ranges: Array, altitude: Array) -> list[str]:
+def check_beams(beams: Array, ranges: Array, altitude: Array) -> list[str]:
     """Return a sentence for each thing that is wrong with where beams point: far off the axis, or against the altitude.
 
     beams (b, 3) unit vectors in `dvl`; ranges (n, b) m along them; altitude (n,) m along z of `dvl`; NaN where lost.

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from hullrecon.dive.logs.dvl_beams import choose_beams, doubt_beams, unit
+from hullrecon.dive.logs.dvl_beams import check_beams, choose_beams, unit
 from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample, JointSample, PressureSample, SonarSample
 from hullrecon.errors import InputError
 from hullrecon.records.sensors import DvlPings, ImuSamples, JointSamples, PressureSamples, SonarPings
@@ -33,8 +33,8 @@ class PressureModel:
 
 @np.errstate(all="ignore")  # values of any size: what is absurd is left out below
 def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, remarks: list[str]) -> DvlPings:
-    """beams: those of dive.toml, for messages without (docs/configuration.md); sigma m/s where a message has none. InputError
-    for ranges along beams that nothing describes."""
+    """Return the pings. beams: those of dive.toml, for messages without (docs/configuration.md); sigma: m/s, where a message
+    has none. Raises InputError for ranges along beams that nothing describes."""
     count = Counter(len(s.ranges) for s in samples if len(s.ranges)).most_common(1)
     width = count[0][0] if count else 0
     ranges = np.full((len(samples), width), np.nan)
@@ -54,7 +54,7 @@ def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, r
     given = np.array([s.sigma for s in samples])
     used = np.where(np.isfinite(given) & (given > 0), given, sigma)
     directions = choose_beams(samples, beams, width, remarks)
-    remarks += doubt_beams(directions, ranges, np.array([s.altitude for s in samples]))
+    remarks += check_beams(directions, ranges, np.array([s.altitude for s in samples]))
     return DvlPings(t_ns=_times(samples), velocity=velocity, velocity_sigma=used, ranges=ranges, beams=directions)
 
 
@@ -62,8 +62,9 @@ def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, r
 def imu_samples(
     samples: Sequence[ImuSample], frame: str, remarks: list[str], mount_deg: tuple[float, float, float] | None = None
 ) -> ImuSamples:
-    """frame "ned": body forward-starboard-down in north-east-down; "enu": body forward-port-up in east-north-up. mount_deg: of
-    the IMU in the vehicle. Rows without an attitude are left out; those of a DVL's own sensors where an IMU was logged.
+    """Return attitudes and rates. frame: "ned" for body forward-starboard-down in north-east-down, "enu" for body
+    forward-port-up in east-north-up; mount_deg: of the IMU in the vehicle. Rows without an attitude are left out; those of a
+    DVL's own sensors where an IMU was logged.
 
     Raises InputError when no row has an attitude, and for a DVL's attitude without mount_deg.
     """

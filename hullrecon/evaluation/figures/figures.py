@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which figures of [Ozog2016] a comparison gives, and what is drawn in each."""
+"""The figures of [Ozog2016] that a comparison gives, and the data of each."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ def images_of_camera(rig: SensorRig, track: VehicleTrack, camera: Camera, usable
 
 
 def plain_views(cameras: Sequence[CameraImages]) -> list[CameraView]:
-    """Uncorrected, in the order of the cameras."""
+    """Return uncorrected views, in the order of the cameras."""
     return [CameraView(pose=s.poses[i], camera=s.camera, load=lambda: None) for s in cameras for i in range(len(s.rows))]
 
 

@@ -28,10 +28,10 @@ class ImageView(Protocol):
         the largest one considered (docs/methods.md 13, 14); NaN where the image does not hold the point."""
 
     def outline(self, surface: MosaicSurface) -> Array:
-        """Points (n, 3) of the surface all over the image, NaN rows where it does not meet the surface."""
+        """Return points (n, 3) of the surface all over the image, NaN rows where it does not meet the surface."""
 
     def picture(self) -> Floats32 | None:
-        """(h, w, channels), correct, 0 to 255; None when it cannot be read."""
+        """Return the image (h, w, channels), corrected, 0 to 255; None when it cannot be read."""
 
 
 @dataclass(frozen=True, kw_only=True)

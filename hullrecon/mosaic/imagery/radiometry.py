@@ -64,8 +64,8 @@ def first_fields(thumbnails: Sequence[NDArray[np.uint8]], camera: Ints) -> list[
 
 
 def solve_light(samples: LightSamples, fields: list[Array], rounds: int = 3) -> LightModel:
-    """Gains and fields in turns, from the first fields on; each takes clipped departures from the texel's mean, so that glints
-    and shadows count little."""
+    """Return the light of all images: gains and fields in turns, from the first fields on. Each takes clipped departures from
+    the texel's mean, so that glints and shadows count little."""
     gain = np.zeros(len(samples.camera))
     for _ in range(rounds):
         residual = samples.log_value - _field_at(samples, fields)

@@ -41,7 +41,7 @@ class SonarFan:
         return np.stack([n_r, n_b], axis=1), np.where(held, self._away(distance, bearing) / self._farthest(), np.nan)
 
     def rays(self, bearings: int, elevations: int) -> Array:
-        """Unit vectors (bearings * elevations, 3) in `sonar` all over the aperture."""
+        """Return unit vectors (bearings * elevations, 3) in `sonar` all over the aperture."""
         psi, theta = np.meshgrid(
             np.linspace(self.bearing[0], self.bearing[-1], bearings),
             np.linspace(-self.half_elevation, self.half_elevation, elevations),
@@ -63,7 +63,7 @@ class SonarFan:
 
 
 def build_fan(directions: Array, range_m: Array, elevation_rad: float) -> SonarFan:
-    """directions (beams, 3) unit vectors in `sonar`; elevation_rad: full aperture out of the fan."""
+    """Return a fan. directions: (beams, 3) unit vectors in `sonar`; elevation_rad: full aperture out of the fan."""
     bearing = np.arctan2(directions[:, 1], directions[:, 2])
     order = np.argsort(bearing, kind="stable")
     return SonarFan(bearing=bearing[order], beam=order.astype(float), range_m=range_m, half_elevation=0.5 * elevation_rad)

@@ -29,7 +29,7 @@ class Caption:
 
 
 def preview_png(picture: NDArray[np.uint8], west: float, north: float, step_m: float, caption: Caption) -> bytes:
-    """picture: (h, w, 4) RGBA or (h, w, 2) gray and alpha; step_m of its pixels. Same bytes for the same input."""
+    """Return the PNG of a picture (h, w, 4) RGBA or (h, w, 2) gray and alpha; step_m of its pixels. Same input, same bytes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -65,7 +65,7 @@ def _axis_names(caption: Caption) -> tuple[str, str]:
 
 
 def stretch_contrast(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Brightness of the seen pixels of an RGBA picture spread over the range; colour grows less, or it would glare."""
+    """Spread the brightness of the seen pixels of an RGBA picture over the range; colour grows less, or it would glare."""
     seen = picture[picture[..., 3] > 0][:, :3]
     if not len(seen):
         return picture

@@ -67,7 +67,7 @@ def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
 
 
 def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], upright: bool) -> bytes:
-    """texture: (h, w, 4) RGBA or (h, w, 2). upright: the frame has z up (M); else z is down (g)."""
+    """Return a GLB file. texture: (h, w, 4) RGBA or (h, w, 2). upright: the frame has z up (M); else z is down (g)."""
     import trimesh
     from PIL import Image
 

@@ -60,7 +60,7 @@ class TileStore:
         target[...] = np.rint(small[: target.shape[0], : target.shape[1]])
 
     def variance_percentiles(self, percent: Sequence[float]) -> list[float]:
-        """Upper ends of the histogram's bins."""
+        """Return the upper ends of the histogram's bins."""
         share = np.cumsum(self.histogram) / max(1, self.histogram.sum())
         return [float((np.searchsorted(share, p / 100) + 1) * VARIANCE_STEP) for p in percent]
 
@@ -68,7 +68,7 @@ class TileStore:
 def make_tiles(
     grid: TexelGrid, channels: int, size: int, max_pixels: int, make: Callable[[Window], Tile], progress: Any
 ) -> TileStore:
-    """Makes every tile in turn; only one is in memory uncompressed. The small copy is reduced to max_pixels a side, or as
+    """Make every tile in turn; only one is in memory uncompressed. The small copy is reduced to max_pixels a side, or as
     often as `size` can be halved."""
     reduction = 1
     while max(grid.width, grid.height) / reduction > max_pixels and size % (2 * reduction) == 0:

@@ -42,7 +42,7 @@ def mark_lost(ranges: Array) -> Array:
 
 
 def flag_ranges(dvl: DvlPings, window_s: float, jump_m: float, sigmas: float, sigma_range_m: float) -> Mask:
-    """Returns (n, b) that leave the median of their beam's neighbours by jump_m, or by so many robust sigma of the window.
+    """Return which ranges (n, b) leave the median of their beam's neighbours by jump_m or so many robust sigma of the window.
 
     The robust sigma is that of the neighbours' own departures, at least the instrument's.
     """

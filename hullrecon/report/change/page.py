@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 import base64
-from importlib import resources
 
 import numpy as np
 
 from hullrecon.records.change import CHANGED, HullChange, ObjectChange
 from hullrecon.report.change.verdict import move_sentence, object_sentence, verdict
+from hullrecon.report.content.page import render_template
 from hullrecon.report.content.phrases import length, probability
 
 GATE = 1e-3  # an offset less likely than this says that a hull pose is worse than it claims
@@ -18,14 +18,6 @@ GATE = 1e-3  # an offset less likely than this says that a hull pose is worse th
 
 def change_page(change: HullChange, png: bytes) -> str:
     """Return the HTML; png: the map, which is held in it."""
-    from jinja2 import DictLoader, Environment, StrictUndefined
-
-    folder = resources.files("hullrecon.report") / "templates"
-    texts = {name: (folder / name).read_text(encoding="utf-8") for name in ("change.html", "report.css")}
-    environment = Environment(
-        loader=DictLoader(texts), autoescape=lambda name: name == "change.html", undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
     context = {
         "change": change,
         "verdict": verdict(change),
@@ -36,7 +28,7 @@ def change_page(change: HullChange, png: bytes) -> str:
         "map": "data:image/png;base64," + base64.b64encode(png).decode(),
         "detectable": length(change.detectable_m),
     }
-    return environment.get_template("change.html").render(context)
+    return render_template("change.html", context)
 
 
 def offset_sentence(change: HullChange) -> str:

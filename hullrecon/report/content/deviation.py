@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.meshes.mesh import vertex_areas
+from hullrecon.report.content.phrases import signed_range
 from hullrecon.report.figures.chart_map import weighted_percentiles
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
@@ -30,14 +31,14 @@ class DeviationFigures:
     def offset_words(self) -> str:
         """Return the offset in a sentence's part, with what its sigma makes of it."""
         side = "outside" if self.offset > 0 else "inside"
-        known = "" if abs(self.offset) > 2 * self.offset_sigma else ", which is not told from zero"
+        known = "" if abs(self.offset) > 2 * self.offset_sigma else ", not significantly different from zero"
         return f"{1000 * abs(self.offset):.0f} mm {side} it (one sigma {1000 * self.offset_sigma:.0f} mm{known})"
 
     @property
     def form_words(self) -> str:
         """Return the form's percentiles in a sentence's part."""
         low, _, high = 1000 * self.form
-        return f"{low:+.0f} to {high:+.0f} mm (5th to 95th percentile; one sigma {1000 * self.form_sigma:.1f} mm)"
+        return f"{signed_range(low, high)} mm (5th to 95th percentile; one sigma {1000 * self.form_sigma:.1f} mm)"
 
 
 def deviation_figures(survey: Survey) -> DeviationFigures | None:

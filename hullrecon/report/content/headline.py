@@ -8,7 +8,7 @@ import numpy as np
 
 from hullrecon.records.deliverables import Coverage, SensorCoverage
 from hullrecon.report.content.deviation import deviation_figures
-from hullrecon.report.content.phrases import count, duration, join, length, lengths, with_sigma
+from hullrecon.report.content.phrases import count, duration, join, length, lengths, signed_range, with_sigma
 from hullrecon.report.survey import AdjustedDive, Survey
 
 _AXES = {
@@ -46,9 +46,8 @@ def key_figures(survey: Survey) -> list[tuple[str, str, str]]:
             rows.append(("Position along", f"± {length(along)}", f"± {length(girth)} {across}, one sigma"))
     if figures is not None:
         low, _, high = 1000 * figures.form
-        rows.append(
-            ("Form off the CAD model", f"{low:+.0f} to {high:+.0f} mm", f"one sigma {1000 * figures.form_sigma:.1f} mm")
-        )
+        form = f"{signed_range(low, high)}\N{NO-BREAK SPACE}mm"
+        rows.append(("Form off the CAD model", form, f"one sigma {1000 * figures.form_sigma:.1f} mm"))
     return rows
 
 

@@ -10,13 +10,21 @@ from importlib import resources
 
 def render_page(context: Mapping[str, object]) -> str:
     """Return the HTML of the variables of page_context."""
-    from jinja2 import DictLoader, Environment, StrictUndefined
+    built = {"script": read_template("report.js"), "style": read_template("report.css")}  # from report/web
+    return render_template("page.html", {**context, **built})
 
-    folder = resources.files("hullrecon.report") / "templates"
-    page, script, style = (
-        (folder / name).read_text(encoding="utf-8") for name in ("page.html", "report.js", "report.css")
-    )  # the last two are built: report/web
+
+def render_template(name: str, variables: Mapping[str, object]) -> str:
+    """Return the text of a template of this package. A variable that is not there is an error; what is no style is escaped."""
+    from jinja2 import Environment, FunctionLoader, StrictUndefined
+
     environment = Environment(
-        loader=DictLoader({"page.html": page}), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    return environment.get_template("page.html").render(context, script=script, style=style)
+        loader=FunctionLoader(read_template), autoescape=lambda file: file is None or not file.endswith(".css"),
+        undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    return environment.get_template(name).render(variables)
+
+
+def read_template(name: str) -> str:
+    """Return a file of report/templates."""
+    return (resources.files("hullrecon.report") / "templates" / name).read_text(encoding="utf-8")

@@ -158,7 +158,7 @@ def place_words(survey: Survey) -> str:
     if not np.isfinite(along + girth):
         return ""
     ways = ("along the hull", "in girth") if survey.is_in_hull_frame else ("along the plane", "across it")
-    return f"As a whole it lies in its place to {length(along)} {ways[0]} and {length(girth)} {ways[1]} (one sigma, median)."
+    return f"Its position as a whole is known to {length(along)} {ways[0]} and {length(girth)} {ways[1]} (one sigma, median)."
 
 
 def mosaic_context(name: str, mosaic: Mosaic) -> PageContext:

@@ -45,6 +45,11 @@ def lengths(metres: Sequence[float]) -> str:
     return " / ".join("–" if not math.isfinite(m) else f"{m:.{digits}f}" for m in metres) + " m"
 
 
+def signed_range(low: float, high: float, decimals: int = 0) -> str:
+    """Return two signed numbers: −10 to +16, with a minus sign and not a hyphen."""
+    return f"{low:+.{decimals}f} to {high:+.{decimals}f}".replace("-", "−")
+
+
 def duration(seconds: float) -> str:
     """Return a text like 117 s, 12 min 05 s, 3 h 02 min."""
     whole = round(seconds)

@@ -97,8 +97,8 @@ def _calibration(survey: Survey) -> WordTable:
             ]
         if facts.has_depth:
             rows.append(("Bias of the depth", f"{1000 * errors.depth_bias_m:+.0f} mm"))
-        if errors.tray_play_rad:
-            rows.append(("Play of the tray", f"{math.degrees(errors.tray_play_rad):.2f}°"))
+        if errors.tray_backlash_rad:
+            rows.append(("Backlash of the tray", f"{math.degrees(errors.tray_backlash_rad):.2f}°"))
     for camera, parameters in survey.adjusted.summary.intrinsics.items() if survey.adjusted is not None else ():
         rows += [
             (f"Camera {camera}, {name}", f"{with_sigma(p.found, p.sigma, '').strip()} (calibrated {p.calibrated:.6g})")

@@ -9,6 +9,7 @@ import numpy as np
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit, Surface
+from hullrecon.report.content.phrases import signed_range
 from hullrecon.report.export.csv_export import numbers
 from hullrecon.report.figures.chart_map import weighted_percentiles
 from hullrecon.report.figures.style import BLUE, GRAY, GREEN, ORANGE, Plot, new_figure, png_bytes
@@ -55,4 +56,4 @@ def deviation_histogram(solution: Solution | None, as_found: Surface | None, spl
 def _form_words(form: Array, weight: Array, split: DeviationSplit) -> str:
     low, high = 1000 * weighted_percentiles(form, weight, (5, 95))
     sigma = 1000 * float(np.nanmedian(split.form_sigma))
-    return f"Form: 5th to 95th percentile {low:+.1f} to {high:+.1f} mm, median one sigma {sigma:.1f} mm"
+    return f"Form: 5th to 95th percentile {signed_range(low, high, 1)} mm, median one sigma {sigma:.1f} mm"

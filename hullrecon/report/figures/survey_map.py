@@ -97,8 +97,8 @@ def _deviation_layers(survey: Survey, view: ChartView, found: ChartedSurface) ->
         form, sigma = (
             field_layer(name, title, found, 1000 * values, shading, view.extent, words)
             for name, title, values, shading, words in (
-                ("form", "Deviation from the CAD model: form", split.form, shadings[0], note),
-                ("form_sigma", "Sigma of the deviation's form", split.form_sigma, shadings[1], "One standard deviation."),
+                ("form", "Form off the CAD model", split.form, shadings[0], note),
+                ("form_sigma", "Sigma of the form", split.form_sigma, shadings[1], "One standard deviation."),
             )
         )
         return [form, sigma]

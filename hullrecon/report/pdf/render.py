@@ -13,6 +13,8 @@ from importlib import resources
 from pathlib import Path
 from typing import TypedDict, cast
 
+from hullrecon.report.content.page import read_template, render_template
+
 PDF = "report/report.pdf"  # in deliver/
 _FONT = "font:"  # scheme of the fonts named in print.css
 MAX_CARDS = 40  # of more objects there is a photo with a line; all numbers stand in the annex
@@ -57,19 +59,8 @@ def render_pdf(context: Mapping[str, object]) -> bytes:
 
 def render_html(context: Mapping[str, object]) -> str:
     """Return what is laid out on the pages."""
-    from jinja2 import DictLoader, Environment, StrictUndefined
-
-    folder = resources.files("hullrecon.report") / "templates"
-    page, style = ((folder / name).read_text(encoding="utf-8") for name in ("print.html", "print.css"))
-    environment = Environment(
-        loader=DictLoader({"print.html": page}),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     shown = cast(_Shown, context)
-    style, _, pictures = style.partition(_PICTURES)  # rules of the page do not reach into a picture
+    style, _, pictures = read_template("print.css").partition(_PICTURES)  # rules of the page do not reach into a picture
     sections = [section for section in shown["sections"] if section[0] != "view"]
     plan, ship = shown["plan"], shown["ship"]
     more = {
@@ -80,7 +71,7 @@ def render_html(context: Mapping[str, object]) -> str:
         "compact": len(shown["cards"]) > MAX_CARDS,
         "columns": list(dict.fromkeys(name for card in shown["cards"] for name, _ in card["rows"])),
     }
-    return environment.get_template("print.html").render({**context, **more}, style=style, dict=dict)
+    return render_template("print.html", {**context, **more, "style": style, "dict": dict})
 
 
 def _with_style(svg: str, rules: str) -> str:

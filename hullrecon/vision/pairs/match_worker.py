@@ -11,8 +11,9 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.features.store import FeatureStore
 from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pair_match import PairMatch
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.matching import PairMatch, PairMatcher
+from hullrecon.vision.pairs.matching import PairMatcher
 from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import StereoMatches
 from hullrecon.vision.stereo.node_view import DepthPrior, NodeView, stereo_of_node, view_of_node

@@ -5,15 +5,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.frames import Camera
-from hullrecon.typing import Array, Floats32, Ints
+from hullrecon.typing import Array, Ints
 from hullrecon.vision.features.descriptors import Putative, best_of_all, best_of_pairs, sparse_distance
 from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pair_match import PairMatch, Reason, agrees, failed_match
 from hullrecon.vision.pairs import mono_motion, pose_from_points, two_view
 from hullrecon.vision.pairs.gated_search import in_ellipse
 from hullrecon.vision.pairs.gating import Motion, transfer
@@ -22,46 +21,6 @@ from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.node_view import NodeView
 
 FEW = 100  # with fewer seeds the first motion is rough: what it guides to is worth a second look
-
-
-class Reason(IntEnum):
-    """Why a pair gave nothing, as stored in pairs.npz."""
-
-    MATCHED = 0
-    NO_FEATURES = 1
-    FEW_PUTATIVE = 2
-    FEW_INLIERS = 3
-    AGAINST_NAVIGATION = 4
-    SMALL_OVERLAP = 5
-
-
-REASON_TEXTS = {
-    Reason.MATCHED: "matched",
-    Reason.NO_FEATURES: "too few features in one of the images",
-    Reason.FEW_PUTATIVE: "too few putative matches",
-    Reason.FEW_INLIERS: "too few inliers",
-    Reason.AGAINST_NAVIGATION: "inconsistent with navigation",
-    Reason.SMALL_OVERLAP: "overlap too small",
-}
-
-
-@dataclass(frozen=True, kw_only=True)
-class PairMatch:
-    """first, second (m,): rows of the two views' features that show one point; distance (m,) of their descriptors.
-
-    motion: between the leading cameras, None when the pair failed; scaled: whether its translation has a measured length
-    (mono: navigation's, or one). calibration: what errors of the calibration, which all pairs of a dive share, do to a scaled
-    motion.
-    """
-
-    first: Ints
-    second: Ints
-    distance: Floats32
-    putative: int
-    reason: Reason
-    motion: Motion | None = None
-    scaled: bool = True
-    calibration: CalibrationEvidence | None = None
 
 
 @dataclass(frozen=True)
@@ -84,20 +43,20 @@ class PairMatcher:
         full_search: look everywhere when there is no prior, or when nothing is found where it points.
         """
         if min(len(first), len(second)) < self.options.min_putative:
-            return _failure(0, Reason.NO_FEATURES)
+            return failed_match(0, Reason.NO_FEATURES)
         tries = ([prior] if prior is not None else []) + ([None] if full_search or prior is None else [])
-        result = _failure(0, Reason.FEW_PUTATIVE)
+        result = failed_match(0, Reason.FEW_PUTATIVE)
         for expected in tries:
             result = self._match(first, second, expected, seed)
             if result.reason is Reason.MATCHED:
                 break
         if result.motion is not None and prior is not None and not agrees(result, prior, self.options.navigation_chi2):
-            return _failure(result.putative, Reason.AGAINST_NAVIGATION)
+            return failed_match(result.putative, Reason.AGAINST_NAVIGATION)
         return result
 
     def _match(self, first: NodeView, second: NodeView, prior: Motion | None, seed: tuple[int, ...]) -> PairMatch:
         """Match by triangulated points of both sides; where too few, of one side; where too few of either, by two views."""
-        result = _failure(0, Reason.FEW_PUTATIVE)
+        result = failed_match(0, Reason.FEW_PUTATIVE)
         if first.stereo.any() and second.stereo.any():
             result = self._match_points(first, second, prior, seed)
         if result.reason is Reason.MATCHED:
@@ -106,7 +65,7 @@ class PairMatcher:
         gated = self._gate(first, second, prior, *everywhere)
         seeds = self._best(first, second, gated, *everywhere)
         if not self._enough(seeds):
-            return _failure(len(seeds), Reason.FEW_PUTATIVE)
+            return failed_match(len(seeds), Reason.FEW_PUTATIVE)
         with_point = max(int(first.stereo[seeds.first].sum()), int(second.stereo[seeds.second].sum()))
         if with_point >= max(self.options.min_putative, self.options.min_inliers):
             return self._refine_and_guide(first, second, seeds, self._resect(first, second, seeds))
@@ -153,16 +112,16 @@ class PairMatcher:
     def _refine_and_guide(self, first: NodeView, second: NodeView, seeds: Putative, start: Array | None) -> PairMatch:
         """Return the matches to which a first guess of the motion leads, once it is refined."""
         if start is None:
-            return _failure(len(seeds), Reason.FEW_INLIERS if self._enough(seeds) else Reason.FEW_PUTATIVE)
+            return failed_match(len(seeds), Reason.FEW_INLIERS if self._enough(seeds) else Reason.FEW_PUTATIVE)
         views = self.reprojection_terms(first, second, seeds)
         motion = Motion(*pose_from_points.refine(start, views, self.tolerance))
         if _count_inliers(motion.second_from_first, views, self.tolerance, len(seeds)) < self.options.min_inliers:
-            return _failure(len(seeds), Reason.FEW_INLIERS)
+            return failed_match(len(seeds), Reason.FEW_INLIERS)
         matched = self.search_along(first, second, motion)
         motion, calibration = self._adjust(first, second, _take_evenly(matched), motion)
         matched = self.search_along(first, second, motion) if len(seeds) < FEW else matched
         if len(matched) < self.options.min_inliers:
-            return _failure(len(seeds), Reason.FEW_INLIERS)
+            return failed_match(len(seeds), Reason.FEW_INLIERS)
         return PairMatch(
             first=matched.first,
             second=matched.second,
@@ -241,7 +200,7 @@ class PairMatcher:
         found = two_view.fit(*xy, self.options.verify_px / self.rig.focal_px(Camera.TOP))
         possible = [] if found is None else two_view.motions_of(found, *xy)
         if found is None or found.inlier.sum() < self.options.min_inliers or not possible:
-            return _failure(len(seeds), Reason.FEW_INLIERS)
+            return failed_match(len(seeds), Reason.FEW_INLIERS)
         inlier = found.inlier
         motion = mono_motion.choose(possible, (xy[0][inlier], xy[1][inlier]), prior, first.normal)
         kept = Putative(first=seeds.first[inlier], second=seeds.second[inlier], distance=seeds.distance[inlier])
@@ -256,22 +215,6 @@ class PairMatcher:
             motion=motion,
             scaled=False,
         )
-
-
-def agrees(found: PairMatch, prior: Motion, max_chi2: float) -> bool:
-    """Return whether the motion lies within navigation's covariance plus its own, its length aside where that is not measured.
-
-    max_chi2 is that of six numbers; a motion without a length has five and is held to five sixths of it.
-    """
-    if found.motion is None:
-        return False
-    if not found.scaled:
-        return mono_motion.navigation_chi2(found.motion, prior) <= max_chi2 * mono_motion.FREEDOMS / 6
-    own, wanted = found.motion.second_from_first, prior.second_from_first
-    turn = np.linalg.inv(wanted[:3, :3]) @ own[:3, :3]
-    gap = np.concatenate([own[:3, 3] - wanted[:3, 3], Rotation.from_matrix(turn).as_rotvec()])
-    covariance = prior.covariance + found.motion.covariance
-    return bool(gap @ np.linalg.solve(covariance, gap) <= max_chi2)
 
 
 def _take_evenly(matched: Putative, most: int = 500) -> Putative:
@@ -299,14 +242,4 @@ def _add_unmatched(kept: Putative, more: Putative) -> Putative:
         first=np.r_[kept.first, more.first[new]],
         second=np.r_[kept.second, more.second[new]],
         distance=np.r_[kept.distance, more.distance[new]],
-    )
-
-
-def _failure(putative: int, reason: Reason) -> PairMatch:
-    return PairMatch(
-        first=np.zeros(0, np.int64),
-        second=np.zeros(0, np.int64),
-        distance=np.zeros(0, np.float32),
-        putative=putative,
-        reason=reason,
     )

@@ -32,14 +32,14 @@ def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
     that adjustment's. The covariance takes its scale from the residuals and from how far neighbours err together, and what the
     matches' own noise adds to the information about the direction is taken off.
     """
-    residual, jacobian = _linearised(motion, first, second)
+    residual, jacobian = _linearise(motion, first, second)
     damping = 1e-6
     for _ in range(ITERATIONS):
         normal = _information(jacobian, _variance(residual))
         gradient = jacobian.T @ residual / _variance(residual)
         step = np.asarray(-np.linalg.solve(normal + damping * np.diag(np.diag(normal)), gradient))
-        trial = _moved(motion, step)
-        trial_residual, trial_jacobian = _linearised(trial, first, second)
+        trial = _apply_step(motion, step)
+        trial_residual, trial_jacobian = _linearise(trial, first, second)
         if trial_residual @ trial_residual > residual @ residual:
             damping *= 100
             continue
@@ -166,7 +166,7 @@ def tangent_basis(direction: Array) -> Array:
     return np.stack([u, np.cross(direction, u)], axis=1)
 
 
-def _linearised(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
+def _linearise(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
     """Return signed Sampson distances (n,) and their derivatives (n, 5), the distance's own denominator held."""
     essential = essential_of(motion)
     a, b = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (first, second))
@@ -195,7 +195,7 @@ def _information(jacobian: Array, variance: float) -> Array:
     return np.asarray(jacobian.T @ jacobian / variance + DIRECTION_PRIOR)
 
 
-def _moved(motion: Array, step: Array) -> Array:
+def _apply_step(motion: Array, step: Array) -> Array:
     out = motion.copy()
     out[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[:3]).as_matrix()
     direction = motion[:3, 3] + tangent_basis(motion[:3, 3]) @ step[3:]

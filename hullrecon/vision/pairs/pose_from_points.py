@@ -92,7 +92,7 @@ def refine(motion: Array, views: list[ObservedPoints], tolerance: float, iterati
             masks = _inliers(motion, views, tolerance)
         normal, gradient, cost = _normal(motion, views, masks)
         step = -np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-12), gradient)
-        trial = _moved(motion, np.asarray(step))
+        trial = _apply_step(motion, np.asarray(step))
         better = _normal(trial, views, masks)[2] <= cost
         motion, damping = (trial, damping * 0.1) if better else (motion, damping * 100)
         if better and np.abs(step).max() < 1e-9:
@@ -106,7 +106,7 @@ def _inliers(motion: Array, views: list[ObservedPoints], tolerance: float) -> li
     return [(squared_errors(motion[None], s)[0] < tolerance**2) & np.isfinite(s.xy[:, 0]) for s in views]
 
 
-def _moved(motion: Array, step: Array) -> Array:
+def _apply_step(motion: Array, step: Array) -> Array:
     out = motion.copy()
     out[:3, 3] += step[:3]
     out[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[3:]).as_matrix()
@@ -117,7 +117,7 @@ def _normal(motion: Array, views: list[ObservedPoints], masks: list[Mask]) -> tu
     """Return normal matrix (6, 6), gradient (6,) and summed squared error."""
     normal, gradient, cost = np.zeros((6, 6)), np.zeros(6), 0.0
     for view, mask in zip(views, masks, strict=True):
-        residual, jacobian = _linearised(motion, view, mask)
+        residual, jacobian = _linearise(motion, view, mask)
         flat = jacobian.reshape(-1, 6)
         normal += flat.T @ flat
         gradient += flat.T @ residual.ravel()
@@ -125,7 +125,7 @@ def _normal(motion: Array, views: list[ObservedPoints], masks: list[Mask]) -> tu
     return normal, gradient, cost
 
 
-def _linearised(motion: Array, view: ObservedPoints, mask: Mask) -> tuple[Array, Array]:
+def _linearise(motion: Array, view: ObservedPoints, mask: Mask) -> tuple[Array, Array]:
     """Return whitened residuals (n, 2) and Jacobian (n, 2, 6) of the masked rows."""
     rotation, translation = motion[:3, :3], motion[:3, 3]
     points = view.points[mask]

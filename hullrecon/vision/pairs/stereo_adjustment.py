@@ -23,7 +23,7 @@ OUTLIER_SIGMAS = 3.9  # of a feature's whole residual: 0.9999 of a Gaussian's
 CELLS = (0.1, 0.25)  # ideal units, rad: features nearer than that share blur, light and relief, or what the lens's model lacks
 FIELD = 0.5  # ideal units: half the width of a common image
 RIG, DISPARITY = 6, 6  # unknowns of the calibration: of the rig, and of the disparity over the image
-WEAK_POINT = 1e-9  # of a point's information: keeps a feature that only one camera saw from dividing by zero
+POINT_DAMPING = 1e-9  # of a point's information: keeps a feature that only one camera saw from dividing by zero
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,7 +79,7 @@ def adjust_stereo_motion(
         good = _inliers(system)
         step = np.asarray(-np.linalg.solve(system.information[good].sum(axis=0), system.gradient[good].sum(axis=0)))
         points = points + system.point_step(step)
-        motion = _moved(motion, step)
+        motion = _apply_step(motion, step)
     system = _reduce(motion, points, first, second, bottom_from_top)
     good = _inliers(system)
     information = system.information[good].sum(axis=0)
@@ -164,7 +164,7 @@ def _reduce(
     residual, by_point, by_motion, by_calibration = _linearise(motion, points, first, second, bottom_from_top)
     turned = by_point.swapaxes(1, 2)
     own = turned @ by_point
-    inverse = np.linalg.inv(own + WEAK_POINT * np.trace(own, axis1=1, axis2=2)[:, None, None] * np.eye(3))
+    inverse = np.linalg.inv(own + POINT_DAMPING * np.trace(own, axis1=1, axis2=2)[:, None, None] * np.eye(3))
     gradient = np.einsum("mri,mr->mi", by_point, residual)
     cross = by_motion.swapaxes(1, 2) @ by_point
     carried = cross @ inverse
@@ -239,7 +239,7 @@ def _inliers(system: _ReducedSystem) -> Mask:
     return np.asarray((system.freedom > 0) & (system.cost <= max(variance, 1e-14) * limit))
 
 
-def _moved(motion: Array, step: Array) -> Array:
+def _apply_step(motion: Array, step: Array) -> Array:
     out = motion.copy()
     out[:3, 3] += step[:3]
     out[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[3:]).as_matrix()

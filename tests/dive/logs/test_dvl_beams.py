@@ -7,7 +7,7 @@ import pytest
 
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.load import load_config
-from hullrecon.dive.logs.dvl_beams import A50, a50_beams, choose_beams, doubt_beams, tilted_beams, unit
+from hullrecon.dive.logs.dvl_beams import A50, a50_beams, check_beams, choose_beams, tilted_beams, unit
 from hullrecon.dive.logs.messages.samples import DVL_TYPES
 from hullrecon.dive.logs.samples import DvlSample
 from hullrecon.dive.logs.streams import dvl_pings
@@ -153,16 +153,16 @@ def pings(beams, altitude, count=12, stand_off=2.0):
 def test_beams_that_contradict_the_altitude_are_named():
     truth, guess = a50_beams(), tilted_beams(30.0, (0, 90, 180, -90))
     ranges, altitude = pings(truth, 2.0)
-    assert doubt_beams(truth, ranges, altitude) == []
-    (line,) = doubt_beams(guess, ranges, altitude)
+    assert check_beams(truth, ranges, altitude) == []
+    (line,) = check_beams(guess, ranges, altitude)
     assert "6 % shorter than the altitude" in line
-    assert doubt_beams(guess, ranges[:5], altitude[:5]) == []  # too few to say
-    assert doubt_beams(guess, ranges, np.full(12, np.nan)) == []
+    assert check_beams(guess, ranges[:5], altitude[:5]) == []  # too few to say
+    assert check_beams(guess, ranges, np.full(12, np.nan)) == []
 
 
 def test_beams_that_stand_far_off_or_lean_to_one_side_are_named():
     nothing = np.zeros((0, 4)), np.zeros(0)
-    assert "up to 67 degrees off" in doubt_beams(tilted_beams(67.0, (0, 90, 180, -90)), *nothing)[0]
-    assert "up to 158 degrees off" in doubt_beams(a50_beams() * [1, 1, -1], *nothing)[0]
-    assert "mean direction is 16 degrees off" in doubt_beams(tilted_beams(30.0, (0, 0, 90, -90)), *nothing)[0]
-    assert doubt_beams(tilted_beams(30.0, (0, 90, 180, -90)), *nothing) == []
+    assert "up to 67 degrees off" in check_beams(tilted_beams(67.0, (0, 90, 180, -90)), *nothing)[0]
+    assert "up to 158 degrees off" in check_beams(a50_beams() * [1, 1, -1], *nothing)[0]
+    assert "mean direction is 16 degrees off" in check_beams(tilted_beams(30.0, (0, 0, 90, -90)), *nothing)[0]
+    assert check_beams(tilted_beams(30.0, (0, 90, 180, -90)), *nothing) == []

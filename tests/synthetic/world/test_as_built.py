@@ -37,7 +37,7 @@ def test_structures_stand_their_height_over_the_steel(built: AsBuilt, patch: Hul
         assert 0.5 - way[0] == pytest.approx(item.height_m, abs=2e-4)
 
 
-def test_away_from_structures_the_steel_is_the_deviation_off_the_drawing(built: AsBuilt, patch: HullPatch) -> None:
+def test_away_from_structures_the_steel_is_the_deviation_off_the_cad_model(built: AsBuilt, patch: HullPatch) -> None:
     flat = build(spec_from(deviation_mean_m=-0.013, deviation_sigma_m=0.0), patch, ())
     offset = ((flat.steel - patch.point) * patch.normal).sum(2)
     np.testing.assert_allclose(offset, -0.013, atol=1e-9)

@@ -23,7 +23,7 @@ def patch(cad_model: Mesh) -> HullPatch:
     return HullSkin(cad_model, (24.0, 27.0), zero_z_m=2.0, top_z_m=4.0, down_m=4.0).patch(0)
 
 
-def test_every_point_lies_on_the_drawing(patch: HullPatch, cad_model: Mesh) -> None:
+def test_every_point_lies_on_the_cad_model(patch: HullPatch, cad_model: Mesh) -> None:
     distance = Scene(cad_model).closest(patch.point.reshape(-1, 3)).distance
     assert np.abs(distance).max() < 1e-4
 

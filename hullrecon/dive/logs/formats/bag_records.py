@@ -41,7 +41,7 @@ class Connections(dict[int, Channel]):
 
 
 def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
-    """Head and data of the record at byte `at`, and the byte behind it."""
+    """Return head and data of the record at byte `at`, and the byte behind it."""
     stream.seek(at)
     (length,) = fields("<I", stream.read(4))
     if length > LARGEST_HEAD or at + 8 + length > size:
@@ -59,7 +59,7 @@ def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
 
 
 def messages_of(head: Head, data: bytes, connections: Connections, budget: UnpackBudget | None = None) -> list[Message]:
-    """Messages of a chunk, or of a message record that stands alone; connections met on the way are learnt."""
+    """Return the messages of a chunk, or of a message record that stands alone; connections met on the way are learnt."""
     op = op_of(head)
     if op == CHUNK:
         how = text(head.get("compression", b""))

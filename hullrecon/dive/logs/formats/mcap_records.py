@@ -46,7 +46,7 @@ class Definitions:
         self.unknown = 0  # messages of channels whose definition was lost
 
     def take(self, opcode: int, body: bytes) -> Message | None:
-        """Learns a schema or a channel; gives back a message; DamagedError when the record does not hold together."""
+        """Learn a schema or a channel, or return a message. Raises DamagedError when the record does not hold together."""
         if opcode == SCHEMA:
             name, at = _string(body, 2)
             form, at = _string(body, at)
@@ -71,7 +71,7 @@ class Definitions:
 
 
 def head(stream: BinaryIO, at: int, end: int) -> tuple[int, int]:
-    """Opcode and length of the record at byte `at`; DamagedError when it is no record or reaches beyond `end`."""
+    """Return opcode and length of the record at byte `at`. Raises DamagedError when it is none or reaches beyond `end`."""
     stream.seek(at)
     opcode, length = fields("<BQ", stream.read(HEAD))
     if not (HEADER <= opcode <= DATA_END or opcode >= PRIVATE):
@@ -125,7 +125,7 @@ def messages_of(chunk: Chunk, definitions: Definitions, budget: UnpackBudget | N
 
 
 def records(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """(opcode, body) of records in a row."""
+    """Yield (opcode, body) of records in a row."""
     at = 0
     while at < len(data):
         opcode, length = fields("<BQ", data, at)

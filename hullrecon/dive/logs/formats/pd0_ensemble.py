@@ -59,7 +59,7 @@ class Ensemble:
 
 
 def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
-    """(start, end, ensemble) of every ensemble whose checksum holds; between them (start, end, why) of bytes of no ensemble."""
+    """Yield (start, end, ensemble) where a checksum holds, between them (start, end, why) of bytes of no ensemble."""
     at = bad = 0
     why = ""
     while True:

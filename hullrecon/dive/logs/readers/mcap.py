@@ -162,7 +162,7 @@ class _Unchecked:
 
 
 def checksum(stream: BinaryIO, end: int) -> int:
-    """CRC32 of the bytes before `end`."""
+    """Return the CRC32 of the bytes before `end`."""
     crc, left = 0, end
     stream.seek(0)
     while left > 0:

@@ -56,7 +56,7 @@ class Pd0Log(FileLog):
 
 
 def to_sample(ping: Ensemble) -> DvlSample:
-    """Bottom track: velocity of the instrument (that of the bottom, reversed), ranges along the beams."""
+    """Return the bottom track: velocity of the instrument (that of the bottom, reversed), ranges along the beams."""
     velocity = -DVL_FROM_INSTRUMENT @ instrument_velocity(ping)
     tilt = ping.beam_angle_rad
     beams = np.stack([np.sin(tilt) * np.cos(AZIMUTH_RAD), np.sin(tilt) * np.sin(AZIMUTH_RAD), np.full(4, np.cos(tilt))], axis=1)
@@ -71,7 +71,7 @@ def attitude(ping: Ensemble) -> ImuSample:
 
 
 def instrument_velocity(ping: Ensemble) -> Array:
-    """(3,) m/s of the bottom in the instrument's axes; NaN when lost."""
+    """Return the velocity (3,) m/s of the bottom in the instrument's axes; NaN when lost."""
     if ping.frame == "beam":
         return from_beams(ping.bottom, ping.beam_angle_rad)
     vector = ping.bottom[:3]
@@ -82,8 +82,8 @@ def instrument_velocity(ping: Ensemble) -> Array:
 
 
 def from_beams(beams: Array, angle_rad: float) -> Array:
-    """Instrument velocity of four beam velocities (positive towards the transducer); with one lost, the error velocity that
-    would show its fault is taken as zero; NaN with more lost."""
+    """Return the instrument's velocity from four beam velocities (positive towards the transducer); with one lost, the error
+    velocity that would show it is taken as zero; NaN with more lost."""
     b = beams.copy()
     lost = np.flatnonzero(np.isnan(b))
     if len(lost) == 1:
@@ -95,7 +95,7 @@ def from_beams(beams: Array, angle_rad: float) -> Array:
 
 
 def earth_from_instrument(heading: float, pitch: float, roll: float) -> Array:
-    """(3, 3): east, north, up of the instrument's x, y, z. Teledyne RD Instruments, Coordinate Transformation, eq. 18."""
+    """Return east, north, up of the instrument's x, y, z (3, 3): Teledyne RD Instruments, Coordinate Transformation, 18."""
     ch, sh, cp, sp, cr, sr = np.cos(heading), np.sin(heading), np.cos(pitch), np.sin(pitch), np.cos(roll), np.sin(roll)
     return np.array(
         [

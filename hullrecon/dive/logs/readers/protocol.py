@@ -60,7 +60,7 @@ class Log(Protocol):
     remarks: list[str]  # what a reader should know; filled while reading
 
     def messages(self) -> Iterator[Message]:
-        """Every whole message, in the order of the file. Raises HullreconError only."""
+        """Yield every whole message, in the order of the file. Raises HullreconError only."""
 
     def losses(self) -> list[Loss]:
         """Return what the last pass of `messages` could not read."""

@@ -21,7 +21,7 @@ export function makeScenePanel(panel, data, { hull, marks, home, draw }) {
   const shown = [
     ["found", "Hull as found", hull.layers.found],
     ["cad", "CAD model, on the surveyed patch", hull.layers.cad],
-    ["ship", data.scene.has_cad ? "Rest of the ship, as drawn" : "Not measured", hull.layers.ship],
+    ["ship", data.scene.has_cad ? "Rest of the ship, by its CAD model" : "Not measured", hull.layers.ship],
     ["objects", "Objects", marks.layers.objects],
     ["path", "Path of the vehicle", marks.layers.path],
   ].filter(([, , layer]) => layer.isMesh || layer.children.length);
@@ -52,7 +52,7 @@ function shapeSliders(hull) {
   const update = () => {
     hull.setShape(Number(shape.value), Number(factor.value));
     const percent = Math.round(100 * Number(shape.value));
-    says.textContent = percent === 0 ? "as drawn" : percent === 100 ? "as found" : `${percent} %`;
+    says.textContent = percent === 0 ? "CAD model" : percent === 100 ? "as found" : `${percent} %`;
     factorSays.textContent = factor.value === "1" ? "×1, true to scale" : `×${factor.value}, objects ×1`;
     shape.setAttribute("aria-valuetext", says.textContent);
     factor.setAttribute("aria-valuetext", factorSays.textContent);
@@ -62,7 +62,7 @@ function shapeSliders(hull) {
   update();
   return make("fieldset", {}, [
     make("legend", { textContent: "Form" }),
-    make("label", {}, ["As drawn – as found: ", says, shape]),
+    make("label", {}, ["CAD model – as found: ", says, shape]),
     make("label", {}, ["Relief of the hull: ", factorSays, factor]),
   ]);
 }

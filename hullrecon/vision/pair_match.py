@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What came of two nodes that were matched: features that show one point and a motion, or why there are none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.typing import Floats32, Ints
+from hullrecon.vision.pairs import mono_motion
+from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence
+
+
+class Reason(IntEnum):
+    """Why a pair gave nothing, as stored in pairs.npz."""
+
+    MATCHED = 0
+    NO_FEATURES = 1
+    FEW_PUTATIVE = 2
+    FEW_INLIERS = 3
+    AGAINST_NAVIGATION = 4
+    SMALL_OVERLAP = 5
+
+
+REASON_TEXTS = {
+    Reason.MATCHED: "matched",
+    Reason.NO_FEATURES: "too few features in one of the images",
+    Reason.FEW_PUTATIVE: "too few putative matches",
+    Reason.FEW_INLIERS: "too few inliers",
+    Reason.AGAINST_NAVIGATION: "inconsistent with navigation",
+    Reason.SMALL_OVERLAP: "overlap too small",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class PairMatch:
+    """first, second (m,): rows of the two views' features that show one point; distance (m,) of their descriptors.
+
+    motion: between the leading cameras, None when the pair failed; scaled: whether its translation has a measured length
+    (mono: navigation's, or one). calibration: what errors of the calibration, which all pairs of a dive share, do to a scaled
+    motion.
+    """
+
+    first: Ints
+    second: Ints
+    distance: Floats32
+    putative: int
+    reason: Reason
+    motion: Motion | None = None
+    scaled: bool = True
+    calibration: CalibrationEvidence | None = None
+
+
+def failed_match(putative: int, reason: Reason) -> PairMatch:
+    """Return a pair that gave nothing, for that reason."""
+    return PairMatch(
+        first=np.zeros(0, np.int64),
+        second=np.zeros(0, np.int64),
+        distance=np.zeros(0, np.float32),
+        putative=putative,
+        reason=reason,
+    )
+
+
+def agrees(found: PairMatch, prior: Motion, max_chi2: float) -> bool:
+    """Return whether the motion lies within navigation's covariance plus its own, its length aside where that is not measured.
+
+    max_chi2 is that of six numbers; a motion without a length has five and is held to five sixths of it.
+    """
+    if found.motion is None:
+        return False
+    if not found.scaled:
+        return mono_motion.navigation_chi2(found.motion, prior) <= max_chi2 * mono_motion.FREEDOMS / 6
+    own, wanted = found.motion.second_from_first, prior.second_from_first
+    turn = np.linalg.inv(wanted[:3, :3]) @ own[:3, :3]
+    gap = np.concatenate([own[:3, 3] - wanted[:3, 3], Rotation.from_matrix(turn).as_rotvec()])
+    covariance = prior.covariance + found.motion.covariance
+    return bool(gap @ np.linalg.solve(covariance, gap) <= max_chi2)
