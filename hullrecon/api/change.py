@@ -4,16 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
 import numpy as np
 
-from hullrecon.artifacts.storage.documents import DamagedArtifactError
-from hullrecon.artifacts.storage.manifest import Manifest
-from hullrecon.artifacts.storage.workspace import PUBLISHED, Workspace
+from hullrecon.api.finished_run import finished_steps, workspace_of
 from hullrecon.artifacts.storage.writer import ArtifactWriter
 from hullrecon.change.compare_surveys import compare_surveys
 from hullrecon.change.options import ChangeOptions
@@ -88,10 +85,8 @@ def write_change(folder: Path, found: RunComparison) -> tuple[str, ...]:
 
 def read_run(run: Path) -> FinishedRun:
     """Return a run's survey. Raises InputError, in one line, where the run is not finished or has no CAD model."""
-    workspace = Workspace(run.parent if run.name == PUBLISHED else run)
-    if not workspace.exists():
-        raise InputError("this is no run", where=str(run), remedy="give RUNS/<dive>, as `hullrecon run` left it")
-    manifests = _manifests(workspace)
+    workspace = workspace_of(run)
+    manifests = finished_steps(workspace, NEEDED)
     folder = {name: workspace.artifact(name) for name in NEEDED}
     solution, detect = AdjustArtifact(folder["adjust"]).solution, DetectArtifact(folder["detect"])
     cad_model, as_found, split = IngestArtifact(folder["ingest"]).hull, detect.as_found, detect.deviation
@@ -116,31 +111,6 @@ def read_run(run: Path) -> FinishedRun:
         frame_spacing_m=float(spacing) if isinstance(spacing, int | float) else None,
         last_t_ns=int(solution.t_ns[-1]),
     )
-
-
-def _manifests(workspace: Workspace) -> Mapping[str, Manifest]:
-    """Return the manifests of what a comparison needs. Raises InputError when the run did not come so far, or a step was rerun
-    and those after it were not."""
-    found: dict[str, Manifest] = {}
-    for name in NEEDED:
-        try:
-            manifest = workspace.manifest(name)
-        except DamagedArtifactError as error:
-            raise InputError(
-                f"the step {name} is damaged: {error}", where=str(workspace.root), remedy="run it again"
-            ) from error
-        if manifest is None:
-            raise InputError(
-                f"the run is not finished: it has no step {name}", where=str(workspace.root), remedy="run it to its end"
-            )
-        for name_of_input, content in manifest.recipe.inputs.items():
-            if name_of_input in found and found[name_of_input].content_hash != content:
-                raise InputError(
-                    f"the run is not finished: {name_of_input} was rerun and {name} was not",
-                    where=str(workspace.root), remedy="run it to its end",
-                )  # fmt: skip
-        found[name] = manifest
-    return found
 
 
 def _refuse_other_hull(before: FinishedRun, after: FinishedRun) -> None:
