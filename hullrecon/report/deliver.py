@@ -19,6 +19,7 @@ from hullrecon.report.content.page_context import page_context
 from hullrecon.report.export.chart_export import chart_document, chart_mesh, chart_ply
 from hullrecon.report.export.csv_export import csv_text
 from hullrecon.report.export.geometry_export import alignment_document, landmarks_ply, surface_ply
+from hullrecon.report.export.las import las_bytes
 from hullrecon.report.export.object_layers import object_layers, objects_geojson, objects_gpkg, photo_name
 from hullrecon.report.export.objects_table import objects_table
 from hullrecon.report.export.summary import summary_document
@@ -126,6 +127,9 @@ def _write_surfaces(writer: DeliverableWriter, survey: Survey) -> None:
     for name, surface in (("surface.ply", surfaces.surveyed), ("as_found.ply", surfaces.as_found)):
         if surface is not None:
             writer.write(name, surface_ply(survey, surface, surfaces.deviation))
+    if surfaces.as_found is not None and (surfaces.as_found.support > 0).any():
+        points = las_bytes(surfaces.as_found, surfaces.deviation, survey.track.frame, int(survey.track.t_ns[-1]))
+        writer.write("as_found.las", points)
     for name, document in survey.findings.documents.items():
         writer.write_json(name, document)
 

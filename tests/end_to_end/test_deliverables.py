@@ -87,6 +87,13 @@ def test_a_point_cloud_has_the_properties_described(deliver, name):
     assert properties == described(name)
 
 
+def test_the_point_cloud_has_the_dimensions_described(deliver):
+    import laspy
+
+    with laspy.open(deliver / "as_found.las") as cloud:
+        assert list(cloud.header.point_format.extra_dimension_names) == described("as_found.las")
+
+
 def test_every_file_delivered_is_in_the_list_and_every_entry_is_delivered(deliver):
     section = (DOCS / "deliverables.md").read_text().split("## JSON documents")[0]
     listed = re.findall(r"^\| `([^`]+)` \|", section, re.MULTILINE)

@@ -92,7 +92,8 @@ def test_a_whole_survey_delivers_what_it_has(survey: Survey, folder: Folder) -> 
     deliver(replace(survey, findings=replace(survey.findings, documents=documents)), folder)
     names = delivered(folder)
     assert {
-        "trajectory.csv", "trajectory.tum", "alignment.json", "landmarks.ply", "surface.ply", "as_found.ply", "objects.json",
+        "trajectory.csv", "trajectory.tum", "alignment.json", "landmarks.ply", "surface.ply", "as_found.ply", "as_found.las",
+        "objects.json",
         "objects.csv", "coverage.json", "report/index.html", "report/report.pdf", "summary.json",
         "plots/convergence.png", "plots/convergence.csv",
     } <= names  # fmt: skip
