@@ -67,7 +67,8 @@ def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
 
 
 def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], upright: bool) -> bytes:
-    """texture: (h, w, 4) RGBA or (h, w, 2). upright: the frame has z up (M); else z is down (g)."""
+    """texture: (h, w, 4) RGBA or (h, w, 2). upright: the frame has z up (M); else z is down (g). With normals: without them a
+    viewer shades each triangle flat."""
     import trimesh
     from PIL import Image
 
@@ -79,10 +80,27 @@ def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], upright: bool) ->
         baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0, doubleSided=True, name="mosaic"
     )
     mesh = trimesh.Trimesh(
-        mesh.vertices, mesh.faces, visual=trimesh.visual.TextureVisuals(uv=mesh.uv, material=material), process=False
+        mesh.vertices,
+        mesh.faces,
+        vertex_normals=vertex_normals(mesh),
+        visual=trimesh.visual.TextureVisuals(uv=mesh.uv, material=material),
+        process=False,
     )
     turn = UPRIGHT if upright else np.diag([1.0, -1.0, -1.0, 1.0]) @ UPRIGHT
     scene = trimesh.Scene()
     scene.add_geometry(mesh, node_name="hull", geom_name="hull", transform=turn)
-    data: Any = scene.export(file_type="glb")
+    data: Any = scene.export(file_type="glb", include_normals=True)
     return bytes(data)
+
+
+def vertex_normals(mesh: TexturedMesh) -> Array:
+    """Return outward unit normals (n, 3): the mean of the faces around each vertex by area, of all faces where these cancel."""
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    by_area = np.cross(b - a, c - a)
+    total = np.zeros_like(mesh.vertices, dtype=float)
+    for k in range(3):
+        np.add.at(total, mesh.faces[:, k], by_area)
+    length = np.linalg.norm(total, axis=1)
+    cancelled = length <= 1e-6 * np.linalg.norm(by_area, axis=1).max(initial=0)
+    total[cancelled] = by_area.sum(axis=0)
+    return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
