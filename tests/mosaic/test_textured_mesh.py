@@ -14,7 +14,7 @@ import trimesh
 
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
-from hullrecon.mosaic.output.textured_mesh import UPRIGHT, TexturedMesh, build_textured_mesh, encode_glb, vertex_normals
+from hullrecon.mosaic.output.textured_mesh import UPRIGHT, TexturedMesh, build_textured_mesh, encode_glb
 
 GRID = TexelGrid(west=-0.8, north=0.6, step_m=0.01, height=120, width=160)
 
@@ -79,18 +79,6 @@ def test_the_glb_has_the_normals_of_its_surface(flat_surface: Callable[..., Mosa
     start = 20 + size + 8 + view["byteOffset"] + accessor.get("byteOffset", 0)
     normals = np.frombuffer(data, "<f4", 3 * accessor["count"], start).reshape(-1, 3)
     np.testing.assert_allclose(normals, np.tile([0.0, 0.0, 1.0], (accessor["count"], 1)), atol=1e-6)
-
-
-def test_normals_of_a_sphere_point_away_from_its_middle() -> None:
-    ball = trimesh.creation.icosphere(subdivisions=3, radius=2.0)
-    mesh = TexturedMesh(vertices=ball.vertices, faces=ball.faces, uv=np.zeros((len(ball.vertices), 2)))
-    assert (np.einsum("ni,ni->n", vertex_normals(mesh), ball.vertices / 2.0) > 0.999).all()
-
-
-def test_every_normal_is_of_unit_length_where_faces_cancel_too() -> None:
-    sheet = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 0, 0], [6, 0, 0], [5, 1, 0]])
-    mesh = TexturedMesh(vertices=sheet, faces=np.array([[0, 1, 2], [3, 4, 5], [5, 4, 3]]), uv=np.zeros((6, 2)))
-    np.testing.assert_allclose(vertex_normals(mesh), np.tile([0.0, 0, 1], (6, 1)))
 
 
 def test_the_mesh_keeps_to_its_number_of_faces(flat_surface: Callable[..., MosaicSurface]) -> None:

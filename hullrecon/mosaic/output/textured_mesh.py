@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface
 from hullrecon.typing import Array, Ints, Mask
@@ -82,7 +83,7 @@ def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], upright: bool) ->
     mesh = trimesh.Trimesh(
         mesh.vertices,
         mesh.faces,
-        vertex_normals=vertex_normals(mesh),
+        vertex_normals=vertex_normals(Mesh(mesh.vertices, mesh.faces.astype(np.int32))),
         visual=trimesh.visual.TextureVisuals(uv=mesh.uv, material=material),
         process=False,
     )
@@ -91,16 +92,3 @@ def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], upright: bool) ->
     scene.add_geometry(mesh, node_name="hull", geom_name="hull", transform=turn)
     data: Any = scene.export(file_type="glb", include_normals=True)
     return bytes(data)
-
-
-def vertex_normals(mesh: TexturedMesh) -> Array:
-    """Return outward unit normals (n, 3): the mean of the faces around each vertex by area, of all faces where these cancel."""
-    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
-    by_area = np.cross(b - a, c - a)
-    total = np.zeros_like(mesh.vertices, dtype=float)
-    for k in range(3):
-        np.add.at(total, mesh.faces[:, k], by_area)
-    length = np.linalg.norm(total, axis=1)
-    cancelled = length <= 1e-6 * np.linalg.norm(by_area, axis=1).max(initial=0)
-    total[cancelled] = by_area.sum(axis=0)
-    return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
