@@ -26,6 +26,8 @@ from hullrecon.report.export.summary import summary_document
 from hullrecon.report.export.table import csv_metadata
 from hullrecon.report.export.trajectory import trajectory_table, trajectory_tum
 from hullrecon.report.figures.all_plots import draw_all_plots
+from hullrecon.report.foxglove.dive_result import FILE as FOXGLOVE
+from hullrecon.report.foxglove.dive_result import dive_result_mcap
 from hullrecon.report.pdf.render import PDF, render_pdf
 from hullrecon.report.survey import Survey
 
@@ -92,6 +94,7 @@ def deliver(survey: Survey, out: FileWriter) -> None:
     _write_surfaces(writer, survey)
     _write_chart(writer, survey)
     _write_objects(writer, survey, photos)
+    writer.write(FOXGLOVE, dive_result_mcap(survey))
     for name, source in survey.provenance.copies.items():
         writer.copy(name, source)
     plots = draw_all_plots(survey)

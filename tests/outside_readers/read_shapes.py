@@ -32,3 +32,4 @@ def test_the_khronos_validator_finds_nothing_in_a_mesh(deliver, name):
     found = json.loads(subprocess.run(script, capture_output=True, text=True, check=True).stdout)
     assert (found["issues"]["numErrors"], found["issues"]["numWarnings"]) == (0, 0), found["issues"]["messages"]
     assert found["info"]["totalTriangleCount"] > 10_000
+    assert found["info"]["maxAttributes"] == 3  # position, normal, texture
