@@ -5,6 +5,7 @@
 #   make test    set up, run all tests
 #   make web     rebuild the script and the style of the report page (needs Node and npm; nothing else does)
 #   make bench-peers   the environment of the peers that benchmarks/peers.py measures (pycolmap, GTSAM)
+#   make outside-readers   read the demo's files with other people's programs (GDAL, pycolmap, laspy, the glTF validator, evo ...)
 #   make check   lint, types, imports and format (what CI checks besides)
 #
 # Set-up needs `make` and `git` alone. It lists the system packages that are missing and installs them with apt-get as root or
@@ -22,7 +23,7 @@ NATIVE := $(shell find native -type f 2>/dev/null)
 export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 
-.PHONY: FORCE setup demo test check lint types imports format sanitize web bench-peers clean
+.PHONY: FORCE setup demo test check lint types imports format sanitize web bench-peers outside-readers clean
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
@@ -85,5 +86,22 @@ benchmarks/.venv/.installed: benchmarks/requirements-peers.txt
 	@benchmarks/.venv/bin/pip install -q -r $<
 	@touch $@
 
+# Readers that are no part of the project's environment or lock: wheels, two npm packages, and GDAL's programs of the system.
+OUTSIDE := $(abspath tests/outside_readers)
+
+outside-readers: demo $(OUTSIDE)/.venv/.installed
+	@command -v gdalinfo >/dev/null && command -v ogrinfo >/dev/null || { echo "apt-get install gdal-bin: gdalinfo and ogrinfo are missing"; exit 1; }
+	@rm -rf build/outside-readers
+	@$(BIN)/hullrecon export colmap $(RUNS)/$(notdir $(DEMO)) build/outside-readers/colmap
+	@$(OUTSIDE)/.venv/bin/python -m pytest -q -c $(OUTSIDE)/pytest.ini --rootdir $(OUTSIDE) --confcutdir $(OUTSIDE) -p no:cacheprovider $(OUTSIDE) \
+		--run $(abspath $(RUNS)/$(notdir $(DEMO))) --colmap $(abspath build/outside-readers/colmap)
+
+$(OUTSIDE)/.venv/.installed: $(OUTSIDE)/requirements.txt $(OUTSIDE)/package-lock.json
+	@command -v npm >/dev/null || { echo "apt-get install nodejs npm: the glTF validator and Foxglove's reader are npm packages"; exit 1; }
+	@$(PYTHON) -m venv $(OUTSIDE)/.venv
+	@$(OUTSIDE)/.venv/bin/pip install -q -r $<
+	@cd $(OUTSIDE) && npm ci --ignore-scripts --no-fund --no-audit --silent
+	@touch $@
+
 clean:
-	rm -rf build $(VENV) benchmarks/.venv .mypy_cache .ruff_cache .pytest_cache
+	rm -rf build $(VENV) benchmarks/.venv tests/outside_readers/.venv tests/outside_readers/node_modules .mypy_cache .ruff_cache .pytest_cache

@@ -42,6 +42,7 @@ AROUND = {
     "simulate": Entry("simulate", "simulate", "make a dive package with truth"),
     "evaluate": Entry("score", "evaluate", "figures of a run against the truth of a simulated dive"),
     "diff": Entry("diff", "diff", "what changed on a hull between two runs"),
+    "export": Entry("export", "export", "results in forms for other programs: undistorted images for COLMAP"),
     "compare-methods": Entry("score", "compare_methods", "naive, geva and maxmix on a simulated dive, in one table"),
     "figures": Entry("score", "figures", "the sources' figures on a simulated dive, as pictures and tables"),
     "completion": Entry("main", "completion", "the shell's completion script"),

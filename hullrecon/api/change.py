@@ -4,16 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
 import numpy as np
 
-from hullrecon.artifacts.storage.documents import DamagedArtifactError
-from hullrecon.artifacts.storage.manifest import Manifest
-from hullrecon.artifacts.storage.workspace import PUBLISHED, Workspace
+from hullrecon.api.finished_run import finished_steps, workspace_of
 from hullrecon.artifacts.storage.writer import ArtifactWriter
 from hullrecon.change.compare_surveys import compare_surveys
 from hullrecon.change.options import ChangeOptions
@@ -88,10 +85,8 @@ def write_change(folder: Path, found: RunComparison) -> tuple[str, ...]:
 
 def read_run(run: Path) -> FinishedRun:
     """Return a run's survey. Raises InputError, in one line, where the run is not finished or has no CAD model."""
-    workspace = Workspace(run.parent if run.name == PUBLISHED else run)
-    if not workspace.exists():
-        raise InputError("this is no run", where=str(run), remedy="give RUNS/<dive>, as `hullrecon run` left it")
-    manifests = _manifests(workspace)
+    workspace = workspace_of(run)
+    manifests = finished_steps(workspace, NEEDED)
     folder = {name: workspace.artifact(name) for name in NEEDED}
     solution, detect = AdjustArtifact(folder["adjust"]).solution, DetectArtifact(folder["detect"])
     cad_model, as_found, split = IngestArtifact(folder["ingest"]).hull, detect.as_found, detect.deviation
@@ -118,6 +113,7 @@ def read_run(run: Path) -> FinishedRun:
     )
 
 
+<<<<<<< HEAD
 def _manifests(workspace: Workspace) -> Mapping[str, Manifest]:
     """Return the manifests of what a comparison needs. Raises InputError when the run did not come so far, or a step was rerun
     and those after it were not."""
@@ -148,6 +144,8 @@ def cad_model_gap(first: Mesh, second: Mesh) -> float:
     return max(_farthest_vertex(first, second), _farthest_vertex(second, first))
 
 
+=======
+>>>>>>> export
 def _refuse_other_hull(before: FinishedRun, after: FinishedRun) -> None:
     """Raise InputError where the CAD models differ by geometry."""
     gap = cad_model_gap(before.cad_model, after.cad_model)

@@ -19,12 +19,15 @@ from hullrecon.report.content.page_context import page_context
 from hullrecon.report.export.chart_export import chart_document, chart_mesh, chart_ply
 from hullrecon.report.export.csv_export import csv_text
 from hullrecon.report.export.geometry_export import alignment_document, landmarks_ply, surface_ply
+from hullrecon.report.export.las import las_bytes
 from hullrecon.report.export.object_layers import object_layers, objects_geojson, objects_gpkg, photo_name
 from hullrecon.report.export.objects_table import objects_table
 from hullrecon.report.export.summary import summary_document
 from hullrecon.report.export.table import csv_metadata
 from hullrecon.report.export.trajectory import trajectory_table, trajectory_tum
 from hullrecon.report.figures.all_plots import draw_all_plots
+from hullrecon.report.foxglove.dive_result import FILE as FOXGLOVE
+from hullrecon.report.foxglove.dive_result import dive_result_mcap
 from hullrecon.report.pdf.render import PDF, render_pdf
 from hullrecon.report.survey import Survey
 
@@ -91,6 +94,7 @@ def deliver(survey: Survey, out: FileWriter) -> None:
     _write_surfaces(writer, survey)
     _write_chart(writer, survey)
     _write_objects(writer, survey, photos)
+    writer.write(FOXGLOVE, dive_result_mcap(survey))
     for name, source in survey.provenance.copies.items():
         writer.copy(name, source)
     plots = draw_all_plots(survey)
@@ -126,6 +130,9 @@ def _write_surfaces(writer: DeliverableWriter, survey: Survey) -> None:
     for name, surface in (("surface.ply", surfaces.surveyed), ("as_found.ply", surfaces.as_found)):
         if surface is not None:
             writer.write(name, surface_ply(survey, surface, surfaces.deviation))
+    if surfaces.as_found is not None and (surfaces.as_found.support > 0).any():
+        points = las_bytes(surfaces.as_found, surfaces.deviation, survey.track.frame, int(survey.track.t_ns[-1]))
+        writer.write("as_found.las", points)
     for name, document in survey.findings.documents.items():
         writer.write_json(name, document)
 

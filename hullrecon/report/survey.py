@@ -13,12 +13,13 @@ from hullrecon.dive.config.schema import Dive, Hull
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.frames import Camera, Frame
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.deliverables import Coverage, RejectedRegion, ReportedObject
 from hullrecon.records.links import NodePairs
 from hullrecon.records.sensors import DvlPings, ImageIndex
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit, Surface
-from hullrecon.records.trajectory import Trajectory, VehicleTrack
+from hullrecon.records.trajectory import Returns, Trajectory, VehicleTrack
 from hullrecon.report.about import AboutInspection
 from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts, NavigationFacts, PairFacts
 from hullrecon.rig import SensorRig
@@ -47,6 +48,7 @@ class DiveFacts:
     dive: Dive
     hull: Hull | None = None
     dvl: DvlPings | None = None
+    returns: Returns | None = None  # of the DVL, attached to nodes
     has_depth: bool = True
     has_attitude: bool = True
     rig: SensorRig
@@ -77,7 +79,7 @@ class AdjustedDive:
 class Surfaces:
     """The hull chart, the surveyed surface (the DVL's, of landmarks where there is none) and the hull as found with the parts
     of its deviation. outside: the map in which rasters and vector layers lie. comparison: how far a comparison of the DVL's
-    surface with the CAD model is circular, in a sentence."""
+    surface with the CAD model is circular, in a sentence. cad_model: as given, in M."""
 
     chart: Chart | None = None
     outside: OutsideMap | None = None
@@ -85,6 +87,7 @@ class Surfaces:
     as_found: Surface | None = None
     deviation: DeviationSplit | None = None
     comparison: str = ""
+    cad_model: Mesh | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -127,6 +127,7 @@ def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig:
         dive=context.settings.read_optional("dive", Dive) or Dive(name="dive"),
         hull=context.settings.read_optional("hull", Hull),
         dvl=ingest.dvl,
+        returns=artifacts.navigate.returns,
         has_depth=ingest.pressure is not None,
         has_attitude=ingest.imu is not None,
         rig=rig,
@@ -172,6 +173,7 @@ def _surfaces(context: Context[ReportOptions], artifacts: InputArtifacts, frame:
         as_found=as_found,
         deviation=detect.deviation if detect is not None else None,
         comparison=msgspec.convert(surface.facts, SurfaceFacts).comparison or "",
+        cad_model=artifacts.ingest.hull,
     )
 
 
@@ -261,7 +263,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=CHAIN[2:],
     parameters=ReportOptions,
-    version=6,
+    version=8,
     run=run,
     uses=("dive", "logs", "hull", "camera.top.calibration", *RIG_KEYS),
     external=files_of_package,

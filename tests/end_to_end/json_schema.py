@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """As much of JSON Schema (2020-12) as docs/schemas uses; a keyword that is not understood is an error, not a pass."""
 
+import base64
 import re
 
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
@@ -45,6 +46,8 @@ KEYWORDS = {
     "minItems": _when(list, lambda v, w: len(v) < w),
     "maxItems": _when(list, lambda v, w: len(v) > w),
     "pattern": _when(str, lambda v, w: not re.search(w, v)),
+    "oneOf": lambda v, w: [] if sum(not violations(v, one) for one in w) == 1 else [f"{v!r} is not one of {w}"],
+    "contentEncoding": lambda v, w: [] if w == "base64" and base64.b64decode(v, validate=True) is not None else [f"no {w}"],
     "properties": lambda v, w: [],
     "items": lambda v, w: [],
     "additionalProperties": lambda v, w: [],

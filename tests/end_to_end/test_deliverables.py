@@ -87,6 +87,24 @@ def test_a_point_cloud_has_the_properties_described(deliver, name):
     assert properties == described(name)
 
 
+def test_the_point_cloud_has_the_dimensions_described(deliver):
+    import laspy
+
+    with laspy.open(deliver / "as_found.las") as cloud:
+        assert list(cloud.header.point_format.extra_dimension_names) == described("as_found.las")
+
+
+def test_the_mcap_has_the_topics_described_and_its_messages_keep_to_their_schemas(deliver):
+    from mcap.reader import make_reader
+
+    found = set()
+    with (deliver / "dive_result.mcap").open("rb") as file:
+        for form, channel, message in make_reader(file, validate_crcs=True).iter_messages():
+            found.add(channel.topic)
+            assert violations(json.loads(message.data), json.loads(form.data)) == []
+    assert sorted(found) == sorted(described("dive_result.mcap"))
+
+
 def test_every_file_delivered_is_in_the_list_and_every_entry_is_delivered(deliver):
     section = (DOCS / "deliverables.md").read_text().split("## JSON documents")[0]
     listed = re.findall(r"^\| `([^`]+)` \|", section, re.MULTILINE)

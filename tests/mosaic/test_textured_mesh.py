@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
@@ -67,6 +68,17 @@ def test_the_glb_opens_upright_with_its_texture_and_the_same_bytes_each_time(
     turn, _ = scene.graph[scene.graph.nodes_geometry[0]]
     np.testing.assert_allclose(turn, UPRIGHT)
     np.testing.assert_allclose(UPRIGHT[:3, :3] @ [0, 0, 1], [0, 1, 0])  # up in M is up in glTF
+
+
+def test_the_glb_has_the_normals_of_its_surface(flat_surface: Callable[..., MosaicSurface]) -> None:
+    data = encode_glb(build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, max_faces=500), checks(), upright=True)
+    size = int.from_bytes(data[12:16], "little")
+    document = json.loads(data[20 : 20 + size])
+    accessor = document["accessors"][document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]]
+    view = document["bufferViews"][accessor["bufferView"]]
+    start = 20 + size + 8 + view["byteOffset"] + accessor.get("byteOffset", 0)
+    normals = np.frombuffer(data, "<f4", 3 * accessor["count"], start).reshape(-1, 3)
+    np.testing.assert_allclose(normals, np.tile([0.0, 0.0, 1.0], (accessor["count"], 1)), atol=1e-6)
 
 
 def test_the_mesh_keeps_to_its_number_of_faces(flat_surface: Callable[..., MosaicSurface]) -> None:

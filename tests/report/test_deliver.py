@@ -92,7 +92,8 @@ def test_a_whole_survey_delivers_what_it_has(survey: Survey, folder: Folder) -> 
     deliver(replace(survey, findings=replace(survey.findings, documents=documents)), folder)
     names = delivered(folder)
     assert {
-        "trajectory.csv", "trajectory.tum", "alignment.json", "landmarks.ply", "surface.ply", "as_found.ply", "objects.json",
+        "trajectory.csv", "trajectory.tum", "alignment.json", "landmarks.ply", "surface.ply", "as_found.ply", "as_found.las",
+        "objects.json",
         "objects.csv", "coverage.json", "report/index.html", "report/report.pdf", "summary.json",
         "plots/convergence.png", "plots/convergence.csv",
     } <= names  # fmt: skip
@@ -107,7 +108,8 @@ def test_the_summary_lists_every_file_but_itself(survey: Survey, folder: Folder)
 def test_a_bare_dive_delivers_its_path_plots_and_report(bare: Survey, folder: Folder) -> None:
     deliver(bare, folder)
     assert {name for name in delivered(folder) if not name.startswith("plots/")} == {
-        "trajectory.csv", "trajectory.tum", "csv-metadata.json", "report/index.html", "report/report.pdf", "summary.json"
+        "trajectory.csv", "trajectory.tum", "csv-metadata.json", "dive_result.mcap", "report/index.html", "report/report.pdf",
+        "summary.json",
     }  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface
 from hullrecon.typing import Array, Ints, Mask
@@ -67,7 +68,12 @@ def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
 
 
 def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], upright: bool) -> bytes:
+<<<<<<< HEAD
     """Return a GLB file. texture: (h, w, 4) RGBA or (h, w, 2). upright: the frame has z up (M); else z is down (g)."""
+=======
+    """texture: (h, w, 4) RGBA or (h, w, 2). upright: the frame has z up (M); else z is down (g). With normals: without them a
+    viewer shades each triangle flat."""
+>>>>>>> export
     import trimesh
     from PIL import Image
 
@@ -79,10 +85,14 @@ def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], upright: bool) ->
         baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0, doubleSided=True, name="mosaic"
     )
     mesh = trimesh.Trimesh(
-        mesh.vertices, mesh.faces, visual=trimesh.visual.TextureVisuals(uv=mesh.uv, material=material), process=False
+        mesh.vertices,
+        mesh.faces,
+        vertex_normals=vertex_normals(Mesh(mesh.vertices, mesh.faces.astype(np.int32))),
+        visual=trimesh.visual.TextureVisuals(uv=mesh.uv, material=material),
+        process=False,
     )
     turn = UPRIGHT if upright else np.diag([1.0, -1.0, -1.0, 1.0]) @ UPRIGHT
     scene = trimesh.Scene()
     scene.add_geometry(mesh, node_name="hull", geom_name="hull", transform=turn)
-    data: Any = scene.export(file_type="glb")
+    data: Any = scene.export(file_type="glb", include_normals=True)
     return bytes(data)

@@ -15,7 +15,7 @@ OF_DEVIATION = ("deviation.tif", "deviation_sigma.tif", "form.tif", "form_sigma.
 _BY_STEP = {
     "adjust": ("colmap/", "landmarks.ply"),
     "surface": ("surface.ply", "chart.json", "chart.ply"),
-    "detect": ("as_found.ply", *OF_OBJECTS, "coverage.json"),
+    "detect": ("as_found.ply", "as_found.las", *OF_OBJECTS, "coverage.json"),
     "mosaic-optical": (
         "ortho_optical.tif", "ortho_optical.png", "mosaic_optical.glb", "variance_optical.tif", "views_optical.tif",
     ),

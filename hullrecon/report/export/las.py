@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The hull as found as a point cloud (ASPRS LAS 1.4), for programs of surveyors: what was seen of it, with sigma."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from io import BytesIO
+
+import numpy as np
+
+from hullrecon.records.surface import DeviationSplit, Surface
+
+STEP_M = 0.0001  # of the whole numbers that LAS stores: a twentieth of the best sigma, and 200 km in reach
+POINT_FORMAT = 6  # the least that carries its coordinate system as WKT
+
+
+def las_bytes(surface: Surface, split: DeviationSplit | None, frame: str, t_ns: int) -> bytes:
+    """Return as_found.las (docs/deliverables.md): the seen vertices in frame M or g. split: the deviation's parts, None without
+    a CAD model; then there is no deviation. t_ns: time of the dive's last pose, which stands for that of the file."""
+    import laspy
+
+    seen = surface.support > 0
+    points = surface.vertices[seen]
+    header = laspy.LasHeader(version="1.4", point_format=POINT_FORMAT)
+    header.scales, header.offsets = np.full(3, STEP_M), np.floor(points.min(axis=0))
+    header.creation_date = datetime.fromtimestamp(t_ns / 1e9, UTC).date()
+    header.generating_software, header.system_identifier = "hullrecon", "hullrecon"
+    values = {"sigma": (surface.sigma, "m, one sigma along the normal"), "support": (surface.support, "images that saw it")}
+    if split is not None:
+        values |= {
+            "deviation": (surface.deviation, "m from the CAD model, outward"),
+            "form": (split.form, "m, without offset and tilt"),
+            "form_sigma": (split.form_sigma, "m, one sigma of the form"),
+        }
+    types = {name: np.int32 if name == "support" else np.float32 for name in values}
+    header.add_extra_dims([laspy.ExtraBytesParams(name, types[name], text) for name, (_, text) in values.items()])
+    header.vlrs.append(laspy.vlrs.known.WktCoordinateSystemVlr(frame_wkt(frame)))
+    header.global_encoding.wkt = True
+    cloud = laspy.LasData(header)
+    cloud.xyz = points
+    cloud.return_number[:] = cloud.number_of_returns[:] = 1
+    for name, (value, _) in values.items():
+        cloud[name] = value[seen].astype(types[name])
+    file = BytesIO()
+    cloud.write(file)
+    return file.getvalue()
+
+
+def frame_wkt(frame: str) -> str:
+    """Return a local engineering system of three axes in WKT 1, as LAS asks for: metres, tied to no place on Earth."""
+    name, datum, down = ("hull frame of the ship (M)", "the ship", "UP")
+    if frame != "M":
+        name, datum, down = ("local level frame (g), z down", "start of the dive", "DOWN")
+    axes = f'AXIS["x",EAST],AXIS["y",NORTH],AXIS["z",{down}]'
+    return f'LOCAL_CS["{name}",LOCAL_DATUM["{datum}",32767],UNIT["metre",1],{axes}]'

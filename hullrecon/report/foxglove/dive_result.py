@@ -1,0 +1,177 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""dive_result.mcap: the dive in 3-D and in time, for Foxglove: where the vehicle was, what its DVL met, hull and objects."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from io import BytesIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.poses import from_rpy, tray_poses
+from hullrecon.records.deliverables import ReportedObject
+from hullrecon.records.surface import Surface
+from hullrecon.report.content.frame_words import frame_in_words
+from hullrecon.report.export.geometry_export import landmarks_in_hull
+from hullrecon.report.foxglove import messages, schemas
+from hullrecon.report.foxglove.messages import Message
+from hullrecon.report.foxglove.ship_model import ship_glb
+from hullrecon.report.survey import Survey
+from hullrecon.typing import Array
+
+FILE = "dive_result.mcap"
+ORANGE, WHITE = (1.0, 0.5, 0.0, 1.0), (1.0, 1.0, 1.0, 1.0)
+LABEL_OFF_M = 0.15  # in front of an object, along the hull's normal
+TOPICS: Mapping[str, schemas.Schema] = {
+    "/tf": schemas.FRAME_TRANSFORM,
+    "/vehicle/pose": schemas.POSE_IN_FRAME,
+    "/vehicle/path": schemas.POSES_IN_FRAME,
+    "/vehicle/sigma": schemas.POSE_SIGMA,
+    "/dvl/returns": schemas.POINT_CLOUD,
+    "/landmarks": schemas.POINT_CLOUD,
+    "/hull/as_found": schemas.POINT_CLOUD,
+    "/hull/cad_model": schemas.SCENE_UPDATE,
+    "/objects": schemas.SCENE_UPDATE,
+}
+FRAMES = {"M": "hull", "g": "global"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimedMessage:
+    """A message of a topic and its time."""
+
+    t_ns: int
+    topic: str
+    value: Message
+
+
+def dive_result_mcap(survey: Survey) -> bytes:
+    """Return the file; the same survey gives the same bytes."""
+    from mcap.writer import CompressionType, Writer
+
+    found = sorted(survey_messages(survey), key=lambda message: message.t_ns)
+    file = BytesIO()
+    writer = Writer(file, compression=CompressionType.ZSTD)
+    writer.start(profile="", library="hullrecon")
+    channels: dict[str, int] = {}
+    for name, schema in TOPICS.items():
+        if any(message.topic == name for message in found):
+            number = writer.register_schema(str(schema["title"]), "jsonschema", json.dumps(schema).encode())
+            channels[name] = writer.register_channel(name, "json", number)
+    about = {"dive": survey.facts.dive.name, "frame": frame_in_words(survey), "unit": "metre, second, radian"}
+    writer.add_metadata("hullrecon", about)
+    for message in found:
+        data = json.dumps(message.value, allow_nan=False, separators=(",", ":")).encode()
+        writer.add_message(channels[message.topic], log_time=message.t_ns, publish_time=message.t_ns, data=data)
+    writer.finish()
+    return file.getvalue()
+
+
+def survey_messages(survey: Survey) -> Iterator[TimedMessage]:
+    """Yield what a survey holds: what moves at its time, what stands at that of the first pose."""
+    start, frame = int(survey.track.t_ns[0]), FRAMES[survey.track.frame]
+    for value in _fixed_frames(survey, start, frame):
+        yield TimedMessage(t_ns=start, topic="/tf", value=value)
+    for topic, value in _standing(survey, start, frame):
+        yield TimedMessage(t_ns=start, topic=topic, value=value)
+    yield from _vehicle(survey, frame)
+    yield from _dvl_returns(survey, frame)
+
+
+def _fixed_frames(survey: Survey, t_ns: int, frame: str) -> Iterator[Message]:
+    """Yield where the sensors sit on the tray, and how hull and global frame lie to each other. A viewer's z is up, that of the
+    global frame down: `global_z_up` is it turned over."""
+    rig = survey.facts.rig
+    yield messages.frame_transform(t_ns, "tray", "dvl", rig.tray_from_dvl)
+    for camera in rig.cameras:
+        yield messages.frame_transform(t_ns, "tray", camera.key, rig.tray_from(Camera(camera)))
+    if frame == "global":
+        yield messages.frame_transform(t_ns, "global_z_up", frame, from_rpy(np.zeros((1, 3)), np.array([[np.pi, 0, 0]])))
+    elif survey.adjusted is not None:
+        yield messages.frame_transform(t_ns, frame, "global", survey.adjusted.solution.result_from_global())
+
+
+def _standing(survey: Survey, t_ns: int, frame: str) -> Iterator[tuple[str, Message]]:
+    poses, surfaces, objects = survey.track.poses, survey.surfaces, survey.findings.objects
+    path = [messages.pose(poses, row) for row in range(len(poses))]
+    yield "/vehicle/path", {"timestamp": messages.time(t_ns), "frame_id": frame, "poses": path}
+    if survey.adjusted is not None and len(survey.adjusted.solution.landmarks):
+        landmarks = survey.adjusted.solution.landmarks
+        color = {name: landmarks.color[:, k].astype(np.uint8) for k, name in enumerate(("red", "green", "blue"))}
+        more = {"alpha": np.full(len(landmarks), 255, np.uint8), "label": landmarks.label.astype(np.uint8)}
+        points = _columns(landmarks_in_hull(survey.adjusted.solution))
+        yield "/landmarks", messages.point_cloud(t_ns, frame, {**points, **color, **more})
+    if surfaces.as_found is not None:
+        yield "/hull/as_found", _as_found(surfaces.as_found, t_ns, frame)
+    if surfaces.cad_model is not None and survey.is_in_hull_frame:
+        yield "/hull/cad_model", _cad_model(surfaces.cad_model, t_ns, frame)
+    if objects is not None:
+        yield "/objects", messages.scene_update([_object(found, t_ns, frame) for found in objects])
+
+
+def _vehicle(survey: Survey, frame: str) -> Iterator[TimedMessage]:
+    track, names = survey.track, ("x", "y", "z", "roll", "pitch", "yaw")
+    tray = tray_poses(survey.facts.rig.tray_origin, track.tray)
+    for row, (t_ns, sigma) in enumerate(zip(track.t_ns.tolist(), track.sigma.tolist(), strict=True)):
+        at = messages.time(t_ns)
+        values: dict[str, Message] = {
+            "/tf": messages.frame_transform(t_ns, frame, "vehicle", track.poses, row),
+            "/vehicle/pose": {"timestamp": at, "frame_id": frame, "pose": messages.pose(track.poses, row)},
+            "/vehicle/sigma": {"timestamp": at, **dict(zip(names, sigma, strict=True)), "tray": float(track.tray[row])},
+        }
+        yield TimedMessage(t_ns=t_ns, topic="/tf", value=messages.frame_transform(t_ns, "vehicle", "tray", tray, row))
+        for topic, value in values.items():
+            yield TimedMessage(t_ns=t_ns, topic=topic, value=value)
+
+
+def _dvl_returns(survey: Survey, frame: str) -> Iterator[TimedMessage]:
+    """Yield the ends of the beams, a cloud a ping; flagged: they disagree with their neighbours."""
+    returns = survey.facts.returns
+    if returns is None or not len(returns.t_ns):
+        return
+    points = survey.facts.rig.dvl_points(returns, survey.track.path).points
+    order = np.argsort(returns.t_ns, kind="stable")
+    for rows in np.split(order, np.flatnonzero(np.diff(returns.t_ns[order])) + 1):
+        t_ns = int(returns.t_ns[rows[0]])
+        more: dict[str, NDArray[np.generic]] = {
+            "range": returns.range_m[rows].astype(np.float32),
+            "flagged": returns.flagged[rows].astype(np.uint8),
+        }
+        value = messages.point_cloud(t_ns, frame, {**_columns(points[rows]), **more})
+        yield TimedMessage(t_ns=t_ns, topic="/dvl/returns", value=value)
+
+
+def _columns(points: Array) -> dict[str, NDArray[np.generic]]:
+    """Return x, y, z of points (n, 3) in single precision, a tenth of a millimetre at a ship's length."""
+    return {name: points[:, k].astype(np.float32) for k, name in enumerate("xyz")}
+
+
+def _as_found(surface: Surface, t_ns: int, frame: str) -> Message:
+    seen = surface.support > 0
+    values = {"deviation": surface.deviation, "sigma": surface.sigma}
+    more = {name: value[seen].astype(np.float32) for name, value in values.items()}
+    return messages.point_cloud(t_ns, frame, {**_columns(surface.vertices[seen]), **more})
+
+
+def _cad_model(mesh: Mesh, t_ns: int, frame: str) -> Message:
+    return messages.scene_update([messages.entity(t_ns, frame, "cad_model", models=[messages.model(ship_glb(mesh))])])
+
+
+def _object(found: ReportedObject, t_ns: int, frame: str) -> Message:
+    """Return an object's outline, a label in front of it, and what the table says of it."""
+    sigma = "" if found.height_sigma is None else f" ± {1000 * found.height_sigma:.0f}"
+    text = f"{found.id}: {1000 * found.height:.0f}{sigma} mm"
+    facts = {"height_m": f"{found.height:.4f}", "views": found.views, "address": found.address}
+    if found.height_sigma is not None:
+        facts["height_sigma_m"] = f"{found.height_sigma:.4f}"
+    return messages.entity(
+        t_ns, frame, str(found.id), facts=facts,
+        lines=[messages.line_loop(np.array(found.outline), ORANGE, 3.0)] if found.outline else [],
+        texts=[messages.label(text, np.array(found.center) + LABEL_OFF_M * np.array(found.normal), WHITE, 16.0)],
+    )  # fmt: skip

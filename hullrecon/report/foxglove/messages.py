@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Foxglove's messages as JSON values, each by a function that is named after it."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.geometry.poses import Poses
+from hullrecon.report.foxglove.schemas import NEVER_WRITTEN, NUMERIC_TYPES
+from hullrecon.typing import Array
+
+Message = dict[str, object]
+Rgba = tuple[float, float, float, float]
+LINE_LOOP = 1
+STILL: Message = {"sec": 0, "nsec": 0}
+ORIGIN: Message = {"position": {"x": 0.0, "y": 0.0, "z": 0.0}, "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}
+
+
+def time(t_ns: int) -> Message:
+    """Return a time of int64 nanoseconds since 1970."""
+    return {"sec": int(t_ns) // 10**9, "nsec": int(t_ns) % 10**9}
+
+
+def vector(values: Array) -> Message:
+    """Return a vector or point (3,), or a quaternion x y z w (4,)."""
+    return dict(zip("xyzw", np.asarray(values, float).tolist(), strict=False))
+
+
+def pose(poses: Poses, row: int = 0) -> Message:
+    """Return one pose of a batch."""
+    return {"position": vector(poses.translation[row]), "orientation": vector(poses.quaternion[row])}
+
+
+def frame_transform(t_ns: int, parent: str, child: str, poses: Poses, row: int = 0) -> Message:
+    """Return where a child frame lies in its parent."""
+    return {
+        "timestamp": time(t_ns),
+        "parent_frame_id": parent,
+        "child_frame_id": child,
+        "translation": vector(poses.translation[row]),
+        "rotation": vector(poses.quaternion[row]),
+    }
+
+
+def point_cloud(t_ns: int, frame: str, columns: Mapping[str, NDArray[np.generic]]) -> Message:
+    """Return points of columns (n,), among them x, y, z, of numpy's types uint8 to float64."""
+    rows = np.empty(len(columns["x"]), np.dtype([(name, values.dtype.newbyteorder("<")) for name, values in columns.items()]))
+    for name, values in columns.items():
+        rows[name] = values
+    offsets = {name: rows.dtype.fields[name][1] for name in columns} if rows.dtype.fields is not None else {}
+    kinds = {name: NUMERIC_TYPES.index(values.dtype.name.upper()) for name, values in columns.items()}
+    return {
+        "timestamp": time(t_ns),
+        "frame_id": frame,
+        "pose": ORIGIN,
+        "point_stride": rows.dtype.itemsize,
+        "fields": [{"name": name, "offset": offsets[name], "type": kinds[name]} for name in columns],
+        "data": base64.b64encode(rows.tobytes()).decode(),
+    }
+
+
+def scene_update(entities: Sequence[Message]) -> Message:
+    """Return entities that are added to a scene."""
+    return {"deletions": [], "entities": list(entities)}
+
+
+def entity(
+    t_ns: int, frame: str, name: str, *, facts: Mapping[str, object] | None = None, lines: Sequence[Message] = (),
+    texts: Sequence[Message] = (), models: Sequence[Message] = (),
+) -> Message:  # fmt: skip
+    """Return a visual element of a scene, which stays; facts are shown where it is selected."""
+    return {
+        "timestamp": time(t_ns),
+        "frame_id": frame,
+        "id": name,
+        "lifetime": STILL,
+        "frame_locked": True,
+        "metadata": [{"key": key, "value": str(value)} for key, value in (facts or {}).items()],
+        "lines": list(lines),
+        "texts": list(texts),
+        "models": list(models),
+        **{none: [] for none in NEVER_WRITTEN},
+    }
+
+
+def color(rgba: Rgba) -> Message:
+    """Return a colour of four parts from 0 to 1."""
+    return dict(zip("rgba", rgba, strict=True))
+
+
+def line_loop(points: Array, rgba: Rgba, thickness_px: float) -> Message:
+    """Return a closed line through points (n, 3)."""
+    return {
+        "type": LINE_LOOP, "pose": ORIGIN, "thickness": thickness_px, "scale_invariant": True,
+        "points": [vector(point) for point in points], "color": color(rgba), "colors": [], "indices": [],
+    }  # fmt: skip
+
+
+def label(text: str, at: Array, rgba: Rgba, size_px: float) -> Message:
+    """Return a text at a point (3,) that turns to the viewer."""
+    place = {**ORIGIN, "position": vector(at)}
+    shown = {"billboard": True, "font_size": size_px, "scale_invariant": True}
+    return {"pose": place, **shown, "color": color(rgba), "text": text}
+
+
+def model(glb: bytes) -> Message:
+    """Return a glTF model in its own colours. Foxglove turns glTF's y, which is up, to z."""
+    return {
+        "pose": ORIGIN, "scale": vector(np.ones(3)), "color": color((1, 1, 1, 1)), "override_color": False, "url": "",
+        "media_type": "model/gltf-binary", "data": base64.b64encode(glb).decode(),
+    }  # fmt: skip

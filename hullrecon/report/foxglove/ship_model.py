@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The ship's CAD model as glTF, for a viewer beside what was measured."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
+
+MAX_FACES = 200_000  # what a viewer still turns smoothly; of a finer model shape is all that is kept
+Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # M has z up, glTF has y up
+STEEL = (150, 160, 170, 255)
+
+
+def ship_glb(mesh: Mesh) -> bytes:
+    """Return a CAD model in M as a GLB, thinned where it has more triangles than a viewer can turn."""
+    import trimesh
+
+    shown = _thinned(mesh)
+    material = trimesh.visual.material.PBRMaterial(
+        baseColorFactor=STEEL, metallicFactor=0.0, roughnessFactor=1.0, doubleSided=True, name="cad_model"
+    )
+    ship = trimesh.Trimesh(
+        shown.vertices,
+        shown.faces,
+        vertex_normals=vertex_normals(shown),
+        visual=trimesh.visual.TextureVisuals(material=material),
+        process=False,
+    )
+    scene = trimesh.Scene()
+    scene.add_geometry(ship, node_name="ship", geom_name="ship", transform=Y_UP)
+    data: Any = scene.export(file_type="glb", include_normals=True)
+    return bytes(data)
+
+
+def _thinned(mesh: Mesh) -> Mesh:
+    if len(mesh.faces) <= MAX_FACES:
+        return mesh
+    import open3d as o3d
+
+    full = o3d.geometry.TriangleMesh(o3d.utility.Vector3dVector(mesh.vertices), o3d.utility.Vector3iVector(mesh.faces))
+    thin = full.simplify_quadric_decimation(target_number_of_triangles=MAX_FACES)
+    return Mesh(np.asarray(thin.vertices), np.asarray(thin.triangles, np.int32))
