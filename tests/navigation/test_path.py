@@ -127,7 +127,9 @@ def test_what_was_bridged_and_what_was_rejected_is_reported_with_its_times(plain
     flagged = np.zeros((201, 2), bool)
     flagged[100, 1] = True
     sentences, facts = remarks_on(path, pings, nodes, flagged)
-    assert "DVL: 2 outages bridged at constant velocity, the longest 3.5 s" in sentences
+    sigma_m = np.sqrt(0.01 * 3.5**3 / 12)
+    across = f"navigation alone knows the way across it to {sigma_m:.2f} m (one sigma, each axis)"
+    assert f"DVL: 2 outages bridged at constant velocity, the longest 3.5 s; {across}" in sentences
     assert "1 of 402 DVL ranges rejected as outliers" in sentences
     assert "2 images before or after the DVL's log have no pose" in sentences
     assert facts["outages_s"] == [[1.0, 2.0], [4.0, 7.5]]

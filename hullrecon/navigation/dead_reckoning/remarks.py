@@ -9,6 +9,7 @@ import numpy as np
 from hullrecon.navigation.dead_reckoning.nodes import Nodes
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
 from hullrecon.navigation.sensors.depth import Depth
+from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array, Ints
 
@@ -29,7 +30,10 @@ def remarks_of(
     blank = images_missing(nodes, way_m)
     steps = np.zeros(0, np.int64) if depth is None else depth.steps
     sentences = [
-        (len(v.outages), f"DVL: {_times(len(v.outages), 'outage')} bridged at constant velocity, {_longest(v.outages)}"),
+        (
+            len(v.outages),
+            f"DVL: {_times(len(v.outages), 'outage')} bridged at constant velocity, {_longest(v.outages)}{_unsure(v)}",
+        ),
         (len(v.outliers), f"DVL: {_times(len(v.outliers), 'velocity')} rejected as outliers"),
         (returns.flagged.any(), f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers"),
         (len(holes), f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"),
@@ -103,6 +107,14 @@ def _heading_steps(size_deg: Array, at_s: list[float]) -> str:
 
 def _longest(spans_ns: Ints) -> str:
     return f"the longest {np.diff(spans_ns, axis=1).max() * 1e-9:.1f} s" if len(spans_ns) else ""
+
+
+def _unsure(velocities: Velocities) -> str:
+    """Return how well navigation knows the way across the outage that it knows least."""
+    if not len(velocities.outages):
+        return ""
+    sigma_m = np.sqrt(velocities.bridged_variance(*velocities.outages.T).max())
+    return f"; navigation alone knows the way across it to {sigma_m:.2f} m (one sigma, each axis)"
 
 
 def _first(times: list[float]) -> str:
