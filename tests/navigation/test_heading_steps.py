@@ -57,6 +57,17 @@ def test_the_error_that_a_step_leaves_is_within_its_sigma() -> None:
     assert 0.3 < float(np.sqrt(np.mean(np.square(errors)))) < 1.5
 
 
+def test_a_heading_that_parts_slowly_from_the_rates_makes_the_turn_as_unsure_as_they_differ() -> None:
+    slow = np.radians(3) * np.clip((T - 60) / 0.8, 0, 1)
+    found = attitude_history(imu(SWING, slow), 0.002, 0.6)
+    assert len(found.steps.row) == 0
+    assert len(found.steps.doubt) > 0
+    at = np.round(1e9 * np.array([20, 40, 58, 64])).astype(np.int64)
+    still, across = np.sqrt(found.turn_variance(at[[0, 2]], at[[1, 3]]))
+    assert np.radians(2.5) < across < np.radians(5)
+    assert still < np.radians(0.2)
+
+
 def test_turns_of_the_vehicle_are_no_steps_though_its_rates_have_a_scale() -> None:
     sharp = gaussian_filter1d(np.interp(T, [0, 40, 41.5, 90, 91, 120], [0, 0, 1.5, 1.5, 0.5, 0.5]), 0.2 * RATE_HZ)
     for scale in (1.0, 0.98):

@@ -175,7 +175,9 @@ def test_a_span_without_images_is_named_with_its_time_and_way(plain) -> None:
 
 def test_a_heading_that_steps_is_named_with_its_size_and_time(plain) -> None:
     path = run(plain, [0.2, 0, 0])
-    stepped = replace(path.attitude, steps=HeadingSteps(np.array([1]), np.array([np.radians(3)]), 0.001))
+    stepped = replace(
+        path.attitude, steps=HeadingSteps(np.array([1]), np.array([np.radians(3)]), 0.001, np.array([50]), np.array([0.02]))
+    )
     pings = DvlPings(
         t_ns=path.velocities.t_ns,
         velocity=path.velocities.velocity,
@@ -185,6 +187,7 @@ def test_a_heading_that_steps_is_named_with_its_size_and_time(plain) -> None:
     )
     nodes = Nodes(stamps([0, 10]), np.full((2, 2), -1), 0, 0)
     sentences, facts = remarks_on(replace(path, attitude=stepped), pings, nodes, np.zeros((201, 2), bool))
-    (named,) = [sentence for sentence in sentences if "heading" in sentence]
-    assert named.startswith("IMU: 1 step in the heading, by +3.0 degrees at ")
+    step, doubt = [sentence for sentence in sentences if "heading" in sentence]
+    assert step.startswith("IMU: 1 step in the heading, by +3.0 degrees at ")
+    assert doubt.startswith("IMU: heading and rates part 1 time, at most by 1.1 degrees at 2.5 s")
     assert facts["heading_steps_deg"] == [3.0]

@@ -38,6 +38,7 @@ def remarks_of(
         (returns.flagged.any(), f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers"),
         (len(holes), f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"),
         (len(turned.row), _heading_steps(np.degrees(turned.size), since(path.attitude.t_ns[turned.row]))),
+        (len(turned.doubt), _doubts(np.degrees(turned.doubt_rad), since(path.attitude.t_ns[turned.doubt]))),
         (not path.attitude.fused, "IMU: no rates; the attitude between readings is interpolated"),
         (len(blank), _without_images(nodes.t_ns, blank)),
         (depth is None, "no pressure: the depth is counted from the start and drifts"),
@@ -103,6 +104,15 @@ def _heading_steps(size_deg: Array, at_s: list[float]) -> str:
     largest = int(np.argmax(np.abs(size_deg)))
     what = f"{_times(len(size_deg), 'step')} in the heading, by {size_deg[largest]:+.1f} degrees at {at_s[largest]:.1f} s"
     return f"IMU: {what}{' the largest' if len(size_deg) > 1 else ''}, that no turn of the vehicle made; taken off what follows"
+
+
+def _doubts(apart_deg: Array, at_s: list[float]) -> str:
+    """Return where heading and rates contradict each other."""
+    if len(apart_deg) == 0:
+        return ""
+    largest = int(np.argmax(apart_deg))
+    what = f"heading and rates part {_times(len(apart_deg), 'time')}, at most by {apart_deg[largest]:.1f} degrees"
+    return f"IMU: {what} at {at_s[largest]:.1f} s; the turn there is known no better than that"
 
 
 def _longest(spans_ns: Ints) -> str:

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.poses import Poses, interpolate
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.sensors.clock import gaps, seconds
-from hullrecon.navigation.sensors.heading_steps import NO_STEPS, HeadingSteps, find_heading_steps, find_jumps
+from hullrecon.navigation.sensors.heading_steps import BESIDE_S, NO_STEPS, HeadingSteps, find_heading_steps, find_jumps
 from hullrecon.navigation.sensors.smoothing import local_line
 from hullrecon.records.sensors import ImuSamples
 from hullrecon.typing import Array, Ints
@@ -56,6 +56,10 @@ class AttitudeHistory:
         for at in self.t_ns[self.steps.row]:
             stepped += (start_ns < at) & (stop_ns >= at)
         left = stepped * self.steps.sigma_rad**2
+        reach = round(BESIDE_S * 1e9)
+        for at, apart in zip(self.t_ns[self.steps.doubt], self.steps.doubt_rad, strict=True):
+            share = np.maximum(0, np.minimum(stop_ns, at + reach) - np.maximum(start_ns, at - reach)) / (2 * reach)
+            left += apart**2 * share
         return np.asarray(bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2 + left)
 
 

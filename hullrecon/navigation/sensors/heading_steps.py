@@ -19,17 +19,21 @@ from hullrecon.typing import Array, Ints
 BESIDE_S = 1.0  # of readings on either side that tell a step's size
 LEAST_STEP_RAD = np.radians(0.5)
 STEP_SIGMAS = 8.0  # of such differences along the dive
-SUDDEN_S, SUDDEN = 0.15, 0.6  # the share of a step that comes within that time; what comes slower is a rate's scale or bias
+SUDDEN_S, SUDDEN = 0.15, 0.6  # the share of a step that comes within that time; what comes slower may be the rates' fault
 FASTEST_RAD_S = 1.0  # of a vehicle that inspects, where no rates are logged
 
 
 @dataclass(frozen=True)
 class HeadingSteps:
-    """row (k,): the first reading after each step; size (k,) rad, about z of g; sigma_rad: how well a size is known."""
+    """row (k,): the first reading after each step; size (k,) rad, about z of g; sigma_rad: how well a size is known. doubt (d,)
+    and doubt_rad (d,): readings in the middle of BESIDE_S to either side over which heading and rates part by so much, but
+    slowly: either may be wrong."""
 
     row: Ints
     size: Array
     sigma_rad: float
+    doubt: Ints
+    doubt_rad: Array
 
     def taken_off(self, quaternion: Array) -> Array:
         """Return the attitudes (n, 4) as if the heading had not stepped."""
@@ -41,7 +45,7 @@ class HeadingSteps:
         return np.asarray(turned.as_quat())
 
 
-NO_STEPS = HeadingSteps(np.zeros(0, np.int64), np.zeros(0), 0.0)
+NO_STEPS = HeadingSteps(np.zeros(0, np.int64), np.zeros(0), 0.0, np.zeros(0, np.int64), np.zeros(0))
 
 
 def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD) -> HeadingSteps:
@@ -55,6 +59,7 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
     sigma = robust_sigma(size[count : len(gap) - count + 1], about=0.0)
     near = max(1, round(SUDDEN_S / float(np.median(np.diff(t_s)))))
     row: list[int] = []
+    doubt: list[int] = []
     left = np.where(np.abs(size) > max(least_rad, STEP_SIGMAS * sigma), np.abs(size), 0.0)
     while left.max() > 0:
         about = int(np.argmax(left))
@@ -63,9 +68,11 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
         sudden = abs(gap[min(at + near, len(gap)) - 1] - gap[max(at - near, 0)])
         if sudden > SUDDEN * left[about] and abs(size[at]) > least_rad:
             row.append(at)
+        else:
+            doubt.append(about)
         left[begin:end] = 0.0
-    rows = np.array(sorted(set(row)), np.int64)
-    return HeadingSteps(rows, size[rows], float(sigma))
+    rows, doubts = (np.array(sorted(set(found)), np.int64) for found in (row, doubt))
+    return HeadingSteps(rows, size[rows], float(sigma), doubts, np.abs(size[doubts]))
 
 
 def find_jumps(t_s: Array, quaternion: Array) -> HeadingSteps:
@@ -77,4 +84,5 @@ def find_jumps(t_s: Array, quaternion: Array) -> HeadingSteps:
     turn = orientation[1:].apply((orientation[:-1].inv() * orientation[1:]).as_rotvec())[:, 2]
     more = turn - running_median((turn / step)[:, None], 9)[:, 0] * step
     least = max(LEAST_STEP_RAD, FASTEST_RAD_S * float(np.median(step)))
-    return find_heading_steps(t_s, np.concatenate([[0.0], np.cumsum(more)]), least)
+    found = find_heading_steps(t_s, np.concatenate([[0.0], np.cumsum(more)]), least)
+    return HeadingSteps(found.row, found.size, found.sigma_rad, NO_STEPS.doubt, NO_STEPS.doubt_rad)
