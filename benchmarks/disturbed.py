@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import shutil
 import struct
 import sys
@@ -84,7 +85,7 @@ def disturb(package: Path, copy: Path, change: Disturbance) -> None:
     """Write a copy of a package whose log is disturbed."""
     shutil.copytree(package, copy, ignore=shutil.ignore_patterns("*.mcap"))
     text = (copy / "dive.toml").read_text()
-    (copy / "dive.toml").write_text(text.replace(f'name = "{package.name}"', f'name = "{copy.name}"', 1))
+    (copy / "dive.toml").write_text(re.sub(r"(?m)^name = .*$", f'name = "{copy.name}"', text, count=1))
     (log,) = (package / "logs").glob("*.mcap")
     with log.open("rb") as source, (copy / "logs" / log.name).open("wb") as target:
         reader, writer = make_reader(source), Writer(target)

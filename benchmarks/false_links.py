@@ -32,7 +32,7 @@ from hullrecon.vision.stereo.matching import no_matches
 
 APART_M = 4.0  # between the cameras of two images that share nothing
 SIGMA = np.diag(np.repeat([0.3**2, np.radians(5.0) ** 2], 3))
-BLOCK = 50
+BLOCK = 200  # pairs compared at once, in the order of their first nodes, so that views are made but once or twice
 
 
 def worker_of(package: Path, run: Path) -> MatchWorker:
@@ -50,7 +50,7 @@ def offered(centres: Array, count: int, rng: np.random.Generator) -> tuple[Ints,
     first, second = rng.integers(0, len(centres), (2, 20 * count))
     apart = np.linalg.norm(centres[first] - centres[second], axis=1) > APART_M
     ordered = np.unique(np.sort(np.column_stack([first, second])[apart], axis=1), axis=0)
-    chosen = ordered[rng.choice(len(ordered), min(count, len(ordered)), replace=False)]
+    chosen = ordered[np.sort(rng.choice(len(ordered), min(count, len(ordered)), replace=False))]
     return chosen[:, 0], chosen[:, 1]
 
 
@@ -86,6 +86,8 @@ def main() -> int:
         touched = {node: nodes[node] for p in pairs for node in (p.first, p.second)}
         for match in MatchPairs(worker)((touched, pairs)):
             reasons[Reason(match.reason).name] += 1
+        done = min(start + BLOCK, len(first))
+        print(f"{done} of {len(first)} offered, {reasons[Reason.MATCHED.name]} linked", file=sys.stderr, flush=True)
     row = {"offered": len(first), "linked": reasons[Reason.MATCHED.name], "reasons": reasons}
     print(json.dumps(row))
     if args.json:

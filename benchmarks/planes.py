@@ -23,11 +23,13 @@ from hullrecon.adjustment.hull_pose.registration import register
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.api.commands import run_dive
 from hullrecon.evaluation.figures.distance_to_cad import PlacedReturns, distance_to_cad_model
+from hullrecon.evaluation.scoring.deliverables import TimedPoses
+from hullrecon.evaluation.scoring.trajectory import hull_from_start
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.poses import Poses, from_matrix, interpolate
+from hullrecon.geometry.poses import Poses, from_matrix
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.records.links import LinkedPath
 from hullrecon.rig import rig_from_settings
@@ -70,12 +72,14 @@ def solve(package: Path, runs: Path, planes: bool) -> tuple[LinkedPath, Navigate
     return LinksArtifact(artifact("links")).path, NavigateArtifact(artifact("navigate"))
 
 
-def score(path: LinkedPath, t_ns: Ints, truth: Truth, global_from_hull: Poses) -> dict[str, float]:
-    """Return the errors of a path (m), in whole and by axis, and its worst error over sigma."""
-    true = global_from_hull.apply(interpolate((1e9 * truth.t_s).astype(np.int64), truth.poses, t_ns).translation)
-    at = path.pose[:, :3]
+def score(path: LinkedPath, t_ns: Ints, truth: Truth) -> dict[str, float]:
+    """Return the errors of a path (m), in whole and by axis, and its worst error over sigma, from where it begins."""
+    track = TimedPoses(t_s=t_ns / 1e9, poses=path.path().poses)
+    inside = (track.t_s >= truth.t_s[0]) & (track.t_s <= truth.t_s[-1])
+    true_poses = hull_from_start(track, truth).inverse() @ truth.vehicle_at(track.t_s[inside])
+    at, true = path.pose[inside, :3], true_poses.translation
     error = fit_rigid(at, true).apply(at) - true
-    sigma = np.sqrt(np.einsum("nii->ni", path.covariance))[:, :3]
+    sigma = np.sqrt(np.einsum("nii->ni", path.covariance))[inside, :3]
     ratio = np.sqrt(np.mean(((at - true) / np.maximum(sigma, 1e-6))[SETTLED:] ** 2, axis=0))
     across, along, down = np.sqrt(np.mean(error**2, axis=0))
     whole = float(np.sqrt(np.mean(np.sum(error**2, axis=1))))
@@ -115,7 +119,7 @@ def main() -> int:
         rows[package.name] = {}
         for planes, name in ((False, "without planes"), (True, "with planes")):
             path, navigate = solve(bare, chosen.folder / "runs", planes)
-            rows[package.name][name] = score(path, navigate.trajectory.t_ns, truth, global_from_hull)
+            rows[package.name][name] = score(path, navigate.trajectory.t_ns, truth)
             if number == chosen.dives:
                 ingest = run_dive(package, chosen.folder / "cad", last_step="ingest").workspace.artifact("ingest")
                 placed[name] = lay_onto_cad_model(path, navigate, IngestArtifact(ingest).hull, global_from_hull)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import BinaryIO, TypeVar
@@ -242,7 +242,8 @@ def _sort_samples(
     ]
     line = put_in_order(sensor if joint is None else f"joint {joint}", [s.t_ns for s, _ in rows], [t for _, t in rows])
     remarks += line.remarks
-    return [rows[i][0] for i in line.keep]
+    sorted_rows = ((rows[i][0], int(t_ns)) for i, t_ns in zip(line.keep, line.t_ns, strict=True))
+    return [s if s.t_ns == t_ns else replace(s, t_ns=t_ns) for s, t_ns in sorted_rows]
 
 
 def offset_ns(seconds: float) -> int:

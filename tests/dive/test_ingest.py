@@ -184,6 +184,24 @@ def test_a_clock_that_jumps_is_named(kit, package):
     assert any("imu: the clock jumps by +7.000 s" in remark for remark in found.remarks)
 
 
+def test_records_have_the_stamps_of_a_clock_that_was_put_right(kit, package):
+    entries = kit.dive(seconds=8)
+    kit.mcap(package / "logs" / "dive.mcap", entries)
+    before, _ = run(package)
+    moved = {"/imu": kit.imu, "/cam": lambda t_ns: kit.image(t_ns, kit.jpeg(1))}
+    late = [
+        dataclasses.replace(e, message=moved[e.topic](e.t_ns + 7 * 10**9)) if e.topic in moved and i > 96 else e
+        for i, e in enumerate(entries)
+    ]
+    kit.mcap(package / "logs" / "dive.mcap", late)
+    found, _ = run(package)
+    np.testing.assert_array_equal(found.records.imu.t_ns, before.records.imu.t_ns)
+    assert any("stamps were put right by the logger" in r for r in found.remarks if r.startswith("imu"))
+    # too few images to tell: they keep their stamps, and that is said
+    assert found.images["camera_top"].t_ns[-1] == before.images["camera_top"].t_ns[-1] + 7 * 10**9
+    assert any("camera_top: the clock jumps by +7.000 s" in r and "cannot be trusted" in r for r in found.remarks)
+
+
 def test_offsets_are_whole_nanoseconds():
     assert offset_ns(0.1) == 100_000_000
     assert offset_ns(-1e-9) == -1

@@ -81,9 +81,14 @@ class Deliver:
     folder: Path
 
     def track(
-        self, path: np.ndarray = PATH, sigma: tuple[float, float, float] = (0.1, 0.1, 0.1), turn_deg: float = 0.0
+        self,
+        path: np.ndarray = PATH,
+        sigma: tuple[float, float, float] = (0.1, 0.1, 0.1),
+        turn_deg: float = 0.0,
+        turned: Rotation | None = None,
     ) -> None:
-        quaternion = (FACING * Rotation.from_rotvec([np.radians(turn_deg), 0, 0])).as_quat()
+        """turned: the frame that the path is told in, from M."""
+        quaternion = ((turned or Rotation.identity()) * FACING * Rotation.from_rotvec([np.radians(turn_deg), 0, 0])).as_quat()
         rows = [",".join(["t", *"xyz", "qx", "qy", "qz", "qw", "sigma_x", "sigma_y", "sigma_z"])]
         for t, p in zip(STAMPS_NS.tolist(), path.tolist(), strict=True):
             rows.append(",".join([f"{t // 10**9}.{t % 10**9:09d}", *map(repr, [*p, *quaternion.tolist(), *sigma])]))

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from hullrecon.evaluation.scoring.score import score_run, table_rows, unit_of, without_nan
 
@@ -170,6 +171,25 @@ def test_deliverables_in_g_are_moved_by_the_true_alignment(deliver: Any, package
     (deliver.folder / "summary.json").write_text(json.dumps({"frame": "g"}))
     deliver.cloud("surface.ply", np.add(wall_points, [1, 2, 3]), support=np.ones(400, "<i4"))
     assert by_hand(deliver, package)["surface"]["rmse_m"] == pytest.approx(0, abs=1e-5)
+
+
+def test_a_path_in_g_is_compared_from_where_it_begins_along_the_axes_of_its_sigmas(
+    deliver: Any, package: Path, path: np.ndarray, tmp_path: Path
+) -> None:
+    """g is turned by a right angle against M, and the path's origin is not quite where the dive began."""
+    turned = tmp_path / "turned"
+    shutil.copytree(package, turned)
+    half = math.sqrt(0.5)
+    pose = {"translation": [0.0, 0.0, 0.0], "quaternion": [0.0, 0.0, half, half]}  # x of M is y of g, y of M is -x
+    (turned / "truth" / "alignment.json").write_text(json.dumps({"T_g_M": pose}))
+    (deliver.folder / "summary.json").write_text(json.dumps({"frame": "g"}))
+    bent = path + np.linspace(0, 1, 41)[:, None] * [0.3, 0.0, 0.0]  # along M's x, and so along y of g
+    in_g = np.add(np.column_stack([-bent[:, 1], bent[:, 0], bent[:, 2]]), [5.0, -2.0, 0.0])
+    deliver.track(in_g, sigma=(0.01, 0.3, 0.1), turned=Rotation.from_euler("z", 90, degrees=True))
+    figures = score_run(deliver.folder, turned)["trajectory"]
+    assert figures["along_rmse_m"] == pytest.approx(0.3 * math.sqrt(np.mean(np.linspace(0, 1, 41) ** 2)), rel=1e-6)
+    assert figures["error_over_sigma_x"] == pytest.approx(0, abs=1e-6)
+    assert figures["error_over_sigma_y"] == pytest.approx(0.586, abs=0.01)
 
 
 def test_without_a_cad_model_what_needs_one_is_left_out(

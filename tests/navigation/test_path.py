@@ -18,6 +18,7 @@ from hullrecon.navigation.dead_reckoning.reckoning import Reckoning, reckon
 from hullrecon.navigation.dead_reckoning.remarks import remarks_of
 from hullrecon.navigation.dead_reckoning.returns import returns
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
+from hullrecon.navigation.sensors.heading_steps import HeadingSteps
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.sensors import DvlPings, JointSamples
@@ -126,7 +127,9 @@ def test_what_was_bridged_and_what_was_rejected_is_reported_with_its_times(plain
     flagged = np.zeros((201, 2), bool)
     flagged[100, 1] = True
     sentences, facts = remarks_on(path, pings, nodes, flagged)
-    assert "DVL: 2 outages bridged at constant velocity, the longest 3.5 s" in sentences
+    sigma_m = np.sqrt(0.01 * 3.5**3 / 12)
+    across = f"navigation alone knows the way across it to {sigma_m:.2f} m (one sigma, each axis)"
+    assert f"DVL: 2 outages bridged at constant velocity, the longest 3.5 s; {across}" in sentences
     assert "1 of 402 DVL ranges rejected as outliers" in sentences
     assert "2 images before or after the DVL's log have no pose" in sentences
     assert facts["outages_s"] == [[1.0, 2.0], [4.0, 7.5]]
@@ -150,3 +153,41 @@ def test_a_run_without_a_flaw_says_only_what_was_not_logged(plain) -> None:
         "no pressure: the depth is counted from the start and drifts",
     ]
     assert facts["returns"] == 0
+
+
+def test_a_span_without_images_is_named_with_its_time_and_way(plain) -> None:
+    path = run(plain, [0.2, 0, 0])
+    t_s = np.array([0, 0.5, 1, 1.5, 2, 4, 6, 8, 8.5, 9])
+    image = np.full((10, 2), -1)
+    image[[0, 1, 2, 3, 7, 8, 9], 0] = np.arange(7)
+    pings = DvlPings(
+        t_ns=path.velocities.t_ns,
+        velocity=path.velocities.velocity,
+        velocity_sigma=path.velocities.sigma,
+        ranges=np.full((201, 2), np.nan),
+        beams=np.eye(3)[:2],
+    )
+    sentences, facts = remarks_on(path, pings, Nodes(stamps(t_s), image, 0, 0), np.zeros((201, 2), bool))
+    (named,) = [sentence for sentence in sentences if sentence.startswith("camera")]
+    assert named.startswith("camera: 1 span without images, the longest 6.5 s and 1.3 m of way")
+    assert facts["without_images_s"] == [[1.5, 8.0]]
+
+
+def test_a_heading_that_steps_is_named_with_its_size_and_time(plain) -> None:
+    path = run(plain, [0.2, 0, 0])
+    stepped = replace(
+        path.attitude, steps=HeadingSteps(np.array([1]), np.array([np.radians(3)]), 0.001, np.array([50]), np.array([0.02]))
+    )
+    pings = DvlPings(
+        t_ns=path.velocities.t_ns,
+        velocity=path.velocities.velocity,
+        velocity_sigma=path.velocities.sigma,
+        ranges=np.full((201, 2), np.nan),
+        beams=np.eye(3)[:2],
+    )
+    nodes = Nodes(stamps([0, 10]), np.full((2, 2), -1), 0, 0)
+    sentences, facts = remarks_on(replace(path, attitude=stepped), pings, nodes, np.zeros((201, 2), bool))
+    step, doubt = [sentence for sentence in sentences if "heading" in sentence]
+    assert step.startswith("IMU: 1 step in the heading, by +3.0 degrees at ")
+    assert doubt.startswith("IMU: heading and rates part 1 time, at most by 1.1 degrees at 2.5 s")
+    assert facts["heading_steps_deg"] == [3.0]

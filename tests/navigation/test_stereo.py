@@ -20,7 +20,7 @@ from hullrecon.navigation.dead_reckoning.error_propagation import trajectory_cov
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, StereoMotion
 from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stereo_navigate
-from hullrecon.navigation.stereo_odometry.visual_odometry import chain_errors, compose, follow
+from hullrecon.navigation.stereo_odometry.visual_odometry import StepGuess, chain_errors, compose, follow
 from hullrecon.records.sensors import ImuSamples, PressureSamples
 from hullrecon.vision.pairs.camera_track import NavigationErrors
 
@@ -30,6 +30,7 @@ SIGMA = np.array([2e-3, 2e-3, 2e-3, 1e-3, 1e-3, 1e-3])
 # Of one error of the calibration that changes nothing and of which nothing is seen.
 EFFECT = CalibrationEffect(by_error=np.zeros((6, 1)), information=np.zeros((1, 1)), gradient=np.zeros(1))
 NONE = np.zeros((8, 6, 0)), np.zeros((0, 0))
+EVERY_SECOND = StepGuess(t_s=np.arange(6.0))
 
 
 @dataclass
@@ -59,7 +60,7 @@ def images(count: int) -> list[tuple[int, int]]:
 
 def test_each_pair_is_read_once_and_in_order() -> None:
     motion = KnownMotion()
-    chain = follow(images(6), motion, list)
+    chain = follow(images(6), motion, EVERY_SECOND, list)
     assert motion.read == list(range(6))
     assert len(chain.step) == 5
     assert chain.inliers.tolist() == [200] * 5
@@ -68,7 +69,7 @@ def test_each_pair_is_read_once_and_in_order() -> None:
 
 def test_a_blind_pair_is_bridged_by_the_one_before_it() -> None:
     """The step into it is repeated; the step out of it takes up what is left of the motion from the pair before."""
-    chain = follow(images(6), KnownMotion(blind=(3,)), list)
+    chain = follow(images(6), KnownMotion(blind=(3,)), EVERY_SECOND, list)
     assert chain.lost.tolist() == [2]
     np.testing.assert_array_equal(chain.step.translation[2], chain.step.translation[1])
     both = chain.step[[2]] @ chain.step[[3]]
@@ -79,9 +80,35 @@ def test_a_blind_pair_is_bridged_by_the_one_before_it() -> None:
 
 
 def test_the_first_step_of_all_is_guessed_as_none() -> None:
-    chain = follow(images(4), KnownMotion(blind=(1,)), list)
+    chain = follow(images(4), KnownMotion(blind=(1,)), EVERY_SECOND, list)
     assert chain.lost.tolist() == [0]
     np.testing.assert_array_equal(chain.step.translation[0], 0)
+
+
+@dataclass
+class TwoStretches(KnownMotion):
+    """Pairs 3 and later see nothing that those before saw."""
+
+    def between(self, first: int, second: int) -> StereoMotion | None:
+        return None if first < 3 <= second else super().between(first, second)
+
+
+def test_a_blank_of_a_minute_is_known_as_badly_as_a_minute_is_long() -> None:
+    """The vehicle may have gone on, stood still or turned back: the step before, repeated once, was known to half a metre."""
+    chain = follow(images(6), TwoStretches(), StepGuess(t_s=np.array([0, 1, 2, 52, 53, 54.0])), list)
+    assert chain.lost.tolist() == [2]
+    np.testing.assert_allclose(chain.step.translation[2], 50 * chain.step.translation[1])
+    sigma_m, sigma_rad = np.sqrt(np.diag(chain.covariance[2]))[[0, 3]]
+    assert 10.0 < sigma_m < 50.0
+    assert sigma_rad == 1.0
+
+
+def test_across_a_blank_the_turn_is_the_imus() -> None:
+    camera = Rotation.from_euler("z", [[0.0], [0.1], [0.2], [1.7], [1.8], [1.9]])
+    times = np.array([0, 1, 2, 52, 53, 54.0])
+    chain = follow(images(6), TwoStretches(), StepGuess(t_s=times, camera=camera, turn_variance=np.full(5, 1e-4)), list)
+    np.testing.assert_allclose(chain.step.rotation[2].as_rotvec(), [0, 0, 1.5], atol=1e-12)
+    assert np.sqrt(chain.covariance[2, 5, 5]) == pytest.approx(0.01)
 
 
 def test_the_covariance_of_a_chain_is_the_spread_of_disturbed_chains() -> None:
@@ -182,7 +209,8 @@ def test_a_pair_that_sees_nothing_is_stepped_over(rig) -> None:
     error = found.trajectory.translation - true_path(rig).translation
     assert np.abs(error[[0, 1, 2, 4, 5]]).max() < 0.05
     assert found.odometry.covariance[2, 0, 0] > 0.1
-    assert any("guessed" in sentence for sentence in found.remarks)
+    (named,) = [sentence for sentence in found.remarks if "guessed" in sentence]
+    assert named.endswith("the longest 1.0 s")
 
 
 def test_pairs_that_do_not_join_are_an_error_in_words(rig) -> None:

@@ -62,7 +62,7 @@ class ImageSink:
         remarks += line.remarks + self._bad(usable)
         rows = line.keep
         return ImageIndex(
-            t_ns=np.array(stamp, np.int64)[rows], file=np.array(file, np.str_)[rows], offset=np.array(offset, np.int64)[rows],
+            t_ns=line.t_ns, file=np.array(file, np.str_)[rows], offset=np.array(offset, np.int64)[rows],
             size=np.array(size, np.int64)[rows], usable=np.array(usable, bool)[rows],
         )  # fmt: skip
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -17,14 +18,18 @@ NS = 1_000_000_000
 JUMP_S = 1.0  # a clock that moves that much against the logger's has jumped; logging delays stay below
 GAP_PERIODS = 5.0  # and at least GAP_S: a silence that is named
 GAP_S = 1.0
+BESIDE_NS = 30 * NS  # on either side of a jump: the readings that tell its size
+STEADY = 0.1  # of a jump: what half of the offsets beside it may scatter by
+LASTING = 20  # readings before and after a jump, at least, of a clock that is then put right; fewer are a late delivery
 FEW = 2  # readings with one stamp are duplicates; more, and no other, are a clock that stands still
 
 
 @dataclass(frozen=True)
 class Timeline:
-    """Hold the rows to keep, in time order and each stamp once, and remarks on what was wrong with the stamps."""
+    """Hold the rows to keep, in time order and each stamp once, their stamps, and remarks on what was wrong with those."""
 
     keep: Ints
+    t_ns: Ints
     remarks: list[str]
 
 
@@ -37,9 +42,10 @@ def put_in_order(name: str, stamp_ns: ArrayLike, logged_ns: ArrayLike) -> Timeli
             f"{name}: all {len(stamp)} stamps are the same, {format_time(int(stamp[0]))}",
             remedy="record the sensor with a clock that runs",
         )
-    order = np.argsort(stamp, kind="stable")
+    right = stamp - clock_error(stamp, logged)
+    order = np.argsort(right, kind="stable")
     kept = np.ones(len(order), bool)
-    kept[1:] = np.diff(stamp[order]) > 0
+    kept[1:] = np.diff(right[order]) > 0
     remarks = describe_clock_jumps(name, stamp, logged)
     doubled = int(np.count_nonzero(~kept))
     if doubled:
@@ -47,11 +53,48 @@ def put_in_order(name: str, stamp_ns: ArrayLike, logged_ns: ArrayLike) -> Timeli
     backward = int(np.count_nonzero(np.diff(stamp) < 0))
     if backward and not remarks:
         remarks.append(f"{name}: {backward} readings stood out of order and were sorted")
-    return Timeline(order[kept], remarks)
+    keep = order[kept]
+    return Timeline(keep, right[keep], remarks)
+
+
+def clock_error(stamp: Ints, logged: Ints) -> Ints:
+    """Return by how much stamps (n,) are off after jumps of the sensor's clock against the logger's, ns; zeros where nothing
+    shows it, as in logs without a clock of their own.
+
+    A jump counts that LASTING readings on either side agree on: what was logged late, and then caught up, is none. Right is the
+    stretch whose offset is below JUMP_S, as of clocks that were synchronised, else the longest.
+    """
+    offset = stamp - logged
+    limits = np.concatenate([[0], 1 + np.flatnonzero(np.abs(np.diff(offset)) >= JUMP_S * NS), [len(stamp)]])
+    stretches = [slice(a, b) for a, b in itertools.pairwise(limits.tolist()) if b - a >= LASTING]
+    if len(stretches) < 2:
+        return np.zeros_like(stamp)
+    steps = [_lasting_jump(stamp, offset, before, after) for before, after in itertools.pairwise(stretches)]
+    moved = np.concatenate([[0], np.cumsum(np.array(steps, np.int64))])
+    away = np.array([abs(float(np.median(offset[stretch]))) for stretch in stretches])
+    longest = int(np.argmax([stretch.stop - stretch.start for stretch in stretches]))
+    right = int(np.argmin(away)) if away.min() < JUMP_S * NS else longest
+    # readings of a stretch too short to tell go with the one before
+    starts = np.array([stretch.start for stretch in stretches])
+    of = np.maximum(np.searchsorted(starts, np.arange(len(stamp)), side="right") - 1, 0)
+    return np.asarray((moved - moved[right])[of])
+
+
+def _lasting_jump(stamp: Ints, offset: Ints, before: slice, after: slice) -> int:
+    """Return by how much the offset changes between two stretches, ns, by the readings beside the jump; 0 where either side is
+    not steady."""
+    sides = [
+        offset[before][stamp[before] >= stamp[before][-1] - BESIDE_NS],
+        offset[after][stamp[after] <= stamp[after][0] + BESIDE_NS],
+    ]
+    low, middle, high = (np.array([np.percentile(side, share) for side in sides]) for share in (25, 50, 75))
+    jump = int(middle[1] - middle[0])
+    return jump if abs(jump) >= JUMP_S * NS and (high - low).max() < STEADY * abs(jump) else 0
 
 
 def describe_clock_jumps(name: str, stamp: Ints, logged: Ints) -> list[str]:
-    """Return a sentence on jumps of the sensor's clock by a second or more against the logger's or its own last reading."""
+    """Return a sentence on jumps of the sensor's clock by a second or more against the logger's or its own last reading, and
+    what became of the stamps."""
     moved = np.diff(stamp - logged) / NS
     back = np.diff(stamp) / NS
     jump = np.where(np.abs(moved) >= JUMP_S, moved, np.where(back <= -JUMP_S, back, 0.0))
@@ -61,7 +104,10 @@ def describe_clock_jumps(name: str, stamp: Ints, logged: Ints) -> list[str]:
     first = int(where[0])
     more = f", and {len(where) - 1} more times" if len(where) > 1 else ""
     at = format_time(int(stamp[first]))
-    return [f"{name}: the clock jumps by {jump[first]:+.3f} s at {at}{more}; stamps around it cannot be trusted"]
+    error = clock_error(stamp, logged)
+    wrong = np.count_nonzero(error)
+    done = f"{wrong} stamps were put right by the logger's clock" if wrong else "stamps around it cannot be trusted"
+    return [f"{name}: the clock jumps by {jump[first]:+.3f} s at {at}{more}; {done}"]
 
 
 def describe_gaps(name: str, t_ns: Ints, longest: int = 5) -> list[str]:

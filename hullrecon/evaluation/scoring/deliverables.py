@@ -5,14 +5,14 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.errors import InputError
-from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.poses import Poses, identity
 from hullrecon.typing import Array, Mask
 
 Fields = dict[str, NDArray[np.generic]]
@@ -24,16 +24,18 @@ _TYPES = {
 
 @dataclass(frozen=True, kw_only=True)
 class TimedPoses:
-    """t_s (n,) since 1970; poses T_M_v; sigma (n, 3) of x, y, z, or None."""
+    """t_s (n,) since 1970; poses T_M_v; sigma (n, 3) of x, y, z of the frame that was delivered, or None; hull_from_delivered:
+    where that frame lies."""
 
     t_s: Array
     poses: Poses
     sigma: Array | None = None
+    hull_from_delivered: Poses = field(default_factory=identity)
 
     def rows(self, which: Mask) -> TimedPoses:
         """Return those rows."""
         sigma = None if self.sigma is None else self.sigma[which]
-        return TimedPoses(t_s=self.t_s[which], poses=self.poses[which], sigma=sigma)
+        return replace(self, t_s=self.t_s[which], poses=self.poses[which], sigma=sigma)
 
 
 WORDS = ("side",)  # columns of trajectory.csv that hold no numbers

@@ -16,7 +16,7 @@ from hullrecon.evaluation.scoring.cameras import score_cameras
 from hullrecon.evaluation.scoring.deliverables import PointCloud, TimedPoses, deliver_folder, read_cloud, read_trajectory
 from hullrecon.evaluation.scoring.objects import score_objects
 from hullrecon.evaluation.scoring.surfaces import score_landmarks, score_surface
-from hullrecon.evaluation.scoring.trajectory import Figures, score_trajectory
+from hullrecon.evaluation.scoring.trajectory import Figures, hull_from_start, score_trajectory
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
 from hullrecon.geometry.poses import Poses, identity
 from hullrecon.records.deliverables import ReportedObject
@@ -57,17 +57,21 @@ def score_run(run: Path, package: Path) -> Score:
 
 
 class _DeliveryReader:
-    """Reads deliverables in M; what stands in g (a dive without a CAD model) is moved by the true alignment."""
+    """Reads deliverables in M; what stands in g (a dive without a CAD model) is moved to where its path begins in truth."""
 
     def __init__(self, deliver: Path, truth: Truth) -> None:
         summary = deliver / "summary.json"
         frame = msgspec.json.decode(summary.read_bytes(), type=_SummaryFile).frame if summary.exists() else "M"
-        self._hull_from_delivered = truth.global_from_hull.inverse() if frame == "g" else None
+        self._hull_from_delivered: Poses | None = None
+        if frame == "g":
+            path = deliver / "trajectory.csv"
+            start = hull_from_start(read_trajectory(path), truth) if path.exists() else truth.global_from_hull.inverse()
+            self._hull_from_delivered = start
 
     def trajectory(self, path: Path) -> TimedPoses:
         track = read_trajectory(path)
         moved = self._hull_from_delivered
-        return track if moved is None else replace(track, poses=moved @ track.poses)
+        return track if moved is None else replace(track, poses=moved @ track.poses, hull_from_delivered=moved)
 
     def cloud(self, path: Path) -> PointCloud:
         cloud = read_cloud(path)

@@ -10,8 +10,9 @@ from hullrecon.evaluation.scoring.deliverables import TimedPoses
 from hullrecon.evaluation.scoring.statistics import rms, rms_length
 from hullrecon.evaluation.scoring.truth import Truth
 from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.geometry.poses import Poses, identity
+from hullrecon.geometry.poses import Poses, from_rpy, identity
 from hullrecon.geometry.rigid_fit import fit_rigid
+from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.typing import Array
 
 Figures = dict[str, float | int | list[int] | dict[str, float]]  # by name, its unit at the end
@@ -39,7 +40,24 @@ def score_trajectory(track: TimedPoses, truth: Truth) -> tuple[Figures, Poses]:
         "rotation_rmse_deg": float(np.degrees(rms(np.asarray(turn.magnitude())))),
         "rotation_rigid_rmse_deg": float(np.degrees(rms(np.asarray(turn_after.magnitude())))),
     }
-    return figures | _consistency(error, ours.sigma), motion
+    in_delivered = ours.hull_from_delivered.rotation.inv().apply(error)
+    return figures | _consistency(in_delivered, ours.sigma), motion
+
+
+def hull_from_start(track: TimedPoses, truth: Truth) -> Poses:
+    """Return T_M_g of the poses T_g_v of a track, in a frame g that begins where its path does.
+
+    Depth and level are the water's; x, y and heading are those of the first pose that has a truth: sigmas are relative to it.
+    """
+    inside = np.flatnonzero((track.t_s >= truth.t_s.min() - 1e-6) & (track.t_s <= truth.t_s.max() + 1e-6))[:1]
+    true = truth.global_from_hull @ truth.vehicle_at(track.t_s[inside])
+    if not len(inside):
+        return truth.global_from_hull.inverse()
+    ours = track.poses[inside]
+    turn = roll_pitch_yaw(true.rotation)[0, 2] - roll_pitch_yaw(ours.rotation)[0, 2]
+    turned = from_rpy(np.zeros(3), np.array([0.0, 0.0, turn]))
+    shift = (true.translation - turned.apply(ours.translation)) * [1.0, 1.0, 0.0]
+    return truth.global_from_hull.inverse() @ Poses(turned.quaternion, shift)
 
 
 def _by_direction(error: Array, positions: Array, cad_model: Scene) -> Figures:
@@ -53,7 +71,8 @@ def _by_direction(error: Array, positions: Array, cad_model: Scene) -> Figures:
 
 
 def _consistency(error: Array, sigma: Array | None) -> Figures:
-    """Return error over sigma by axis, and how often one sigma holds the error (68 % of the time when it is right)."""
+    """Return error over sigma by axis of the delivered frame, and how often one sigma holds the error (68 % of the
+    time when it is right)."""
     if sigma is None:
         return {}
     figures: Figures = {}

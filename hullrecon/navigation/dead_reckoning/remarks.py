@@ -9,8 +9,11 @@ import numpy as np
 from hullrecon.navigation.dead_reckoning.nodes import Nodes
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
 from hullrecon.navigation.sensors.depth import Depth
+from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.trajectory import Returns
-from hullrecon.typing import Ints
+from hullrecon.typing import Array, Ints
+
+BLANK_S, BLANK_PERIODS = 2.0, 5.0  # between two images: a span longer than both is named
 
 
 def remarks_of(
@@ -22,14 +25,22 @@ def remarks_of(
         """Return seconds since the first velocity."""
         return [round(float(t), 3) for t in (np.asarray(t_ns) - path.start_ns).ravel() * 1e-9]
 
-    v, holes = path.velocities, path.attitude.holes
+    v, holes, turned = path.velocities, path.attitude.holes, path.attitude.steps
+    way_m = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path.at(nodes.t_ns).instrument, axis=0), axis=1))])
+    blank = images_missing(nodes, way_m)
     steps = np.zeros(0, np.int64) if depth is None else depth.steps
     sentences = [
-        (len(v.outages), f"DVL: {_times(len(v.outages), 'outage')} bridged at constant velocity, {_longest(v.outages)}"),
+        (
+            len(v.outages),
+            f"DVL: {_times(len(v.outages), 'outage')} bridged at constant velocity, {_longest(v.outages)}{_unsure(v)}",
+        ),
         (len(v.outliers), f"DVL: {_times(len(v.outliers), 'velocity')} rejected as outliers"),
         (returns.flagged.any(), f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers"),
         (len(holes), f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"),
+        (len(turned.row), _heading_steps(np.degrees(turned.size), since(path.attitude.t_ns[turned.row]))),
+        (len(turned.doubt), _doubts(np.degrees(turned.doubt_rad), since(path.attitude.t_ns[turned.doubt]))),
         (not path.attitude.fused, "IMU: no rates; the attitude between readings is interpolated"),
+        (len(blank), _without_images(nodes.t_ns, blank)),
         (depth is None, "no pressure: the depth is counted from the start and drifts"),
         (len(steps), f"pressure: {_times(len(steps), 'step')} that the DVL did not see, the first at {_first(since(steps))} s"),
         (no_tray, "no tray angles: the tray is taken to stand at zero"),
@@ -45,12 +56,40 @@ def remarks_of(
         "returns": len(returns.t_ns),
         "flagged_returns_s": since(returns.t_ns[returns.flagged]),
         "attitude_gaps_s": np.reshape(since(holes), (-1, 2)).tolist(),
+        "heading_steps_s": since(path.attitude.t_ns[turned.row]),
+        "heading_steps_deg": np.degrees(turned.size).round(3).tolist(),
         "attitude_sigma_deg": round(float(np.degrees(path.attitude.sigma_rad)), 5),
         "depth_steps_s": since(steps),
         "depth_white_sigma_m": None if depth is None else round(depth.white, 5),
-        "path_length_m": round(float(np.linalg.norm(np.diff(path.at(nodes.t_ns).instrument, axis=0), axis=1).sum()), 3),
+        "without_images_s": [since(nodes.t_ns[[first, last]]) for first, last, _ in blank],
+        "path_length_m": round(float(way_m[-1]), 3),
     }
     return [sentence for holds, sentence in sentences if holds], facts
+
+
+def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
+    """Return the spans between two nodes with images that are far longer than usual: (first, last, m of way).
+
+    way_m (n,): how far the vehicle had come.
+    """
+    seen = np.flatnonzero((nodes.image >= 0).any(axis=1))
+    if len(seen) < 3:
+        return []
+    step_s = np.diff(nodes.t_ns[seen]) * 1e-9
+    long = np.flatnonzero(step_s > max(BLANK_S, BLANK_PERIODS * float(np.median(step_s))))
+    return [(int(seen[k]), int(seen[k + 1]), float(way_m[seen[k + 1]] - way_m[seen[k]])) for k in long]
+
+
+def _without_images(nodes_ns: Ints, blank: list[tuple[int, int, float]]) -> str:
+    """Return what the longest of the spans without images means for the path."""
+    if not blank:
+        return ""
+    first, last, way_m = max(blank, key=lambda span: nodes_ns[span[1]] - nodes_ns[span[0]])
+    lasts_s = (nodes_ns[last] - nodes_ns[first]) * 1e-9
+    return (
+        f"camera: {_times(len(blank), 'span')} without images, the longest {lasts_s:.1f} s and {way_m:.1f} m of way; there"
+        " navigation and the hull's form alone say where the vehicle went"
+    )
 
 
 def _times(count: int, noun: str) -> str:
@@ -58,8 +97,34 @@ def _times(count: int, noun: str) -> str:
     return f"{count} {noun if count == 1 else plural}"
 
 
+def _heading_steps(size_deg: Array, at_s: list[float]) -> str:
+    """Return what was taken off the heading, and where."""
+    if len(size_deg) == 0:
+        return ""
+    largest = int(np.argmax(np.abs(size_deg)))
+    what = f"{_times(len(size_deg), 'step')} in the heading, by {size_deg[largest]:+.1f} degrees at {at_s[largest]:.1f} s"
+    return f"IMU: {what}{' the largest' if len(size_deg) > 1 else ''}, that no turn of the vehicle made; taken off what follows"
+
+
+def _doubts(apart_deg: Array, at_s: list[float]) -> str:
+    """Return where heading and rates contradict each other."""
+    if len(apart_deg) == 0:
+        return ""
+    largest = int(np.argmax(apart_deg))
+    what = f"heading and rates part {_times(len(apart_deg), 'time')}, at most by {apart_deg[largest]:.1f} degrees"
+    return f"IMU: {what} at {at_s[largest]:.1f} s; the turn there is known no better than that"
+
+
 def _longest(spans_ns: Ints) -> str:
     return f"the longest {np.diff(spans_ns, axis=1).max() * 1e-9:.1f} s" if len(spans_ns) else ""
+
+
+def _unsure(velocities: Velocities) -> str:
+    """Return how well navigation knows the way across the outage that it knows least."""
+    if not len(velocities.outages):
+        return ""
+    sigma_m = np.sqrt(velocities.bridged_variance(*velocities.outages.T).max())
+    return f"; navigation alone knows the way across it to {sigma_m:.2f} m (one sigma, each axis)"
 
 
 def _first(times: list[float]) -> str:

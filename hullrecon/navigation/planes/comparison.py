@@ -83,15 +83,21 @@ def _roughness(place: Array, change: Array) -> Array:
 
 def gap_by_poses(patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array) -> Array:
     """Return the derivative (m, 3, 14) of the gaps by both anchors' (translation in g, rotation on the right, tray)."""
+    return place_and_gap_by_poses(patches, pairs, path, tray_origin)[:, 2:]
+
+
+def place_and_gap_by_poses(patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array) -> Array:
+    """Return the derivative (m, 5, 14) of place and gap by both anchors' (translation in g, rotation on the right, tray)."""
     anchors = [patches.anchor[pairs.first], patches.anchor[pairs.second]]
-    out = np.zeros((len(pairs), 3, 14))
+    out = np.zeros((len(pairs), 5, 14))
     step = 1e-5
     for k in range(14):
         values = []
         for sign in (1, -1):
             moved = [path.poses[a] for a in anchors]
             moved[k // 7] = _perturbed(moved[k // 7], path.tray[anchors[k // 7]], k % 7, sign * step, tray_origin)
-            values.append(_gap(patches, pairs.first, pairs.second, moved[0].inverse() @ moved[1])[2])
+            place, _, gap, _ = _gap(patches, pairs.first, pairs.second, moved[0].inverse() @ moved[1])
+            values.append(np.hstack([place, gap]))
         out[:, :, k] = (values[0] - values[1]) / (2 * step)
     return out
 

@@ -13,7 +13,7 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.navigation.planes.comparison import PatchPairs, compare_patches
 from hullrecon.navigation.planes.curvature import BROAD, curvature_of_mesh, curvature_of_patches
 from hullrecon.navigation.planes.patches import Patches, find_patches
-from hullrecon.navigation.planes.ties import gaining, passing, propose_ties, roughness, tie_planes
+from hullrecon.navigation.planes.ties import gaining, located, passing, propose_ties, roughness, tie_planes
 from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph
 from hullrecon.records.links import CameraLinks
 from hullrecon.records.planes import TiedPlanes
@@ -97,7 +97,8 @@ class PlanarGraph:
         joint = _joint(solved, patches, smooth)
         rough = np.maximum(rough, roughness(patches, smooth, path, rig, joint))
         pairs = smooth.roughened(rough)
-        gains = gaining(patches, pairs, path, rig, _joint(alone, patches, pairs))
+        known = _joint(alone, patches, pairs)
+        gains = gaining(patches, pairs, path, rig, known) & located(patches, pairs, path, rig, known)
         pairs, joint = pairs.rows(gains), joint[gains]
         agreeing = pairs.rows(passing(patches, pairs, path, rig, joint))
         return Offer(

@@ -13,7 +13,13 @@ from scipy.spatial import cKDTree
 
 from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.robust import NORMAL_MAD
-from hullrecon.navigation.planes.comparison import PatchPairs, compare_patches, difference_of_planes, gap_by_poses
+from hullrecon.navigation.planes.comparison import (
+    PatchPairs,
+    compare_patches,
+    difference_of_planes,
+    gap_by_poses,
+    place_and_gap_by_poses,
+)
 from hullrecon.navigation.planes.patches import Patches
 from hullrecon.records.planes import PlaneRanges, TiedPlanes
 from hullrecon.records.trajectory import Returns, VehiclePath
@@ -23,6 +29,7 @@ REACH_M = 2.2  # along the hull, from the centre of a patch to that of another: 
 SAME_PASS_M = 3.0  # of the path between two patches of one pass: odometry is better there than any patch
 MOST_TIES = 4  # of a patch to earlier ones, the nearest on the hull
 SEARCH_M = 4.0  # across and along the hull, for patches that a drift has put apart
+MOST_UNSURE_M = 0.25 * REACH_M  # sigma of where the second lies from the first, along the hull
 LEAST_ALIGNMENT = 0.7  # cosine between the normals of two patches of one piece of hull
 GATE_CHI2 = 11.34  # 99 % of three degrees of freedom
 LEAST_GAIN = 1.0  # variance of the gap as the path has it over that as the patches measure it, in the direction that gains most
@@ -56,6 +63,17 @@ def gaining(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, jo
     known, measured = _known(patches, pairs, path, rig, joint), pairs.noise + pairs.fit
     root = np.linalg.inv(np.linalg.cholesky(measured))
     return np.asarray(np.linalg.eigvalsh(root @ known @ root.swapaxes(1, 2)).max(axis=1, initial=0.0) > LEAST_GAIN)
+
+
+def located(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:
+    """Return which pairs (m,) lie to each other along the hull as the path has them, within a part of the reach of curvature.
+
+    Farther off, as after minutes without a DVL, the hull there has another form than the one that is compared; gaps, taken as
+    straight in the place, would pull the path along to where that form fits best and be sure of it.
+    """
+    by_poses = place_and_gap_by_poses(patches, pairs, path, rig.tray_origin)[:, :2]
+    variance = np.linalg.eigvalsh(by_poses @ joint @ by_poses.swapaxes(1, 2)).max(axis=1, initial=0.0)
+    return np.asarray(variance < MOST_UNSURE_M**2)
 
 
 def passing(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, joint: Array) -> Mask:

@@ -8,7 +8,7 @@ disagreement, accumulated, is smoothed and taken off; how much it is smoothed fo
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.geometry.poses import Poses, interpolate
 from hullrecon.geometry.robust import NORMAL_MAD
 from hullrecon.navigation.sensors.clock import gaps, seconds
+from hullrecon.navigation.sensors.heading_steps import BESIDE_S, NO_STEPS, HeadingSteps, find_heading_steps, find_jumps
 from hullrecon.navigation.sensors.smoothing import local_line
 from hullrecon.records.sensors import ImuSamples
 from hullrecon.typing import Array, Ints
@@ -27,7 +28,8 @@ BRIDGED_RATE_RAD_S = 0.05  # a vehicle that inspects turns about this fast; wher
 @dataclass(frozen=True)
 class AttitudeHistory:
     """R_g_v at the IMU's stamps: quaternion (n, 4). sigma_rad: white error of one attitude after smoothing; walk: variance of a
-    turn by the rates alone, rad2/s; holes (m, 2): intervals without readings, ns. fused: rates were used."""
+    turn by the rates alone, rad2/s; holes (m, 2): intervals without readings, ns. fused: rates were used. steps: of the logged
+    heading, which were taken off."""
 
     t_ns: Ints
     quaternion: Array
@@ -35,6 +37,7 @@ class AttitudeHistory:
     walk: float
     holes: Ints
     fused: bool
+    steps: HeadingSteps = NO_STEPS
 
     def rotation(self, at_ns: Ints) -> Rotation:
         """Return R_g_v (m) at times (m,), the ends held."""
@@ -49,16 +52,27 @@ class AttitudeHistory:
         hole = np.zeros(len(start_ns))
         for begin, end in self.holes:
             hole += np.maximum(0, np.minimum(stop_ns, end) - np.maximum(start_ns, begin)) * 1e-9
-        return np.asarray(bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2)
+        stepped = np.zeros(len(start_ns))
+        for at in self.t_ns[self.steps.row]:
+            stepped += (start_ns < at) & (stop_ns >= at)
+        left = stepped * self.steps.sigma_rad**2
+        reach = round(BESIDE_S * 1e9)
+        for at, apart in zip(self.t_ns[self.steps.doubt], self.steps.doubt_rad, strict=True):
+            share = np.maximum(0, np.minimum(stop_ns, at + reach) - np.maximum(start_ns, at - reach)) / (2 * reach)
+            left += apart**2 * share
+        return np.asarray(bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2 + left)
 
 
 def attitude_history(imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: float) -> AttitudeHistory:
     """Return the attitude by an IMU's record in time order. sigma_tilt_rad: white error of roll and pitch where rates cannot
     tell it."""
     holes = gaps(imu.t_ns, longest_gap_s)
-    if len(imu.t_ns) < 50 or np.isfinite(imu.angular_velocity).all(axis=1).mean() < 0.99:
-        return AttitudeHistory(imu.t_ns, imu.quaternion, sigma_tilt_rad, 0.0, holes, False)
     t = seconds(imu.t_ns, int(imu.t_ns[0]))
+    if len(imu.t_ns) < 50 or np.isfinite(imu.angular_velocity).all(axis=1).mean() < 0.99:
+        steps = find_jumps(t, imu.quaternion)
+        return AttitudeHistory(imu.t_ns, steps.taken_off(imu.quaternion), sigma_tilt_rad, 0.0, holes, False, steps)
+    steps = find_heading_steps(t, _disagreement(t, imu)[:, 2])
+    imu = replace(imu, quaternion=steps.taken_off(imu.quaternion))
     gap = _disagreement(t, imu)
     white, walk = _noise(t, gap)
     step = float(np.median(np.diff(t)))
@@ -66,7 +80,7 @@ def attitude_history(imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: floa
     slow, _ = local_line(t, gap, t, width)
     smooth = Rotation.from_rotvec(slow - gap) * Rotation.from_quat(imu.quaternion)
     left = np.sqrt(2 * white * step / (2 * np.sqrt(np.pi) * width))
-    return AttitudeHistory(imu.t_ns, smooth.as_quat(), max(float(left), LEAST_SIGMA_RAD), walk, holes, True)
+    return AttitudeHistory(imu.t_ns, smooth.as_quat(), max(float(left), LEAST_SIGMA_RAD), walk, holes, True, steps)
 
 
 def _disagreement(t: Array, imu: ImuSamples) -> Array:

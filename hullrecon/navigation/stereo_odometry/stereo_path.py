@@ -23,7 +23,14 @@ from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.navigation.stereo_odometry.calibration_errors import calibration_moment
 from hullrecon.navigation.stereo_odometry.pair_motion import Frame, PairMotion
-from hullrecon.navigation.stereo_odometry.visual_odometry import StereoChain, chain_errors, compose, follow, in_vehicle
+from hullrecon.navigation.stereo_odometry.visual_odometry import (
+    StepGuess,
+    StereoChain,
+    chain_errors,
+    compose,
+    follow,
+    in_vehicle,
+)
 from hullrecon.records.sensors import ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 from hullrecon.rig import SensorRig
@@ -67,15 +74,17 @@ def stereo_navigate(
     if len(pair) < 2:
         raise StageError("fewer than two stereo pairs", where="navigate", remedy="check the stamps of both cameras")
     t_ns, image = frames.top[0][pair[:, 0]], np.stack([frames.top[1][pair[:, 0]], frames.bottom[1][pair[:, 1]]], axis=1)
-    chain = follow([(int(a), int(b)) for a, b in image], motion, progress)
+    tray = servo(aids.tray if aids.tray is None else in_order(aids.tray, "tray")[0], int(t_ns[0]))
+    angle = tray.angle_at(t_ns)
+    vehicle_from_camera = tray_poses(rig.tray_origin, angle) @ rig.tray_from(Camera.TOP)
+    history = _history(aids.imu, sigmas.tilt_rad, options)
+    guess = _guess(t_ns, history, vehicle_from_camera)
+    chain = follow([(int(a), int(b)) for a, b in image], motion, guess, progress)
     if 2 * len(chain.lost) > len(chain.step):
         where = f"{len(chain.lost)} of {len(chain.step)} steps have fewer than {options.stereo_inliers} common features"
         remedy = "check the calibration and pose_in_top, or lower navigate.stereo_inliers"
         raise StageError("the stereo pairs do not join", where=where, remedy=remedy)
-    tray = servo(aids.tray if aids.tray is None else in_order(aids.tray, "tray")[0], int(t_ns[0]))
-    angle = tray.angle_at(t_ns)
-    step, covariance, by_calibration = in_vehicle(chain, tray_poses(rig.tray_origin, angle) @ rig.tray_from(Camera.TOP))
-    history = _history(aids.imu, sigmas.tilt_rad, options)
+    step, covariance, by_calibration = in_vehicle(chain, vehicle_from_camera)
     depth = _depths(aids.pressure, t_ns)
     path = compose(_start(history, depth, t_ns, rig), step)
     calibration = calibration_moment(chain.evidence, calibration_sigma)
@@ -95,7 +104,7 @@ def stereo_navigate(
         odometry=_edges(step, covariance + by_calibration @ calibration @ np.swapaxes(by_calibration, 1, 2), chain.lost),
         returns=no_returns(),
         attitude=_attitude(history, depth, t_ns, sigmas, tray.direction_at(t_ns)),
-        remarks=_remarks(chain, unpaired, aids),
+        remarks=_remarks(chain, t_ns, unpaired, aids),
         facts=_facts(chain, step, t_ns),
     )
 
@@ -105,6 +114,15 @@ def _history(imu: ImuSamples | None, sigma_tilt_rad: float, options: NavigateOpt
     if imu is None or np.isfinite(imu.quaternion).all(axis=1).sum() < 2:
         return None
     return attitude_history(in_order(finite_attitude(imu), "imu")[0], sigma_tilt_rad, options.longest_gap_s)
+
+
+def _guess(t_ns: Ints, history: AttitudeHistory | None, vehicle_from_camera: Poses) -> StepGuess:
+    """Return what there is to guess steps with; vehicle_from_camera: T_v_ct (n) at the pairs."""
+    t_s = seconds(t_ns, int(t_ns[0]))
+    if history is None:
+        return StepGuess(t_s=t_s)
+    camera = history.rotation(t_ns) * vehicle_from_camera.rotation
+    return StepGuess(t_s=t_s, camera=camera, turn_variance=history.turn_variance(t_ns[:-1], t_ns[1:]))
 
 
 def _start(history: AttitudeHistory | None, depth: Array | None, t_ns: Ints, rig: SensorRig) -> Poses:
@@ -179,7 +197,8 @@ def _attitude(
     )
 
 
-def _remarks(chain: StereoChain, unpaired: int, aids: Aids) -> list[str]:
+def _remarks(chain: StereoChain, t_ns: Ints, unpaired: int, aids: Aids) -> list[str]:
+    longest_s = 1e-9 * float(np.diff(t_ns)[chain.lost].max(initial=0))
     sentences = [
         (True, "no DVL: the path is stereo visual odometry; its scale is that of the rig's baseline"),
         (aids.imu is None, "no IMU: the vehicle is taken to be level at the first pair"),
@@ -187,7 +206,8 @@ def _remarks(chain: StereoChain, unpaired: int, aids: Aids) -> list[str]:
         (unpaired, f"{unpaired} images have no partner in the other camera and no pose"),
         (
             len(chain.lost),
-            f"{len(chain.lost)} of {len(chain.step)} steps could not be seen and were guessed from the step before",
+            f"{len(chain.lost)} of {len(chain.step)} steps could not be seen and were guessed from the step before, the"
+            f" longest {longest_s:.1f} s",
         ),
     ]
     return [sentence for holds, sentence in sentences if holds]
@@ -198,5 +218,6 @@ def _facts(chain: StereoChain, step: Poses, t_ns: Ints) -> dict[str, object]:
         "start_ns": int(t_ns[0]),
         "inliers": chain.inliers.tolist(),
         "lost_steps": chain.lost.tolist(),
+        "lost_s": np.round(1e-9 * np.diff(t_ns)[chain.lost], 3).tolist(),
         "path_length_m": round(float(np.linalg.norm(step.translation, axis=1).sum()), 3),
     }

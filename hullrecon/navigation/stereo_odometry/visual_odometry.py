@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, identity
 from hullrecon.geometry.rotations import cross_matrix
@@ -22,7 +23,8 @@ from hullrecon.typing import Array, Ints
 
 LOOK_BACK = 3  # pairs that a motion is sought from, the nearest first
 LEAST_VARIANCE = 1e-10  # m2, rad2: keeps the covariance of the first pose invertible
-LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # of a step that no pair could tell
+LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # of a step that no pair could tell, of the usual time
+LOST_M_S, LOST_RAD_S, MOST_LOST_RAD = 0.5, 0.05, 1.0  # by which these grow with what it lasts beyond that, and the most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,13 +41,42 @@ class StereoChain:
     lost: Ints
 
 
+@dataclass(frozen=True, kw_only=True)
+class StepGuess:
+    """What is guessed of a step that no pair could tell: the velocity of the step before goes on, known the worse the longer it
+    has to; the turn is the IMU's where there is one. t_s (n,) of the pairs; camera: R_g_ct (n) by the IMU, and turn_variance
+    (n - 1,) rad2 of its turns, None without one."""
+
+    t_s: Array
+    camera: Rotation | None = None
+    turn_variance: Array | None = None
+
+    def motion(self, k: int, steps: Sequence[StereoMotion]) -> StereoMotion:
+        """Return the step from pair k to the next, after the steps before it."""
+        duration_s = np.diff(self.t_s)
+        longer_s = max(float(duration_s[k] - np.median(duration_s)), 0.0)
+        before = steps[-1].pose if steps else identity()
+        going_on = before.translation * (duration_s[k] / duration_s[k - 1] if steps else 1.0)
+        sigma_rad = min(LOST_SIGMA_RAD + LOST_RAD_S * longer_s, MOST_LOST_RAD)
+        quaternion = before.quaternion
+        if self.camera is not None and self.turn_variance is not None:
+            quaternion = (self.camera[k].inv() * self.camera[k + 1]).as_quat()[None]
+            sigma_rad = min(float(np.sqrt(self.turn_variance[k])), sigma_rad)
+        sigma = np.repeat([LOST_SIGMA_M + LOST_M_S * longer_s, sigma_rad], 3)
+        none = CalibrationEffect(by_error=np.zeros((6, 0)), information=np.zeros((0, 0)), gradient=np.zeros(0))
+        pose = Poses(quaternion, going_on)
+        return StereoMotion(pose=pose, covariance=np.diag(sigma**2), inliers=0, calibration=none)
+
+
 def follow(
-    images: Sequence[tuple[int, int]], motion: PairMotion[Frame], progress: Callable[[Sequence[int]], Iterable[int]]
+    images: Sequence[tuple[int, int]],
+    motion: PairMotion[Frame],
+    guess: StepGuess,
+    progress: Callable[[Sequence[int]], Iterable[int]],
 ) -> StereoChain:
     """Return the chain of stereo pairs; images: their rows in the indices of the top and the bottom camera, in time order.
 
-    Each pair is read once. A step that the pair before cannot give is taken from one of the pairs before that, else guessed to
-    be like the step before.
+    Each pair is read once. A step that the pair before cannot give is taken from one of the pairs before that, else guessed.
     """
     recent: list[Frame] = []
     steps: list[StereoMotion] = []
@@ -56,7 +87,7 @@ def follow(
             found = _from_recent(recent, new, steps, motion)
             if found is None:
                 lost.append(j - 1)
-                found = _repeat_last(steps)
+                found = guess.motion(j - 1, steps)
             steps.append(found)
         recent = [*recent, new][-LOOK_BACK:]
     return StereoChain(
@@ -111,14 +142,6 @@ def _stack_effects(steps: Sequence[StereoMotion]) -> Array:
     """Return the derivatives (n - 1, 6, k) by the errors of the calibration; zero for steps that were guessed."""
     count = max(s.calibration.by_error.shape[1] for s in steps)
     return np.stack([s.calibration.by_error if s.inliers else np.zeros((6, count)) for s in steps])
-
-
-def _repeat_last(steps: Sequence[StereoMotion]) -> StereoMotion:
-    """Return the step before once more, known as badly as a guess."""
-    pose = steps[-1].pose if steps else identity()
-    sigma = np.repeat([LOST_SIGMA_M, LOST_SIGMA_RAD], 3)
-    none = CalibrationEffect(by_error=np.zeros((6, 0)), information=np.zeros((0, 0)), gradient=np.zeros(0))
-    return StereoMotion(pose=pose, covariance=np.diag(sigma**2), inliers=0, calibration=none)
 
 
 def in_vehicle(chain: StereoChain, T_v_ct: Poses) -> tuple[Poses, Array, Array]:

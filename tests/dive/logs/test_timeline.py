@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import re
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -93,3 +95,54 @@ def test_two_readings_of_one_stamp_are_duplicates():
     line = put_in_order("imu", [5, 5], [1, 2])
     assert line.keep.tolist() == [0]
     assert line.remarks == ["imu: 1 of 2 stamps are duplicates; the first of each was kept"]
+
+
+def clock(count=200, jump_s=2.0, at=100, rate_s=0.04, delay_s=0.003):
+    """Stamps of a clock that jumps, when they were logged, and when they were measured."""
+    true = np.round(1e9 * (1000 + rate_s * np.arange(count))).astype(np.int64)
+    late = np.round(1e9 * delay_s * np.random.default_rng(3).exponential(1.0, count)).astype(np.int64)
+    return true + (np.arange(count) >= at) * round(jump_s * NS), true + late, true
+
+
+@pytest.mark.parametrize("jump_s", [2.0, -2.0])
+def test_after_a_jump_the_stamps_are_put_right_by_the_loggers_clock(jump_s):
+    stamps, logged, true = clock(jump_s=jump_s)
+    line = put_in_order("imu", stamps, logged)
+    assert np.abs(line.t_ns - true).max() < 0.003 * NS
+    assert line.keep.tolist() == list(range(200))
+    named = re.search(r"jumps by ([-+][.0-9]+) s", line.remarks[0])
+    assert named is not None
+    assert float(named[1]) == pytest.approx(jump_s, abs=0.02)
+    assert "100 stamps were put right by the logger's clock" in line.remarks[0]
+
+
+def test_a_clock_that_was_wrong_before_its_jump_is_put_right_there():
+    stamps, logged, true = clock()
+    line = put_in_order("imu", stamps - 2 * NS, logged)
+    assert np.abs(line.t_ns - true).max() < 0.003 * NS
+
+
+def test_a_clock_that_jumps_and_comes_back_is_put_right_between():
+    stamps, logged, true = clock()
+    stamps[150:] -= 2 * NS
+    assert np.abs(put_in_order("imu", stamps, logged).t_ns - true).max() < 0.003 * NS
+
+
+def test_of_clocks_of_their_own_the_longest_stretch_is_right():
+    stamps, logged, true = clock(at=60)
+    line = put_in_order("imu", stamps - 500 * NS, logged)
+    assert np.abs(line.t_ns - (true - 498 * NS)).max() < 0.003 * NS
+
+
+def test_what_the_logger_wrote_late_keeps_its_stamps():
+    true = clock(count=400, jump_s=0.0)[0]
+    logged = np.maximum(true, true[100] + 3 * NS) * (true >= true[100]) + true * (true < true[100])  # a stall of 3 s, caught up
+    assert (put_in_order("imu", true, logged).t_ns == true).all()
+    one = true.copy()
+    one[50] += 5 * NS
+    assert (put_in_order("imu", true, one).t_ns == true).all()
+
+
+def test_without_a_loggers_clock_stamps_stay_as_they_are():
+    stamps = clock()[0]
+    assert (put_in_order("imu", stamps, stamps).t_ns == stamps).all()

@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Steps in an IMU's heading that the vehicle did not make: a filter that is reset, a compass that finds north anew.
+
+An orientation that steps by degrees between two readings, while the rates beside it go on, has not turned the vehicle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry.robust import robust_sigma
+from hullrecon.navigation.sensors.smoothing import running_median
+from hullrecon.typing import Array, Ints
+
+BESIDE_S = 1.0  # of readings on either side that tell a step's size
+LEAST_STEP_RAD = np.radians(0.5)
+STEP_SIGMAS = 8.0  # of such differences along the dive
+SUDDEN_S, SUDDEN = 0.15, 0.6  # the share of a step that comes within that time; what comes slower may be the rates' fault
+FASTEST_RAD_S = 1.0  # of a vehicle that inspects, where no rates are logged
+
+
+@dataclass(frozen=True)
+class HeadingSteps:
+    """row (k,): the first reading after each step; size (k,) rad, about z of g; sigma_rad: how well a size is known. doubt (d,)
+    and doubt_rad (d,): readings in the middle of BESIDE_S to either side over which heading and rates part by so much, but
+    slowly: either may be wrong."""
+
+    row: Ints
+    size: Array
+    sigma_rad: float
+    doubt: Ints
+    doubt_rad: Array
+
+    def taken_off(self, quaternion: Array) -> Array:
+        """Return the attitudes (n, 4) as if the heading had not stepped."""
+        if len(self.row) == 0:
+            return quaternion
+        heading = np.zeros(len(quaternion))
+        np.add.at(heading, self.row, self.size)
+        turned = Rotation.from_euler("z", -np.cumsum(heading)[:, None]) * Rotation.from_quat(quaternion)
+        return np.asarray(turned.as_quat())
+
+
+NO_STEPS = HeadingSteps(np.zeros(0, np.int64), np.zeros(0), 0.0, np.zeros(0, np.int64), np.zeros(0))
+
+
+def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD) -> HeadingSteps:
+    """Return the steps of a heading (n,) rad less what the rates say of it. least_rad: of a step between two readings."""
+    count = round(BESIDE_S / float(np.median(np.diff(t_s)))) if len(t_s) > 2 else 0
+    if count < 3 or len(t_s) < 4 * count:
+        return NO_STEPS
+    level = np.median(np.lib.stride_tricks.sliding_window_view(gap, count), axis=-1)
+    size = np.zeros(len(gap))  # by which the level after a reading exceeds that before it
+    size[count : len(gap) - count + 1] = level[count:] - level[:-count]
+    sigma = robust_sigma(size[count : len(gap) - count + 1], about=0.0)
+    near = max(1, round(SUDDEN_S / float(np.median(np.diff(t_s)))))
+    row: list[int] = []
+    doubt: list[int] = []
+    left = np.where(np.abs(size) > max(least_rad, STEP_SIGMAS * sigma), np.abs(size), 0.0)
+    while left.max() > 0:
+        about = int(np.argmax(left))
+        begin, end = max(1, about - count), min(len(gap), about + count)
+        at = begin + int(np.argmax(np.abs(np.diff(gap[begin - 1 : end]))))
+        sudden = abs(gap[min(at + near, len(gap)) - 1] - gap[max(at - near, 0)])
+        if sudden > SUDDEN * left[about] and abs(size[at]) > least_rad:
+            row.append(at)
+        else:
+            doubt.append(about)
+        left[begin:end] = 0.0
+    rows, doubts = (np.array(sorted(set(found)), np.int64) for found in (row, doubt))
+    return HeadingSteps(rows, size[rows], float(sigma), doubts, np.abs(size[doubts]))
+
+
+def find_jumps(t_s: Array, quaternion: Array) -> HeadingSteps:
+    """Return the steps of a heading without rates: turns between two readings that no vehicle makes, beside others that do
+    not."""
+    if len(t_s) < 12:
+        return NO_STEPS
+    orientation, step = Rotation.from_quat(quaternion), np.diff(t_s)
+    turn = orientation[1:].apply((orientation[:-1].inv() * orientation[1:]).as_rotvec())[:, 2]
+    more = turn - running_median((turn / step)[:, None], 9)[:, 0] * step
+    least = max(LEAST_STEP_RAD, FASTEST_RAD_S * float(np.median(step)))
+    found = find_heading_steps(t_s, np.concatenate([[0.0], np.cumsum(more)]), least)
+    return HeadingSteps(found.row, found.size, found.sigma_rad, NO_STEPS.doubt, NO_STEPS.doubt_rad)
