@@ -113,39 +113,11 @@ def read_run(run: Path) -> FinishedRun:
     )
 
 
-<<<<<<< HEAD
-def _manifests(workspace: Workspace) -> Mapping[str, Manifest]:
-    """Return the manifests of what a comparison needs. Raises InputError when the run did not come so far, or a step was rerun
-    and those after it were not."""
-    found: dict[str, Manifest] = {}
-    for name in NEEDED:
-        try:
-            manifest = workspace.manifest(name)
-        except DamagedArtifactError as error:
-            raise InputError(
-                f"the step {name} is damaged: {error}", where=str(workspace.root), remedy="run it again"
-            ) from error
-        if manifest is None:
-            raise InputError(
-                f"the run is not finished: it has no step {name}", where=str(workspace.root), remedy="run it to its end"
-            )
-        for name_of_input, content in manifest.recipe.inputs.items():
-            if name_of_input in found and found[name_of_input].content_hash != content:
-                raise InputError(
-                    f"the run is not finished: {name_of_input} was rerun and {name} was not",
-                    where=str(workspace.root), remedy="run it to its end",
-                )  # fmt: skip
-        found[name] = manifest
-    return found
-
-
 def cad_model_gap(first: Mesh, second: Mesh) -> float:
     """Return how far apart the surfaces of two CAD models lie at most, in metres, however they are meshed."""
     return max(_farthest_vertex(first, second), _farthest_vertex(second, first))
 
 
-=======
->>>>>>> export
 def _refuse_other_hull(before: FinishedRun, after: FinishedRun) -> None:
     """Raise InputError where the CAD models differ by geometry."""
     gap = cad_model_gap(before.cad_model, after.cad_model)

@@ -68,12 +68,8 @@ def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
 
 
 def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], upright: bool) -> bytes:
-<<<<<<< HEAD
-    """Return a GLB file. texture: (h, w, 4) RGBA or (h, w, 2). upright: the frame has z up (M); else z is down (g)."""
-=======
-    """texture: (h, w, 4) RGBA or (h, w, 2). upright: the frame has z up (M); else z is down (g). With normals: without them a
-    viewer shades each triangle flat."""
->>>>>>> export
+    """Return a GLB file with normals, without which a viewer shades each triangle flat. texture: (h, w, 4) RGBA or (h, w, 2).
+    upright: the frame has z up (M); else z is down (g)."""
     import trimesh
     from PIL import Image
 
