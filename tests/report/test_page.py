@@ -132,6 +132,21 @@ def test_the_same_survey_gives_the_same_bytes(survey: Survey) -> None:
     assert first == second
 
 
+def after(survey: Survey, seconds: float, peak_rss_bytes: int) -> list[str]:
+    """The lines of the page of the same results from a run of another speed."""
+    speed = {"seconds": seconds, "peak_rss_bytes": peak_rss_bytes}
+    steps = tuple(replace(step, run={**step.run, **speed}) for step in survey.provenance.steps)
+    again = replace(survey, provenance=replace(survey.provenance, steps=steps))
+    return render_page(page_context(again, [], FILES, object_crops(again))).splitlines()
+
+
+def test_two_runs_of_other_speed_differ_only_in_lines_that_are_marked_volatile(survey: Survey) -> None:
+    quick, slow = after(survey, 1.0, 10**8), after(survey, 9.0, 3 * 10**8)
+    assert len([line for line in quick if "data-volatile" in line]) > len(survey.provenance.steps)
+    assert quick != slow
+    assert [a for a in quick if "data-volatile" not in a] == [b for b in slow if "data-volatile" not in b]
+
+
 def gray_png() -> bytes:
     from io import BytesIO
 

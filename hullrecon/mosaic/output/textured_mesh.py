@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from io import BytesIO
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,5 +89,5 @@ def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], upright: bool) ->
     turn = UPRIGHT if upright else np.diag([1.0, -1.0, -1.0, 1.0]) @ UPRIGHT
     scene = trimesh.Scene()
     scene.add_geometry(mesh, node_name="hull", geom_name="hull", transform=turn)
-    data: Any = scene.export(file_type="glb", include_normals=True)
+    data: bytes = scene.export(file_type="glb", include_normals=True)
     return bytes(data)
