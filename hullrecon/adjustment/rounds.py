@@ -19,7 +19,7 @@ from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.errors import StageError
 from hullrecon.estimation.rig_priors import Rig
-from hullrecon.records.iterations import reached
+from hullrecon.records.iterations import reached_cost
 
 Report = Callable[[str], None]
 LEAST_MAX_PX = 2.0
@@ -153,7 +153,7 @@ def _solve(problem: native.Problem, options: AdjustOptions, final: bool) -> nati
 
 def _describe_round(number: int, result: native.Result, chosen: Selection, weights: Weights) -> str:
     record = result.iterations
-    cost = reached(record.cost, record.accepted)
+    cost = reached_cost(record.cost, record.accepted)
     return (
         f"round {number}: {len(record.cost) - 1} iterations, cost {cost[0]:.6g} to {cost[-1]:.6g}, "
         f"{len(chosen.landmarks)} landmarks, {int((result.label == 1).sum())} on the hull, pixel sigma now {weights.pixel:.2f}"

@@ -66,15 +66,15 @@ def compare_objects(
     rows: list[ObjectChange] = []
     for region in regions:
         for a, b in _at(_nearest(region, before, on), _nearest(region, after, on), pairs):
-            rows.append(_changed(region, None if a is None else before[a], None if b is None else after[b], on))
-    rows = _joined(rows)
+            rows.append(_describe_change(region, None if a is None else before[a], None if b is None else after[b], on))
+    rows = _join_parts(rows)
     known = ({row.first_id for row in rows}, {row.second_id for row in rows})
     left = [(a, pairs.get(a)) for a in range(len(before))] + [(None, b) for b in range(len(after)) if b not in pairs.values()]
     for a, b in left:
         one, other = (None if a is None else before[a], None if b is None else after[b])
         if (one and one.found.id in known[0]) or (other and other.found.id in known[1]):
             continue
-        rows.append(_held(one, other, len(pairs), on))
+        rows.append(_describe_rest(one, other, len(pairs), on))
     order = {"new": 0, "gone": 0, "grown": 1, "shrunk": 1, "not seen before": 2, "not seen again": 2, "unchanged": 3}
     return tuple(sorted(rows, key=lambda row: (order[row.status], -abs(row.change))))
 
@@ -141,7 +141,7 @@ def _nearest(region: ChangedRegion, placed: Sequence[_Placed], on: ObjectCompari
     return best if shared and shared[best] >= 4 else None
 
 
-def _changed(region: ChangedRegion, one: _Placed | None, other: _Placed | None, on: ObjectComparison) -> ObjectChange:
+def _describe_change(region: ChangedRegion, one: _Placed | None, other: _Placed | None, on: ObjectComparison) -> ObjectChange:
     """Return what became of a place that changed."""
     before, after = region.before, region.after
     if one is not None and other is not None:
@@ -159,7 +159,7 @@ def _changed(region: ChangedRegion, one: _Placed | None, other: _Placed | None, 
     return _row(status, region, one, other, on)
 
 
-def _held(one: _Placed | None, other: _Placed | None, pairs: int, on: ObjectComparison) -> ObjectChange:
+def _describe_rest(one: _Placed | None, other: _Placed | None, pairs: int, on: ObjectComparison) -> ObjectChange:
     """Return what became of an object at which no region changed."""
     there = [p for p in (one, other) if p is not None]
     footprint = np.logical_or.reduce([p.footprint for p in there])
@@ -232,7 +232,7 @@ def _place_sigma(center: Array, placed: _Placed | None, on: ObjectComparison) ->
     return np.asarray(np.sqrt(0.5 * np.einsum("ni,ij,nj->n", rows, on.offset.prior_covariance, rows)))
 
 
-def _joined(rows: Sequence[ObjectChange]) -> list[ObjectChange]:
+def _join_parts(rows: Sequence[ObjectChange]) -> list[ObjectChange]:
     """Return one row an object: of several parts of it that changed, the largest."""
     kept: dict[object, ObjectChange] = {}
     for k, row in enumerate(rows):

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.change.relief import Relief, blurred, local_median
+from hullrecon.change.relief import Relief, blur, local_median
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.lattice import Lattice
@@ -84,7 +84,7 @@ class _Fit:
             gradient = rows.T @ (weight * r)
             information = np.asarray(rows.T @ (weight[:, None] * rows) + held)
             step = np.linalg.solve(information, gradient + held @ _vector(motion, self.center))
-            motion = _moved(motion, np.asarray(-step), self.center)
+            motion = _apply_step(motion, np.asarray(-step), self.center)
             by_error = np.asarray(rows * weight[:, None]) * samples.shared_m
             covariance = _covariance(np.asarray(information, float), held, by_error, samples.block[known])
         return _Solved(motion=motion, covariance=covariance)
@@ -93,7 +93,7 @@ class _Fit:
         """Return how badly a motion fits, as a chi-square: what changed costs no more than the largest error."""
         r, _, known = self._residuals(motion.apply(samples.points), samples.axes, height)
         x = _vector(motion, self.center)
-        return len(r) * samples.weight * _truncated(r[known]) + float(x @ np.linalg.solve(self.prior, x))
+        return len(r) * samples.weight * _truncated_square(r[known]) + float(x @ np.linalg.solve(self.prior, x))
 
     def _residuals(self, at: Array, axes: Array, height: Array) -> tuple[Array, Array, Mask]:
         """Return how far points (n, 3) with axes (3, n, 3) lie above the first survey (n,), the derivatives (n, 6), and which
@@ -125,11 +125,11 @@ def estimate_offset(
     prior = hull_pose_covariance(first.hull_pose, center) + hull_pose_covariance(second.hull_pose, center)
     fit = _Fit(chart=chart, lattice=lattice, center=center, prior=prior)
     # Of the shifts at which most agrees, the one that agrees best once all six numbers fit
-    heights, samples = _blurred(reliefs, BLURS[0], fit)
+    heights, samples = _blur_both(reliefs, BLURS[0], fit)
     starts = [fit.solve(motion, samples, heights) for motion in _shifts(reliefs, fit)]
     motion = min((start.motion for start in starts), key=lambda motion: fit.cost(motion, samples, heights))
-    for blur in BLURS[1:]:
-        heights, samples = _blurred(reliefs, blur, fit)
+    for cells in BLURS[1:]:
+        heights, samples = _blur_both(reliefs, cells, fit)
         solved = fit.solve(motion, samples, heights)
         motion = solved.motion
     x = _vector(motion, center)
@@ -180,7 +180,7 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
         if len(gap) < max(MIN_SHARED_CELLS / 4, MIN_SHARED_SHARE * most):
             continue
         shift = step * (np.array([i, j]) - reach)
-        disagreement = most * (step / CORRELATED_M) ** 2 * _truncated(gap - np.median(gap))
+        disagreement = most * (step / CORRELATED_M) ** 2 * _truncated_square(gap - np.median(gap))
         tried.append((disagreement + float(((shift / sigma) ** 2).sum()), *shift.tolist()))
     if not tried:
         raise _too_little()
@@ -191,7 +191,7 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
     return [Poses(identity().quaternion, (a * along + g * girth)[None]) for a, g in chosen]
 
 
-def _truncated(gap: Array) -> float:
+def _truncated_square(gap: Array) -> float:
     """Return the mean square of gaps (n,) m in scales; what belongs to a change costs no more than the largest error."""
     return float(np.minimum((gap / SCALE_M) ** 2, TRUNCATED**2).mean())
 
@@ -204,7 +204,7 @@ def _too_little() -> StageError:
 
 def _without_form(height: Array) -> Array:
     """Return heights without what is wider than a structure, in which the two surveys may be tilted."""
-    return blurred(height - local_median(height, 50), 2.0)
+    return blur(height - local_median(height, 50), 2.0)
 
 
 def _overlap(first: Array, second: Array, i: int, j: int) -> Array:
@@ -214,9 +214,9 @@ def _overlap(first: Array, second: Array, i: int, j: int) -> Array:
     return np.asarray(moved - first[rows, columns])
 
 
-def _blurred(reliefs: tuple[Relief, Relief], blur: float, fit: _Fit) -> tuple[Array, _Samples]:
+def _blur_both(reliefs: tuple[Relief, Relief], cells: float, fit: _Fit) -> tuple[Array, _Samples]:
     """Return the first survey's heights and samples of the second's, after the same blur."""
-    first, second = (blurred(relief.height, blur) for relief in reliefs)
+    first, second = (blur(relief.height, cells) for relief in reliefs)
     shared = float(np.hypot(np.nanmedian(reliefs[0].sigma), np.nanmedian(reliefs[1].sigma)))
     return first, _samples(fit.chart, fit.lattice, second, shared)
 
@@ -254,7 +254,7 @@ def _vector(motion: Poses, center: Array) -> Array:
     return np.asarray(np.r_[motion.apply(center[None])[0] - center, motion.rotation.as_rotvec()[0]])
 
 
-def _moved(motion: Poses, step: Array, center: Array) -> Poses:
+def _apply_step(motion: Poses, step: Array, center: Array) -> Poses:
     """Return the motion followed by a small one (6,) about the center."""
     turn = Rotation.from_rotvec(step[3:])
     after = Poses(turn.as_quat()[None], (center + step[:3] - turn.apply(center))[None])

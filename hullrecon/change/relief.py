@@ -61,7 +61,7 @@ def relief_on(lattice: Lattice, chart: Chart, survey: HullSurvey, move: Poses | 
     )
 
 
-def blurred(height: Array, cells: float) -> Array:
+def blur(height: Array, cells: float) -> Array:
     """Return heights (a, g) after a Gaussian of so many cells, over what was seen; NaN where less than half of it was."""
     from scipy.ndimage import gaussian_filter
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hullrecon.typing import Array, Ints, Mask
 
 
-def reached(cost: Array, accepted: Mask) -> Array:
+def reached_cost(cost: Array, accepted: Mask) -> Array:
     """Return the cost (k,) at the last accepted point: the record's is that of the point tried."""
     return np.asarray(cost[np.maximum.accumulate(np.where(accepted, np.arange(len(cost)), 0))])
 

@@ -45,7 +45,7 @@ class StepArtifact:
         path = self.folder / name
         return from_arrays(kind, load_arrays(path)) if path.exists() else None
 
-    def _required(self, name: str, kind: type[Record]) -> Record:
+    def _read_required(self, name: str, kind: type[Record]) -> Record:
         found = self._optional(name, kind)
         if found is None:
             raise InputError(f"{name} is missing", where=str(self.folder), remedy="run the step again")
@@ -117,19 +117,19 @@ class NavigateArtifact(StepArtifact):
 
     @cached_property
     def trajectory(self) -> Trajectory:
-        return self._required("trajectory.npz", Trajectory)
+        return self._read_required("trajectory.npz", Trajectory)
 
     @property
     def odometry(self) -> Odometry:
-        return self._required("odometry.npz", Odometry)
+        return self._read_required("odometry.npz", Odometry)
 
     @property
     def attitude(self) -> Attitude:
-        return self._required("attitude.npz", Attitude)
+        return self._read_required("attitude.npz", Attitude)
 
     @property
     def error_model(self) -> TrajectoryErrorModel:
-        return self._required("error_model.npz", TrajectoryErrorModel)
+        return self._read_required("error_model.npz", TrajectoryErrorModel)
 
     @property
     def returns(self) -> Returns | None:
@@ -146,7 +146,7 @@ class LinksArtifact(StepArtifact):
 
     @property
     def pairs(self) -> NodePairs:
-        return self._required("pairs.npz", NodePairs)
+        return self._read_required("pairs.npz", NodePairs)
 
     @property
     def compared(self) -> NodePairs | None:
@@ -155,15 +155,15 @@ class LinksArtifact(StepArtifact):
 
     @property
     def features(self) -> PairFeatures:
-        return self._required("features.npz", PairFeatures)
+        return self._read_required("features.npz", PairFeatures)
 
     @property
     def links(self) -> CameraLinks:
-        return self._required("links.npz", CameraLinks)
+        return self._read_required("links.npz", CameraLinks)
 
     @property
     def stereo(self) -> NodeStereo:
-        return self._required("stereo.npz", NodeStereo)
+        return self._read_required("stereo.npz", NodeStereo)
 
     @property
     def planes(self) -> TiedPlanes | None:
@@ -172,7 +172,7 @@ class LinksArtifact(StepArtifact):
 
     @cached_property
     def path(self) -> LinkedPath:
-        return self._required("path.npz", LinkedPath)
+        return self._read_required("path.npz", LinkedPath)
 
     @property
     def facts(self) -> Document:
@@ -184,7 +184,7 @@ class MatchesArtifact(StepArtifact):
 
     @property
     def tracks(self) -> Tracks:
-        return self._required("tracks.npz", Tracks)
+        return self._read_required("tracks.npz", Tracks)
 
     @property
     def pairs(self) -> Document:
@@ -196,7 +196,7 @@ class AdjustArtifact(StepArtifact):
 
     @cached_property
     def solution(self) -> Solution:
-        return self._required("solution.npz", Solution)
+        return self._read_required("solution.npz", Solution)
 
     @property
     def summary(self) -> Document:
@@ -222,7 +222,7 @@ class SurfaceArtifact(StepArtifact):
 
     @property
     def surface(self) -> Surface:
-        return self._required("surface.npz", Surface)
+        return self._read_required("surface.npz", Surface)
 
     @property
     def chart(self) -> Chart:

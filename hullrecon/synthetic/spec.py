@@ -36,7 +36,7 @@ class Meta:
         return f"{range_text} {self.unit}".rstrip()
 
 
-def described(
+def describe_field(
     default: Value,
     description: str,
     unit: str = "",
@@ -74,53 +74,53 @@ class Checked:
 class Ship(Checked):
     """Describe the hull of the CAD model: an analytic form, or a mesh scaled to length_m."""
 
-    hull: str = described("form", "`form` for an analytic ship, or the path of a mesh, which is scaled to --length-m")
-    length_m: float = described(50.0, "Length of the ship", "m", 5, 500)
-    beam_m: float = described(9.0, "Beam of the analytic ship", "m", 0.5, 100)
-    depth_m: float = described(5.5, "Keel to deck of the analytic ship", "m", 0.5, 60)
-    draught_m: float = described(3.8, "Keel to water surface", "m", 0.2, 40)
-    bilge_radius_m: float = described(1.3, "Bilge radius of the analytic ship amidships", "m", 0.01, 20)
-    entrance: float = described(0.35, "Share of the length over which bow and stern each narrow", "", 0.05, 0.5)
+    hull: str = describe_field("form", "`form` for an analytic ship, or the path of a mesh, which is scaled to --length-m")
+    length_m: float = describe_field(50.0, "Length of the ship", "m", 5, 500)
+    beam_m: float = describe_field(9.0, "Beam of the analytic ship", "m", 0.5, 100)
+    depth_m: float = describe_field(5.5, "Keel to deck of the analytic ship", "m", 0.5, 60)
+    draught_m: float = describe_field(3.8, "Keel to water surface", "m", 0.2, 40)
+    bilge_radius_m: float = describe_field(1.3, "Bilge radius of the analytic ship amidships", "m", 0.01, 20)
+    entrance: float = describe_field(0.35, "Share of the length over which bow and stern each narrow", "", 0.05, 0.5)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Survey(Checked):
     """Describe the legs, which run along the hull, back and forth, from the top down."""
 
-    along_m: float | None = described(
+    along_m: float | None = describe_field(
         None, "Middle of the legs, from the stern; where the bow begins to narrow if absent", "m", 0, 500
     )
-    top_m: float = described(1.2, "Depth of the first leg's steel below the water", "m", 0, 40)
-    legs: int = described(5, "Number of legs", "", 1, 200)
-    leg_length_m: float = described(6.5, "Length of a leg", "m", 0.5, 500)
-    leg_spacing_m: float = described(0.6, "Girth from leg to leg", "m", 0.1, 3)
-    standoff_m: float = described(1.15, "Distance of the sensors from the steel", "m", 0.5, 3)
-    speed_m_per_s: float = described(0.3, "Speed along a leg", "m/s", 0.02, 2)
+    top_m: float = describe_field(1.2, "Depth of the first leg's steel below the water", "m", 0, 40)
+    legs: int = describe_field(5, "Number of legs", "", 1, 200)
+    leg_length_m: float = describe_field(6.5, "Length of a leg", "m", 0.5, 500)
+    leg_spacing_m: float = describe_field(0.6, "Girth from leg to leg", "m", 0.1, 3)
+    standoff_m: float = describe_field(1.15, "Distance of the sensors from the steel", "m", 0.5, 3)
+    speed_m_per_s: float = describe_field(0.3, "Speed along a leg", "m/s", 0.02, 2)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cameras(Checked):
     """Describe the cameras and how often they fire; `views` sets the frame rate."""
 
-    carried: Literal["stereo", "mono", "none"] = described("stereo", "Cameras carried", choices=("stereo", "mono", "none"))
-    image_width: int = described(640, "Width of an image", "px", 160, 4096)
-    image_height: int = described(512, "Height of an image", "px", 120, 4096)
-    views: float = described(7.0, "Images that see a point of the steel during one leg", "", 1, 60)
-    jpeg_quality: int = described(88, "Quality of the JPEG files", "", 1, 100)
+    carried: Literal["stereo", "mono", "none"] = describe_field("stereo", "Cameras carried", choices=("stereo", "mono", "none"))
+    image_width: int = describe_field(640, "Width of an image", "px", 160, 4096)
+    image_height: int = describe_field(512, "Height of an image", "px", 120, 4096)
+    views: float = describe_field(7.0, "Images that see a point of the steel during one leg", "", 1, 60)
+    jpeg_quality: int = describe_field(88, "Quality of the JPEG files", "", 1, 100)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SensorErrors(Checked):
     """Describe what the instruments truly do; dive.toml tells no smaller sigma."""
 
-    heading_drift_deg_per_hour: float = described(
+    heading_drift_deg_per_hour: float = describe_field(
         1.0, "Drift of the IMU's heading, beside its random walk", "deg/h", -3600, 3600
     )
-    dvl_scale_error: float = described(
+    dvl_scale_error: float = describe_field(
         0.003, "Share by which the DVL's velocities are too long, 0.003 for 0.3 %", "", -0.1, 0.1
     )
-    backlash_deg: float = described(0.5, "Backlash of the tray's servo, half the dead band", "deg", 0, 5)
-    servo_sigma_deg: float = described(0.05, "White noise of the servos' encoders, one sigma", "deg", 0, 5)
+    backlash_deg: float = describe_field(0.5, "Backlash of the tray's servo, half the dead band", "deg", 0, 5)
+    servo_sigma_deg: float = describe_field(0.05, "White noise of the servos' encoders, one sigma", "deg", 0, 5)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,9 +129,9 @@ class DeviationField(Checked):
 
     prefix: ClassVar[str] = "deviation_"
 
-    mean_m: float = described(-0.008, "Mean offset of the steel from the CAD model, outward positive", "m", -0.5, 0.5)
-    sigma_m: float = described(0.012, "Sigma of the smooth field of offsets", "m", 0, 0.2)
-    length_m: float = described(2.5, "Correlation length of that field along the hull", "m", 0.3, 50)
+    mean_m: float = describe_field(-0.008, "Mean offset of the steel from the CAD model, outward positive", "m", -0.5, 0.5)
+    sigma_m: float = describe_field(0.012, "Sigma of the smooth field of offsets", "m", 0, 0.2)
+    length_m: float = describe_field(2.5, "Correlation length of that field along the hull", "m", 0.3, 50)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,21 +140,21 @@ class InitialHullPose(Checked):
 
     prefix: ClassVar[str] = "guess_"
 
-    along_m: float = described(0.4, "Error of the initial hull pose along the hull", "m", -100, 100)
-    across_m: float = described(0.2, "Error of the initial hull pose across the hull", "m", -100, 100)
-    turn_deg: float = described(2.0, "Error of the initial hull pose in heading", "deg", -180, 180)
+    along_m: float = describe_field(0.4, "Error of the initial hull pose along the hull", "m", -100, 100)
+    across_m: float = describe_field(0.2, "Error of the initial hull pose across the hull", "m", -100, 100)
+    turn_deg: float = describe_field(2.0, "Error of the initial hull pose in heading", "deg", -180, 180)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Items(Checked):
     """Say what is added to the hull: so many at random places, or those of `placed`."""
 
-    structures: int = described(6, "Objects that stand out of the hull or are cut into it", "", 0, 200)
-    marks: int = described(3, "Painted marks, which are no objects", "", 0, 200)
-    barnacles: int = described(1, "Patches of barnacles, which are no objects", "", 0, 200)
-    added: int = described(0, "Structures that came since a first dive of this hull, beside those", "", 0, 200)
-    removed: int = described(0, "Structures that went since a first dive of this hull, of those", "", 0, 200)
-    grown_m: float = described(0.0, "Height that one structure gained since a first dive of this hull", "m", -0.1, 0.3)
+    structures: int = describe_field(6, "Objects that stand out of the hull or are cut into it", "", 0, 200)
+    marks: int = describe_field(3, "Painted marks, which are no objects", "", 0, 200)
+    barnacles: int = describe_field(1, "Patches of barnacles, which are no objects", "", 0, 200)
+    added: int = describe_field(0, "Structures that came since a first dive of this hull, beside those", "", 0, 200)
+    removed: int = describe_field(0, "Structures that went since a first dive of this hull, of those", "", 0, 200)
+    grown_m: float = describe_field(0.0, "Height that one structure gained since a first dive of this hull", "m", -0.1, 0.3)
     placed: tuple[Item, ...] | None = None
 
 
@@ -162,14 +162,14 @@ class Items(Checked):
 class DiveSpec(Checked):
     """Describe a dive to simulate. Every random draw comes from `seed`; those of the hull itself from `hull_seed`."""
 
-    name: str = described("simulated", "Name of the dive")
-    seed: int = described(1, "Number from which every random draw comes", "", 0)
-    hull_seed: int | None = described(
+    name: str = describe_field("simulated", "Name of the dive")
+    seed: int = describe_field(1, "Number from which every random draw comes", "", 0)
+    hull_seed: int | None = describe_field(
         None, "Number from which steel, paint and objects are drawn, for a second dive of one hull; the seed if absent", "", 0
     )
-    sonar: bool = described(True, "Carry an imaging sonar")
-    visibility_m: float = described(6.0, "How far one sees in this water", "m", 1, 50)
-    form: Literal["mcap", "plain"] = described("mcap", "How the logs are written", choices=("mcap", "plain"))
+    sonar: bool = describe_field(True, "Carry an imaging sonar")
+    visibility_m: float = describe_field(6.0, "How far one sees in this water", "m", 1, 50)
+    form: Literal["mcap", "plain"] = describe_field("mcap", "How the logs are written", choices=("mcap", "plain"))
     ship: Ship = Ship()
     survey: Survey = Survey()
     cameras: Cameras = Cameras()

@@ -102,7 +102,7 @@ def link_images(
     salient = np.array([worker.saliency(nodes[k]) >= worker.options.min_saliency for k in keyframes], bool)
     if worker.options.across > 0:
         compared, solved = _link_legs(scene, keyframes[salient], compared, solved, solve_path, map_items, max_rounds)
-    return _linked(scene, keyframes, count, compared, solved)
+    return _collect_links(scene, keyframes, count, compared, solved)
 
 
 def _link_legs(
@@ -136,7 +136,9 @@ def _link_legs(
     return compared, solved
 
 
-def _linked(scene: LinkedScene, keyframes: Ints, count: Ints, compared: ComparedPairs, solved: SolvedPath) -> LinkedImages:
+def _collect_links(
+    scene: LinkedScene, keyframes: Ints, count: Ints, compared: ComparedPairs, solved: SolvedPath
+) -> LinkedImages:
     final = compared.sorted()
     pairs = [final.found[k] for k in final.kept()]
     size = np.array([len(pair.first) for pair in pairs], np.int64)

@@ -100,7 +100,7 @@ def join_images(
         ),
         lambda k: worker.read((int(image[k, 0]), int(image[k, 1]))),
         worker.options.single_node,
-        partial(_contradicted, worker.rig, _verified(links), worker.options),
+        partial(_find_contradictions, worker.rig, _verified_links(links), worker.options),
     )
     inliers = np.zeros(len(pairs), np.int64)
     inliers[pairs.joined] = size
@@ -112,7 +112,7 @@ def _by_node(stereo: NodeStereo) -> list[StereoMatches]:
     return [StereoMatches(top=stereo.top[k], bottom=stereo.bottom[k], point=stereo.point[k]) for k in rows]
 
 
-def _verified(links: CameraLinks) -> list[Link]:
+def _verified_links(links: CameraLinks) -> list[Link]:
     relative = Poses(links.quaternion, links.translation).matrix()
     return [
         Link(first=int(a), second=int(b), motion=Motion(motion, covariance), scaled=bool(scaled))
@@ -122,7 +122,7 @@ def _verified(links: CameraLinks) -> list[Link]:
     ]
 
 
-def _contradicted(
+def _find_contradictions(
     rig: CameraRig, links: list[Link], options: MatchOptions, node: Ints, label: Ints, top: Array, bottom: Array
 ) -> Mask:
     return contradicted_observations(rig, node, label, top, bottom, links, options)

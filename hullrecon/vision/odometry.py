@@ -75,15 +75,15 @@ class StereoOdometer:
             return None
         options = self.match_options
         matcher, seed = PairMatcher(self.rig, options), (options.seed, second.number, first.number)
-        found = _measured(matcher.match(second.view, first.view, None, seed, True))
+        found = _measured_motion(matcher.match(second.view, first.view, None, seed, True))
         if found is None:
             return None
         near = replace(found.motion.inverse(), covariance=LOOSE**2 * found.motion.inverse().covariance)
-        again = _measured(matcher.match(first.view, second.view, near, seed, False))
+        again = _measured_motion(matcher.match(first.view, second.view, near, seed, False))
         return found if again is None else _with_disagreement(found, again)
 
 
-def _measured(found: PairMatch) -> MeasuredMotion | None:
+def _measured_motion(found: PairMatch) -> MeasuredMotion | None:
     if found.motion is None or found.calibration is None:
         return None
     return MeasuredMotion(motion=found.motion, calibration=found.calibration, inliers=len(found.first))

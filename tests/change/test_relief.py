@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from change.simulated_surveys import ALONG, BEFORE, GIRTH, NONE, Errors, chart, survey
 
-from hullrecon.change.relief import blurred, local_median, relief_on, seen_points
+from hullrecon.change.relief import blur, local_median, relief_on, seen_points
 from hullrecon.geometry.charts.lattice import Lattice
 from hullrecon.geometry.poses import exp
 from hullrecon.synthetic.spec import DiveSpec
@@ -74,7 +74,7 @@ def test_a_hull_pose_off_along_the_hull_moves_what_is_seen() -> None:
 def test_a_blur_keeps_a_level_and_the_unseen() -> None:
     height = np.full((30, 30), 0.02)
     height[:10] = np.nan
-    out = blurred(height, 2.0)
+    out = blur(height, 2.0)
     assert np.isnan(out[:10]).all()
     assert out[12:] == pytest.approx(0.02)
 

@@ -6,14 +6,14 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hullrecon.records.iterations import broken, count, reached
+from hullrecon.records.iterations import broken, count, reached_cost
 
 ROUNDS = np.array([1, 1, 1, 2, 2])
 
 
 def test_the_cost_reached_is_that_of_the_last_step_taken():
     accepted = np.array([True, False, True, True, False])
-    assert reached(np.array([9.0, 12.0, 4.0, 3.0, 8.0]), accepted).tolist() == [9, 9, 4, 3, 3]
+    assert reached_cost(np.array([9.0, 12.0, 4.0, 3.0, 8.0]), accepted).tolist() == [9, 9, 4, 3, 3]
 
 
 def test_starts_of_rounds_are_no_iterations():
@@ -35,7 +35,7 @@ def test_the_cost_reached_is_what_a_walk_along_the_rows_finds(rows: list[tuple[f
         held = cost if accepted else held
         expected.append(held)
     cost, accepted = (np.array(column) for column in zip(*rows, strict=True))
-    assert reached(cost, accepted).tolist() == expected
+    assert reached_cost(cost, accepted).tolist() == expected
 
 
 @given(st.lists(st.integers(1, 6), max_size=6))

@@ -34,7 +34,7 @@ def solve(problem: native.Problem, options: native.Options, most_turns: int = MO
         changes.append(int((label != turns[-1].label).sum()))
         if not changes[-1]:
             break
-    return _joined(turns, changes, label)
+    return _join_turns(turns, changes, label)
 
 
 def likelier_labels(problem: native.Problem, distance: NDArray[np.float64], options: native.Options) -> NDArray[np.int32]:
@@ -53,7 +53,7 @@ def label_boundary(sigma_on: float, sigma_off: float) -> float:
     return float(np.sqrt(2 * np.log(sigma_off / sigma_on) / (sigma_on**-2 - sigma_off**-2)))
 
 
-def _joined(turns: Sequence[native.Result], changes: Sequence[int], label: NDArray[np.int32]) -> native.Result:
+def _join_turns(turns: Sequence[native.Result], changes: Sequence[int], label: NDArray[np.int32]) -> native.Result:
     last = turns[-1]
     parts = last.seconds.keys()
     return replace(

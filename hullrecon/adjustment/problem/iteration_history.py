@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from hullrecon import native
 from hullrecon.adjustment.problem.state import Weights
-from hullrecon.records.iterations import reached
+from hullrecon.records.iterations import reached_cost
 from hullrecon.typing import Array
 
 STEP = ("cost", "cost_change", "step_norm", "gradient_norm", "radius", "accepted")
@@ -70,7 +70,7 @@ def summarise_rounds(rounds: Sequence[Round]) -> list[dict[str, Any]]:
             "landmarks": r.landmarks,
             **{name: sigma if np.isfinite(sigma) else None for name, sigma in _sigmas(r).items()},
             "first_cost": float(r.record.cost[0]),
-            "last_cost": float(reached(r.record.cost, r.record.accepted)[-1]),
+            "last_cost": float(reached_cost(r.record.cost, r.record.accepted)[-1]),
             "on_surface": int(r.record.on_surface[-1]),
             "labels_changed": int(r.record.label_changes.sum()),
             "rays_missed": int(r.record.rays_missed[-1]),

@@ -29,7 +29,7 @@ def poses_in_hull(pose: Array, pose_hull: Array, hull: Array, nodes: Poses, T_g_
     by_hull[:, :3, :3] = -to_hull
     by_hull[:, :3, 3:] = cross_matrix(in_hull.translation - center)
     by_hull[:, 3:, 3:] = -in_hull.rotation.as_matrix().transpose(0, 2, 1)
-    return _propagated(by_pose, by_hull, pose, pose_hull, hull)
+    return _propagate(by_pose, by_hull, pose, pose_hull, hull)
 
 
 def points_in_hull(point: Array, point_hull: Array, hull: Array, position: Array, T_g_M: Poses, center: Array) -> Array:
@@ -41,10 +41,10 @@ def points_in_hull(point: Array, point_hull: Array, hull: Array, position: Array
     by_hull = np.zeros((n, 3, 6))
     by_hull[:, :, :3] = -to_hull
     by_hull[:, :, 3:] = cross_matrix(T_g_M.inverse().apply(position) - center)
-    return _propagated(by_point, by_hull, point, point_hull, hull)
+    return _propagate(by_point, by_hull, point, point_hull, hull)
 
 
-def _propagated(by_own: Array, by_hull: Array, own: Array, cross: Array, hull: Array) -> Array:
+def _propagate(by_own: Array, by_hull: Array, own: Array, cross: Array, hull: Array) -> Array:
     """J_own S_own J_own^T + J_own S_cross J_hull^T + its transpose + J_hull S_hull J_hull^T, symmetrised."""
     mixed = by_own @ cross @ by_hull.transpose(0, 2, 1)
     total = (

@@ -76,7 +76,7 @@ def run_each(
             ended = [r for r in running if r.process.poll() is not None]
             for r in ended:
                 running.remove(r)
-                yield r.key, _ended(r)
+                yield r.key, _end_of(r)
             late = [r for r in running if time.monotonic() - r.started > time_limit_s]
             for r in late:
                 end = _end_late(r, time_limit_s)
@@ -103,7 +103,7 @@ def _start(key: Key, arguments: Sequence[str], scratch: Path) -> _Running[Key]:
     return _Running(key, process, output, errors, time.monotonic())
 
 
-def _ended(run: _Running[Key]) -> Ended:
+def _end_of(run: _Running[Key]) -> Ended:
     code = run.process.returncode
     with run.output, run.errors:
         reason = "" if code == 0 else _signal(-code) if code < 0 else _message(run.output) or _last_line(run.errors)
@@ -113,7 +113,7 @@ def _ended(run: _Running[Key]) -> Ended:
 def _end_late(run: _Running[Key], time_limit_s: float) -> Ended:
     """End a command whose time is over, and say so; what came to its end meanwhile is taken as it ended."""
     _terminate([run])
-    ended = _ended(run)
+    ended = _end_of(run)
     if ended.exit_code == 0:
         return ended
     reason = f"it took longer than {time_limit_s:g} s (--time-limit); finished steps are kept, its log says how far it came"

@@ -71,7 +71,7 @@ class Delivery:
         self.folder, self._record, self._building = folder, private / RECORD, building
         self.withdrawn = folder.with_name(f"{folder.name}-out-of-date")
 
-    def recorded(self) -> dict[str, FileRecord] | None:
+    def read_record(self) -> dict[str, FileRecord] | None:
         """Return what was copied last; None where nothing was, or the record is damaged."""
         try:
             return msgspec.convert(unseal(self._record.read_bytes())["files"], dict[str, FileRecord])
@@ -91,7 +91,7 @@ class Delivery:
 
     def changed_since(self, hashes: HashCache) -> dict[str, str]:
         """Return what others did to the files since they were copied, by name; nothing where that is not known."""
-        recorded = self.recorded()
+        recorded = self.read_record()
         return unlike_files(self.folder, recorded, hashes) if recorded and self.folder.is_dir() else {}
 
     def replace(self, original: Path, records: Records, hashes: HashCache) -> None:
@@ -110,7 +110,7 @@ class Delivery:
 
     def note(self, records: Records) -> None:
         """Write down what lies in the folder, where that is not written yet."""
-        if self.recorded() != dict(records):
+        if self.read_record() != dict(records):
             write_file(self._record, seal({"files": msgspec.to_builtins(dict(records))}))
 
     def save_changed(self, names: Mapping[str, str], apart: Path) -> None:

@@ -17,11 +17,11 @@ def refine_near(mesh: Mesh, points: Array, edge_m: float, reach_m: float) -> Mes
     cell = 0.5 * max(edge_m, reach_m)
     thinned: Array = np.unique(np.round(points / cell), axis=0) * cell
 
-    def allowed(middle: Array) -> Array:
+    def allowed_edge(middle: Array) -> Array:
         distance, _ = nearest(thinned, middle, 1)
         return np.asarray(edge_m + np.maximum(0.0, distance[:, 0] - reach_m - cell))
 
-    return refine(mesh, allowed, spared_m=edge_m)[0] if len(points) else mesh
+    return refine(mesh, allowed_edge, spared_m=edge_m)[0] if len(points) else mesh
 
 
 def affordable_edge(points: Array, edge_m: float, max_vertices: int) -> float:

@@ -127,12 +127,12 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
         why_frame=why_frame,
         mount_deg=MOUNT_DEG if has_attitude_of_dvl(summary) else "",
         folder=_printable(folder.name) or ".",
-        name=_quoted(re.sub(r"[^A-Za-z0-9._-]+", "-", folder.resolve().name).lstrip(".-")[:100] or "dive"),
+        name=_quote(re.sub(r"[^A-Za-z0-9._-]+", "-", folder.resolve().name).lstrip(".-")[:100] or "dive"),
         date=f"date = {format_time(min(starts))[:19]}Z\n" if starts else "",
-        logs=", ".join(_quoted(Path(os.path.relpath(log, folder)).as_posix()) for log in logs),
+        logs=", ".join(_quote(Path(os.path.relpath(log, folder)).as_posix()) for log in logs),
         beams=BEAMS if beams_to_ask_for(summary) else "",
         topics=_topics(summary, guessed),
-        tray=f"joint = {_quoted(tray)} ".ljust(33),
+        tray=f"joint = {_quote(tray)} ".ljust(33),
         joints=f": {_printable(', '.join(names))}" if names else "",
     )
     calibrated = True  # the lower camera needs the upper one
@@ -140,12 +140,12 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
         file = find_calibration(folder, camera)
         calibrated = calibrated and file is not None
         if camera in guessed:
-            filled = section.format(calibration=_quoted(file or f"calibration/{camera}.yaml"))
-            text += filled if calibrated else _commented(filled)
+            filled = section.format(calibration=_quote(file or f"calibration/{camera}.yaml"))
+            text += filled if calibrated else _comment_out(filled)
     if "sonar" in guessed:
         text += SONAR
     mesh = _cad_model(folder)
-    text += HULL.format(mesh=_quoted(mesh)) if mesh else NO_HULL
+    text += HULL.format(mesh=_quote(mesh)) if mesh else NO_HULL
     for key, (value, frame) in proposed_mounts(summary).items():
         values, name = ", ".join(f"{v:g}" for v in value), key.rpartition(".")[2]
         line = f"{name} = [{values}]  # by {frame}; see that it is right"
@@ -174,7 +174,7 @@ def _topics(summary: LogSummary, guessed: dict[str, str]) -> str:
             lines.append(f"# {sensor} =".ljust(33) + f"# comes from the file beside the log: {_printable(channel.type)}")
         elif channel is not None:
             kind = channel.type
-            lines.append(f"{sensor} = {_quoted(guessed[sensor])} ".ljust(33) + f"# {_printable(kind)}")
+            lines.append(f"{sensor} = {_quote(guessed[sensor])} ".ljust(33) + f"# {_printable(kind)}")
         else:
             lines.append(f"# {sensor} =".ljust(33) + "# no topic of the log has a type that fits, or a name that tells")
     others = [t.channel for t in summary.topics if t.channel.topic not in guessed.values()]
@@ -187,7 +187,7 @@ def _cad_model(folder: Path) -> str | None:
     return found[0].name if found else None
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     """Return the text as a TOML string, whatever stands in it."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
@@ -197,5 +197,5 @@ def _printable(text: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in text)
 
 
-def _commented(section: str) -> str:
+def _comment_out(section: str) -> str:
     return "".join(f"# {line}" if line.strip() else line for line in section.splitlines(keepends=True))

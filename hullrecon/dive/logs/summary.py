@@ -69,7 +69,7 @@ class LogSummary:
             head += f", {(last - first) / NS:.1f} s from {format_time(first)}"
         guessed = guess_topics(self.topics)
         sensors = [f"{topic} can be {'joints' if name == 'joints' else 'the ' + name}" for name, topic in guessed.items()]
-        unused = _unused(span, set(guessed.values()))
+        unused = _unused_topics(span, set(guessed.values()))
         lines = [head, *(t.sentence() for t in span), *sensors, *unused]
         return [*lines, *self.lost, *self.remarks, *missing(set(guessed))]
 
@@ -89,7 +89,7 @@ class LogSummary:
         }  # fmt: skip
 
 
-def _unused(topics: Sequence[TopicNote], chosen: set[str]) -> list[str]:
+def _unused_topics(topics: Sequence[TopicNote], chosen: set[str]) -> list[str]:
     """Return a sentence for topics that no sensor was given: of those of a type that is read, and of the others."""
     left = sorted((t for t in topics if t.channel.topic not in chosen), key=lambda t: t.channel.topic)
     sensors = {t.channel.topic: [name for name, types in TYPES.items() if _fits(t, types)] for t in left}
@@ -110,7 +110,7 @@ def summarise_log(log: Log) -> LogSummary:
             first = _first(message) if len(notes) < MOST_DECODED else None
             note = notes[message.channel] = TopicNote(message.channel, first, [], 0, message.t_ns, message.t_ns)
         if _is_static(note.channel) and note.count < MOST_FRAME_MESSAGES and isinstance(message.data, bytes):
-            note.frames += _decoded(message.channel, message.data)
+            note.frames += _decode(message.channel, message.data)
         note.count += 1
         note.start_ns, note.end_ns = min(note.start_ns, message.t_ns), max(note.end_ns, message.t_ns)
     topics = sorted(notes.values(), key=lambda n: n.channel.topic)
@@ -147,7 +147,7 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
         fitting = [t for t in topics if _fits(t, TYPES[sensor]) and not UNFIT.get(sensor, _never)(t)]
         own = [t.channel.topic for t in fitting if type_name(t.channel) not in COMMON_TYPES]
         common = [t.channel.topic for t in fitting if type_name(t.channel) in COMMON_TYPES]
-        chosen = _named(own, parts) or own or _named(common, parts)
+        chosen = _with_part(own, parts) or own or _with_part(common, parts)
         if chosen:
             found[sensor] = chosen[0]
     found |= _guess_cameras([t.channel.topic for t in topics if _fits(t, IMAGE_TYPES)])
@@ -181,15 +181,15 @@ def _is_differential(topic: TopicNote) -> bool:
 def _guess_cameras(topics: Sequence[str]) -> dict[str, str]:
     """Upper and lower camera by name; one alone is the upper one. Of one camera's topics the compressed one."""
     topics = [t for t in topics if t + COMPRESSED not in topics and "depth" not in t.lower()]
-    lower = _named(topics, LOWER)
-    upper = [t for t in _named(topics, UPPER) if t not in lower] or [t for t in topics if t not in lower[:1]]
+    lower = _with_part(topics, LOWER)
+    upper = [t for t in _with_part(topics, UPPER) if t not in lower] or [t for t in topics if t not in lower[:1]]
     if not upper:
         return {"camera_top": lower[0]} if lower else {}
     lower = lower or [t for t in topics if t != upper[0]]
     return {"camera_top": upper[0], **({"camera_bottom": lower[0]} if lower else {})}
 
 
-def _named(topics: Sequence[str], parts: Sequence[str]) -> list[str]:
+def _with_part(topics: Sequence[str], parts: Sequence[str]) -> list[str]:
     return [topic for part in parts for topic in topics if part in topic.lower()]
 
 
@@ -241,7 +241,7 @@ def _is_static(channel: Channel) -> bool:
     return channel.encoding in ENCODINGS and type_name(channel) in TRANSFORMS and channel.topic.endswith("tf_static")
 
 
-def _decoded(channel: Channel, data: bytes) -> list[Fields]:
+def _decode(channel: Channel, data: bytes) -> list[Fields]:
     try:
         return [decode(channel, data)]
     except DamagedError:
@@ -255,7 +255,7 @@ def _first(message: Message) -> object:
     kind = type_name(message.channel)
     reads = [(sensor, types[kind]) for sensor, types in TYPES.items() if kind in types and types is not IMAGE_TYPES]
     if kind in IMAGE_TYPES:
-        return next(iter(_decoded(message.channel, message.data)), None)
+        return next(iter(_decode(message.channel, message.data)), None)
     try:
         fields: object = decode(message.channel, message.data) if reads or kind == CAMERA_INFO else None
         for sensor, translate in reads:

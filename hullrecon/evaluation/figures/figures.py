@@ -37,7 +37,7 @@ from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.deliverables import ReportedObject
-from hullrecon.records.iterations import reached
+from hullrecon.records.iterations import reached_cost
 from hullrecon.records.solution import DeviationField
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array, Ints
@@ -81,7 +81,7 @@ def _history(v: SolvedVariant) -> SolveHistory:
         method=v.name,
         as_published=v.as_published,
         round=counts("round"),
-        cost=reached(cost, np.asarray(v.iterations["accepted"], bool)),
+        cost=reached_cost(cost, np.asarray(v.iterations["accepted"], bool)),
         landmarks=counts("landmarks"),
         on_surface=counts("on_surface"),
         label_changes=counts("label_changes"),

@@ -78,7 +78,7 @@ def cast_sections(mesh: Mesh, index: MeshIndex, height: float) -> Sections:
     origin, inward = empty.rays(*_pairs(empty))
     hit = index.cast(origin, inward)
     radius = np.where(hit.range < empty.reach, empty.reach - hit.range, np.nan).reshape(empty.radius.shape)
-    filled = _bridged(radius)
+    filled = _bridge_gaps(radius)
     whole = _whole(empty, filled, index)
     girth, whole = _girth(empty, filled), _whole(empty, filled, index)
     return Sections(empty.axis_y, height, empty.reach, empty.station, empty.angle, filled, girth, whole)
@@ -112,7 +112,7 @@ def _pairs(s: Sections) -> tuple[Array, Array]:
     return along.ravel(), angle.ravel()
 
 
-def _bridged(radius: Array) -> Array:
+def _bridge_gaps(radius: Array) -> Array:
     """Return gaps between two hits of a station filled linearly; nothing beyond the outermost hits of a side but the keel."""
     out = radius.copy()
     place = np.arange(radius.shape[1])

@@ -26,13 +26,13 @@ def refine(
     faces = mesh.faces.astype(np.int64)
     while True:
         edge, of_face = _edges(faces)
-        marked = _marked(table[:, :3], edge, of_face, longest_m, spared_m)
+        marked = _mark_edges(table[:, :3], edge, of_face, longest_m, spared_m)
         if not marked.any():
             return Mesh(table[:, :3].copy(), faces.astype(np.int32)), table[:, 3:].copy()
         middle = np.full(len(edge), -1)
         middle[marked] = len(table) + np.arange(marked.sum())
         table = np.vstack([table, table[edge[marked]].mean(axis=1)])
-        faces = _split(faces, middle[of_face], table[:, :3])
+        faces = _split_faces(faces, middle[of_face], table[:, :3])
 
 
 def _edges(faces: Ints) -> tuple[Ints, Ints]:
@@ -43,7 +43,9 @@ def _edges(faces: Ints) -> tuple[Ints, Ints]:
     return np.stack([key // size, key % size], axis=1), back.reshape(-1, 3)
 
 
-def _marked(vertices: Array, edge: Ints, of_face: Ints, longest_m: float | Callable[[Array], Array], spared_m: float) -> Mask:
+def _mark_edges(
+    vertices: Array, edge: Ints, of_face: Ints, longest_m: float | Callable[[Array], Array], spared_m: float
+) -> Mask:
     """Return the edges to split (e,): the long ones, and the longest edge of every face that splits any."""
     ends = vertices[edge]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
@@ -60,22 +62,22 @@ def _marked(vertices: Array, edge: Ints, of_face: Ints, longest_m: float | Calla
         marked[follow] = True
 
 
-def _split(faces: Ints, middle: Ints, vertices: Array) -> Ints:
+def _split_faces(faces: Ints, middle: Ints, vertices: Array) -> Ints:
     """Return faces (m, 3) split at the new vertices on their edges 0-1, 1-2, 2-0 (m, 3), -1 where an edge stays whole."""
     count = (middle >= 0).sum(axis=1)
-    one = _turned(faces, middle, count == 1, np.argmax(middle >= 0, axis=1))
-    two = _turned(faces, middle, count == 2, np.argmax(middle < 0, axis=1) + 1)
+    one = _turn_faces(faces, middle, count == 1, np.argmax(middle >= 0, axis=1))
+    two = _turn_faces(faces, middle, count == 2, np.argmax(middle < 0, axis=1) + 1)
     a, b, c, p, _, _ = one
     halves = [(a, p, c), (p, b, c)]
     a, b, c, p, q, _ = two
     short = np.linalg.norm(vertices[a] - vertices[q], axis=1) < np.linalg.norm(vertices[p] - vertices[c], axis=1)
     thirds = [(p, b, q), (a, p, np.where(short, q, c)), (np.where(short, a, p), q, c)]
-    a, b, c, p, q, r = _turned(faces, middle, count == 3, np.zeros(len(faces), np.int64))
+    a, b, c, p, q, r = _turn_faces(faces, middle, count == 3, np.zeros(len(faces), np.int64))
     quarters = [(a, p, r), (p, b, q), (r, q, c), (p, q, r)]
     return np.vstack([faces[count == 0], *(np.stack(corner, axis=1) for corner in halves + thirds + quarters)])
 
 
-def _turned(faces: Ints, middle: Ints, which: Mask, first: Ints) -> Ints:
+def _turn_faces(faces: Ints, middle: Ints, which: Mask, first: Ints) -> Ints:
     """Return corners and middles of some faces, turned so that edge `first` becomes 0-1: (6, k)."""
     turn = (first[which, None] + np.arange(3)) % 3
     return np.hstack([np.take_along_axis(faces[which], turn, 1), np.take_along_axis(middle[which], turn, 1)]).T

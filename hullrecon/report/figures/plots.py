@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hullrecon.records.iterations import broken, reached
+from hullrecon.records.iterations import broken, reached_cost
 from hullrecon.records.sensors import DvlPings
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.report.content.phrases import count as phrase
@@ -87,7 +87,7 @@ def labels(iterations: Arrays) -> Plot:
 def _reached(iterations: Arrays) -> Array:
     """Return the cost (k,) at the last accepted point; the record's own where it does not say which were."""
     cost = np.asarray(iterations["cost"], float)
-    return reached(cost, np.asarray(iterations["accepted"], bool)) if "accepted" in iterations else cost
+    return reached_cost(cost, np.asarray(iterations["accepted"], bool)) if "accepted" in iterations else cost
 
 
 def _rounds(iterations: Arrays, count: int) -> Ints:

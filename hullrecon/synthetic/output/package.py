@@ -13,12 +13,12 @@ from hullrecon.synthetic.output.mcap_log import write_mcap
 from hullrecon.synthetic.output.new_folder import new_folder
 from hullrecon.synthetic.output.plain_log import write_plain
 from hullrecon.synthetic.output.truth import write_truth
-from hullrecon.synthetic.sensors.recorder import Track, record, untracked
+from hullrecon.synthetic.sensors.recorder import Track, record, without_progress
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.world.hull_shapes import write_stl
 
 
-def write_package(folder: Path, spec: DiveSpec, track: Track = untracked) -> Dive:
+def write_package(folder: Path, spec: DiveSpec, track: Track = without_progress) -> Dive:
     """Simulate a dive, write its package and return it, truth and all. The folder may exist but must be empty; it is written
     beside under a temporary name, so that a simulation that fails or is interrupted leaves nothing. track: shows the
     images as they are written.

@@ -29,7 +29,7 @@ class Track(Protocol):
     def __call__(self, items: Iterator[bytes], label: str, total: int, /) -> Iterator[bytes]: ...
 
 
-def untracked(items: Iterator[bytes], label: str, total: int, /) -> Iterator[bytes]:
+def without_progress(items: Iterator[bytes], label: str, total: int, /) -> Iterator[bytes]:
     """Hand on the items and show nothing."""
     return items
 
@@ -67,7 +67,7 @@ class Streams:
     pings: InTurn[NDArray[np.uint8]]
 
 
-def record(dive: Dive, track: Track = untracked) -> Streams:
+def record(dive: Dive, track: Track = without_progress) -> Streams:
     """Return the readings of all sensors of the dive."""
     spec, motion = dive.spec, dive.motion
     cameras = {"stereo": ("camera_top", "camera_bottom"), "mono": ("camera_top",), "none": ()}[spec.cameras.carried]

@@ -82,7 +82,7 @@ def _lamp(
     ask = np.flatnonzero(busy[i, j] & hit)
     if len(ask):
         start = camera + point[ask] + 0.004 * normal[ask]
-        light[ask[scene.block.rays.blocked(start, to_lamp[ask], way[ask])]] *= np.float32(0.25)
+        light[ask[scene.block.rays.is_blocked(start, to_lamp[ask], way[ask])]] *= np.float32(0.25)
     return np.asarray(light, np.float32), np.asarray(way, np.float32)
 
 

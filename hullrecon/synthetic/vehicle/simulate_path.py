@@ -33,7 +33,7 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
     """Return the whole motion over those corners (n, 2) of the chart."""
     from scipy.ndimage import gaussian_filter1d
 
-    along, girth = _timed(corners, spec.survey.speed_m_per_s)
+    along, girth = _time_path(corners, spec.survey.speed_m_per_s)
     t = STEP_S * np.arange(len(along), dtype=float)
     point, normal = skin.follow(along, girth, width_m=0.5)
     level = _trim(spec)
@@ -64,7 +64,7 @@ def simulate_path(spec: DiveSpec, skin: HullSkin, corners: Array) -> Motion:
     )
 
 
-def _timed(corners: Array, speed: float) -> tuple[Array, Array]:
+def _time_path(corners: Array, speed: float) -> tuple[Array, Array]:
     """Return along and girth every STEP_S: constant speed, half as fast between legs, a rest at both ends, corners rounded."""
     from scipy.ndimage import gaussian_filter1d
 

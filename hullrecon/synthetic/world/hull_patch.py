@@ -38,7 +38,7 @@ class HullPatch:
         high = (1 - p) * grid[i, j + 1] + p * grid[i + 1, j + 1]
         return np.asarray((1 - q) * low + q * high)
 
-    def smoothed(self, width_m: float) -> HullPatch:
+    def smooth(self, width_m: float) -> HullPatch:
         """Return the same with normals smoothed over that width: what a vehicle follows."""
         from scipy.ndimage import gaussian_filter
 
@@ -104,7 +104,7 @@ class HullSkin:
         """Return points (n, 3) on the CAD model at chart coordinates (n,) and its normals (n, 3), smoothed over that width."""
         point, normal, block = np.empty((len(along_m), 3)), np.empty((len(along_m), 3)), self.block_of(along_m)
         for k in np.unique(block).tolist():
-            rows, smooth = block == k, self.patch(k).smoothed(width_m)
+            rows, smooth = block == k, self.patch(k).smooth(width_m)
             point[rows] = smooth.sample(smooth.point, along_m[rows], girth_m[rows])
             normal[rows] = smooth.sample(smooth.normal, along_m[rows], girth_m[rows])
         return point, normal

@@ -53,7 +53,7 @@ class Rays:
         face = answer["primitive_ids"].numpy().astype(np.int64)
         return Hits(answer["t_hit"].numpy(), np.where(face == 0xFFFFFFFF, 0, face), weight)
 
-    def blocked(self, origins: Array, directions: NDArray[Any], reach_m: NDArray[Any]) -> NDArray[np.bool_]:
+    def is_blocked(self, origins: Array, directions: NDArray[Any], reach_m: NDArray[Any]) -> NDArray[np.bool_]:
         """Return whether something stands within `reach_m` (n,) along each ray."""
         answer = self._scene.cast_rays(self._pack(origins, directions))["t_hit"].numpy()
         return np.asarray(answer < reach_m)

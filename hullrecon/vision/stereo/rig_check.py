@@ -103,7 +103,7 @@ def check_stereo_rig(rig: CameraRig, frames: StereoFrames, read: ReadImage, sigm
         # A shift first: a vehicle that moves evenly makes wrong neighbours look like a rig of another direction.
         problem = _find_shift(look, frames, places, limit_px) or _explain(look, pairs, float(np.median(error_px)))
     else:
-        problem = _turned(look, pairs, float(np.median(error_px)), sigma_rad)
+        problem = _describe_turn(look, pairs, float(np.median(error_px)), sigma_rad)
     return RigCheck(
         error_px=float(np.median(error_px)),
         depth_m=np.array([np.nan if behind else np.median(z[z > 0]) for z in depth]),
@@ -231,7 +231,7 @@ def _explain(look: _Look, pairs: Sequence[_Matched], error_px: float) -> RigProb
     return _contradiction(found, look.given, error_px, fitted_px)
 
 
-def _turned(look: _Look, pairs: Sequence[_Matched], error_px: float, sigma_rad: float) -> RigProblem | None:
+def _describe_turn(look: _Look, pairs: Sequence[_Matched], error_px: float, sigma_rad: float) -> RigProblem | None:
     """Return words where the matches lie near their lines and yet show the bottom camera turned towards the top one."""
     # Images of a plane fit two motions alike: the one next to what is given counts, unless another is clearly better.
     near, far = _fit(pairs, look.focal_px, look.given), _fit(pairs, look.focal_px)

@@ -10,7 +10,7 @@ import pytest
 
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import with_options
-from hullrecon.synthetic.sensors.recorder import START_NS, InTurn, in_order, record, stamp_ns, untracked
+from hullrecon.synthetic.sensors.recorder import START_NS, InTurn, in_order, record, stamp_ns, without_progress
 
 
 def test_stamps_are_nanoseconds_since_the_start() -> None:
@@ -49,7 +49,7 @@ def test_items_in_turn_may_repeat_but_not_go_back() -> None:
 
 
 def test_what_is_not_tracked_passes_unchanged() -> None:
-    assert list(untracked(iter([b"a", b"b"]), "images", 2)) == [b"a", b"b"]
+    assert list(without_progress(iter([b"a", b"b"]), "images", 2)) == [b"a", b"b"]
 
 
 @pytest.mark.parametrize(

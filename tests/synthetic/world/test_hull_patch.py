@@ -85,8 +85,8 @@ def test_sampling_outside_holds_the_edge(patch: HullPatch) -> None:
 
 def test_smoothing_turns_facets_into_a_slow_turn_of_the_normal(patch: HullPatch) -> None:
     jump = lambda s: np.linalg.norm(np.diff(s.normal, axis=1), axis=2).max()  # noqa: E731
-    assert jump(patch.smoothed(0.5)) <= 0.03 / 1.3 < 0.9 * jump(patch)  # a step over the bilge's radius
-    np.testing.assert_allclose(np.linalg.norm(patch.smoothed(0.5).normal, axis=2), 1)
+    assert jump(patch.smooth(0.5)) <= 0.03 / 1.3 < 0.9 * jump(patch)  # a step over the bilge's radius
+    np.testing.assert_allclose(np.linalg.norm(patch.smooth(0.5).normal, axis=2), 1)
 
 
 def test_no_hull_where_the_dive_is_is_said(cad_model: Mesh) -> None:

@@ -38,5 +38,5 @@ def test_each_ray_may_have_its_own_origin() -> None:
 
 def test_blocked_within_reach_and_not_beyond() -> None:
     origins = FAR + np.array([[0.5, 0.5, 1.0], [0.5, 0.5, 1.0]])
-    blocked = Rays(SQUARE).blocked(origins, np.tile([0.0, 0.0, -1.0], (2, 1)), np.array([1.5, 0.5]))
+    blocked = Rays(SQUARE).is_blocked(origins, np.tile([0.0, 0.0, -1.0], (2, 1)), np.array([1.5, 0.5]))
     assert blocked.tolist() == [True, False]

@@ -52,7 +52,7 @@ class Rosbag1Log(FileLog):
         if connections.unchecked:
             self.remarks.append(NO_CHECKSUM)
         self._tracker.count_lost("they belong to topics whose definition was lost", connections.unknown)
-        self._tracker.finish(_expected(notes or [], connections))
+        self._tracker.finish(_expected_counts(notes or [], connections))
 
     def _by_index(
         self, stream: BinaryIO, size: int, connections: Connections, notes: list[BagChunk], budget: UnpackBudget
@@ -130,7 +130,7 @@ def _is_chunk(data: bytes, room: int) -> bool:
     return op_of(head) == CHUNK and {"compression", "size"} <= head.keys() and 8 + length + count <= room
 
 
-def _expected(notes: list[BagChunk], connections: Connections) -> dict[str, int]:
+def _expected_counts(notes: list[BagChunk], connections: Connections) -> dict[str, int]:
     out: dict[str, int] = {}
     for note in notes:
         for number, count in note.counts.items():

@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// The damped system without landmarks: rows of X, of S and its border (docs/schur.md, equations (9) to (13)).
+#include <algorithm>
+#include <utility>
+
+#include "common/parallel.h"
+#include "schur/schur.h"
+
+namespace hullrecon {
+namespace {
+
+// to += a' b, columns of kRows numbers (0: of `rows`); to: by columns, `stride` apart. For products too small for a library.
+template <int kRows>
+void add_product_of(double* to, int64_t stride, const double* a, int a_columns, const double* b, int b_columns, int64_t rows) {
+  const int64_t n = kRows > 0 ? kRows : rows;
+  for (int c = 0; c < b_columns; ++c) {
+    for (int r = 0; r < a_columns; ++r) {
+      double sum = 0;
+      for (int64_t k = 0; k < n; ++k) sum += a[r * n + k] * b[c * n + k];
+      to[c * stride + r] += sum;
+    }
+  }
+}
+
+void add_product(double* to, int64_t stride, const double* a, int a_columns, const double* b, int b_columns, int64_t rows) {
+  const auto of = rows == 1   ? add_product_of<1>
+                  : rows == 3 ? add_product_of<3>
+                  : rows == 5 ? add_product_of<5>
+                  : rows == 6 ? add_product_of<6>
+                              : add_product_of<0>;
+  of(to, stride, a, a_columns, b, b_columns, rows);
+}
+
+}  // namespace
+
+void Schur::eliminate() {
+  reduced_->clear();
+  const int border = layout_.blocks(), nodes = layout_.nodes();
+  for_slabs(
+      layout_.poses(), threads_,
+      [&](int64_t begin, int64_t end) {
+        std::vector<int64_t> place(border, -1);
+        for (int64_t i = begin; i < end; ++i) eliminate_row(static_cast<int>(i), place);
+      },
+      8);
+  rhs_ = gradient_.reduced;
+  Border sum = chunked(layout_.poses(), kPoses, [&](int64_t i, Border& b) { reduce_row(static_cast<int>(i), b); });
+  for_slabs(
+      nodes, threads_,
+      [&](int64_t begin, int64_t end) {
+        std::vector<double> row(nodes, 0.0);
+        for (int64_t n = begin; n < end; ++n) reduce_node(static_cast<int>(n), row);
+      },
+      8);
+  for_slabs(layout_.others(), threads_, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) reduce_other(layout_.other(static_cast<int>(k)));
+  });
+  const Border of_landmarks =
+      chunked(model_.landmarks(), kLandmarks, [&](int64_t r, Border& b) { reduce_landmark_border(r, b); });
+  const Border of_small = chunked(small_.count(), kFactors, [&](int64_t f, Border& b) { add_small_border(f, b); });
+  reduced_->add_own(border, intrinsics_own_ + sum.own + of_landmarks.own + of_small.own);
+  rhs_.segment(offset(border), layout_.border()) += sum.rhs + of_landmarks.rhs;
+}
+
+// Row i of X (9), and of what it shares with nodes, hull and intrinsics (11). place: of each block, -1 between calls.
+void Schur::eliminate_row(int i, std::vector<int64_t>& place) {
+  const auto row = pattern_.row(i);
+  const int64_t end = row.back().place + (row.back().block < layout_.poses() ? 36 : 6);
+  std::fill(&x_[row.front().place], x_.data() + end, 0.0);
+  for (const auto& entry : row) place[entry.block] = entry.place;
+  const Vec3 origin = images_.chains()[i].origin;
+  Twist eliminated = Twist::Zero();
+  Mat6 with_hull = Mat6::Zero();
+  Mat6X with_intrinsics = Mat6X::Zero(6, intrinsics_);
+  Eigen::Matrix3Xd cross(3, intrinsics_);
+  for (int32_t v : images_.views_of_pose(i)) {
+    const View& view = images_.view(v);
+    const int32_t rank = view.landmark;
+    const Vec3 landmark = at(rank), q = landmark - origin;
+    const Mat3 h = view.matrix();
+    const Mat63 y = adjoint(q, Mat3(h * inverse(rank)));  // E'H K
+    eliminated += y * gradient_.landmark.segment<3>(3 * rank);
+    for (int32_t w = v; w < images_.first_view(rank + 1); ++w) {
+      const View& other = images_.view(w);
+      Eigen::Map<Mat6> x(&x_[place[other.pose]]);
+      add_times_displacement(x, -1.0, Mat63(y * other.matrix()), landmark - images_.chains()[other.pose].origin);
+    }
+    for (const SurfaceTerm& s : surface_.of_landmark(rank)) {
+      const Twist along = y * s.n;
+      if (hull_ >= 0) with_hull -= along * s.by_hull().transpose();
+      if (layout_.nodes() == 0) continue;
+      const auto nodes = surface_.nodes(s);
+      const auto weights = surface_.weights(s);
+      for (size_t k = 0; k < nodes.size(); ++k) {
+        Eigen::Map<Twist>(&x_[place[layout_.node(nodes[k])]]) -= (s.by_field * weights[k]) * along;
+      }
+    }
+    if (intrinsics_ == 0) continue;
+    cross.setZero();
+    images_.add_intrinsics(v, cross, nullptr, nullptr);
+    with_intrinsics.topRows<3>() += cross;
+    for (int c = 0; c < intrinsics_; ++c) with_intrinsics.col(c).tail<3>() += q.cross(Vec3(cross.col(c)));
+    with_intrinsics -= y * intrinsics_of(rank);
+  }
+  Eigen::Map<Mat6>(&x_[place[i]]) += own_[i];
+  eliminated_.col(i) = eliminated, with_hull_[i] = with_hull, with_intrinsics_[i] = with_intrinsics;
+  for (const auto& entry : row) place[entry.block] = -1;
+}
+
+// Row i of S = [P Q]' X [P Q] (10) and what it adds to the border, with its small factors.
+void Schur::reduce_row(int i, Border& sum) {
+  const CameraChain& chain = images_.chains()[i];
+  const int width = layout_.width(i);
+  const Eigen::Matrix<double, 7, 6> p = chain.by_pose.transpose();
+  Eigen::MatrixXd own, border = Eigen::MatrixXd::Zero(layout_.border(), width);
+  Mat6 by_mount = Mat6::Zero();  // X Q: of the twist by the mount
+  for (const auto& [j, place] : pattern_.row(i)) {
+    if (j >= layout_.poses()) {
+      reduced_->add(i, j, (p * Eigen::Map<const Twist>(&x_[place])).head(width));
+      continue;
+    }
+    const Mat6 x = Eigen::Map<const Mat6>(&x_[place]);
+    const Eigen::Matrix<double, 7, 7> s = p * x * images_.chains()[j].by_pose;
+    if (j == i) own = s.topLeftCorner(width, width);
+    if (j != i) reduced_->add(i, j, s.topLeftCorner(width, width));
+    if (mount_ >= 0) by_mount += x * images_.chains()[j].by_mount;
+  }
+  for (const auto& [j, place] : pattern_.below(i)) {
+    if (mount_ >= 0) by_mount += Eigen::Map<const Mat6>(&x_[place]).transpose() * images_.chains()[j].by_mount;
+  }
+  rhs_.segment(offset(i), width) -= (p * eliminated_.col(i)).head(width);
+  if (hull_ >= 0) border.middleRows<6>(hull_) += (p * with_hull_[i]).topRows(width).transpose();
+  const Eigen::MatrixXd intrinsics = (p * with_intrinsics_[i]).topRows(width);
+  for (int c = 0; c < intrinsics_; ++c) border.row(intrinsics_in_border(c)) += intrinsics.col(c).transpose();
+  if (mount_ >= 0) {
+    border.middleRows<6>(mount_) += (p * by_mount).topRows(width).transpose();
+    const Mat6 q = chain.by_mount.transpose();
+    sum.own.block<6, 6>(mount_, mount_) += q * by_mount;
+    sum.rhs.segment<6>(mount_) -= q * eliminated_.col(i);
+    if (hull_ >= 0) sum.own.block<6, 6>(mount_, hull_) += q * with_hull_[i];
+    const Eigen::MatrixXd of_mount = q * with_intrinsics_[i];
+    for (int c = 0; c < intrinsics_; ++c)
+      sum.own.row(intrinsics_in_border(c)).segment<6>(mount_) += of_mount.col(c).transpose();
+  }
+  add_small(i, own, border);
+  reduced_->add_own(i, own);
+  reduced_->add_border(i, border);
+}
+
+// The small factors of a block: its own square, the blocks after it, the border.
+void Schur::add_small(int block, Eigen::MatrixXd& own, Eigen::MatrixXd& border) {
+  for (int32_t f : small_.of_block(block)) {
+    const auto rows = small_.rows(f);
+    const auto parts = small_.parts(f);
+    const auto mine = std::find_if(parts.begin(), parts.end(), [&](const auto& part) { return part.block == block; });
+    const int64_t m = rows.rows();
+    const double* const J = rows.data() + mine->column * m;
+    for (const SmallFactors::Part& part : parts) {
+      const double* const other = rows.data() + part.column * m;
+      if (part.border >= 0) {
+        add_product(border.data() + part.border, border.rows(), other, part.width, J, mine->width, m);
+      } else if (part.block == block) {
+        add_product(own.data(), own.rows(), J, mine->width, J, mine->width, m);
+      } else if (part.block > block) {
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 7> product(mine->width, part.width);
+        product.setZero();
+        add_product(product.data(), mine->width, J, mine->width, other, part.width, m);
+        reduced_->add(block, part.block, product);
+      }
+    }
+  }
+}
+
+// Row of a node (12): with later nodes and the border. row: of all nodes, zero between calls.
+void Schur::reduce_node(int node, std::vector<double>& row) {
+  const int block = layout_.node(node);
+  Eigen::MatrixXd own = Eigen::MatrixXd::Zero(1, 1), border = Eigen::MatrixXd::Zero(layout_.border(), 1);
+  std::vector<int32_t> touched;
+  for (int32_t k : surface_.of_node(node)) {
+    const SurfaceTerm& s = surface_[k];
+    const double by = surface_.by_node(s, node);
+    const Vec3 y = by * (inverse(s.rank) * s.n);
+    rhs_[offset(block)] -= by * s.n.dot(gain_.col(s.rank));
+    for (const SurfaceTerm& other : surface_.of_landmark(s.rank)) {
+      const double factor = (&other == &s ? by : 0.0) - y.dot(other.n);
+      if (hull_ >= 0) border.middleRows<6>(hull_) += factor * other.by_hull();
+      const auto nodes = surface_.nodes(other);
+      const auto weights = surface_.weights(other);
+      for (size_t m = 0; m < nodes.size(); ++m) {
+        if (nodes[m] < node) continue;
+        if (row[nodes[m]] == 0) touched.push_back(nodes[m]);
+        row[nodes[m]] += factor * other.by_field * weights[m];
+      }
+    }
+    for (int c = 0; c < intrinsics_; ++c) border(intrinsics_in_border(c), 0) -= y.dot(intrinsics_of(s.rank).col(c));
+  }
+  own(0, 0) = row[node], row[node] = 0;
+  for (int32_t other : touched) {
+    if (row[other] != 0) reduced_->add(block, layout_.node(other), Eigen::Matrix<double, 1, 1>(std::exchange(row[other], 0.0)));
+  }
+  for (const auto& [j, place] : pattern_.below(block)) {
+    if (mount_ >= 0)
+      border.middleRows<6>(mount_) += images_.chains()[j].by_mount.transpose() * Eigen::Map<const Twist>(&x_[place]);
+  }
+  add_small(block, own, border);
+  reduced_->add_own(block, own);
+  reduced_->add_border(block, border);
+}
+
+// Row of a block that small factors alone meet.
+void Schur::reduce_other(int block) {
+  const int width = layout_.width(block);
+  Eigen::MatrixXd own = Eigen::MatrixXd::Zero(width, width), border = Eigen::MatrixXd::Zero(layout_.border(), width);
+  add_small(block, own, border);
+  reduced_->add_own(block, own);
+  reduced_->add_border(block, border);
+}
+
+// What a landmark leaves between hull and intrinsics (13).
+void Schur::reduce_landmark_border(int64_t rank, Border& sum) const {
+  if (hull_ < 0 && intrinsics_ == 0) return;
+  const Mat3 k = inverse(rank);
+  for (const SurfaceTerm& s : surface_.of_landmark(rank)) {
+    if (hull_ < 0) break;
+    const Vec3 kn = k * s.n;
+    Twist others = s.by_hull();  // a - sum of the a of all surface factors of this landmark, by n'K n
+    for (const SurfaceTerm& other : surface_.of_landmark(rank)) others -= kn.dot(other.n) * other.by_hull();
+    sum.own.block<6, 6>(hull_, hull_).noalias() += s.by_hull() * others.transpose();
+    sum.rhs.segment<6>(hull_) -= s.n.dot(gain_.col(rank)) * s.by_hull();
+  }
+  for (int c = 0; c < intrinsics_; ++c) {
+    const int at = intrinsics_in_border(c);
+    const Vec3 kc = k * intrinsics_of(rank).col(c);
+    for (const SurfaceTerm& s : surface_.of_landmark(rank)) {
+      if (hull_ >= 0) sum.own.row(at).segment<6>(hull_) -= kc.dot(s.n) * s.by_hull().transpose();
+    }
+    for (int d = 0; d <= c; ++d) sum.own(at, intrinsics_in_border(d)) -= kc.dot(intrinsics_of(rank).col(d));
+    sum.rhs[at] -= gain_.col(rank).dot(intrinsics_of(rank).col(c));
+  }
+}
+
+void Schur::add_small_border(int64_t f, Border& sum) const {
+  const auto rows = small_.rows(f);
+  const int64_t m = rows.rows();
+  for (const SmallFactors::Part& a : small_.parts(f)) {
+    for (const SmallFactors::Part& b : small_.parts(f)) {
+      if (a.border < b.border || b.border < 0) continue;
+      add_product(&sum.own(a.border, b.border), sum.own.rows(), rows.data() + a.column * m, a.width, rows.data() + b.column * m,
+                  b.width, m);
+    }
+  }
+}
+
+}  // namespace hullrecon

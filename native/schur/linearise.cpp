@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: 2026 the hullrecon authors
+// SPDX-License-Identifier: Apache-2.0
+// Gradient, diagonal and what else stays the same for every damping at a point that was accepted.
+#include "common/parallel.h"
+#include "schur/schur.h"
+
+namespace hullrecon {
+
+void Schur::linearise() {
+  images_.linearise();
+  small_.linearise();
+  surface_.linearise();
+  differentiate_landmarks();
+  differentiate_poses();
+  differentiate_nodes();
+  differentiate_others();
+  differentiate_border();
+}
+
+void Schur::differentiate_landmarks() {
+  for_slabs(model_.landmarks(), threads_, [&](int64_t begin, int64_t end) {
+    for (int64_t r = begin; r < end; ++r) {
+      Vec3 g = Vec3::Zero(), d = Vec3::Zero();
+      for (const View& view : images_.views_of_landmark(r)) {
+        const auto& h = view.information;
+        g += view.gradient, d += Vec3(h[0], h[3], h[5]);
+      }
+      for (const SurfaceTerm& s : surface_.of_landmark(r)) g += s.n * s.r, d += s.n.cwiseAbs2();
+      gradient_.landmark.segment<3>(3 * r) = g, diagonal_.landmark.segment<3>(3 * r) = d;
+      if (intrinsics_ == 0) continue;
+      Eigen::Matrix3Xd cross = Eigen::Matrix3Xd::Zero(3, intrinsics_);
+      for (int32_t v = images_.first_view(r); v < images_.first_view(r + 1); ++v)
+        images_.add_intrinsics(v, cross, nullptr, nullptr);
+      intrinsics_cross_.middleCols(r * intrinsics_, intrinsics_) = cross;
+    }
+  });
+}
+
+void Schur::differentiate_poses() {
+  const int width = layout_.width(0);
+  for_slabs(layout_.poses(), threads_, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      const CameraChain& chain = images_.chains()[i];
+      Mat6& own = own_[i];
+      own.setZero();
+      Twist twist = Twist::Zero();
+      for (int32_t v : images_.views_of_pose(i)) {
+        const View& view = images_.view(v);
+        const Vec3 q = at(view.landmark) - chain.origin;
+        add_times_displacement(own, 1.0, adjoint(q, view.matrix()), q);
+        twist += adjoint(q, view.gradient);
+      }
+      eliminated_.col(i) = twist;
+      Eigen::Matrix<double, 7, 1> g = chain.by_pose.transpose() * twist;
+      Eigen::Matrix<double, 7, 1> d = (own * chain.by_pose).cwiseProduct(chain.by_pose).colwise().sum().transpose();
+      for (int32_t f : small_.of_block(static_cast<int>(i))) {
+        const auto rows = small_.rows(f);
+        for (const SmallFactors::Part& part : small_.parts(f)) {
+          if (part.block != i) continue;
+          g.head(width) += rows.middleCols(part.column, width).transpose() * rows.rightCols<1>();
+          d.head(width) += rows.middleCols(part.column, width).colwise().squaredNorm().transpose();
+        }
+      }
+      gradient_.reduced.segment(offset(static_cast<int>(i)), width) = g.head(width);
+      diagonal_.reduced.segment(offset(static_cast<int>(i)), width) = d.head(width);
+    }
+  });
+}
+
+void Schur::differentiate_nodes() {
+  for_slabs(layout_.nodes(), threads_, [&](int64_t begin, int64_t end) {
+    for (int64_t n = begin; n < end; ++n) {
+      const int block = layout_.node(static_cast<int>(n));
+      double g = 0, d = 0;
+      for (int32_t k : surface_.of_node(static_cast<int>(n))) {
+        const double by = surface_.by_node(surface_[k], static_cast<int32_t>(n));
+        g += by * surface_[k].r, d += by * by;
+      }
+      for (int32_t f : small_.of_block(block)) {
+        const auto rows = small_.rows(f);
+        for (const SmallFactors::Part& part : small_.parts(f)) {
+          if (part.block == block)
+            g += rows.col(part.column).dot(rows.rightCols<1>()), d += rows.col(part.column).squaredNorm();
+        }
+      }
+      gradient_.reduced[offset(block)] = g, diagonal_.reduced[offset(block)] = d;
+    }
+  });
+}
+
+void Schur::differentiate_others() {
+  for_slabs(layout_.others(), threads_, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) {
+      const int block = layout_.other(static_cast<int>(k));
+      auto g = gradient_.reduced.segment(offset(block), layout_.width(block));
+      auto d = diagonal_.reduced.segment(offset(block), layout_.width(block));
+      g.setZero(), d.setZero();
+      for (int32_t f : small_.of_block(block)) {
+        const auto rows = small_.rows(f);
+        for (const SmallFactors::Part& part : small_.parts(f)) {
+          if (part.block != block) continue;
+          g += rows.middleCols(part.column, part.width).transpose() * rows.rightCols<1>();
+          d += rows.middleCols(part.column, part.width).colwise().squaredNorm().transpose();
+        }
+      }
+    }
+  });
+}
+
+void Schur::differentiate_border() {
+  const auto diagonal = [](Border& sum, int first, const auto& d) { sum.own.diagonal().segment(first, d.size()) += d; };
+  const Border of_poses = chunked(layout_.poses(), kPoses, [&](int64_t i, Border& sum) {
+    if (mount_ < 0) return;
+    const auto& by = images_.chains()[i].by_mount;
+    sum.rhs.segment<6>(mount_) += by.transpose() * eliminated_.col(i);
+    diagonal(sum, mount_, (own_[i] * by).cwiseProduct(by).colwise().sum().transpose());
+  });
+  const Border of_landmarks = chunked(model_.landmarks(), kLandmarks, [&](int64_t r, Border& sum) {
+    for (const SurfaceTerm& s : surface_.of_landmark(r)) {
+      if (hull_ < 0) break;
+      const Twist a = s.by_hull();
+      sum.rhs.segment<6>(hull_) += a * s.r;
+      diagonal(sum, hull_, a.cwiseAbs2());
+    }
+    if (intrinsics_ == 0) return;
+    Eigen::Matrix3Xd cross = Eigen::Matrix3Xd::Zero(3, intrinsics_);
+    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(intrinsics_, intrinsics_);
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(intrinsics_);
+    for (int32_t v = images_.first_view(r); v < images_.first_view(r + 1); ++v) images_.add_intrinsics(v, cross, &own, &g);
+    for (int k = 0; k < intrinsics_; ++k) {
+      sum.rhs[intrinsics_in_border(k)] += g[k];
+      // The intrinsics' own block stands whole in the lower half; its diagonal is that of J'J, too.
+      for (int m = 0; m <= k; ++m) sum.own(intrinsics_in_border(k), intrinsics_in_border(m)) += own(k, m);
+    }
+  });
+  const Border of_small = chunked(small_.count(), kFactors, [&](int64_t f, Border& sum) {
+    const auto rows = small_.rows(f);
+    for (const SmallFactors::Part& part : small_.parts(f)) {
+      if (part.border < 0) continue;
+      const auto J = rows.middleCols(part.column, part.width);
+      sum.rhs.segment(part.border, part.width) += J.transpose() * rows.rightCols<1>();
+      diagonal(sum, part.border, J.colwise().squaredNorm().transpose());
+    }
+  });
+  const int first = offset(layout_.blocks()), width = layout_.border();
+  gradient_.reduced.segment(first, width) = of_poses.rhs + of_landmarks.rhs + of_small.rhs;
+  diagonal_.reduced.segment(first, width) = (of_poses.own + of_landmarks.own + of_small.own).diagonal();
+  intrinsics_own_ = of_landmarks.own;
+  if (hull_ >= 0) intrinsics_own_.middleRows(hull_, 6).setZero();
+}
+
+}  // namespace hullrecon
