@@ -86,22 +86,25 @@ benchmarks/.venv/.installed: benchmarks/requirements-peers.txt
 	@benchmarks/.venv/bin/pip install -q -r $<
 	@touch $@
 
-# Readers that are no part of the project's environment or lock: wheels, two npm packages, and GDAL's programs of the system.
-OUTSIDE := $(abspath tests/outside_readers)
+# Readers that are no part of the project's environment or lock: wheels, npm packages, and GDAL's programs of the system.
+READERS := $(abspath tests/outside_readers)
+OUTSIDE := $(abspath build)/outside-readers
 
-outside-readers: demo $(OUTSIDE)/.venv/.installed
-	@command -v gdalinfo >/dev/null && command -v ogrinfo >/dev/null || { echo "apt-get install gdal-bin: gdalinfo and ogrinfo are missing"; exit 1; }
-	@rm -rf build/outside-readers
-	@$(BIN)/hullrecon export colmap $(RUNS)/$(notdir $(DEMO)) build/outside-readers/colmap
-	@$(OUTSIDE)/.venv/bin/python -m pytest -q -c $(OUTSIDE)/pytest.ini --rootdir $(OUTSIDE) --confcutdir $(OUTSIDE) -p no:cacheprovider $(OUTSIDE) \
-		--run $(abspath $(RUNS)/$(notdir $(DEMO))) --colmap $(abspath build/outside-readers/colmap)
+outside-readers: demo $(OUTSIDE)/.installed
+	@command -v gdalinfo >/dev/null && command -v ogrinfo >/dev/null || { echo "gdalinfo and ogrinfo are missing: apt-get install gdal-bin"; exit 1; }
+	@rm -rf $(OUTSIDE)/colmap
+	@$(BIN)/hullrecon export colmap $(RUNS)/$(notdir $(DEMO)) $(OUTSIDE)/colmap
+	@$(OUTSIDE)/venv/bin/python -m pytest -q -c $(READERS)/pytest.ini --rootdir $(READERS) --confcutdir $(READERS) -p no:cacheprovider \
+		$(READERS) --run $(abspath $(RUNS))/$(notdir $(DEMO)) --colmap $(OUTSIDE)/colmap --node $(OUTSIDE)
 
-$(OUTSIDE)/.venv/.installed: $(OUTSIDE)/requirements.txt $(OUTSIDE)/package-lock.json
-	@command -v npm >/dev/null || { echo "apt-get install nodejs npm: the glTF validator and Foxglove's reader are npm packages"; exit 1; }
-	@$(PYTHON) -m venv $(OUTSIDE)/.venv
-	@$(OUTSIDE)/.venv/bin/pip install -q -r $<
+$(OUTSIDE)/.installed: $(wildcard tests/outside_readers/*.txt tests/outside_readers/*.json tests/outside_readers/*.mjs)
+	@command -v npm >/dev/null || { echo "npm is missing, for the glTF validator and Foxglove's reader: apt-get install nodejs npm"; exit 1; }
+	@mkdir -p $(OUTSIDE)
+	@$(PYTHON) -m venv $(OUTSIDE)/venv
+	@$(OUTSIDE)/venv/bin/pip install -q -r $(READERS)/requirements.txt
+	@cp $(READERS)/*.json $(READERS)/*.mjs $(OUTSIDE)
 	@cd $(OUTSIDE) && npm ci --ignore-scripts --no-fund --no-audit --silent
 	@touch $@
 
 clean:
-	rm -rf build $(VENV) benchmarks/.venv tests/outside_readers/.venv tests/outside_readers/node_modules .mypy_cache .ruff_cache .pytest_cache
+	rm -rf build $(VENV) benchmarks/.venv .mypy_cache .ruff_cache .pytest_cache

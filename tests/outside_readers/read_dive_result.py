@@ -3,9 +3,7 @@
 """dive_result.mcap by Foxglove's own reader and schemas, and by the mcap package; the point cloud by laspy."""
 
 import json
-import subprocess
 from collections import Counter
-from pathlib import Path
 
 import jsonschema
 import laspy
@@ -14,22 +12,14 @@ import plyfile
 import pytest
 from mcap.reader import NonSeekingReader, make_reader
 
-HERE = Path(__file__).resolve().parent
-
-
-def node(*arguments):
-    done = subprocess.run(["node", HERE / "read_mcap.mjs", *arguments], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    return json.loads(done.stdout)
-
 
 @pytest.fixture(scope="module")
 def mcap(deliver):
     return deliver / "dive_result.mcap"
 
 
-def test_foxgloves_reader_and_the_mcap_package_find_the_same_messages(mcap):
-    found = node(mcap)
+def test_foxgloves_reader_and_the_mcap_package_find_the_same_messages(mcap, node):
+    found = node("read_mcap.mjs", mcap)
     counts, names = Counter(), {}
     with mcap.open("rb") as file:
         for schema, channel, _ in make_reader(file, validate_crcs=True).iter_messages():
@@ -41,13 +31,13 @@ def test_foxgloves_reader_and_the_mcap_package_find_the_same_messages(mcap):
     assert len(names) == 9
 
 
-def test_every_message_keeps_to_foxgloves_own_schema(mcap):
+def test_every_message_keeps_to_foxgloves_own_schema(mcap, node):
     validators = {}
     with mcap.open("rb") as file:
         for schema, _, message in make_reader(file, validate_crcs=True).iter_messages():
             if schema.name.startswith("foxglove."):
                 if schema.name not in validators:
-                    official = node(mcap, schema.name.removeprefix("foxglove."))
+                    official = node("read_mcap.mjs", mcap, schema.name.removeprefix("foxglove."))
                     validators[schema.name] = jsonschema.Draft202012Validator(official)
                 validators[schema.name].validate(json.loads(message.data))
     assert len(validators) == 5

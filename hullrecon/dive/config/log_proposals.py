@@ -82,16 +82,22 @@ def missing_calibrations(summary: LogSummary, folder: Path) -> dict[str, str]:
     return out
 
 
+def _frame_of(message: object) -> str | None:
+    """Return the frame of a message's header, None where the log's own definition of the type gives it none."""
+    frame = getattr(getattr(message, "header", None), "frame_id", None)
+    return None if frame is None else str(frame)
+
+
 def proposed_mounts(summary: LogSummary) -> dict[str, tuple[list[float], str]]:
     """Return values for keys of dive.toml, and the frames they come from, where tf_static leads from base_link to a sensor."""
     tree = frame_tree(message for note in summary.topics for message in note.frames)
     guessed = guess_topics(summary.topics)
     frames = {
-        sensor: str(note.first.header.frame_id)  # type: ignore[attr-defined]
+        sensor: frame
         for sensor, topic in guessed.items()
         for note in summary.topics
         if note.channel.topic == topic and note.channel.encoding in ENCODINGS and note.first is not None
-        and type_name(note.channel) not in WITHOUT_HEADER
+        and type_name(note.channel) not in WITHOUT_HEADER and (frame := _frame_of(note.first)) is not None
     }  # fmt: skip
     poses = {sensor: vehicle_from(frame, tree) for sensor, frame in frames.items()}
     out: dict[str, tuple[list[float], str]] = {}

@@ -48,7 +48,7 @@ def frame_transform(t_ns: int, parent: str, child: str, poses: Poses, row: int =
 
 
 def point_cloud(t_ns: int, frame: str, columns: Mapping[str, NDArray[np.generic]]) -> Message:
-    """Return points of columns (n,), among them x, y, z, of numpy's types uint8 to float64."""
+    """Return points of columns (n,), among them x, y, z, of numpy's types uint8 to float64. Raises ValueError for others."""
     rows = np.empty(len(columns["x"]), np.dtype([(name, values.dtype.newbyteorder("<")) for name, values in columns.items()]))
     for name, values in columns.items():
         rows[name] = values

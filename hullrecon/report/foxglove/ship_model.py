@@ -30,8 +30,7 @@ def ship_glb(mesh: Mesh) -> bytes:
     )
     scene = trimesh.Scene()
     scene.add_geometry(ship, node_name="ship", geom_name="ship", transform=Y_UP)
-    data: bytes = scene.export(file_type="glb", include_normals=True)
-    return bytes(data)
+    return bytes(scene.export(file_type="glb", include_normals=True))
 
 
 def _thinned(mesh: Mesh) -> Mesh:

@@ -42,6 +42,8 @@ class Connections(dict[int, Channel]):
 
 def record(stream: BinaryIO, at: int, size: int) -> tuple[Head, bytes, int]:
     """Return head and data of the record at byte `at`, and the byte behind it."""
+    if at >= size:
+        raise DamagedError(f"it would lie behind the end of the file, {size} bytes")
     stream.seek(at)
     (length,) = fields("<I", stream.read(4))
     if length > LARGEST_HEAD or at + 8 + length > size:

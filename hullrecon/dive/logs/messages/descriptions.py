@@ -22,14 +22,18 @@ Tree = Mapping[str, tuple[str, Poses]]  # child frame: its parent, and T_parent_
 
 
 def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
-    """Return the fixed frames of tf_static messages, by child. Frames of lengths that are no rotation are left out."""
+    """Return the fixed frames of tf_static messages, by child. Frames of lengths that are no rotation are left out, and so are
+    those that the log's own definition of the type leaves parts of out."""
     tree: dict[str, tuple[str, Poses]] = {}
-    for transform in (t for message in messages for t in message.transforms):
-        r, child = transform.transform.rotation, _frame(transform.child_frame_id)
-        quaternion = np.array([r.x, r.y, r.z, r.w], float)
-        shift = vector(transform.transform.translation)
+    for transform in (t for message in messages for t in getattr(message, "transforms", ())):
+        try:
+            r, child, parent = transform.transform.rotation, transform.child_frame_id, transform.header.frame_id
+            quaternion = np.array([r.x, r.y, r.z, r.w], float)
+            shift = vector(transform.transform.translation)
+        except AttributeError:
+            continue
         if abs(np.linalg.norm(quaternion) - 1) < 0.05 and np.isfinite(shift).all() and len(tree) < MOST_FRAMES:
-            tree[child] = (_frame(transform.header.frame_id), Poses(quaternion[None], shift[None]))
+            tree[_frame(child)] = (_frame(parent), Poses(quaternion[None], shift[None]))
     return tree
 
 
