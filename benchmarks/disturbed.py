@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What sensors that fail do to the path: python -m benchmarks.disturbed PACKAGE FOLDER [--only NAME ...] [--json FILE]
+"""What sensors that fail do to the path: python -m benchmarks.disturbed PACKAGE FOLDER [--only NAME ...] [--free]
 
 PACKAGE is a simulated dive with an MCAP log. Copies of it are made in FOLDER, each disturbed in one way: no images for 50 s, no
 DVL for 60 s, an IMU whose clock jumps by 2 s, a heading that steps by 3 degrees, each from the middle of the dive. Each is run
@@ -23,7 +23,7 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 from scipy.spatial.transform import Rotation
 
-from benchmarks.legs import figures, hullrecon
+from benchmarks.legs import Figures, figures, hullrecon, without_cad_model
 
 NS = 1_000_000_000
 HEADING_STEP_DEG, CLOCK_JUMP_S, NO_IMAGES_S, NO_DVL_S = 3.0, 2.0, 50.0, 60.0
@@ -107,9 +107,18 @@ def disturb(package: Path, copy: Path, change: Disturbance) -> None:
 
 
 def said(run: Path) -> list[str]:
-    """Return what the steps remarked."""
-    sentences = json.loads((run / "ingest" / "findings.json").read_text())["remarks"]
-    return [*sentences, *json.loads((run / "navigate" / "navigation.json").read_text())["remarks"]]
+    """Return what the steps warned of, as the report has it."""
+    steps = [run / name / "manifest.json" for name in ("ingest", "navigate", "links", "matches", "adjust")]
+    return [sentence for step in steps if step.exists() for sentence in json.loads(step.read_text())["warnings"]]
+
+
+def line(name: str, row: Figures) -> str:
+    """Return one disturbance's figures as a line."""
+    sigmas = " ".join(f"{x:.2f}" for x in row["errors_in_sigmas"])
+    return (
+        f"{name}: rigid rms {row['adjust_mm']:.1f} mm (dead reckoning {row['dead_reckoning_mm']:.1f}), errors in sigmas"
+        f" {sigmas}; CAD refused: {row['cad_model_refused']}; {' | '.join(row['said'])}"
+    )
 
 
 def main() -> int:
@@ -117,18 +126,24 @@ def main() -> int:
     parser.add_argument("package", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--only", nargs="+", choices=DISTURBANCES, default=list(DISTURBANCES))
+    parser.add_argument("--free", action="store_true", help="run also without the CAD model")
     parser.add_argument("--json", type=Path)
     args = parser.parse_args()
-    rows: dict[str, object] = {}
+    rows: dict[str, Figures] = {}
+
+    def measure(name: str, package: Path, runs: Path, run: Path) -> None:
+        code = hullrecon("run", "-q", str(package), "--runs", str(runs), "--to", "adjust")
+        rows[name] = {"exit_code": code} | ({} if code else figures(run, package) | {"said": said(run)})
+        print(f"{name}: ended with {code}" if code else line(name, rows[name]), flush=True)
+
     for name in args.only:
-        copy = args.folder / name
+        copy, runs = args.folder / name, args.folder / "runs"
         if not copy.exists():
             disturb(args.package, copy, DISTURBANCES[name])
-        code = hullrecon("run", "-q", str(copy), "--runs", str(args.folder / "runs"), "--to", "adjust")
-        run = args.folder / "runs" / name
-        row = {"exit_code": code} | ({} if code else figures(run, copy) | {"said": said(run)})
-        rows[name] = row
-        print(f"{name}: {json.dumps(row)}", flush=True)
+        measure(name, copy, runs, runs / name)
+        if args.free:
+            free, free_runs = without_cad_model(copy, runs / name)
+            measure(f"{name}, no CAD model", free, free_runs, free_runs / name)
     if args.json:
         args.json.write_text(json.dumps(rows, indent=1))
     return 0

@@ -22,7 +22,10 @@ from pathlib import Path
 
 import numpy as np
 
+from hullrecon.evaluation.scoring.deliverables import TimedPoses
+from hullrecon.evaluation.scoring.trajectory import hull_from_start
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.rigid_fit import fit_rigid, fit_scale
 from hullrecon.records.serialisation import from_arrays
@@ -95,10 +98,16 @@ def rigid_rms_mm(t_ns: Ints, positions: Array, truth: Truth) -> tuple[float, flo
 
 
 def in_sigmas(solution: Solution, truth: Truth) -> list[float]:
-    """Return the rms of the vehicle's errors in the hull in their own sigmas, by axis."""
+    """Return the rms of the vehicle's errors in their own sigmas, by axis of the hull; without a CAD model by axis of g, from
+    where the path begins."""
     track = solution.track()
-    error = track.poses.translation - truth.vehicle_at(track.t_ns / 1e9).translation
-    return [float(x) for x in np.sqrt(((error / track.sigma[:, :3]) ** 2).mean(axis=0))]
+    t_s = track.t_ns / 1e9
+    inside = (t_s >= truth.t_s[0]) & (t_s <= truth.t_s[-1])
+    true = truth.vehicle_at(t_s)
+    if track.frame is Frame.GLOBAL:
+        true = hull_from_start(TimedPoses(t_s=t_s, poses=track.poses), truth).inverse() @ true
+    error = (track.poses.translation - true.translation) / track.sigma[:, :3]
+    return [float(x) for x in np.sqrt((error[inside] ** 2).mean(axis=0))]
 
 
 def true_revisits(run: Path, truth: Truth) -> tuple[Ints, Ints, int]:
@@ -152,8 +161,7 @@ def figures(run: Path, package: Path) -> Figures:
         "parts": len(np.unique(links["part"])),
         "cad_model_refused": said.get("cad_model_refused"),
     }
-    if solution.hull_pose is not None:
-        row["errors_in_sigmas"] = in_sigmas(solution, truth)
+    row["errors_in_sigmas"] = in_sigmas(solution, truth)
     return row
 
 

@@ -27,19 +27,22 @@ def found(offset_m: np.ndarray, sigma_m: float) -> LinkedPath:
 
 def truth() -> SimpleNamespace:
     at = np.column_stack([np.zeros(N), np.linspace(0, 10, N), np.zeros(N)])
-    return SimpleNamespace(t_s=np.arange(N, dtype=float), poses=Poses(np.tile([0, 0, 0, 1.0], (N, 1)), at))
+    poses = Poses(np.tile([0, 0, 0, 1.0], (N, 1)), at)
+    return SimpleNamespace(
+        t_s=np.arange(N, dtype=float), global_from_hull=identity(), vehicle_at=lambda t_s: poses[np.asarray(t_s, int)]
+    )
 
 
-def test_a_shift_of_the_whole_path_is_no_error_of_its_form_but_counts_in_sigmas() -> None:
-    row = planes.score(found(np.array([0.03, 0, 0]), 0.01), (1e9 * np.arange(N)).astype(np.int64), truth(), identity())
+def test_a_path_counts_from_where_it_begins_and_its_depth_from_the_water() -> None:
+    row = planes.score(found(np.array([0.03, 0, 0.02]), 0.01), (1e9 * np.arange(N)).astype(np.int64), truth())
     assert row["rigid_m"] == pytest.approx(0, abs=1e-9)
-    assert row["error_over_sigma"] == pytest.approx(3.0)
+    assert row["error_over_sigma"] == pytest.approx(2.0)
 
 
 def test_a_bend_across_the_hull_is_an_error_across_it() -> None:
     bend = np.zeros((N, 3))
     bend[:, 0] = 0.1 * np.cos(np.linspace(0, 2 * np.pi, N))
-    row = planes.score(found(bend, 0.01), (1e9 * np.arange(N)).astype(np.int64), truth(), identity())
+    row = planes.score(found(bend, 0.01), (1e9 * np.arange(N)).astype(np.int64), truth())
     assert row["across_m"] == pytest.approx(0.1 / np.sqrt(2), rel=0.05)
     assert row["along_m"] < 0.01
     assert row["down_m"] == pytest.approx(0, abs=1e-9)

@@ -79,7 +79,7 @@ def test_a_stamp_beyond_every_calendar_is_shown_in_seconds():
 @given(st.lists(st.integers(0, 10**12), min_size=1, max_size=50))
 def test_what_is_kept_is_strictly_increasing_and_complete(stamps):
     assume(len(stamps) <= 2 or len(set(stamps)) > 1)
-    keep = put_in_order("x", stamps, [0] * len(stamps)).keep
+    keep = put_in_order("x", stamps, stamps).keep  # the logger tells nothing more
     kept = np.array(stamps)[keep]
     assert (np.diff(kept) > 0).all()
     assert set(kept) == set(stamps)
@@ -146,3 +146,13 @@ def test_what_the_logger_wrote_late_keeps_its_stamps():
 def test_without_a_loggers_clock_stamps_stay_as_they_are():
     stamps = clock()[0]
     assert (put_in_order("imu", stamps, stamps).t_ns == stamps).all()
+
+
+@given(st.lists(st.integers(0, 10**12), min_size=1, max_size=80), st.integers(0, 10**12), st.integers(1, 79))
+def test_whatever_clocks_do_the_stamps_kept_grow_and_belong_to_rows(stamps, jump, at):
+    assume(len(stamps) <= 2 or len(set(stamps)) > 1)
+    moved = [t + (jump if i >= at else 0) for i, t in enumerate(sorted(stamps))]
+    assume(len(moved) <= 2 or len(set(moved)) > 1)
+    line = put_in_order("x", moved, sorted(stamps))
+    assert (np.diff(line.t_ns) > 0).all()
+    assert len(set(line.keep.tolist())) == len(line.keep) == len(line.t_ns)
