@@ -26,6 +26,13 @@ def tree(*transforms):
     return frame_tree([SimpleNamespace(transforms=[t]) for t in transforms])
 
 
+def test_a_frame_that_the_logs_own_definition_gives_no_header_is_left_out():
+    headless = transform("base_link", "lost")
+    del headless.header.frame_id
+    assert tree(headless, transform("base_link", "dvl")).keys() == {"dvl"}
+    assert frame_tree([SimpleNamespace(other=1)]) == {}
+
+
 def test_a_sensor_s_frame_is_turned_into_the_vehicle_s_axes():
     """base_link is forward, port, up (REP 103); the vehicle forward, starboard, down."""
     frames = tree(transform("base_link", "frame", (0.2, 0.1, 0.3)), transform("frame", "dvl", (0.05, 0.0, 0.0)))
