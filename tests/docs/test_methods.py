@@ -49,5 +49,23 @@ def test_the_huber_thresholds_leave_the_same_share_beyond() -> None:
     assert max(beyond) - min(beyond) < 3e-4
 
 
+def test_the_numbers_of_a_comparison_of_two_dives_are_the_defaults() -> None:
+    from hullrecon.change.options import ChangeOptions
+
+    o = ChangeOptions()
+    section = _methods().split("## 19. ")[1].split("## 20. ")[0]
+    for text in (
+        f"cells of {100 * o.cell_m:.0f} cm",
+        f"within $e = {100 * o.edge_m:.0f}$ cm",
+        f"sigma of at most {1000 * o.max_sigma_m:.0f} mm",
+        f"at least {1e4 * o.min_area_m2:.0f} cm²",
+        f"{1000 * o.min_change_m:.0f}\\,\\mathrm{{mm}}",
+        f"patches of {o.patch_m:g} m",
+        f"by {1000 * o.min_move_m:.0f} mm or more",
+        f"from {100 * o.max_p_value:.0f} % down",
+    ):
+        assert text in section, text
+
+
 def _methods() -> str:
     return (ROOT / "docs/methods.md").read_text()
