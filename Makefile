@@ -101,7 +101,7 @@ $(OUTSIDE)/.installed: $(wildcard tests/outside_readers/*.txt tests/outside_read
 	@command -v npm >/dev/null || { echo "npm is missing, for the glTF validator and Foxglove's reader: apt-get install nodejs npm"; exit 1; }
 	@mkdir -p $(OUTSIDE)
 	@$(PYTHON) -m venv $(OUTSIDE)/venv
-	@$(OUTSIDE)/venv/bin/pip install -q -r $(READERS)/requirements.txt
+	@$(OUTSIDE)/venv/bin/python -m pip install -q -r $(READERS)/requirements.txt
 	@cp $(READERS)/*.json $(READERS)/*.mjs $(OUTSIDE)
 	@cd $(OUTSIDE) && npm ci --ignore-scripts --no-fund --no-audit --silent
 	@touch $@

@@ -4,5 +4,9 @@
 
 from hullrecon.api.commands import MethodComparison, compare_methods, diff, draw_figures, evaluate, run_dive
 from hullrecon.api.dive_run import DiveRun, open_dive
+from hullrecon.api.export import ExportedModel, export_colmap
 
-__all__ = ["DiveRun", "MethodComparison", "compare_methods", "diff", "draw_figures", "evaluate", "open_dive", "run_dive"]
+__all__ = [
+    "DiveRun", "ExportedModel", "MethodComparison", "compare_methods", "diff", "draw_figures", "evaluate", "export_colmap",
+    "open_dive", "run_dive",
+]  # fmt: skip

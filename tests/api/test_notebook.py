@@ -20,7 +20,7 @@ DEMO = ROOT / "sample_data" / "demo"
 
 
 def test_the_functions_of_the_commands_are_found_in_the_package() -> None:
-    for name in ("run_dive", "evaluate", "diff", "compare_methods", "draw_figures", "open_dive"):
+    for name in ("run_dive", "evaluate", "diff", "compare_methods", "draw_figures", "export_colmap", "open_dive"):
         assert callable(getattr(hullrecon, name))
 
 

@@ -118,6 +118,13 @@ def test_the_pose_at_a_node_is_the_tracks(whole: Survey) -> None:
     np.testing.assert_allclose([sigma["x"], sigma["yaw"], sigma["tray"]], [*whole.track.sigma[2, [0, 5]], whole.track.tray[2]])
 
 
+def test_a_node_whose_sigma_was_lost_has_its_pose_alone(whole: Survey) -> None:
+    covariance = whole.track.covariance.copy()
+    covariance[1, 0, 0] = np.nan
+    found = read(dive_result_mcap(replace(whole, track=replace(whole.track, covariance=covariance))))
+    assert (len(found["/vehicle/pose"]), len(found["/vehicle/sigma"])) == (NODES, NODES - 1)
+
+
 def test_the_frames_lead_from_the_ship_to_the_sensors(whole: Survey) -> None:
     transforms, rig = read(dive_result_mcap(whole))["/tf"], whole.facts.rig
     expected = {"camera_top": rig.camera_poses(whole.track.path, rig.cameras[0]), "dvl": rig.dvl_poses(whole.track.path)}

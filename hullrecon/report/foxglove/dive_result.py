@@ -123,8 +123,11 @@ def _vehicle(survey: Survey, frame: str) -> Iterator[TimedMessage]:
         values: dict[str, Message] = {
             "/tf": messages.frame_transform(t_ns, frame, "vehicle", track.poses, row),
             "/vehicle/pose": {"timestamp": at, "frame_id": frame, "pose": messages.pose(track.poses, row)},
-            "/vehicle/sigma": {"timestamp": at, **dict(zip(names, sigma, strict=True)), "tray": float(track.tray[row])},
         }
+        if np.isfinite(sigma).all():  # JSON has no NaN
+            values["/vehicle/sigma"] = {
+                "timestamp": at, **dict(zip(names, sigma, strict=True)), "tray": float(track.tray[row])
+            }  # fmt: skip
         yield TimedMessage(t_ns=t_ns, topic="/tf", value=messages.frame_transform(t_ns, "vehicle", "tray", tray, row))
         for topic, value in values.items():
             yield TimedMessage(t_ns=t_ns, topic=topic, value=value)
