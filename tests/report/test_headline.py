@@ -138,14 +138,19 @@ def test_the_verdict_says_why_nothing_was_looked_for(survey: Survey, bare: Surve
 
 
 def test_a_figure_is_given_where_it_was_measured(survey: Survey, bare: Survey) -> None:
-    assert [name for name, _, _ in key_figures(survey)] == ["Object", "Hull seen", "Position along", "Form off the CAD model"]
+    assert [name for name, _, _ in key_figures(survey)] == [
+        "Object",
+        "Hull seen",
+        "Vehicle, along the hull",
+        "Form off the CAD model",
+    ]
     assert key_figures(bare) == []
     blind = replace(survey, findings=replace(survey.findings, coverage=None, objects=None))
-    assert [name for name, _, _ in key_figures(blind)] == ["Position along", "Form off the CAD model"]
+    assert [name for name, _, _ in key_figures(blind)] == ["Vehicle, along the hull", "Form off the CAD model"]
 
 
 def test_without_a_cad_model_the_place_is_along_and_across(survey: Survey, bare: Survey) -> None:
     in_g = replace(bare, surfaces=replace(survey.surfaces, deviation=None))
     ((name, value, remark),) = key_figures(in_g)
-    assert (name, remark.endswith("across, one sigma")) == ("Position along", True)
+    assert (name, remark.endswith("across, one sigma")) == ("Vehicle, along the hull", True)
     assert value.startswith("± ")

@@ -297,7 +297,7 @@ def test_what_a_reader_asks_first_is_on_top(survey: Survey) -> None:
     assert found[1] == "1 object found on the hull (1 protrusion); the largest, no. 1, has a height of 0.100 ± 0.004 m."
     words = re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", found[2])).strip()
     assert words == (
-        "Object 1 on the hull Hull seen 4.0 m² by camera Position along ± 0.50 m ± 20 mm in girth, one sigma "
+        "Object 1 on the hull Hull seen 4.0 m² by camera Vehicle, along the hull ± 0.50 m ± 20 mm in girth, one sigma "
         "Form off the CAD model −3 to +3 mm one sigma 2.0 mm"
     )
 

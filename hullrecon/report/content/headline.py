@@ -43,7 +43,7 @@ def key_figures(survey: Survey) -> list[tuple[str, str, str]]:
         along, girth = survey.track.sigma_on_chart(survey.surfaces.chart)
         if np.isfinite(along + girth):
             across = "in girth" if survey.is_in_hull_frame else "across"
-            rows.append(("Position along", f"± {length(along)}", f"± {length(girth)} {across}, one sigma"))
+            rows.append(("Vehicle, along the hull", f"± {length(along)}", f"± {length(girth)} {across}, one sigma"))
     if figures is not None:
         low, _, high = 1000 * figures.form
         form = f"{signed_range(low, high)}\N{NO-BREAK SPACE}mm"
