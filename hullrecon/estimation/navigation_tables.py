@@ -10,7 +10,12 @@ from hullrecon import native
 from hullrecon.estimation.rig_priors import Mount
 from hullrecon.geometry.poses import Poses, pose_vector
 from hullrecon.records.trajectory import Attitude, Odometry
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Ints
+
+BRIDGED_M_S = 0.05  # of a step's sigma over its time: no DVL that sees the bottom is so bad
+LONGEST_STEP_S = 5.0  # between nodes, over which a velocity goes on
+MANOEUVRES_M2_S3 = 0.01  # variance of a velocity's change in a second, of a vehicle that turns at the end of a leg
+UNTOLD_RAD_S = 1e2  # sigma: the turn is the IMU's
 
 
 def attitude_table(attitude: Attitude, depth_weight: float = 1.0) -> native.AttitudeTable:
@@ -50,6 +55,32 @@ def odometry_table(odometry: Odometry, tray_rad: Array, tray_from_dvl: Poses, pa
         by_tray=odometry.by_tray,
         tray=0.5 * (tray_rad[odometry.first] + tray_rad[odometry.second]),
         mount=pose_vector(tray_from_dvl),
+    )
+
+
+def velocity_table(odometry: Odometry, t_ns: Ints) -> native.VelocityTable:
+    """Return that the velocity goes on steadily where the DVL was silent, from every step that was bridged to its neighbours;
+    t_ns (n,): of the nodes.
+
+    A bridge is known step by step as if each erred by itself, by many times its length. Of one camera, which tells no lengths,
+    steps then shrink to nothing wherever that suits the directions.
+    """
+    duration_s = (t_ns[odometry.second] - t_ns[odometry.first]) * 1e-9
+    sigma_m_s = np.sqrt(odometry.covariance[:, 0, 0]) / np.maximum(duration_s, 1e-3)
+    bridged = (sigma_m_s > BRIDGED_M_S) & ~odometry.from_images
+    rows = np.arange(len(odometry) - 1)
+    near = (odometry.second[:-1] == odometry.first[1:]) & (np.maximum(duration_s[:-1], duration_s[1:]) < LONGEST_STEP_S)
+    rows = rows[(bridged[:-1] | bridged[1:]) & near]
+    before, after = duration_s[rows], duration_s[rows + 1]
+    sigma = np.sqrt(MANOEUVRES_M2_S3 * (before + after) / 3)
+    free = np.full((len(rows), 3), UNTOLD_RAD_S)
+    return native.VelocityTable(
+        first=odometry.first[rows].astype(np.int32),
+        second=odometry.second[rows].astype(np.int32),
+        third=odometry.second[rows + 1].astype(np.int32),
+        before=before,
+        after=after,
+        sigma=np.hstack([np.repeat(sigma[:, None], 3, axis=1), free]),
     )
 
 

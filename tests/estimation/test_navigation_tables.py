@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Navigation's records as the tables of a native problem."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from navigation.linked_dive import STEP_SIGMA, simulate
@@ -13,6 +15,7 @@ from hullrecon.estimation.navigation_tables import (
     mount_prior_table,
     odometry_table,
     tray_table,
+    velocity_table,
 )
 from hullrecon.estimation.rig_priors import Mount, mount_prior
 from hullrecon.geometry.poses import Poses, exp, from_mount
@@ -101,3 +104,24 @@ def test_a_mount_that_is_held_or_was_not_carried_has_no_prior():
     table = mount_prior_table(mount, mount.nominal)
     np.testing.assert_array_equal(table.value, [0, 0, 0, 0, 0, 0, 1])
     assert table.sqrt_information is mount.sqrt_information
+
+
+def test_where_the_dvl_was_silent_the_velocity_goes_on(dive):
+    """Steps 4 to 6 were bridged; the steps beside them say how fast the vehicle came and went."""
+    covariance = dive.odometry.covariance.copy()
+    covariance[4:7, [0, 1, 2], [0, 1, 2]] = 0.3**2
+    t_ns = (1e9 * 0.5 * np.arange(12)).astype(np.int64)
+    table = velocity_table(replace(dive.odometry, covariance=covariance), t_ns)
+    assert np.column_stack([table.first, table.second, table.third]).tolist() == [[3, 4, 5], [4, 5, 6], [5, 6, 7], [6, 7, 8]]
+    np.testing.assert_allclose(table.before, 0.5)
+    np.testing.assert_allclose(table.sigma[:, :3], np.sqrt(0.01 * 1.0 / 3))
+    assert (table.sigma[:, 3:] > 10).all()
+
+
+def test_a_dvl_that_was_heard_and_a_minute_without_nodes_say_nothing_of_the_velocity(dive):
+    half_a_second = (1e9 * 0.5 * np.arange(12)).astype(np.int64)
+    assert len(velocity_table(dive.odometry, half_a_second).first) == 0
+    covariance = dive.odometry.covariance.copy()
+    covariance[5, [0, 1, 2], [0, 1, 2]] = 5.0**2
+    minute = half_a_second + 60 * 10**9 * (np.arange(12) > 5)
+    assert len(velocity_table(replace(dive.odometry, covariance=covariance), minute).first) == 0

@@ -79,14 +79,21 @@ def test_they_never_make_a_path_worse(seed: int, kind: dict, drift: float) -> No
 
 
 def with_outage(dive: PlanarDive, off_m: float, sigma_m: float) -> PlanarDive:
-    """The dive with one step, in the middle of its first turn, that nothing measured: off along the hull."""
+    """The dive with one step in its middle that nothing measured, of a minute more: off along the hull."""
     step = len(dive.odometry) // 2
     odometry = dive.odometry
     translation, covariance = odometry.translation.copy(), odometry.covariance.copy()
     translation[step, 1] += off_m
     covariance[step, [0, 1, 2], [0, 1, 2]] = sigma_m**2
     odometry = replace(odometry, translation=translation, covariance=covariance)
-    return replace(dive, odometry=odometry, trajectory=reckoned(dive.truth.matrix(), odometry))
+    later = 60 * 10**9 * (np.arange(len(dive.truth)) > step)
+    trajectory = reckoned(dive.truth.matrix(), odometry)
+    return replace(
+        dive,
+        odometry=odometry,
+        trajectory=replace(trajectory, t_ns=trajectory.t_ns + later),
+        returns=replace(dive.returns, t_ns=dive.returns.t_ns + later[dive.returns.node]),
+    )
 
 
 def test_patches_whose_place_along_the_hull_is_a_guess_are_not_compared() -> None:

@@ -24,6 +24,7 @@ from hullrecon.estimation.navigation_tables import (
     mount_prior_table,
     odometry_table,
     tray_table,
+    velocity_table,
 )
 from hullrecon.estimation.plane_tables import with_planes
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
@@ -63,6 +64,7 @@ def assemble(
         priors=priors,
         attitude=attitude_table(m.attitude, weights.depth),
         tray=tray_table(m.trajectory.tray, weights.tray_direction, weights.tray),
+        velocities=velocity_table(m.odometry, m.trajectory.t_ns),
         odometry=odometry_table(_unseen_motions(m, chosen), m.trajectory.tray, m.rig.T_s_d.nominal, state.nodes),
     )
     if m.tracks is not None:

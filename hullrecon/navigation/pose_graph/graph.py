@@ -19,6 +19,7 @@ from hullrecon.estimation.navigation_tables import (
     mount_prior_table,
     odometry_table,
     tray_table,
+    velocity_table,
 )
 from hullrecon.estimation.plane_tables import with_planes
 from hullrecon.estimation.rig_priors import Rig
@@ -89,6 +90,7 @@ class PoseGraph:
             ),
             attitude=attitude_table(self.attitude),
             tray=tray_table(t.tray, self.attitude.tray_direction, rig.tray_sigma),
+            velocities=velocity_table(self.odometry, t.t_ns),
             odometry=odometry_table(_unlinked_motions(self.odometry, links), t.tray, rig.T_s_d.nominal, path),
             links=link_table(links, len(t.t_ns), kernel),
         )

@@ -24,7 +24,8 @@ from hullrecon.typing import Array, Ints
 LOOK_BACK = 3  # pairs that a motion is sought from, the nearest first
 LEAST_VARIANCE = 1e-10  # m2, rad2: keeps the covariance of the first pose invertible
 LOST_SIGMA_M, LOST_SIGMA_RAD = 0.5, 0.2  # of a step that no pair could tell, of the usual time
-LOST_M_S, LOST_RAD_S, MOST_LOST_RAD = 0.5, 0.05, 1.0  # by which these grow with what it lasts beyond that, and the most
+LOST_M_S, LOST_RAD_S = 0.2, 0.05  # by which these grow with every second that it lasts beyond that
+MOST_LOST_M, MOST_LOST_RAD = 10.0, 1.0  # and the most: beyond that the parts that images join are as good as untied
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +63,7 @@ class StepGuess:
         if self.camera is not None and self.turn_variance is not None:
             quaternion = (self.camera[k].inv() * self.camera[k + 1]).as_quat()[None]
             sigma_rad = min(float(np.sqrt(self.turn_variance[k])), sigma_rad)
-        sigma = np.repeat([LOST_SIGMA_M + LOST_M_S * longer_s, sigma_rad], 3)
+        sigma = np.repeat([min(LOST_SIGMA_M + LOST_M_S * longer_s, MOST_LOST_M), sigma_rad], 3)
         none = CalibrationEffect(by_error=np.zeros((6, 0)), information=np.zeros((0, 0)), gradient=np.zeros(0))
         pose = Poses(quaternion, going_on)
         return StereoMotion(pose=pose, covariance=np.diag(sigma**2), inliers=0, calibration=none)
