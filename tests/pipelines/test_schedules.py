@@ -202,12 +202,13 @@ def test_a_dask_launch_ends_though_a_worker_does_not_and_leaves_no_process(
 ) -> None:
     """A worker that is told to end while it starts has been seen to go on for ever."""
     deaf = tmp_path / "deaf"
-    deaf.write_text("#!/bin/bash\ntrap '' TERM INT\nsleep 1357 & sleep 1357; sleep 1357\n")
+    sleep = f"sleep 1{os.getpid()}"  # of this test alone: they would be in the way of no other
+    deaf.write_text(f"#!/bin/bash\ntrap '' TERM INT\n{sleep} & {sleep}\n")
     deaf.chmod(0o755)
     environment = os.environ | {"PYTHON": str(deaf), "HULLRECON": str(program), "STOP_TIMEOUT_S": "1"}
     answer = call(pipelines / "dask-launch", 1, "run", tmp_path, env=environment, timeout=120)
     assert answer.returncode != 0
-    assert "sleep 1357" not in call("ps", "-eo", "args").stdout
+    assert sleep not in call("ps", "-eo", "args").stdout
     assert str(deaf) not in call("ps", "-eo", "args").stdout
 
 
