@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""run, evaluate, diff, compare-methods and figures as functions that return what the commands print."""
+"""run, evaluate, diff, export, compare-methods and figures as functions that return what the commands print."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ from hullrecon.artifacts.storage.writer import ArtifactWriter
 
 if TYPE_CHECKING:
     from hullrecon.api.change import RunComparison
+    from hullrecon.api.export import ExportedModel
     from hullrecon.evaluation.comparison.method_comparison import MethodFigures
     from hullrecon.evaluation.figures.figure_style import PublishedFigure
     from hullrecon.evaluation.scoring.score import Score
@@ -76,6 +77,16 @@ def diff(first: Path | str, second: Path | str) -> RunComparison:
     from hullrecon.api.change import diff as diff_runs
 
     return diff_runs(first, second)
+
+
+def export_colmap(run: Path | str, folder: Path | str, *, jobs: int = 1, progress: Progress | None = None) -> ExportedModel:
+    """Write the undistorted images of a finished run (RUNS/<dive>) with their COLMAP model into a new folder.
+
+    Raises InputError when the run is not finished or has no cameras.
+    """
+    from hullrecon.api.export import export_colmap as export_undistorted
+
+    return export_undistorted(Path(run), Path(folder), jobs=jobs, progress=progress or Silent())
 
 
 def compare_methods(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> MethodComparison:
