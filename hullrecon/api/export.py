@@ -18,8 +18,8 @@ from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import InputError
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.undistortion import Undistortion
+from hullrecon.new_folder import new_folder
 from hullrecon.steps.artifacts import IngestArtifact
-from hullrecon.synthetic.output.new_folder import new_folder
 
 if TYPE_CHECKING:
     from hullrecon.adjustment.results.undistorted_model import ImageNames, UndistortedModel

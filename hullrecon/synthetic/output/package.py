@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from hullrecon.new_folder import new_folder
 from hullrecon.synthetic.dive import Dive, simulate_dive
 from hullrecon.synthetic.output.calibration import camera_info, cameras_of
 from hullrecon.synthetic.output.dive_toml import dive_toml
 from hullrecon.synthetic.output.mcap_log import write_mcap
-from hullrecon.synthetic.output.new_folder import new_folder
 from hullrecon.synthetic.output.plain_log import write_plain
 from hullrecon.synthetic.output.truth import write_truth
 from hullrecon.synthetic.sensors.recorder import Track, record, without_progress

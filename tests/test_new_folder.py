@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from hullrecon.errors import StorageError
-from hullrecon.synthetic.output.new_folder import new_folder
+from hullrecon.new_folder import new_folder
 
 
 def test_the_folder_appears_when_all_is_written(tmp_path: Path) -> None:
