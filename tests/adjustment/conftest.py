@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from hullrecon.adjustment.results.colmap_export import SparseModel
 from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import CameraModel
@@ -54,3 +55,21 @@ def scene():
     color = np.full((count, 3), 90, np.uint8)
     tracks = Tracks(landmark=landmark[seen], node=node[seen], top=pixels[0][seen], bottom=pixels[1][seen], color=color)
     return SimpleNamespace(nodes=nodes, tray=tray, points=points, rig=rig, top=top, bottom=bottom, tracks=tracks)
+
+
+@pytest.fixture
+def sparse_model(scene):
+    """The scene as a model to export, with a stamp for each image."""
+    n = len(scene.nodes)
+    top, bottom = (np.isfinite(pixel[:, 0]) for pixel in (scene.tracks.top, scene.tracks.bottom))
+    assert len(scene.tracks.node) > 1000
+    return SparseModel(
+        tracks=scene.tracks,
+        top=top,
+        bottom=bottom,
+        hull_from_top=scene.top,
+        T_ct_cb=scene.rig.T_ct_cb.nominal,
+        cameras=(scene.rig.top, scene.rig.bottom),
+        stamps=np.stack([np.arange(n) * 10**9, np.arange(n) * 10**9 + 5], axis=1),
+        position=scene.points,
+    )

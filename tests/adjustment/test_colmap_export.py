@@ -5,25 +5,7 @@ import hashlib
 import numpy as np
 import pytest
 
-from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
-
-
-@pytest.fixture
-def model(scene):
-    n, rows = len(scene.nodes), len(scene.tracks.node)
-    stamps = np.stack([np.arange(n) * 10**9, np.arange(n) * 10**9 + 5], axis=1)
-    top, bottom = (np.isfinite(p[:, 0]) for p in (scene.tracks.top, scene.tracks.bottom))
-    assert rows > 1000
-    return SparseModel(
-        tracks=scene.tracks,
-        top=top,
-        bottom=bottom,
-        hull_from_top=scene.top,
-        T_ct_cb=scene.rig.T_ct_cb.nominal,
-        cameras=(scene.rig.top, scene.rig.bottom),
-        stamps=stamps,
-        position=scene.points,
-    )
+from hullrecon.adjustment.results.colmap_export import write_model
 
 
 def read(folder):
@@ -32,35 +14,38 @@ def read(folder):
     return pycolmap.Reconstruction(str(folder))
 
 
-def test_pycolmap_reads_the_model_back_without_reprojection_error(model, tmp_path):
-    write_model(model, tmp_path)
+def test_pycolmap_reads_the_model_back_without_reprojection_error(sparse_model, tmp_path):
+    write_model(sparse_model, tmp_path)
     back = read(tmp_path)
-    assert back.num_images() == 2 * len(model.stamps)
+    assert back.num_images() == 2 * len(sparse_model.stamps)
     assert back.compute_mean_reprojection_error() < 1e-6
 
 
-def test_reprojection_error_is_the_one_put_in(model, tmp_path):
-    model.tracks.top[model.top] += [0.3, 0.4]
-    write_model(model, tmp_path)
+def test_reprojection_error_is_the_one_put_in(sparse_model, tmp_path):
+    sparse_model.tracks.top[sparse_model.top] += [0.3, 0.4]
+    write_model(sparse_model, tmp_path)
     error = read(tmp_path).compute_mean_reprojection_error()
-    seen = [np.bincount(model.tracks.landmark[use], minlength=len(model.position)) for use in (model.top, model.bottom)]
+    seen = [
+        np.bincount(sparse_model.tracks.landmark[use], minlength=len(sparse_model.position))
+        for use in (sparse_model.top, sparse_model.bottom)
+    ]
     share = seen[0] / np.maximum(seen[0] + seen[1], 1)
     assert error == pytest.approx(0.5 * share[seen[0] + seen[1] > 0].mean(), rel=1e-6)
 
 
-def test_camera_centres_and_names_are_the_nodes(model, tmp_path):
-    write_model(model, tmp_path)
+def test_camera_centres_and_names_are_the_nodes(sparse_model, tmp_path):
+    write_model(sparse_model, tmp_path)
     images = {image.name: image for image in read(tmp_path).images.values()}
     assert "camera_bottom/3000000005.jpg" in images
     centre = images["camera_top/3000000000.jpg"].projection_center()
-    np.testing.assert_allclose(centre, model.hull_from_top.translation[3], atol=1e-9)
+    np.testing.assert_allclose(centre, sparse_model.hull_from_top.translation[3], atol=1e-9)
 
 
-def test_a_model_is_written_with_the_same_bytes_twice(model, tmp_path):
+def test_a_model_is_written_with_the_same_bytes_twice(sparse_model, tmp_path):
     digests = []
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
-        write_model(model, tmp_path / name)
+        write_model(sparse_model, tmp_path / name)
         files = sorted((tmp_path / name).iterdir())
         digests.append([hashlib.sha256(f.read_bytes()).hexdigest() for f in files])
     assert digests[0] == digests[1]

@@ -8,26 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.undistorted_model import camera_of, undistort_model
-
-
-@pytest.fixture
-def model(scene) -> SparseModel:  # type: ignore[no-untyped-def]
-    n = len(scene.nodes)
-    top, bottom = (np.isfinite(p[:, 0]) for p in (scene.tracks.top, scene.tracks.bottom))
-    return SparseModel(
-        tracks=scene.tracks,
-        top=top,
-        bottom=bottom,
-        hull_from_top=scene.top,
-        T_ct_cb=scene.rig.T_ct_cb.nominal,
-        cameras=(scene.rig.top, scene.rig.bottom),
-        stamps=np.stack([np.arange(n) * 10**9, np.arange(n) * 10**9 + 5], axis=1),
-        position=scene.points,
-    )
 
 
 def read(folder: Path):  # type: ignore[no-untyped-def]
@@ -36,8 +19,8 @@ def read(folder: Path):  # type: ignore[no-untyped-def]
     return pycolmap.Reconstruction(str(folder))
 
 
-def test_observations_still_meet_their_points_and_poses_stay(model: SparseModel, tmp_path: Path) -> None:
-    write_model(model, tmp_path)
+def test_observations_still_meet_their_points_and_poses_stay(sparse_model: SparseModel, tmp_path: Path) -> None:
+    write_model(sparse_model, tmp_path)
     delivered, found = read(tmp_path), undistort_model(tmp_path)
     (tmp_path / "out").mkdir()
     found.reconstruction.write_binary(str(tmp_path / "out"))
@@ -54,11 +37,11 @@ def test_observations_still_meet_their_points_and_poses_stay(model: SparseModel,
     np.testing.assert_array_equal(back.points3D[some].color, delivered.points3D[some].color)
 
 
-def test_what_lies_outside_the_smaller_images_is_gone_and_counted(model: SparseModel, tmp_path: Path) -> None:
-    bent = replace(model.cameras[0], k1=0.3)
-    known = model.cameras[0].undistort(np.nan_to_num(model.tracks.top))
-    model.tracks.top[model.top] = bent.distort(known)[model.top]
-    write_model(replace(model, cameras=(bent, model.cameras[1])), tmp_path)
+def test_what_lies_outside_the_smaller_images_is_gone_and_counted(sparse_model: SparseModel, tmp_path: Path) -> None:
+    bent = replace(sparse_model.cameras[0], k1=0.3)
+    known = sparse_model.cameras[0].undistort(np.nan_to_num(sparse_model.tracks.top))
+    sparse_model.tracks.top[sparse_model.top] = bent.distort(known)[sparse_model.top]
+    write_model(replace(sparse_model, cameras=(bent, sparse_model.cameras[1])), tmp_path)
     delivered, found = read(tmp_path), undistort_model(tmp_path)
     back = found.reconstruction
     assert found.lost_observations == delivered.compute_num_observations() - back.compute_num_observations() > 0
@@ -70,19 +53,25 @@ def test_what_lies_outside_the_smaller_images_is_gone_and_counted(model: SparseM
         assert all(p.has_point3D() for p in image.points2D)
 
 
-def test_cameras_read_back_as_they_were_written(model: SparseModel, tmp_path: Path) -> None:
-    top = replace(model.cameras[0], k3=0.02)
-    write_model(replace(model, cameras=(top, model.cameras[1])), tmp_path)
+def test_cameras_read_back_as_they_were_written(sparse_model: SparseModel, tmp_path: Path) -> None:
+    top = replace(sparse_model.cameras[0], k3=0.02)
+    write_model(replace(sparse_model, cameras=(top, sparse_model.cameras[1])), tmp_path)
     cameras = read(tmp_path).cameras
     assert {cameras[1].model.name, cameras[2].model.name} == {"FULL_OPENCV", "OPENCV"}
-    for number, expected in ((1, top), (2, model.cameras[1])):
+    for number, expected in ((1, top), (2, sparse_model.cameras[1])):
         np.testing.assert_allclose(camera_of(cameras[number]).parameters(), expected.parameters(), atol=1e-12)
 
 
-def test_a_mono_model_has_one_camera(model: SparseModel, tmp_path: Path) -> None:
-    stamps = model.stamps.copy()
+def test_a_mono_model_has_one_camera(sparse_model: SparseModel, tmp_path: Path) -> None:
+    stamps = sparse_model.stamps.copy()
     stamps[:, 1] = -1
-    mono = replace(model, cameras=(model.cameras[0], None), T_ct_cb=None, stamps=stamps, bottom=np.zeros_like(model.bottom))
+    mono = replace(
+        sparse_model,
+        cameras=(sparse_model.cameras[0], None),
+        T_ct_cb=None,
+        stamps=stamps,
+        bottom=np.zeros_like(sparse_model.bottom),
+    )
     write_model(mono, tmp_path)
     found = undistort_model(tmp_path)
     assert set(found.undistortions) == {1}

@@ -114,15 +114,20 @@ def remarks_on(path: Reckoning, pings: DvlPings, nodes: Nodes, flagged: np.ndarr
     return remarks_of(pings.t_ns, False, path, nodes, None, hung)
 
 
-def test_what_was_bridged_and_what_was_rejected_is_reported_with_its_times(plain) -> None:
-    path = run(plain, [0.2, 0, 0], outages=np.array([stamps([1.0, 2.0]), stamps([4.0, 7.5])]))
-    pings = DvlPings(
+def pings_along(path: Reckoning, range_m: float) -> DvlPings:
+    """Return pings of two beams that measure the path's velocities and one range."""
+    return DvlPings(
         t_ns=path.velocities.t_ns,
         velocity=path.velocities.velocity,
         velocity_sigma=path.velocities.sigma,
-        ranges=np.full((201, 2), 1.5),
+        ranges=np.full((201, 2), range_m),
         beams=np.eye(3)[:2],
     )
+
+
+def test_what_was_bridged_and_what_was_rejected_is_reported_with_its_times(plain) -> None:
+    path = run(plain, [0.2, 0, 0], outages=np.array([stamps([1.0, 2.0]), stamps([4.0, 7.5])]))
+    pings = pings_along(path, range_m=1.5)
     nodes = Nodes(stamps([0, 5, 10]), np.full((3, 2), -1), 0, 2)
     flagged = np.zeros((201, 2), bool)
     flagged[100, 1] = True
@@ -140,13 +145,7 @@ def test_what_was_bridged_and_what_was_rejected_is_reported_with_its_times(plain
 
 def test_a_run_without_a_flaw_says_only_what_was_not_logged(plain) -> None:
     path = run(plain, [0.2, 0, 0])
-    pings = DvlPings(
-        t_ns=path.velocities.t_ns,
-        velocity=path.velocities.velocity,
-        velocity_sigma=path.velocities.sigma,
-        ranges=np.full((201, 2), np.nan),
-        beams=np.eye(3)[:2],
-    )
+    pings = pings_along(path, range_m=np.nan)
     sentences, facts = remarks_on(path, pings, Nodes(stamps([0, 10]), np.full((2, 2), -1), 0, 0), np.zeros((201, 2), bool))
     assert sentences == [
         "IMU: no rates; the attitude between readings is interpolated",
@@ -160,13 +159,7 @@ def test_a_span_without_images_is_named_with_its_time_and_way(plain) -> None:
     t_s = np.array([0, 0.5, 1, 1.5, 2, 4, 6, 8, 8.5, 9])
     image = np.full((10, 2), -1)
     image[[0, 1, 2, 3, 7, 8, 9], 0] = np.arange(7)
-    pings = DvlPings(
-        t_ns=path.velocities.t_ns,
-        velocity=path.velocities.velocity,
-        velocity_sigma=path.velocities.sigma,
-        ranges=np.full((201, 2), np.nan),
-        beams=np.eye(3)[:2],
-    )
+    pings = pings_along(path, range_m=np.nan)
     sentences, facts = remarks_on(path, pings, Nodes(stamps(t_s), image, 0, 0), np.zeros((201, 2), bool))
     (named,) = [sentence for sentence in sentences if sentence.startswith("camera")]
     assert named.startswith("camera: 1 span without images, the longest 6.5 s and 1.3 m of way")
@@ -178,16 +171,10 @@ def test_a_heading_that_steps_is_named_with_its_size_and_time(plain) -> None:
     stepped = replace(
         path.attitude, steps=HeadingSteps(np.array([1]), np.array([np.radians(3)]), 0.001, np.array([50]), np.array([0.02]))
     )
-    pings = DvlPings(
-        t_ns=path.velocities.t_ns,
-        velocity=path.velocities.velocity,
-        velocity_sigma=path.velocities.sigma,
-        ranges=np.full((201, 2), np.nan),
-        beams=np.eye(3)[:2],
-    )
+    pings = pings_along(path, range_m=np.nan)
     nodes = Nodes(stamps([0, 10]), np.full((2, 2), -1), 0, 0)
     sentences, facts = remarks_on(replace(path, attitude=stepped), pings, nodes, np.zeros((201, 2), bool))
-    step, doubt = [sentence for sentence in sentences if "heading" in sentence]
+    step, disagreement = [sentence for sentence in sentences if "heading" in sentence]
     assert step.startswith("IMU: 1 step in the heading, by +3.0 degrees at ")
-    assert doubt.startswith("IMU: heading and rates part 1 time, at most by 1.1 degrees at 2.5 s")
+    assert disagreement.startswith("IMU: heading and rates part 1 time, at most by 1.1 degrees at 2.5 s")
     assert facts["heading_steps_deg"] == [3.0]
