@@ -19,7 +19,7 @@ PACKAGES = sorted(p.parent.name for p in (ROOT / "hullrecon").glob("*/__init__.p
 
 # Words that were this project's own, beside the field's (docs/concepts.md has those).
 RETIRED = re.compile(
-    r"(?i:hull_from$|drawing|(^|_)(misfit|lenses|stray|lonely|fellows|witnesses|grounded|told|said|sights?|shots|complaints|suspicions"
+    r"(?i:hull_from$|drawing|(^|_)(misfit|lenses|stray|lonely|fellows|witnesses|grounded|told|said|sights?|shots|complaints|suspicions|doubts?|untold"
     r"|ledger|csvtext|planting|swim|mesh_trust|lifted|lowered)(_|$))|^(Sight|Station|Eye|Shelf|Standing|Means|Opened|Ledger|Ground|Arm"
     r"|Optics|Kept|Split|Held|Team)$",
 )

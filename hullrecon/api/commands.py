@@ -82,7 +82,8 @@ def diff(first: Path | str, second: Path | str) -> RunComparison:
 def export_colmap(run: Path | str, folder: Path | str, *, jobs: int = 1, progress: Progress | None = None) -> ExportedModel:
     """Write the undistorted images of a finished run (RUNS/<dive>) with their COLMAP model into a new folder.
 
-    Raises InputError when the run is not finished or has no cameras.
+    Raises InputError when the run is not finished, has no camera, or its images are gone; StorageError when the folder is not
+    empty or cannot be written.
     """
     from hullrecon.api.export import export_colmap as export_undistorted
 

@@ -15,7 +15,7 @@ from hullrecon.typing import Array, Ints
 BRIDGED_M_S = 0.05  # of a step's sigma over its time: no DVL that sees the bottom is so bad
 LONGEST_STEP_S = 5.0  # between nodes, over which a velocity goes on
 MANOEUVRES_M2_S3 = 0.01  # variance of a velocity's change in a second, of a vehicle that turns at the end of a leg
-UNTOLD_RAD_S = 1e2  # sigma: the turn is the IMU's
+FREE_RAD_S = 1e2  # sigma of the change of turn, which is left to the IMU
 
 
 def attitude_table(attitude: Attitude, depth_weight: float = 1.0) -> native.AttitudeTable:
@@ -62,8 +62,8 @@ def velocity_table(odometry: Odometry, t_ns: Ints) -> native.VelocityTable:
     """Return that the velocity goes on steadily where the DVL was silent, from every step that was bridged to its neighbours;
     t_ns (n,): of the nodes.
 
-    A bridge is known step by step as if each erred by itself, by many times its length. Of one camera, which tells no lengths,
-    steps then shrink to nothing wherever that suits the directions.
+    Odometry alone gives each bridged step an independent error of many times its length. One camera does not measure
+    lengths: with it, steps would then shrink to nothing wherever that suits the directions.
     """
     duration_s = (t_ns[odometry.second] - t_ns[odometry.first]) * 1e-9
     sigma_m_s = np.sqrt(odometry.covariance[:, 0, 0]) / np.maximum(duration_s, 1e-3)
@@ -73,7 +73,7 @@ def velocity_table(odometry: Odometry, t_ns: Ints) -> native.VelocityTable:
     rows = rows[(bridged[:-1] | bridged[1:]) & near]
     before, after = duration_s[rows], duration_s[rows + 1]
     sigma = np.sqrt(MANOEUVRES_M2_S3 * (before + after) / 3)
-    free = np.full((len(rows), 3), UNTOLD_RAD_S)
+    free = np.full((len(rows), 3), FREE_RAD_S)
     return native.VelocityTable(
         first=odometry.first[rows].astype(np.int32),
         second=odometry.second[rows].astype(np.int32),

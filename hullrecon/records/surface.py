@@ -33,7 +33,7 @@ class DeviationSplit:
     Where the hull lies in the dive's frame is known to centimetres; an error of it moves and tilts the whole surveyed patch.
     offset (): m, the patch's mean distance to the CAD model, outward positive, and tilt (2,): its slope along the hull and in
     girth, m/m, each with such a sigma. form (n,): m, what is left of each vertex's deviation without offset and tilt, and its
-    sigma, which the hull's place hardly enters; NaN where nothing was seen.
+    sigma, which the hull's position hardly enters; NaN where nothing was seen.
     """
 
     offset: Array

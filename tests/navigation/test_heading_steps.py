@@ -61,7 +61,7 @@ def test_a_heading_that_parts_slowly_from_the_rates_makes_the_turn_as_unsure_as_
     slow = np.radians(3) * np.clip((T - 60) / 0.8, 0, 1)
     found = attitude_history(imu(SWING, slow), 0.002, 0.6)
     assert len(found.steps.row) == 0
-    assert len(found.steps.doubt) > 0
+    assert len(found.steps.disagreement) > 0
     at = np.round(1e9 * np.array([20, 40, 58, 64])).astype(np.int64)
     still, across = np.sqrt(found.turn_variance(at[[0, 2]], at[[1, 3]]))
     assert np.radians(2.5) < across < np.radians(5)

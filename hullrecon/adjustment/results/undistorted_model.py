@@ -33,8 +33,8 @@ class ImageNames:
 
 @dataclass(frozen=True)
 class UndistortedModel:
-    """undistortions by camera id; images in the order of their frames;
-    lost_observations: number of those that went."""
+    """Hold the pinhole model. undistortions: by camera id; images: in the order of their frames; lost_observations: how many
+    observations of the delivered model lie outside the smaller images."""
 
     reconstruction: Reconstruction
     undistortions: dict[int, Undistortion]
@@ -44,7 +44,8 @@ class UndistortedModel:
 
 @dataclass(frozen=True)
 class _Seen:
-    """Observations, sorted by image: image id, point id, pixel of the undistorted image, COLMAP's."""
+    """Hold observations (n,), sorted by image: image id, point id, and pixel (n, 2) in the undistorted image, where COLMAP
+    counts from the corner of the first pixel."""
 
     image: Ints
     point: Ints

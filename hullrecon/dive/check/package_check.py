@@ -65,9 +65,9 @@ class PackageCheck:
         if self.reasons:
             return f"not ready: {'; '.join(self.reasons)}"
         keys = ", ".join(line.split(": ")[1] for line in self.to_fill_in)
-        doubts = [f"{len(self.warnings)} suspicious above"] if self.warnings else []
-        doubts += [f"to fill in: {keys}"] if keys else []
-        return f"ready, with doubts ({'; '.join(doubts)})" if doubts else "ready"
+        remaining = [f"{len(self.warnings)} suspicious above"] if self.warnings else []
+        remaining += [f"to fill in: {keys}"] if keys else []
+        return f"ready, with doubts ({'; '.join(remaining)})" if remaining else "ready"
 
     def lines(self) -> list[str]:
         """Return the report, a sentence a line."""

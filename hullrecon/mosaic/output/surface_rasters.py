@@ -20,9 +20,9 @@ QUANTUM_M = 0.0001  # metres are written in steps of it: finer is noise, and com
 
 SURFACE_BANDS = {
     "deviation": "signed distance of the hull as found from its CAD model, outward positive",
-    "deviation_sigma": "one sigma of the deviation, the hull's place included",
+    "deviation_sigma": "one sigma of the deviation, the hull's position included",
     "form": "deviation without the offset and the tilt of the surveyed patch",
-    "form_sigma": "one sigma of the form, which the hull's place hardly enters",
+    "form_sigma": "one sigma of the form, which the hull's position hardly enters",
     "support": "images that saw the surface where landmarks measured it",
 }
 

@@ -38,7 +38,10 @@ def remarks_of(
         (returns.flagged.any(), f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers"),
         (len(holes), f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"),
         (len(turned.row), _heading_steps(np.degrees(turned.size), since(path.attitude.t_ns[turned.row]))),
-        (len(turned.doubt), _doubts(np.degrees(turned.doubt_rad), since(path.attitude.t_ns[turned.doubt]))),
+        (
+            len(turned.disagreement),
+            _disagreements(np.degrees(turned.disagreement_rad), since(path.attitude.t_ns[turned.disagreement])),
+        ),
         (not path.attitude.fused, "IMU: no rates; the attitude between readings is interpolated"),
         (len(blank), _without_images(nodes.t_ns, blank)),
         (depth is None, "no pressure: the depth is counted from the start and drifts"),
@@ -106,7 +109,7 @@ def _heading_steps(size_deg: Array, at_s: list[float]) -> str:
     return f"IMU: {what}{' the largest' if len(size_deg) > 1 else ''}, that no turn of the vehicle made; taken off what follows"
 
 
-def _doubts(apart_deg: Array, at_s: list[float]) -> str:
+def _disagreements(apart_deg: Array, at_s: list[float]) -> str:
     """Return where heading and rates contradict each other."""
     if len(apart_deg) == 0:
         return ""

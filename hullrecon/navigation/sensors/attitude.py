@@ -57,7 +57,7 @@ class AttitudeHistory:
             stepped += (start_ns < at) & (stop_ns >= at)
         left = stepped * self.steps.sigma_rad**2
         reach = round(BESIDE_S * 1e9)
-        for at, apart in zip(self.t_ns[self.steps.doubt], self.steps.doubt_rad, strict=True):
+        for at, apart in zip(self.t_ns[self.steps.disagreement], self.steps.disagreement_rad, strict=True):
             share = np.maximum(0, np.minimum(stop_ns, at + reach) - np.maximum(start_ns, at - reach)) / (2 * reach)
             left += apart**2 * share
         return np.asarray(bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2 + left)

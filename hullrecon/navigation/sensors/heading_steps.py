@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Steps in an IMU's heading that the vehicle did not make: a filter that is reset, a compass that finds north anew.
+"""Steps in an IMU's heading that the vehicle did not make: a filter that is reset, a compass that finds north again.
 
 An orientation that steps by degrees between two readings, while the rates beside it go on, has not turned the vehicle.
 """
@@ -25,15 +25,15 @@ FASTEST_RAD_S = 1.0  # of a vehicle that inspects, where no rates are logged
 
 @dataclass(frozen=True)
 class HeadingSteps:
-    """row (k,): the first reading after each step; size (k,) rad, about z of g; sigma_rad: how well a size is known. doubt (d,)
-    and doubt_rad (d,): readings in the middle of BESIDE_S to either side over which heading and rates part by so much, but
-    slowly: either may be wrong."""
+    """row (k,): the first reading after each step; size (k,) rad, about z of g; sigma_rad: how well a size is known.
+    disagreement (d,) and disagreement_rad (d,): readings in the middle of BESIDE_S to either side over which heading and rates
+    part by so much, but slowly: either may be wrong."""
 
     row: Ints
     size: Array
     sigma_rad: float
-    doubt: Ints
-    doubt_rad: Array
+    disagreement: Ints
+    disagreement_rad: Array
 
     def taken_off(self, quaternion: Array) -> Array:
         """Return the attitudes (n, 4) as if the heading had not stepped."""
@@ -59,7 +59,7 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
     sigma = robust_sigma(size[count : len(gap) - count + 1], about=0.0)
     near = max(1, round(SUDDEN_S / float(np.median(np.diff(t_s)))))
     row: list[int] = []
-    doubt: list[int] = []
+    slow: list[int] = []
     left = np.where(np.abs(size) > max(least_rad, STEP_SIGMAS * sigma), np.abs(size), 0.0)
     while left.max() > 0:
         about = int(np.argmax(left))
@@ -69,10 +69,10 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
         if sudden > SUDDEN * left[about] and abs(size[at]) > least_rad:
             row.append(at)
         else:
-            doubt.append(about)
+            slow.append(about)
         left[begin:end] = 0.0
-    rows, doubts = (np.array(sorted(set(found)), np.int64) for found in (row, doubt))
-    return HeadingSteps(rows, size[rows], float(sigma), doubts, np.abs(size[doubts]))
+    rows, slowly = (np.array(sorted(set(found)), np.int64) for found in (row, slow))
+    return HeadingSteps(rows, size[rows], float(sigma), slowly, np.abs(size[slowly]))
 
 
 def find_jumps(t_s: Array, quaternion: Array) -> HeadingSteps:
@@ -85,4 +85,4 @@ def find_jumps(t_s: Array, quaternion: Array) -> HeadingSteps:
     more = turn - running_median((turn / step)[:, None], 9)[:, 0] * step
     least = max(LEAST_STEP_RAD, FASTEST_RAD_S * float(np.median(step)))
     found = find_heading_steps(t_s, np.concatenate([[0.0], np.cumsum(more)]), least)
-    return HeadingSteps(found.row, found.size, found.sigma_rad, NO_STEPS.doubt, NO_STEPS.doubt_rad)
+    return HeadingSteps(found.row, found.size, found.sigma_rad, NO_STEPS.disagreement, NO_STEPS.disagreement_rad)

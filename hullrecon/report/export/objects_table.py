@@ -54,7 +54,7 @@ _BEFORE = (
     ("p_value", "", "probability that bare hull looks so anywhere in the survey"),
 )
 _ADDED = (
-    ("deviation_sigma", "m", "one sigma of the deviation, the hull's place included"),
+    ("deviation_sigma", "m", "one sigma of the deviation, the hull's position included"),
     ("area_sigma", "m2", "one sigma of the area"),
     ("volume_sigma", "m3", "one sigma of the volume"),
     ("sigma_along", "m", "one sigma of the center along the hull"),
