@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import os
+import re
 import shutil
 import sqlite3
 from pathlib import Path
@@ -10,6 +11,7 @@ import zstandard
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from hullrecon.dive.check.messages import describe_losses
 from hullrecon.dive.logs.messages.decode import decode
 from hullrecon.dive.logs.readers.rosbag2 import Rosbag2Log
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
@@ -191,6 +193,16 @@ def test_messages_that_the_metadata_counts_and_no_file_holds_are_a_loss(kit, fol
     messages, log = read(Rosbag2Log(folder))
     assert {loss.why for loss in log.losses()} == {"metadata.yaml counts more of them than could be read"}
     assert sum(loss.messages for loss in log.losses()) == len(kit.dive()) - len(messages)
+
+
+def test_a_count_of_thousands_of_digits_is_a_loss_of_an_unknown_number(folder):
+    path = folder / "metadata.yaml"
+    path.write_text(re.sub(r"message_count: \d+\n", f"message_count: 0x{'F' * 5000}\n", path.read_text()))
+    log = read(Rosbag2Log(folder))[1]
+    losses = [loss for loss in log.losses() if loss.why.startswith("metadata.yaml counts more")]
+    assert losses
+    assert {loss.messages for loss in losses} == {None}
+    assert all("an unknown part is lost: metadata.yaml" in line for line in describe_losses([("log", loss) for loss in losses]))
 
 
 @pytest.mark.parametrize("name", ["metadata.yaml", "more.mcap", "more.db3"])

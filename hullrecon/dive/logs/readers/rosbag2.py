@@ -20,6 +20,7 @@ from hullrecon.errors import HullreconError, InputError
 METADATA = "metadata.yaml"
 STORAGE: dict[str, Callable[[Path], Log]] = {".mcap": McapLog, ".db3": SqliteLog}
 LARGEST_METADATA = 1 << 18  # bytes; a topic has some 400
+MOST_MESSAGES = 1 << 63  # a recorder's integers; those of YAML may have thousands of digits
 BY_NAME = "the folder's files were read by name"
 
 
@@ -50,7 +51,7 @@ class Rosbag2Log:
             self._losses += log.losses()
             self.remarks += [f"{printable(log.path.name)}: {remark}" for remark in log.remarks]
         self._losses += [
-            Loss(f"{METADATA} counts more of them than could be read", topic, messages=count - seen[topic])
+            Loss(f"{METADATA} counts more of them than could be read", topic, messages=_lost_messages(count, seen[topic]))
             for topic, count in sorted(info.counts.items())
             if count > seen[topic]
         ]
@@ -127,6 +128,11 @@ def _parse(info: object) -> _Metadata:
         files=tuple(dict.fromkeys(name for name in names if name)),
         counts=counts,
     )
+
+
+def _lost_messages(counted: int, read: int) -> int | None:
+    """Return how many messages are missing; None where what was counted is no number of messages."""
+    return counted - read if counted < MOST_MESSAGES else None
 
 
 def _refuse_bombs(path: Path) -> None:
