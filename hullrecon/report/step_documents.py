@@ -57,14 +57,14 @@ class AdjustSigmas(StepDocument, frozen=True):
 
 
 class SensorErrors(StepDocument, frozen=True):
-    """Errors of the navigation's sensors that the adjustment estimated."""
+    """Errors of the navigation's sensors that the adjustment estimated, or one sigma of each (zero: not known). dvl_scale and
+    heading_drift_rad_s: what is added to the sensor's velocities, as a share, and to its rate of turn."""
 
     dvl_scale: float = 0.0
     heading_drift_rad_s: float = 0.0
     roll_bias_rad: float = 0.0
     pitch_bias_rad: float = 0.0
     depth_bias_m: float = 0.0
-    tray_backlash_rad: float = 0.0
 
 
 class WeakDirection(StepDocument, frozen=True):
@@ -94,6 +94,7 @@ class AdjustSummary(StepDocument, frozen=True):
     residuals_after: Mapping[str, FactorResiduals] = {}
     sigmas: AdjustSigmas = AdjustSigmas()
     navigation: SensorErrors | None = None
+    navigation_sigma: SensorErrors = SensorErrors()
     intrinsics: Mapping[str, Mapping[str, RefinedParameter]] = {}
     cad_model_refused: str | None = None
 

@@ -25,7 +25,7 @@ SCENES = {
 }
 KEYS = {
     "method", "as_published", "converged", "message", "iterations", "rounds", "landmarks", "on_hull", "rays_missed",
-    "observations", "observations_left_out", "sigmas", "navigation", "mounts", "weak_directions", "residuals_before",
+    "observations", "observations_left_out", "sigmas", "navigation", "navigation_sigma", "mounts", "weak_directions", "residuals_before",
     "residuals_after",
     "cad_model_refused",
     "legs",
@@ -128,6 +128,14 @@ def test_the_summary_holds_its_keys_and_is_json(found):
     assert set(summary["navigation"]) == {
         "dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_backlash_rad",
     }  # fmt: skip
+
+
+def test_a_bias_of_the_depth_is_known_no_better_than_its_prior_where_the_hulls_height_is_unknown(found):
+    sigma, prior = found.outcome.summary["navigation_sigma"], found.dive.measured.rig.navigation_sigma
+    if found.options.as_published:  # holds them
+        assert sigma == {}
+        return
+    assert 0.9 * prior[4] < sigma["depth_bias_m"] <= prior[4] * (1 + 1e-9)
 
 
 def test_observations_are_counted_used_and_left_out():

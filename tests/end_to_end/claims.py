@@ -12,6 +12,7 @@ import re
 
 import numpy as np
 from end_to_end.true_hull import read_ply, read_table
+from scipy.spatial.transform import Rotation, Slerp
 
 
 def page_text(run):
@@ -108,3 +109,43 @@ def path_errors(run, package):
         want = np.interp(t, true_t, np.array(real[k], float))
         columns.append((np.array(ours[k], float) - want) / np.array(ours[f"sigma_{k}"], float))
     return np.stack(columns, axis=1)
+
+
+def sensor_errors(run, package, drift_deg_per_hour=1.0, dvl_scale_error=0.003):
+    """Errors over sigma of the sensors' errors that the page's table of the calibration names; what was simulated, where it is
+    one number, else the mean of what was logged less the truth."""
+    truth = {
+        "Scale error of the DVL's velocities": 100 * dvl_scale_error,
+        "Drift of the heading": drift_deg_per_hour,
+        **_mean_biases(run, package),
+    }
+    page = html.unescape((run / "deliver" / "report" / "index.html").read_text())
+    rows = re.findall(r'<tr><th scope="row">([^<]*)</th><td>([-+][\d.]+) ± ([\d.]+)[ °]', page)
+    return {name: (float(value) - truth[name]) / float(sigma) for name, value, sigma in rows if name in truth}
+
+
+def _mean_biases(run, package):
+    """Roll, pitch (deg) and depth (mm) as logged less the truth, over the dive."""
+    rows = np.genfromtxt(package / "truth" / "poses.csv", delimiter=",", names=True)
+    alignment = json.loads((package / "truth" / "alignment.json").read_text())["T_g_M"]
+    to_level = Rotation.from_quat(alignment["quaternion"])
+    attitude = to_level * Rotation.from_quat(np.stack([rows[k] for k in ("qx", "qy", "qz", "qw")], axis=1))
+    depth = to_level.apply(np.stack([rows[k] for k in "xyz"], axis=1))[:, 2] + alignment["translation"][2]
+    out = {}
+    if (run / "ingest" / "imu.npz").exists():
+        imu = np.load(run / "ingest" / "imu.npz")
+        t, on = _within(imu["t_ns"], rows["t"])
+        measured = Rotation.from_quat(imu["quaternion"][on]).as_euler("ZYX")
+        off = np.degrees(measured - Slerp(rows["t"], attitude)(t).as_euler("ZYX")).mean(axis=0)
+        out |= {"Bias of pitch": off[1], "Bias of roll": off[2]}
+    if (run / "ingest" / "pressure.npz").exists():
+        pressure = np.load(run / "ingest" / "pressure.npz")
+        t, on = _within(pressure["t_ns"], rows["t"])
+        out["Bias of the depth"] = 1000 * (pressure["depth"][on] - np.interp(t, rows["t"], depth)).mean()
+    return out
+
+
+def _within(t_ns, t):
+    """The times, in s, that lie within those of the truth, and which they are."""
+    on = (t_ns * 1e-9 > t[0]) & (t_ns * 1e-9 < t[-1])
+    return t_ns[on] * 1e-9, on

@@ -97,6 +97,13 @@ def test_the_path_lies_within_three_of_its_sigmas(dive):
     assert np.abs(claims.path_errors(*dive)).max() < 3
 
 
+@on("demo", "no DVL", "mono", "no camera")
+def test_the_errors_of_the_sensors_lie_within_three_of_their_sigmas(dive):
+    errors = claims.sensor_errors(*dive)
+    assert {"Drift of the heading", "Bias of roll", "Bias of pitch", "Bias of the depth"} <= errors.keys()
+    assert {name: error for name, error in errors.items() if abs(error) > 3} == {}
+
+
 @on("demo", "no DVL")
 def test_the_form_is_known_much_better_than_the_offset(dive):
     said = claims.document(dive[0], "summary.json")["deviation"]

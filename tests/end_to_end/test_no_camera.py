@@ -5,6 +5,7 @@
 import json
 
 import pytest
+from end_to_end import claims
 from end_to_end.shell import Shell
 
 pytestmark = pytest.mark.slow
@@ -44,3 +45,8 @@ def test_the_path_is_better_than_without_them_and_within_its_sigmas(shell):
     planes, without = trajectory(shell, "with"), trajectory(shell, "without")
     assert planes["rigid_rmse_m"] < 0.4 * without["rigid_rmse_m"]
     assert all(planes[f"error_over_sigma_{axis}"] < 2.5 for axis in "xyz")
+
+
+def test_the_heading_drift_that_the_page_names_is_the_one_simulated(shell):
+    run = shell.folder / "with" / "simulated"
+    assert abs(claims.sensor_errors(run, shell.folder / "dive", drift_deg_per_hour=400)["Drift of the heading"]) < 3

@@ -58,14 +58,15 @@ def test_residuals_of_images_are_in_pixels(survey: Survey) -> None:
 
 
 def test_errors_are_given_of_sensors_that_were_carried_alone(survey: Survey) -> None:
-    found = adjusted(
-        survey, AdjustSummary(navigation=SensorErrors(dvl_scale=-0.0029, roll_bias_rad=0.0015, depth_bias_m=0.006))
-    )
+    errors = SensorErrors(dvl_scale=-0.0029, heading_drift_rad_s=-2.8e-4, roll_bias_rad=0.0015, depth_bias_m=0.006)
+    sigma = SensorErrors(dvl_scale=0.0008, heading_drift_rad_s=3e-5, pitch_bias_rad=0.0027, depth_bias_m=0.095)
+    found = adjusted(survey, AdjustSummary(navigation=errors, navigation_sigma=sigma))
     assert tables(found)["calibration"].rows == [
-        ("Scale of the DVL's velocities", "-0.29 %"),
-        ("Drift of the heading", "+0.00° per hour"),
-        ("Bias of roll, pitch", "+0.09°, +0.00°"),
-        ("Bias of the depth", "+6 mm"),
+        ("Scale error of the DVL's velocities", "+0.29 ± 0.08 %"),
+        ("Drift of the heading", "+58 ± 6° per hour"),
+        ("Bias of roll", "+0.09°"),
+        ("Bias of pitch", "+0.00 ± 0.15°"),
+        ("Bias of the depth", "+6 ± 95 mm"),
     ]
     blind = replace(found, facts=replace(found.facts, dvl=None, has_depth=False, has_attitude=False))
     assert "calibration" not in tables(blind)

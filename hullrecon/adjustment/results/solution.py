@@ -27,7 +27,8 @@ def marginal_covariances(
 
     Else what the measurements leave open with the hull held where and as it was found, and the covariance of its pose by the
     CAD model's error: in the solve a field and many beams with white noise are surer of the pose than so few cells of the CAD
-    model's error allow (docs/adr/0011).
+    model's error allow (docs/adr/0011). The sensors' errors have the covariance of a hull left free: its height and a bias of
+    the depth are one.
     """
     hull = adjusted.state.hull
     if hull is None:
@@ -40,6 +41,7 @@ def marginal_covariances(
     evidence = adjusted.evidence or _evidence_afterwards(m, adjusted, hull)
     return replace(
         known,
+        navigation=free.navigation,
         deviation=free.deviation,
         T_g_M=estimate.hull_pose_covariance(evidence, hull.global_from_hull),
         pose_T_g_M=np.zeros_like(free.pose_T_g_M),

@@ -49,6 +49,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
     seen_with = intrinsics.summarise_intrinsics(m.rig, adjusted.rig, marginals, options)
     summary = {
         **_figures(m, adjusted, options),
+        "navigation_sigma": _navigation_sigma(marginals),
         "weak_directions": weak,
         "residuals_before": residual_statistics.by_factor(native.evaluate(adjusted.start, settings)),
         "residuals_after": residual_statistics.by_factor(native.evaluate(adjusted.problem, settings)),
@@ -105,6 +106,12 @@ def _figures(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> dic
         "navigation": dict(zip(NAVIGATION, state.navigation.tolist(), strict=True)),
         "mounts": _mounts(state),
     }
+
+
+def _navigation_sigma(marginals: native.Covariance) -> dict[str, float]:
+    """Return one sigma of each error of navigation, those that were held left out."""
+    sigma = np.sqrt(np.maximum(np.diag(marginals.navigation), 0))
+    return {name: float(value) for name, value in zip(NAVIGATION, sigma, strict=True) if value > 0}
 
 
 def _registration(adjusted: Adjusted) -> dict[str, object]:

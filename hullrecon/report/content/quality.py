@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.records.links import NodePairs
-from hullrecon.report.content.phrases import count, duration, with_sigma
-from hullrecon.report.step_documents import FactorResiduals
+from hullrecon.report.content.phrases import count, decimals, duration, with_sigma
+from hullrecon.report.step_documents import AdjustSummary, FactorResiduals, SensorErrors
 from hullrecon.report.survey import Survey
 
 IMAGE_FACTORS = {"stereo": "Features seen by both cameras", "mono": "Features seen by one camera"}
@@ -83,33 +83,45 @@ def _residual_row(found: FactorResiduals, name: str, unit_sigma: float, unit: st
 
 
 def _calibration(survey: Survey) -> WordTable:
-    facts, rows = survey.facts, []
-    errors = survey.adjusted.summary.navigation if survey.adjusted is not None else None
-    if errors is not None:
-        if facts.dvl is not None:
-            rows.append(("Scale of the DVL's velocities", f"{100 * errors.dvl_scale:+.2f} %"))
-        if facts.has_attitude:
-            drift = math.degrees(errors.heading_drift_rad_s) * 3600
-            roll, pitch = (math.degrees(v) for v in (errors.roll_bias_rad, errors.pitch_bias_rad))
-            rows += [
-                ("Drift of the heading", f"{drift:+.2f}° per hour"),
-                ("Bias of roll, pitch", f"{roll:+.2f}°, {pitch:+.2f}°"),
-            ]
-        if facts.has_depth:
-            rows.append(("Bias of the depth", f"{1000 * errors.depth_bias_m:+.0f} mm"))
-        if errors.tray_backlash_rad:
-            rows.append(("Backlash of the tray", f"{math.degrees(errors.tray_backlash_rad):.2f}°"))
-    for camera, parameters in survey.adjusted.summary.intrinsics.items() if survey.adjusted is not None else ():
+    summary = survey.adjusted.summary if survey.adjusted is not None else AdjustSummary()
+    rows = [] if summary.navigation is None else _sensor_errors(survey, summary.navigation, summary.navigation_sigma)
+    for camera, parameters in summary.intrinsics.items():
         rows += [
             (f"Camera {camera}, {name}", f"{with_sigma(p.found, p.sigma, '').strip()} (calibrated {p.calibrated:.6g})")
             for name, p in parameters.items()
         ]
     return WordTable(
         name="calibration",
-        caption="Errors of the sensors as the adjustment estimated and took them out; without ± the sigma is not known",
+        caption="Errors of the sensors (measured less true) as the adjustment estimated and took them out; without ± the sigma "
+        "is not known",
         headings=("Sensor", "Estimate"),
         rows=rows,
     )
+
+
+def _sensor_errors(survey: Survey, found: SensorErrors, sigma: SensorErrors) -> list[tuple[str, str]]:
+    """Return a row for each error of a sensor that was carried. Scale and drift were estimated as what corrects the sensor: its
+    error has the other sign. The tray's backlash is not among them: its sigma holds only for a servo that turns at once."""
+    rows = []
+    if survey.facts.dvl is not None:
+        scale, scale_sigma = 100 * (1 / (1 + found.dvl_scale) - 1), 100 * sigma.dvl_scale
+        rows.append(("Scale error of the DVL's velocities", _error(scale, scale_sigma, " %")))
+    if survey.facts.has_attitude:
+        drift, drift_sigma = (3600 * math.degrees(v) for v in (-found.heading_drift_rad_s, sigma.heading_drift_rad_s))
+        rows += [
+            ("Drift of the heading", _error(drift, drift_sigma, "° per hour")),
+            ("Bias of roll", _error(math.degrees(found.roll_bias_rad), math.degrees(sigma.roll_bias_rad), "°")),
+            ("Bias of pitch", _error(math.degrees(found.pitch_bias_rad), math.degrees(sigma.pitch_bias_rad), "°")),
+        ]
+    if survey.facts.has_depth:
+        rows.append(("Bias of the depth", _error(1000 * found.depth_bias_m, 1000 * sigma.depth_bias_m, " mm")))
+    return rows
+
+
+def _error(value: float, sigma: float, unit: str) -> str:
+    """Return a value with its sign and one sigma; a sigma of zero is not known."""
+    digits = min(4, decimals(sigma)) if sigma > 0 else 2
+    return f"{value:+.{digits}f} ± {sigma:.{digits}f}{unit}" if sigma > 0 else f"{value:+.{digits}f}{unit}"
 
 
 def _times(survey: Survey) -> WordTable:
