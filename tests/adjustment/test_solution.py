@@ -25,10 +25,8 @@ SCENES = {
 }
 KEYS = {
     "method", "as_published", "converged", "message", "iterations", "rounds", "landmarks", "on_hull", "rays_missed",
-    "observations", "observations_left_out", "sigmas", "navigation", "navigation_sigma", "mounts", "weak_directions", "residuals_before",
-    "residuals_after",
-    "cad_model_refused",
-    "legs",
+    "observations", "observations_left_out", "sigmas", "navigation", "navigation_sigma", "mounts", "weak_directions",
+    "residuals_before", "residuals_after", "cad_model_refused", "legs",
 }  # fmt: skip
 
 
