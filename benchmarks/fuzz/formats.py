@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 
-from benchmarks.fuzz import seed_files, seed_messages
+from benchmarks.fuzz import seed_ad2cp, seed_files, seed_messages
 from benchmarks.fuzz.readings import CALIBRATION
 
 
@@ -40,7 +40,7 @@ class Seed:
 def seeds() -> dict[str, tuple[Seed, ...]]:
     """Return sound inputs by format."""
     return {
-        "mcap": _mcap(), "bag": _bag(), "rosbag2": _rosbag2(), "pd0": _pd0(), "reports": _reports(),
+        "mcap": _mcap(), "bag": _bag(), "rosbag2": _rosbag2(), "pd0": _pd0(), "ad2cp": _ad2cp(), "reports": _reports(),
         "plain": _plain(), "npz": _npz(), "oculus": _oculus(), "toml": _toml(),
         "yaml": _yaml(), "hull": _hull(), "hull-gz": _hull_gz(), "image": _image(),
         "init": _init(),
@@ -84,6 +84,34 @@ def _rosbag2() -> tuple[Seed, ...]:
 def _pd0() -> tuple[Seed, ...]:
     data = seed_files.pd0()
     return _log("dive.pd0", data, checksummed=True, blind=sums_are_right), _log("dive.pd0", data, finish=with_right_sums)
+
+
+def _ad2cp() -> tuple[Seed, ...]:
+    files = [seed_ad2cp.dvl_file(), *(seed_ad2cp.signature_file(code) for code in range(3))]
+    return (
+        *(_log("dvl.ad2cp", data, checksummed=True, blind=word_sums_are_right) for data in files),
+        *(_log("dvl.ad2cp", data, finish=with_right_word_sums) for data in files),
+    )
+
+
+def word_sums_are_right(data: bytes) -> bool:
+    """Return whether the checksums of AD2CP blocks fit their bytes: two values that change places leave them as they are."""
+    return with_right_word_sums(data) == data
+
+
+def with_right_word_sums(data: bytes) -> bytes:
+    """Return AD2CP blocks with the checksums that their bytes ask for, so that damage gets past them."""
+    out, at = bytearray(data), 0
+    while (at := out.find(0xA5, at)) >= 0:
+        size = out[at + 1] if at + 12 <= len(out) else 0
+        end = at + size + int.from_bytes(out[at + 4 : at + size - 4], "little")
+        if size not in (10, 12) or out[at + 3] != 0x10 or end > len(out):
+            at += 1
+            continue
+        out[at + size - 4 : at + size - 2] = seed_ad2cp.word_sum(bytes(out[at + size : end])).to_bytes(2, "little")
+        out[at + size - 2 : at + size] = seed_ad2cp.word_sum(bytes(out[at : at + size - 2])).to_bytes(2, "little")
+        at = end
+    return bytes(out)
 
 
 def _reports() -> tuple[Seed, ...]:
@@ -165,6 +193,13 @@ def _init() -> tuple[Seed, ...]:
         Seed(read="init", files=database, target="log/dive.db3", given="log"),
         Seed(read="init", files=_tables(), target="logs/joints.csv", given="logs", text=True),
         Seed(read="init", files={"log/dive.pd0": seed_files.pd0()}, target="log/dive.pd0", given="log", finish=with_right_sums),
+        Seed(
+            read="init",
+            files={"log/dvl.ad2cp": seed_ad2cp.signature_file(2)},
+            target="log/dvl.ad2cp",
+            given="log",
+            finish=with_right_word_sums,
+        ),
     )
 
 

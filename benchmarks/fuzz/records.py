@@ -12,7 +12,7 @@ MCAP, BAG, PNG, GLB = b"\x89MCAP0\r\n", b"#ROSBAG V2.0\n", b"\x89PNG\r\n\x1a\n",
 
 @lru_cache(maxsize=64)
 def record_starts(data: bytes) -> tuple[int, ...]:
-    """Return the offsets of the records of an MCAP, ROS 1 bag, PNG, GLB, JPEG, zip or PD0; none for other files."""
+    """Return the offsets of the records of an MCAP, ROS 1 bag, PNG, GLB, JPEG, zip, PD0 or AD2CP; none for other files."""
     if data.startswith(MCAP):
         return tuple(_walk(data, len(MCAP), len(data) - len(MCAP), lambda at: 9 + _number(data, at + 1, 8)))
     if data.startswith(BAG):
@@ -21,7 +21,7 @@ def record_starts(data: bytes) -> tuple[int, ...]:
         return tuple(_walk(data, len(PNG), len(data), lambda at: 12 + int.from_bytes(data[at : at + 4], "big")))
     if data.startswith(GLB):
         return tuple(_walk(data, 12, len(data), lambda at: 8 + _number(data, at, 4)))
-    for start in (b"PK", b"\x7f\x7f", b"\xff\xd8"):
+    for start in (b"PK", b"\x7f\x7f", b"\xa5", b"\xff\xd8"):
         if data.startswith(start):
             return tuple(_found(data, start[:1] if start == b"\xff\xd8" else start))
     return ()

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.fuzz.seed_ad2cp import dvl_file
 from hullrecon.dive.ingest import IngestRequest, ingest, offset_ns
 from hullrecon.dive.logs.streams import PressureModel
 from hullrecon.errors import InputError
@@ -228,6 +229,15 @@ def test_a_pd0_file_beside_the_log_gives_the_dvl(package):
     topics = {name: topic for name, topic in REQUEST.topics.items() if name != "dvl"}
     found, _ = run(package, logs=("logs/dive.mcap", "logs/dvl.pd0"), topics=topics)
     assert found.records.dvl.ranges == pytest.approx(np.full((1, 4), 10.0), abs=0.001)
+    assert len(found.records.imu.t_ns) == 40
+
+
+def test_a_nortek_file_beside_the_log_gives_the_dvl_with_ranges_along_its_beams(package):
+    (package / "logs" / "dvl.ad2cp").write_bytes(dvl_file())
+    topics = {name: topic for name, topic in REQUEST.topics.items() if name != "dvl"}
+    found, _ = run(package, logs=("logs/dive.mcap", "logs/dvl.ad2cp"), topics=topics, beams=None)
+    assert found.records.dvl.ranges[0] == pytest.approx(np.array([3.0, 3.1, 3.2, 3.3]) / np.cos(np.radians(25)))
+    assert found.records.dvl.velocity[0] == pytest.approx([0.1, -0.2, 0.035])
     assert len(found.records.imu.t_ns) == 40
 
 

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from benchmarks.fuzz.corpus import Entry, describe, read_corpus, write_corpus
 from benchmarks.fuzz.field_mutators import FIELDS, edit_records, set_float
-from benchmarks.fuzz.formats import seeds, with_right_sums
+from benchmarks.fuzz.formats import seeds, with_right_sums, with_right_word_sums
 from benchmarks.fuzz.mutators import BINARY, TEXT, mutate
 from benchmarks.fuzz.records import record_starts
+from benchmarks.fuzz.seed_ad2cp import dvl_file
 from benchmarks.fuzz.seed_files import pd0
 from benchmarks.fuzz.text_mutators import encode_otherwise
 
@@ -38,7 +39,7 @@ def test_damage_at_the_start_of_a_record_is_frequent():
     assert sum(d[:4321] == data[:4321] and d[4321:4330] != data[4321:4330] for d in damaged) > 10
 
 
-@pytest.mark.parametrize(("form", "least"), [("mcap", 10), ("bag", 10), ("pd0", 4), ("npz", 6)])
+@pytest.mark.parametrize(("form", "least"), [("mcap", 10), ("bag", 10), ("pd0", 4), ("ad2cp", 6), ("npz", 6)])
 def test_the_records_of_a_sound_file_are_found(form, least):
     seed = seeds()[form][0]
     assert len(record_starts(seed.files[seed.target])) >= least
@@ -85,6 +86,16 @@ def test_damaged_pd0_gets_the_checksums_that_its_bytes_ask_for():
     repaired = with_right_sums(bytes(data))
     assert repaired != bytes(data)
     assert repaired[100] == data[100]
+
+
+def test_damaged_ad2cp_gets_both_checksums_that_its_bytes_ask_for():
+    data = bytearray(dvl_file())
+    assert with_right_word_sums(bytes(data)) == bytes(data)
+    data[-1] ^= 1
+    repaired = with_right_word_sums(bytes(data))
+    assert repaired[:-1] != bytes(data[:-1])
+    assert repaired[-1] == data[-1]
+    assert with_right_word_sums(repaired) == repaired
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)

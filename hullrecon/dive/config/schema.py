@@ -68,7 +68,7 @@ class Logs(Section, frozen=True):
 
     files: Annotated[
         tuple[FileName, ...],
-        Meta(min_length=1, description="bags, MCAP, ROS 2 folders, PD0, Water Linked JSON or a folder of CSVs"),
+        Meta(min_length=1, description="bags, MCAP, ROS 2 folders, PD0, AD2CP, Water Linked JSON or a folder of CSVs"),
     ]
 
 

@@ -17,7 +17,8 @@ class DvlSample:
     """velocity (3,) m/s of the instrument in `dvl`; sigma m/s (NaN: not given); ranges (b,) m along the beams; beams (b, 3)
     unit vectors in `dvl`, None where the log does not carry them. ranges is empty where the log has none. instrument: set where
     the beams are not logged but those of the one instrument that the message's type names. altitude: m along z of `dvl` to
-    what the beams meet, as the instrument computed it; NaN where the log has none, or one that means something else."""
+    what the beams meet, as the instrument computed it; NaN where the log has none, or one that means something else.
+    along_axis: the ranges are along z of `dvl`, wherever the beams turn out to point."""
 
     t_ns: int
     velocity: Array
@@ -26,6 +27,7 @@ class DvlSample:
     beams: Array | None
     instrument: str = ""
     altitude: float = float("nan")
+    along_axis: bool = False
 
     def __post_init__(self) -> None:
         _require(self.velocity.shape == (3,) and self.ranges.ndim == 1)

@@ -54,6 +54,9 @@ def dvl_pings(samples: Sequence[DvlSample], beams: Array | None, sigma: float, r
     given = np.array([s.sigma for s in samples])
     used = np.where(np.isfinite(given) & (given > 0), given, sigma)
     directions = choose_beams(samples, beams, width, remarks)
+    along_axis = np.array([s.along_axis for s in samples], bool)
+    along_beams = ranges[along_axis] / directions[:, 2]
+    ranges[along_axis] = np.where(np.isfinite(along_beams) & (along_beams > 0), along_beams, np.nan)
     remarks += check_beams(directions, ranges, np.array([s.altitude for s in samples]))
     return DvlPings(t_ns=_times(samples), velocity=velocity, velocity_sigma=used, ranges=ranges, beams=directions)
 

@@ -4,9 +4,11 @@
 
 import numpy as np
 
+from benchmarks.fuzz.seed_ad2cp import DF21, block, dvl_file, dvl_record
 from hullrecon.dive.config.config_template import fill_template
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.log_proposals import imu_frame, missing_calibrations, proposed_mounts, questions
+from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
 from hullrecon.dive.logs.summary import guess_topics, summarise_log, summarise_logs
@@ -122,6 +124,16 @@ def test_what_no_log_says_is_asked_for(data, tmp_path):
     (tmp_path / "dive.toml").write_text(fill_template(summary, [tmp_path / "x.pd0"], tmp_path))
     assert "# mount_deg = " in (tmp_path / "dive.toml").read_text()
     assert load_config(tmp_path).config.imu.mount_deg is None
+
+
+def test_a_nortek_dvl_that_does_not_say_where_its_beams_point_is_asked_about_them(tmp_path):
+    for content, asked in ((block(DF21, dvl_record()), True), (dvl_file(), False)):
+        (tmp_path / "x.ad2cp").write_bytes(content)
+        summary = summarise_log(Ad2cpLog(tmp_path / "x.ad2cp"))
+        assert any("nothing says where the DVL's 4 beams point" in line for line in questions(summary)) == asked
+        (tmp_path / "dive.toml").write_text(fill_template(summary, [tmp_path / "x.ad2cp"], tmp_path))
+        assert ("# beam_angle_deg" in (tmp_path / "dive.toml").read_text()) == asked
+        assert load_config(tmp_path).config.dvl.beams is None
 
 
 def test_a_file_of_a_dvl_beside_a_log_takes_no_topic_from_it(kit, data, tmp_path):

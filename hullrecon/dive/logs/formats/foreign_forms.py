@@ -20,7 +20,7 @@ BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
     (b"RIP", "a recording of a 3-D sonar (Water Linked Sonar 3D-15)", "3-D sonars are not read; give DVL and IMU, or cameras"),
     (b"DDF", "a recording of a DIDSON or ARIS sonar", "export its frames and name them in sonar.csv"),
     (b"\xa3\x95", "a data-flash log of ArduPilot", TO_MCAP),
-    (b"\xa5\x0a", "a file of a Nortek instrument (AD2CP)", "have its DVL write PD0, or log it as nortek_dvl/Dvl"),
+    (b"\xa5\x0a", "a file of another instrument of Nortek", "have its DVL write PD0, or log it as nortek_dvl/Dvl"),
     (b"\x1f\x8b", "packed by gzip", "unpack it (gunzip) first"),
     (b"7z\xbc\xaf", "a packed archive", "unpack it first"),
     (b"\x89HDF", "an HDF5 or NetCDF file", f"write its sensors as {TABLES}"),

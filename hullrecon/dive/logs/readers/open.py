@@ -10,6 +10,8 @@ from pathlib import Path
 from hullrecon.dive.logs.formats import bag_records, mcap_records, pd0_ensemble
 from hullrecon.dive.logs.formats.foreign_forms import describe_file, describe_folder
 from hullrecon.dive.logs.readers import sqlite
+from hullrecon.dive.logs.readers.ad2cp.blocks import is_ad2cp
+from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
 from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
@@ -26,10 +28,10 @@ BY_MAGIC: dict[bytes, Callable[[Path], Log]] = {
     mcap_records.MAGIC: McapLog, bag_records.MAGIC: Rosbag1Log, sqlite.MAGIC: SqliteLog, pd0_ensemble.MAGIC: Pd0Log,
 }  # fmt: skip
 BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
-    ".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log,
+    ".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log, ".ad2cp": Ad2cpLog,
 }  # fmt: skip
 MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
-FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 file, the JSON lines of a Water Linked DVL or a folder of CSVs"
+FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 or AD2CP file, the JSON lines of a Water Linked DVL or a folder of CSVs"
 
 
 def open_log(path: Path, package: Path | None = None) -> Log:
@@ -52,6 +54,8 @@ def open_log(path: Path, package: Path | None = None) -> Log:
         raise InputError(f"the log {name} is empty", where=where)
     if is_water_linked(start):
         return WaterLinkedLog(path)
+    if is_ad2cp(start):
+        return Ad2cpLog(path)
     found = [reader for magic, reader in BY_MAGIC.items() if start.startswith(magic)]
     found += [reader for suffix, reader in BY_SUFFIX.items() if path.suffix.lower() == suffix]
     if not found:
