@@ -121,6 +121,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=8,
+    version=9,
     run=run,
 )

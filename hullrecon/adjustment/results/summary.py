@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -113,7 +113,8 @@ def _registration(adjusted: Adjusted) -> dict[str, object]:
         return {}
     rms_m = float(np.sqrt(np.mean(found.residual**2)))
     vector = pose_vector(found.global_from_hull).tolist()
-    return {"registration": {"fitness": found.fitness, "rms_m": rms_m, "T_g_M": vector}}
+    form = {} if adjusted.form is None else {"form": asdict(adjusted.form) | {"log_odds": adjusted.form.log_odds}}
+    return {"registration": {"fitness": found.fitness, "rms_m": rms_m, "T_g_M": vector, **form}}
 
 
 def _mounts(state: State) -> dict[str, list[float]]:
@@ -139,11 +140,30 @@ def _placement_warnings(adjusted: Adjusted) -> list[str]:
         ]
     found = adjusted.registration
     if found is None or found.sigmas_off <= 1:
-        return []
+        return _form_warnings(adjusted)
     return [
+        *_form_warnings(adjusted),
         f"The hull lies {found.sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma says; the sigmas of that pose "
-        "were widened as much. Where the hull's form does not tell, positions are no better than that."
+        "were widened as much. Where the hull's form does not tell, positions are no better than that.",
     ]
+
+
+def _form_warnings(adjusted: Adjusted) -> list[str]:
+    """Return what the surveyed form says of the CAD model that was believed."""
+    form = adjusted.form
+    if form is None:
+        return []
+    if form.contradicts:
+        return [
+            f"The hull leaves its CAD model by {np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres; that "
+            "sigma was widened as much. If this is not known of the hull, the CAD model may be another ship's."
+        ]
+    if not form.confirms:
+        return [
+            "The surveyed part of the hull is too plain to tell whether the CAD model is of this ship and scale: another "
+            "hull's would fit as well, and where on the hull the dive was is what hull.pose says."
+        ]
+    return []
 
 
 def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
