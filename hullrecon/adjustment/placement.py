@@ -136,7 +136,7 @@ class LaidModel:
 
 def estimate_hull_pose(last: RoundResult, options: AdjustOptions) -> LaidModel:
     """Return the CAD model where the points of a round lie on it. Where they leave it by more than the package says, the error
-    that the package states is widened to what they show: a hull may be worse than its builder thinks."""
+    that the package states is widened to what they show: a hull may be worse than its builder thinks, or another one."""
     ready = last.after
     hull = ready.state.hull
     if hull is None or options.as_published:
@@ -145,7 +145,8 @@ def estimate_hull_pose(last: RoundResult, options: AdjustOptions) -> LaidModel:
     evidence, best = estimate.fit_hull_pose(points, hull.global_from_hull, hull.cad_model, hull.survey_center)
     form = compare_form(evidence, best)
     if form.contradicts:
-        wider = replace(hull.cad_model, deviation_sigma=hull.cad_model.deviation_sigma * float(np.sqrt(form.deviation)))
+        sigma = hull.cad_model.deviation_sigma * float(np.sqrt(form.deviation))
+        wider = replace(hull.cad_model, deviation_sigma=sigma, in_doubt=True)
         hull = replace(hull, cad_model=wider)
         evidence, best = estimate.fit_hull_pose(points, best, wider, hull.survey_center)
     hull = replace(hull, global_from_hull=estimate.profile_mean_pose(evidence, best))

@@ -166,10 +166,10 @@ def test_a_hull_pose_turned_in_g_turns_its_covariance_with_it():
     np.testing.assert_allclose(hull_axes(spun, turn @ found), along_axes(evidence, found), rtol=0.05, atol=1e-5)
 
 
-def test_where_the_guess_contradicts_the_fit_the_sigma_reaches_from_one_to_the_other():
+def test_where_the_model_is_in_doubt_the_sigma_reaches_from_the_fit_to_the_guess():
     evidence, best, _ = placed(CURVED)
     agreed = estimate.hull_pose_covariance(evidence, best)
-    contradicted = replace(evidence, cad_model=replace(evidence.cad_model, guess_contradicted=True))
+    contradicted = replace(evidence, cad_model=replace(evidence.cad_model, in_doubt=True))
     added = hull_axes(estimate.hull_pose_covariance(contradicted, best) - agreed, best)
     guess = apart(evidence.cad_model.guess, evidence.center) - apart(best, evidence.center)
     np.testing.assert_allclose(np.sqrt(np.diag(added)[:3]), np.abs(guess[:3]), rtol=0.05, atol=0.01)

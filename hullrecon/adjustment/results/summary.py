@@ -156,7 +156,8 @@ def _form_warnings(adjusted: Adjusted) -> list[str]:
     if form.contradicts:
         return [
             f"The hull leaves its CAD model by {np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres; that "
-            "sigma was widened as much. If this is not known of the hull, the CAD model may be another ship's."
+            "sigma was widened as much. If that is not known of the hull, the CAD model may be another ship's: the sigmas of "
+            "position reach to where hull.pose has it."
         ]
     if not form.confirms:
         return [
