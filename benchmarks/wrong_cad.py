@@ -1,11 +1,14 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is made of a wrong CAD model: python -m benchmarks.wrong_cad PACKAGE RUN [--other MESH] [--json FILE]
+"""What is made of a wrong CAD model: python -m benchmarks.wrong_cad PACKAGE RUN [--other MESH ...] [--only NAME ...]
 
-Adjusts a simulated dive once more, from what RUN (its folder of results) holds, with its CAD model as given, mirrored end for
-end, in the wrong units (those that the ship's length does not tell: others end where the mesh is read), stretched, of another
-ship (--other, scaled to this one's length), and with a first guess of its pose that is 5 m and 15 degrees off. Each must be
-found (the vehicle's errors in the hull within four of their sigmas) or refused.
+Lays CAD models under the path of a simulated dive, from what RUN (its folder of results) holds: the one that is given, mirrored
+end for end, in the wrong units (those that the ship's length does not tell: others end where the mesh is read), too large,
+stretched along one axis, of other ships, and with a first guess of its pose that is 5 m and 15 degrees off. Other ships are
+analytic ones and the meshes of --other, scaled to this one's length. Too large and stretched ones, and other ships, pass
+through the place where the guess has the survey: only their form can speak against them. Each must be found (the vehicle's
+errors in the hull within four of their sigmas) or refused; of another ship, whose frame is not that of the truth, what is
+printed is by how much the path's place differs from where the guess has it.
 """
 
 from __future__ import annotations
@@ -13,14 +16,14 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.legs import in_sigmas, rigid_rms_mm
-from hullrecon.adjustment.bundle_adjustment import adjust
+from hullrecon.adjustment.bundle_adjustment import FirstPath, adjust_with_cad_model, find_path, judge_cad_model
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.results.summary import summarise_adjustment
@@ -28,17 +31,22 @@ from hullrecon.dive.config import schema
 from hullrecon.dive.config.load import load_config
 from hullrecon.errors import StageError
 from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
-from hullrecon.evaluation.scoring.truth import Truth, read_mesh, read_truth
+from hullrecon.evaluation.scoring.truth import Truth, read_truth
 from hullrecon.geometry import poses
 from hullrecon.geometry.charts.chart import chart_for_hull
+from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.native import MeshIndex
 from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact, MatchesArtifact, NavigateArtifact
 from hullrecon.steps.chain import stages
+from hullrecon.synthetic.spec import Ship
+from hullrecon.synthetic.world.hull_shapes import hull_from_mesh, ship_form
 from hullrecon.typing import Array
 
 Change = Callable[[CadModel], CadModel]
 FAR = (5.0, 15.0)  # m along the hull, deg of heading
 NEAR_SIGMAS = 4.0
+SHIPS = ((30.0, 6.5, 4.0, 1.0), (90.0, 15.0, 9.0, 2.0), (50.0, 12.0, 5.5, 2.6))  # length, beam, depth, bilge radius, m
 
 
 def measurements(package: Path, run: Path) -> tuple[Measurements, AdjustOptions]:
@@ -48,13 +56,14 @@ def measurements(package: Path, run: Path) -> tuple[Measurements, AdjustOptions]
     hull = config.value("hull")
     if not isinstance(hull, schema.Hull) or ingest.hull is None:
         raise SystemExit(f"{package} has no CAD model")
+    links, matches = run / "links", run / "matches"
     measured = Measurements(
         trajectory=navigate.trajectory,
         odometry=navigate.odometry,
         returns=navigate.returns,
         attitude=navigate.attitude,
-        tracks=MatchesArtifact(run / "matches").tracks,
-        start=LinksArtifact(run / "links").path.path(),
+        tracks=MatchesArtifact(matches).tracks if matches.exists() else None,
+        start=LinksArtifact(links).path.path() if links.exists() else None,
         rig=rig_priors_from_settings({name: config.value(name) for name in RIG_SECTIONS}, ingest.camera_models),
         cad_model=CadModel(
             mesh=ingest.hull,
@@ -75,13 +84,29 @@ def with_vertices(cad_model: CadModel, vertices: Array, flip: bool = False) -> C
     return replace(cad_model, mesh=mesh, chart=chart_for_hull(mesh))
 
 
-def other_ship(cad_model: CadModel, path: Path) -> CadModel:
-    """Return the model with another ship's mesh, of the same length, its middle where this one's is."""
-    mesh = read_mesh(path)
+def surveyed_place(measured: Measurements, cad_model: CadModel) -> Array:
+    """Return the point (3,) of the CAD model, in M, that the guess lays nearest to the middle of the path."""
+    middle = cad_model.guess.inverse().apply(measured.trajectory.translation).mean(axis=0)
+    index = MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
+    found = index.closest(middle[None])
+    return np.asarray(middle - found.distance[0] * found.gradient[0])
+
+
+def scaled(cad_model: CadModel, factors: Array, about: Array) -> CadModel:
+    """Return the model stretched by factors (3,) along its axes about a point (3,) of M."""
+    return with_vertices(cad_model, (cad_model.mesh.vertices - about) * factors + about)
+
+
+def other_ship(cad_model: CadModel, mesh: Mesh, place: Array) -> CadModel:
+    """Return the model with another ship's mesh, whose side passes through `place` (3,) where its length and depth have
+    the same shares."""
     ours, theirs = (np.array([m.vertices.min(axis=0), m.vertices.max(axis=0)]) for m in (cad_model.mesh, mesh))
-    scale = (ours[1, 0] - ours[0, 0]) / (theirs[1, 0] - theirs[0, 0])
-    vertices = (mesh.vertices - theirs.mean(axis=0)) * scale + ours.mean(axis=0)
-    placed = Mesh(vertices, mesh.faces)
+    at = theirs[0] + (place - ours[0]) / (ours[1] - ours[0]) * (theirs[1] - theirs[0])
+    side = np.sign(place[1] - ours.mean(axis=0)[1]) or 1.0
+    outside = np.array([at[0], theirs.mean(axis=0)[1] + side * (theirs[1, 1] - theirs[0, 1]), at[2]])
+    distance = float(Scene(mesh).cast(outside[None], np.array([[0.0, -side, 0.0]]))[0])
+    at[1] = outside[1] - side * distance
+    placed = Mesh(mesh.vertices - at + place, mesh.faces)
     return replace(cad_model, mesh=placed, chart=chart_for_hull(placed))
 
 
@@ -94,54 +119,76 @@ def far_guess(cad_model: CadModel, vehicle: Array) -> CadModel:
     return replace(cad_model, guess=moved @ about @ turn @ about.inverse() @ cad_model.guess)
 
 
-def cases(measured: Measurements, other: Path | None) -> Iterator[tuple[str, Change]]:
+def cases(measured: Measurements, cad_model: CadModel, others: Sequence[Path]) -> Iterator[tuple[str, Change]]:
     """Yield the changes by name."""
+    path, place = measured.trajectory.translation.mean(axis=0), surveyed_place(measured, cad_model)
+    low, high = cad_model.mesh.vertices.min(axis=0), cad_model.mesh.vertices.max(axis=0)
     yield "as given", lambda c: c
-    middle = measured.trajectory.translation.mean(axis=0)
-    yield "guess 5 m and 15 deg off", lambda c: far_guess(c, middle)
-    yield (
-        "mirrored end for end",
-        lambda c: with_vertices(
-            c, c.mesh.vertices * [-1, 1, 1] + [c.mesh.vertices[:, 0].min() + c.mesh.vertices[:, 0].max(), 0, 0], flip=True
-        ),
-    )
-    for name, factor in (("feet as metres", 3.28084), ("metres as feet", 0.3048), ("a fifth too large", 1.2)):
-        yield name, lambda c, factor=factor: with_vertices(c, c.mesh.vertices * factor)
-    yield "stretched by 0.8 and 1.3", lambda c: with_vertices(c, c.mesh.vertices * [1, 0.8, 1.3])
-    if other is not None:
-        yield f"another ship ({other.name})", lambda c: other_ship(c, other)
+    yield "guess 5 m and 15 deg off", lambda c: far_guess(c, path)
+    mirrored = cad_model.mesh.vertices * [-1, 1, 1] + [low[0] + high[0], 0, 0]
+    yield "mirrored end for end", lambda c: with_vertices(c, mirrored, flip=True)
+    for name, factor in (("feet as metres", 3.28084), ("metres as feet", 0.3048), ("a fifth too large from its origin", 1.2)):
+        yield name, lambda c, factor=factor: scaled(c, np.full(3, factor), np.zeros(3))
+    for factor in (1.05, 1.2):
+        yield f"too large by {factor}", lambda c, factor=factor: scaled(c, np.full(3, factor), place)
+    for factor in (1.1, 1.3):
+        for axis, way in enumerate(("length", "beam", "depth")):
+            factors = np.where(np.arange(3) == axis, factor, 1.0)
+            yield f"stretched in {way} by {factor}", lambda c, factors=factors: scaled(c, factors, place)
+    yield "stretched by 0.8 and 1.3", lambda c: scaled(c, np.array([1, 0.8, 1.3]), np.zeros(3))
+    for length, beam, depth, bilge in SHIPS:
+        ship = Ship(length_m=length, beam_m=beam, depth_m=depth, draught_m=0.7 * depth, bilge_radius_m=bilge)
+        yield f"another ship ({length:.0f} m)", lambda c, ship=ship: other_ship(c, ship_form(ship), place)
+    for mesh in others:
+        yield f"another ship ({mesh.name})", lambda c, mesh=mesh: other_ship(c, hull_from_mesh(mesh, high[0] - low[0]), place)
 
 
-def outcome(measured: Measurements, options: AdjustOptions, truth: Truth) -> dict[str, object]:
+def outcome(path: FirstPath, measured: Measurements, options: AdjustOptions, truth: Truth) -> dict[str, object]:
     """Return what became of one model."""
+    assert measured.cad_model is not None
+    on_path = replace(path, straight=replace(path.straight, measured=replace(measured, rig=path.straight.measured.rig)))
     try:
-        adjusted = adjust(measured, options, lambda sentence: None)
+        judged = judge_cad_model(on_path, measured.cad_model, options, lambda sentence: None)
     except StageError as error:
         return {"verdict": "refused", "why": str(error)}
-    solution = summarise_adjustment(measured, adjusted, options).solution
-    rms = rigid_rms_mm(solution.t_ns, solution.global_from_vehicle.translation, truth)[0]
-    if adjusted.refusal is not None:
-        return {"verdict": "refused", "why": adjusted.refusal, "rigid_mm": rms}
+    registered = judged.placement.registration
+    row: dict[str, object] = {"fitness": registered.fitness, "guess_in_sigmas": registered.sigmas_off}
+    if judged.laid is not None and judged.laid.form is not None:
+        row["form"] = asdict(judged.laid.form) | {"log_odds": judged.laid.form.log_odds}
+    if judged.refusal is not None:
+        return row | {"verdict": "refused", "why": judged.refusal}
+    adjusted = adjust_with_cad_model(on_path, judged)
+    summary = summarise_adjustment(measured, adjusted, options)
+    solution = summary.solution
     sigmas = in_sigmas(solution, truth)
-    error = solution.track().poses.translation - truth.vehicle_at(solution.t_ns / 1e9).translation
-    verdict = "found" if max(sigmas) < NEAR_SIGMAS else "WRONG"
-    return {
-        "verdict": verdict, "errors_in_sigmas": sigmas, "error_m": np.abs(error).mean(axis=0).tolist(), "rigid_mm": rms,
-    }  # fmt: skip
+    track = solution.track()
+    error = track.poses.translation - truth.vehicle_at(solution.t_ns / 1e9).translation
+    return row | {
+        "verdict": "found" if max(sigmas) < NEAR_SIGMAS else "WRONG",
+        "errors_in_sigmas": sigmas,
+        "error_m": np.abs(error).mean(axis=0).tolist(),
+        "sigma_m": np.median(track.sigma[:, :3], axis=0).tolist(),
+        "rigid_mm": rigid_rms_mm(solution.t_ns, solution.global_from_vehicle.translation, truth)[0],
+        "warnings": summary.warnings,
+    }
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("package", type=Path)
     parser.add_argument("run", type=Path)
-    parser.add_argument("--other", type=Path)
+    parser.add_argument("--other", type=Path, nargs="+", default=[], help="meshes of other ships")
+    parser.add_argument("--only", nargs="+", default=[""], help="cases whose name begins so")
     parser.add_argument("--json", type=Path)
     args = parser.parse_args()
     measured, options = measurements(args.package, args.run)
+    assert measured.cad_model is not None
     truth, rows = read_truth(args.package), {}
-    for name, change in cases(measured, args.other):
-        assert measured.cad_model is not None
-        rows[name] = outcome(replace(measured, cad_model=change(measured.cad_model)), options, truth)
+    path = find_path(measured, options, lambda sentence: None)
+    for name, change in cases(measured, measured.cad_model, args.other):
+        if not name.startswith(tuple(args.only)):
+            continue
+        rows[name] = outcome(path, replace(measured, cad_model=change(measured.cad_model)), options, truth)
         print(f"{name}: {rows[name]}", flush=True)
     if args.json:
         args.json.write_text(json.dumps(rows, indent=1))

@@ -15,11 +15,19 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate, registration
+from hullrecon.adjustment.hull_pose.form import Form
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.placement import estimate_hull_pose, place_cad_model, reason_against
+from hullrecon.adjustment.placement import (
+    LaidModel,
+    Placement,
+    estimate_hull_pose,
+    form_against,
+    place_cad_model,
+    reason_against,
+)
 from hullrecon.adjustment.problem import iteration_history, pruning, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection
-from hullrecon.adjustment.problem.measurements import Measurements
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.adjustment.rounds import Estimate, Report, RoundResult, RoundSolver
 from hullrecon.estimation.rig_priors import Rig
@@ -31,8 +39,8 @@ log = logging.getLogger(__name__)
 @dataclass(frozen=True, kw_only=True)
 class Adjusted:
     """The adjusted dive. start: the first round's problem as it began; problem and result: of the last round, at its solution;
-    rig: with the intrinsics found; evidence: what the hull pose was fitted to (None where no round held it); refusal: why the
-    CAD model was left out, None where it was not (or there is none)."""
+    rig: with the intrinsics found; evidence: what the hull pose was fitted to, form: whether that has the CAD model's form
+    (None where no round held it); refusal: why the CAD model was left out, None where it was not (or there is none)."""
 
     state: State
     weights: Weights
@@ -44,6 +52,27 @@ class Adjusted:
     rounds: tuple[iteration_history.Round, ...]
     rig: Rig
     evidence: estimate.HullPoseEvidence | None
+    form: Form | None
+    refusal: str | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstPath:
+    """The path from images and navigation: its rounds, the estimate after them, and the solver that goes on from there."""
+
+    solver: RoundSolver
+    rounds: tuple[RoundResult, ...]
+    straight: Estimate
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgedModel:
+    """The CAD model laid under a path, the rounds solved with it, where their points lie on it (None after no round), and why
+    it is refused (None where it is not)."""
+
+    placement: Placement
+    rounds: tuple[RoundResult, ...]
+    laid: LaidModel | None
     refusal: str | None
 
 
@@ -52,26 +81,50 @@ def adjust(measured: Measurements, options: AdjustOptions, report: Report) -> Ad
 
     Raises StageError when too little agrees to be adjusted.
     """
+    path = find_path(measured, options, report)
+    if measured.cad_model is None:
+        return adjust_without_cad_model(path)
+    judged = judge_cad_model(path, measured.cad_model, options, report)
+    if judged.refusal is not None:
+        report(f"the CAD model is left out: {judged.refusal}")
+        without = adjust_without_cad_model(path, judged.rounds)
+        form = None if judged.laid is None else judged.laid.form
+        return replace(without, registration=judged.placement.registration, form=form, refusal=judged.refusal)
+    return adjust_with_cad_model(path, judged)
+
+
+def find_path(measured: Measurements, options: AdjustOptions, report: Report) -> FirstPath:
+    """Return the path without the CAD model: some well-seen landmarks find poses, outliers and sigmas at a fraction of the
+    cost."""
     solver = RoundSolver(measured.rig, options, report)
-    # First a path, without the CAD model: some well-seen landmarks find poses, outliers and sigmas at a fraction of the cost.
     start = _start(measured, options)
     with_cad = measured.cad_model is not None
-    path = solver.coarse_rounds(start, max(options.rounds - 1, int(with_cad)))
-    straight = path[-1].after if path else start
-    if measured.cad_model is None:
-        return _drop_lost_landmarks([*path, solver.solve_round(straight, final=True)])
-    # Then a place: the CAD model laid under that path.
-    placement = place_cad_model(straight, measured.cad_model, options, report)
-    placed = [] if placement.refusal else solver.coarse_rounds(placement.estimate, min(1, options.rounds - 1))
+    rounds = solver.coarse_rounds(start, max(options.rounds - 1, int(with_cad)))
+    return FirstPath(solver=solver, rounds=tuple(rounds), straight=rounds[-1].after if rounds else start)
+
+
+def judge_cad_model(path: FirstPath, cad_model: CadModel, options: AdjustOptions, report: Report) -> JudgedModel:
+    """Return the CAD model laid under that path, and whether what follows from it may be believed."""
+    placement = place_cad_model(path.straight, cad_model, options, report)
+    placed = [] if placement.refusal else path.solver.coarse_rounds(placement.estimate, min(1, options.rounds - 1))
     refusal = placement.refusal or (reason_against(placed[-1], options) if placed else None)
-    if refusal is not None:
-        report(f"the CAD model is left out: {refusal}")
-        rounds = [*path, *placed, solver.solve_round(straight, final=True)]
-        return replace(_drop_lost_landmarks(rounds), registration=placement.registration, refusal=refusal)
-    # Then labels: the hull pose at the mean of its profile, every landmark, all solved with it held.
-    evidence, ready = estimate_hull_pose(placed[-1], options) if placed else (None, placement.estimate)
-    rounds = [*path, *placed, solver.solve_round(ready, final=True, hold_hull_pose=evidence is not None)]
-    return replace(_drop_lost_landmarks(rounds), registration=placement.registration, evidence=evidence)
+    laid = None if refusal or not placed else estimate_hull_pose(placed[-1], options)
+    if laid is not None and laid.form is not None:
+        refusal = form_against(laid.form, placement.registration.sigmas_off)
+    return JudgedModel(placement=placement, rounds=tuple(placed), laid=laid, refusal=refusal)
+
+
+def adjust_with_cad_model(path: FirstPath, judged: JudgedModel) -> Adjusted:
+    """Return the dive with labels: the hull pose at the mean of its profile, every landmark, all solved with it held."""
+    laid = judged.laid or LaidModel(ready=judged.placement.estimate)
+    last = path.solver.solve_round(laid.ready, final=True, hold_hull_pose=laid.evidence is not None)
+    adjusted = _drop_lost_landmarks([*path.rounds, *judged.rounds, last])
+    return replace(adjusted, registration=judged.placement.registration, evidence=laid.evidence, form=laid.form)
+
+
+def adjust_without_cad_model(path: FirstPath, refused: tuple[RoundResult, ...] = ()) -> Adjusted:
+    """Return the path solved with all landmarks; refused: rounds with a CAD model that is left out, for the history."""
+    return _drop_lost_landmarks([*path.rounds, *refused, path.solver.solve_round(path.straight, final=True)])
 
 
 def _start(measured: Measurements, options: AdjustOptions) -> Estimate:
@@ -118,5 +171,6 @@ def _drop_lost_landmarks(rounds: list[RoundResult]) -> Adjusted:
         rounds=tuple(r.history for r in rounds),
         rig=last.after.measured.rig,
         evidence=None,
+        form=None,
         refusal=None,
     )

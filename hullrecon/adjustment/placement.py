@@ -15,6 +15,7 @@ import numpy as np
 
 from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate, registration
+from hullrecon.adjustment.hull_pose.form import Form, compare_form
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import selection
 from hullrecon.adjustment.problem.deviation_field import grid_over
@@ -123,14 +124,51 @@ def _points_to_register(measured: Measurements, state: State) -> Array:
     return landmarks
 
 
-def estimate_hull_pose(last: RoundResult, options: AdjustOptions) -> tuple[estimate.HullPoseEvidence | None, Estimate]:
-    """Return what the hull pose was fitted to, and the last estimate with the pose at the mean of its profile; as published and
-    without a CAD model, the estimate as it is."""
+@dataclass(frozen=True, kw_only=True)
+class LaidModel:
+    """The last estimate, its CAD model with the pose at the mean of its profile and with the error that it shows; evidence:
+    what the pose was fitted to; form: whether that has the CAD model's form. Both None as published and without a CAD model."""
+
+    ready: Estimate
+    evidence: estimate.HullPoseEvidence | None = None
+    form: Form | None = None
+
+
+def estimate_hull_pose(last: RoundResult, options: AdjustOptions) -> LaidModel:
+    """Return the CAD model where the points of a round lie on it. Where they leave it by more than the package says, the error
+    that the package states is widened to what they show: a hull may be worse than its builder thinks, or another one."""
     ready = last.after
     hull = ready.state.hull
     if hull is None or options.as_published:
-        return None, ready
+        return LaidModel(ready=ready)
     points = estimate.collect_hull_points(ready.measured, ready.state, last.chosen, last.result.label)
     evidence, best = estimate.fit_hull_pose(points, hull.global_from_hull, hull.cad_model, hull.survey_center)
+    form = compare_form(evidence, best)
+    if form.contradicts:
+        sigma = hull.cad_model.deviation_sigma * float(np.sqrt(form.deviation))
+        wider = replace(hull.cad_model, deviation_sigma=sigma, in_doubt=True)
+        hull = replace(hull, cad_model=wider)
+        evidence, best = estimate.fit_hull_pose(points, best, wider, hull.survey_center)
     hull = replace(hull, global_from_hull=estimate.profile_mean_pose(evidence, best))
-    return evidence, replace(ready, state=replace(ready.state, hull=hull))
+    return LaidModel(ready=replace(ready, state=replace(ready.state, hull=hull)), evidence=evidence, form=form)
+
+
+def form_against(form: Form, sigmas_off: float) -> str | None:
+    """Return why points that lie near the CAD model are not of its hull, None where they may be; sigmas_off: how far it was
+    found from the package's guess."""
+    if form.is_of_another_hull:
+        return (
+            f"the hull leaves it by {np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres: it is another "
+            "ship's, or of another scale, or hull.deviation_sigma is too small"
+        )
+    if form.fits_better_stretched:
+        return (
+            f"its proportions or its scale are not the hull's: stretched along its axes it fits the surveyed part better, by a "
+            f"chi-square of {form.stretch:.0f} with three degrees of freedom"
+        )
+    if sigmas_off > registration.GUESS_SIGMAS and not form.confirms:
+        return (
+            f"it fits {sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma says, and the surveyed part of "
+            "the hull is too plain to tell that it is this one"
+        )
+    return None

@@ -121,6 +121,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=9,
+    version=10,
     run=run,
 )

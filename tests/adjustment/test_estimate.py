@@ -164,3 +164,13 @@ def test_a_hull_pose_turned_in_g_turns_its_covariance_with_it():
     )
     spun = estimate.hull_pose_covariance(turned, turn @ found)
     np.testing.assert_allclose(hull_axes(spun, turn @ found), along_axes(evidence, found), rtol=0.05, atol=1e-5)
+
+
+def test_where_the_model_is_in_doubt_the_sigma_reaches_from_the_fit_to_the_guess():
+    evidence, best, _ = placed(CURVED)
+    agreed = estimate.hull_pose_covariance(evidence, best)
+    contradicted = replace(evidence, cad_model=replace(evidence.cad_model, in_doubt=True))
+    added = hull_axes(estimate.hull_pose_covariance(contradicted, best) - agreed, best)
+    guess = apart(evidence.cad_model.guess, evidence.center) - apart(best, evidence.center)
+    np.testing.assert_allclose(np.sqrt(np.diag(added)[:3]), np.abs(guess[:3]), rtol=0.05, atol=0.01)
+    assert np.linalg.matrix_rank(added, tol=1e-9) == 1  # along the line between them, and nowhere else

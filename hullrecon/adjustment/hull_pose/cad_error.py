@@ -46,8 +46,8 @@ def distance_covariance(cad_error_model: CadError, cad_model: CadModel, at: Arra
     The facets' pattern repeats all over a survey, which no stationary covariance says: the points on one facet share out the
     information of one (docs/methods.md 9), with three of its sigmas, lest a slide by one facet look like a better pose.
     """
-    along_girth = np.nan_to_num(cad_model.chart.to_chart(at)[:, :2])
-    return _covariance(cad_error_model, along_girth, _facet_variance(cad_model, at, along_girth))
+    along_girth = chart_coordinates(cad_model, at)
+    return _covariance(cad_error_model, along_girth, facet_variance(cad_model, at, sigmas=3.0))
 
 
 def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> Array:
@@ -59,10 +59,17 @@ def matern32(along_girth: Array, sigma: float, length: tuple[float, float]) -> A
     return np.asarray(sigma**2 * (1 + np.sqrt(3) * r) * np.exp(-np.sqrt(3) * r))
 
 
-def _facet_variance(cad_model: CadModel, at: Array, along_girth: Array) -> float:
+def chart_coordinates(cad_model: CadModel, at: Array) -> Array:
+    """Return along and girth (n, 2) m of points (n, 3) in M, zero where the chart has none."""
+    return np.nan_to_num(cad_model.chart.to_chart(at)[:, :2])
+
+
+def facet_variance(cad_model: CadModel, at: Array, sigmas: float) -> float:
+    """Return the variance by the facets of each of the points (n, 3) in M: so many sigmas of one facet, shared out among the
+    points on it."""
     facets = tessellation_error(cad_model.mesh, at)
-    cells = len(np.unique(np.floor(along_girth / facets.length_m).astype(np.int64), axis=0))
-    return float((3 * facets.sigma_m) ** 2 * len(at) / cells)
+    cells = len(np.unique(np.floor(chart_coordinates(cad_model, at) / facets.length_m).astype(np.int64), axis=0))
+    return float((sigmas * facets.sigma_m) ** 2 * len(at) / cells)
 
 
 def _covariance(cad_error_model: CadError, along_girth: Array, facet_variance: float) -> Array:

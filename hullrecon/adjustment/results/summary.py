@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from hullrecon.geometry.poses import pose_vector
 from hullrecon.records.solution import Solution
 from hullrecon.typing import Array, Arrays
 
+TRUSTED_STRETCH = 0.1  # a model may be another one's by so much: that is said where the survey cannot tell
 NAVIGATION = ("dvl_scale", "heading_drift_rad_s", "roll_bias_rad", "pitch_bias_rad", "depth_bias_m", "tray_backlash_rad")
 
 
@@ -120,7 +121,8 @@ def _registration(adjusted: Adjusted) -> dict[str, object]:
         return {}
     rms_m = float(np.sqrt(np.mean(found.residual**2)))
     vector = pose_vector(found.global_from_hull).tolist()
-    return {"registration": {"fitness": found.fitness, "rms_m": rms_m, "T_g_M": vector}}
+    form = {} if adjusted.form is None else {"form": asdict(adjusted.form) | {"log_odds": adjusted.form.log_odds}}
+    return {"registration": {"fitness": found.fitness, "rms_m": rms_m, "T_g_M": vector, **form}}
 
 
 def _mounts(state: State) -> dict[str, list[float]]:
@@ -146,11 +148,36 @@ def _placement_warnings(adjusted: Adjusted) -> list[str]:
         ]
     found = adjusted.registration
     if found is None or found.sigmas_off <= 1:
-        return []
+        return _form_warnings(adjusted)
     return [
+        *_form_warnings(adjusted),
         f"The hull lies {found.sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma says; the sigmas of that pose "
-        "were widened as much. Where the hull's form does not tell, positions are no better than that."
+        "were widened as much. Where the hull's form does not tell, positions are no better than that.",
     ]
+
+
+def _form_warnings(adjusted: Adjusted) -> list[str]:
+    """Return what the surveyed form says of the CAD model that was believed."""
+    form = adjusted.form
+    if form is None:
+        return []
+    if form.contradicts:
+        return [
+            f"The hull leaves its CAD model by {np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres; that "
+            "sigma was widened as much. If that is not known of the hull, the CAD model may be another ship's: the sigmas of "
+            "position reach to where hull.pose has it."
+        ]
+    if not form.confirms:
+        return [
+            "The surveyed part of the hull is too plain to tell whether the CAD model is of this ship and scale: another "
+            "hull's would fit as well, and where on the hull the dive was is what hull.pose says."
+        ]
+    if max(form.stretch_sigma) > TRUSTED_STRETCH:
+        return [
+            f"The surveyed part of the hull tells the CAD model's proportions and scale to {100 * max(form.stretch_sigma):.0f} % "
+            "(one sigma): the sigmas of the position on the hull hold for a model that is to scale."
+        ]
+    return []
 
 
 def _warnings(adjusted: Adjusted, solution: Solution) -> list[str]:
