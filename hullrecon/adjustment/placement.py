@@ -146,7 +146,7 @@ def estimate_hull_pose(last: RoundResult, options: AdjustOptions) -> LaidModel:
     form = compare_form(evidence, best)
     if form.contradicts:
         sigma = hull.cad_model.deviation_sigma * float(np.sqrt(form.deviation))
-        wider = replace(hull.cad_model, deviation_sigma=sigma, in_doubt=True)
+        wider = replace(hull.cad_model, deviation_sigma=sigma, contradicted=True)
         hull = replace(hull, cad_model=wider)
         evidence, best = estimate.fit_hull_pose(points, best, wider, hull.survey_center)
     hull = replace(hull, global_from_hull=estimate.profile_mean_pose(evidence, best))

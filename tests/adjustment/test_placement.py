@@ -128,8 +128,8 @@ def test_a_guess_that_is_contradicted_but_not_absurd_is_widened():
     assert 3.5 < found.registration.sigmas_off < 8
     wide = found.registration.cad_model.guess_sigma
     np.testing.assert_allclose(wide, model().guess_sigma * found.registration.sigmas_off)
-    assert found.registration.cad_model.in_doubt
-    assert not model().in_doubt
+    assert found.registration.cad_model.contradicted
+    assert not model().contradicted
 
 
 def test_without_ranges_landmarks_are_laid_onto_the_model():

@@ -12,6 +12,7 @@ from adjustment.solved_dives import solved
 from scipy.spatial.transform import Rotation
 
 from hullrecon import native
+from hullrecon.adjustment.hull_pose.form import Form
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.records.serialisation import to_arrays
@@ -209,3 +210,19 @@ def test_the_last_problem_stands_at_the_solution():
     for name in ("pose", "landmark", "deviation"):
         np.testing.assert_array_equal(getattr(adjusted.problem.unknowns, name), getattr(adjusted.result.unknowns, name))
     assert simulate().measured.trajectory.translation.tobytes() == adjusted.start.unknowns.pose[:, :3].tobytes()
+
+
+@pytest.mark.parametrize(
+    ("form", "said"),
+    [
+        (Form(patterns=20, deviation=0.8, plane=90.0, stretch_sigma=(0.35, 0.1, 0.2)), "proportions and scale to 35 %"),
+        (Form(patterns=20, deviation=0.8, plane=90.0, stretch_sigma=(0.02, 0.01, 0.03)), None),
+        (Form(patterns=20, deviation=0.8, plane=1.0, stretch_sigma=(0.5, 0.5, 0.5)), "too plain to tell"),
+        (Form(patterns=40, deviation=3.0, plane=900.0, stretch_sigma=(0.02, 0.01, 0.03)), "by 1.7 times hull.deviation_sigma"),
+    ],
+)
+def test_what_the_form_of_the_hull_leaves_open_is_said(form, said):
+    found = solved()
+    outcome = summarise_adjustment(found.dive.measured, replace(found.adjusted, form=form), found.options)
+    about_form = [line for line in outcome.warnings if "proportions" in line or "plain" in line or "deviation_sigma" in line]
+    assert [said in line for line in about_form] == ([True] if said else [])

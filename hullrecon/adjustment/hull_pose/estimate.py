@@ -77,13 +77,13 @@ def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
     for direction in _directions(hull_axes(out, pose)):
         found = _profile(evidence, pose, direction)
         out = profile_likelihood.inflate_covariance(out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), pose)
-    return np.asarray(out + _doubt(evidence, pose))
+    return np.asarray(out + _contradiction(evidence, pose))
 
 
-def _doubt(evidence: HullPoseEvidence, pose: Poses) -> Array:
-    """Return the covariance (6, 6) that doubt adds: where guess or form contradict the CAD model, it or the guess may be wrong,
-    so the sigma along the line between guess and fit is at least its length (docs/methods.md 20). Zero without doubt."""
-    if not evidence.cad_model.in_doubt:
+def _contradiction(evidence: HullPoseEvidence, pose: Poses) -> Array:
+    """Return the covariance (6, 6) that a contradiction adds: where guess or form contradict the CAD model, it or the guess may
+    be wrong, so the sigma along the line between guess and fit is at least its length (docs/methods.md 20). Else zero."""
+    if not evidence.cad_model.contradicted:
         return np.zeros((6, 6))
     step = registration.prior_step(pose, evidence.cad_model, evidence.center)
     apart = np.r_[evidence.cad_model.guess.rotation.as_matrix()[0] @ step[:3], step[3:]]

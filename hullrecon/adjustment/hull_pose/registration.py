@@ -105,7 +105,7 @@ def _with_wider_guess(
     off = float(np.abs(step / cad_model.guess_sigma).max())
     if off <= GUESS_SIGMAS:
         return found
-    wider = replace(cad_model, guess_sigma=cad_model.guess_sigma * off, in_doubt=True)
+    wider = replace(cad_model, guess_sigma=cad_model.guess_sigma * off, contradicted=True)
     again = fit_correlated(points, found.global_from_hull, wider, found.center, index, sigma_range)
     return replace(again, sigmas_off=off)
 

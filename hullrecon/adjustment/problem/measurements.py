@@ -22,7 +22,7 @@ from hullrecon.typing import Array
 @dataclass(frozen=True)
 class CadModel:
     """The ship's CAD model: mesh and chart in M, the package's guess of T_g_M with sigmas (6,) in M's axes (m, rad);
-    in_doubt: sigmas were widened, since the hull lies farther from the guess, or leaves the model by more, than they say."""
+    contradicted: its sigmas were widened, since the hull lies farther from the guess, or leaves the model by more."""
 
     mesh: Mesh
     chart: Chart
@@ -30,7 +30,7 @@ class CadModel:
     guess_sigma: Array
     deviation_sigma: float
     deviation_length: tuple[float, float]
-    in_doubt: bool = False
+    contradicted: bool = False
 
 
 @dataclass(frozen=True)
