@@ -50,7 +50,7 @@ from hullrecon.vision.stereo.matching import no_matches
 APART_M = 4.0  # between the cameras of two images that share nothing
 ALIKE = 0.3  # of the footprints, that look alike
 SIGMA = np.diag(np.repeat([0.3**2, np.radians(5.0) ** 2], 3))
-BLOCK = 200  # pairs compared at once, in the order of their first nodes, so that views are made but once or twice
+BLOCK = 50  # pairs compared at once, in the order of their first nodes, so that views are made but once or twice
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,13 +21,16 @@ import numpy as np
 
 from benchmarks.disturbed import disturb
 from benchmarks.false_links import read_dive
-from benchmarks.legs import NoErrors, figures, hullrecon, matched, true_revisits
+from benchmarks.legs import figures, hullrecon, matched, true_revisits
 from benchmarks.links_in_graph import solved_graph
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
+from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
-from hullrecon.steps.artifacts import AdjustArtifact, LinksArtifact, NavigateArtifact
+from hullrecon.geometry.meshes.casting import Scene
+from hullrecon.geometry.poses import Poses
+from hullrecon.steps.artifacts import LinksArtifact, NavigateArtifact
+from hullrecon.typing import Array, Ints
 from hullrecon.vision.pairs.camera_track import CameraTrack, leading_cameras, track_cameras
-from hullrecon.vision.pairs.selection import footprint_overlap
 
 OPTIONS = (
     "--no-sonar --cameras mono --leg-spacing-m 0.5 --standoff-m 1.5 --views 9.1 --structures 12 --dvl-scale-error 0.01"
@@ -35,6 +38,8 @@ OPTIONS = (
 )
 BARE_SHARE = 0.333
 NS = 1_000_000_000
+STEPS = 6  # nodes over which the path's own sigma is told, about a metre
+GRID = 41
 MOST_MM, MOST_SIGMA_RATIO = 50.0, 0.3
 
 
@@ -61,32 +66,47 @@ def blank(truth: Truth, length_m: float) -> tuple[int, float]:
     return round((low + high) / 2), (high - low) / 2
 
 
+def shared(built: Scene, camera: CameraModel, cameras: Poses, first: Ints, second: Ints) -> Array:
+    """Return the share (m,) of each first image whose steel, as built, the second image has too. cameras (n): T_M_c."""
+    pixels = np.stack(np.meshgrid(np.linspace(0, camera.width - 1, GRID), np.linspace(0, camera.height - 1, GRID)), axis=2)
+    rays = camera.rays(pixels.reshape(-1, 2))
+    low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
+    out = np.zeros(len(first))
+    for k, (a, b) in enumerate(zip(first, second, strict=True)):
+        direction = cameras[int(a)].rotation.apply(rays)
+        origin = np.tile(cameras.translation[int(a)], (len(rays), 1))
+        seen = cameras[int(b)].inverse().apply(origin + built.cast(origin, direction)[:, None] * direction)
+        with np.errstate(invalid="ignore"):
+            inside = (seen[:, :2] / seen[:, 2:] >= low) & (seen[:, :2] / seen[:, 2:] <= high)
+        out[k] = np.mean(inside.all(axis=1) & (seen[:, 2] > 0))
+    return out
+
+
 def measure(package: Path, run: Path) -> dict[str, object]:
     """Return the figures of a run."""
     truth, dive, row = read_truth(package), read_dive(package, run), figures(run, package)
     navigate, links = NavigateArtifact(run / "navigate"), LinksArtifact(run / "links")
     first, second = links.pairs.first[links.pairs.joined], links.pairs.second[links.pairs.joined]
-    true_track = CameraTrack(global_from_camera=dive.cameras, errors=NoErrors())
-    overlap = footprint_overlap(true_track, first, second, dive.depth_m, dive.worker.rig.model(Camera.TOP))
+    in_common = shared(truth.built, dive.worker.rig.model(Camera.TOP), dive.cameras, first, second)
     revisits = true_revisits(run, truth)
     reckoned = track_cameras(navigate.trajectory, navigate.error_model, dive.worker.rig, 0.0)
     solved = solved_graph(run, dive.config)
     poses = leading_cameras(dive.worker.rig, solved.path, navigate.trajectory.image)
-    ends = np.array([0]), np.array([len(reckoned) - 1])
-    sigma = [float(CameraTrack(global_from_camera=poses, errors=errors).relative_sigma(*ends)[0]) for errors in (
-        reckoned.errors, solved.relative_errors())]  # fmt: skip
-    track = AdjustArtifact(run / "adjust").solution.track()
-    along = truth.vehicle_at(track.t_ns / 1e9).translation[:, 0]
-    bare = along < along.min() + BARE_SHARE * np.ptp(along)
-    spread = np.linalg.norm(track.sigma[:, :3], axis=1)
+    before, after = (CameraTrack(global_from_camera=poses, errors=e) for e in (reckoned.errors, solved.relative_errors()))
+    end = np.array([0]), np.array([len(reckoned) - 1])
+    start = np.arange(len(reckoned) - STEPS)
+    local, at = after.relative_sigma(start, start + STEPS), dive.cameras.translation[:, 0]
+    edge = at.min() + BARE_SHARE * np.ptp(at)
+    bare = np.maximum(at[start], at[start + STEPS]) < edge
+    textured = np.minimum(at[start], at[start + STEPS]) > edge
     return row | {
         "linked": len(first),
-        "linked_sharing_nothing": int((overlap == 0).sum()),
+        "linked_sharing_nothing": int((in_common == 0).sum()),
         "revisits": len(revisits[0]),
         "revisits_matched": float(matched(run, *revisits).mean()) if len(revisits[0]) else None,
-        "end_sigma_m": sigma[1],
-        "end_sigma_over_dead_reckoning": sigma[1] / sigma[0],
-        "sigma_on_bare_paint_over_elsewhere": float(np.median(spread[bare]) / np.median(spread[~bare])),
+        "end_sigma_m": float(after.relative_sigma(*end)[0]),
+        "end_sigma_over_dead_reckoning": float(after.relative_sigma(*end)[0] / before.relative_sigma(*end)[0]),
+        "sigma_on_bare_paint_over_elsewhere": float(np.median(local[bare]) / np.median(local[textured])),
     }
 
 
