@@ -81,8 +81,8 @@ DISTURBANCES: dict[str, Disturbance] = {
 }
 
 
-def disturb(package: Path, copy: Path, change: Disturbance) -> None:
-    """Write a copy of a package whose log is disturbed."""
+def disturb(package: Path, copy: Path, change: Disturbance, about_ns: int | None = None) -> None:
+    """Write a copy of a package whose log is disturbed, about its middle or another time."""
     shutil.copytree(package, copy, ignore=shutil.ignore_patterns("*.mcap"))
     text = (copy / "dive.toml").read_text()
     (copy / "dive.toml").write_text(re.sub(r"(?m)^name = .*$", f'name = "{copy.name}"', text, count=1))
@@ -92,7 +92,9 @@ def disturb(package: Path, copy: Path, change: Disturbance) -> None:
         summary = reader.get_summary()
         assert summary is not None
         assert summary.statistics is not None
-        middle = (summary.statistics.message_start_time + summary.statistics.message_end_time) // 2
+        middle = (
+            (summary.statistics.message_start_time + summary.statistics.message_end_time) // 2 if about_ns is None else about_ns
+        )
         writer.start(profile="ros2")
         channels: dict[int, int] = {}
         for schema, channel, message in reader.iter_messages():

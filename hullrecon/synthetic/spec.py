@@ -159,6 +159,20 @@ class Items(Checked):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Paint(Checked):
+    """Say where the paint is hard for images."""
+
+    prefix: ClassVar[str] = "paint_"
+
+    bare_share: float = describe_field(
+        0.0, "Share of the legs, from their end towards the stern, whose paint is bare: images show nothing there", "", 0, 1
+    )
+    repeats_m: float | None = describe_field(
+        None, "Length along the hull after which its colours come again; never if absent", "m", 0.5, 500
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class DiveSpec(Checked):
     """Describe a dive to simulate. Every random draw comes from `seed`; those of the hull itself from `hull_seed`."""
 
@@ -177,6 +191,7 @@ class DiveSpec(Checked):
     deviation: DeviationField = DeviationField()
     guess: InitialHullPose = InitialHullPose()
     items: Items = Items()
+    paint: Paint = Paint()
 
     def random(self, purpose: str) -> np.random.Generator:
         """Return a stream of its own for each purpose, so that one more draw here changes nothing there."""

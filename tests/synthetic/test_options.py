@@ -11,7 +11,7 @@ from hullrecon.synthetic.spec import Cameras, DeviationField, DiveSpec, InitialH
 
 def test_every_described_field_is_an_option_under_a_name_of_its_own() -> None:
     names = [option.name for option in options()]
-    assert len(names) == len(set(names)) == 41
+    assert len(names) == len(set(names)) == 43
     assert {"legs", "cameras", "deviation_mean_m", "guess_along_m", "heading_drift_deg_per_hour", "seed"} <= set(names)
 
 

@@ -13,7 +13,7 @@ from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.sensors.rendering import Scene, lens, photograph
 from hullrecon.synthetic.vehicle.rig import LAMP_IN_TOP, TRAY_ORIGIN
 from hullrecon.synthetic.world.plate_atlas import PlateAtlas, paint_atlas
-from hullrecon.synthetic.world.texture import Atlas
+from hullrecon.synthetic.world.texture import Albedo, Atlas, PaintedHull
 
 Image = NDArray[np.uint8]
 ATLAS_TEXELS = 24e6  # up to there the texture is one image: painting it takes 0.5 GB
@@ -22,16 +22,30 @@ ATLAS_TEXELS = 24e6  # up to there the texture is one image: painting it takes 0
 def photographs(dive: Dive) -> Iterator[tuple[Image, Image | None]]:
     """Yield the RGB images (h, w, 3) of the top and the bottom camera; None where no bottom camera is carried."""
     rig, motion, random = dive.rig, dive.motion, dive.spec.random("camera")
-    atlas, absorption = _atlas(dive), 2.0 / dive.spec.visibility_m
+    paint, absorption = _paint(dive), 2.0 / dive.spec.visibility_m
     top = lens(rig.camera_top)
     bottom = lens(rig.camera_bottom) if rig.camera_bottom is not None else None
     T_M_ct = motion.in_hull(motion.on_tray(dive.frame_s, rig.T_s_ct, TRAY_ORIGIN))
     T_M_cb = motion.in_hull(motion.on_tray(dive.frame_s, rig.T_s_ct @ rig.T_ct_cb, TRAY_ORIGIN))
     for k in range(len(dive.frame_s)):
-        scene = Scene(dive.hull.near(T_M_ct.translation[k, 0]), atlas, absorption)
+        scene = Scene(dive.hull.near(T_M_ct.translation[k, 0]), paint, absorption)
         lamp = T_M_ct[k].apply(LAMP_IN_TOP[None])[0]
         first = photograph(scene, top, T_M_ct[k], lamp, random)
         yield first, None if bottom is None else photograph(scene, bottom, T_M_cb[k], lamp, random)
+
+
+def _paint(dive: Dive) -> Albedo:
+    """Return the colours of the hull, changed where the spec says so."""
+    paint, survey = dive.spec.paint, dive.spec.survey
+    if paint.bare_share == 0 and paint.repeats_m is None:
+        return _atlas(dive)
+    bare_to_m = float(np.mean(dive.seen_along)) + (paint.bare_share - 0.5) * survey.leg_length_m
+    return PaintedHull(
+        albedo=_atlas(dive),
+        start_m=dive.seen_along[0],
+        bare_to_m=bare_to_m if paint.bare_share else None,
+        repeats_m=paint.repeats_m,
+    )
 
 
 def _atlas(dive: Dive) -> Atlas | PlateAtlas:

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.world.built_hull import Block
-from hullrecon.synthetic.world.plate_atlas import PlateAtlas
-from hullrecon.synthetic.world.texture import Atlas
+from hullrecon.synthetic.world.texture import Albedo
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -27,7 +26,7 @@ class Scene:
     """Hold what is before the lens. absorption: of green light, per metre of water."""
 
     block: Block
-    atlas: Atlas | PlateAtlas
+    atlas: Albedo
     absorption: float
 
 

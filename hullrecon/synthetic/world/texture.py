@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,35 @@ class Atlas:
         part = np.ascontiguousarray(self.image[top:bottom, left:right])
         out = cv2.remap(part, x - np.float32(left), y - np.float32(top), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
         return np.asarray(out, np.float32) / np.float32(255)
+
+
+class Albedo(Protocol):
+    """Tells the colour of the steel."""
+
+    def look_up(self, along_m: Floats, girth_m: Floats, seen: NDArray[np.bool_]) -> Floats:
+        """Return the albedo (h, w, 3) at chart coordinates (h, w), where `seen` (h, w); anything elsewhere."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class PaintedHull:
+    """Change the albedo of a hull. bare_to_m: sternwards of it the paint is bare, in one tone, None where it is nowhere so;
+    repeats_m: length along the hull after which the colours come again, from start_m on, None where they never do."""
+
+    albedo: Albedo
+    start_m: float
+    bare_to_m: float | None
+    repeats_m: float | None
+
+    def look_up(self, along_m: Floats, girth_m: Floats, seen: NDArray[np.bool_]) -> Floats:
+        """Return the albedo (h, w, 3) at chart coordinates (h, w), where `seen` (h, w); anything elsewhere."""
+        within = along_m
+        if self.repeats_m is not None:
+            within = (np.mod(along_m - self.start_m, self.repeats_m) + self.start_m).astype(np.float32)
+        out = self.albedo.look_up(within, girth_m, seen)
+        if self.bare_to_m is not None:
+            out[along_m < self.bare_to_m] = PAINT
+        return out
 
 
 def paint_steel(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -12,8 +13,9 @@ from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.options import with_options
 from hullrecon.synthetic.sensors import photographs as photographs_module
 from hullrecon.synthetic.sensors.photographs import photographs
+from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
 from hullrecon.synthetic.world.plate_atlas import PlateAtlas
-from hullrecon.synthetic.world.texture import Atlas
+from hullrecon.synthetic.world.texture import PAINT, Atlas
 
 
 def test_a_stereo_rig_gives_two_different_images(dive: Dive) -> None:
@@ -62,3 +64,28 @@ def test_no_image_is_made_before_it_is_asked_for(dive: Dive, monkeypatch: pytest
     frames: Iterator[object] = photographs(dive)
     with pytest.raises(AssertionError, match="an image was made"):
         next(frames)
+
+
+def contrast_amidships(dive: Dive) -> float:
+    """Return the contrast of what is millimetres large, in the image nearest to the middle of the legs."""
+    camera = dive.motion.in_hull(dive.motion.on_tray(dive.frame_s, dive.rig.T_s_ct, TRAY_ORIGIN))
+    k = int(np.argmin(np.abs(camera.translation[:, 0] - np.mean(dive.seen_along))))
+    image = next(photographs(replace(dive, frame_s=dive.frame_s[k : k + 1])))[0]
+    return float(np.std(cv2.GaussianBlur(image, (0, 0), 1.5).astype(float) - cv2.GaussianBlur(image, (0, 0), 6)))
+
+
+def test_images_of_bare_paint_show_nothing_but_light_and_particles(dive: Dive) -> None:
+    bare = replace(dive, spec=with_options(dive.spec, paint_bare_share=1.0))
+    assert contrast_amidships(bare) < 0.5 * contrast_amidships(dive)
+
+
+def test_half_the_legs_can_be_bare(dive: Dive) -> None:
+    spec = with_options(dive.spec, paint_bare_share=0.5)
+    paint = photographs_module._paint(replace(dive, spec=spec))
+    middle = np.float32(np.mean(dive.seen_along))
+    along = middle + np.tile(np.linspace(-0.7, 0.7, 71, dtype=np.float32), (5, 1))
+    seen = paint.look_up(
+        along, np.tile(np.linspace(-0.4, 0.0, 5, dtype=np.float32)[:, None], (1, 71)), np.ones(along.shape, bool)
+    )
+    assert (seen[along < middle] == PAINT).all()
+    assert (seen[along > middle] != PAINT).any(axis=1).mean() > 0.9
