@@ -174,8 +174,8 @@ def _form_warnings(adjusted: Adjusted) -> list[str]:
         ]
     if max(form.stretch_sigma) > TRUSTED_STRETCH:
         return [
-            f"The surveyed part tells the CAD model's proportions and scale to {100 * max(form.stretch_sigma):.0f} % (one sigma): "
-            "the sigmas of the position on the hull hold for a model that is to scale."
+            f"The surveyed part tells the CAD model's proportions and scale to {100 * max(form.stretch_sigma):.0f} % "
+            "(one sigma): the sigmas of the position on the hull hold for a model that is to scale."
         ]
     return []
 
