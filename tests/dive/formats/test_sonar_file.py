@@ -56,6 +56,13 @@ def test_a_file_without_an_array_names_it(tmp_path):
         read_ping(tmp_path / "p.npz")
 
 
+def test_a_ping_over_the_head_of_another_is_refused(tmp_path):
+    content = ping(tmp_path).read_bytes()
+    (tmp_path / "q.npz").write_bytes(content[:63] + content)
+    with pytest.raises(ValueError, match="63 bytes of something else"):
+        read_ping(tmp_path / "q.npz")
+
+
 def test_an_array_that_would_unpack_to_gigabytes_is_not_unpacked(tmp_path):
     head = b"\x93NUMPY\x01\x00" + (118).to_bytes(2, "little")
     head += b"{'descr': '|u1', 'fortran_order': False, 'shape': (16, 16777216), }".ljust(117) + b"\n"

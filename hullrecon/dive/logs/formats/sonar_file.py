@@ -85,6 +85,9 @@ def _arrays(path: Path) -> list[NDArray[np.generic]]:
         absent = [name for name in KEYS if name not in members]
         if absent:
             raise ValueError(f"it has no {' and no '.join(absent)}")
+        before = min(info.header_offset for info in archive.infolist())
+        if before > 0:  # a ZIP may have anything before it; a ping that has was overwritten by another
+            raise ValueError(f"{before} bytes of something else stand before its arrays")
         return [_array(archive, members[name]) for name in KEYS]
 
 
