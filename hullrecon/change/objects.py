@@ -70,12 +70,15 @@ def compare_objects(
     rows = _join_parts(rows)
     known = ({row.first_id for row in rows}, {row.second_id for row in rows})
     left = [(a, pairs.get(a)) for a in range(len(before))] + [(None, b) for b in range(len(after)) if b not in pairs.values()]
+    compared = len(left)
     for a, b in left:
         one, other = (None if a is None else before[a], None if b is None else after[b])
         if (one and one.found.id in known[0]) or (other and other.found.id in known[1]):
             continue
-        rows.append(_describe_rest(one, other, len(pairs), on))
-    order = {"new": 0, "gone": 0, "grown": 1, "shrunk": 1, "not seen before": 2, "not seen again": 2, "unchanged": 3}
+        rows.append(_describe_rest(one, other, compared, on))
+    order = {
+        "new": 0, "gone": 0, "grown": 1, "shrunk": 1, "uncertain": 2, "not seen before": 3, "not seen again": 3, "unchanged": 4
+    }  # fmt: skip
     return tuple(sorted(rows, key=lambda row: (order[row.status], -abs(row.change))))
 
 
@@ -150,7 +153,7 @@ def _describe_change(region: ChangedRegion, one: _Placed | None, other: _Placed 
         at_top = _at_top(cells, other.side, on.places, on) if cells.any() else region
         if at_top.change * region.change > 0 and abs(at_top.change) >= on.options.min_change_m:
             region = replace(at_top, p_value=min(at_top.p_value, region.p_value))
-    elif before * after > 0 and min(abs(before), abs(after)) >= THERE_SHARE * max(abs(before), abs(after)):
+    elif _stood_in_both(before, after):
         status = "grown" if abs(after) > abs(before) else "shrunk"
     elif other is not None or (one is None and abs(after) >= abs(before)):
         status = "new"
@@ -159,8 +162,14 @@ def _describe_change(region: ChangedRegion, one: _Placed | None, other: _Placed 
     return _row(status, region, one, other, on)
 
 
-def _describe_rest(one: _Placed | None, other: _Placed | None, pairs: int, on: ObjectComparison) -> ObjectChange:
-    """Return what became of an object at which no region changed."""
+def _stood_in_both(before: float, after: float) -> bool:
+    """Return whether a structure with one of these heights stood in the other survey too."""
+    return before * after > 0 and min(abs(before), abs(after)) >= THERE_SHARE * max(abs(before), abs(after))
+
+
+def _describe_rest(one: _Placed | None, other: _Placed | None, compared: int, on: ObjectComparison) -> ObjectChange:
+    """Return what became of an object at which no region changed by more than any place of the hull may; compared: how many
+    such objects there are. What one survey alone lists may be new or gone by that smaller number of places."""
     there = [p for p in (one, other) if p is not None]
     footprint = np.logical_or.reduce([p.footprint for p in there])
     unseen: Status | None = None
@@ -171,11 +180,15 @@ def _describe_rest(one: _Placed | None, other: _Placed | None, pairs: int, on: O
     cells = footprint & on.difference.both
     if unseen is not None or not cells.any():
         return _row(unseen or "unchanged", None, one, other, on)
-    region = _at_top(cells, there[0].side, max(1, pairs), on)
+    region = _at_top(cells, there[0].side, compared, on)
     certain = region.p_value <= on.options.max_p_value and abs(region.change) >= on.options.min_change_m
+    if certain and len(there) == 1:
+        return _describe_change(region, one, other, on)
     status: Status = "unchanged"
-    if certain and one is not None and other is not None:
-        status = "grown" if one.side * region.change > 0 else "shrunk"
+    if certain:
+        status = "grown" if there[0].side * region.change > 0 else "shrunk"
+    elif len(there) == 1 and not _stood_in_both(region.before, region.after):
+        status = "uncertain"
     return _row(status, region, one, other, on)
 
 

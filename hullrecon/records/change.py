@@ -15,7 +15,7 @@ from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import Surface
 from hullrecon.typing import Array, Mask
 
-Status = Literal["new", "gone", "grown", "shrunk", "unchanged", "not seen before", "not seen again"]
+Status = Literal["new", "gone", "grown", "shrunk", "unchanged", "uncertain", "not seen before", "not seen again"]
 CHANGED: tuple[Status, ...] = ("new", "gone", "grown", "shrunk")
 
 

@@ -12,7 +12,7 @@ from change.simulated_surveys import ALONG, BEFORE, GIRTH, drawn, survey
 from hullrecon.change.compare_surveys import compare_surveys
 from hullrecon.change.options import ChangeOptions
 from hullrecon.errors import StageError
-from hullrecon.records.change import HullChange
+from hullrecon.records.change import HullChange, HullSurvey
 
 
 def by_status(change: HullChange) -> dict[str, list]:
@@ -98,6 +98,25 @@ def test_an_object_where_the_second_dive_did_not_look_is_not_gone() -> None:
     assert row.status == "not seen again"
     assert np.isnan(row.change)
     assert change.changed() == ()
+
+
+def poorly_known(found: HullSurvey, sigma_m: float) -> HullSurvey:
+    return replace(found, form_sigma=np.full(len(found.form_sigma), sigma_m))
+
+
+def test_an_object_that_one_dive_lists_is_new_by_the_number_of_objects_and_not_of_places() -> None:
+    first = poorly_known(survey(BEFORE, drawn(10)), 0.0105)
+    change = compare_surveys(first, survey((*BEFORE, replace(ADDED[0], height_m=-0.045)), drawn(110)), address)
+    (row,) = change.changed()
+    assert (row.status, row.second_id) == ("new", 5)
+    assert 1e-5 < row.p_value < 0.01
+
+
+def test_what_one_dive_lists_and_the_other_neither_shows_nor_excludes_is_uncertain() -> None:
+    first = poorly_known(survey(BEFORE, drawn(11)), 0.0115)
+    change = compare_surveys(first, survey((*BEFORE, replace(ADDED[0], height_m=-0.025)), drawn(111)), address)
+    assert change.changed() == ()
+    assert next(row for row in change.objects if row.second_id == 5).status == "uncertain"
 
 
 def test_a_structure_that_detection_missed_is_no_change_when_both_surfaces_show_it() -> None:
