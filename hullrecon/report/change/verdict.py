@@ -18,6 +18,8 @@ def verdict(change: HullChange) -> str:
     what = join(parts) if parts else "no change"
     unseen = sum(row.status.startswith("not seen") for row in change.objects)
     left = f", {count(unseen, 'object')} where only one dive looked" if unseen else ""
+    unsure = sum(row.status == "uncertain" for row in change.objects)
+    left += f", {count(unsure, 'object')} that one dive lists and the other neither shows nor excludes" if unsure else ""
     return (
         f"{change.first} to {change.second}: {what}{left}; {change.area_both:.1f} m2 compared, structures that changed by"
         f" {length(change.detectable_m)} or more are found"

@@ -23,6 +23,11 @@ def test_no_change_is_said_to_be_none() -> None:
     assert line.startswith("may to june: no change; 7.6 m2 compared")
 
 
+def test_an_object_that_one_dive_alone_lists_without_certainty_is_counted() -> None:
+    line = verdict(hull_change([object_change("uncertain", None, 2, 31.0, 0.0, -0.03)]))
+    assert line.startswith("may to june: no change, 1 object that one dive lists and the other neither shows nor excludes; ")
+
+
 def test_two_stretches_are_plural() -> None:
     assert "2 stretches of bare hull moved" in verdict(hull_change(moves=[MOVE, MOVE]))
 
