@@ -54,6 +54,7 @@ def find_structures(
         landmarks.views,
         options.max_offset_m,
         0.5 * options.min_offset_m,
+        base.hull_pose,
     )
     if len(measured) < options.min_landmarks:
         return _without_landmarks(base)

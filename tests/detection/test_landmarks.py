@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from hullrecon.adjustment.results.covariance import points_in_hull
 from hullrecon.detection.as_found.landmarks import MIN_SIGMA_M, measure_surface, shared_variance
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.poses import exp
+from hullrecon.records.solution import HullPose
 
 WALL = Scene(Mesh(np.array([[0.0, 0, 0], [0, 0, 4], [4, 0, 4], [4, 0, 0]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32)))
 
@@ -49,6 +52,27 @@ def test_what_all_neighbours_share_does_not_count_against_a_landmark() -> None:
     assert np.allclose(seen.common, 0.05, rtol=0.01)
     assert seen.sigma[1::4].max() < 0.005
     assert seen.sigma[::4].min() >= MIN_SIGMA_M
+
+
+def test_a_hull_pose_known_to_decimetres_and_degrees_is_no_noise_of_a_landmark() -> None:
+    rng = np.random.default_rng(1)
+    position = np.column_stack([rng.uniform(0, 4, 200), np.zeros(200), rng.uniform(0, 4, 200)])
+    pose = HullPose(
+        global_from_hull=exp(np.array([3.0, -1, 2, 0.2, -0.1, 1.3])),
+        covariance=np.diag([0.3, 0.3, 0.1, 0.03, 0.03, 0.05]) ** 2,
+        survey_center=np.array([2.0, 0, 2]),
+    )
+    own, in_global = _covariance(0.003, 200), pose.global_from_hull.apply(position)
+    turned, whole = (
+        points_in_hull(own, np.zeros((200, 3, 6)), of_pose, in_global, pose.global_from_hull, pose.survey_center)
+        for of_pose in (np.zeros((6, 6)), pose.covariance)
+    )
+    alone = measure_surface(WALL, position, turned, np.full(200, 3), 0.5, 0.1)
+    seen = measure_surface(WALL, position, whole, np.full(200, 3), 0.5, 0.1, pose)
+    assert len(alone) == len(seen) == 200
+    np.testing.assert_allclose(seen.sigma, alone.sigma, rtol=1e-6)
+    assert seen.common.min() > 0.1
+    assert len(measure_surface(WALL, position, whole, np.full(200, 3), 0.5, 0.012)) < 200  # where it is taken for theirs
 
 
 def test_an_uncertain_landmark_among_certain_ones_is_left_out() -> None:

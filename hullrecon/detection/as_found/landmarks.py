@@ -8,8 +8,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from hullrecon.detection.deviation import pose_jacobian
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.neighbours import nearest
+from hullrecon.records.solution import HullPose
 from hullrecon.typing import Array, Ints, Mask
 
 MIN_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
@@ -41,9 +43,18 @@ class SurfaceLandmarks:
 
 
 def measure_surface(
-    scene: Scene, position: Array, covariance: Array, views: Ints, farthest_m: float, largest_sigma_m: float
+    scene: Scene,
+    position: Array,
+    covariance: Array,
+    views: Ints,
+    farthest_m: float,
+    largest_sigma_m: float,
+    hull_pose: HullPose | None = None,
 ) -> SurfaceLandmarks:
     """Return what landmarks (n, 3) with covariances (n, 3, 3) say about the surface of `scene`.
+
+    hull_pose: whose error the covariances hold as a sum, None where they hold none; it moves all landmarks as one, and is no
+    noise of theirs however large it is.
 
     Left out: those not finite, seen by one image only, farther off than `farthest_m`, less certain along the normal than
     `largest_sigma_m`, and those whose closest point is the base's rim, beside which they lie rather than above it.
@@ -55,14 +66,27 @@ def measure_surface(
     variance = np.einsum("ni,nij,nj->n", near.normal, covariance[row], near.normal)
     near_it = (np.abs(near.distance) <= farthest_m) & (sideways <= 0.005 + 0.7 * np.abs(near.distance))
     good = np.flatnonzero(near_it & (variance > 0))
-    common = shared_variance(position[row[good]], variance[good])
-    sigma = np.sqrt(np.maximum(variance[good] - common, 0.0) + MIN_SIGMA_M**2)
+    by_pose = _pose_variance(position[row[good]], near.normal[good], variance[good], hull_pose)
+    own = variance[good] - by_pose
+    shared = shared_variance(position[row[good]], own)
+    common = by_pose + shared
+    sigma = np.sqrt(np.maximum(own - shared, 0.0) + MIN_SIGMA_M**2)
     kept = SurfaceLandmarks(
         row=row[good], position=position[row[good]], foot=near.foot[good], normal=near.normal[good],
         offset=near.distance[good], sigma=sigma, common=np.sqrt(common),
         covariance=covariance[row[good]], views=views[row[good]],
     )  # fmt: skip
     return kept.take(sigma <= largest_sigma_m)
+
+
+def _pose_variance(position: Array, normal: Array, variance: Array, hull_pose: HullPose | None) -> Array:
+    """Return the part of variances (n,) along normals (n, 3) that comes from the hull's pose; zero where it is no part of them
+    (as published they hold its correlations too)."""
+    if hull_pose is None:
+        return np.zeros(len(variance))
+    by_pose = pose_jacobian(position, normal, hull_pose)
+    found = np.einsum("ni,ij,nj->n", by_pose, hull_pose.covariance, by_pose)
+    return found if (found <= variance * (1 + 1e-6)).all() else np.zeros(len(variance))
 
 
 def shared_variance(position: Array, variance: Array, neighbours: int = 32) -> Array:
