@@ -169,7 +169,7 @@ def _stood_in_both(before: float, after: float) -> bool:
 
 def _describe_rest(one: _Placed | None, other: _Placed | None, compared: int, on: ObjectComparison) -> ObjectChange:
     """Return what became of an object at which no region changed by more than any place of the hull may; compared: how many
-    such objects there are. What one survey alone lists may be new or gone by that smaller number of places."""
+    objects and pairs both surveys list. What one survey alone lists may be new or gone by that smaller number of places."""
     there = [p for p in (one, other) if p is not None]
     footprint = np.logical_or.reduce([p.footprint for p in there])
     unseen: Status | None = None

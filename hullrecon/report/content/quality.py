@@ -101,7 +101,7 @@ def _calibration(survey: Survey) -> WordTable:
 
 def _sensor_errors(survey: Survey, found: SensorErrors, sigma: SensorErrors) -> list[tuple[str, str]]:
     """Return a row for each error of a sensor that was carried. Scale and drift were estimated as what corrects the sensor: its
-    error has the other sign. The tray's backlash is not among them: its sigma holds only for a servo that turns at once."""
+    error has the other sign. The tray's backlash is left out: its sigma does not hold against truth."""
     rows = []
     if survey.facts.dvl is not None:
         scale, scale_sigma = 100 * (1 / (1 + found.dvl_scale) - 1), 100 * sigma.dvl_scale
