@@ -102,7 +102,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=3,
+    version=4,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )
