@@ -30,6 +30,7 @@ from hullrecon.dive.logs.samples import (
 )
 from hullrecon.dive.logs.time_window import Instant, time_window
 from hullrecon.dive.logs.timeline import NS, put_in_order
+from hullrecon.dive.logs.unused_topics import describe_unused
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
@@ -83,6 +84,7 @@ class IngestResult:
     counts: dict[str, int] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
     hull_messages: list[str] = field(default_factory=list)
+    unused: list[str] = field(default_factory=list)  # topics that dive.toml does not name, and why a run does not use them
     remarks: list[str] = field(default_factory=list)
 
     def findings(self) -> dict[str, list[str]]:
@@ -129,6 +131,7 @@ def ingest(
     out.remarks += found.remarks
     out.lost = messages.describe_losses(found.losses)
     out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
+    out.unused = describe_unused((c for c in found.counts if c.encoding != "sample"), set(topics.values()))
     out.records = _build_records(out, request, found, problems)
     for name, sink in sinks.items():
         with problems.gather():

@@ -28,6 +28,20 @@ def test_a_package_is_told_with_what_it_lacks(package):
     assert not any(line.startswith(("no dvl", "no imu", "no joints")) for line in lines)
 
 
+def test_a_topic_that_dive_toml_does_not_name_is_told_with_the_reason(package, kit):
+    entries = kit.dive()
+    entry, t = type(entries[0]), entries[0].t_ns
+    beam = kit.make(
+        "sensor_msgs/msg/Range", header=kit.header(t), radiation_type=0, field_of_view=0.1, min_range=0.1, max_range=9.0,
+        range=2.0, variance=0.0,
+    )  # fmt: skip
+    kit.mcap(package / "logs" / "dive.mcap", [*entries, entry("/altimeter", "sensor_msgs/msg/Range", t, beam)])
+    found = check(package)
+    (line,) = found.document()["unused"]
+    assert line.startswith("a run would not use /altimeter (sensor_msgs/msg/Range): ranges are taken along the beams of a DVL")
+    assert f"note: {line}" in found.lines()
+
+
 def test_what_is_suspicious_is_marked_so(package):
     lines = check(package, "camera.top.mount=[0,0,0,0,0,0]").lines()
     assert any(line.startswith("suspicious: camera.top looks 90 degrees away") for line in lines)

@@ -55,6 +55,12 @@ class PlainLog:
         """Yield the rows of all tables, table by table. Raises InputError for a table of which nothing can be read."""
         self.remarks, self._losses, self._pings, self._ping_bytes_left = [], [], set(), PING_FREE_BYTES
         self._ping_files, self._videos = set(), {}
+        others = sorted(p.name for p in self.path.glob("*.csv") if p.stem not in COLUMNS)
+        if others:
+            shown = ", ".join(others[:LISTED_LINES]) + (", ..." if len(others) > LISTED_LINES else "")
+            self.remarks.append(
+                f"not read: {printable(shown)}; the tables of sensors are {', '.join(f'{s}.csv' for s in COLUMNS)}"
+            )
         for table in self.tables():
             yield from self._table(table.removesuffix(".csv"))
 
