@@ -43,6 +43,7 @@ from hullrecon.records.sensors import (
     PressureSamples,
     SensorRecord,
     SensorRecords,
+    SonarPings,
 )
 from hullrecon.typing import Array
 
@@ -55,7 +56,8 @@ DEPTHS: tuple[type[PressureSample | DepthSample], ...] = (PressureSample, DepthS
 @dataclass(frozen=True, kw_only=True)
 class IngestRequest:
     """Hold what ingest needs of dive.toml. topics: topic by sensor; joints: servo by record ("tray", "sonar_tray"); calibration
-    and offset_ns by camera ("camera_top", "camera_bottom"); beams (b, 3) or None; start, end: what of the logs is used."""
+    and offset_ns by camera ("camera_top", "camera_bottom"); beams (b, 3) or None; start, end: what of the logs is used;
+    sonar_azimuth_deg: of an imaging sonar's beams."""
 
     logs: tuple[str, ...]
     topics: Mapping[str, str]
@@ -71,6 +73,7 @@ class IngestRequest:
     units: str
     start: Instant = None
     end: Instant = None
+    sonar_azimuth_deg: Array | None = None
 
 
 @dataclass
@@ -192,10 +195,14 @@ def _build_records(out: IngestResult, request: IngestRequest, found: LogContents
         samples = _sort_samples("pressure", found, DEPTHS, remarks)
         return streams.pressure_samples(samples, request.pressure, remarks) if samples else None
 
+    def sonar() -> SonarPings | None:
+        samples = _sort_samples("sonar", found, SonarSample, remarks)
+        return streams.sonar_pings(samples, remarks, request.sonar_azimuth_deg)
+
     build("dvl", dvl)
     build("imu", imu)
     build("pressure", pressure)
-    build("sonar", lambda: streams.sonar_pings(_sort_samples("sonar", found, SonarSample, remarks), remarks))
+    build("sonar", sonar)
     with problems.gather():
         _check_joints(request, found, {s.name for s in found.samples["joints"] if isinstance(s, JointSample)}, remarks)
     for record in JOINT_KEYS:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.fuzz.seed_aris import aris_file
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.check.package_check import check_package, defaults_of
 from hullrecon.dive.config.load import load_config
@@ -40,6 +41,20 @@ def test_a_topic_that_dive_toml_does_not_name_is_told_with_the_reason(package, k
     (line,) = found.document()["unused"]
     assert line.startswith("a run would not use /altimeter (sensor_msgs/msg/Range): ranges are taken along the beams of a DVL")
     assert f"note: {line}" in found.lines()
+
+
+@pytest.mark.parametrize("lens", [0, 1])
+def test_a_sonar_file_beside_the_log_is_read_or_its_beams_are_asked_for(package, lens):
+    (package / "logs" / "sonar.aris").write_bytes(aris_file(3, lens=lens))
+    files = 'logs.files=["logs/dive.mcap","logs/sonar.aris"]'
+    found = check(package, files)
+    if lens:
+        assert "nothing says where the sonar's 64 beams point" in found.verdict
+        found = check(package, files, f"sonar.beam_azimuth_deg={np.linspace(-7, 7, 64).round(2).tolist()}")
+    assert found.run_is_possible
+    assert found.found.records.sonar.image.shape == (3, 64, 8)
+    azimuth = np.degrees(np.arcsin(found.found.records.sonar.directions[:, 1]))
+    assert azimuth[[0, -1]] == pytest.approx([-7, 7] if lens else [-14.89, 14.89], abs=0.01)
 
 
 def test_what_is_suspicious_is_marked_so(package):

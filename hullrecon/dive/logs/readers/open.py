@@ -12,6 +12,8 @@ from hullrecon.dive.logs.formats.foreign_forms import describe_file, describe_fo
 from hullrecon.dive.logs.readers import sqlite
 from hullrecon.dive.logs.readers.ad2cp.blocks import is_ad2cp
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
+from hullrecon.dive.logs.readers.aris import frames as aris_frames
+from hullrecon.dive.logs.readers.aris.log import ArisLog
 from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
@@ -26,12 +28,16 @@ from hullrecon.errors import InputError
 
 BY_MAGIC: dict[bytes, Callable[[Path], Log]] = {
     mcap_records.MAGIC: McapLog, bag_records.MAGIC: Rosbag1Log, sqlite.MAGIC: SqliteLog, pd0_ensemble.MAGIC: Pd0Log,
+    aris_frames.MAGIC: ArisLog,
 }  # fmt: skip
 BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
     ".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log, ".ad2cp": Ad2cpLog,
+    ".aris": ArisLog,
 }  # fmt: skip
 MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
-FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 or AD2CP file, the JSON lines of a Water Linked DVL or a folder of CSVs"
+FORMS = (
+    "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0, AD2CP or ARIS file, the JSON lines of a Water Linked DVL or a folder of CSVs"
+)
 
 
 def open_log(path: Path, package: Path | None = None) -> Log:
