@@ -10,9 +10,9 @@ from hullrecon.dive.config.config_template import fill_template
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.log_proposals import imu_frame, missing_calibrations, proposed_mounts, questions
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
-from hullrecon.dive.logs.readers.aris.log import ArisLog
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
+from hullrecon.dive.logs.readers.sound_metrics.aris import ArisLog
 from hullrecon.dive.logs.summary import guess_topics, summarise_log, summarise_logs
 from tests.dive.logs.test_descriptions import info
 

@@ -6,11 +6,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from benchmarks.fuzz.seed_aris import aris_file, file_header, frame
-from hullrecon.dive.logs.readers.aris import frames as aris_frames
-from hullrecon.dive.logs.readers.aris.beam_angles import ARIS_1200, ARIS_1800, ARIS_3000, beam_azimuths
-from hullrecon.dive.logs.readers.aris.frames import parse_header
-from hullrecon.dive.logs.readers.aris.log import ArisLog
 from hullrecon.dive.logs.readers.open import find_logs, open_log
+from hullrecon.dive.logs.readers.sound_metrics import aris_frames
+from hullrecon.dive.logs.readers.sound_metrics.aris import ArisLog
+from hullrecon.dive.logs.readers.sound_metrics.aris_frames import parse_header
+from hullrecon.dive.logs.readers.sound_metrics.beam_angles import ARIS_1200, ARIS_1800, ARIS_3000, beam_azimuths
 from hullrecon.dive.logs.readers.unpack import DamagedError
 
 QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True)

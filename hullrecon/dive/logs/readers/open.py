@@ -12,8 +12,6 @@ from hullrecon.dive.logs.formats.foreign_forms import describe_file, describe_fo
 from hullrecon.dive.logs.readers import sqlite
 from hullrecon.dive.logs.readers.ad2cp.blocks import is_ad2cp
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
-from hullrecon.dive.logs.readers.aris import frames as aris_frames
-from hullrecon.dive.logs.readers.aris.log import ArisLog
 from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
@@ -21,6 +19,8 @@ from hullrecon.dive.logs.readers.plain import COLUMNS, PlainLog
 from hullrecon.dive.logs.readers.protocol import Log
 from hullrecon.dive.logs.readers.rosbag1 import Rosbag1Log
 from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE, Rosbag2Log
+from hullrecon.dive.logs.readers.sound_metrics import aris_frames
+from hullrecon.dive.logs.readers.sound_metrics.aris import ArisLog
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.readers.water_linked import START_BYTES, SUFFIXES, WaterLinkedLog, is_water_linked

@@ -9,10 +9,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from hullrecon.dive.logs.messages.sonar import in_fan
-from hullrecon.dive.logs.readers.aris.beam_angles import NAMES, beam_azimuths
-from hullrecon.dive.logs.readers.aris.frames import ArisFrame, FrameHeader, frames
 from hullrecon.dive.logs.readers.file_log import FileLog
 from hullrecon.dive.logs.readers.protocol import Channel, Message
+from hullrecon.dive.logs.readers.sound_metrics.aris_frames import ArisFrame, FrameHeader, frames
+from hullrecon.dive.logs.readers.sound_metrics.beam_angles import NAMES, beam_azimuths
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.typing import Array
 
