@@ -41,7 +41,7 @@ def seeds() -> dict[str, tuple[Seed, ...]]:
     """Return sound inputs by format."""
     return {
         "mcap": _mcap(), "bag": _bag(), "rosbag2": _rosbag2(), "pd0": _pd0(), "ad2cp": _ad2cp(), "aris": _aris(),
-        "reports": _reports(), "plain": _plain(), "npz": _npz(), "oculus": _oculus(), "toml": _toml(),
+        "reports": _reports(), "plain": _plain(), "npz": _npz(), "oculus": _oculus(), "didson": _didson(), "toml": _toml(),
         "yaml": _yaml(), "hull": _hull(), "hull-gz": _hull_gz(), "image": _image(),
         "init": _init(),
     }  # fmt: skip
@@ -177,6 +177,14 @@ def _oculus() -> tuple[Seed, ...]:
     files = {**_tables(), "logs/p.npz": 2 * seed_files.oculus_ping()}
     files["logs/sonar.csv"] = b"t,file,ping\n1700000000,p.npz,0\n1700000001,p.npz,1\n"
     return (Seed(read="log", files=files, target="logs/p.npz", given="logs"),)
+
+
+def _didson() -> tuple[Seed, ...]:
+    files = {name: data for name, data in _tables().items() if name != "logs/p.npz"}
+    rows = "".join(f"{1_700_000_000 + n},p.ddf,{n},1,6\n" for n in range(2))
+    files["logs/sonar.csv"] = f"t,file,ping,range_from,range_to\n{rows}".encode()
+    whole = ({**files, "logs/p.ddf": seed_aris.didson_file(version)} for version in (3, 4))
+    return tuple(Seed(read="log", files=each, target="logs/p.ddf", given="logs") for each in whole)
 
 
 def _toml() -> tuple[Seed, ...]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Small sound files of an ARIS, written field by field."""
+"""Small sound files of an ARIS and of a DIDSON, written field by field."""
 
 from __future__ import annotations
 
@@ -39,3 +39,14 @@ def file_header(beams: int = 64, samples: int = 8) -> bytes:
 def aris_file(count: int = 4, **more: float) -> bytes:
     """Return a file of so many frames."""
     return file_header() + b"".join(frame(n, **more) for n in range(count))
+
+
+def didson_file(version: int, count: int = 2, beams: int = 48) -> bytes:
+    """Return a DIDSON's file of so many frames of noise, 512 samples a beam."""
+    before, header = {3: (512, 256), 4: (1024, 1024)}[version]
+    magic = b"DDF" + bytes([version])
+    out = struct.pack("<4sIIII", magic, count, 8, 0, beams).ljust(before, b"\0")
+    for number in range(count):
+        pixels = np.random.default_rng(number).integers(0, 255, 512 * beams, dtype=np.uint8)
+        out += struct.pack("<IQ4s", number, 0, magic).ljust(header, b"\0") + pixels.tobytes()
+    return out

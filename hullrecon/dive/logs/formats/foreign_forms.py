@@ -21,7 +21,7 @@ BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
     (
         b"DDF",
         "a recording of a DIDSON, which states neither ranges in metres nor where its beams point",
-        "write its frames as .npz with azimuth and range and name them in sonar.csv",
+        "name file and frame in sonar.csv, with columns t, file, ping, range_from, range_to, and give sonar.beam_azimuth_deg",
     ),
     (b"\xa3\x95", "a data-flash log of ArduPilot", TO_MCAP),
     (b"\xa5\x0a", "a file of another instrument of Nortek", "have its DVL write PD0, or log it as nortek_dvl/Dvl"),
