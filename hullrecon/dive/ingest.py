@@ -57,7 +57,7 @@ DEPTHS: tuple[type[PressureSample | DepthSample], ...] = (PressureSample, DepthS
 class IngestRequest:
     """Hold what ingest needs of dive.toml. topics: topic by sensor; joints: servo by record ("tray", "sonar_tray"); calibration
     and offset_ns by camera ("camera_top", "camera_bottom"); beams (b, 3) or None; start, end: what of the logs is used;
-    sonar_azimuth_deg: of an imaging sonar's beams."""
+    sonar_azimuth_deg: of an imaging sonar's beams; sonar_offset_ns: added to its stamps."""
 
     logs: tuple[str, ...]
     topics: Mapping[str, str]
@@ -74,6 +74,7 @@ class IngestRequest:
     start: Instant = None
     end: Instant = None
     sonar_azimuth_deg: Array | None = None
+    sonar_offset_ns: int = 0
 
 
 @dataclass
@@ -197,6 +198,7 @@ def _build_records(out: IngestResult, request: IngestRequest, found: LogContents
 
     def sonar() -> SonarPings | None:
         samples = _sort_samples("sonar", found, SonarSample, remarks)
+        samples = [replace(s, t_ns=s.t_ns + request.sonar_offset_ns) for s in samples]
         return streams.sonar_pings(samples, remarks, request.sonar_azimuth_deg)
 
     build("dvl", dvl)

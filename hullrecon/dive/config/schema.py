@@ -190,6 +190,7 @@ class Sonar(Section, frozen=True):
             "say where the beams point"
         ),
     ] = None
+    time_offset: TimeOffset = 0.0
 
 
 class Hull(Section, frozen=True):

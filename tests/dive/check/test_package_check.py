@@ -43,6 +43,13 @@ def test_a_topic_that_dive_toml_does_not_name_is_told_with_the_reason(package, k
     assert f"note: {line}" in found.lines()
 
 
+def test_the_clock_of_a_sonar_file_is_corrected_by_dive_toml(package):
+    (package / "logs" / "sonar.aris").write_bytes(aris_file(2, delay_us=930))
+    files = 'logs.files=["logs/dive.mcap","logs/sonar.aris"]'
+    own = check(package, files).found.records.sonar.t_ns
+    assert check(package, files, "sonar.time_offset=-0.25").found.records.sonar.t_ns.tolist() == (own - 250_000_000).tolist()
+
+
 @pytest.mark.parametrize("lens", [0, 1])
 def test_a_sonar_file_beside_the_log_is_read_or_its_beams_are_asked_for(package, lens):
     (package / "logs" / "sonar.aris").write_bytes(aris_file(3, lens=lens))

@@ -19,9 +19,9 @@ from hullrecon.typing import Array
 CHANNEL = Channel("sonar", "Sound Metrics ARIS", "sample")
 TURNED_DEG = 0.5  # a rotator that moves by less has not turned
 ALWAYS = (
-    "a file of an ARIS has no checksums; stamps are those of the computer that recorded it, taken as UTC; beams are those of a "
-    "sonar that stands upright (one upside down has roll 180 in sonar.mount); heading, tilts, depth and position in its frames "
-    "were left aside"
+    "a file of an ARIS has no checksums; stamps are those of the computer that recorded it, taken as UTC (sonar.time_offset "
+    "corrects its clock); beams are those of a sonar that stands upright (one upside down has roll 180 in sonar.mount); "
+    "heading, tilts, depth and position in its frames were left aside"
 )
 
 
