@@ -25,7 +25,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.legs import NoErrors, cast, true_revisits
+from benchmarks.legs import NoErrors, cast, nearest_frames, true_revisits
 from benchmarks.links_in_graph import kept_by_graph, links_of, solved_graph
 from hullrecon.dive.config.load import LoadedConfig, load_config
 from hullrecon.dive.config.schema import Tray
@@ -98,8 +98,8 @@ def read_dive(package: Path, run: Path) -> Dive:
 
 
 def true_cameras(truth: Truth, t_s: Array) -> Poses:
-    """Return where the cameras truly were at the frames nearest after those times (n,)."""
-    return truth.cameras_at(np.clip(np.searchsorted(truth.t_s, t_s), 0, len(truth.t_s) - 1))
+    """Return where the cameras truly were at the frames nearest to those times (n,)."""
+    return truth.cameras_at(nearest_frames(truth.t_s, t_s))
 
 
 def motions(cameras: Poses, first: Ints, second: Ints, shift: Array) -> list[Motion]:

@@ -118,8 +118,7 @@ def true_revisits(run: Path, truth: Truth) -> tuple[Ints, Ints, int]:
     solution = np.load(run / "adjust" / "solution.npz")
     t_s = solution["t_ns"] / 1e9
     vehicle = truth.vehicle_at(t_s)
-    rows = np.clip(np.searchsorted(truth.t_s, t_s), 0, len(truth.t_s) - 1)
-    cameras = truth.cameras_at(rows)
+    cameras = truth.cameras_at(nearest_frames(truth.t_s, t_s))
     camera = next(iter(IngestArtifact(run / "ingest").camera_models.values()))
     axis = cameras.rotation.as_matrix()[:, :, 2]
     depth = np.asarray(cast(truth.built, cameras.translation, axis))
@@ -133,6 +132,13 @@ def true_revisits(run: Path, truth: Truth) -> tuple[Ints, Ints, int]:
     track = CameraTrack(global_from_camera=cameras, errors=NoErrors())
     overlap = footprint_overlap(track, first, second, np.where(np.isfinite(depth), depth, np.nan), camera)
     return first[overlap >= OVERLAPPING], second[overlap >= OVERLAPPING], len(t_s)
+
+
+def nearest_frames(frame_s: Array, t_s: Array) -> Ints:
+    """Return the frames (n,) nearest in time; the frame after a time is the wrong one where the two differ by rounding.
+    frame_s: ascending."""
+    after = np.clip(np.searchsorted(frame_s, t_s), 1, len(frame_s) - 1)
+    return np.asarray(after - (t_s - frame_s[after - 1] < frame_s[after] - t_s))
 
 
 def cast(surface: Scene, origin: Array, direction: Array) -> Array:
