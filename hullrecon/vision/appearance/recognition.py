@@ -13,8 +13,8 @@ import numpy as np
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.appearance.consistency import agreement, extent_m, independent_links, largest_group
 from hullrecon.vision.appearance.hypotheses import KNOWN, footprint_m, likeliest_pairs, open_places
-from hullrecon.vision.appearance.inverted_file import InvertedFile, invert
-from hullrecon.vision.appearance.vocabulary import Descriptors, learn_vocabulary
+from hullrecon.vision.appearance.inverted_file import invert
+from hullrecon.vision.appearance.vocabulary import Descriptors, Vocabulary, learn_vocabulary
 from hullrecon.vision.compared_pairs import ComparedPairs, LinkedScene, Map
 from hullrecon.vision.pair_match import PairMatch, agrees
 from hullrecon.vision.pairs.camera_track import CameraTrack
@@ -77,14 +77,15 @@ def recognise_places(
     places = open_places(track, keyframes, scene.depth_m, scene.camera) if scene.worker.rig.stereo else None
     if places is None:
         return None
-    images, words = _index_images(scene.worker, [scene.nodes[k] for k in keyframes])
+    vocabulary, words = learn_words(scene.worker, [scene.nodes[k] for k in keyframes])
+    images = invert(words, len(vocabulary))
     pairs, control = likeliest_pairs(track, keyframes, scene.depth_m, scene.camera, places, images)
     proposal = _propose(scene, track, keyframes[pairs])
     proposal = _select(proposal, ~np.isin(proposal.first * len(track) + proposal.second, compared))
     found = scene.match(track, proposal, map_items, anywhere=True)
     alike = scene.match(track, _propose(scene, track, keyframes[control]), map_items, anywhere=True)
     counts = {
-        "words": words,
+        "words": len(vocabulary),
         "offered": len(proposal),
         "matched": sum(pair.motion is not None for pair in found),
         "control": len(alike),
@@ -100,13 +101,11 @@ def recognise_places(
     return Recognition(proposal=proposal, found=tuple(found), accepted=accepted, counts=counts, refusal=refusal)
 
 
-def _index_images(worker: MatchWorker, nodes: Sequence[MatchNode]) -> tuple[InvertedFile, int]:
-    """Return the inverted file of the nodes' images, and the number of its words."""
-    each = max(1, SAMPLE // len(nodes))
-    sample = np.concatenate([_strongest(worker, node, min(each, STRONGEST)) for node in nodes])
-    vocabulary = learn_vocabulary(sample, worker.options.seed)
-    words = [vocabulary.words(_strongest(worker, node, STRONGEST)) for node in nodes]
-    return invert(words, len(vocabulary)), len(vocabulary)
+def learn_words(worker: MatchWorker, nodes: Sequence[MatchNode]) -> tuple[Vocabulary, list[Ints]]:
+    """Return words learnt from the leading images of some nodes, and those that each shows."""
+    each = min(max(1, SAMPLE // len(nodes)), STRONGEST)
+    vocabulary = learn_vocabulary(np.concatenate([_strongest(worker, node, each) for node in nodes]), worker.options.seed)
+    return vocabulary, [vocabulary.words(_strongest(worker, node, STRONGEST)) for node in nodes]
 
 
 def _strongest(worker: MatchWorker, node: MatchNode, most: int) -> Descriptors:
