@@ -31,11 +31,12 @@ CONTROLS = 60  # pairs of places known to be two, that are compared as well
 @dataclass(frozen=True, kw_only=True)
 class OpenPlaces:
     """What the path says of pairs of m keyframes, by the station next to either: station (m,); open and apart (s, s): the two
-    may be one place, beyond the search; they are known to be two."""
+    may be one place, beyond the search; they are known to be two. reach_m: the largest distance that is known."""
 
     station: Ints
     open: Mask
     apart: Mask
+    reach_m: float
 
     def of(self, queries: Ints, mask: Mask) -> Mask:
         """Return that mask for each query with every keyframe (q, m)."""
@@ -90,8 +91,13 @@ def open_places(track: CameraTrack, keyframes: Ints, depth_m: Array, camera: Cam
     pairs_open = _is_open(offset, covariance, size, size / 2 + slack)
     if not pairs_open.any():
         return None
-    apart = _symmetric(_is_apart(offset, covariance, size, slack), a, b, len(rank))
-    return OpenPlaces(station=station, open=_symmetric(pairs_open, a, b, len(rank)), apart=apart)
+    known = largest_sigma(covariance) < KNOWN * size
+    return OpenPlaces(
+        station=station,
+        open=_symmetric(pairs_open, a, b, len(rank)),
+        apart=_symmetric(_is_apart(offset, covariance, size, slack), a, b, len(rank)),
+        reach_m=float(np.linalg.norm(offset[known], axis=1).max(initial=0.0)),
+    )
 
 
 def _symmetric(values: Mask, a: Ints, b: Ints, count: int) -> Mask:

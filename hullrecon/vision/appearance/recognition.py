@@ -12,7 +12,14 @@ import numpy as np
 
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.appearance.consistency import agreement, extent_m, independent_links, largest_group
-from hullrecon.vision.appearance.hypotheses import KNOWN, footprint_m, likeliest_pairs, open_places
+from hullrecon.vision.appearance.hypotheses import (
+    KNOWN,
+    footprint_m,
+    largest_sigma,
+    likeliest_pairs,
+    open_places,
+    scene_offsets,
+)
 from hullrecon.vision.appearance.inverted_file import invert
 from hullrecon.vision.appearance.vocabulary import Descriptors, Vocabulary, learn_vocabulary
 from hullrecon.vision.compared_pairs import ComparedPairs, LinkedScene, Map
@@ -26,9 +33,18 @@ STRONGEST = 1000  # features of an image that become words
 LEAST_LINKS = 3  # that share no image and confirm each other
 LEAST_EXTENT = 1.0  # footprints over which their scenes must lie: one thing that looks like another is not enough
 RIVAL_SHARE = 1 / 3  # of them: as many that confirm each other elsewhere leave open which is right
+LEAST_REACH = (
+    2.0  # sigmas of the path between them, that is known within one part: of paint that comes again later none can tell
+)
 MAX_ALIKE = 2  # of the control's pairs that match: more, and this hull looks alike in different places
 LEAST_AFTER, BORNE_OUT = 5, 0.2  # pairs of the next round that say something, and the share of them that must match
 GATE_CHI2 = 22.5  # of the six numbers of a link against the path, 99.9 %
+
+# Why no link is taken.
+TOO_FEW = "too few images that look alike confirm each other"
+AMBIGUOUS = "images that look alike confirm more than one path"
+ALIKE = "places that the path knows to be two look alike"
+TOO_SHORT = "no part of the path is long enough to show whether different places look alike"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,8 +109,11 @@ def recognise_places(
     }
     within = _within_gate(track, proposal, found)
     group, refusal = _confirmed(scene, track, proposal, found, within)
+    _, covariance = scene_offsets(track, proposal.first[group], proposal.second[group], scene.depth_m)
+    if len(group) and places.reach_m < LEAST_REACH * largest_sigma(covariance).max():
+        group, refusal = group[:0], TOO_SHORT
     if counts["control_matched"] > MAX_ALIKE:
-        group, refusal = group[:0], "places that the path knows to be two look alike"
+        group, refusal = group[:0], ALIKE
     accepted = np.zeros(len(proposal), bool)
     accepted[group] = True
     counts["within_gate"] = len(within)
@@ -146,9 +165,9 @@ def _confirmed(
     group = largest_group(links.agree, np.arange(len(rows)))
     seen = track.global_from_camera[first[group]].apply(scene.depth_m[first[group], None] * [0.0, 0.0, 1.0])
     if independent_links(first[group], second[group]) < LEAST_LINKS or extent_m(seen) < LEAST_EXTENT * size:
-        return none, "too few images that look alike confirm each other"
+        return none, TOO_FEW
     against = np.flatnonzero(links.contradict[:, group].sum(axis=1) > len(group) / 2)
     rival = largest_group(links.agree, against)
     if len(rival) > 1 and len(rival) >= RIVAL_SHARE * len(group):
-        return none, "images that look alike confirm more than one path"
+        return none, AMBIGUOUS
     return rows[group], None

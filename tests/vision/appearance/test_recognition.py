@@ -178,6 +178,14 @@ def test_a_link_that_nothing_confirms_is_not_taken(dive, monkeypatch):
     assert not (found.pairs.joined & found.pairs.across).any()
 
 
+def test_parts_too_short_to_show_whether_the_paint_comes_again_are_not_joined(dive, monkeypatch):
+    monkeypatch.setattr("hullrecon.vision.appearance.recognition.LEAST_REACH", 10.0)
+    (asked,) = link(dive).found.appearance
+    assert asked.counts["within_gate"] >= 3
+    assert "long enough" in asked.refusal
+    assert not asked.accepted.any()
+
+
 def test_one_thing_that_looks_like_another_is_not_enough(dive, monkeypatch):
     monkeypatch.setattr("hullrecon.vision.appearance.recognition.LEAST_EXTENT", 20.0)
     (asked,) = link(dive).found.appearance
