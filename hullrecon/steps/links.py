@@ -75,6 +75,8 @@ def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]
     sentence = describe_parts(found.path, navigate.trajectory.t_ns)
     if sentence is not None:
         context.warn(sentence)
+    if found.appearance and found.appearance[-1].refusal is not None:
+        context.warn(f"How images look does not say what lies where: {found.appearance[-1].refusal}.")
     facts: dict[str, object] = {"keyframes": len(found.keyframes), "rounds": found.rounds()}
     return facts | ({"appearance": [asked.facts() for asked in found.appearance]} if found.appearance else {})
 

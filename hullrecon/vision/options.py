@@ -82,4 +82,4 @@ class LinkOptions(Section, frozen=True):
     appearance: Annotated[
         bool,
         Meta(description="recognise places by how they look where the path is known too badly to say which images overlap"),
-    ] = False
+    ] = True

@@ -89,7 +89,21 @@ class LookingMatcher(KnowingMatcher):
         return failed_match(3, NONE)
 
 
-def link(dive, *, repeats_m=None, appearance=True, rig_of=2):
+class ShiftedMatcher(LookingMatcher):
+    """Links far images alike anywhere, all as if the second leg lay 2 m along, and nothing where these links have it."""
+
+    def match(self, pair):
+        if pair.second - pair.first <= 4:
+            return super().match(pair)
+        if pair.expected is not None:
+            return failed_match(3, NONE)
+        camera = self.dive.cameras()
+        moved = camera[pair.second].copy()
+        moved[1, 3] += 2.0
+        return self.found(np.linalg.inv(moved) @ camera[pair.first], pair)
+
+
+def link(dive, *, repeats_m=None, appearance=True, rig_of=2, looking=LookingMatcher):
     rig = camera_rig(CAMERA, *((CAMERA, TOP_FROM_BOTTOM) if rig_of == 2 else (None, None)), TRAY_ORIGIN_M, TRAY_FROM_TOP)
     features, asked = paint(dive, repeats_m), []
 
@@ -103,7 +117,7 @@ def link(dive, *, repeats_m=None, appearance=True, rig_of=2):
     walk[BLANK.start :, :3, :3] += OUTAGE_SIGMA_M**2 * np.eye(3)
     navigated = NavigatedDive(trajectory=dive.trajectory, errors=replace(errors, walk=walk), returns=None, tray_sigma_rad=1e-3)
     graph = PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig)
-    matcher = LookingMatcher(dive, repeats_m=repeats_m)
+    matcher = looking(dive, repeats_m=repeats_m)
     found = link_images(worker, navigated, graph.solve, matcher, 12, appearance)
     return SimpleNamespace(found=found, error_m=path_error_m(found, dive), asked=asked)
 
@@ -190,6 +204,17 @@ def test_one_thing_that_looks_like_another_is_not_enough(dive, monkeypatch):
     monkeypatch.setattr("hullrecon.vision.appearance.recognition.LEAST_EXTENT", 20.0)
     (asked,) = link(dive).found.appearance
     assert asked.refusal == "too few images that look alike confirm each other"
+
+
+def test_links_that_agree_but_put_images_beside_each_other_that_do_not_match_are_undone(dive, monkeypatch):
+    """One thing seen from several sides that looks like another: all links agree, and what lies around it does not match."""
+    monkeypatch.setattr("hullrecon.vision.appearance.hypotheses.CONTROLS", 0)
+    found, before = link(dive, looking=ShiftedMatcher), link(dive, appearance=False)
+    (asked,) = found.found.appearance
+    assert asked.counts["within_gate"] > 10
+    assert asked.refusal == "the images that it puts beside each other do not match"
+    assert not found.found.links.second[found.found.links.second - found.found.links.first > 4].any()
+    np.testing.assert_array_equal(found.found.path.pose, before.found.path.pose)
 
 
 def test_a_place_beyond_the_sigma_of_the_path_is_no_hypothesis(dive):
