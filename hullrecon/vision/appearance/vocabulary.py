@@ -69,7 +69,7 @@ def _cluster(descriptors: Descriptors, count: int, rng: np.random.Generator) -> 
         total = np.zeros(centres.shape, np.int64)
         order = np.argsort(label, kind="stable")
         begin = np.concatenate([[0], np.cumsum(size)[:-1]])[size > 0]
-        total[size > 0] = np.add.reduceat(descriptors[order].astype(np.int64), begin, axis=0)
+        total[size > 0] = np.add.reduceat(descriptors[order], begin, axis=0, dtype=np.int64)
         moved = np.where(size[:, None] > 0, (2 * total + size[:, None]) // np.maximum(2 * size, 1)[:, None], centres)
         if (moved == centres).all():
             break
