@@ -30,7 +30,7 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.rigid_fit import fit_rigid, fit_scale
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.solution import Solution
-from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact
+from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact, NavigateArtifact
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pairs.camera_track import CameraTrack
 from hullrecon.vision.pairs.selection import footprint_overlap
@@ -111,7 +111,8 @@ def in_sigmas(solution: Solution, truth: Truth) -> list[float]:
 
 
 def true_revisits(run: Path, truth: Truth) -> tuple[Ints, Ints, int]:
-    """Return the pairs of nodes (first, second) of different legs whose top images truly overlap, and the number of nodes."""
+    """Return the pairs of nodes (first, second) of different legs that have top images that truly overlap, and the number of
+    nodes."""
     from scipy.spatial import cKDTree
 
     solution = np.load(run / "adjust" / "solution.npz")
@@ -126,7 +127,8 @@ def true_revisits(run: Path, truth: Truth) -> tuple[Ints, Ints, int]:
     seen = cameras.translation + np.where(np.isfinite(depth), depth, 0)[:, None] * axis
     reach = float(np.nanmedian(depth)) * np.hypot(camera.width / camera.fx, camera.height / camera.fy)
     first, second = cKDTree(seen).query_pairs(reach, output_type="ndarray").T
-    apart = along_path[second] - along_path[first] > OTHER_LEG_M
+    has_image = NavigateArtifact(run / "navigate").trajectory.image[:, 0] >= 0
+    apart = (along_path[second] - along_path[first] > OTHER_LEG_M) & has_image[first] & has_image[second]
     first, second = first[apart], second[apart]
     track = CameraTrack(global_from_camera=cameras, errors=NoErrors())
     overlap = footprint_overlap(track, first, second, np.where(np.isfinite(depth), depth, np.nan), camera)

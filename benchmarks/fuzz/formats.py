@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 
-from benchmarks.fuzz import seed_ad2cp, seed_files, seed_messages
+from benchmarks.fuzz import seed_ad2cp, seed_aris, seed_files, seed_messages
 from benchmarks.fuzz.readings import CALIBRATION
 
 
@@ -40,8 +40,8 @@ class Seed:
 def seeds() -> dict[str, tuple[Seed, ...]]:
     """Return sound inputs by format."""
     return {
-        "mcap": _mcap(), "bag": _bag(), "rosbag2": _rosbag2(), "pd0": _pd0(), "ad2cp": _ad2cp(), "reports": _reports(),
-        "plain": _plain(), "npz": _npz(), "oculus": _oculus(), "toml": _toml(),
+        "mcap": _mcap(), "bag": _bag(), "rosbag2": _rosbag2(), "pd0": _pd0(), "ad2cp": _ad2cp(), "aris": _aris(),
+        "reports": _reports(), "plain": _plain(), "npz": _npz(), "oculus": _oculus(), "didson": _didson(), "toml": _toml(),
         "yaml": _yaml(), "hull": _hull(), "hull-gz": _hull_gz(), "image": _image(),
         "init": _init(),
     }  # fmt: skip
@@ -92,6 +92,11 @@ def _ad2cp() -> tuple[Seed, ...]:
         *(_log("dvl.ad2cp", data, checksummed=True, blind=word_sums_are_right) for data in files),
         *(_log("dvl.ad2cp", data, finish=with_right_word_sums) for data in files),
     )
+
+
+def _aris() -> tuple[Seed, ...]:
+    files = (seed_aris.aris_file(), seed_aris.aris_file(6, mode=9, samples=5, speed=1450.0))
+    return tuple(_log("sonar.aris", data) for data in files)
 
 
 def word_sums_are_right(data: bytes) -> bool:
@@ -174,6 +179,14 @@ def _oculus() -> tuple[Seed, ...]:
     return (Seed(read="log", files=files, target="logs/p.npz", given="logs"),)
 
 
+def _didson() -> tuple[Seed, ...]:
+    files = {name: data for name, data in _tables().items() if name != "logs/p.npz"}
+    rows = "".join(f"{1_700_000_000 + n},p.ddf,{n},1,6\n" for n in range(2))
+    files["logs/sonar.csv"] = f"t,file,ping,range_from,range_to\n{rows}".encode()
+    whole = ({**files, "logs/p.ddf": seed_aris.didson_file(version)} for version in (3, 4))
+    return tuple(Seed(read="log", files=each, target="logs/p.ddf", given="logs") for each in whole)
+
+
 def _toml() -> tuple[Seed, ...]:
     texts = (seed_files.DIVE_TOML, seed_files.LONG_DIVE_TOML)
     return tuple(
@@ -200,6 +213,7 @@ def _init() -> tuple[Seed, ...]:
             given="log",
             finish=with_right_word_sums,
         ),
+        Seed(read="init", files={"log/sonar.aris": seed_aris.aris_file()}, target="log/sonar.aris", given="log"),
     )
 
 

@@ -33,6 +33,7 @@ from hullrecon.steps.chain import stages
 
 BEAMS = np.array([[-0.5, 0, 0.75**0.5], [0.5, 0, 0.75**0.5], [0, 0.5, 0.75**0.5], [0, -0.5, 0.75**0.5]])
 CALIBRATION = "camera_top.yaml"
+AZIMUTH_DEG = np.linspace(-14, 14, 48)  # of the beams of a DIDSON
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,7 @@ def read_log(folder: Path, name: str) -> Reading:
         logs=(name,), topics=TOPICS, joints={"tray": "tray"}, imu_frame="ned", imu_mount_deg=(0.0, 0.0, 0.0),
         pressure=PressureModel(1025.0, 9.81, 101325.0), beams=BEAMS, sigma_velocity=0.003,
         calibration={"camera_top": CALIBRATION}, offset_ns={"camera_top": 0}, mesh=None, units="m",
+        sonar_azimuth_deg=AZIMUTH_DEG,
     )  # fmt: skip
     found = ingest(folder, request, lambda camera: kept.setdefault(camera, BytesIO()))
     parts = [("", np.frombuffer(b"".join(f.getvalue() for f in kept.values()), np.uint8))]

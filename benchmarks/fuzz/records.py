@@ -8,11 +8,12 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 MCAP, BAG, PNG, GLB = b"\x89MCAP0\r\n", b"#ROSBAG V2.0\n", b"\x89PNG\r\n\x1a\n", b"glTF"
+ARIS = b"DDF\x05"
 
 
 @lru_cache(maxsize=64)
 def record_starts(data: bytes) -> tuple[int, ...]:
-    """Return the offsets of the records of an MCAP, ROS 1 bag, PNG, GLB, JPEG, zip, PD0 or AD2CP; none for other files."""
+    """Return the offsets of the records of an MCAP, ROS 1 bag, PNG, GLB, JPEG, zip, PD0, AD2CP or ARIS; none for others."""
     if data.startswith(MCAP):
         return tuple(_walk(data, len(MCAP), len(data) - len(MCAP), lambda at: 9 + _number(data, at + 1, 8)))
     if data.startswith(BAG):
@@ -21,6 +22,8 @@ def record_starts(data: bytes) -> tuple[int, ...]:
         return tuple(_walk(data, len(PNG), len(data), lambda at: 12 + int.from_bytes(data[at : at + 4], "big")))
     if data.startswith(GLB):
         return tuple(_walk(data, 12, len(data), lambda at: 8 + _number(data, at, 4)))
+    if data.startswith(ARIS):
+        return tuple(at - 12 for at in _found(data, ARIS) if at >= 1024)
     for start in (b"PK", b"\x7f\x7f", b"\xa5", b"\xff\xd8"):
         if data.startswith(start):
             return tuple(_found(data, start[:1] if start == b"\xff\xd8" else start))

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hullrecon.estimation.landmark_variance import pose_jacobian
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.tangents import tangents_at
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas
 from hullrecon.geometry.robust import robust_sigma
-from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array, Mask
@@ -69,14 +69,6 @@ def split_deviation(
         form=values[0],
         form_sigma=values[1],
     )
-
-
-def pose_jacobian(points: Array, normals: Array, hull_pose: HullPose) -> Array:
-    """Return how points (n, 3) in M move along normals (n, 3) with an error of T_g_M: (n, 6), translation in g, rotation
-    perturbed on the right about the survey's middle."""
-    to_hull = hull_pose.global_from_hull.rotation.as_matrix()[0].T
-    turn = np.einsum("ni,nij->nj", normals, cross_matrix(points - hull_pose.survey_center))
-    return np.concatenate([-normals @ to_hull, turn], axis=1)
 
 
 def _variance(rows: Array, covariance: Array) -> Array:

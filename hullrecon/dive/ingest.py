@@ -30,6 +30,7 @@ from hullrecon.dive.logs.samples import (
 )
 from hullrecon.dive.logs.time_window import Instant, time_window
 from hullrecon.dive.logs.timeline import NS, put_in_order
+from hullrecon.dive.logs.unused_topics import describe_unused
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
@@ -42,6 +43,7 @@ from hullrecon.records.sensors import (
     PressureSamples,
     SensorRecord,
     SensorRecords,
+    SonarPings,
 )
 from hullrecon.typing import Array
 
@@ -54,7 +56,8 @@ DEPTHS: tuple[type[PressureSample | DepthSample], ...] = (PressureSample, DepthS
 @dataclass(frozen=True, kw_only=True)
 class IngestRequest:
     """Hold what ingest needs of dive.toml. topics: topic by sensor; joints: servo by record ("tray", "sonar_tray"); calibration
-    and offset_ns by camera ("camera_top", "camera_bottom"); beams (b, 3) or None; start, end: what of the logs is used."""
+    and offset_ns by camera ("camera_top", "camera_bottom"); beams (b, 3) or None; start, end: what of the logs is used;
+    sonar_azimuth_deg: of an imaging sonar's beams; sonar_offset_ns: added to its stamps."""
 
     logs: tuple[str, ...]
     topics: Mapping[str, str]
@@ -70,6 +73,8 @@ class IngestRequest:
     units: str
     start: Instant = None
     end: Instant = None
+    sonar_azimuth_deg: Array | None = None
+    sonar_offset_ns: int = 0
 
 
 @dataclass
@@ -83,6 +88,7 @@ class IngestResult:
     counts: dict[str, int] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
     hull_messages: list[str] = field(default_factory=list)
+    unused: list[str] = field(default_factory=list)  # topics that dive.toml does not name, and why a run does not use them
     remarks: list[str] = field(default_factory=list)
 
     def findings(self) -> dict[str, list[str]]:
@@ -129,6 +135,7 @@ def ingest(
     out.remarks += found.remarks
     out.lost = messages.describe_losses(found.losses)
     out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
+    out.unused = describe_unused((c for c in found.counts if c.encoding != "sample"), set(topics.values()))
     out.records = _build_records(out, request, found, problems)
     for name, sink in sinks.items():
         with problems.gather():
@@ -189,10 +196,15 @@ def _build_records(out: IngestResult, request: IngestRequest, found: LogContents
         samples = _sort_samples("pressure", found, DEPTHS, remarks)
         return streams.pressure_samples(samples, request.pressure, remarks) if samples else None
 
+    def sonar() -> SonarPings | None:
+        samples = _sort_samples("sonar", found, SonarSample, remarks)
+        samples = [replace(s, t_ns=s.t_ns + request.sonar_offset_ns) for s in samples]
+        return streams.sonar_pings(samples, remarks, request.sonar_azimuth_deg)
+
     build("dvl", dvl)
     build("imu", imu)
     build("pressure", pressure)
-    build("sonar", lambda: streams.sonar_pings(_sort_samples("sonar", found, SonarSample, remarks), remarks))
+    build("sonar", sonar)
     with problems.gather():
         _check_joints(request, found, {s.name for s in found.samples["joints"] if isinstance(s, JointSample)}, remarks)
     for record in JOINT_KEYS:

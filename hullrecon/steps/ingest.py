@@ -28,8 +28,9 @@ from hullrecon.typing import Array
 
 USES = (
     "dive.from", "dive.to",
-    "logs", "topics", "tray.joint", "sonar.joint", "imu.frame", "imu.mount_deg", "pressure.density", "pressure.gravity",
-    "pressure.atmosphere", "pressure.z_axis",
+    "logs", "topics", "tray.joint", "sonar.joint", "sonar.beam_azimuth_deg", "sonar.time_offset",
+    "imu.frame", "imu.mount_deg",
+    "pressure.density", "pressure.gravity", "pressure.atmosphere", "pressure.z_axis",
     "dvl.beams", "dvl.beam_angle_deg", "dvl.beam_azimuth_deg", "dvl.sigma_velocity",
     *(f"{camera.section}.{key}" for camera in Camera for key in ("calibration", "time_offset")), "hull.mesh", "hull.units",
 )  # fmt: skip
@@ -44,6 +45,7 @@ def request_of(settings: StageSettings) -> IngestRequest:
     topics = settings.read("topics", Topics)
     named: dict[str, str | None] = {name: getattr(topics, name) for name in topics.__struct_fields__}
     keys = ("density", "gravity", "atmosphere")
+    azimuth = settings.read_optional("sonar.beam_azimuth_deg", tuple)
     return IngestRequest(
         logs=settings.read("logs", Logs).files,
         topics=_drop_empty(named),
@@ -64,6 +66,8 @@ def request_of(settings: StageSettings) -> IngestRequest:
         units=settings.read_optional("hull.units", str) or "m",
         start=_instant(settings, "dive.from"),
         end=_instant(settings, "dive.to"),
+        sonar_offset_ns=offset_ns(settings.read_optional("sonar.time_offset", float) or 0.0),
+        sonar_azimuth_deg=None if azimuth is None else np.array(azimuth, float),
     )
 
 

@@ -105,7 +105,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=4,
+    version=5,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon.errors import StageError
+from hullrecon.estimation.landmark_variance import variance_along_normals
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.plane_chart import PlaneChart, fit_plane_chart
 from hullrecon.records.solution import Solution
@@ -53,17 +54,17 @@ def surface_from_survey(survey: SurfaceInputs, options: SurfaceOptions) -> Chart
     """Return the hull's surface in the frame of the track. Raises StageError where there is too little to make one of."""
     # Where the beams ended, and the landmarks on the hull
     returns, counts = _points_of_returns(survey, options)
-    landmarks = _points_of_landmarks(survey, options)
-    if not len(returns.points) and not len(landmarks.point):
+    landmarks = _find_landmarks(survey, options)
+    if not len(returns.points) and not len(landmarks.points):
         raise StageError(
             "neither DVL returns nor landmarks", where="surface", remedy="check topics.dvl and the cameras' topics"
         )
     # The chart, on which the points' shared uncertainty is taken along the normals
     sensors = survey.track.poses.translation
-    chart = survey.chart or survey.hull.chart(returns.points if len(returns.points) else landmarks.point, sensors)
+    chart = survey.chart or survey.hull.chart(returns.points if len(returns.points) else landmarks.points, sensors)
     observed = _add_sigmas(returns, survey, chart)
     if options.landmarks or not len(returns.points):
-        observed = _join(observed, landmarks)
+        observed = _join(observed, _measure_landmarks(landmarks, survey, chart))
     # The regression
     regressed_on, datum = _choose_reference(observed.point, chart, options.reference, sensors)
     surface, facts = build_surface(observed, regressed_on, options, datum)
@@ -103,21 +104,40 @@ def _find_inliers(points: Array, flagged: Mask, options: SurfaceOptions) -> Mask
     return inlier
 
 
-def _points_of_landmarks(survey: SurfaceInputs, options: SurfaceOptions) -> SurfacePoints:
-    """Return the landmarks on the hull that three images saw, with their largest sigma; none before the adjustment."""
+@dataclass(frozen=True, kw_only=True)
+class _LandmarkPoints:
+    """Landmarks (n, 3) on the hull in the frame of the surface, with their covariances (n, 3, 3)."""
+
+    points: Array
+    covariance: Array
+
+
+def _find_landmarks(survey: SurfaceInputs, options: SurfaceOptions) -> _LandmarkPoints:
+    """Return the landmarks on the hull that three images saw; none before the adjustment."""
     if survey.solution is None:
-        return SurfacePoints(point=np.zeros((0, 3)), noise=np.zeros(0), pose_sigma=np.zeros(0), gives_support=np.zeros(0, bool))
+        return _LandmarkPoints(points=np.zeros((0, 3)), covariance=np.zeros((0, 3, 3)))
     landmarks = survey.solution.landmarks
-    variance = np.linalg.eigvalsh(np.nan_to_num(landmarks.covariance, nan=-1.0))[:, -1]
-    good = np.isfinite(landmarks.position).all(axis=1) & (landmarks.views >= 3) & (variance > 0)
+    good = np.isfinite(landmarks.position).all(axis=1) & (landmarks.views >= 3)
+    good &= np.einsum("nii->n", np.nan_to_num(landmarks.covariance, nan=-1.0)) > 0
     good &= survey.hull.on_hull(landmarks.label)
     points = survey.solution.result_from_global().apply(landmarks.position[good])
     inlier = statistical_inliers(points, options.outlier_neighbours, 2 * options.outlier_sigmas)
-    n = int(inlier.sum())
+    return _LandmarkPoints(points=points[inlier], covariance=landmarks.covariance[good][inlier])
+
+
+def _measure_landmarks(landmarks: _LandmarkPoints, survey: SurfaceInputs, chart: Chart) -> SurfacePoints:
+    """Return the landmarks with their own sigmas along the chart's normals, and with what they share: the hull's pose and the
+    dive's place."""
+    n = len(landmarks.points)
+    if survey.solution is None or n == 0:
+        return SurfacePoints(point=np.zeros((0, 3)), noise=np.zeros(0), pose_sigma=np.zeros(0), gives_support=np.zeros(0, bool))
+    _, normals = chart.from_chart(chart.to_chart(landmarks.points)[:, :2])
+    pose = survey.solution.hull_pose
+    along = variance_along_normals(landmarks.points, np.nan_to_num(normals), landmarks.covariance, pose)
     return SurfacePoints(
-        point=points[inlier],
-        noise=np.sqrt(variance[good])[inlier],
-        pose_sigma=np.zeros(n),
+        point=landmarks.points,
+        noise=np.sqrt(along.own),
+        pose_sigma=np.sqrt(along.common),
         gives_support=np.zeros(n, bool),
     )
 
@@ -139,13 +159,12 @@ def _add_sigmas(returns: _ReturnPoints, survey: SurfaceInputs, chart: Chart) -> 
 
 
 def _join(returns: SurfacePoints, landmarks: SurfacePoints) -> SurfacePoints:
-    """Return both; landmarks share what the returns' poses share, and support the surface where there are no returns."""
+    """Return both; landmarks support the surface where there are no returns."""
     n, alone = len(landmarks.point), not len(returns.point)
-    shared = 0.0 if alone else float(np.median(returns.pose_sigma))
     return SurfacePoints(
         point=np.vstack([returns.point, landmarks.point]),
         noise=np.concatenate([returns.noise, landmarks.noise]),
-        pose_sigma=np.concatenate([returns.pose_sigma, np.full(n, shared)]),
+        pose_sigma=np.concatenate([returns.pose_sigma, landmarks.pose_sigma]),
         gives_support=np.concatenate([returns.gives_support, np.full(n, alone)]),
     )
 

@@ -28,7 +28,13 @@ from hullrecon.vision.pairs.camera_track import (
 )
 from hullrecon.vision.pairs.cycles import contradicted_links
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchStereo, MatchWorker
-from hullrecon.vision.pairs.selection import propose_neighbours, propose_revisits, select_keyframes
+from hullrecon.vision.pairs.selection import (
+    Proposal,
+    propose_neighbours,
+    propose_overlapping,
+    propose_revisits,
+    select_keyframes,
+)
 from hullrecon.vision.stereo.matching import no_matches
 
 MIN_STEREO_POINTS = 8  # from which their median is the depth of the scene
@@ -109,6 +115,8 @@ def link_images(
     asked: list[Recognition] = []
     if worker.options.across > 0 and max_rounds > 0 and appearance:
         compared, solved, asked = _close_loops(scene, keyframes[salient], compared, solved, solve_path, map_items, max_rounds)
+    if compared.across().any():
+        compared, solved = _link_overlapping(scene, keyframes[salient], compared, solved, solve_path, map_items)
     return _collect_links(scene, keyframes, count, compared, solved, asked)
 
 
@@ -122,22 +130,14 @@ def _link_legs(
     max_rounds: int,
 ) -> tuple[ComparedPairs, Solved]:
     """Return what rounds of comparisons across legs add."""
-    options, level, before = scene.worker.options, 0, int(compared.round.max(initial=0))
-    for number in range(before + 1, before + max_rounds + 1):
+    options, level = scene.worker.options, 0
+    for _ in range(max_rounds):
         track = scene.track(solved.path, solved.relative_errors())
         proposal = propose_revisits(
             track, keyframes, scene.depth_m, scene.camera, options, PROBABILITIES[level], compared.keys(len(track))
         )
-        found = scene.match(track, proposal, map_items)
-        if any(pair.reason is Reason.MATCHED for pair in found):
-            compared = compared.joined_with(proposal, found, number)
-            links = compared.links(scene)
-            compared = compared.rejecting(contradicted_links(links, compared.across()))
-            solved = solve_path(compared.links(scene), solved)
-            compared = compared.rejecting(solved.rejected)
-            continue
-        compared = compared.joined_with(proposal, found, number)
-        level += 1
+        compared, solved, new = _try_pairs(scene, track, proposal, compared, solved, solve_path, map_items)
+        level += not new
         if level == len(PROBABILITIES):
             break
     return compared, solved
@@ -172,6 +172,37 @@ def _close_loops(
         asked.append(recognised)
         compared, solved = _link_legs(scene, keyframes, closed, path, solve_path, map_items, max_rounds)
     return compared, solved, asked
+
+
+def _link_overlapping(
+    scene: LinkedScene, keyframes: Ints, compared: ComparedPairs, solved: Solved, solve_path: PathSolver[Solved], map_items: Map
+) -> tuple[ComparedPairs, Solved]:
+    """Return what a last round adds: the pairs that overlap well on the path that the rounds before have tied."""
+    track = scene.track(solved.path, solved.relative_errors())
+    proposal = propose_overlapping(
+        track, keyframes, scene.depth_m, scene.camera, scene.worker.options, compared.keys(len(track))
+    )
+    compared, solved, _ = _try_pairs(scene, track, proposal, compared, solved, solve_path, map_items)
+    return compared, solved
+
+
+def _try_pairs(
+    scene: LinkedScene,
+    track: CameraTrack,
+    proposal: Proposal,
+    compared: ComparedPairs,
+    solved: Solved,
+    solve_path: PathSolver[Solved],
+    map_items: Map,
+) -> tuple[ComparedPairs, Solved, bool]:
+    """Return the pairs with those of a further round and the path that all tie; whether one of the new pairs matched."""
+    found = scene.match(track, proposal, map_items)
+    compared = compared.joined_with(proposal, found, 1 + int(compared.round.max(initial=-1)))
+    if not any(pair.reason is Reason.MATCHED for pair in found):
+        return compared, solved, False
+    compared = compared.rejecting(contradicted_links(compared.links(scene), compared.across()))
+    solved = solve_path(compared.links(scene), solved)
+    return compared.rejecting(solved.rejected), solved, True
 
 
 def _collect_links(

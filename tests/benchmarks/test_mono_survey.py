@@ -17,6 +17,7 @@ from hullrecon.synthetic.options import options
 MET: dict[str, object] = {
     "adjust_mm": 50.0,
     "linked_sharing_nothing": 0,
+    "revisits_on_texture_matched": 0.9,
     "end_sigma_over_dead_reckoning": 0.3,
     "sigma_on_bare_paint_over_elsewhere": 1.4,
 }
@@ -49,7 +50,7 @@ def test_images_share_the_steel_that_both_see() -> None:
 
 
 def test_what_is_asked_is_met_at_its_bounds() -> None:
-    assert list(asked(MET).values()) == [True] * 4
+    assert list(asked(MET).values()) == [True] * 5
 
 
 @pytest.mark.parametrize(
@@ -57,12 +58,13 @@ def test_what_is_asked_is_met_at_its_bounds() -> None:
     [
         ("adjust_mm", 50.1),
         ("linked_sharing_nothing", 1),
+        ("revisits_on_texture_matched", 0.89),
         ("end_sigma_over_dead_reckoning", 0.31),
         ("sigma_on_bare_paint_over_elsewhere", 1.0),
     ],
 )
 def test_each_figure_can_fail_by_itself(figure: str, value: float) -> None:
-    assert sorted(asked(MET | {figure: value}).values()) == [False, True, True, True]
+    assert sorted(asked(MET | {figure: value}).values()) == [False, True, True, True, True]
 
 
 def test_the_options_are_those_of_simulate() -> None:

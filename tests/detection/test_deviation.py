@@ -7,7 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.detection.deviation import pose_jacobian, split_deviation
+from hullrecon.detection.deviation import split_deviation
+from hullrecon.estimation.landmark_variance import pose_jacobian
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine

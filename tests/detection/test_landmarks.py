@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from hullrecon.adjustment.results.covariance import points_in_hull
-from hullrecon.detection.as_found.landmarks import MIN_SIGMA_M, measure_surface, shared_variance
+from hullrecon.detection.as_found.landmarks import measure_surface
+from hullrecon.estimation.landmark_variance import MIN_SIGMA_M
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import exp
@@ -82,6 +83,5 @@ def test_an_uncertain_landmark_among_certain_ones_is_left_out() -> None:
     assert 20 not in measure_surface(WALL, position, covariance, np.full(50, 3), 0.5, 0.012).row
 
 
-def test_no_landmark_shares_nothing() -> None:
-    assert shared_variance(np.zeros((0, 3)), np.zeros(0)).shape == (0,)
+def test_no_landmark_is_measured_where_there_is_none() -> None:
     assert len(_measure([[np.nan, 0, 0]])) == 0

@@ -135,6 +135,18 @@ def test_landmarks_alone_make_a_surface() -> None:
     assert (result.surface.support >= 1).all()
 
 
+def test_what_all_landmarks_share_is_in_the_sigma_and_no_noise() -> None:
+    marks = marks_on_floor()
+    noise_m = np.random.default_rng(5).normal(0, 0.002, len(marks))
+    known = solution(marks + np.outer(noise_m, [0, 0, 1]))
+    covariance = np.tile(np.diag([0.3, 0.3, 0.05]) ** 2 + 0.002**2 * np.eye(3), (len(marks), 1, 1))
+    covariance[::4] -= 0.0019**2 * np.eye(3)
+    shared = replace(known, landmarks=replace(known.landmarks, covariance=covariance))
+    surface = surface_from_survey(replace(survey(), returns=None, solution=shared), OPTIONS).surface
+    np.testing.assert_allclose(surface.sigma, 0.05, rtol=0.05)
+    np.testing.assert_allclose(surface.vertices[:, 2], FLOOR_M, atol=4e-3)
+
+
 def test_landmarks_that_two_images_saw_do_not_count() -> None:
     given = replace(survey(), returns=None, solution=solution(marks_on_floor(), views=2))
     with pytest.raises(StageError, match="neither DVL returns nor landmarks"):

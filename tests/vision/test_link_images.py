@@ -187,6 +187,16 @@ def test_most_nodes_are_tied_to_the_other_leg(large):
     assert len(near & tied) >= 0.9 * len(near)
 
 
+def test_pairs_that_overlap_well_are_all_linked_once_the_path_is_tied(large):
+    """Each node overlaps two or three of the other leg; the rounds that tie the path compare it with one."""
+    few, well = link(LARGE, turn_sigma=0.02, across=1), across_truly(large.dive, 0.35)
+    for found in (few.found, large.found):
+        assert len(well & joined_across(found)) >= 0.9 * len(well)
+    without = link(LARGE, turn_sigma=0.02, across=1, revisits=0).found
+    assert len(well & joined_across(without)) < 0.7 * len(well)
+    assert few.error_m < 0.01
+
+
 def test_rounds_end_when_nothing_new_is_found(small):
     rounds = small.found.rounds()
     assert len(rounds) < 12

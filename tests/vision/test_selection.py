@@ -12,6 +12,7 @@ from hullrecon.vision.pairs.selection import (
     footprint_overlap,
     overlap_probability,
     propose_neighbours,
+    propose_overlapping,
     propose_revisits,
     select_keyframes,
 )
@@ -60,6 +61,13 @@ def revisits(places, options=None, depth=DEPTH, sigma_m=0.0, keyframes=None, min
     depths, compared = np.full(len(places), depth), np.array(compared, np.int64)
     return propose_revisits(
         track(places, sigma_m), keyframes, depths, CAMERA, options or MatchOptions(), min_probability, compared
+    )
+
+
+def overlapping(places, options=None, sigma_m=0.0, compared=()):
+    depths, compared = np.full(len(places), DEPTH), np.array(compared, np.int64)
+    return propose_overlapping(
+        track(places, sigma_m), keyframes_of(places), depths, CAMERA, options or MatchOptions(), compared
     )
 
 
@@ -116,6 +124,38 @@ def test_what_was_compared_is_not_proposed_again_nor_does_it_make_room_for_other
     assert len(again) == 0
     half = revisits(lawnmower(), options, compared=(first.first * 22 + first.second)[::2])
     assert pairs(half) == {pair for k, pair in enumerate(sorted(pairs(first))) if k % 2}
+
+
+def test_on_a_tied_path_all_that_overlap_by_thirty_percent_are_compared():
+    """Two nodes of these legs share 0.62 of their images opposite each other, 0.39 two steps along, 0.23 three."""
+    at = lawnmower(apart=0.3)
+    found = overlapping(at)
+    assert {(k, 21 - k + s) for k in range(2, 6) for s in range(-2, 3)} == {pair for pair in pairs(found) if 2 <= pair[0] < 6}
+    assert found.across.all()
+    assert pairs(found) - pairs(revisits(at, MatchOptions(across=1)))
+
+
+def test_legs_that_overlap_by_less_are_left_to_the_rounds_before():
+    at = lawnmower(apart=0.6)
+    assert len(revisits(at)) > 0
+    assert len(overlapping(at)) == 0
+
+
+def test_a_pair_that_overlaps_where_the_path_is_but_is_not_known_to_is_not_among_them():
+    assert len(overlapping(lawnmower(), sigma_m=0.1)) > 0
+    assert not any(a == 0 for a, _ in pairs(overlapping(lawnmower(), sigma_m=3.0)))
+
+
+def test_no_node_is_compared_with_more_than_so_many_that_overlap():
+    at = lawnmower(apart=0.3)
+    few = overlapping(at, MatchOptions(revisits=1))
+    assert 0 < len(few) < len(overlapping(at))
+    assert len(overlapping(lawnmower(), MatchOptions(revisits=0))) == 0
+
+
+def test_an_overlap_that_was_compared_is_not_proposed_again():
+    found = overlapping(lawnmower())
+    assert len(overlapping(lawnmower(), compared=found.first * 22 + found.second)) == 0
 
 
 def test_without_depth_only_neighbours_are_compared():

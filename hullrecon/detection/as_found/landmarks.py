@@ -8,13 +8,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from hullrecon.detection.deviation import pose_jacobian
+from hullrecon.estimation.landmark_variance import variance_along_normals
 from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.geometry.neighbours import nearest
 from hullrecon.records.solution import HullPose
 from hullrecon.typing import Array, Ints, Mask
-
-MIN_SIGMA_M = 0.001  # no landmark is better than its texture's roughness
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,32 +63,11 @@ def measure_surface(
     variance = np.einsum("ni,nij,nj->n", near.normal, covariance[row], near.normal)
     near_it = (np.abs(near.distance) <= farthest_m) & (sideways <= 0.005 + 0.7 * np.abs(near.distance))
     good = np.flatnonzero(near_it & (variance > 0))
-    by_pose = _pose_variance(position[row[good]], near.normal[good], variance[good], hull_pose)
-    own = variance[good] - by_pose
-    shared = shared_variance(position[row[good]], own)
-    common = by_pose + shared
-    sigma = np.sqrt(np.maximum(own - shared, 0.0) + MIN_SIGMA_M**2)
+    along = variance_along_normals(position[row[good]], near.normal[good], covariance[row[good]], hull_pose)
+    sigma = np.sqrt(along.own)
     kept = SurfaceLandmarks(
         row=row[good], position=position[row[good]], foot=near.foot[good], normal=near.normal[good],
-        offset=near.distance[good], sigma=sigma, common=np.sqrt(common),
+        offset=near.distance[good], sigma=sigma, common=np.sqrt(along.common),
         covariance=covariance[row[good]], views=views[row[good]],
     )  # fmt: skip
     return kept.take(sigma <= largest_sigma_m)
-
-
-def _pose_variance(position: Array, normal: Array, variance: Array, hull_pose: HullPose | None) -> Array:
-    """Return the part of variances (n,) along normals (n, 3) that comes from the hull's pose; zero where it is no part of them
-    (as published they hold its correlations too)."""
-    if hull_pose is None:
-        return np.zeros(len(variance))
-    by_pose = pose_jacobian(position, normal, hull_pose)
-    found = np.einsum("ni,ij,nj->n", by_pose, hull_pose.covariance, by_pose)
-    return found if (found <= variance * (1 + 1e-6)).all() else np.zeros(len(variance))
-
-
-def shared_variance(position: Array, variance: Array, neighbours: int = 32) -> Array:
-    """Return the part of each variance (n,) that neighbours have in common: hardly more than the best of them has."""
-    if not len(position):
-        return variance
-    _, row = nearest(position, position, min(neighbours, len(position)))
-    return np.maximum(np.sort(variance[row], axis=1)[:, min(1, row.shape[1] - 1)] - MIN_SIGMA_M**2, 0.0).clip(max=variance)

@@ -77,7 +77,8 @@ class PackageCheck:
             f"{self.name}: {self.vessel}" if self.vessel else self.name,
             *findings["spans"], *describe_start_offset(self.found.records, self.found.images), *findings["hull"],
             *(f"missing: {file}" for file in self.missing_files), *(f"not usable: {line}" for line in self.unusable),
-            *(f"lost: {line}" for line in findings["lost"]), *(f"note: {line}" for line in findings["remarks"]), *self.missing,
+            *(f"lost: {line}" for line in findings["lost"]), *(f"note: {line}" for line in findings["remarks"]),
+            *(f"note: {line}" for line in self.found.unused), *self.missing,
             *self.to_fill_in, *(f"suspicious: {line}" for line in self.warnings), f"defaults used: {defaults}",
             f"verdict: {self.verdict}",
         ]  # fmt: skip
@@ -90,6 +91,7 @@ class PackageCheck:
             "streams": {name: _describe_stream(stream) for name, stream in streams.items() if len(stream.t_ns)},
             **self.found.findings(), "missing_files": self.missing_files, "unusable": self.unusable, "missing": self.missing,
             "to_fill_in": self.to_fill_in, "suspicious": self.warnings, "topics": self.found.counts,
+            "unused": self.found.unused,
             "offset": describe_start_offset(self.found.records, self.found.images), "defaults": self.defaults,
             "run_is_possible": self.run_is_possible, "verdict": self.verdict,
         }  # fmt: skip

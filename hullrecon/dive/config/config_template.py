@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hullrecon.dive.config.log_proposals import (
+    azimuths_to_ask_for,
     beams_to_ask_for,
     find_calibration,
     has_attitude_of_dvl,
@@ -80,6 +81,10 @@ SONAR = """
 elevation_deg = 14.0             # full aperture out of the fan plane
 """
 
+AZIMUTHS = """\
+# beam_azimuth_deg = [-14.0, ..., 14.0]      # to fill in: of each beam from the middle, growing from port to starboard
+"""
+
 HULL = """
 [hull]                           # the CAD model
 mesh = {mesh}
@@ -143,7 +148,7 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
             filled = section.format(calibration=_quote(file or f"calibration/{camera}.yaml"))
             text += filled if calibrated else _comment_out(filled)
     if "sonar" in guessed:
-        text += SONAR
+        text += SONAR + (AZIMUTHS if azimuths_to_ask_for(summary) else "")
     mesh = _cad_model(folder)
     text += HULL.format(mesh=_quote(mesh)) if mesh else NO_HULL
     for key, (value, frame) in proposed_mounts(summary).items():

@@ -14,7 +14,8 @@ from hullrecon.dive.logs.messages.decode import ENCODINGS, type_name
 from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, calibration_yaml, frame_tree, mount_of, vehicle_from
 from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER
 from hullrecon.dive.logs.readers.unpack import printable
-from hullrecon.dive.logs.samples import DvlSample, ImuSample
+from hullrecon.dive.logs.samples import DvlSample, ImuSample, SonarSample
+from hullrecon.dive.logs.sonar_geometry import ask_for_azimuths
 from hullrecon.dive.logs.summary import COMPRESSED, LogSummary, guess_topics
 
 MOUNTS = {"dvl": "dvl.mount", "camera_top": "camera.top.mount", "sonar": "sonar.mount", "pressure": "pressure.origin"}
@@ -25,6 +26,8 @@ def questions(summary: LogSummary) -> list[str]:
     """Return a sentence for each thing that the log does not say and that a run cannot do without."""
     beams = beams_to_ask_for(summary)
     out = [f"to fill in: {ask_for_beams(beams).line()}"] if beams else []
+    fan = azimuths_to_ask_for(summary)
+    out += [f"to fill in: {ask_for_azimuths(fan).line()}"] if fan else []
     if has_attitude_of_dvl(summary):
         out.append(
             "to fill in: imu.mount_deg: roll, pitch, yaw in degrees of the frame dvl in the vehicle: the only attitude is that "
@@ -64,6 +67,13 @@ def beams_to_ask_for(summary: LogSummary) -> int:
     if note is not None and first is not None and not isinstance(first, DvlSample):
         first = next(iter(TYPES["dvl"][type_name(note.channel)](first, 0, "dvl")), None)
     return len(first.ranges) if isinstance(first, DvlSample) and first.beams is None else 0
+
+
+def azimuths_to_ask_for(summary: LogSummary) -> int:
+    """Return the number of an imaging sonar's beams where nothing says where they point, else 0."""
+    topic = guess_topics(summary.topics).get("sonar")
+    first = next((t.first for t in summary.topics if t.channel.topic == topic), None)
+    return len(first.image) if isinstance(first, SonarSample) and first.directions is None else 0
 
 
 def missing_calibrations(summary: LogSummary, folder: Path) -> dict[str, str]:

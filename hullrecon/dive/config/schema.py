@@ -68,7 +68,7 @@ class Logs(Section, frozen=True):
 
     files: Annotated[
         tuple[FileName, ...],
-        Meta(min_length=1, description="bags, MCAP, ROS 2 folders, PD0, AD2CP, Water Linked JSON or a folder of CSVs"),
+        Meta(min_length=1, description="bags, MCAP, ROS 2 folders, PD0, AD2CP, ARIS, Water Linked JSON or a folder of CSVs"),
     ]
 
 
@@ -183,6 +183,14 @@ class Sonar(Section, frozen=True):
     mount: Annotated[Six, Meta(description="m and deg, frame of that servo to sonar")] = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
     elevation_deg: Annotated[Positive, Meta(description="deg, full aperture out of the plane of the fan")] = 14.0
+    beam_azimuth_deg: Annotated[
+        tuple[Annotated[float, Meta(gt=-90, lt=90)], ...] | None,
+        Meta(
+            description="deg, of each beam from the middle of the fan, growing from port to starboard, for logs that do not "
+            "say where the beams point"
+        ),
+    ] = None
+    time_offset: TimeOffset = 0.0
 
 
 class Hull(Section, frozen=True):

@@ -85,16 +85,20 @@ class ImageSample:
 
 @dataclass(frozen=True, slots=True)
 class SonarSample:
-    """image (beams, ranges) of the logged type; directions (beams, 3) unit vectors in `sonar`; range_m (ranges,)."""
+    """image (beams, ranges) of the logged type; directions (beams, 3) unit vectors in `sonar`, None where nothing says where
+    the beams point; range_m (ranges,)."""
 
     t_ns: int
     image: NDArray[np.generic]
-    directions: Array
+    directions: Array | None
     range_m: Array
 
     def __post_init__(self) -> None:
-        _require(self.image.shape == (len(self.directions), len(self.range_m)) and self.image.size > 0)
-        _require(bool(np.isfinite(self.directions).all() and np.isfinite(self.range_m).all()))
+        beams = len(self.image) if self.directions is None else len(self.directions)
+        _require(self.image.shape == (beams, len(self.range_m)) and self.image.size > 0)
+        _require(
+            bool(np.isfinite(self.range_m).all()) and (self.directions is None or bool(np.isfinite(self.directions).all()))
+        )
 
 
 def _require(holds: bool) -> None:

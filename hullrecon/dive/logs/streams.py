@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import check_beams, choose_beams, unit
 from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample, JointSample, PressureSample, SonarSample
+from hullrecon.dive.logs.sonar_geometry import choose_directions, pings_of_one_window
 from hullrecon.errors import InputError
 from hullrecon.records.sensors import DvlPings, ImuSamples, JointSamples, PressureSamples, SonarPings
 from hullrecon.typing import Array, Ints
@@ -154,22 +155,15 @@ def joint_samples(samples: Sequence[JointSample], name: str, remarks: list[str])
 
 
 @np.errstate(all="ignore")
-def sonar_pings(samples: Sequence[SonarSample], remarks: list[str]) -> SonarPings | None:
-    """Return pings of the most common geometry, as 8 bits; None without any."""
-    shapes = Counter((s.image.shape, round(float(s.range_m[-1]), 6)) for s in samples)
-    if not shapes:
+def sonar_pings(samples: Sequence[SonarSample], remarks: list[str], azimuth_deg: Array | None = None) -> SonarPings | None:
+    """Return pings of the most common geometry, as 8 bits; None without any. azimuth_deg (beams,): of dive.toml, for logs that
+    do not say where the beams point. Raises InputError for beams that nothing describes."""
+    kept = pings_of_one_window(samples, remarks)
+    if not kept:
         return None
-    (shape, reach), count = shapes.most_common(1)[0]
-    if count < len(samples):
-        remarks.append(
-            f"sonar: {len(samples) - count} of {len(samples)} pings have another range or number of beams than "
-            f"{shape[0]} beams to {reach:.1f} m and were left out"
-        )
-    kept = [s for s in samples if s.image.shape == shape and round(float(s.range_m[-1]), 6) == reach]
+    directions = choose_directions(kept[0], azimuth_deg, remarks)
     image = _eight_bits([s.image for s in kept], remarks)
-    return SonarPings(
-        t_ns=_times(kept), image=image, directions=unit(kept[0].directions), range_m=np.asarray(kept[0].range_m, float)
-    )
+    return SonarPings(t_ns=_times(kept), image=image, directions=unit(directions), range_m=np.asarray(kept[0].range_m, float))
 
 
 def _eight_bits(images: Sequence[NDArray[np.generic]], remarks: list[str]) -> NDArray[np.uint8]:

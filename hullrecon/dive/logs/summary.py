@@ -17,6 +17,7 @@ from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import DepthSample, ImuSample
 from hullrecon.dive.logs.timeline import NS, format_time
+from hullrecon.dive.logs.unused_topics import describe_unused
 from hullrecon.geometry.frames import Camera
 
 NAMED = {
@@ -69,7 +70,7 @@ class LogSummary:
             head += f", {(last - first) / NS:.1f} s from {format_time(first)}"
         guessed = guess_topics(self.topics)
         sensors = [f"{topic} can be {'joints' if name == 'joints' else 'the ' + name}" for name, topic in guessed.items()]
-        unused = _unused_topics(span, set(guessed.values()))
+        unused = describe_unused((t.channel for t in span), set(guessed.values()))
         lines = [head, *(t.sentence() for t in span), *sensors, *unused]
         return [*lines, *self.lost, *self.remarks, *missing(set(guessed))]
 
@@ -87,18 +88,6 @@ class LogSummary:
             "kind": self.kind, "topics": topics, "guessed": guessed, "lost": self.lost, "remarks": self.remarks,
             "missing": missing(set(guessed)),
         }  # fmt: skip
-
-
-def _unused_topics(topics: Sequence[TopicNote], chosen: set[str]) -> list[str]:
-    """Return a sentence for topics that no sensor was given: of those of a type that is read, and of the others."""
-    left = sorted((t for t in topics if t.channel.topic not in chosen), key=lambda t: t.channel.topic)
-    sensors = {t.channel.topic: [name for name, types in TYPES.items() if _fits(t, types)] for t in left}
-    known = [f"{topic} (could be {' or '.join(names)})" for topic, names in sensors.items() if names]
-    other = [topic for topic, names in sensors.items() if not names]
-    return [
-        *([f"not chosen, though of a type that is read: {', '.join(known)}; name it in [topics] to use it"] if known else []),
-        *([f"a run would not use {', '.join(other)}: of other types than it reads"] if other else []),
-    ]
 
 
 def summarise_log(log: Log) -> LogSummary:

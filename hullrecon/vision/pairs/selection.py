@@ -15,6 +15,8 @@ from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.camera_track import CameraTrack
 
+OVERLAPPING = 0.3  # of the footprints: such a pair is compared once the path is tied
+PROBABLE = 0.5  # that the overlap is there at all
 RETURN = 0.2  # of overlap: the vehicle had gone and come back, it did not just move on slowly
 GRID = 8  # cells of the footprint along each side
 FINE_GRID = 32  # where small steps count
@@ -62,20 +64,43 @@ def propose_revisits(
     min_probability: float,
     compared: Ints,
 ) -> Proposal:
-    """Return for each keyframe those to which the vehicle came back and that most probably show the same piece of hull.
+    """Return for each keyframe the `across` to which the vehicle came back that most probably show the same piece of hull.
 
     min_probability: that two nodes' footprints have min_overlap in common, given how well their relative pose is known
     [KimEustice2009]. compared: pairs (first * n + second) that are not proposed again, but count among those of their nodes.
     """
+    first, second, overlap, probability = _revisits(track, keyframes, depth_m, camera, options, min_probability)
+    return _best_of_each(first, second, overlap, probability + overlap, options.across, compared, len(track))
+
+
+def propose_overlapping(
+    track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel, options: MatchOptions, compared: Ints
+) -> Proposal:
+    """Return for each keyframe those to which the vehicle came back that overlap it by OVERLAPPING where the track has the two,
+    the `revisits` of largest overlap at most; compared: as for propose_revisits."""
+    first, second, overlap, _ = _revisits(track, keyframes, depth_m, camera, options, PROBABLE)
+    rows = np.flatnonzero(overlap >= OVERLAPPING)
+    first, second, overlap = first[rows], second[rows], overlap[rows]
+    return _best_of_each(first, second, overlap, overlap, options.revisits, compared, len(track))
+
+
+def _revisits(
+    track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel, options: MatchOptions, min_probability: float
+) -> tuple[Ints, Ints, Array, Array]:
+    """Return the pairs of keyframes to which the vehicle came back: first, second, overlap, probability of min_overlap."""
     first, second = _near(track, keyframes, depth_m, camera, options.sequential)
     overlap = footprint_overlap(track, first, second, depth_m, camera)
     probability = overlap_probability(track, first, second, depth_m, camera, options.min_overlap)
     ranks = np.searchsorted(keyframes, first), np.searchsorted(keyframes, second)
     lowest = _lowest_between(track, keyframes, *ranks, depth_m, camera, options.min_overlap)
     keep = (probability >= min_probability) & ((lowest == 0) | (overlap > lowest + RETURN))
-    first, second, overlap, score = (x[keep] for x in (first, second, overlap, probability + overlap))
-    best = _top(second, score, options.across) | _top(first, score, options.across)
-    best &= ~np.isin(first * len(track) + second, compared)
+    return first[keep], second[keep], overlap[keep], probability[keep]
+
+
+def _best_of_each(first: Ints, second: Ints, overlap: Array, score: Array, most: int, compared: Ints, nodes: int) -> Proposal:
+    """Return the pairs that are among the `most` highest scores of one of their nodes, without those compared."""
+    best = _top(second, score, most) | _top(first, score, most)
+    best &= ~np.isin(first * nodes + second, compared)
     first, second, overlap = first[best], second[best], overlap[best]
     return Proposal(first=first, second=second, across=np.ones(len(first), bool), overlap=overlap)
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.fuzz.seed_aris import aris_file
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.check.package_check import check_package, defaults_of
 from hullrecon.dive.config.load import load_config
@@ -26,6 +27,41 @@ def test_a_package_is_told_with_what_it_lacks(package):
     assert "no camera_bottom: one camera: scale and depth come from the DVL" in lines
     assert "no hull: without a CAD model the run maps onto its own surface, in the frame global" in lines
     assert not any(line.startswith(("no dvl", "no imu", "no joints")) for line in lines)
+
+
+def test_a_topic_that_dive_toml_does_not_name_is_told_with_the_reason(package, kit):
+    entries = kit.dive()
+    entry, t = type(entries[0]), entries[0].t_ns
+    beam = kit.make(
+        "sensor_msgs/msg/Range", header=kit.header(t), radiation_type=0, field_of_view=0.1, min_range=0.1, max_range=9.0,
+        range=2.0, variance=0.0,
+    )  # fmt: skip
+    kit.mcap(package / "logs" / "dive.mcap", [*entries, entry("/altimeter", "sensor_msgs/msg/Range", t, beam)])
+    found = check(package)
+    (line,) = found.document()["unused"]
+    assert line.startswith("a run would not use /altimeter (sensor_msgs/msg/Range): ranges are taken along the beams of a DVL")
+    assert f"note: {line}" in found.lines()
+
+
+def test_the_clock_of_a_sonar_file_is_corrected_by_dive_toml(package):
+    (package / "logs" / "sonar.aris").write_bytes(aris_file(2, delay_us=930))
+    files = 'logs.files=["logs/dive.mcap","logs/sonar.aris"]'
+    own = check(package, files).found.records.sonar.t_ns
+    assert check(package, files, "sonar.time_offset=-0.25").found.records.sonar.t_ns.tolist() == (own - 250_000_000).tolist()
+
+
+@pytest.mark.parametrize("lens", [0, 1])
+def test_a_sonar_file_beside_the_log_is_read_or_its_beams_are_asked_for(package, lens):
+    (package / "logs" / "sonar.aris").write_bytes(aris_file(3, lens=lens))
+    files = 'logs.files=["logs/dive.mcap","logs/sonar.aris"]'
+    found = check(package, files)
+    if lens:
+        assert "nothing says where the sonar's 64 beams point" in found.verdict
+        found = check(package, files, f"sonar.beam_azimuth_deg={np.linspace(-7, 7, 64).round(2).tolist()}")
+    assert found.run_is_possible
+    assert found.found.records.sonar.image.shape == (3, 64, 8)
+    azimuth = np.degrees(np.arcsin(found.found.records.sonar.directions[:, 1]))
+    assert azimuth[[0, -1]] == pytest.approx([-7, 7] if lens else [-14.89, 14.89], abs=0.01)
 
 
 def test_what_is_suspicious_is_marked_so(package):

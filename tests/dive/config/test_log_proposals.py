@@ -5,12 +5,14 @@
 import numpy as np
 
 from benchmarks.fuzz.seed_ad2cp import DF21, block, dvl_file, dvl_record
+from benchmarks.fuzz.seed_aris import aris_file
 from hullrecon.dive.config.config_template import fill_template
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.log_proposals import imu_frame, missing_calibrations, proposed_mounts, questions
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
+from hullrecon.dive.logs.readers.sound_metrics.aris import ArisLog
 from hullrecon.dive.logs.summary import guess_topics, summarise_log, summarise_logs
 from tests.dive.logs.test_descriptions import info
 
@@ -154,3 +156,19 @@ def test_of_two_imus_the_one_with_an_attitude_is_chosen(kit, tmp_path):
     more = [("/a/imu/raw", kind, 1, raw), ("/b/imu/empty", kind, 1, empty), ("/z/imu/data", kind, 1, kit.imu(kit.start_ns))]
     summary = summary_of(kit, tmp_path / "x.mcap", entries_of(kit, more, ["/imu"]))
     assert guess_topics(summary.topics)["imu"] == "/z/imu/data"
+
+
+def test_a_sonar_file_beside_the_log_is_the_sonar_and_its_beams_are_asked_for_where_nothing_is_published(kit, tmp_path):
+    log = McapLog(kit.mcap(tmp_path / "x.mcap", entries_of(kit)))
+    (tmp_path / "known.aris").write_bytes(aris_file(1))
+    (tmp_path / "telephoto.aris").write_bytes(aris_file(1, lens=1))
+    known, unknown = (summarise_logs([log, ArisLog(tmp_path / f"{name}.aris")]) for name in ("known", "telephoto"))
+    assert questions(known) == []
+    assert "beam_azimuth_deg" not in fill_template(known, [tmp_path / "x.mcap"], tmp_path)
+    (line,) = questions(unknown)
+    assert line.startswith(
+        "to fill in: nothing says where the sonar's 64 beams point (sonar.beam_azimuth_deg): give the azimuth"
+    )
+    config = written(unknown, tmp_path)
+    assert config.value("sonar.elevation_deg") == 14.0
+    assert "# beam_azimuth_deg = " in (tmp_path / "dive.toml").read_text()

@@ -14,7 +14,7 @@ from hullrecon.errors import InputError
     [
         ("x.raw", b"SO\xd4\x1e", "Oculus", "sonar.csv"),
         ("x.sonar", b"RIP2\xbf", "3-D sonar", "DVL and IMU"),
-        ("x.aris", b"DDF\x05", "ARIS", "sonar.csv"),
+        ("x.ddf", b"DDF\x04", "DIDSON", "sonar.csv"),
         ("x.bin", b"\xa5\x0a\xa0\x20", "Nortek", "PD0"),
         ("x.csv.gz", b"\x1f\x8b\x08", "gzip", "unpack"),
         ("x.tlog", b"\0\0", "ArduPilot", "MCAP"),

@@ -324,3 +324,11 @@ def test_pings_that_an_oculus_sent_are_named_by_file_and_number(data, tmp_path):
     assert samples[0].image.shape == (256, 703)
     assert samples[0].directions[0] == pytest.approx([0, -0.5, np.sqrt(0.75)])
     assert "lines 4, 5, 6 of sonar.csv cannot be read" in log.losses()[0].why
+
+
+def test_a_table_of_another_name_is_named_as_not_read(tmp_path):
+    (tmp_path / "pressure.csv").write_text("t,pascal\n1777887000,101325\n")
+    (tmp_path / "usbl.csv").write_text("t,x,y\n")
+    log = PlainLog(tmp_path)
+    assert len(list(log.messages())) == 1
+    assert [remark.partition(";")[0] for remark in log.remarks] == ["not read: usbl.csv"]

@@ -18,7 +18,11 @@ TO_MCAP = "convert it to MCAP or to tables"
 BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
     (b"SO", "pings of an Oculus sonar without the time of day", "name file and ping in sonar.csv, with columns t, file, ping"),
     (b"RIP", "a recording of a 3-D sonar (Water Linked Sonar 3D-15)", "3-D sonars are not read; give DVL and IMU, or cameras"),
-    (b"DDF", "a recording of a DIDSON or ARIS sonar", "export its frames and name them in sonar.csv"),
+    (
+        b"DDF",
+        "a recording of a DIDSON, which states neither ranges in metres nor where its beams point",
+        "name file and frame in sonar.csv, with columns t, file, ping, range_from, range_to, and give sonar.beam_azimuth_deg",
+    ),
     (b"\xa3\x95", "a data-flash log of ArduPilot", TO_MCAP),
     (b"\xa5\x0a", "a file of another instrument of Nortek", "have its DVL write PD0, or log it as nortek_dvl/Dvl"),
     (b"\x1f\x8b", "packed by gzip", "unpack it (gunzip) first"),

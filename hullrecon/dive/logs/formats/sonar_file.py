@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 """A sonar ping of plain files: an .npz with `image`, `azimuth` and `range`, whose sizes are looked at before it is unpacked, or
-one of those that an Oculus sent and a file keeps as they came."""
+one of those that an Oculus sent and a file keeps as they came, or a frame of a DIDSON."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from hullrecon.dive.logs.formats import oculus_ping
 from hullrecon.dive.logs.readers.file_log import require_regular_file
+from hullrecon.dive.logs.readers.sound_metrics import didson_frames
 from hullrecon.dive.logs.readers.unpack import LONGEST_REASON, printable
 from hullrecon.typing import Array
 
@@ -23,17 +24,27 @@ KEYS = ("image", "azimuth", "range")
 LARGEST_FILE = 1 << 26  # bytes; 1024 beams of 8192 ranges as float64 have as many
 FREE_BYTES, RATIO = 1 << 22, 256  # an array unpacks to at most so many bytes and so many times its packed size
 NUMBERS = "biuf"  # kinds of dtypes
+FARTHEST_M = 200.0  # of a DIDSON
 
 
-def read_ping(path: Path, number: int = 0) -> tuple[NDArray[np.generic], Array, Array]:
-    """Return the image [beams, ranges], azimuth (beams,) rad and range (ranges,) m of a ping.
+Ping = tuple[NDArray[np.generic], Array | None, Array]
 
-    number: which ping, from 0, of a file of what an Oculus sent. Raises ValueError that says what is wrong with the file.
+
+def read_ping(path: Path, number: int = 0, window_m: tuple[float, float] | None = None) -> Ping:
+    """Return the image [beams, ranges], azimuth (beams,) rad and range (ranges,) m of a ping; no azimuth of a DIDSON's.
+
+    number: which ping, from 0, of a file of what an Oculus sent or a DIDSON recorded; window_m: where the samples of a DIDSON
+    begin and end. Raises ValueError that says what is wrong with the file.
     """
     try:
         require_regular_file(path)
+        if _begins_with(path, didson_frames.MAGIC):
+            return _didson(path, number, window_m)
+        if window_m is not None:
+            raise ValueError("range_from and range_to are for files of a DIDSON; this one has ranges of its own")
         with warnings.catch_warnings(action="ignore"):
-            image, azimuth, range_m = _oculus(path, number) if _is_oculus(path) else _arrays(path)
+            is_oculus = _begins_with(path, oculus_ping.MAGIC)
+            image, azimuth, range_m = _oculus(path, number) if is_oculus else _arrays(path)
     except Exception as error:  # numpy and zipfile raise a dozen kinds over a damaged .npz
         raise ValueError(printable(str(error), LONGEST_REASON)) from None
     if azimuth.ndim != 1 or range_m.ndim != 1 or image.shape != (len(azimuth), len(range_m)) or not image.size:
@@ -43,9 +54,20 @@ def read_ping(path: Path, number: int = 0) -> tuple[NDArray[np.generic], Array, 
     return image, azimuth.astype(float), range_m.astype(float)
 
 
-def _is_oculus(path: Path) -> bool:
+def _begins_with(path: Path, magic: bytes) -> bool:
     with path.open("rb") as stream:
-        return stream.read(len(oculus_ping.MAGIC)) == oculus_ping.MAGIC
+        return stream.read(len(magic)) == magic
+
+
+def _didson(path: Path, number: int, window_m: tuple[float, float] | None) -> Ping:
+    image = didson_frames.read_frame(path, number)
+    if window_m is None:
+        raise ValueError("a DIDSON's file states no ranges in metres: give range_from and range_to")
+    near, far = window_m
+    if not 0 <= near < far <= FARTHEST_M:
+        raise ValueError(f"a window from {near:g} to {far:g} m")
+    middles = (np.arange(image.shape[1]) + 0.5) / image.shape[1]
+    return image, None, near + (far - near) * middles
 
 
 def _oculus(path: Path, number: int) -> tuple[NDArray[np.generic], Array, Array]:

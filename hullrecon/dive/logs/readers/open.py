@@ -19,6 +19,8 @@ from hullrecon.dive.logs.readers.plain import COLUMNS, PlainLog
 from hullrecon.dive.logs.readers.protocol import Log
 from hullrecon.dive.logs.readers.rosbag1 import Rosbag1Log
 from hullrecon.dive.logs.readers.rosbag2 import METADATA, STORAGE, Rosbag2Log
+from hullrecon.dive.logs.readers.sound_metrics import aris_frames
+from hullrecon.dive.logs.readers.sound_metrics.aris import ArisLog
 from hullrecon.dive.logs.readers.sqlite import SqliteLog
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.readers.water_linked import START_BYTES, SUFFIXES, WaterLinkedLog, is_water_linked
@@ -26,12 +28,16 @@ from hullrecon.errors import InputError
 
 BY_MAGIC: dict[bytes, Callable[[Path], Log]] = {
     mcap_records.MAGIC: McapLog, bag_records.MAGIC: Rosbag1Log, sqlite.MAGIC: SqliteLog, pd0_ensemble.MAGIC: Pd0Log,
+    aris_frames.MAGIC: ArisLog,
 }  # fmt: skip
 BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
     ".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log, ".ad2cp": Ad2cpLog,
+    ".aris": ArisLog,
 }  # fmt: skip
 MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
-FORMS = "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0 or AD2CP file, the JSON lines of a Water Linked DVL or a folder of CSVs"
+FORMS = (
+    "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0, AD2CP or ARIS file, the JSON lines of a Water Linked DVL or a folder of CSVs"
+)
 
 
 def open_log(path: Path, package: Path | None = None) -> Log:

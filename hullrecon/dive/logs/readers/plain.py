@@ -34,6 +34,7 @@ LISTED_LINES = 5
 PING_FREE_BYTES, PING_RATIO = 1 << 26, 64  # all pings together unpack to at most so many bytes and so many times their files
 LONGEST_FILE_NAME, LONGEST_PATH = 255, 1000  # characters; file systems take no longer names, and paths of up to 4096 in all
 RATES, ACCELERATION = ("wx", "wy", "wz"), ("ax", "ay", "az")
+WINDOW = ("range_from", "range_to")
 
 
 class PlainLog:
@@ -55,6 +56,12 @@ class PlainLog:
         """Yield the rows of all tables, table by table. Raises InputError for a table of which nothing can be read."""
         self.remarks, self._losses, self._pings, self._ping_bytes_left = [], [], set(), PING_FREE_BYTES
         self._ping_files, self._videos = set(), {}
+        others = sorted(p.name for p in self.path.glob("*.csv") if p.stem not in COLUMNS)
+        if others:
+            shown = ", ".join(others[:LISTED_LINES]) + (", ..." if len(others) > LISTED_LINES else "")
+            self.remarks.append(
+                f"not read: {printable(shown)}; the tables of sensors are {', '.join(f'{s}.csv' for s in COLUMNS)}"
+            )
         for table in self.tables():
             yield from self._table(table.removesuffix(".csv"))
 
@@ -154,7 +161,7 @@ class PlainLog:
         if (path, number) in self._pings:
             raise ValueError(f"{name}: it was another ping's file already")
         try:
-            image, azimuth, range_m = read_ping(path, max(0, number))
+            image, azimuth, range_m = read_ping(path, max(0, number), _window(row))
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from None
         if path not in self._ping_files:
@@ -164,7 +171,7 @@ class PlainLog:
         self._ping_bytes_left -= image.nbytes
         if self._ping_bytes_left < 0:
             raise ValueError(f"{name}: with it the pings would unpack to more than {PING_RATIO} times their size")
-        return SonarSample(_ns(row), image, in_fan(azimuth), range_m)
+        return SonarSample(_ns(row), image, None if azimuth is None else in_fan(azimuth), range_m)
 
 
 class _BadLines:
@@ -228,6 +235,12 @@ def _imu(row: Row) -> ImuSample:
         np.array([_number(row.get(name) or "", lost=True) for name in names]) for names in (RATES, ACCELERATION)
     )
     return ImuSample(_ns(row), quaternion, rates, acceleration)
+
+
+def _window(row: Row) -> tuple[float, float] | None:
+    """Where a DIDSON's samples begin and end; None where the row has neither."""
+    near, far = ((row.get(name) or "").strip() for name in WINDOW)
+    return (_number(near), _number(far)) if near or far else None
 
 
 def _number(value: str, lost: bool = False) -> float:

@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Frames of an .aris file (DDF_05): each a header of 1024 bytes and an image; where they lie, also behind damage.
+
+Layout: Sound Metrics, ARIS File SDK [ArisFileSDK]. Nothing of it has a checksum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.logs.readers.unpack import DamagedError, fields
+from hullrecon.typing import Array
+
+MAGIC = b"DDF\x05"
+HEADER = 1024  # bytes, of the file's header and of each frame's
+MAGIC_AT = 12  # in a frame's header
+BEAMS = {1: 48, 2: 48, 3: 96, 4: 96, 5: 96, 6: 64, 7: 64, 8: 64, 9: 128, 10: 128, 11: 128, 12: 128}  # by ping mode
+MOST_SAMPLES = 20_000  # of a beam
+EARLIEST_US, LATEST_US = 1_200_000_000_000_000, 4_100_000_000_000_000  # 2008, before the first ARIS, and 2099
+SLOWEST, FASTEST = 1300.0, 1700.0  # m/s, of sound in any water
+LONGEST_US = 200_000  # from the ping to the first sample: 150 m
+FARTHEST_M = 200.0
+WINDOW = 1 << 20  # bytes that a search behind damage reads at a time
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrameHeader:
+    """What is read of a frame's header. t_ns: by the clock of the computer that recorded it; range_m (samples,): of the middles
+    of the samples; rotator_deg (3,): pan, tilt and roll of a rotator, 0 without one; is_sounding: its transmitter was on."""
+
+    t_ns: int
+    model: int
+    beams: int
+    range_m: Array
+    is_telephoto: bool
+    is_sounding: bool
+    rotator_deg: Array
+
+    @property
+    def image_bytes(self) -> int:
+        return self.beams * len(self.range_m)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArisFrame:
+    """image (beams, samples): beams from port to starboard of an upright sonar (files have them from starboard to port)."""
+
+    header: FrameHeader
+    image: NDArray[np.uint8]
+
+
+def parse_header(data: bytes) -> FrameHeader:
+    """Return what a frame's header says. Raises DamagedError where it is none, or says what no ARIS does."""
+    if data[MAGIC_AT : MAGIC_AT + len(MAGIC)] != MAGIC:
+        raise DamagedError("no frame begins there")
+    (time_us,) = fields("<Q", data, 4)
+    ping_mode, period_us = fields("<I", data, 436)[0], fields("<I", data, 452)[0]
+    is_sounding, speed, samples = fields("<I4xfI", data, 456)
+    delay_us, lens, model = fields("<III", data, 476)
+    if not EARLIEST_US < time_us < LATEST_US:
+        raise DamagedError("its frame has no time of day")
+    if ping_mode not in BEAMS or not 0 < samples <= MOST_SAMPLES:
+        raise DamagedError(f"a frame of ping mode {ping_mode} with {samples} samples a beam")
+    if not (SLOWEST < speed < FASTEST and 0 < period_us <= 1000 and 0 <= delay_us <= LONGEST_US):
+        raise DamagedError(f"samples every {period_us} us from {delay_us} us on, in water of {speed:g} m/s")
+    if not fields("<I", data, 516)[0]:
+        raise DamagedError("its samples are in the order of the instrument's channels")
+    range_m = speed / 2 * 1e-6 * (delay_us + period_us * (np.arange(samples) + 0.5))
+    if range_m[-1] > FARTHEST_M:
+        raise DamagedError(f"samples up to {range_m[-1]:.0f} m")
+    return FrameHeader(
+        t_ns=1000 * int(time_us),
+        model=int(model),
+        beams=BEAMS[ping_mode],
+        range_m=np.asarray(range_m),
+        is_telephoto=bool(lens),
+        is_sounding=bool(is_sounding),
+        rotator_deg=np.array(fields("<fff", data, 244)),
+    )
+
+
+def frames(stream: BinaryIO) -> Iterator[tuple[int, int, ArisFrame | str]]:
+    """Yield (start, end, frame), between them (start, end, why) of bytes that hold no whole frame.
+
+    A frame counts whose bytes end where another begins, where the file does, or where those of the last frame would.
+    """
+    at, last = HEADER, 0
+    end = stream.seek(0, 2)
+    while at < end:
+        try:
+            frame = _frame_at(stream, at, end, last)
+        except DamagedError as error:
+            following = _next_header(stream, at + 1, end)
+            yield at, following, str(error)
+            at = following
+            continue
+        last = frame.header.image_bytes
+        yield at, at + HEADER + last, frame
+        at += HEADER + last
+
+
+def _frame_at(stream: BinaryIO, at: int, end: int, last: int) -> ArisFrame:
+    """Return the frame at a byte of the file. last: bytes of the image of the one before, 0 for none."""
+    stream.seek(at)
+    header = parse_header(stream.read(HEADER))
+    size = header.image_bytes
+    if at + HEADER + size > end:
+        raise DamagedError("the file ends within its frame")
+    data = stream.read(size)
+    if at + HEADER + size < end and size != last and not _is_header(stream.read(MAGIC_AT + len(MAGIC))):
+        raise DamagedError("no other frame follows where its frame ends")
+    image = np.frombuffer(data, np.uint8).reshape(len(header.range_m), header.beams)
+    return ArisFrame(header=header, image=np.ascontiguousarray(image[:, ::-1].T))
+
+
+def _is_header(data: bytes) -> bool:
+    """Return whether bytes look like the beginning of a frame's header, or of one that is cut off."""
+    return len(data) < MAGIC_AT + len(MAGIC) or data[MAGIC_AT:] == MAGIC
+
+
+def _next_header(stream: BinaryIO, at: int, end: int) -> int:
+    """Return where the next frame's header begins, from a byte on, or the end of the file."""
+    while at < end:
+        stream.seek(at)
+        data = stream.read(WINDOW + HEADER)
+        found = data.find(MAGIC, MAGIC_AT)
+        while 0 <= found < WINDOW + MAGIC_AT:
+            start = found - MAGIC_AT
+            try:
+                parse_header(data[start : start + HEADER])
+                return at + start
+            except DamagedError:
+                found = data.find(MAGIC, found + 1)
+        at += WINDOW
+    return end

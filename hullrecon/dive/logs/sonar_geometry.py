@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What pings of an imaging sonar have in common: where their beams point, and the ranges of their samples."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hullrecon.dive.logs.messages.sonar import in_fan
+from hullrecon.dive.logs.samples import SonarSample
+from hullrecon.errors import InputError
+from hullrecon.typing import Array
+
+SAME_REACH = 0.01  # share of the range by which windows of one setting differ, as the water's temperature changes
+MEANING = "the azimuth of each beam in degrees from the middle of the fan, growing from port to starboard"
+
+
+def pings_of_one_window(samples: Sequence[SonarSample], remarks: list[str]) -> list[SonarSample]:
+    """Return the pings of the most common number of beams and window, in the ranges of the most common of them; [] without any.
+
+    Windows whose ends differ by 1 % at most are one: the speed of sound that a sonar reckons with changes with the temperature.
+    """
+    if not samples:
+        return []
+    reach = np.array([s.range_m[-1] for s in samples])
+    shapes = Counter(s.image.shape for s in samples)
+    best = max((_widest_agreement(samples, reach, shape) for shape in shapes), key=len)
+    windows = Counter(round(float(reach[i]), 6) for i in best)
+    common = windows.most_common(1)[0][0]
+    kept = [samples[i] for i in best]
+    first = next(s for s in kept if round(float(s.range_m[-1]), 6) == common)
+    if len(kept) < len(samples):
+        remarks.append(
+            f"sonar: {len(samples) - len(kept)} of {len(samples)} pings have another range or number of beams than "
+            f"{first.image.shape[0]} beams to {first.range_m[-1]:.1f} m and were left out"
+        )
+    others = len(kept) - windows[common]
+    if others:
+        remarks.append(
+            f"sonar: {others} of {len(kept)} pings have ranges that differ by up to "
+            f"{1e3 * np.abs(reach[best] - first.range_m[-1]).max():.0f} mm, as by another speed of sound, and were put onto one"
+        )
+    return [_in_ranges(s, first.range_m) for s in kept]
+
+
+def _widest_agreement(samples: Sequence[SonarSample], reach: Array, shape: tuple[int, ...]) -> list[int]:
+    """Return the rows of the pings of a shape whose window agrees with that of the ping that most others agree with."""
+    rows = np.array([i for i, s in enumerate(samples) if s.image.shape == shape])
+    value = np.sort(reach[rows])
+    margin = SAME_REACH / 2 * np.abs(reach[rows])
+    count = np.searchsorted(value, reach[rows] + margin, "right") - np.searchsorted(value, reach[rows] - margin)
+    middle = int(np.argmax(count))
+    start = float(samples[rows[middle]].range_m[0])
+    limit = float(margin[middle])
+    near = [i for i in rows if abs(reach[i] - reach[rows[middle]]) <= limit and abs(samples[i].range_m[0] - start) <= limit]
+    return [int(i) for i in near]
+
+
+def _in_ranges(sample: SonarSample, range_m: Array) -> SonarSample:
+    """Return a ping with its samples put where the ranges are nearest; 0 beyond its own."""
+    own = sample.range_m
+    if np.array_equal(own, range_m) or len(own) < 2 or not (np.diff(own) > 0).all():
+        return sample
+    number = np.arange(len(own))
+    half = 0.5 * np.diff(own)[[0, -1]]
+    limits = np.concatenate([[own[0] - half[0]], own, [own[-1] + half[1]]])  # of the samples, not of their middles
+    nearest = np.interp(range_m, limits, np.concatenate([[0], number, [number[-1]]]), left=-1, right=-1).round().astype(int)
+    image = np.where(nearest >= 0, sample.image[:, nearest], 0).astype(sample.image.dtype)
+    return replace(sample, image=image, range_m=range_m)
+
+
+def choose_directions(sample: SonarSample, azimuth_deg: Array | None, remarks: list[str]) -> Array:
+    """Return (beams, 3) vectors in `sonar` of a ping's beams: its own, else by azimuth_deg (beams,) of dive.toml.
+
+    Raises InputError where neither says, or where dive.toml describes another number of beams.
+    """
+    if sample.directions is not None:
+        if azimuth_deg is not None:
+            remarks.append("sonar: the log says where the beams point; sonar.beam_azimuth_deg was not used")
+        return sample.directions
+    beams = len(sample.image)
+    if azimuth_deg is None:
+        raise ask_for_azimuths(beams)
+    if len(azimuth_deg) != beams or not (np.diff(azimuth_deg) > 0).all():
+        raise InputError(
+            f"sonar.beam_azimuth_deg has {len(azimuth_deg)} angles for {beams} beams, or they do not grow",
+            where="sonar.beam_azimuth_deg", remedy=f"give {MEANING}",
+        )  # fmt: skip
+    return in_fan(np.radians(azimuth_deg))
+
+
+def ask_for_azimuths(beams: int) -> InputError:
+    """Return the error that asks where so many beams point."""
+    return InputError(
+        f"nothing says where the sonar's {beams} beams point", where="sonar.beam_azimuth_deg",
+        remedy=f"give {MEANING}, from the manufacturer; lenses do not space beams evenly",
+    )  # fmt: skip

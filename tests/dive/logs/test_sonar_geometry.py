@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+
+from hullrecon.dive.logs import streams
+from hullrecon.dive.logs.messages.sonar import in_fan
+from hullrecon.dive.logs.samples import SonarSample
+from hullrecon.dive.logs.sonar_geometry import pings_of_one_window
+from hullrecon.errors import InputError
+
+BEAMS = 3
+AZIMUTH_DEG = np.array([-10.0, 1.0, 9.0])
+
+
+def ping(t, last=5.0, bins=50, first=None, *, known=True):
+    """A ping whose pixel is the number of its range bin."""
+    range_m = np.linspace(last / bins if first is None else first, last, bins)
+    directions = in_fan(np.radians(AZIMUTH_DEG)) if known else None
+    return SonarSample(t, np.tile(np.arange(bins, dtype=np.uint8), (BEAMS, 1)), directions, range_m)
+
+
+def test_pings_of_another_speed_of_sound_are_put_onto_the_same_ranges():
+    remarks: list[str] = []
+    found = streams.sonar_pings([ping(0), ping(1), ping(2, 5.02), ping(3, 4.98)], remarks)
+    np.testing.assert_array_equal(found.range_m, ping(0).range_m)
+    np.testing.assert_array_equal(found.image[1, 0], np.arange(50))
+    for row, last in ((2, 5.02), (3, 4.98)):
+        ranges = np.linspace(last / 50, last, 50)[found.image[row, 0]]
+        assert np.abs(ranges - found.range_m).max() <= 0.051  # half a bin
+    assert remarks == [
+        "sonar: 2 of 4 pings have ranges that differ by up to 20 mm, as by another speed of sound, and were put onto one"
+    ]
+
+
+def test_samples_beyond_a_pings_own_ranges_are_dark():
+    short = ping(2, 4.98, 500)
+    (*_, last) = pings_of_one_window([ping(0, bins=500), ping(1, bins=500), short], [])
+    assert not last.image[:, -1].any()
+    assert last.image[0, -3] == short.image[0, -1]
+
+
+def test_a_window_that_was_set_anew_is_left_out_and_counted():
+    remarks: list[str] = []
+    samples = [ping(0), ping(1), ping(2, 5.0, first=2.0), ping(3, 8.0), ping(4, bins=40)]
+    assert [s.t_ns for s in pings_of_one_window(samples, remarks)] == [0, 1]
+    assert remarks == ["sonar: 3 of 5 pings have another range or number of beams than 3 beams to 5.0 m and were left out"]
+
+
+def test_of_two_windows_with_as_many_pings_the_first_stays():
+    assert [s.t_ns for s in pings_of_one_window([ping(0, 8.0), ping(1), ping(2, 8.0), ping(3)], [])] == [0, 2]
+
+
+def test_pings_of_one_window_stay_as_they_are():
+    samples = [ping(0), ping(1)]
+    kept = pings_of_one_window(samples, [])
+    assert all(one is other for one, other in zip(kept, samples, strict=True))
+    assert pings_of_one_window([], []) == []
+
+
+def test_ranges_that_do_not_grow_are_not_interpolated():
+    odd = SonarSample(1, np.ones((BEAMS, 3), np.uint8), None, np.array([1.0, 0.5, 5.001]))
+    even = SonarSample(0, np.ones((BEAMS, 3), np.uint8), None, np.array([1.0, 0.5, 5.0]))
+    assert len(pings_of_one_window([even, even, odd], [])) == 3
+
+
+def test_beams_that_nothing_describes_are_asked_for():
+    with pytest.raises(InputError, match="nothing says where the sonar's 3 beams point") as caught:
+        streams.sonar_pings([ping(0, known=False)], [])
+    assert caught.value.where == "sonar.beam_azimuth_deg"
+    assert "growing from port to starboard" in caught.value.remedy
+
+
+def test_beams_of_dive_toml_serve_where_the_log_has_none():
+    found = streams.sonar_pings([ping(0, known=False)], [], AZIMUTH_DEG)
+    np.testing.assert_allclose(found.directions, in_fan(np.radians(AZIMUTH_DEG)))
+
+
+def test_beams_of_the_log_come_before_those_of_dive_toml():
+    remarks: list[str] = []
+    found = streams.sonar_pings([ping(0)], remarks, AZIMUTH_DEG + 1)
+    np.testing.assert_allclose(found.directions, in_fan(np.radians(AZIMUTH_DEG)))
+    assert remarks == ["sonar: the log says where the beams point; sonar.beam_azimuth_deg was not used"]
+
+
+@pytest.mark.parametrize("azimuth", [[-1.0, 1.0], [-1.0, 1.0, 0.0]])
+def test_angles_that_do_not_fit_the_beams_are_refused(azimuth):
+    with pytest.raises(InputError, match="for 3 beams, or they do not grow"):
+        streams.sonar_pings([ping(0, known=False)], [], np.array(azimuth))

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import pytest
+
+from hullrecon.dive.logs.readers.protocol import Channel
+from hullrecon.dive.logs.unused_topics import COMMANDS, POSITIONS, RANGES, describe_unused
+
+POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
+
+
+def channel(topic, kind, encoding="cdr"):
+    return Channel(topic, kind, encoding)
+
+
+@pytest.mark.parametrize(
+    ("topic", "kind", "reason"),
+    [
+        ("/altimeter", "sensor_msgs/msg/Range", RANGES),
+        ("/altimeter", "sensor_msgs/Range", RANGES),
+        ("/fix", "sensor_msgs/msg/NavSatFix", POSITIONS),
+        ("/surface", "geographic_msgs/msg/GeoPointStamped", POSITIONS),
+        ("/usbl/pose", POSE, POSITIONS),
+        ("/usbl_point", "geometry_msgs/msg/PointStamped", POSITIONS),
+        ("/GPS1/odom", "nav_msgs/msg/Odometry", POSITIONS),
+        ("/cmd_vel", "geometry_msgs/msg/TwistStamped", COMMANDS),
+        ("/goal", "geometry_msgs/msg/PoseStamped", COMMANDS),
+    ],
+)
+def test_a_topic_of_no_use_is_named_with_its_type_and_the_reason(topic, kind, reason):
+    assert describe_unused([channel(topic, kind)], set()) == [f"a run would not use {topic} ({kind}): {reason}"]
+
+
+@pytest.mark.parametrize(
+    ("topic", "kind", "sensors"),
+    [
+        ("/odometry/filtered", "nav_msgs/msg/Odometry", "dvl or imu or pressure"),
+        ("/pose", POSE, "imu or pressure"),
+        ("/twist", "geometry_msgs/msg/TwistWithCovarianceStamped", "dvl"),
+        ("/gps/imu", "sensor_msgs/msg/Imu", "imu"),  # an instrument's own type says more than its name
+        ("/fixed_cam", "sensor_msgs/msg/Image", "camera_top or camera_bottom"),
+    ],
+)
+def test_a_topic_of_a_type_that_is_read_is_told_as_what(topic, kind, sensors):
+    (line,) = describe_unused([channel(topic, kind)], set())
+    assert line == f"not chosen, though of a type that is read: {topic} (could be {sensors}); name it in [topics] to use it"
+
+
+def test_topics_that_are_used_are_not_told_and_others_share_a_line():
+    found = [channel("/usbl", POSE), channel("/rosout", "rcl_interfaces/msg/Log"), channel("/a", "x/msg/Y"), channel("/b", "")]
+    assert describe_unused(found, {"/usbl", "/b"}) == ["a run would not use /a, /rosout: of other types than it reads"]
+
+
+def test_messages_in_an_encoding_that_is_not_read_are_of_no_type_that_is():
+    assert describe_unused([channel("/imu", "sensor_msgs/msg/Imu", "json")], set()) == [
+        "a run would not use /imu: of other types than it reads"
+    ]
