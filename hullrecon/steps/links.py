@@ -66,7 +66,7 @@ def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]
         returns=navigate.returns,
         tray_sigma_rad=float(np.radians(settings.read("tray", Tray).sigma_deg)),
     )
-    found = link_images(worker, dive, solve, context.map, context.parameters.max_rounds)
+    found = link_images(worker, dive, solve, context.map, context.parameters.max_rounds, context.parameters.appearance)
     context.out.arrays("pairs.npz", to_arrays(found.pairs))
     context.out.arrays("features.npz", to_arrays(found.features))
     context.out.arrays("links.npz", to_arrays(found.links))
@@ -75,7 +75,10 @@ def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]
     sentence = describe_parts(found.path, navigate.trajectory.t_ns)
     if sentence is not None:
         context.warn(sentence)
-    return {"keyframes": len(found.keyframes), "rounds": found.rounds()}
+    if found.appearance and found.appearance[-1].refusal is not None:
+        context.warn(f"How images look does not say what lies where: {found.appearance[-1].refusal}.")
+    facts: dict[str, object] = {"keyframes": len(found.keyframes), "rounds": found.rounds()}
+    return facts | ({"appearance": [asked.facts() for asked in found.appearance]} if found.appearance else {})
 
 
 def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
@@ -102,7 +105,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=4,
+    version=5,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )

@@ -60,9 +60,9 @@ class LinkedScene:
         poses = leading_cameras(self.worker.rig, path, self.dive.trajectory.image)
         return CameraTrack(global_from_camera=poses, errors=errors)
 
-    def match(self, track: CameraTrack, proposal: Proposal, map_items: Map) -> list[PairMatch]:
-        """Return what each proposed pair gives, expected where the track has it."""
-        expected = track.motions(proposal.first, proposal.second)
+    def match(self, track: CameraTrack, proposal: Proposal, map_items: Map, anywhere: bool = False) -> list[PairMatch]:
+        """Return what each proposed pair gives, expected where the track has it, or anywhere."""
+        expected = [None] * len(proposal) if anywhere else track.motions(proposal.first, proposal.second)
         pairs = [
             NodePair(first=int(a), second=int(b), expected=motion, full_search=not across)
             for a, b, motion, across in zip(proposal.first, proposal.second, expected, proposal.across, strict=True)

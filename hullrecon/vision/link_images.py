@@ -17,6 +17,7 @@ import numpy as np
 from hullrecon.records.links import CameraLinks, LinkedPath, NodePairs, NodeStereo, PairFeatures
 from hullrecon.records.trajectory import VehiclePath
 from hullrecon.typing import Ints, Mask
+from hullrecon.vision.appearance.recognition import Recognition, bears_out, recognise_places, reject_others
 from hullrecon.vision.compared_pairs import ComparedPairs, LinkedScene, Map, NavigatedDive
 from hullrecon.vision.pair_match import Reason
 from hullrecon.vision.pairs.camera_track import (
@@ -70,7 +71,8 @@ PathSolver = Callable[[CameraLinks, Solved | None], Solved]  # from the links, a
 @dataclass(frozen=True, kw_only=True)
 class LinkedImages:
     """The pairs that were compared, the features and relative poses that they gave (of the pairs joined, in their order), what
-    the two cameras of each node have in common, and the path; keyframes: nodes that were compared with others."""
+    the two cameras of each node have in common, and the path; keyframes: nodes that were compared with others; appearance: what
+    it was asked, nothing where the rounds reach all that the path leaves open."""
 
     pairs: NodePairs
     features: PairFeatures
@@ -78,6 +80,7 @@ class LinkedImages:
     stereo: NodeStereo
     path: LinkedPath
     keyframes: Ints
+    appearance: tuple[Recognition, ...] = ()
 
     def rounds(self) -> list[dict[str, int]]:
         """Return how many pairs each round compared, joined and rejected."""
@@ -94,9 +97,10 @@ class LinkedImages:
 
 
 def link_images(
-    worker: MatchWorker, dive: NavigatedDive, solve_path: PathSolver[Solved], map_items: Map, max_rounds: int
+    worker: MatchWorker, dive: NavigatedDive, solve_path: PathSolver[Solved], map_items: Map, max_rounds: int, appearance: bool
 ) -> LinkedImages:
-    """Return the images of a dive linked, with the path that the links and navigation give. max_rounds: across legs."""
+    """Return the images of a dive linked, with the path that the links and navigation give. max_rounds: across legs;
+    appearance: whether it is asked where the path is known too badly for these."""
     track = track_cameras(dive.trajectory, dive.errors, worker.rig, dive.tray_sigma_rad)
     usable = np.asarray((dive.trajectory.image >= 0).any(axis=1))
     nodes, count = _match_stereo(worker, _nodes(worker, dive, track), np.flatnonzero(usable), map_items)
@@ -108,9 +112,12 @@ def link_images(
     salient = np.array([worker.saliency(nodes[k]) >= worker.options.min_saliency for k in keyframes], bool)
     if worker.options.across > 0:
         compared, solved = _link_legs(scene, keyframes[salient], compared, solved, solve_path, map_items, max_rounds)
+    asked: list[Recognition] = []
+    if worker.options.across > 0 and max_rounds > 0 and appearance:
+        compared, solved, asked = _close_loops(scene, keyframes[salient], compared, solved, solve_path, map_items, max_rounds)
     if compared.across().any():
         compared, solved = _link_overlapping(scene, keyframes[salient], compared, solved, solve_path, map_items)
-    return _collect_links(scene, keyframes, count, compared, solved)
+    return _collect_links(scene, keyframes, count, compared, solved, asked)
 
 
 def _link_legs(
@@ -134,6 +141,37 @@ def _link_legs(
         if level == len(PROBABILITIES):
             break
     return compared, solved
+
+
+def _close_loops(
+    scene: LinkedScene,
+    keyframes: Ints,
+    compared: ComparedPairs,
+    solved: Solved,
+    solve_path: PathSolver[Solved],
+    map_items: Map,
+    max_rounds: int,
+) -> tuple[ComparedPairs, Solved, list[Recognition]]:
+    """Return what appearance adds, with the rounds that follow it, and what it was asked, until it gives nothing."""
+    asked: list[Recognition] = []
+    for _ in range(max_rounds):
+        track = scene.track(solved.path, solved.relative_errors())
+        recognised = recognise_places(scene, track, keyframes, compared.keys(len(track)), map_items)
+        if recognised is None:
+            break
+        number = 1 + int(compared.round.max(initial=0))
+        tried = compared.joined_with(recognised.proposal, recognised.found, number)
+        closed, path = reject_others(tried, recognised.accepted), solved
+        if recognised.accepted.any():
+            path = solve_path(closed.links(scene), None)  # with no solution to begin with: it is far from this one
+            closed, path = _link_legs(scene, keyframes, closed.rejecting(path.rejected), path, solve_path, map_items, 1)
+        if not bears_out(closed, number):
+            compared = reject_others(tried, np.zeros_like(recognised.accepted))
+            asked.append(recognised.refused("the images that it puts beside each other do not match"))
+            break
+        asked.append(recognised)
+        compared, solved = _link_legs(scene, keyframes, closed, path, solve_path, map_items, max_rounds)
+    return compared, solved, asked
 
 
 def _link_overlapping(
@@ -168,7 +206,7 @@ def _try_pairs(
 
 
 def _collect_links(
-    scene: LinkedScene, keyframes: Ints, count: Ints, compared: ComparedPairs, solved: SolvedPath
+    scene: LinkedScene, keyframes: Ints, count: Ints, compared: ComparedPairs, solved: SolvedPath, asked: list[Recognition]
 ) -> LinkedImages:
     final = compared.sorted()
     pairs = [final.found[k] for k in final.kept()]
@@ -202,6 +240,7 @@ def _collect_links(
         ),
         path=solved.record(),
         keyframes=keyframes,
+        appearance=tuple(asked),
     )
 
 

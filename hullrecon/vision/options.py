@@ -85,3 +85,7 @@ class LinkOptions(Section, frozen=True):
         bool,
         Meta(description="tie passes by the patches of hull that the DVL saw again, where that says more than images do"),
     ] = True
+    appearance: Annotated[
+        bool,
+        Meta(description="recognise places by how they look where the path is known too badly to say which images overlap"),
+    ] = True

@@ -9,7 +9,10 @@ from steps.painted_wall import build_dive, run_links, with_navigation
 from hullrecon.geometry.poses import Poses, exp
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.steps.artifacts import LinksArtifact, NavigateArtifact
+from hullrecon.vision.appearance.recognition import ALIKE, Recognition
 from hullrecon.vision.options import LinkOptions
+from hullrecon.vision.pair_match import Reason, failed_match
+from hullrecon.vision.pairs.selection import Proposal
 
 
 @pytest.fixture(scope="module")
@@ -170,6 +173,24 @@ def test_a_dive_in_two_parts_is_said_to_be(dive, tmp_path):
     assert warning.startswith(
         "The images fall into 2 parts that navigation alone ties together: 5 nodes from 00:00:00 to 00:00:04; 5 nodes"
     )
+
+
+def test_where_appearance_is_asked_its_answer_is_written_and_a_refusal_is_said(dive, linked, tmp_path, monkeypatch):
+    pairs = Proposal(first=np.array([1]), second=np.array([8]), across=np.ones(1, bool), overlap=np.ones(1))
+    refused = Recognition(
+        proposal=pairs,
+        found=(failed_match(5, Reason.FEW_INLIERS),),
+        accepted=np.zeros(1, bool),
+        counts={"offered": 1},
+        refusal=ALIKE,
+    )
+    monkeypatch.setattr("hullrecon.vision.link_images.recognise_places", lambda *asked: refused)
+    found = run(dive, tmp_path, sequential=1)
+    assert found.facts["appearance"] == [{"offered": 1, "accepted": 0, "refusal": ALIKE}]
+    assert "appearance" not in linked.facts
+    warnings = json.loads((found.folder / "manifest.json").read_text())["warnings"]
+    assert warnings == [f"How images look does not say what lies where: {ALIKE}."]
+    np.testing.assert_array_equal(found.path.pose, linked.path.pose)
 
 
 def test_a_dive_on_which_nothing_matches_keeps_its_dead_reckoned_path(dive, tmp_path):

@@ -136,7 +136,7 @@ def link(drift, *, max_rounds=12, wrong=(), saliency=1.0, turn_sigma=LINK_SIGMA[
     )
     matcher = KnowingMatcher(dive, wrong, turn_sigma)
     graph = PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig)
-    found = link_images(worker, navigated, graph.solve, matcher, max_rounds)
+    found = link_images(worker, navigated, graph.solve, matcher, max_rounds, appearance=False)
     return SimpleNamespace(dive=dive, found=found, matcher=matcher, error_m=path_error_m(found, dive))
 
 

@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Links that confirm each other: around two of them and the path on both sides the motions must close [Mangelson2018]."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.typing import Array, Ints, Mask
+from hullrecon.vision.pair_match import PairMatch, agrees
+from hullrecon.vision.pairs.camera_track import CameraTrack
+from hullrecon.vision.pairs.gating import Motion
+
+MAX_CHI2 = 22.5  # of six numbers, 99.9 %
+
+
+@dataclass(frozen=True, kw_only=True)
+class Agreement:
+    """Of m links: agree and contradict (m, m): around the two the path is known well enough, and closes or does not."""
+
+    agree: Mask
+    contradict: Mask
+
+
+def compose(outer: Motion, inner: Motion) -> Motion:
+    """Return c_from_a of c_from_b and b_from_a, its covariance to first order; the two err independently."""
+    turn = outer.second_from_first[:3, :3]
+    by_outer, by_inner = np.eye(6), np.eye(6)
+    by_outer[:3, 3:] = -turn @ cross_matrix(inner.second_from_first[:3, 3])
+    by_outer[3:, 3:] = inner.second_from_first[:3, :3].T
+    by_inner[:3, :3] = turn
+    covariance = by_outer @ outer.covariance @ by_outer.T + by_inner @ inner.covariance @ by_inner.T
+    return Motion(outer.second_from_first @ inner.second_from_first, covariance)
+
+
+def agreement(track: CameraTrack, first: Ints, second: Ints, found: Sequence[PairMatch], max_sigma_m: float) -> Agreement:
+    """Return which links (m,), all matched, confirm or contradict each other.
+
+    max_sigma_m: of the path between their nodes, on either side; where it is worse, two links say nothing of each other.
+    """
+    count = len(first)
+    i, j = np.triu_indices(count, 1)
+    here, there = track.motions(first[j], first[i]), track.motions(second[i], second[j])
+    agree, contradict = np.zeros((count, count), bool), np.zeros((count, count), bool)
+    for a, b, back, on in zip(i.tolist(), j.tolist(), here, there, strict=True):
+        link = found[a].motion
+        if link is None or max(_sigma_m(back), _sigma_m(on)) > max_sigma_m:
+            continue
+        closes = agrees(found[b], compose(compose(on, link), back), MAX_CHI2)
+        agree[a, b] = agree[b, a] = closes
+        contradict[a, b] = contradict[b, a] = not closes
+    return Agreement(agree=agree, contradict=contradict)
+
+
+def _sigma_m(motion: Motion) -> float:
+    return float(np.sqrt(np.trace(motion.covariance[:3, :3]) / 3))
+
+
+def largest_group(agree: Mask, among: Ints) -> Ints:
+    """Return the most of those links found that all agree with each other, sorted: from each link on, greedily by the number
+    of links that it agrees with."""
+    best = np.zeros(0, np.int64)
+    for start in among:
+        members, left = [int(start)], among[agree[start, among]]
+        while len(left):
+            degree = agree[np.ix_(left, left)].sum(axis=1)
+            chosen = int(left[int(degree.argmax())])
+            members.append(chosen)
+            left = left[agree[chosen, left]]
+        if len(members) > len(best):
+            best = np.sort(np.array(members, np.int64))
+    return best
+
+
+def independent_links(first: Ints, second: Ints) -> int:
+    """Return how many of the links (m,) share no node, at least."""
+    used: set[int] = set()
+    count = 0
+    for a, b in zip(first.tolist(), second.tolist(), strict=True):
+        if a not in used and b not in used:
+            used |= {a, b}
+            count += 1
+    return count
+
+
+def extent_m(points: Array) -> float:
+    """Return the largest distance between any two points (m, 3)."""
+    return float(np.linalg.norm(points[:, None] - points[None], axis=2).max(initial=0.0))

@@ -1,0 +1,168 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which places may be one although the search by probability of overlap could not ask: the path leaves it open by many
+footprints; and which it knows to be two."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.typing import Array, Ints, Mask
+from hullrecon.vision.appearance.inverted_file import InvertedFile
+from hullrecon.vision.pairs.camera_track import CameraTrack
+
+BEYOND = 1.0  # footprints of sigma: with more, no pair overlaps with the last of the search's probabilities
+KNOWN = 0.25  # footprints of sigma within which two places are known to be two
+APART = 2.0  # footprints between these
+GATE_CHI2 = 16.3  # of the offset of two scenes, three numbers, 99.9 %
+STATIONS = 100  # keyframes at which the path is asked, evenly along it
+QUERIES = 300  # keyframes for which appearance is asked, evenly
+CANDIDATES = 20  # of each, whose offset is computed
+PLACES = 5  # of these, each away from the others, that are compared
+MOST_PAIRS = 200  # compared, in all
+CONTROLS = 60  # pairs of places known to be two, that are compared as well
+
+
+@dataclass(frozen=True, kw_only=True)
+class OpenPlaces:
+    """What the path says of pairs of m keyframes, by the station next to either: station (m,); open and apart (s, s): the two
+    may be one place, beyond the search; they are known to be two. reach_m: the largest distance that is known."""
+
+    station: Ints
+    open: Mask
+    apart: Mask
+    reach_m: float
+
+    def of(self, queries: Ints, mask: Mask) -> Mask:
+        """Return that mask for each query with every keyframe (q, m)."""
+        return np.asarray(mask[self.station[queries]][:, self.station])
+
+
+def footprint_m(depth_m: Array, camera: CameraModel) -> float:
+    """Return the smaller side of an image on the scene at the median depth, m."""
+    return float(np.nanmedian(depth_m)) * min(camera.width / camera.fx, camera.height / camera.fy)
+
+
+def scene_offsets(track: CameraTrack, first: Ints, second: Ints, depth_m: Array) -> tuple[Array, Array]:
+    """Return from the middle of the second node's scene to that of the first's (m, 3), in the second camera, and its
+    covariance (m, 3, 3), as docs/methods.md (59) has it."""
+    relative = (track.global_from_camera[second].inverse() @ track.global_from_camera[first]).matrix()
+    middle = depth_m[first, None] * [0.0, 0.0, 1.0]
+    by_motion = np.concatenate(
+        [np.broadcast_to(np.eye(3), (len(first), 3, 3)), -relative[:, :3, :3] @ cross_matrix(middle)], axis=2
+    )
+    covariance = by_motion @ track.errors.relative_covariance(first, second) @ by_motion.swapaxes(1, 2)
+    there = np.einsum("mij,mj->mi", relative[:, :3, :3], middle) + relative[:, :3, 3]
+    return there - depth_m[second, None] * [0.0, 0.0, 1.0], covariance
+
+
+def may_be_one(offset: Array, covariance: Array, slack_m: float) -> Mask:
+    """Return which places (m,) lie within the gate of each other. slack_m: between the middles of scenes that overlap."""
+    chi2 = np.einsum("mi,mij,mj->m", offset, np.linalg.inv(covariance + slack_m**2 * np.eye(3)), offset)
+    return np.asarray(chi2 <= GATE_CHI2)
+
+
+def largest_sigma(covariance: Array) -> Array:
+    """Return the sigma (m,) along the longest axis."""
+    return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(covariance)[:, -1], 0)))
+
+
+def open_places(track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel) -> OpenPlaces | None:
+    """Return what the path leaves open between keyframes (m,) of known depth; None where the search covers all that it
+    leaves. depth_m (n,): by node."""
+    if len(keyframes) < 2:
+        return None
+    size = footprint_m(depth_m[keyframes], camera)
+    # Two nodes' relative sigma is at most the sum of theirs relative to a third one.
+    middle = np.full(len(keyframes), keyframes[len(keyframes) // 2])
+    if 2 * np.sqrt(3) * track.relative_sigma(keyframes, middle).max() < BEYOND * size:
+        return None
+    rank = np.unique(np.linspace(0, len(keyframes) - 1, STATIONS).round().astype(np.int64))
+    station = np.abs(np.arange(len(keyframes))[:, None] - rank).argmin(axis=1)
+    at = track.global_from_camera.translation[keyframes]
+    slack = float(np.median(np.linalg.norm(at - at[rank[station]], axis=1)))  # of a keyframe from its station
+    a, b = np.triu_indices(len(rank), 1)
+    offset, covariance = scene_offsets(track, keyframes[rank[a]], keyframes[rank[b]], depth_m)
+    pairs_open = _is_open(offset, covariance, size, size / 2 + slack)
+    if not pairs_open.any():
+        return None
+    known = largest_sigma(covariance) < KNOWN * size
+    return OpenPlaces(
+        station=station,
+        open=_symmetric(pairs_open, a, b, len(rank)),
+        apart=_symmetric(_is_apart(offset, covariance, size, slack), a, b, len(rank)),
+        reach_m=float(np.linalg.norm(offset[known], axis=1).max(initial=0.0)),
+    )
+
+
+def _symmetric(values: Mask, a: Ints, b: Ints, count: int) -> Mask:
+    out = np.zeros((count, count), bool)
+    out[a, b] = out[b, a] = values
+    return out
+
+
+def likeliest_pairs(
+    track: CameraTrack, keyframes: Ints, depth_m: Array, camera: CameraModel, places: OpenPlaces, images: InvertedFile
+) -> tuple[Array, Array]:
+    """Return the pairs of ranks among the keyframes (m, 2) that may be one place and look most alike, and pairs (c, 2) that
+    look most alike and are known to be two: first < second, sorted."""
+    queries = np.unique(np.linspace(0, len(keyframes) - 1, QUERIES).round().astype(np.int64))
+    scores, size = images.scores(queries), footprint_m(depth_m[keyframes], camera)
+
+    def pairs_where(mask: Mask, wanted: Callable[[Array, Array], Mask], places_each: int, most: int) -> Array:
+        # The stations are near, not exact: an outage may lie between a keyframe and its own.
+        asked, place = _best(np.where(places.of(queries, mask), scores, 0.0), CANDIDATES)
+        keep = wanted(*scene_offsets(track, keyframes[queries[asked]], keyframes[place], depth_m))
+        asked, place = asked[keep], place[keep]
+        order = _by_place(asked, place, scores[asked, place], places_each)
+        return _distinct(np.column_stack([queries[asked], place])[order], most)
+
+    return (
+        pairs_where(places.open, lambda offset, covariance: _is_open(offset, covariance, size, size / 2), PLACES, MOST_PAIRS),
+        pairs_where(places.apart, lambda offset, covariance: _is_apart(offset, covariance, size, 0.0), 1, CONTROLS),
+    )
+
+
+def _is_open(offset: Array, covariance: Array, size_m: float, slack_m: float) -> Mask:
+    """Return which places (m,) may be one, beyond the search."""
+    return np.asarray((largest_sigma(covariance) > BEYOND * size_m) & may_be_one(offset, covariance, slack_m))
+
+
+def _is_apart(offset: Array, covariance: Array, size_m: float, slack_m: float) -> Mask:
+    """Return which places (m,) are known to be two."""
+    distance = np.linalg.norm(offset, axis=1)
+    return np.asarray((largest_sigma(covariance) < KNOWN * size_m) & (distance > APART * size_m + 2 * slack_m))
+
+
+def _best(scores: Array, most: int) -> tuple[Ints, Ints]:
+    """Return rows and columns of the `most` highest scores of each row, the highest first, none that is zero."""
+    most = min(most, scores.shape[1])
+    column = np.argsort(-scores, axis=1, kind="stable")[:, :most]
+    row = np.repeat(np.arange(len(scores)), most)
+    some = scores[row, column.ravel()] > 0
+    return row[some], column.ravel()[some]
+
+
+def _by_place(asked: Ints, wanted: Ints, score: Array, most: int) -> Ints:
+    """Return the rows to compare in order: each query's best first, then its next best, away from the better ones, at most
+    `most` of a query. The rows come by query, the best first."""
+    rank, taken = np.full(len(asked), -1), dict[int, list[int]]()
+    for k, (query, place) in enumerate(zip(asked.tolist(), wanted.tolist(), strict=True)):
+        before = taken.setdefault(query, [])
+        if len(before) < most and all(abs(place - other) > 2 for other in before):
+            rank[k] = len(before)
+            before.append(place)
+    order = np.lexsort((-score, rank))
+    return np.asarray(order[rank[order] >= 0])
+
+
+def _distinct(pairs: Array, most: int) -> Array:
+    """Return the first `most` pairs (m, 2) that differ, lower first, sorted."""
+    ordered = np.sort(pairs, axis=1)
+    first = np.sort(np.unique(ordered, axis=0, return_index=True)[1])[:most]
+    return np.unique(ordered[first], axis=0)

@@ -1,0 +1,269 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Two legs with an outage of metres between them, and a hull whose paint is known cell by cell: it may come again."""
+
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from navigation.linked_dive import (
+    NAVIGATION_SIGMA,
+    TOP_FROM_BOTTOM,
+    TRAY_FROM_TOP,
+    TRAY_ORIGIN_M,
+    measured_steps,
+    reckoned,
+    simulate,
+)
+from vision.scene import camera_rig
+from vision.test_link_images import CAMERA, SEEN, KnowingMatcher, error_model, overlap, path_error_m
+
+from hullrecon.navigation.pose_graph.graph import PoseGraph
+from hullrecon.vision.appearance.recognition import Recognition, bears_out, reject_others
+from hullrecon.vision.compared_pairs import ComparedPairs, NavigatedDive
+from hullrecon.vision.features.extraction import Features, root_sift
+from hullrecon.vision.link_images import link_images
+from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pair_match import PairMatch, Reason, failed_match
+from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.selection import Proposal
+
+CELL_M, OUTAGE_SIGMA_M, OFF_M = 0.2, 3.0, np.array([0.3, 5.0, 0.2])
+BLANK = range(14, 40)  # of 60 nodes: the second leg begins 3 m beyond where the first ended, and goes back over it
+NONE = Reason.FEW_INLIERS
+
+
+def dive_with_outage(off_m=OFF_M):
+    """The simulated legs without the nodes of the blank; the step across it is wrong by off_m and says so."""
+    rng = np.random.default_rng(3)
+    whole = simulate(11, 30, drift=1e-4)
+    keep = np.setdiff1d(np.arange(60), BLANK)
+    truth, gap = whole.global_from_vehicle[keep], BLANK.start - 1
+    steps = measured_steps(rng, truth, 0.1 * NAVIGATION_SIGMA, np.zeros(3))
+    translation, covariance = steps.translation.copy(), steps.covariance.copy()
+    translation[gap] += off_m
+    covariance[gap, :3, :3] += OUTAGE_SIGMA_M**2 * np.eye(3) * (np.linalg.norm(off_m) > 0)
+    steps = replace(steps, translation=translation, covariance=covariance)
+    attitude = {name: getattr(whole.attitude, name)[keep] for name in ("depth", "roll", "pitch", "sigma", "tray_direction")}
+    return replace(
+        whole,
+        global_from_vehicle=truth,
+        odometry=steps,
+        trajectory=replace(reckoned(truth, steps), t_ns=whole.trajectory.t_ns[keep]),
+        attitude=replace(whole.attitude, node=np.arange(len(keep)), **attitude),
+    )
+
+
+def paint(dive, repeats_m):
+    """By node: features of the cells of hull before the camera, alike after each repetition along the hull."""
+    rng = np.random.default_rng(8)
+    cells = root_sift(rng.gamma(0.3, 1.0, (4000, 128)).astype(np.float32))
+    across, down = (x.ravel() for x in np.meshgrid(np.arange(-3, 4), np.arange(-2, 3)))
+    out = []
+    for camera in dive.cameras():
+        along, depth = camera[1, 3] + CELL_M * across, camera[2, 3] + CELL_M * down
+        along = along if repeats_m is None else np.mod(along, repeats_m)
+        number = (np.floor(along / CELL_M).astype(int) * 61 + np.floor(depth / CELL_M).astype(int)) % len(cells)
+        table = np.ones((len(number), 4), np.float32)
+        out.append(Features(table, cells[number], np.zeros((len(number), 3), np.uint8)))
+    return out
+
+
+@dataclass
+class LookingMatcher(KnowingMatcher):
+    """Matches anywhere what overlaps truly, or after a whole number of repetitions of the paint."""
+
+    repeats_m: float | None = None
+
+    def match(self, pair):
+        if pair.expected is not None:
+            return super().match(pair)
+        camera = self.dive.cameras()
+        for step in (0, -1, 1, -2, 2) if self.repeats_m else (0,):
+            moved = camera[pair.second].copy()
+            moved[1, 3] += step * (self.repeats_m or 0.0)
+            motion = np.linalg.inv(moved) @ camera[pair.first]
+            if overlap(motion) >= SEEN:
+                return self.found(motion, pair)
+        return failed_match(3, NONE)
+
+
+class ShiftedMatcher(LookingMatcher):
+    """Links far images alike anywhere, all as if the second leg lay 2 m along, and nothing where these links have it."""
+
+    def match(self, pair):
+        if pair.second - pair.first <= 4:
+            return super().match(pair)
+        if pair.expected is not None:
+            return failed_match(3, NONE)
+        camera = self.dive.cameras()
+        moved = camera[pair.second].copy()
+        moved[1, 3] += 2.0
+        return self.found(np.linalg.inv(moved) @ camera[pair.first], pair)
+
+
+def link(dive, *, repeats_m=None, appearance=True, rig_of=2, looking=LookingMatcher):
+    rig = camera_rig(CAMERA, *((CAMERA, TOP_FROM_BOTTOM) if rig_of == 2 else (None, None)), TRAY_ORIGIN_M, TRAY_FROM_TOP)
+    features, asked = paint(dive, repeats_m), []
+
+    def read(image):
+        asked.append(image)
+        return SimpleNamespace(leading=features[image[0]])
+
+    worker = SimpleNamespace(rig=rig, options=MatchOptions(sequential=2), saliency=lambda node: 1.0, read=read)
+    errors = error_model(dive, 1e-4)
+    walk = errors.walk.copy()
+    walk[BLANK.start :, :3, :3] += OUTAGE_SIGMA_M**2 * np.eye(3)
+    navigated = NavigatedDive(trajectory=dive.trajectory, errors=replace(errors, walk=walk), returns=None, tray_sigma_rad=1e-3)
+    graph = PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig)
+    matcher = looking(dive, repeats_m=repeats_m)
+    found = link_images(worker, navigated, graph.solve, matcher, 12, appearance)
+    return SimpleNamespace(found=found, error_m=path_error_m(found, dive), asked=asked)
+
+
+@pytest.fixture(scope="module")
+def dive():
+    return dive_with_outage()
+
+
+@pytest.fixture(scope="module")
+def closed(dive):
+    return link(dive)
+
+
+def test_legs_that_the_rounds_cannot_tie_are_tied_by_how_they_look(dive, closed):
+    before = link(dive, appearance=False)
+    assert before.error_m > 1.0
+    assert not (before.found.pairs.joined & before.found.pairs.across).any()
+    assert closed.error_m < 0.02
+    (asked,) = closed.found.appearance
+    assert asked.refusal is None
+    assert asked.accepted.sum() >= 10
+    assert closed.found.path.part.max() == 0
+
+
+def test_the_rounds_go_on_from_the_straightened_path(closed):
+    pairs, asked = closed.found.pairs, closed.found.appearance[0]
+    number = int(pairs.round[np.isin(pairs.first * 99 + pairs.second, asked.proposal.first * 99 + asked.proposal.second)][0])
+    assert (pairs.joined & (pairs.round > number)).any()
+    rows = np.column_stack([pairs.first, pairs.second])
+    np.testing.assert_array_equal(rows, np.unique(rows, axis=0))
+
+
+def test_what_was_asked_is_counted(closed):
+    facts = closed.found.appearance[0].facts()
+    assert facts["offered"] >= facts["matched"] >= facts["within_gate"] >= facts["accepted"] > 0
+    assert facts["control_matched"] == 0
+
+
+def test_a_dive_whose_drift_the_rounds_cover_learns_no_words_and_compares_the_same_pairs():
+    short = dive_with_outage(np.zeros(3))
+    with_it, without = (link(short, appearance=appearance) for appearance in (True, False))
+    np.testing.assert_array_equal(with_it.found.pairs.first, without.found.pairs.first)
+    np.testing.assert_array_equal(with_it.found.path.pose, without.found.path.pose)
+    assert (with_it.found.pairs.joined & with_it.found.pairs.across).any()
+    assert with_it.found.appearance == ()
+    assert with_it.asked == []
+
+
+def test_on_paint_that_comes_again_nothing_is_taken(dive):
+    found = link(dive, repeats_m=3.0)
+    (asked,) = found.found.appearance
+    assert asked.counts["matched"] > 10
+    assert asked.counts["control_matched"] > 2
+    assert asked.refusal == "places that the path knows to be two look alike"
+    assert not (found.found.pairs.joined & found.found.pairs.across).any()
+
+
+def test_places_that_confirm_more_than_one_path_are_refused_where_no_control_sees_it(dive, monkeypatch):
+    monkeypatch.setattr("hullrecon.vision.appearance.hypotheses.CONTROLS", 0)
+    (asked,) = link(dive, repeats_m=3.0).found.appearance
+    assert asked.refusal == "images that look alike confirm more than one path"
+    assert not asked.accepted.any()
+
+
+def test_a_link_that_nothing_confirms_is_not_taken(dive, monkeypatch):
+    monkeypatch.setattr("hullrecon.vision.appearance.hypotheses.MOST_PAIRS", 2)
+    found = link(dive).found
+    (asked,) = found.appearance
+    assert asked.counts["matched"] > 0
+    assert asked.refusal == "too few images that look alike confirm each other"
+    assert not (found.pairs.joined & found.pairs.across).any()
+
+
+def test_parts_too_short_to_show_whether_the_paint_comes_again_are_not_joined(dive, monkeypatch):
+    monkeypatch.setattr("hullrecon.vision.appearance.recognition.LEAST_REACH", 10.0)
+    (asked,) = link(dive).found.appearance
+    assert asked.counts["within_gate"] >= 3
+    assert "long enough" in asked.refusal
+    assert not asked.accepted.any()
+
+
+def test_one_thing_that_looks_like_another_is_not_enough(dive, monkeypatch):
+    monkeypatch.setattr("hullrecon.vision.appearance.recognition.LEAST_EXTENT", 20.0)
+    (asked,) = link(dive).found.appearance
+    assert asked.refusal == "too few images that look alike confirm each other"
+
+
+def test_links_that_agree_but_put_images_beside_each_other_that_do_not_match_are_undone(dive, monkeypatch):
+    """One thing seen from several sides that looks like another: all links agree, and what lies around it does not match."""
+    monkeypatch.setattr("hullrecon.vision.appearance.hypotheses.CONTROLS", 0)
+    found, before = link(dive, looking=ShiftedMatcher), link(dive, appearance=False)
+    (asked,) = found.found.appearance
+    assert asked.counts["within_gate"] > 10
+    assert asked.refusal == "the images that it puts beside each other do not match"
+    assert not found.found.links.second[found.found.links.second - found.found.links.first > 4].any()
+    np.testing.assert_array_equal(found.found.path.pose, before.found.path.pose)
+
+
+def test_a_place_beyond_the_sigma_of_the_path_is_no_hypothesis(dive):
+    """The path says that the legs lie 40 m apart, to 3 m."""
+    far = dive_with_outage(np.array([0.0, 40.0, 0.0]))
+    assert link(far).found.appearance == ()
+
+
+def test_one_camera_is_not_asked(dive):
+    assert link(dive, rig_of=1).found.appearance == ()
+
+
+def motion():
+    return Motion(np.eye(4), np.eye(6))
+
+
+def compared_pairs(matched, rounds):
+    rows = np.arange(3)
+    found = tuple(
+        PairMatch(first=rows, second=rows, distance=np.zeros(3, np.float32), putative=9, reason=Reason.MATCHED, motion=motion())
+        if good
+        else failed_match(3, NONE)
+        for good in matched
+    )
+    count = len(found)
+    proposal = Proposal(
+        first=np.arange(count), second=np.arange(count) + 20, across=np.ones(count, bool), overlap=np.full(count, 0.5)
+    )
+    return ComparedPairs(proposal=proposal, found=found, round=np.array(rounds), rejected=np.zeros(count, bool))
+
+
+def test_of_the_last_pairs_those_that_are_not_accepted_are_rejected():
+    pairs = compared_pairs([True, False, True, True, False, True], [0, 0, 0, 1, 1, 1])
+    left = reject_others(pairs, np.array([True, False, False]))
+    assert left.rejected.tolist() == [False, False, False, False, False, True]
+    assert not reject_others(pairs, np.zeros(0, bool)).rejected.any()
+
+
+@pytest.mark.parametrize(
+    ("taken", "after", "right"),
+    [(3, [True] * 5, True), (2, [True] * 5, False), (3, [False] * 5, False), (3, [False] * 4, True), (3, [], True)],
+)
+def test_links_are_borne_out_by_what_they_put_beside_each_other(taken, after, right):
+    pairs = compared_pairs([True] * taken + after, [4] * taken + [5] * len(after))
+    assert bears_out(pairs, 4) is right
+
+
+def test_a_refusal_keeps_the_first_reason():
+    nothing = Proposal(first=np.zeros(1, int), second=np.ones(1, int), across=np.ones(1, bool), overlap=np.ones(1))
+    found = Recognition(proposal=nothing, found=(failed_match(0, NONE),), accepted=np.ones(1, bool), counts={}, refusal=None)
+    refused = found.refused("one").refused("two")
+    assert refused.facts() == {"accepted": 0, "refusal": "one"}
