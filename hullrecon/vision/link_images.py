@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -110,99 +110,90 @@ def link_images(
     compared = ComparedPairs.none().joined_with(neighbours, scene.match(track, neighbours, map_items), number=0)
     solved = solve_path(compared.links(scene), None)
     salient = np.array([worker.saliency(nodes[k]) >= worker.options.min_saliency for k in keyframes], bool)
+    rounds = _Rounds(scene=scene, keyframes=keyframes[salient], solve_path=solve_path, map_items=map_items)
     if worker.options.across > 0:
-        compared, solved = _link_legs(scene, keyframes[salient], compared, solved, solve_path, map_items, max_rounds)
+        compared, solved = rounds.link_legs(compared, solved, max_rounds)
     asked: list[Recognition] = []
     if worker.options.across > 0 and max_rounds > 0 and appearance:
-        compared, solved, asked = _close_loops(scene, keyframes[salient], compared, solved, solve_path, map_items, max_rounds)
+        compared, solved, asked = rounds.close_loops(compared, solved, max_rounds)
     if compared.across().any():
-        compared, solved = _link_overlapping(scene, keyframes[salient], compared, solved, solve_path, map_items)
+        compared, solved = rounds.link_overlapping(compared, solved)
     return _collect_links(scene, keyframes, count, compared, solved, asked)
 
 
-def _link_legs(
-    scene: LinkedScene,
-    keyframes: Ints,
-    compared: ComparedPairs,
-    solved: Solved,
-    solve_path: PathSolver[Solved],
-    map_items: Map,
-    max_rounds: int,
-) -> tuple[ComparedPairs, Solved]:
-    """Return what rounds of comparisons across legs add."""
-    options, level = scene.worker.options, 0
-    for _ in range(max_rounds):
-        track = scene.track(solved.path, solved.relative_errors())
-        proposal = propose_revisits(
-            track, keyframes, scene.depth_m, scene.camera, options, PROBABILITIES[level], compared.keys(len(track))
+@dataclass(frozen=True, kw_only=True)
+class _Rounds(Generic[Solved]):
+    """Comparisons across legs, among the keyframes that have something to recognise. Each takes the pairs compared so far and
+    the path that they give, and returns both with what it adds."""
+
+    scene: LinkedScene
+    keyframes: Ints
+    solve_path: PathSolver[Solved]
+    map_items: Map
+
+    def link_legs(self, compared: ComparedPairs, solved: Solved, max_rounds: int) -> tuple[ComparedPairs, Solved]:
+        """Compare what probably overlaps, round by round on the path that the round before has straightened."""
+        scene, level = self.scene, 0
+        for _ in range(max_rounds):
+            track = self._track(solved)
+            proposal = propose_revisits(
+                track, self.keyframes, scene.depth_m, scene.camera, scene.worker.options, PROBABILITIES[level],
+                compared.keys(len(track)),
+            )  # fmt: skip
+            compared, solved, new = self._try_pairs(track, proposal, compared, solved)
+            level += not new
+            if level == len(PROBABILITIES):
+                break
+        return compared, solved
+
+    def close_loops(
+        self, compared: ComparedPairs, solved: Solved, max_rounds: int
+    ) -> tuple[ComparedPairs, Solved, list[Recognition]]:
+        """Ask appearance, with rounds after each answer, until it gives nothing; return also what it was asked."""
+        asked: list[Recognition] = []
+        for _ in range(max_rounds):
+            track = self._track(solved)
+            recognised = recognise_places(self.scene, track, self.keyframes, compared.keys(len(track)), self.map_items)
+            if recognised is None:
+                break
+            number = 1 + int(compared.round.max(initial=0))
+            tried = compared.joined_with(recognised.proposal, recognised.found, number)
+            closed, path = reject_others(tried, recognised.accepted), solved
+            if recognised.accepted.any():
+                # with no solution to begin with: it is far from this one
+                path = self.solve_path(closed.links(self.scene), None)
+                closed, path = self.link_legs(closed.rejecting(path.rejected), path, 1)
+            if not bears_out(closed, number):
+                compared = reject_others(tried, np.zeros_like(recognised.accepted))
+                asked.append(recognised.refused("the images that it puts beside each other do not match"))
+                break
+            asked.append(recognised)
+            compared, solved = self.link_legs(closed, path, max_rounds)
+        return compared, solved, asked
+
+    def link_overlapping(self, compared: ComparedPairs, solved: Solved) -> tuple[ComparedPairs, Solved]:
+        """Compare in a last round what overlaps well on the path that the rounds before have tied."""
+        track, scene = self._track(solved), self.scene
+        proposal = propose_overlapping(
+            track, self.keyframes, scene.depth_m, scene.camera, scene.worker.options, compared.keys(len(track))
         )
-        compared, solved, new = _try_pairs(scene, track, proposal, compared, solved, solve_path, map_items)
-        level += not new
-        if level == len(PROBABILITIES):
-            break
-    return compared, solved
+        compared, solved, _ = self._try_pairs(track, proposal, compared, solved)
+        return compared, solved
 
+    def _track(self, solved: Solved) -> CameraTrack:
+        return self.scene.track(solved.path, solved.relative_errors())
 
-def _close_loops(
-    scene: LinkedScene,
-    keyframes: Ints,
-    compared: ComparedPairs,
-    solved: Solved,
-    solve_path: PathSolver[Solved],
-    map_items: Map,
-    max_rounds: int,
-) -> tuple[ComparedPairs, Solved, list[Recognition]]:
-    """Return what appearance adds, with the rounds that follow it, and what it was asked, until it gives nothing."""
-    asked: list[Recognition] = []
-    for _ in range(max_rounds):
-        track = scene.track(solved.path, solved.relative_errors())
-        recognised = recognise_places(scene, track, keyframes, compared.keys(len(track)), map_items)
-        if recognised is None:
-            break
-        number = 1 + int(compared.round.max(initial=0))
-        tried = compared.joined_with(recognised.proposal, recognised.found, number)
-        closed, path = reject_others(tried, recognised.accepted), solved
-        if recognised.accepted.any():
-            path = solve_path(closed.links(scene), None)  # with no solution to begin with: it is far from this one
-            closed, path = _link_legs(scene, keyframes, closed.rejecting(path.rejected), path, solve_path, map_items, 1)
-        if not bears_out(closed, number):
-            compared = reject_others(tried, np.zeros_like(recognised.accepted))
-            asked.append(recognised.refused("the images that it puts beside each other do not match"))
-            break
-        asked.append(recognised)
-        compared, solved = _link_legs(scene, keyframes, closed, path, solve_path, map_items, max_rounds)
-    return compared, solved, asked
-
-
-def _link_overlapping(
-    scene: LinkedScene, keyframes: Ints, compared: ComparedPairs, solved: Solved, solve_path: PathSolver[Solved], map_items: Map
-) -> tuple[ComparedPairs, Solved]:
-    """Return what a last round adds: the pairs that overlap well on the path that the rounds before have tied."""
-    track = scene.track(solved.path, solved.relative_errors())
-    proposal = propose_overlapping(
-        track, keyframes, scene.depth_m, scene.camera, scene.worker.options, compared.keys(len(track))
-    )
-    compared, solved, _ = _try_pairs(scene, track, proposal, compared, solved, solve_path, map_items)
-    return compared, solved
-
-
-def _try_pairs(
-    scene: LinkedScene,
-    track: CameraTrack,
-    proposal: Proposal,
-    compared: ComparedPairs,
-    solved: Solved,
-    solve_path: PathSolver[Solved],
-    map_items: Map,
-) -> tuple[ComparedPairs, Solved, bool]:
-    """Return the pairs with those of a further round and the path that all tie; whether one of the new pairs matched."""
-    found = scene.match(track, proposal, map_items)
-    compared = compared.joined_with(proposal, found, 1 + int(compared.round.max(initial=-1)))
-    if not any(pair.reason is Reason.MATCHED for pair in found):
-        return compared, solved, False
-    compared = compared.rejecting(contradicted_links(compared.links(scene), compared.across()))
-    solved = solve_path(compared.links(scene), solved)
-    return compared.rejecting(solved.rejected), solved, True
+    def _try_pairs(
+        self, track: CameraTrack, proposal: Proposal, compared: ComparedPairs, solved: Solved
+    ) -> tuple[ComparedPairs, Solved, bool]:
+        """Match the pairs proposed and solve the path with them; return also whether one of them matched."""
+        found = self.scene.match(track, proposal, self.map_items)
+        compared = compared.joined_with(proposal, found, 1 + int(compared.round.max(initial=-1)))
+        if not any(pair.reason is Reason.MATCHED for pair in found):
+            return compared, solved, False
+        compared = compared.rejecting(contradicted_links(compared.links(self.scene), compared.across()))
+        solved = self.solve_path(compared.links(self.scene), solved)
+        return compared.rejecting(solved.rejected), solved, True
 
 
 def _collect_links(

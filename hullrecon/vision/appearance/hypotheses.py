@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.cameras import CameraModel
-from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.appearance.inverted_file import InvertedFile
 from hullrecon.vision.pairs.camera_track import CameraTrack
+from hullrecon.vision.pairs.selection import scene_in_target
 
 BEYOND = 1.0  # footprints of sigma: with more, no pair overlaps with the last of the search's probabilities
 KNOWN = 0.25  # footprints of sigma within which two places are known to be two
@@ -50,13 +50,9 @@ def footprint_m(depth_m: Array, camera: CameraModel) -> float:
 
 def scene_offsets(track: CameraTrack, first: Ints, second: Ints, depth_m: Array) -> tuple[Array, Array]:
     """Return from the middle of the second node's scene to that of the first's (m, 3), in the second camera, and its
-    covariance (m, 3, 3), as docs/methods.md (59) has it."""
-    relative = (track.global_from_camera[second].inverse() @ track.global_from_camera[first]).matrix()
+    covariance (m, 3, 3)."""
+    relative, covariance = scene_in_target(track, first, second, depth_m[first])
     middle = depth_m[first, None] * [0.0, 0.0, 1.0]
-    by_motion = np.concatenate(
-        [np.broadcast_to(np.eye(3), (len(first), 3, 3)), -relative[:, :3, :3] @ cross_matrix(middle)], axis=2
-    )
-    covariance = by_motion @ track.errors.relative_covariance(first, second) @ by_motion.swapaxes(1, 2)
     there = np.einsum("mij,mj->mi", relative[:, :3, :3], middle) + relative[:, :3, 3]
     return there - depth_m[second, None] * [0.0, 0.0, 1.0], covariance
 

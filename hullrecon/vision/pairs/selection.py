@@ -117,16 +117,22 @@ def overlap_probability(
     return out
 
 
-def _overlap_probability(
-    track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, min_overlap: float
-) -> Array:
+def scene_in_target(track: CameraTrack, source: Ints, target: Ints, depth: Array) -> tuple[Array, Array]:
+    """Return target_from_source (m, 4, 4), and the covariance (m, 3, 3) in the target camera of the middle of the source's
+    scene at depth (m,), as docs/methods.md (59) has it."""
     relative = (track.global_from_camera[target].inverse() @ track.global_from_camera[source]).matrix()
-    depth = np.nan_to_num(depth_m[source], nan=1.0)
     middle = np.stack([0 * depth, 0 * depth, depth], axis=1)
     by_motion = np.concatenate(
         [np.broadcast_to(np.eye(3), (len(source), 3, 3)), -relative[:, :3, :3] @ cross_matrix(middle)], axis=2
     )
-    covariance = by_motion @ track.errors.relative_covariance(source, target) @ by_motion.swapaxes(1, 2)
+    return relative, by_motion @ track.errors.relative_covariance(source, target) @ by_motion.swapaxes(1, 2)
+
+
+def _overlap_probability(
+    track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, min_overlap: float
+) -> Array:
+    depth = np.nan_to_num(depth_m[source], nan=1.0)
+    relative, covariance = scene_in_target(track, source, target, depth)
     values, vectors = np.linalg.eigh(covariance[:, :2, :2])
     root = vectors * np.sqrt(np.maximum(values, 0))[:, None]
     quantile = norm.ppf((np.arange(QUANTILES) + 0.5) / QUANTILES)
