@@ -9,9 +9,10 @@ import pytest
 from adjustment.scenes import TRUTH, cad_model, side, survey
 from adjustment.solved_dives import solved
 
+from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
-from hullrecon.adjustment.hull_pose.registration import frame_at, perturb_pose, register, thin_points
+from hullrecon.adjustment.hull_pose.registration import frame_at, perturb_pose, register, signed_distances, thin_points
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry import poses
 from hullrecon.geometry.meshes.tessellation import tessellation_error
@@ -116,6 +117,21 @@ def test_the_points_of_a_dive_are_landmarks_on_the_hull_and_returns():
     on = landmarks.position[landmarks.label == 1]
     nearest = np.linalg.norm(no_returns[:, None] - on[None], axis=2).min(1)
     assert nearest.max() < 0.15
+
+
+def test_a_few_wrong_points_get_no_more_than_their_share():
+    """The surface crosses cells in space: those that stood beside it held nothing but what was wrong, a point each."""
+    mesh, rng = side(CURVED), np.random.default_rng(8)
+    local = np.repeat(survey(mesh, rng), 20, axis=0) + 0.05 * rng.standard_normal((20 * len(survey(mesh, rng)), 3)) * [1, 0, 1]
+    index = native.MeshIndex(mesh.vertices, mesh.faces)
+    nearest = index.closest(local)
+    wrong = rng.random(len(local)) < 0.03
+    off = np.where(wrong, 0.045 * rng.choice([-1.0, 1.0], len(local)), 0.002 * rng.standard_normal(len(local)))
+    points = TRUTH.apply(local + (off - nearest.distance)[:, None] * nearest.gradient)
+    kept = estimate.thin_over_surface(points, TRUTH, cad_model(mesh, TRUTH, 0 * GUESS_ERROR))
+    distance, _ = signed_distances(kept, TRUTH, np.zeros(3), index)
+    assert 100 < len(kept) <= estimate.MAX_POINTS
+    assert np.mean(np.abs(distance) > 0.03) < 0.03
 
 
 def test_registration_finds_a_known_offset_whichever_way_the_guess_errs():

@@ -27,6 +27,7 @@ from hullrecon.typing import Array, CholeskyFactor, Ints32
 
 ALONG = np.array([1.0, 0.0, 0.0])
 MAX_PASSES = 3
+CELL_M, MAX_POINTS = 0.15, 800  # of the surface that one point stands for, at least; of all, at most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,13 +42,35 @@ class HullPoseEvidence:
 
 
 def collect_hull_points(m: Measurements, state: State, chosen: Selection, label: Ints32) -> Array:
-    """Return points (n, 3) in g that lie on the hull: landmarks labelled so, and DVL returns; thinned to some hundreds."""
+    """Return points (n, 3) in g that lie on the hull: landmarks labelled so, and DVL returns; thinned to some hundreds.
+
+    Raises ValueError without a CAD model in the state."""
+    if state.hull is None:
+        raise ValueError("points on the hull are known by a CAD model")
     landmarks = state.landmark[chosen.landmarks][label == 1] if len(chosen.landmarks) == len(label) else np.zeros((0, 3))
     parts = [landmarks]
     if m.returns is not None:
         ends, _ = return_points(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
         parts.append(ends[chosen.returns])
-    return registration.thin_points(np.vstack(parts), 0.15, 800)
+    return thin_over_surface(np.vstack(parts), state.hull.global_from_hull, state.hull.cad_model)
+
+
+def thin_over_surface(points: Array, pose: Poses, cad_model: CadModel) -> Array:
+    """Return of points (n, 3) in g one a cell of the CAD model's surface, the one at the median of its distances; cells are
+    grown until at most MAX_POINTS are left.
+
+    Cells in space would give a few points that stand beside the surface cells of their own, and as much weight as all those
+    that are right."""
+    at = pose.inverse().apply(points)
+    nearest = _index(cad_model).closest(at)
+    foot, cell_m = at - nearest.distance[:, None] * nearest.gradient, CELL_M
+    while True:
+        _, owner = np.unique(np.floor(foot / cell_m).astype(np.int64), axis=0, return_inverse=True)
+        count = np.bincount(owner)
+        if len(count) <= MAX_POINTS:
+            by_distance = np.lexsort((nearest.distance, owner))
+            return np.asarray(points[by_distance[np.cumsum(count) - count + (count - 1) // 2]])
+        cell_m *= 1.25
 
 
 def fit_hull_pose(points: Array, pose: Poses, cad_model: CadModel, center: Array) -> tuple[HullPoseEvidence, Poses]:
