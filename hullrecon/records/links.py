@@ -53,7 +53,7 @@ class NodePairs:
     """All pairs that were compared, sorted by (first, second). first < second (m,): nodes; across (m,): of another leg;
     overlap (m,): of the footprints as predicted, NaN where no depth is known; round (m,): 0 of neighbours, 1, 2, ... across;
     putative (m,): matches before verification; reason (m,): why it gave nothing, 0 where it matched; rejected (m,): matched,
-    but its motion contradicts other pairs or the path."""
+    but its motion contradicts other pairs or the path, or lies across an outage on a hull that looks alike elsewhere."""
 
     first: Ints
     second: Ints

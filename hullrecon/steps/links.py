@@ -75,9 +75,14 @@ def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]
     sentence = describe_parts(found.path, navigate.trajectory.t_ns)
     if sentence is not None:
         context.warn(sentence)
+    if found.look_alikes:
+        context.warn(
+            "Images on both sides of an outage match, but other places of the hull look alike too: they are not taken for one "
+            "place."
+        )
     if found.appearance and found.appearance[-1].refusal is not None:
         context.warn(f"How images look does not say what lies where: {found.appearance[-1].refusal}.")
-    facts: dict[str, object] = {"keyframes": len(found.keyframes), "rounds": found.rounds()}
+    facts: dict[str, object] = {"keyframes": len(found.keyframes), "rounds": found.rounds(), "look_alikes": found.look_alikes}
     return facts | ({"appearance": [asked.facts() for asked in found.appearance]} if found.appearance else {})
 
 
@@ -105,7 +110,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=5,
+    version=6,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )

@@ -17,7 +17,7 @@ import numpy as np
 from hullrecon.records.links import CameraLinks, LinkedPath, NodePairs, NodeStereo, PairFeatures
 from hullrecon.records.trajectory import VehiclePath
 from hullrecon.typing import Ints, Mask
-from hullrecon.vision.appearance.recognition import Recognition, bears_out, recognise_places, reject_others
+from hullrecon.vision.appearance.recognition import Recognition, bears_out, recognise_places, reject_look_alikes, reject_others
 from hullrecon.vision.compared_pairs import ComparedPairs, LinkedScene, Map, NavigatedDive
 from hullrecon.vision.pair_match import Reason
 from hullrecon.vision.pairs.camera_track import (
@@ -72,7 +72,8 @@ PathSolver = Callable[[CameraLinks, Solved | None], Solved]  # from the links, a
 class LinkedImages:
     """The pairs that were compared, the features and relative poses that they gave (of the pairs joined, in their order), what
     the two cameras of each node have in common, and the path; keyframes: nodes that were compared with others; appearance: what
-    it was asked, nothing where the rounds reach all that the path leaves open."""
+    it was asked, nothing where the rounds reach all that the path leaves open; look_alikes: neighbours that match across an
+    outage and are not believed, as other places look alike."""
 
     pairs: NodePairs
     features: PairFeatures
@@ -81,6 +82,7 @@ class LinkedImages:
     path: LinkedPath
     keyframes: Ints
     appearance: tuple[Recognition, ...] = ()
+    look_alikes: int = 0
 
     def rounds(self) -> list[dict[str, int]]:
         """Return how many pairs each round compared, joined and rejected."""
@@ -108,6 +110,10 @@ def link_images(
     keyframes = select_keyframes(track, usable, scene.depth_m, scene.camera, worker.options)
     neighbours = propose_neighbours(track, keyframes, scene.depth_m, scene.camera, worker.options)
     compared = ComparedPairs.none().joined_with(neighbours, scene.match(track, neighbours, map_items), number=0)
+    matched = len(compared.kept())
+    if appearance:
+        compared = reject_look_alikes(scene, track, keyframes, compared, map_items)
+    look_alikes = matched - len(compared.kept())
     solved = solve_path(compared.links(scene), None)
     salient = np.array([worker.saliency(nodes[k]) >= worker.options.min_saliency for k in keyframes], bool)
     rounds = _Rounds(scene=scene, keyframes=keyframes[salient], solve_path=solve_path, map_items=map_items)
@@ -118,7 +124,7 @@ def link_images(
         compared, solved, asked = rounds.close_loops(compared, solved, max_rounds)
     if compared.across().any():
         compared, solved = rounds.link_overlapping(compared, solved)
-    return _collect_links(scene, keyframes, count, compared, solved, asked)
+    return replace(_collect_links(scene, keyframes, count, compared, solved), appearance=tuple(asked), look_alikes=look_alikes)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,7 +203,7 @@ class _Rounds(Generic[Solved]):
 
 
 def _collect_links(
-    scene: LinkedScene, keyframes: Ints, count: Ints, compared: ComparedPairs, solved: SolvedPath, asked: list[Recognition]
+    scene: LinkedScene, keyframes: Ints, count: Ints, compared: ComparedPairs, solved: SolvedPath
 ) -> LinkedImages:
     final = compared.sorted()
     pairs = [final.found[k] for k in final.kept()]
@@ -231,7 +237,6 @@ def _collect_links(
         ),
         path=solved.record(),
         keyframes=keyframes,
-        appearance=tuple(asked),
     )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.appearance.consistency import agreement, extent_m, independent_links, largest_group
 from hullrecon.vision.appearance.hypotheses import (
+    BEYOND,
     KNOWN,
     footprint_m,
     largest_sigma,
@@ -90,18 +91,15 @@ def recognise_places(
     """Return links by appearance between keyframes (m,), worth asking for; None where the search covers all that the path
     leaves open. compared: pairs (first * n + second) that are not asked for again."""
     keyframes = keyframes[np.isfinite(scene.depth_m[keyframes])]
-    places = open_places(track, keyframes, scene.depth_m, scene.camera) if scene.worker.rig.stereo else None
-    if places is None:
+    likely = _likeliest(scene, track, keyframes) if scene.worker.rig.stereo else None
+    if likely is None:
         return None
-    vocabulary, words = learn_words(scene.worker, [scene.nodes[k] for k in keyframes])
-    images = invert(words, len(vocabulary))
-    pairs, control = likeliest_pairs(track, keyframes, scene.depth_m, scene.camera, places, images)
-    proposal = _propose(scene, track, keyframes[pairs])
+    proposal = _propose(scene, track, keyframes[likely.pairs])
     proposal = _select(proposal, ~np.isin(proposal.first * len(track) + proposal.second, compared))
     found = scene.match(track, proposal, map_items, anywhere=True)
-    alike = scene.match(track, _propose(scene, track, keyframes[control]), map_items, anywhere=True)
+    alike = scene.match(track, _propose(scene, track, keyframes[likely.control]), map_items, anywhere=True)
     counts = {
-        "words": len(vocabulary),
+        "words": likely.words,
         "offered": len(proposal),
         "matched": sum(pair.motion is not None for pair in found),
         "control": len(alike),
@@ -110,7 +108,7 @@ def recognise_places(
     within = _within_gate(track, proposal, found)
     group, refusal = _confirmed(scene, track, proposal, found, within)
     _, covariance = scene_offsets(track, proposal.first[group], proposal.second[group], scene.depth_m)
-    if len(group) and places.reach_m < LEAST_REACH * largest_sigma(covariance).max():
+    if len(group) and likely.reach_m < LEAST_REACH * largest_sigma(covariance).max():
         group, refusal = group[:0], TOO_SHORT
     if counts["control_matched"] > MAX_ALIKE:
         group, refusal = group[:0], ALIKE
@@ -118,6 +116,50 @@ def recognise_places(
     accepted[group] = True
     counts["within_gate"] = len(within)
     return Recognition(proposal=proposal, found=tuple(found), accepted=accepted, counts=counts, refusal=refusal)
+
+
+def reject_look_alikes(
+    scene: LinkedScene, track: CameraTrack, keyframes: Ints, compared: ComparedPairs, map_items: Map
+) -> ComparedPairs:
+    """Return the pairs of neighbours without those across an outage in which the path is lost by more than a footprint, where
+    places known to be two look alike: one of these may be what matched. track: of dead reckoning."""
+    known = np.isfinite(scene.depth_m)
+    rows = compared.kept()
+    first, second = compared.proposal.first[rows], compared.proposal.second[rows]
+    doubtful = known[first] & known[second]
+    _, covariance = scene_offsets(track, first[doubtful], second[doubtful], scene.depth_m)
+    sigma = largest_sigma(covariance)
+    doubtful[doubtful] = sigma > BEYOND * footprint_m(scene.depth_m, scene.camera)
+    likely = _likeliest(scene, track, keyframes[known[keyframes]]) if doubtful.any() else None
+    if likely is None:
+        return compared
+    alike = scene.match(track, _propose(scene, track, keyframes[known[keyframes]][likely.control]), map_items, anywhere=True)
+    most = MAX_ALIKE if likely.reach_m >= LEAST_REACH * sigma.max() else 0
+    if sum(pair.motion is not None for pair in alike) <= most:
+        return compared
+    return compared.rejecting(doubtful)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Likely:
+    """Pairs of ranks among the keyframes that look most alike: may be one place, and a control of places known to be two;
+    words: in the vocabulary; reach_m: the largest distance that the path knows."""
+
+    pairs: Array
+    control: Array
+    words: int
+    reach_m: float
+
+
+def _likeliest(scene: LinkedScene, track: CameraTrack, keyframes: Ints) -> _Likely | None:
+    """Return what looks most alike; None where the search covers all that the path leaves open."""
+    places = open_places(track, keyframes, scene.depth_m, scene.camera)
+    if places is None:
+        return None
+    vocabulary, words = learn_words(scene.worker, [scene.nodes[k] for k in keyframes])
+    images = invert(words, len(vocabulary))
+    pairs, control = likeliest_pairs(track, keyframes, scene.depth_m, scene.camera, places, images)
+    return _Likely(pairs=pairs, control=control, words=len(vocabulary), reach_m=places.reach_m)
 
 
 def learn_words(worker: MatchWorker, nodes: Sequence[MatchNode]) -> tuple[Vocabulary, list[Ints]]:

@@ -34,12 +34,12 @@ BLANK = range(14, 40)  # of 60 nodes: the second leg begins 3 m beyond where the
 NONE = Reason.FEW_INLIERS
 
 
-def dive_with_outage(off_m=OFF_M):
+def dive_with_outage(off_m=OFF_M, blank=BLANK):
     """The simulated legs without the nodes of the blank; the step across it is wrong by off_m and says so."""
     rng = np.random.default_rng(3)
     whole = simulate(11, 30, drift=1e-4)
-    keep = np.setdiff1d(np.arange(60), BLANK)
-    truth, gap = whole.global_from_vehicle[keep], BLANK.start - 1
+    keep = np.setdiff1d(np.arange(60), blank)
+    truth, gap = whole.global_from_vehicle[keep], blank.start - 1
     steps = measured_steps(rng, truth, 0.1 * NAVIGATION_SIGMA, np.zeros(3))
     translation, covariance = steps.translation.copy(), steps.covariance.copy()
     translation[gap] += off_m
@@ -87,6 +87,13 @@ class LookingMatcher(KnowingMatcher):
             if overlap(motion) >= SEEN:
                 return self.found(motion, pair)
         return failed_match(3, NONE)
+
+
+class TrustingMatcher(LookingMatcher):
+    """Matches neighbours, too, wherever they may lie."""
+
+    def match(self, pair):
+        return super().match(replace(pair, expected=None) if pair.full_search else pair)
 
 
 class ShiftedMatcher(LookingMatcher):
@@ -221,6 +228,43 @@ def test_a_place_beyond_the_sigma_of_the_path_is_no_hypothesis(dive):
     """The path says that the legs lie 40 m apart, to 3 m."""
     far = dive_with_outage(np.array([0.0, 40.0, 0.0]))
     assert link(far).found.appearance == ()
+
+
+def across_outage(found):
+    pairs = found.pairs
+    return (pairs.first < BLANK.start) & (pairs.second >= BLANK.start)
+
+
+@pytest.mark.parametrize("rig_of", [1, 2])
+def test_neighbours_across_an_outage_are_not_believed_where_paint_comes_again(dive, rig_of):
+    """The second leg begins one repetition beyond where the first ended: neighbours match and are 3 m apart."""
+    tied = link(dive, repeats_m=3.0, looking=TrustingMatcher, appearance=False, rig_of=rig_of)
+    assert tied.found.path.part.max() == 0
+    assert tied.error_m > 1.0
+    found = link(dive, repeats_m=3.0, looking=TrustingMatcher, rig_of=rig_of).found
+    matched = across_outage(found) & (found.pairs.reason == Reason.MATCHED)
+    assert matched.any()
+    assert found.pairs.rejected[matched].all()
+    assert found.look_alikes == (matched & (found.pairs.round == 0)).sum() > 0
+    assert found.path.part.max() == 1
+
+
+@pytest.mark.parametrize("rig_of", [1, 2])
+def test_neighbours_across_an_outage_tie_the_path_where_no_paint_comes_again(rig_of):
+    """The vehicle is where it was when the images end."""
+    again = dive_with_outage(blank=range(BLANK.start, 46))
+    found = link(again, looking=TrustingMatcher, rig_of=rig_of)
+    assert found.found.pairs.joined[across_outage(found.found)].any()
+    assert found.found.path.part.max() == 0
+    assert found.error_m < 0.03
+    assert found.found.appearance == ()
+
+
+def test_one_stretch_of_paint_that_comes_again_speaks_against_neighbours_that_no_long_part_bears_out(dive, monkeypatch):
+    monkeypatch.setattr("hullrecon.vision.appearance.recognition.MAX_ALIKE", 1000)
+    assert link(dive, repeats_m=3.0, looking=TrustingMatcher).found.path.part.max() == 0
+    monkeypatch.setattr("hullrecon.vision.appearance.recognition.LEAST_REACH", 10.0)
+    assert link(dive, repeats_m=3.0, looking=TrustingMatcher).found.path.part.max() == 1
 
 
 def test_one_camera_is_not_asked(dive):
