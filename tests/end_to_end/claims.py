@@ -120,8 +120,8 @@ def sensor_errors(run, package, drift_deg_per_hour=1.0, dvl_scale_error=0.003):
         **_mean_biases(run, package),
     }
     page = html.unescape((run / "deliver" / "report" / "index.html").read_text())
-    rows = re.findall(r'<tr><th scope="row">([^<]*)</th><td>([-+][\d.]+) ± ([\d.]+)[ °]', page)
-    return {name: (float(value) - truth[name]) / float(sigma) for name, value, sigma in rows if name in truth}
+    rows = re.findall(r'<tr><th scope="row">([^<]*)</th><td>([−+][\d.]+) ± ([\d.]+)[ °]', page)
+    return {name: (float(value.replace("−", "-")) - truth[name]) / float(sigma) for name, value, sigma in rows if name in truth}
 
 
 def _mean_biases(run, package):

@@ -40,6 +40,7 @@ def test_percentiles_of_the_form_go_by_the_area_seen(survey: Survey, split: Devi
 
 def test_the_words_of_an_offset_say_its_side_and_what_its_sigma_makes_of_it(figures: DeviationFigures) -> None:
     assert figures.offset_words == "6 mm outside it (one sigma 20 mm, not significantly different from zero)"
+    assert replace(figures, offset=0.0003).offset_words.startswith("0 mm from it (")
     assert replace(figures, offset=-0.041).offset_words == "41 mm inside it (one sigma 20 mm)"
 
 
@@ -50,7 +51,7 @@ def test_the_words_of_the_form_have_its_sigma(figures: DeviationFigures) -> None
 def test_the_table_has_form_offset_and_tilt(figures: DeviationFigures) -> None:
     rows = dict(deviation_rows(figures))
     assert rows["Offset of the surveyed patch"] == "+6 ± 20 mm"
-    assert rows["Tilt of the surveyed patch, along / in girth"] == "+1.0 ± 4.0 / -2.0 ± 5.0 mm per m"
+    assert rows["Tilt of the surveyed patch, along / in girth"] == "+1.0 ± 4.0 / −2.0 ± 5.0 mm per m"
     assert deviation_rows(None) == []
 
 

@@ -311,7 +311,7 @@ def test_the_table_has_a_row_an_object_that_leads_to_its_card(survey: Survey, fo
     assert table.headings == ["No.", "Kind", "Height", "Area", "Along", "Girth", "Depth", "False alarm"]
     cells = dict(table.rows)[2]
     assert [cell.text for cell in cells] == [
-        "2", "recess", "-0.030 ± 0.004 m", "250 ± 20 cm²", "1.0 ± 0.3 m", "-1.20 ± 0.02 m", "–", "–"]  # fmt: skip
+        "2", "recess", "−0.030 ± 0.004 m", "250 ± 20 cm²", "1.0 ± 0.3 m", "−1.20 ± 0.02 m", "–", "–"]  # fmt: skip
     assert [cell.value for cell in cells] == [2, None, -0.03, 0.025, 1.0, -1.2, None, None]
 
 

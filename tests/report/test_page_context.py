@@ -106,8 +106,8 @@ def test_every_measured_number_of_a_card_has_its_sigma(survey: Survey, found: Re
     counted = ("Seen in", "False-alarm probability, anywhere in the survey")
     assert all("±" in text for name, text in rows.items() if name not in counted)
     assert rows["Largest distance to the CAD model"] == "0.10 ± 0.02 m"
-    assert rows["Along, girth"] == "1.0 ± 0.3 m, -1.20 ± 0.02 m"
-    assert rows["Centre (x, y, z)"] == "1.0 ± 0.3, -1.20 ± 0.02, -0.10 ± 0.05 m in M"
+    assert rows["Along, girth"] == "1.0 ± 0.3 m, −1.20 ± 0.02 m"
+    assert rows["Centre (x, y, z)"] == "1.0 ± 0.3, −1.20 ± 0.02, −0.10 ± 0.05 m in M"
 
 
 def test_without_a_pressure_sensor_a_card_has_no_depth(survey: Survey, found: ReportedObject) -> None:

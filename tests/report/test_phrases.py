@@ -5,7 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.report.content.phrases import count, duration, join, length, lengths, probability, signed_range, with_sigma
+from hullrecon.report.content.phrases import (
+    count,
+    duration,
+    error_with_sigma,
+    join,
+    length,
+    lengths,
+    probability,
+    signed_range,
+    with_sigma,
+)
 
 
 @pytest.mark.parametrize(
@@ -16,7 +26,7 @@ from hullrecon.report.content.phrases import count, duration, join, length, leng
         (12.3, 0.53, "12.3 ± 0.5 m"),
         (1.0, None, "1.000 m"),
         (float("nan"), 0.1, "–"),
-        (-0.04, 0.02, "-0.04 ± 0.02 m"),
+        (-0.04, 0.02, "−0.04 ± 0.02 m"),
     ],
 )
 def test_a_number_has_no_more_digits_than_its_sigma_deserves(value: float, sigma: float | None, text: str) -> None:
@@ -71,3 +81,10 @@ def test_a_row_of_lengths_has_one_unit(metres: list[float], text: str) -> None:
 def test_a_range_with_signs_has_minus_signs_and_no_hyphens() -> None:
     assert signed_range(-10.4, 16.0) == "−10 to +16"
     assert signed_range(-0.26, -0.14, 1) == "−0.3 to −0.1"
+
+
+@pytest.mark.parametrize(
+    ("error", "sigma", "text"), [(-0.124, 0.03, "−0.12 ± 0.03°"), (0.124, 0.012, "+0.124 ± 0.012°"), (-0.124, 0.0, "−0.12°")]
+)
+def test_an_error_has_its_sign_and_a_sigma_where_that_is_known(error: float, sigma: float, text: str) -> None:
+    assert error_with_sigma(error, sigma, "°") == text

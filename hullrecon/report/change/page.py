@@ -11,7 +11,7 @@ import numpy as np
 from hullrecon.records.change import CHANGED, HullChange, ObjectChange
 from hullrecon.report.change.verdict import move_sentence, object_sentence, verdict
 from hullrecon.report.content.page import render_template
-from hullrecon.report.content.phrases import length, probability
+from hullrecon.report.content.phrases import length, probability, with_minus
 
 GATE = 1e-3  # an offset less likely than this says that a hull pose is worse than it claims
 
@@ -38,7 +38,8 @@ def offset_sentence(change: HullChange) -> str:
     sigma = np.sqrt(np.diag(offset.covariance))[:3]
     expected = np.sqrt(np.diag(offset.prior_covariance))[:3]
     numbers = ", ".join(
-        f"{axis} {1000 * v:+.0f} ± {1000 * max(s, 0.0005):.0f} mm" for axis, v, s in zip("xyz", at, sigma, strict=True)
+        f"{axis} {with_minus(f'{1000 * v:+.0f}')} ± {1000 * max(s, 0.0005):.0f} mm"
+        for axis, v, s in zip("xyz", at, sigma, strict=True)
     )
     prior = ", ".join(f"{1000 * s:.0f}" for s in expected)
     gate = "as their hull poses foresaw" if offset.p_value >= GATE else "farther than their hull poses foresaw"
@@ -63,4 +64,4 @@ def _row(row: ObjectChange) -> dict[str, str]:
 
 
 def _millimetres(value: float) -> str:
-    return f"{1000 * value:.0f}" if np.isfinite(value) else "–"
+    return with_minus(f"{1000 * value:.0f}") if np.isfinite(value) else "–"

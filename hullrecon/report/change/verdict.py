@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from hullrecon.records.change import CHANGED, HullChange, ObjectChange, SurfaceMove
-from hullrecon.report.content.phrases import count, join, length
+from hullrecon.report.content.phrases import count, join, length, with_minus
 
 MOVED = "stretch of bare hull moved"
 
@@ -47,4 +47,4 @@ def _is_listed(row: ObjectChange) -> bool:
 
 
 def _signed(value: float, sigma: float) -> str:
-    return f"{1000 * value:+.0f} ± {1000 * sigma:.0f} mm"
+    return with_minus(f"{1000 * value:+.0f} ± {1000 * sigma:.0f} mm")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.meshes.mesh import vertex_areas
-from hullrecon.report.content.phrases import signed_range
+from hullrecon.report.content.phrases import signed_range, with_minus
 from hullrecon.report.figures.chart_map import weighted_percentiles
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
@@ -30,7 +30,7 @@ class DeviationFigures:
     @property
     def offset_words(self) -> str:
         """Return the offset in a sentence's part, with what its sigma makes of it."""
-        side = "outside" if self.offset > 0 else "inside"
+        side = "from" if round(1000 * abs(self.offset)) == 0 else "outside" if self.offset > 0 else "inside"
         known = "" if abs(self.offset) > 2 * self.offset_sigma else ", not significantly different from zero"
         return f"{1000 * abs(self.offset):.0f} mm {side} it (one sigma {1000 * self.offset_sigma:.0f} mm{known})"
 
@@ -79,9 +79,11 @@ def deviation_rows(figures: DeviationFigures | None) -> list[tuple[str, str]]:
     """Return the table of the page's chapter on the deviation."""
     if figures is None:
         return []
-    slopes = " / ".join(f"{1000 * t:+.1f} ± {1000 * s:.1f}" for t, s in zip(figures.tilt, figures.tilt_sigma, strict=True))
+    slopes = " / ".join(
+        with_minus(f"{1000 * t:+.1f} ± {1000 * s:.1f}") for t, s in zip(figures.tilt, figures.tilt_sigma, strict=True)
+    )
     return [
         ("Form", figures.form_words),
-        ("Offset of the surveyed patch", f"{1000 * figures.offset:+.0f} ± {1000 * figures.offset_sigma:.0f} mm"),
+        ("Offset of the surveyed patch", with_minus(f"{1000 * figures.offset:+.0f} ± {1000 * figures.offset_sigma:.0f} mm")),
         ("Tilt of the surveyed patch, along / in girth", f"{slopes} mm per m"),
     ]

@@ -16,14 +16,26 @@ def decimals(sigma: float) -> int:
     return max(0, -power + (sigma / 10.0**power < 1.95))
 
 
+def with_minus(numbers: str) -> str:
+    """Return numbers with minus signs where Python writes hyphens."""
+    return numbers.replace("-", "−")
+
+
 def with_sigma(value: float, sigma: float | None, unit: str) -> str:
     """Return a text like 0.112 ± 0.004 m. Without a sigma the value alone; a lost value is a dash."""
     if not math.isfinite(value):
         return "–"
     if sigma is None or not math.isfinite(sigma):
-        return f"{value:.3f} {unit}"
+        return f"{with_minus(f'{value:.3f}')} {unit}"
     shown = min(4, decimals(sigma))
-    return f"{value:.{shown}f} ± {sigma:.{shown}f} {unit}"
+    return f"{with_minus(f'{value:.{shown}f}')} ± {sigma:.{shown}f} {unit}"
+
+
+def error_with_sigma(error: float, sigma: float, unit: str) -> str:
+    """Return an error with its sign, like −0.12 ± 0.03°; the unit brings its own space. A sigma of zero is not known."""
+    shown = min(4, decimals(sigma)) if sigma > 0 else 2
+    known = f" ± {sigma:.{shown}f}" if sigma > 0 else ""
+    return f"{with_minus(f'{error:+.{shown}f}')}{known}{unit}"
 
 
 def length(metres: float) -> str:
@@ -46,8 +58,8 @@ def lengths(metres: Sequence[float]) -> str:
 
 
 def signed_range(low: float, high: float, decimals: int = 0) -> str:
-    """Return two signed numbers: −10 to +16, with a minus sign and not a hyphen."""
-    return f"{low:+.{decimals}f} to {high:+.{decimals}f}".replace("-", "−")
+    """Return two signed numbers: −10 to +16."""
+    return with_minus(f"{low:+.{decimals}f} to {high:+.{decimals}f}")
 
 
 def duration(seconds: float) -> str:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.records.links import NodePairs
-from hullrecon.report.content.phrases import count, decimals, duration, with_sigma
+from hullrecon.report.content.phrases import count, duration, error_with_sigma, with_sigma
 from hullrecon.report.step_documents import AdjustSummary, FactorResiduals, SensorErrors
 from hullrecon.report.survey import Survey
 
@@ -105,23 +105,17 @@ def _sensor_errors(survey: Survey, found: SensorErrors, sigma: SensorErrors) -> 
     rows = []
     if survey.facts.dvl is not None:
         scale, scale_sigma = 100 * (1 / (1 + found.dvl_scale) - 1), 100 * sigma.dvl_scale
-        rows.append(("Scale error of the DVL's velocities", _error(scale, scale_sigma, " %")))
+        rows.append(("Scale error of the DVL's velocities", error_with_sigma(scale, scale_sigma, " %")))
     if survey.facts.has_attitude:
         drift, drift_sigma = (3600 * math.degrees(v) for v in (-found.heading_drift_rad_s, sigma.heading_drift_rad_s))
         rows += [
-            ("Drift of the heading", _error(drift, drift_sigma, "° per hour")),
-            ("Bias of roll", _error(math.degrees(found.roll_bias_rad), math.degrees(sigma.roll_bias_rad), "°")),
-            ("Bias of pitch", _error(math.degrees(found.pitch_bias_rad), math.degrees(sigma.pitch_bias_rad), "°")),
+            ("Drift of the heading", error_with_sigma(drift, drift_sigma, "° per hour")),
+            ("Bias of roll", error_with_sigma(math.degrees(found.roll_bias_rad), math.degrees(sigma.roll_bias_rad), "°")),
+            ("Bias of pitch", error_with_sigma(math.degrees(found.pitch_bias_rad), math.degrees(sigma.pitch_bias_rad), "°")),
         ]
     if survey.facts.has_depth:
-        rows.append(("Bias of the depth", _error(1000 * found.depth_bias_m, 1000 * sigma.depth_bias_m, " mm")))
+        rows.append(("Bias of the depth", error_with_sigma(1000 * found.depth_bias_m, 1000 * sigma.depth_bias_m, " mm")))
     return rows
-
-
-def _error(value: float, sigma: float, unit: str) -> str:
-    """Return a value with its sign and one sigma; a sigma of zero is not known."""
-    digits = min(4, decimals(sigma)) if sigma > 0 else 2
-    return f"{value:+.{digits}f} ± {sigma:.{digits}f}{unit}" if sigma > 0 else f"{value:+.{digits}f}{unit}"
 
 
 def _times(survey: Survey) -> WordTable:

@@ -62,7 +62,7 @@ def test_each_object_has_a_row_with_its_numbers_in_both_dives(page: str) -> None
 
 
 def test_bare_hull_that_moved_has_its_own_section(page: str) -> None:
-    assert "0.36 m2 of bare hull at frame 53, port, -12 ± 3 mm" in page
+    assert "0.36 m2 of bare hull at frame 53, port, −12 ± 3 mm" in page
 
 
 def test_without_changes_the_page_says_so() -> None:
@@ -78,7 +78,7 @@ def test_names_of_dives_are_no_markup() -> None:
 
 def test_the_offset_is_told_with_its_sigma_and_what_was_expected(change: HullChange) -> None:
     sentence = offset_sentence(change)
-    assert "x +50 ± 1 mm, y +0 ± 1 mm, z -10 ± 1 mm" in sentence
+    assert "x +50 ± 1 mm, y +0 ± 1 mm, z −10 ± 1 mm" in sentence
     assert "as their hull poses foresaw: one sigma 200, 200, 200 mm, chi-square 2.5 of 6" in sentence
 
 

@@ -43,7 +43,7 @@ def test_one_change_stands_alone() -> None:
         (object_change("new", None, 5, 33.0, 0.0, 0.09), "new: object 5 at frame 55, port, height 90 mm"),
         (object_change("new", None, None, 33.0, 0.0, -0.04), "new: a structure at frame 55, port, recess 40 mm"),
         (object_change("grown", 1, 2, 33.0, 0.11, 0.14), "grown: object 2 at frame 55, port, height +30 ± 4 mm"),
-        (object_change("shrunk", 1, 2, 33.0, 0.11, 0.05), "shrunk: object 2 at frame 55, port, height -60 ± 4 mm"),
+        (object_change("shrunk", 1, 2, 33.0, 0.11, 0.05), "shrunk: object 2 at frame 55, port, height −60 ± 4 mm"),
     ],
 )
 def test_a_sentence_says_what_became_of_an_object(row, sentence: str) -> None:
@@ -51,7 +51,7 @@ def test_a_sentence_says_what_became_of_an_object(row, sentence: str) -> None:
 
 
 def test_bare_hull_that_moved_is_said_with_area_and_sigma() -> None:
-    assert move_sentence(MOVE) == "moved: 0.36 m2 of bare hull at frame 53, port, -12 ± 3 mm along the normal"
+    assert move_sentence(MOVE) == "moved: 0.36 m2 of bare hull at frame 53, port, −12 ± 3 mm along the normal"
 
 
 def test_heights_of_the_sentence_are_positive() -> None:
