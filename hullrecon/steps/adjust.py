@@ -121,6 +121,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=10,
+    version=11,
     run=run,
 )
