@@ -29,9 +29,10 @@ MIN_POINTS = 30
 MAX_SIGMAS_OFF = 8.0  # of the package's guess of the hull pose
 MAX_MISSED = 0.2  # share of the beams that miss the CAD model
 MIN_ON_HULL = 0.2  # share of the landmarks on its surface
-# The whitened residuals of what the path explained may grow by so much, root mean square.
+# The whitened residuals of what the path explained may grow by so much, root mean square, beyond what freed unknowns explain.
 MAX_GROWTH = {"images": 1.02, "odometry": 1.1, "attitude": 1.1}
 GROUPS = {"images": ("stereo", "mono"), "odometry": ("odometry",), "attitude": ("attitude", "tray")}
+FREED_QUANTILE = 0.999  # of the chi-square that unknowns give back which the CAD model determines in place of navigation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +73,8 @@ def reason_against(found: RoundResult, options: AdjustOptions) -> str | None:
         return f"only {100 * float(np.mean(label == 1)):.0f} % of the landmarks lie on its surface"
     if not len(found.problem.stereo.node) + len(found.problem.mono.node):
         return None  # without images the path is navigation's own: its residuals are nil, and whatever bends it makes them grow
-    growth = residual_growth(found.problem)
+    settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
+    growth = residual_growth(found.problem, settings)
     worse = [name for name, ratio in growth.items() if ratio > MAX_GROWTH[name]]
     if not worse:
         return None
@@ -80,18 +82,45 @@ def reason_against(found: RoundResult, options: AdjustOptions) -> str | None:
     return f"laid onto it, the residuals grow: {parts}"
 
 
-def residual_growth(problem: native.Problem) -> dict[str, float]:
+def residual_growth(problem: native.Problem, settings: native.Options) -> dict[str, float]:
     """Return by how much the CAD model makes what the path explains worse: the root mean square of the robust, whitened
-    residuals of each group at the problem's values, over that of the same measurements solved without it."""
+    residuals of each group at the problem's values, over that of the same measurements solved without it. settings: of the
+    solve that found the values.
+
+    Unknowns that the CAD model determines follow navigation's noise no longer, and its residuals grow though all is right: one
+    camera hardly tells the tray's angle from the pitch. Where a ratio is beyond MAX_GROWTH, the residuals without the CAD model
+    are therefore counted with what they lost to such unknowns.
+    """
     without = replace(problem, ranges=native.RangeTable(), surface=native.SurfaceTable()).hold("T_g_M", "deviation")
-    free = without.started_from(native.solve(without, native.Options(method="naive", max_iterations=15)).unknowns)
-    here, there = (native.evaluate(p, native.Options(method="naive")).cost_by_factor for p in (without, free))
-    growth = {}
-    for name, factors in GROUPS.items():
-        before, after = (sum(cost.get(factor, 0.0) for factor in factors) for cost in (there, here))
-        if before > 0:
-            growth[name] = float(np.sqrt(after / before))
-    return growth
+    naive = replace(settings, method="naive")
+    free = without.started_from(native.solve(without, replace(naive, max_iterations=15)).unknowns)
+    here, there = (_squares(p, naive) for p in (without, free))
+    growth = {name: float(np.sqrt(here[name] / there[name])) for name in GROUPS if there[name] > 0}
+    if all(ratio <= MAX_GROWTH[name] for name, ratio in growth.items()):
+        return growth
+    try:
+        freed = _freed_squares(native.covariance(free, naive), native.covariance(problem, settings))
+    except StageError:
+        return growth  # something is not determined at all: nothing to count
+    return {name: float(np.sqrt(here[name] / (there[name] + freed[name]))) for name in growth}
+
+
+def _squares(problem: native.Problem, settings: native.Options) -> dict[str, float]:
+    """Return the sum of the robust squares of each group's whitened residuals."""
+    cost = native.evaluate(problem, settings).cost_by_factor
+    return {name: 2 * sum(cost[factor] for factor in factors) for name, factors in GROUPS.items()}
+
+
+def _freed_squares(free: native.Covariance, tied: native.Covariance) -> dict[str, float]:
+    """Return what the squares of each group may grow by because it determines fewer unknowns than before: a chi-square with as
+    many degrees of freedom. Images determine all landmarks either way; nothing is allowed to them."""
+    from scipy.stats import chi2
+
+    def determined(marginals: native.Covariance, factors: tuple[str, ...]) -> float:
+        return sum(marginals.leverage_by_factor[factor] for factor in factors)
+
+    fewer = {name: determined(free, factors) - determined(tied, factors) for name, factors in GROUPS.items()}
+    return {name: float(chi2.ppf(FREED_QUANTILE, count)) if count > 0 else 0.0 for name, count in fewer.items()}
 
 
 def _hull_state(found: registration.Registration, points: Array, options: AdjustOptions) -> HullState:

@@ -108,7 +108,8 @@ class Covariance:
 
     pose (n, 7, 7) and pose_T_g_M (n, 7, 6): with T_g_M; landmark (L, 3, 3) and landmark_T_g_M (L, 3, 6); T_g_M, T_s_ct,
     T_ct_cb, T_s_d, navigation (6, 6); intrinsics_top, intrinsics_bottom (9, 9); deviation (F,): variances; deviation_T_g_M
-    (F, 6).
+    (F, 6). leverage_by_factor: of the factors of a kind (FACTORS) that meet no landmark, how many unknowns they determine: the
+    squares of their whitened residuals are expected to sum up to their rows less that.
     """
 
     pose: Array
@@ -124,6 +125,7 @@ class Covariance:
     intrinsics_bottom: Array
     deviation: Array
     deviation_T_g_M: Array
+    leverage_by_factor: dict[str, float]
 
 
 @dataclass(frozen=True, kw_only=True)

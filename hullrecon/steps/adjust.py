@@ -121,6 +121,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=11,
+    version=12,
     run=run,
 )

@@ -219,6 +219,9 @@ py::dict run_covariance(const py::object& problem, const py::object& settings) {
   out["deviation"] = column<double>(c.deviation);
   out["deviation_T_g_M"] = column<double>(c.deviation_hull).reshape({bound.tables.deviation.rows(), int64_t{6}});
   for (const auto& [name, block] : c.global) out[name.c_str()] = block;
+  py::dict leverage;
+  for (size_t k = 0; k < kKindNames.size(); ++k) leverage[kKindNames[k]] = c.leverage[k];
+  out["leverage_by_factor"] = leverage;
   return out;
 }
 

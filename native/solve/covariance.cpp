@@ -55,6 +55,24 @@ void poses_and_globals(const Model& model, const Information& information, Covar
   }
 }
 
+// How many unknowns each kind of factor determines: what its residuals lose to the fit, in units of their variance.
+void leverages(const Model& model, const Information& information, Covariance& out) {
+  const BlockMatrix& z = information.reduced();
+  LinearFactor linear;
+  for (int64_t i : information.factors_of_no_landmark()) {
+    linear.at(model, i);
+    double trace = 0;
+    for (size_t a = 0; a < linear.blocks.size(); ++a) {
+      const int row = information.position(linear.blocks[a]);
+      for (size_t b = 0; row >= 0 && b <= a; ++b) {
+        const int column = information.position(linear.blocks[b]);
+        if (column >= 0) trace += (a == b ? 1 : 2) * (linear.by[a] * z.get(row, column)).cwiseProduct(linear.by[b]).sum();
+      }
+    }
+    out.leverage[static_cast<size_t>(model.kind_of(i))] += linear.weight * linear.weight * trace;
+  }
+}
+
 // With H the coupling and K the inverse of its own information: K + K H Z H' K, and -K H Z against T_g_M.
 void landmark(const Model& model, const Information& information, int64_t l, LandmarkInformation& own, LinearFactor& linear,
               Covariance& out) {
@@ -86,6 +104,7 @@ Covariance covariance(Model& model) {
   invert(model, information);
   Covariance out;
   poses_and_globals(model, information, out);
+  leverages(model, information, out);
   out.landmark.resize(model.landmarks() * 9);
   out.landmark_hull.assign(model.landmarks() * 18, 0.0);
   for_slabs(model.landmarks(), model.options().threads, [&](int64_t begin, int64_t end) {

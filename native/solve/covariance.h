@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@ struct Covariance {
   std::vector<double> deviation;       // (F,) variances
   std::vector<double> deviation_hull;  // (F, 6) with T_g_M
   std::map<std::string, Eigen::MatrixXd> global;
+  std::array<double, kKindNames.size()> leverage{};  // of the factors that meet no landmark, by kind: trace of J Z J'
 };
 
 // From the information at the model's unknowns: Huber rows weighted by rho', mixture rows by their label's sigma.

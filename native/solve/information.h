@@ -33,6 +33,7 @@ class Information {
   const std::vector<int>& positions() const { return position_; }
   int block_at(int position) const { return order_[position]; }
   const std::vector<int64_t>& factors_of(int64_t landmark) const { return of_landmark_[landmark]; }
+  const std::vector<int64_t>& factors_of_no_landmark() const { return free_of_landmarks_; }
 
   // Inverse of a landmark's own information. Throws StageError with the direction that nothing determines.
   static Eigen::Matrix3d invert(const LandmarkInformation& landmark, int64_t index);

@@ -163,10 +163,43 @@ def test_a_solution_with_few_landmarks_on_the_model_is_not_believed():
 
 def test_a_solution_on_a_good_model_is_believed():
     assert reason_against(round_with(hit=100, on_hull=90), OPTIONS) is None
-    growth = residual_growth(solved().adjusted.problem)
+    growth = residual_growth(solved().adjusted.problem, native.Options())
     assert set(growth) == set(MAX_GROWTH)
     for name, ratio in growth.items():
         assert 0.99 < ratio < MAX_GROWTH[name], name
+
+
+def with_poor_levels(seed):
+    """A right model, and tray, roll and pitch read to 0.6 degrees with nothing else that tells them: without the model each
+    follows its own reading, with it their residuals are some three times as large."""
+    rng, problem, sigma = np.random.default_rng(seed), solved(camera=False).adjusted.problem, 0.01
+    tray, attitude, count = problem.tray, problem.attitude, len(problem.tray.node)
+    levels = np.c_[np.zeros(count), sigma * rng.standard_normal((count, 2))]
+    poor = replace(
+        problem,
+        tray=replace(tray, measured=tray.measured + sigma * rng.standard_normal(count), sigma=np.full(count, sigma)),
+        attitude=replace(attitude, measured=attitude.measured + levels, sigma=attitude.sigma * [1, 0, 0] + [0, sigma, sigma]),
+        odometry=replace(problem.odometry, sqrt_information=problem.odometry.sqrt_information / 100),
+    )
+    return poor.started_from(native.solve(poor).unknowns)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_residuals_may_grow_where_a_right_model_determines_what_had_followed_the_noise(seed):
+    tied = with_poor_levels(seed)
+    growth = residual_growth(tied, native.Options())
+    assert growth["odometry"] < MAX_GROWTH["odometry"]
+    assert growth["attitude"] < MAX_GROWTH["attitude"]
+    squares = native.evaluate(tied).cost_by_factor
+    assert 2 * (squares["attitude"] + squares["tray"]) < 4 * len(tied.tray.node)  # no more than their four readings a node
+
+
+def test_growth_is_taken_as_it_is_where_something_is_not_determined(monkeypatch):
+    def refuse(problem, settings):
+        raise StageError("nothing determines it")
+
+    monkeypatch.setattr(native, "covariance", refuse)
+    assert residual_growth(with_poor_levels(1), native.Options())["attitude"] > 2
 
 
 def test_a_solution_that_a_shifted_model_bends_is_not_believed():
@@ -176,7 +209,7 @@ def test_a_solution_that_a_shifted_model_bends_is_not_believed():
     astray = replace(problem.unknowns, T_g_M=np.r_[wrong.translation[0], wrong.quaternion[0]])
     bent = problem.started_from(astray).hold("T_g_M", "deviation")
     bent = bent.started_from(native.solve(bent, native.Options(method="geva", max_iterations=15)).unknowns)
-    growth = residual_growth(bent)
+    growth = residual_growth(bent, native.Options())
     assert any(growth[name] > limit for name, limit in MAX_GROWTH.items())
     assert "laid onto it, the residuals grow: " in reason_against(round_with(100, 90, bent), OPTIONS)
 

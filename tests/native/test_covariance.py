@@ -74,6 +74,20 @@ def test_every_block_equals_that_of_the_dense_inverse(method: str, threads: int,
         assert_equal(got.deviation_T_g_M[k : k + 1], block(f"deviation {k}", "T_g_M"))
 
 
+@pytest.mark.parametrize("method", ["naive", "maxmix"])
+def test_the_leverage_of_factors_without_a_landmark_equals_that_of_the_dense_inverse(method: str, make_survey: Survey) -> None:
+    p, options = everything_free(make_survey(pixel_noise=1.0)), Options(method=method)
+    dense, _ = dense_covariance(p, options)
+    e = evaluate(p, options)
+    rows = jacobian(e) * e.weight[:, None]
+    by_row = np.einsum("ri,ij,rj->r", rows, dense, rows)
+    got = covariance(p, options).leverage_by_factor
+    assert set(got) == set(FACTORS)
+    for kind in ("prior", "attitude", "tray", "odometry", "range", "deviation"):
+        assert 0 < got[kind] == pytest.approx(by_row[e.factor == FACTORS.index(kind)].sum(), rel=1e-6), kind
+    assert got["stereo"] == got["mono"] == got["surface"] == 0
+
+
 def test_what_is_held_has_no_variance_and_the_rest_equals_the_dense_inverse(make_survey: Survey) -> None:
     p = make_survey()
     p.constant = (*p.constant, "tray", "T_g_M")

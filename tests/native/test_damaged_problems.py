@@ -107,7 +107,8 @@ def evaluated(p: Draft, options: Options) -> list[np.ndarray]:
 
 
 def marginals(p: Draft, options: Options) -> list[np.ndarray]:
-    return list(dataclasses.asdict(covariance(p, options)).values())
+    found = dataclasses.asdict(covariance(p, options))
+    return [*found.pop("leverage_by_factor").values(), *found.values()]
 
 
 def answer(call: Callable[[Draft, Options], list[np.ndarray]], p: Draft, options: Options) -> str:
