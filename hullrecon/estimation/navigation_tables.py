@@ -27,11 +27,14 @@ def attitude_table(attitude: Attitude, depth_weight: float = 1.0) -> native.Atti
     )
 
 
-def tray_table(tray_rad: Array, direction: Array, sigma_rad: float) -> native.TrayTable:
-    """Return the tray's angle as measured at every node (n,); direction (n,): the sense in which the backlash lies."""
-    n = len(tray_rad)
+def tray_table(tray_rad: Array, direction: Array, sigma_rad: float, unread_rad: Array) -> native.TrayTable:
+    """Return the tray's angle as measured at every node (n,); direction (n,): the sense in which the backlash lies; unread_rad
+    (n,): sigma of what it may have turned where it was not read."""
     return native.TrayTable(
-        node=np.arange(n, dtype=np.int32), measured=tray_rad, direction=direction, sigma=np.full(n, sigma_rad)
+        node=np.arange(len(tray_rad), dtype=np.int32),
+        measured=tray_rad,
+        direction=direction,
+        sigma=np.hypot(sigma_rad, unread_rad),
     )
 
 

@@ -161,7 +161,8 @@ class Returns:
 class Attitude:
     """Depth, roll and pitch at the nodes, as measured: node (m,), depth (m,) of the pressure sensor, roll, pitch (m,) rad,
     and one sigma of the white part of each (m, 3). tray_direction (n_nodes,): +1 or -1, the sense in which the tray last
-    moved (for the servo's backlash)."""
+    moved (for the servo's backlash); tray_sigma (n_nodes,): rad, beside the servo's own, of what the tray may have turned
+    while its angle was not read."""
 
     node: Ints
     depth: Array
@@ -169,3 +170,4 @@ class Attitude:
     pitch: Array
     sigma: Array
     tray_direction: Array
+    tray_sigma: Array

@@ -247,7 +247,13 @@ def _attitude(rng, poses, sense):
     depth = moved(poses, np.tile(PRESSURE_ORIGIN_M, (n, 1)))[:, 2] + NAVIGATION[4] + DEPTH_NOISE_M * rng.standard_normal(n)
     sigma = np.tile([DEPTH_NOISE_M, ATTITUDE_NOISE_RAD, ATTITUDE_NOISE_RAD], (n, 1))
     return Attitude(
-        node=np.arange(n), depth=depth, roll=roll_pitch[:, 0], pitch=roll_pitch[:, 1], sigma=sigma, tray_direction=sense
+        node=np.arange(n),
+        depth=depth,
+        roll=roll_pitch[:, 0],
+        pitch=roll_pitch[:, 1],
+        sigma=sigma,
+        tray_direction=sense,
+        tray_sigma=np.zeros(n),
     )
 
 

@@ -24,7 +24,15 @@ def dive(scene, depth, noise_m, given_m=GIVEN_M):
     n = len(depth)
     noise = noise_m * np.random.default_rng(1).standard_normal(n)
     level, sigma = np.zeros(n), np.tile([given_m, 0.002, 0.002], (n, 1))
-    attitude = Attitude(node=np.arange(n), depth=depth + noise, roll=level, pitch=level, sigma=sigma, tray_direction=np.ones(n))
+    attitude = Attitude(
+        node=np.arange(n),
+        depth=depth + noise,
+        roll=level,
+        pitch=level,
+        sigma=sigma,
+        tray_direction=np.ones(n),
+        tray_sigma=np.zeros(n),
+    )
     measured = SimpleNamespace(attitude=attitude, rig=scene.rig, tracks=scene.tracks, trajectory=SimpleNamespace(tray=level))
     nodes = poses.from_rpy(np.c_[level, level, depth], np.zeros((n, 3)))
     return measured, SimpleNamespace(nodes=nodes, tray=level, navigation=np.zeros(6))
@@ -49,6 +57,12 @@ def test_depths_get_the_sigma_of_their_residuals(depth_weight) -> None:
 def test_many_depths_do_not_tell_the_scale_better_than_the_waters_density_is_known(depth_weight) -> None:
     depth = np.linspace(2.0, 3.0, 400)
     assert depth_weight(depth, noise_m=0.0) == pytest.approx(0.002 * 20 * np.std(depth) / GIVEN_M)
+
+
+def test_depths_that_were_not_measured_do_not_count(scene) -> None:
+    measured, _ = dive(scene, np.full(400, 3.0), 0.004)
+    measured.attitude.sigma[:300, 0] = 1e3
+    assert depth_sigma(measured, replace(WEIGHTS, depth=0.5)) == pytest.approx(0.5 * GIVEN_M)
 
 
 def test_no_sigma_grows_beyond_what_navigation_gave(depth_weight) -> None:

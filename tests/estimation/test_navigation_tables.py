@@ -39,11 +39,16 @@ def test_the_weight_of_depths_leaves_roll_and_pitch_alone(dive):
 
 
 def test_every_node_has_the_trays_angle_and_the_sense_of_its_backlash():
-    table = tray_table(np.array([0.1, 0.2]), np.array([1.0, -1.0]), 0.01)
+    table = tray_table(np.array([0.1, 0.2]), np.array([1.0, -1.0]), 0.01, np.zeros(2))
     assert table.node.tolist() == [0, 1]
     assert table.measured.tolist() == [0.1, 0.2]
     assert table.direction.tolist() == [1.0, -1.0]
     assert table.sigma.tolist() == [0.01, 0.01]
+
+
+def test_a_tray_that_was_not_read_is_known_as_badly_as_it_may_have_turned():
+    table = tray_table(np.array([0.1, 0.2]), np.array([1.0, -1.0]), 0.03, np.array([0.0, 0.4]))
+    np.testing.assert_allclose(table.sigma, [0.03, 0.4011], atol=1e-4)
 
 
 def test_odometry_is_whitened_by_its_covariance(dive):

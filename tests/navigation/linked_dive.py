@@ -76,6 +76,7 @@ def simulate(seed: int, per_leg: int = 30, drift: float | None = None) -> Linked
         pitch=measured[:, 2],
         sigma=np.tile(ATTITUDE_SIGMA, (len(truth), 1)),
         tray_direction=np.ones(len(truth)),
+        tray_sigma=np.zeros(len(truth)),
     )
     return LinkedDive(
         global_from_vehicle=truth,

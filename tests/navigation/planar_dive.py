@@ -87,6 +87,7 @@ def measured(
         pitch=measured[:, 2],
         sigma=np.tile(ATTITUDE_SIGMA, (n, 1)),
         tray_direction=np.ones(n),
+        tray_sigma=np.zeros(n),
     )
     return PlanarDive(
         truth=truth,

@@ -198,6 +198,69 @@ def test_a_hole_in_the_attitude_is_reported_and_widens_the_turn(perfect, rig):
     assert found.odometry.covariance[40, 5, 5] > 100 * found.odometry.covariance[10, 5, 5]
 
 
+def until(record, stop_s: float, *fields: str):
+    """A record whose sensor stopped."""
+    kept = (record.t_ns - 1_777_887_000_000_000_000) * 1e-9 < stop_s
+    return replace(record, **{name: getattr(record, name)[kept] for name in ("t_ns", *fields)})
+
+
+def test_a_pressure_sensor_that_stopped_measures_no_depth_afterwards(simulated, noisy, rig):
+    whole = reckoned(noisy, rig)
+    found = reckoned(replace(noisy, pressure=until(noisy.pressure, 15.0, "depth")), rig)
+    t = (found.trajectory.t_ns - 1_777_887_000_000_000_000) * 1e-9
+    read, unread = t < 15.0, t > 15.5
+    np.testing.assert_array_equal(found.attitude.sigma[read], whole.attitude.sigma[read])
+    assert (found.attitude.sigma[unread, 0] >= 100.0).all()
+    error = np.abs(found.trajectory.translation - truth_at(simulated, found).translation)[:, 2]
+    sigma = np.sqrt(found.trajectory.covariance[:, 2, 2])
+    assert (error < 3 * sigma).all()
+    assert sigma[-1] > 1.05 * sigma[read][-1]  # DVL, mount and tray drift from there
+    assert "pressure: no reading for 24.4 s of the path's 39.0; there the depth is counted on by the DVL" in found.remarks
+
+
+def test_a_pressure_sensor_that_never_ran_beside_the_dvl_is_none(perfect, rig):
+    late = replace(perfect.pressure, t_ns=perfect.pressure.t_ns + 10**12)
+    found = reckoned(replace(perfect, pressure=late), rig)
+    assert (found.attitude.sigma[:, 0] >= 100.0).all()
+    assert any("no pressure" in words for words in found.remarks)
+
+
+def test_a_tray_that_is_no_longer_read_may_have_turned_on(simulated, perfect, rig):
+    found = reckoned(replace(perfect, tray=until(perfect.tray, 20.0, "angle")), rig)
+    whole = reckoned(perfect, rig)
+    t = (found.trajectory.t_ns - 1_777_887_000_000_000_000) * 1e-9
+    sigma, wrong = found.attitude.tray_sigma, np.abs(simulated.tray(t) - found.trajectory.tray)
+    assert (sigma[t < 20] == 0).all()
+    assert (wrong < 1e-3 + 3 * sigma).all()
+    assert wrong.max() > 0.3
+    assert (found.odometry.covariance[-5:, 0, 0] > 2 * whole.odometry.covariance[-5:, 0, 0]).all()
+    error = np.abs(found.trajectory.translation - truth_at(simulated, found).translation)[:, :2]
+    assert (error < 3 * np.sqrt(np.diagonal(found.trajectory.covariance, axis1=1, axis2=2))[:, :2]).all()
+    assert any(words.startswith("tray: no reading for 19.") for words in found.remarks)
+
+
+def test_a_tray_that_is_logged_when_it_turns_is_known_while_it_stands(perfect, rig):
+    t = perfect.dvl.t_ns[0] + 10**9 * np.array([-1, 0, 1, 30, 31, 41])
+    tray = replace(perfect.tray, t_ns=t, angle=np.array([0.0, 0.1, 0.2, 0.2, 0.3, 0.3]))
+    assert (reckoned(replace(perfect, tray=tray), rig).attitude.tray_sigma == 0).all()
+
+
+def test_roll_and_pitch_in_a_hole_of_the_attitude_are_hardly_known(perfect, rig):
+    t = (perfect.imu.t_ns - perfect.dvl.t_ns[0]) * 1e-9
+    kept = (t < 20) | (t > 30)
+    fields = ("t_ns", "quaternion", "angular_velocity", "acceleration")
+    imu = replace(perfect.imu, **{f: getattr(perfect.imu, f)[kept] for f in fields})
+    sigma = reckoned(replace(perfect, imu=imu), rig).attitude.sigma[:, 1]
+    assert sigma.max() == pytest.approx(0.25, rel=0.1)
+    assert sigma[:38] == pytest.approx(SIGMAS.tilt_rad)
+
+
+def test_images_of_the_upper_camera_alone_are_counted(perfect, rig):
+    bottom = replace(perfect.top, usable=np.arange(len(perfect.top.t_ns)) < 60)
+    found = reckoned(replace(perfect, bottom=bottom), rig)
+    assert "19 images of the upper camera have no partner in the lower one" in found.remarks
+
+
 def test_a_step_in_depth_is_reported(perfect, rig):
     depth = perfect.pressure.depth.copy()
     depth[200:] += 1.0

@@ -111,7 +111,7 @@ def test_the_white_covariance_is_that_of_velocity_noise_and_of_a_turn_that_swing
 
 def remarks_on(path: Reckoning, pings: DvlPings, nodes: Nodes, flagged: np.ndarray):
     hung = returns(pings, path, path.at(nodes.t_ns), flagged)
-    return remarks_of(pings.t_ns, False, path, nodes, None, hung)
+    return remarks_of(pings.t_ns, path, nodes, None, hung)
 
 
 def pings_along(path: Reckoning, range_m: float) -> DvlPings:
@@ -136,7 +136,7 @@ def test_what_was_bridged_and_what_was_rejected_is_reported_with_its_times(plain
     across = f"navigation alone knows the way across it to {sigma_m:.2f} m (one sigma, each axis)"
     assert f"DVL: 2 outages bridged at constant velocity, the longest 3.5 s; {across}" in sentences
     assert "1 of 402 DVL ranges rejected as outliers" in sentences
-    assert "2 images before or after the DVL's log have no pose" in sentences
+    assert "2 images have no pose: DVL and IMU did not both run then" in sentences
     assert facts["outages_s"] == [[1.0, 2.0], [4.0, 7.5]]
     assert facts["flagged_returns_s"] == [5.0]
     assert facts["path_length_m"] == pytest.approx(2.0)
@@ -144,7 +144,7 @@ def test_what_was_bridged_and_what_was_rejected_is_reported_with_its_times(plain
 
 
 def test_a_run_without_a_flaw_says_only_what_was_not_logged(plain) -> None:
-    path = run(plain, [0.2, 0, 0])
+    path = run(plain, [0.2, 0, 0], tray=0.0)
     pings = pings_along(path, range_m=np.nan)
     sentences, facts = remarks_on(path, pings, Nodes(stamps([0, 10]), np.full((2, 2), -1), 0, 0), np.zeros((201, 2), bool))
     assert sentences == [

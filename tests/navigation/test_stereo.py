@@ -203,6 +203,14 @@ def test_an_imu_and_a_pressure_sensor_give_the_start(rig) -> None:
     assert np.allclose(found.attitude.roll, 0.1)
 
 
+def test_a_pressure_sensor_that_stopped_holds_no_depth_under_the_cameras(rig) -> None:
+    t = START_NS + 10**8 * np.arange(-5, 25)
+    found = navigated(rig, Aids(pressure=PressureSamples(t_ns=t, depth=np.full(30, 3.0))))
+    assert found.attitude.sigma[:3, 0].tolist() == [SIGMAS.depth_m] * 3
+    assert (found.attitude.sigma[3:, 0] >= 100.0).all()
+    assert "pressure: no reading for 2.6 s of the path's 5.0; there the depth is counted on by the cameras" in found.remarks
+
+
 def test_a_pair_that_sees_nothing_is_stepped_over(rig) -> None:
     found = navigated(rig, Aids(), blind=(3,))
     assert found.facts["lost_steps"] == [2]

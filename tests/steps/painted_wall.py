@@ -117,7 +117,15 @@ def level(record):
     n = len(record.t_ns)
     sigma = np.tile([0.005, 0.002, 0.002], (n, 1))
     depth = record.translation[:, 2]
-    return Attitude(node=np.arange(n), depth=depth, roll=np.zeros(n), pitch=np.zeros(n), sigma=sigma, tray_direction=np.ones(n))
+    return Attitude(
+        node=np.arange(n),
+        depth=depth,
+        roll=np.zeros(n),
+        pitch=np.zeros(n),
+        sigma=sigma,
+        tray_direction=np.ones(n),
+        tray_sigma=np.zeros(n),
+    )
 
 
 def with_navigation(dive, folder, global_from_top, image=None, sigma_m=0.01):

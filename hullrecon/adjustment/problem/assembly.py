@@ -63,7 +63,7 @@ def assemble(
         lever_arms=native.LeverArms(tray=m.rig.tray_origin, pressure=m.rig.pressure_origin),
         priors=priors,
         attitude=attitude_table(m.attitude, weights.depth),
-        tray=tray_table(m.trajectory.tray, weights.tray_direction, weights.tray),
+        tray=tray_table(m.trajectory.tray, weights.tray_direction, weights.tray, m.attitude.tray_sigma),
         velocities=velocity_table(m.odometry, m.trajectory.t_ns),
         odometry=odometry_table(_unseen_motions(m, chosen), m.trajectory.tray, m.rig.T_s_d.nominal, state.nodes),
     )

@@ -13,7 +13,7 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.error_propagation import dead_reckoning_errors, trajectory_covariance
 from hullrecon.navigation.dead_reckoning.nodes import Nodes, choose_nodes
-from hullrecon.navigation.dead_reckoning.odometry import odometry
+from hullrecon.navigation.dead_reckoning.odometry import odometry, widen_for_tray
 from hullrecon.navigation.dead_reckoning.reckoning import Instant, Reckoning, reckon
 from hullrecon.navigation.dead_reckoning.remarks import remarks_of
 from hullrecon.navigation.dead_reckoning.returns import flag_ranges, returns
@@ -68,10 +68,10 @@ def dead_reckon(logs: NavigationLogs, rig: SensorRig, sigmas: NavigationSigmas, 
     path = _path(logs, rig, sigmas.tilt_rad, options)
     nodes = _nodes(logs, path, options)
     at = path.at(nodes.t_ns)
-    depth = None if logs.pressure is None else hold_to_pressure(logs.pressure, path, nodes.t_ns, 0.5 * options.node_spacing_s)
+    depth = _depth(logs.pressure, path, nodes, options)
     flagged = flag_ranges(logs.dvl, options.beam_window_s, options.beam_jump_m, options.beam_sigmas, sigmas.range_m)
     beams = returns(logs.dvl, path, at, flagged)
-    notes, facts = remarks_of(logs.dvl.t_ns, logs.tray is None, path, nodes, depth, beams)
+    notes, facts = remarks_of(logs.dvl.t_ns, path, nodes, depth, beams)
     poses = _poses(path, at, depth)
     errors = dead_reckoning_errors(path, at, poses, depth, sigmas)
     covariance = trajectory_covariance(errors, poses)
@@ -86,9 +86,9 @@ def dead_reckon(logs: NavigationLogs, rig: SensorRig, sigmas: NavigationSigmas, 
     return Navigated(
         trajectory=trajectory,
         error_model=errors,
-        odometry=odometry(path, at),
+        odometry=widen_for_tray(odometry(path, at), path.servo.unread_sigma(at.t_ns)),
         returns=beams,
-        attitude=_attitude(at, depth, sigmas),
+        attitude=_attitude(path, at, depth, sigmas),
         remarks=[*messages, *notes],
         facts=facts,
     )
@@ -151,6 +151,14 @@ def _nodes(logs: NavigationLogs, path: Reckoning, options: NavigateOptions) -> N
     return nodes
 
 
+def _depth(pressure: PressureSamples | None, path: Reckoning, nodes: Nodes, options: NavigateOptions) -> Depth | None:
+    """Return what the pressure adds; None where no sensor was read at any node."""
+    if pressure is None:
+        return None
+    found = hold_to_pressure(pressure, path, nodes.t_ns, 0.5 * options.node_spacing_s)
+    return None if found.unread_s.all() else found
+
+
 def usable_frames(index: ImageIndex | None) -> tuple[Ints, Ints]:
     """Return stamps and rows of the frames that decode, in time order; none without an index."""
     if index is None:
@@ -169,9 +177,19 @@ def _poses(path: Reckoning, at: Instant, depth: Depth | None) -> Poses:
     return Poses(at.rotation.as_quat(), position)
 
 
-def _attitude(at: Instant, depth: Depth | None, sigmas: NavigationSigmas) -> Attitude:
+def _attitude(path: Reckoning, at: Instant, depth: Depth | None, sigmas: NavigationSigmas) -> Attitude:
+    """Return depth, roll and pitch of the nodes; what no reading is near was counted on, not measured, and has a wide sigma."""
     n = len(at.t_ns)
     roll, pitch, _ = roll_pitch_yaw(at.rotation).T
     measured = np.zeros(n) if depth is None else depth.measured
-    sigma = np.tile([UNKNOWN_SIGMA_M if depth is None else sigmas.depth_m, sigmas.tilt_rad, sigmas.tilt_rad], (n, 1))
-    return Attitude(node=np.arange(n), depth=measured, roll=roll, pitch=pitch, sigma=sigma, tray_direction=at.direction.copy())
+    depth_is_measured = np.zeros(n, bool) if depth is None else depth.unread_s == 0
+    tilt = np.hypot(sigmas.tilt_rad, path.attitude.unread_sigma(at.t_ns))
+    return Attitude(
+        node=np.arange(n),
+        depth=measured,
+        roll=roll,
+        pitch=pitch,
+        sigma=np.stack([np.where(depth_is_measured, sigmas.depth_m, UNKNOWN_SIGMA_M), tilt, tilt], axis=1),
+        tray_direction=at.direction.copy(),
+        tray_sigma=path.servo.unread_sigma(at.t_ns),
+    )

@@ -13,7 +13,7 @@ from hullrecon.navigation.dead_reckoning.reckoning import BACKLASH, MOMENT, MOUN
 from hullrecon.navigation.sensors.depth import Depth
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.trajectory import TrajectoryErrorModel
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Ints
 
 UNKNOWN_DEPTH_M = 10.0  # without a pressure sensor the depth of the start is anyone's guess
 LEAST_SIGMA_M = 1e-4  # of a position: keeps the covariance at the start invertible
@@ -27,7 +27,8 @@ def dead_reckoning_errors(
 ) -> TrajectoryErrorModel:
     """Return what makes the published T_g_v (n,) at those instants wrong, relative to the start in x, y and heading.
 
-    Depth is absolute: its bias and the smoothed noise of the pressure; without pressure it drifts like x and y.
+    Depth is absolute: its bias and the smoothed noise of the pressure; without pressure it drifts like x and y, from the next
+    node that was read where the sensor was silent for a while.
     """
     by_error = pose_by_error(at)
     by_error[:, :3] -= pose_by_error(path.at(np.array([path.start_ns])))[:, :3]  # the path is counted from there
@@ -37,10 +38,12 @@ def dead_reckoning_errors(
     walk[:, [0, 1, 2], [0, 1, 2]] = np.maximum(drift, 0)[:, None]
     white[:, [0, 1, 2], [0, 1, 2]] = LEAST_SIGMA_M**2
     white[:, [3, 4, 5], [3, 4, 5]] = path.attitude.sigma_rad**2
+    walk[:, [0, 1, 2], [0, 1, 2]] += _by_unread_tray(path, at)[:, None]
     if depth is not None:
-        by_error[:, 2, :DEPTH_BIAS] = 0.0
+        near = _nearest_depth(at, depth)
+        by_error[:, 2, :DEPTH_BIAS] -= by_error[near, 2, :DEPTH_BIAS]
+        white[:, 2, 2] = depth.sigma**2 + np.abs(walk[:, 2, 2] - walk[near, 2, 2])
         walk[:, 2, 2] = 0.0
-        white[:, 2, 2] = depth.sigma**2
     to_twist = twist_by_pose_error(poses)
     # The velocities' noise shifts the rest of the path: a shift is the same twist wherever the node stands.
     return TrajectoryErrorModel(
@@ -49,6 +52,22 @@ def dead_reckoning_errors(
         walk=walk,
         white=to_twist @ white @ np.swapaxes(to_twist, 1, 2),
     )
+
+
+def _by_unread_tray(path: Reckoning, at: Instant) -> Array:
+    """Return (n,) m2, each axis: where a tray that was not read turns the velocity, the way is off with it."""
+    sigma = path.servo.unread_sigma(at.t_ns)
+    step_m = np.linalg.norm(np.diff(at.instrument, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(0.5 * (sigma[1:] + sigma[:-1]) * step_m)]) ** 2
+
+
+def _nearest_depth(at: Instant, depth: Depth) -> Ints:
+    """Return for each node (n,) the node nearest in time at which the depth was measured: itself in the rule."""
+    read = np.flatnonzero(depth.unread_s == 0)
+    after = np.minimum(np.searchsorted(read, np.arange(len(at.t_ns))), len(read) - 1)
+    before = np.maximum(after - 1, 0)
+    is_before = at.t_ns - at.t_ns[read[before]] < np.abs(at.t_ns[read[after]] - at.t_ns)
+    return np.asarray(read[np.where(is_before, before, after)])
 
 
 def trajectory_covariance(model: TrajectoryErrorModel, poses: Poses) -> Array:

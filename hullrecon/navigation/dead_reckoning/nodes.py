@@ -16,12 +16,14 @@ FAR_FROM_FRAME_S = 1.0
 @dataclass(frozen=True)
 class Nodes:
     """t_ns (n,); image (n, 2): row in the index of camera_top and camera_bottom, -1 where none. unpaired: frames of the bottom
-    camera without a partner; outside: frames before or after the log of navigation."""
+    camera without a partner; outside: frames before or after the log of navigation; lone: frames of the top camera without a
+    partner, where there is a bottom camera."""
 
     t_ns: Ints
     image: Ints
     unpaired: int
     outside: int
+    lone: int = 0
 
 
 def pair_frames(top_ns: Ints, bottom_ns: Ints) -> Ints:
@@ -60,7 +62,8 @@ def choose_nodes(
     t_ns = np.concatenate([frame_ns, extra])
     order = np.argsort(t_ns, kind="stable")
     table = np.vstack([image, np.full((len(extra), 2), -1, np.int64)])[order]
-    return Nodes(t_ns[order], table, len(unpaired) if len(top[0]) else 0, int((~inside).sum()))
+    lone = len(top[0]) - len(pair) if len(bottom[0]) else 0
+    return Nodes(t_ns[order], table, len(unpaired) if len(top[0]) else 0, int((~inside).sum()), lone)
 
 
 def nearest(sorted_ns: Ints, wanted_ns: Ints) -> Ints:

@@ -9,6 +9,8 @@ R_s_d Exp(w), a tray at theta + d.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from hullrecon.geometry.poses import Poses
@@ -53,6 +55,15 @@ def odometry(path: Reckoning, at: Instant) -> Odometry:
         by_tray=by_tray,
         from_images=np.zeros(n - 1, bool),
     )
+
+
+def widen_for_tray(found: Odometry, tray_sigma: Array) -> Odometry:
+    """Return the edges with what a wrong angle does to them in second order: their derivative is that at the angle as logged.
+    tray_sigma (n,): rad, where the tray was not read."""
+    turn = np.maximum(tray_sigma[found.first], tray_sigma[found.second])
+    covariance = found.covariance.copy()
+    covariance[:, [0, 1, 2], [0, 1, 2]] += ((0.5 * turn**2 * np.linalg.norm(found.translation, axis=1)) ** 2)[:, None]
+    return replace(found, covariance=covariance)
 
 
 def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:

@@ -17,7 +17,7 @@ BLANK_S, BLANK_PERIODS = 2.0, 5.0  # between two images: a span longer than both
 
 
 def remarks_of(
-    pings_ns: Ints, no_tray: bool, path: Reckoning, nodes: Nodes, depth: Depth | None, returns: Returns
+    pings_ns: Ints, path: Reckoning, nodes: Nodes, depth: Depth | None, returns: Returns
 ) -> tuple[list[str], dict[str, object]]:
     """Return sentences, and the numbers behind them for navigation.json; times are seconds since the first velocity."""
 
@@ -29,6 +29,8 @@ def remarks_of(
     way_m = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path.at(nodes.t_ns).instrument, axis=0), axis=1))])
     blank = images_missing(nodes, way_m)
     steps = np.zeros(0, np.int64) if depth is None else depth.steps
+    no_depth = "" if depth is None else depth.silence
+    no_angle = path.servo.silence(nodes.t_ns)
     sentences = [
         (
             len(v.outages),
@@ -46,8 +48,11 @@ def remarks_of(
         (len(blank), _without_images(nodes.t_ns, blank)),
         (depth is None, "no pressure: the depth is counted from the start and drifts"),
         (len(steps), f"pressure: {_times(len(steps), 'step')} that the DVL did not see, the first at {_first(since(steps))} s"),
-        (no_tray, "no tray angles: the tray is taken to stand at zero"),
-        (nodes.outside, f"{_times(nodes.outside, 'image')} before or after the DVL's log have no pose"),
+        (no_depth, f"pressure: {no_depth}; there the depth is counted on by the DVL"),
+        (not path.servo.is_read, "no tray angles: the tray is taken to stand at zero"),
+        (no_angle, f"tray: {no_angle}; there it is taken to stand as last read, or to turn evenly between two readings"),
+        (nodes.outside, f"{_times(nodes.outside, 'image')} have no pose: DVL and IMU did not both run then"),
+        (nodes.lone, f"{_times(nodes.lone, 'image')} of the upper camera have no partner in the lower one"),
         (nodes.unpaired, f"{_times(nodes.unpaired, 'image')} of the lower camera have no partner in the upper one"),
     ]
     facts: dict[str, object] = {

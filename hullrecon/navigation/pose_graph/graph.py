@@ -89,7 +89,7 @@ class PoseGraph:
                 navigation_sigma=rig.navigation_sigma,
             ),
             attitude=attitude_table(self.attitude),
-            tray=tray_table(t.tray, self.attitude.tray_direction, rig.tray_sigma),
+            tray=tray_table(t.tray, self.attitude.tray_direction, rig.tray_sigma, self.attitude.tray_sigma),
             velocities=velocity_table(self.odometry, t.t_ns),
             odometry=odometry_table(_unlinked_motions(self.odometry, links), t.tray, rig.T_s_d.nominal, path),
             links=link_table(links, len(t.t_ns), kernel),

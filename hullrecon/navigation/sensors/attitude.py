@@ -62,6 +62,14 @@ class AttitudeHistory:
             left += apart**2 * share
         return np.asarray(bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2 + left)
 
+    def unread_sigma(self, at_ns: Ints) -> Array:
+        """Return (m,) rad, each axis: of an attitude in a hole, by the time to the next reading; 0 where there was one."""
+        out = np.zeros(len(at_ns))
+        for begin, end in self.holes:
+            inside = (at_ns > begin) & (at_ns < end)
+            out[inside] = BRIDGED_RATE_RAD_S * np.minimum(at_ns - begin, end - at_ns)[inside] * 1e-9
+        return out
+
 
 def attitude_history(imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: float) -> AttitudeHistory:
     """Return the attitude by an IMU's record in time order. sigma_tilt_rad: white error of roll and pitch where rates cannot

@@ -15,6 +15,7 @@ import numpy as np
 
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
+from hullrecon.navigation.sensors.silence import describe_silence, unread_s
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
 from hullrecon.records.sensors import PressureSamples
 from hullrecon.typing import Array, Ints
@@ -26,13 +27,16 @@ STEP_M = 0.3  # between two readings, beyond what the DVL saw
 @dataclass(frozen=True)
 class Depth:
     """z to add to the DVL's vertical path at the nodes: shift (n,), its sigma (m). measured (n,): depth of the sensor there.
-    steps (k,): stamps where the pressure jumped against the DVL; white: scatter of one reading, m."""
+    steps (k,): stamps where the pressure jumped against the DVL; white: scatter of one reading, m. unread_s (n,): how far in
+    time the next reading is, 0 where the depth was measured; silence: the same in words, "" without any."""
 
     shift: Array
     sigma: float
     measured: Array
     steps: Ints
     white: float
+    unread_s: Array
+    silence: str
 
 
 def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints, window_s: float) -> Depth:
@@ -44,13 +48,16 @@ def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints,
     gap = depth - _sensor(path, t_ns)
     steady = running_median(gap[:, None], 5)[:, 0]
     slow, _ = local_line(t, steady, np.concatenate([at, t]), WIDTH_S)
-    shift, fitted = slow[: len(at), 0], slow[len(at) :, 0]
+    fitted, unread = slow[len(at) :, 0], unread_s(t_ns, nodes_ns)
+    shift = np.where(unread > 0, np.interp(at, t, fitted), slow[: len(at), 0])  # a line fitted to noise leads far astray there
     white = robust_sigma(gap - fitted, about=0.0)
     step = float(np.median(np.diff(t)))
     sigma = max(white * np.sqrt(step / (2 * np.sqrt(np.pi) * WIDTH_S)), 1e-3)
     near, _ = local_line(t, steady, at, window_s)
     jumps = np.abs(np.diff(steady)) > max(STEP_M, 6 * white)
-    return Depth(shift, float(sigma), near[:, 0] + _sensor(path, nodes_ns), t_ns[1:][jumps], white)
+    measured = near[:, 0] + _sensor(path, nodes_ns)
+    silence = describe_silence(t_ns, nodes_ns)
+    return Depth(shift, float(sigma), measured, t_ns[1:][jumps], white, unread, silence)
 
 
 def path_seconds(path: Reckoning, t_ns: Ints) -> Array:

@@ -19,7 +19,8 @@ from hullrecon.navigation.dead_reckoning.nodes import pair_frames
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_history
 from hullrecon.navigation.sensors.clock import in_order, seconds
-from hullrecon.navigation.sensors.servo import servo
+from hullrecon.navigation.sensors.servo import Servo, servo
+from hullrecon.navigation.sensors.silence import describe_silence, unread_s
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.navigation.stereo_odometry.calibration_errors import calibration_moment
 from hullrecon.navigation.stereo_odometry.pair_motion import Frame, PairMotion
@@ -34,7 +35,7 @@ from hullrecon.navigation.stereo_odometry.visual_odometry import (
 from hullrecon.records.sensors import ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
 from hullrecon.rig import SensorRig
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +53,15 @@ class Aids:
     imu: ImuSamples | None = None
     pressure: PressureSamples | None = None
     tray: JointSamples | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredDepth:
+    """depth (n,) m of the pressure sensor at the nodes; is_read (n,): False where it was silent; silence: that in words."""
+
+    depth: Array
+    is_read: Mask
+    silence: str
 
 
 def stereo_navigate(
@@ -103,8 +113,8 @@ def stereo_navigate(
         error_model=errors,
         odometry=_edges(step, covariance + by_calibration @ calibration @ np.swapaxes(by_calibration, 1, 2), chain.lost),
         returns=no_returns(),
-        attitude=_attitude(history, depth, t_ns, sigmas, tray.direction_at(t_ns)),
-        remarks=_remarks(chain, t_ns, unpaired, aids),
+        attitude=_attitude(history, depth, t_ns, sigmas, tray),
+        remarks=_remarks(chain, t_ns, unpaired, aids, depth, tray),
         facts=_facts(chain, step, t_ns),
     )
 
@@ -125,22 +135,24 @@ def _guess(t_ns: Ints, history: AttitudeHistory | None, vehicle_from_camera: Pos
     return StepGuess(t_s=t_s, camera=camera, turn_variance=history.turn_variance(t_ns[:-1], t_ns[1:]))
 
 
-def _start(history: AttitudeHistory | None, depth: Array | None, t_ns: Ints, rig: SensorRig) -> Poses:
+def _start(history: AttitudeHistory | None, depth: MeasuredDepth | None, t_ns: Ints, rig: SensorRig) -> Poses:
     start = identity() if history is None else Poses(history.rotation(t_ns[:1]).as_quat(), np.zeros((1, 3)))
     if depth is None:
         return start
     sensor = start.apply(rig.pressure_origin)[0, 2]
-    return Poses(start.quaternion, np.array([[0.0, 0.0, depth[0] - sensor]]))
+    return Poses(start.quaternion, np.array([[0.0, 0.0, depth.depth[0] - sensor]]))
 
 
-def _depths(pressure: PressureSamples | None, t_ns: Ints) -> Array | None:
-    """Return the depth (n,), m, of the sensor at the nodes, linear between readings; None where it was not measured."""
+def _depths(pressure: PressureSamples | None, t_ns: Ints) -> MeasuredDepth | None:
+    """Return the depth of the sensor at the nodes, linear between readings; None where it was not measured."""
     if pressure is None or np.isfinite(pressure.depth).sum() < 2:
         return None
     record = in_order(pressure, "pressure")[0]
     known = np.isfinite(record.depth)
     start = int(t_ns[0])
-    return np.asarray(np.interp(seconds(t_ns, start), seconds(record.t_ns[known], start), record.depth[known]))
+    read_ns = record.t_ns[known]
+    depth = np.interp(seconds(t_ns, start), seconds(read_ns, start), record.depth[known])
+    return MeasuredDepth(depth=depth, is_read=unread_s(read_ns, t_ns) == 0, silence=describe_silence(read_ns, t_ns))
 
 
 def _edges(step: Poses, covariance: Array, lost: Ints) -> Odometry:
@@ -175,34 +187,45 @@ def no_returns() -> Returns:
 
 
 def _attitude(
-    history: AttitudeHistory | None, depth: Array | None, t_ns: Ints, sigmas: NavigationSigmas, direction: Array
+    history: AttitudeHistory | None, depth: MeasuredDepth | None, t_ns: Ints, sigmas: NavigationSigmas, tray: Servo
 ) -> Attitude:
     """Return the record; what was not measured has a wide sigma. Empty but for the tray where neither was measured."""
+    direction, tray_sigma = tray.direction_at(t_ns), tray.unread_sigma(t_ns)
     if history is None and depth is None:
         none = np.zeros(0)
         return Attitude(
-            node=np.zeros(0, np.int64), depth=none, roll=none, pitch=none, sigma=np.zeros((0, 3)), tray_direction=direction
+            node=np.zeros(0, np.int64),
+            depth=none,
+            roll=none,
+            pitch=none,
+            sigma=np.zeros((0, 3)),
+            tray_direction=direction,
+            tray_sigma=tray_sigma,
         )
     n = len(t_ns)
     roll, pitch = np.zeros((2, n)) if history is None else roll_pitch_yaw(history.rotation(t_ns)).T[:2]
-    tilt = np.pi if history is None else sigmas.tilt_rad
-    sigma = np.tile([UNKNOWN_SIGMA_M if depth is None else sigmas.depth_m, tilt, tilt], (n, 1))
+    tilt = np.full(n, np.pi) if history is None else np.hypot(sigmas.tilt_rad, history.unread_sigma(t_ns))
+    is_read = np.zeros(n, bool) if depth is None else depth.is_read
     return Attitude(
         node=np.arange(n),
-        depth=np.zeros(n) if depth is None else depth,
+        depth=np.zeros(n) if depth is None else depth.depth,
         roll=roll,
         pitch=pitch,
-        sigma=sigma,
+        sigma=np.stack([np.where(is_read, sigmas.depth_m, UNKNOWN_SIGMA_M), tilt, tilt], axis=1),
         tray_direction=direction,
+        tray_sigma=tray_sigma,
     )
 
 
-def _remarks(chain: StereoChain, t_ns: Ints, unpaired: int, aids: Aids) -> list[str]:
+def _remarks(chain: StereoChain, t_ns: Ints, unpaired: int, aids: Aids, depth: MeasuredDepth | None, tray: Servo) -> list[str]:
+    no_depth, no_angle = "" if depth is None else depth.silence, tray.silence(t_ns)
     longest_s = 1e-9 * float(np.diff(t_ns)[chain.lost].max(initial=0))
     sentences = [
         (True, "no DVL: the path is stereo visual odometry; its scale is that of the rig's baseline"),
         (aids.imu is None, "no IMU: the vehicle is taken to be level at the first pair"),
         (aids.pressure is None, "no pressure: the depth is counted from the first pair"),
+        (no_depth, f"pressure: {no_depth}; there the depth is counted on by the cameras"),
+        (no_angle, f"tray: {no_angle}; there it is taken to stand as last read, or to turn evenly between two readings"),
         (unpaired, f"{unpaired} images have no partner in the other camera and no pose"),
         (
             len(chain.lost),
