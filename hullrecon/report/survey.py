@@ -74,6 +74,11 @@ class AdjustedDive:
         """Return whether the dive was aligned with a CAD model."""
         return self.solution.hull_pose is not None
 
+    @property
+    def cad_model_was_refused(self) -> bool:
+        """Return whether there was a CAD model that the adjustment left out."""
+        return not self.has_cad_model and self.summary.cad_model_refused is not None
+
 
 @dataclass(frozen=True, kw_only=True)
 class Surfaces:

@@ -23,6 +23,11 @@ from hullrecon.vision.stereo.matching import StereoMatches
 from hullrecon.vision.tracks.landmarks import NodeMatches, build_tracks
 from hullrecon.vision.tracks.track_verification import Link, contradicted_observations
 
+NO_IMAGES = (
+    "look whether images are lit, sharp and of the hull; without the cameras (their topics, or camera_top.csv and"
+    " camera_bottom.csv) a run goes on with the DVL alone"
+)
+
 
 @dataclass(frozen=True, kw_only=True)
 class MatchedImages:
@@ -86,7 +91,7 @@ def join_images(
     Raises StageError where no two images match.
     """
     if not pairs.joined.any():
-        raise StageError("no two images could be matched", where="links", remedy=_most_frequent_reason(pairs))
+        raise StageError("no two images could be matched", where=f"links: {_most_frequent_reason(pairs)}", remedy=NO_IMAGES)
     size = np.diff(features.start)
     tracks = build_tracks(
         stereo.features,

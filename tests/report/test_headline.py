@@ -12,9 +12,10 @@ import pytest
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit
+from hullrecon.report.content.frame_words import origin_in_words
 from hullrecon.report.content.headline import headline, key_figures, path_length_m, verdict, weak_sentences
 from hullrecon.report.export.summary import counts
-from hullrecon.report.step_documents import LogFindings, MosaicFacts
+from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts
 from hullrecon.report.survey import Mosaic, Mosaics, Provenance, Survey
 
 
@@ -58,6 +59,16 @@ def test_an_adjusted_dive_without_a_cad_model_is_in_g(survey: Survey, solution: 
     in_g = replace(survey, track=free.track(), adjusted=replace(survey.adjusted, solution=free))
     assert "a local frame (g), as there is no CAD model" in headline(in_g)[1]
     assert line_with(in_g, "landmarks were") == "3 landmarks were measured in the images."
+
+
+def test_a_cad_model_that_was_left_out_is_not_said_to_be_none(survey: Survey, solution: Solution) -> None:
+    assert survey.adjusted is not None
+    free = replace(solution, hull_pose=None)
+    refused = replace(survey.adjusted, solution=free, summary=AdjustSummary(cad_model_refused="it is another ship's"))
+    in_g = replace(survey, track=free.track(), adjusted=refused)
+    assert "a local frame (g), as the CAD model was left out, see warnings; median" in headline(in_g)[1]
+    assert origin_in_words(in_g).startswith("The CAD model was left out: positions are relative to the start of the dive")
+    assert origin_in_words(replace(in_g, adjusted=None)).startswith("There is no CAD model to align with")
 
 
 def test_landmarks_on_the_hull_are_a_share_of_all(survey: Survey) -> None:

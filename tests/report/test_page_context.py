@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from html import unescape
 from io import BytesIO
 
 import numpy as np
@@ -139,3 +140,13 @@ def test_a_wide_mosaic_is_reduced_for_the_page() -> None:
 def test_a_mosaic_is_named_by_its_sensor() -> None:
     shown = mosaic_context("sonar", Mosaic(facts=MosaicFacts(caption="c"), preview=preview(20), has_mesh=False))
     assert (shown["name"], shown["stem"], shown["caption"], shown["has_mesh"]) == ("Sonar", "sonar", "c", False)
+
+
+def test_frames_are_numbered_on_the_ship_alone(survey: Survey, bare: Survey) -> None:
+    """A CAD model that was left out leaves its frame spacing in dive.toml."""
+    in_g = replace(bare, facts=replace(bare.facts, hull=survey.facts.hull), surfaces=survey.surfaces)
+    on_ship, off_ship = (draw_plan(dive, chart_view(dive)) for dive in (survey, in_g))
+    assert ">fr " in on_ship
+    assert ">fr " not in off_ship
+    assert "on the hull's chart" in unescape(on_ship)
+    assert "on the survey's own plane" in unescape(off_ship)

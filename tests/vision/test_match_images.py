@@ -5,9 +5,10 @@
 import numpy as np
 import pytest
 
+from hullrecon.errors import StageError
 from hullrecon.records.links import NodePairs
 from hullrecon.records.tracks import Tracks
-from hullrecon.vision.match_images import MatchedImages
+from hullrecon.vision.match_images import MatchedImages, join_images
 from hullrecon.vision.pair_match import REASON_TEXTS, Reason
 
 
@@ -76,6 +77,14 @@ def test_a_pair_that_the_path_contradicts_joins_nothing_and_is_counted_apart():
     assert found.chains() == [3, 1]
     assert (found.counts()["matched"], found.counts()["rejected"], found.counts()["matched_across_legs"]) == (2, 1, 0)
     assert found.failures() == {}
+
+
+def test_images_of_which_none_match_are_an_error_that_says_why_and_what_to_try():
+    pairs = matched([(0, 1), (1, 2)], [Reason.FEW_PUTATIVE, Reason.FEW_PUTATIVE]).pairs
+    with pytest.raises(StageError, match="no two images could be matched") as raised:
+        join_images(None, np.zeros((3, 2)), pairs, None, None, None, 3)
+    assert f"of 2 pairs most failed by: {REASON_TEXTS[Reason.FEW_PUTATIVE]}" in str(raised.value.where)
+    assert "goes on with the DVL alone" in str(raised.value.remedy)
 
 
 def test_without_pairs_there_is_no_chain():

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from hullrecon.dive.logs.readers.protocol import Loss
-from hullrecon.dive.logs.timeline import NS, describe_gaps, format_time, rate_hz
+from hullrecon.dive.logs.timeline import NS, describe_ends, describe_gaps, format_time, rate_hz
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import DvlPings, ImageIndex, JointSamples, PressureSamples, SensorRecords
 from hullrecon.typing import Ints
@@ -38,13 +38,12 @@ def describe_streams(records: SensorRecords, images: Mapping[str, ImageIndex]) -
     """Return a sentence for each sensor (how many readings, how long, at which rate), its gaps, and ranges of values."""
     out: list[str] = []
     streams: Iterable[tuple[str, Stream]] = [*records.by_name().items(), *images.items()]
-    for name, record in streams:
-        t = record.t_ns
-        if not len(t):
-            continue
+    logged = [(name, record.t_ns) for name, record in streams if len(record.t_ns)]
+    whole = [min((int(t[0]) for _, t in logged), default=0), max((int(t[-1]) for _, t in logged), default=0)]
+    for name, t in logged:
         count, seconds, start = count_noun(len(t), NOUNS[name]), (t[-1] - t[0]) / NS, format_time(int(t[0]))
         out.append(f"{name}: {count} in {seconds:.1f} s from {start}" + (f", {rate_hz(t):.1f} Hz" if len(t) > 1 else ""))
-        out += describe_gaps(name, t)
+        out += describe_gaps(name, t) + describe_ends(name, t, *whole)
     joints = {"tray": records.tray, "sonar_tray": records.sonar_tray}
     return [
         *out, *_describe_depth(records.pressure), *_describe_dvl(records.dvl),

@@ -18,6 +18,7 @@ NS = 1_000_000_000
 JUMP_S = 1.0  # a clock that moves that much against the logger's has jumped; logging delays stay below
 GAP_PERIODS = 5.0  # and at least GAP_S: a silence that is named
 GAP_S = 1.0
+LATE_S = 2.0  # after the first sensor, or before the last one: a late start and an early end that are named
 BESIDE_NS = 30 * NS  # on either side of a jump: the readings that tell its size
 STEADY = 0.1  # of a jump: what half of the offsets beside it may scatter by
 LASTING = 20  # readings before and after a jump, at least, of a clock that is then put right; fewer are a late delivery
@@ -122,6 +123,13 @@ def describe_gaps(name: str, t_ns: Ints, longest: int = 5) -> list[str]:
         for i in sorted(silent, key=lambda i: -step[i])[:longest]
     ]
     return lines + ([f"{name}: {len(silent) - longest} more gaps, shorter"] if len(silent) > longest else [])
+
+
+def describe_ends(name: str, t_ns: Ints, start_ns: int, stop_ns: int) -> list[str]:
+    """Return a sentence where a sensor began late or ended early beside the whole log, by LATE_S or more."""
+    late_s, early_s = (int(t_ns[0]) - start_ns) / NS, (stop_ns - int(t_ns[-1])) / NS
+    out = [f"{name}: begins {late_s:.1f} s after the log does"] if late_s >= LATE_S else []
+    return out + ([f"{name}: ends {early_s:.1f} s before the log does"] if early_s >= LATE_S else [])
 
 
 def rate_hz(t_ns: Ints) -> float:

@@ -20,4 +20,6 @@ def origin_in_words(survey: Survey) -> str:
     """Return what positions without a CAD model are counted from."""
     heading = "the heading is that of the first attitude" if survey.facts.has_attitude else "no heading was measured"
     depth = "depths are below the water surface" if survey.facts.has_depth else "no depth was measured"
-    return f"There is no CAD model to align with: positions are relative to the start of the dive; {heading}, and {depth}."
+    refused = survey.adjusted is not None and survey.adjusted.cad_model_was_refused
+    why = "The CAD model was left out" if refused else "There is no CAD model to align with"
+    return f"{why}: positions are relative to the start of the dive; {heading}, and {depth}."

@@ -70,7 +70,8 @@ def _position(survey: Survey) -> str:
     sigma = lengths(np.median(survey.track.sigma[:, :3], axis=0).tolist())
     if survey.adjusted is None:
         return f"Positions are dead reckoned in a local frame (g); median one sigma in x / y / z: {sigma}."
-    frame = "the ship's frame (M)" if survey.is_in_hull_frame else "a local frame (g), as there is no CAD model"
+    why = "the CAD model was left out, see warnings" if survey.adjusted.cad_model_was_refused else "there is no CAD model"
+    frame = "the ship's frame (M)" if survey.is_in_hull_frame else f"a local frame (g), as {why}"
     return f"Positions are adjusted by method {survey.method} and given in {frame}; median one sigma in x / y / z: {sigma}."
 
 

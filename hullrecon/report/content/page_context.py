@@ -63,6 +63,7 @@ def page_context(
         "sections": sections,
         "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
         "frame_words": frame_in_words(survey),
+        "on_ship": survey.is_in_hull_frame,
         "origin_words": origin_in_words(survey),
         "deviation_rows": deviation_rows(figures),
         "offset_words": figures.offset_words if figures is not None else "",
@@ -120,8 +121,10 @@ def draw_plan(survey: Survey, view: ChartView) -> str:
     """Return the plan of the dive as SVG."""
     ellipses = object_ellipses(survey.findings.objects or (), view.chart)
     marks = [mark_of(o, at, e) for o, at, e in zip(survey.findings.objects or (), view.objects, ellipses, strict=True)]
+    chart = "the hull's chart" if survey.is_in_hull_frame else "the survey's own plane"
+    across = "girth" if survey.is_in_hull_frame else "across"
     title = (
-        f"Plan of the dive on the hull's chart, {view.extent.size[0]:.1f} m along by {view.extent.size[1]:.1f} m girth: "
+        f"Plan of the dive on {chart}, {view.extent.size[0]:.1f} m along by {view.extent.size[1]:.1f} m {across}: "
         f"path of the vehicle, hull seen, {count(len(marks), 'object')}."
     )
     plan = Plan(
@@ -130,7 +133,7 @@ def draw_plan(survey: Survey, view: ChartView) -> str:
         path_sigma=survey.track.sigma_on_chart(view.chart),
         marks=marks,
         ground=ground_png(view.found, view.extent) if view.found is not None else None,
-        frame_spacing_m=survey.facts.hull.frame_spacing if survey.facts.hull else None,
+        frame_spacing_m=survey.facts.hull.frame_spacing if survey.facts.hull and survey.is_in_hull_frame else None,
     )
     return plan_svg(plan, title)
 

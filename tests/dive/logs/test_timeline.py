@@ -7,7 +7,15 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from hullrecon.dive.logs.timeline import NS, describe_clock_jumps, describe_gaps, format_time, put_in_order, rate_hz
+from hullrecon.dive.logs.timeline import (
+    NS,
+    describe_clock_jumps,
+    describe_ends,
+    describe_gaps,
+    format_time,
+    put_in_order,
+    rate_hz,
+)
 from hullrecon.errors import InputError
 
 
@@ -156,3 +164,10 @@ def test_whatever_clocks_do_the_stamps_kept_grow_and_belong_to_rows(stamps, jump
     line = put_in_order("x", moved, sorted(stamps))
     assert (np.diff(line.t_ns) > 0).all()
     assert len(set(line.keep.tolist())) == len(line.keep) == len(line.t_ns)
+
+
+def test_a_sensor_that_began_late_or_ended_early_is_named() -> None:
+    assert describe_ends("pressure", ns(6.5, 7, 8), 0, 10 * NS) == [
+        "pressure: begins 6.5 s after the log does", "pressure: ends 2.0 s before the log does",
+    ]  # fmt: skip
+    assert describe_ends("imu", ns(0.5, 7, 9), 0, 10 * NS) == []
