@@ -4,8 +4,9 @@ import cv2
 import numpy as np
 import pytest
 
-from hullrecon.vision.features.corners import APART_PX, RADIUS_PX, describe_corners, find_corners
+from hullrecon.vision.features.corners import APART_PX, RADIUS_PX, describe_corners, find_corners, sample_patches
 from hullrecon.vision.features.descriptors import sparse_distance, to_unit
+from hullrecon.vision.features.zernike import zernike_magnitudes
 
 NO_SIFT = np.zeros((0, 2), np.float32)
 CENTRE = np.array([[60.0, 60.0]], np.float32)
@@ -82,6 +83,12 @@ def test_a_plain_or_small_image_has_no_corners(shape):
 def test_a_patch_that_is_turned_keeps_its_descriptor(degrees):
     among = [distance(texture(1), texture(seed)) for seed in range(2, 8)]
     assert distance(texture(1), turned(texture(1), degrees)) < 0.25 * min(among)
+
+
+def test_magnitudes_change_by_less_than_a_twentieth_however_a_patch_is_turned():
+    magnitudes = zernike_magnitudes(np.concatenate([sample_patches(turned(texture(1), k), CENTRE) for k in range(0, 181, 15)]))
+    change = np.linalg.norm(magnitudes[1:] - magnitudes[0], axis=1)
+    assert change.max() < 0.05 * np.linalg.norm(magnitudes[0])
 
 
 def test_contrast_and_brightness_do_not_change_a_descriptor():
