@@ -115,13 +115,13 @@ def _count_corners(
     worker: MatchWorker, image: Ints, pairs: NodePairs, links: CameraLinks, features: PairFeatures
 ) -> Ints | None:
     """Return how many of the features that each pair has in common (m,) are corners; None where no image has one."""
-    leading = [worker.read((int(top), int(bottom))).leading for top, bottom in image]
-    if not any(view.corners for view in leading):
+    views = (worker.read((int(top), int(bottom))).leading for top, bottom in image)
+    rows, corners = np.array([(len(view), view.corners) for view in views], np.int64).T
+    if not corners.any():
         return None
-    first_corner = np.array([len(view) - view.corners for view in leading])
     pair = np.repeat(np.flatnonzero(pairs.joined), np.diff(features.start))
     node = np.repeat(links.first, np.diff(features.start))
-    return np.bincount(pair[features.first >= first_corner[node]], minlength=len(pairs)).astype(np.int64)
+    return np.bincount(pair[features.first >= (rows - corners)[node]], minlength=len(pairs)).astype(np.int64)
 
 
 def _by_node(stereo: NodeStereo) -> list[StereoMatches]:
