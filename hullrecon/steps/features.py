@@ -36,11 +36,12 @@ class Extract:
     source: Path
     camera: Camera
     options: FeatureOptions
+    corners: bool
 
     def __call__(self, image: int) -> Features | None:
         """Return the features; None when the image cannot be read after all."""
         picture = ImageStore(self.ingest, self.source, self.camera.key).read(image)
-        return None if picture is None else extract(picture, self.options)
+        return None if picture is None else extract(picture, self.options, self.corners)
 
 
 def applies(settings: Mapping[str, object]) -> str | None:
@@ -59,9 +60,11 @@ def run(context: Context[FeatureOptions]) -> None:
     for camera in Camera:
         images = InputArtifacts(context.inputs).ingest.image_index(camera)
         if images is not None:
-            count, saliency = _write_camera(context, camera, images.usable)
-            index[f"{camera.key}_start"] = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
-            index[f"{camera.key}_saliency"] = saliency
+            written = _write_camera(context, camera, images.usable)
+            index[f"{camera.key}_start"] = np.concatenate([[0], np.cumsum(written.count)]).astype(np.int64)
+            index[f"{camera.key}_saliency"] = written.saliency
+            if written.corners.any():
+                index[f"{camera.key}_corners"] = written.corners
     if not any(index[name][-1] for name in index if name.endswith("_start")):
         raise StageError(
             "no image has a feature", where="features", remedy="lower features.contrast_threshold, or check the images"
@@ -69,10 +72,21 @@ def run(context: Context[FeatureOptions]) -> None:
     context.out.arrays("index.npz", index)
 
 
-def _write_camera(context: Context[FeatureOptions], camera: Camera, usable: Mask) -> tuple[Ints, Array]:
-    """Write one camera's arrays block by block; return the number of features and the saliency of each image (n,)."""
-    work = Extract(context.inputs["ingest"], context.source, camera, context.parameters)
-    count, saliency = np.zeros(len(usable), np.int64), np.zeros(len(usable))
+@dataclass(frozen=True, kw_only=True)
+class _Written:
+    """Of each image (n,): the number of its features, how many of them are corners, and its saliency."""
+
+    count: Ints
+    corners: Ints
+    saliency: Array
+
+
+def _write_camera(context: Context[FeatureOptions], camera: Camera, usable: Mask) -> _Written:
+    """Write one camera's arrays block by block; return what is known by image."""
+    corners = context.settings.read("matches.harris_share", float) > 0
+    work = Extract(context.inputs["ingest"], context.source, camera, context.parameters, corners)
+    n = len(usable)
+    out = _Written(count=np.zeros(n, np.int64), corners=np.zeros(n, np.int64), saliency=np.zeros(n))
     with ExitStack() as opened:
 
         def grow(kind: str, width: int, dtype: type[np.generic]) -> GrowingArray:
@@ -88,11 +102,12 @@ def _write_camera(context: Context[FeatureOptions], camera: Camera, usable: Mask
                 if found is None:
                     context.warn(f"image {row} of {camera.key} could not be read: it has no features")
                     continue
-                count[row], saliency[row] = len(found), local_saliency(found.descriptors)
+                out.count[row], out.corners[row] = len(found), found.corners
+                out.saliency[row] = local_saliency(found.without_corners().descriptors)
                 keypoints.append(found.keypoints)
                 descriptors.append(found.descriptors)
                 color.append(found.color)
-    return count, saliency
+    return out
 
 
 STAGE = Stage(
@@ -102,7 +117,7 @@ STAGE = Stage(
     parameters=FeatureOptions,
     version=2,
     run=run,
-    uses=("camera.top.calibration", "logs"),
+    uses=("camera.top.calibration", "logs", "matches.harris_share"),
     external=external,
     applies=applies,
 )

@@ -46,7 +46,8 @@ def run(context: Context[MatchOptions]) -> None:
 
 def _write_pairs(context: Context[MatchOptions], found: MatchedImages) -> None:
     pairs, chains = found.pairs, found.chains()
-    context.out.arrays("pairs.npz", {**to_arrays(pairs), "inliers": found.inliers})
+    kinds = {} if found.corners is None else {"corners": found.corners}
+    context.out.arrays("pairs.npz", {**to_arrays(pairs), "inliers": found.inliers, **kinds})
     reasons = {str(int(code)): text for code, text in REASON_TEXTS.items()}
     context.out.json("pairs.json", {"reasons": reasons, "failed": found.failures(), "chains": chains, "counts": found.counts()})
 

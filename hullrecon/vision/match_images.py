@@ -31,19 +31,21 @@ NO_IMAGES = (
 
 @dataclass(frozen=True, kw_only=True)
 class MatchedImages:
-    """The tracks, the pairs that were compared with the number of features that each has in common (m,), and the number of
-    keyframes and nodes."""
+    """The tracks, the pairs that were compared with the number of features that each has in common (m,), how many of these are
+    corners (None where none were looked for), and the number of keyframes and nodes."""
 
     tracks: Tracks
     pairs: NodePairs
     inliers: Ints
     keyframes: int
     nodes: int
+    corners: Ints | None = None
 
     def counts(self) -> dict[str, int]:
         """Return how many pairs, landmarks and observations there are."""
         matched, tracks = self.pairs.joined, self.tracks
         both = np.isfinite(tracks.top[:, 0]) & np.isfinite(tracks.bottom[:, 0])
+        kinds = {} if self.corners is None else {"matches": int(self.inliers.sum()), "corner_matches": int(self.corners.sum())}
         return {
             "keyframes": self.keyframes,
             "nodes": self.nodes,
@@ -55,6 +57,7 @@ class MatchedImages:
             "observations": len(tracks.landmark),
             "stereo_observations": int(both.sum()),
             "landmarks_of_several_nodes": int((np.bincount(tracks.landmark) > 1).sum()),
+            **kinds,
         }
 
     def failures(self) -> dict[str, int]:
@@ -109,7 +112,21 @@ def join_images(
     )
     inliers = np.zeros(len(pairs), np.int64)
     inliers[pairs.joined] = size
-    return MatchedImages(tracks=tracks, pairs=pairs, inliers=inliers, keyframes=keyframes, nodes=len(image))
+    corners = _count_corners(worker, image, pairs, links, features)
+    return MatchedImages(tracks=tracks, pairs=pairs, inliers=inliers, keyframes=keyframes, nodes=len(image), corners=corners)
+
+
+def _count_corners(
+    worker: MatchWorker, image: Ints, pairs: NodePairs, links: CameraLinks, features: PairFeatures
+) -> Ints | None:
+    """Return how many of the features that each pair has in common (m,) are corners; None where no image has one."""
+    views = (worker.read((int(top), int(bottom))).leading for top, bottom in image)
+    rows, corners = np.array([(len(view), view.corners) for view in views], np.int64).T
+    if not corners.any():
+        return None
+    pair = np.repeat(np.flatnonzero(pairs.joined), np.diff(features.start))
+    node = np.repeat(links.first, np.diff(features.start))
+    return np.bincount(pair[features.first >= (rows - corners)[node]], minlength=len(pairs)).astype(np.int64)
 
 
 def _by_node(stereo: NodeStereo) -> list[StereoMatches]:

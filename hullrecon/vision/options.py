@@ -49,6 +49,14 @@ class MatchOptions(Section, frozen=True):
     ratio: Annotated[Share, Meta(description="ratio, of the best to the next best descriptor distance")] = 0.8
     guided_ratio: Annotated[Share, Meta(description="ratio, the same where the position leaves few candidates")] = 0.8
     max_distance: Annotated[Positive, Meta(description="ratio, largest distance of two unit descriptors")] = 0.75
+    harris_share: Annotated[
+        float,
+        Meta(
+            ge=0,
+            le=0.5,
+            description="share, of the matches of two images that may be Harris corners with Zernike moments; 0 is SIFT alone",
+        ),
+    ] = 0.0
 
     seeds: Annotated[
         Count, Meta(description="features that look for the motion near navigation's; the guided search takes all")

@@ -112,6 +112,28 @@ def test_an_image_without_texture_has_no_features_but_whole_arrays():
     assert found.color.shape == (0, 3)
 
 
+def test_corners_come_behind_the_sift_features_which_stay(blobs):
+    noise = np.random.default_rng(1).integers(0, 255, (160, 200, 3)).astype(np.uint8)
+    plain, both = extract(noise, FeatureOptions()), extract(noise, FeatureOptions(), corners=True)
+    corners = both.keypoints[both.corner]
+    assert plain.corners == 0 < both.corners == len(both) - len(plain)
+    assert len(both.color) == len(both.descriptors) == len(both)
+    np.testing.assert_array_equal(both.without_corners().keypoints, plain.keypoints)
+    np.testing.assert_array_equal(both.without_corners().descriptors, plain.descriptors)
+    assert (corners[:, :2] > 20).all()  # in raw pixels, a patch of 20 px from the border
+    assert (corners[:, :2] < [180, 140]).all()
+    assert (corners[:, 2] == 40).all()
+
+
+def test_there_are_at_most_half_as_many_corners_as_features_are_asked_for():
+    noise = np.random.default_rng(1).integers(0, 255, (256, 256)).astype(np.uint8)
+    assert extract(noise, FeatureOptions(max_features=60), corners=True).corners == 30
+
+
+def test_an_image_without_sift_features_has_no_corners_either():
+    assert len(extract(np.full((64, 64), 7, np.uint8), FeatureOptions(), corners=True)) == 0
+
+
 def test_a_grey_image_gets_grey_colours():
     noise = np.random.default_rng(1).integers(0, 255, (128, 128)).astype(np.uint8)
     color = extract(noise, FeatureOptions()).color

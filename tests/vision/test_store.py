@@ -52,6 +52,18 @@ def test_features_are_read_by_image(tmp_path):
     assert (store.read(2).descriptors == 7).all()
 
 
+def test_the_last_rows_of_an_image_may_be_corners(tmp_path):
+    write(tmp_path, [3, 0, 2], 5)
+    assert FeatureStore(tmp_path, Camera.TOP).read(0).corners == 0
+    with np.load(tmp_path / "index.npz") as index:
+        np.savez(tmp_path / "index.npz", **index, camera_top_corners=np.array([1, 0, 2]))
+    os.utime(tmp_path / "index.npz", ns=(1, 1))
+    store = FeatureStore(tmp_path, Camera.TOP)
+    assert [store.read(k).corners for k in (0, 1, 2, -1)] == [1, 0, 2, 0]
+    assert store.read(0).corner.tolist() == [False, False, True]
+    assert [len(store.read(k).without_corners()) for k in (0, 1, 2)] == [2, 0, 0]
+
+
 def test_saliency_is_read_by_image(tmp_path):
     write(tmp_path, [3, 2], 5)
     store = FeatureStore(tmp_path, Camera.TOP)

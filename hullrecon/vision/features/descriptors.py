@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Comparing descriptors: everything against everything, or only a sparse list of pairs.
 
-Descriptors are RootSIFT as uint8 (features.py): unit vectors times 512, so that distances below are between unit vectors.
+Descriptors are RootSIFT as uint8: unit vectors times 512, so that distances below are between unit vectors.
 """
 
 from __future__ import annotations
@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.typing import Floats32, Ints
+from hullrecon.typing import Floats32, Ints, Pixels
 
 UNIT = 512.0
+WIDTH = 128  # numbers of a descriptor
 _CHUNK = 256  # pairs whose descriptors fit the cache together
 
 
@@ -28,6 +29,12 @@ class Putative:
 
     def __len__(self) -> int:
         return len(self.first)
+
+
+def root_sift(descriptors: Floats32) -> Pixels:
+    """Return the Hellinger form: square root of the L1-normalised vector (unit length), times 512, as bytes."""
+    share = descriptors / np.maximum(descriptors.sum(axis=1, keepdims=True), 1e-9)
+    return np.asarray(np.minimum(np.rint(np.sqrt(share) * UNIT), 255), np.uint8)
 
 
 def to_unit(descriptors: NDArray[np.uint8]) -> Floats32:

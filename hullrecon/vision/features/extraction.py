@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Features of one image: contrast levelled, SIFT found by OpenCV, RootSIFT descriptors as bytes, colours.
+"""Features of one image: contrast levelled, SIFT found by OpenCV, RootSIFT descriptors as bytes, colours; by option corners too.
 
 What moves a feature depending on where in the image it lies acts as a wrong lens: hundredths of a pixel bend a path of 45 m by
 centimetres (docs/methods.md 4). So the levelling knows no tiles, follows the light, and features are kept clear of the border.
@@ -16,6 +16,10 @@ from msgspec import Meta
 
 from hullrecon.dive.config.schema import Positive, Section
 from hullrecon.typing import Floats32, Mask, Pixels
+from hullrecon.vision.features.corners import RADIUS_PX, describe_corners, find_corners
+from hullrecon.vision.features.descriptors import WIDTH, root_sift
+
+CORNERS = 0.5  # of features.max_features: as many corners at most
 
 
 class FeatureOptions(Section, frozen=True):
@@ -51,23 +55,38 @@ CLEAR_SIZES = 2.0  # from the border, in diameters: nearer, up to 0.2 px of bias
 @dataclass(frozen=True)
 class Features:
     """keypoints (n, 4) float32: u, v in raw pixels (centre of the first is 0, 0), scale (diameter in px), score;
-    descriptors (n, 128) uint8; color (n, 3) uint8 RGB."""
+    descriptors (n, 128) uint8; color (n, 3) uint8 RGB. corners: how many of the last rows are corners, with the magnitudes of
+    Zernike moments for descriptors; the others are SIFT features."""
 
     keypoints: Floats32
     descriptors: Pixels
     color: Pixels
+    corners: int = 0
 
     def __len__(self) -> int:
         return len(self.keypoints)
 
+    @property
+    def corner(self) -> Mask:
+        """Return which rows (n,) are corners."""
+        return np.arange(len(self)) >= len(self) - self.corners
+
+    def without_corners(self) -> Features:
+        """Return the SIFT features alone."""
+        rows = slice(len(self) - self.corners)
+        return Features(self.keypoints[rows], self.descriptors[rows], self.color[rows])
+
 
 def no_features() -> Features:
     """Return the features of an image that is not there."""
-    return Features(np.zeros((0, 4), np.float32), np.zeros((0, 128), np.uint8), np.zeros((0, 3), np.uint8))
+    return Features(np.zeros((0, 4), np.float32), np.zeros((0, WIDTH), np.uint8), np.zeros((0, 3), np.uint8))
 
 
-def extract(image: Pixels, options: FeatureOptions) -> Features:
-    """Return the features of an image (h, w) or (h, w, 3) RGB, in a fixed order: by v, then u, then scale."""
+def extract(image: Pixels, options: FeatureOptions, corners: bool = False) -> Features:
+    """Return the features of an image (h, w) or (h, w, 3) RGB, in a fixed order: by v, then u, then scale.
+
+    corners: behind the SIFT features, where there are any, come corners.
+    """
     import cv2
 
     cv2.setNumThreads(1)  # several threads would change nothing but the load; processes are the parallel level
@@ -85,18 +104,25 @@ def extract(image: Pixels, options: FeatureOptions) -> Features:
     if not found:
         return no_features()
     table = np.array([(p.pt[0], p.pt[1], p.size, p.response) for p in found], np.float32)
-    table[:, :2] = (table[:, :2] + np.float32(0.5)) * step - np.float32(0.5)
-    table[:, 2] *= step.mean()
-    clear = _is_clear_of_border(table, gray.shape)
-    table, descriptors = table[clear], descriptors[clear]
     order = np.lexsort((table[:, 3], table[:, 2], table[:, 0], table[:, 1]))
-    return Features(table[order], root_sift(descriptors[order]), _colors(image, table[order]))
+    keypoints, vectors = _to_raw(table[order], step), root_sift(descriptors[order])
+    clear = _is_clear_of_border(keypoints, gray.shape)
+    keypoints, vectors = keypoints[clear], vectors[clear]
+    if not corners:
+        return Features(keypoints, vectors, _colors(image, keypoints))
+    place, response = find_corners(levelled, table[:, :2], int(CORNERS * options.max_features))
+    size = np.full(len(place), 2 * RADIUS_PX)
+    keypoints = np.concatenate([keypoints, _to_raw(np.column_stack([place, size, response]).astype(np.float32), step)])
+    vectors = np.concatenate([vectors, describe_corners(levelled, place)])
+    return Features(keypoints, vectors, _colors(image, keypoints), len(place))
 
 
-def root_sift(descriptors: Floats32) -> Pixels:
-    """Return the Hellinger form: square root of the L1-normalised vector (unit length), times 512, as bytes."""
-    share = descriptors / np.maximum(descriptors.sum(axis=1, keepdims=True), 1e-9)
-    return np.asarray(np.minimum(np.rint(np.sqrt(share) * 512.0), 255), np.uint8)
+def _to_raw(keypoints: Floats32, step: Floats32) -> Floats32:
+    """Return keypoints (n, 4) of the reduced image in raw pixels; step (2,) from its pixels to those."""
+    out = keypoints.copy()
+    out[:, :2] = (out[:, :2] + np.float32(0.5)) * step - np.float32(0.5)
+    out[:, 2] *= step.mean()
+    return out
 
 
 def _level(gray: Floats32, window_px: float) -> Pixels:

@@ -64,7 +64,8 @@ class FeatureStore:
         """Return the features of that row of the camera's ImageIndex, views into the mapped files; none for -1."""
         mapped = self._open()
         first, last = (0, 0) if image < 0 else mapped.start[image : image + 2]
-        return Features(mapped.keypoints[first:last], mapped.descriptors[first:last], mapped.color[first:last])
+        rows = mapped.keypoints[first:last], mapped.descriptors[first:last], mapped.color[first:last]
+        return Features(*rows, corners=0 if image < 0 else int(mapped.corners[image]))
 
     def saliency(self, image: int) -> float:
         """Return the local saliency of an image, 0 for -1."""
@@ -77,10 +78,11 @@ class FeatureStore:
 
 @dataclass(frozen=True)
 class _Mapped:
-    """The arrays of one camera, mapped."""
+    """The arrays of one camera, mapped. corners (n,): how many of each image's rows, the last, are corners."""
 
     start: Ints
     saliency: Array
+    corners: Ints
     keypoints: Floats32
     descriptors: NDArray[np.uint8]
     color: NDArray[np.uint8]
@@ -91,6 +93,8 @@ def _map(folder: Path, camera: str, stamp: tuple[int, int]) -> _Mapped:
     """Return the mapped arrays; `stamp` tells one build of the artifact from the next in the same folder."""
     with np.load(folder / "index.npz", allow_pickle=False) as index:
         start, saliency = np.asarray(index[f"{camera}_start"], np.int64), np.asarray(index[f"{camera}_saliency"], float)
+        none = np.zeros(len(saliency), np.int64)  # an artifact without corners says nothing of them
+        corners = np.asarray(index.get(f"{camera}_corners", none), np.int64)
     mode: Literal["r"] | None = "r" if start[-1] else None  # a file without rows cannot be mapped
     arrays = {kind: np.load(folder / f"{kind}_{camera}.npy", mmap_mode=mode, allow_pickle=False) for kind in KINDS}
-    return _Mapped(start, saliency, **arrays)
+    return _Mapped(start, saliency, corners, **arrays)

@@ -10,7 +10,8 @@ import numpy as np
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.typing import Array, Ints
-from hullrecon.vision.features.descriptors import Putative, best_of_all, best_of_pairs, sparse_distance
+from hullrecon.vision.features.descriptors import Putative, best_of_pairs, sparse_distance
+from hullrecon.vision.features.kinds import best_of_each_kind, like_pairs, limit_corners
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pair_match import PairMatch, Reason, agrees, failed_match
 from hullrecon.vision.pairs import mono_motion, pose_from_points, two_view
@@ -95,19 +96,23 @@ class PairMatcher:
         return self._within_ellipses(first, second, prior, rows, among)
 
     def _best(self, first: NodeView, second: NodeView, allowed: tuple[Ints, Ints] | None, rows: Ints, among: Ints) -> Putative:
-        """Return mutual best descriptors of those rows: of the pairs allowed, else of all."""
+        """Return mutual best descriptors of those rows: of the pairs allowed, else of all within each kind."""
         ratio, most = self.options.ratio, self.options.max_distance
         if allowed is None:
-            found = best_of_all(first.descriptor[rows], second.descriptor[among], ratio, most)
-            return Putative(first=rows[found.first], second=among[found.second], distance=found.distance)
-        return best_of_pairs(*allowed, sparse_distance(first.descriptor, second.descriptor, *allowed), ratio, most)
+            kinds = first.corner[rows], second.corner[among]
+            found = best_of_each_kind(first.descriptor[rows], second.descriptor[among], *kinds, ratio, most)
+            found = Putative(first=rows[found.first], second=among[found.second], distance=found.distance)
+        else:
+            found = best_of_pairs(*allowed, sparse_distance(first.descriptor, second.descriptor, *allowed), ratio, most)
+        return limit_corners(found, first.corner[found.first], self.options.harris_share)
 
     def _within_ellipses(self, first: NodeView, second: NodeView, motion: Motion, rows: Ints, among: Ints) -> tuple[Ints, Ints]:
+        """Return the pairs of one kind that lie in the ellipse of each row."""
         sigma = self.options.sigma_px / self.rig.focal_px(first.camera)
         mean, covariance = transfer(motion, first.xy[rows], first.depth[rows], first.depth_sigma[rows], sigma)
         known = np.flatnonzero(np.isfinite(mean).all(axis=1))
         a, b = in_ellipse(mean[known], covariance[known], second.xy[among], self.options.gate_chi2)
-        return rows[known][a], among[b]
+        return like_pairs(rows[known][a], among[b], first.corner, second.corner)
 
     def _refine_and_guide(self, first: NodeView, second: NodeView, seeds: Putative, start: Array | None) -> PairMatch:
         """Return the matches to which a first guess of the motion leads, once it is refined."""
@@ -190,7 +195,8 @@ class PairMatcher:
         good[seen] &= error < limit
         near = a[good], b[good]
         distance = sparse_distance(first.descriptor, second.descriptor, *near)
-        return best_of_pairs(*near, distance, self.options.guided_ratio, self.options.max_distance)
+        found = best_of_pairs(*near, distance, self.options.guided_ratio, self.options.max_distance)
+        return limit_corners(found, first.corner[found.first], self.options.harris_share)
 
     def _match_two_views(
         self, first: NodeView, second: NodeView, seeds: Putative, gated: tuple[Ints, Ints] | None, prior: Motion | None

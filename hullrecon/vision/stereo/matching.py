@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.typing import Array, Floats32, Ints
+from hullrecon.typing import Array, Floats32, Ints, Mask
 from hullrecon.vision.features.descriptors import best_of_pairs, sparse_distance
+from hullrecon.vision.features.kinds import like_pairs, limit_corners
 from hullrecon.vision.pairs.gated_search import in_box
 from hullrecon.vision.stereo.rectification import Rectification, triangulate
 
@@ -29,13 +30,23 @@ class StereoMatches:
 @dataclass(frozen=True, kw_only=True)
 class StereoLimits:
     """column: half width of the band, ideal units (pixels over focal length); depths of the scene; ratio, max_distance: of unit
-    descriptors."""
+    descriptors; harris_share: of the matches that may be corners."""
 
     column: float
     nearest_m: float
     farthest_m: float
     ratio: float
     max_distance: float
+    harris_share: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class StereoSide:
+    """One camera's features: xy (n, 2) ideal coordinates, descriptor (n, 128) unit, corner (n,): which are corners."""
+
+    xy: Array
+    descriptor: Floats32
+    corner: Mask
 
 
 def no_matches() -> StereoMatches:
@@ -43,17 +54,16 @@ def no_matches() -> StereoMatches:
     return StereoMatches(top=np.zeros(0, np.int64), bottom=np.zeros(0, np.int64), point=np.zeros((0, 3)))
 
 
-def match_stereo(
-    rectification: Rectification, top: tuple[Array, Floats32], bottom: tuple[Array, Floats32], limits: StereoLimits
-) -> StereoMatches:
-    """Return mutual best matches within the band of [Ozog2016 D.2.1]; each side is (ideal coordinates (n, 2), unit
-    descriptors (n, 128))."""
-    xy_top, xy_bottom = rectification.rectify_top(top[0]), rectification.rectify_bottom(bottom[0])
+def match_stereo(rectification: Rectification, top: StereoSide, bottom: StereoSide, limits: StereoLimits) -> StereoMatches:
+    """Return mutual best matches within the band of [Ozog2016 D.2.1]."""
+    xy_top, xy_bottom = rectification.rectify_top(top.xy), rectification.rectify_bottom(bottom.xy)
     most, least = rectification.disparity(limits.nearest_m), rectification.disparity(limits.farthest_m)
     middle = np.array([0.0, 0.5 * float(most + least)])
     half = np.array([limits.column, max(0.5 * float(most - least), limits.column)])
-    first, second = in_box(xy_top - middle, half, xy_bottom)
-    found = best_of_pairs(first, second, sparse_distance(top[1], bottom[1], first, second), limits.ratio, limits.max_distance)
+    near = like_pairs(*in_box(xy_top - middle, half, xy_bottom), top.corner, bottom.corner)
+    distance = sparse_distance(top.descriptor, bottom.descriptor, *near)
+    found = best_of_pairs(*near, distance, limits.ratio, limits.max_distance)
+    found = limit_corners(found, top.corner[found.first], limits.harris_share)
     points = triangulate(rectification, xy_top[found.first], xy_bottom[found.second])
     ahead = np.isfinite(points).all(axis=1)
     return StereoMatches(top=found.first[ahead], bottom=found.second[ahead], point=points[ahead])

@@ -15,7 +15,7 @@ from hullrecon.vision.features.descriptors import to_unit
 from hullrecon.vision.features.extraction import Features
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.stereo.camera_rig import CameraRig
-from hullrecon.vision.stereo.matching import StereoLimits, StereoMatches, match_stereo, no_matches
+from hullrecon.vision.stereo.matching import StereoLimits, StereoMatches, StereoSide, match_stereo, no_matches
 from hullrecon.vision.stereo.rectification import Rectification, rectify
 
 
@@ -35,14 +35,16 @@ class DepthPrior:
 class NodeView:
     """A node for pair matching. camera: the leading one, the bottom one where the top has no image.
 
-    xy (n, 2) ideal coordinates in the leading camera, descriptor (n, 128) unit. other (n, 2): ideal coordinates in the bottom
-    camera of the stereo match, NaN where none; point (n, 3) in the leading camera, NaN where none. depth, depth_sigma (n,):
-    measured, carried over from stereo neighbours, from the prior, or NaN. normal: the prior's, in the leading camera's axes.
+    xy (n, 2) ideal coordinates in the leading camera, descriptor (n, 128) unit, corner (n,): not of SIFT. other (n, 2): ideal
+    coordinates in the bottom camera of the stereo match, NaN where none; point (n, 3) in the leading camera, NaN where none.
+    depth, depth_sigma (n,): measured, carried over from stereo neighbours, from the prior, or NaN. normal: the prior's, in the
+    leading camera's axes.
     """
 
     camera: Camera
     xy: Array
     descriptor: Floats32
+    corner: Mask
     other: Array
     point: Array
     depth: Array
@@ -71,12 +73,14 @@ def stereo_of_node(
         farthest_m=farthest,
         ratio=options.ratio,
         max_distance=options.max_distance,
+        harris_share=options.harris_share,
     )
     sides = [
-        (rig.model(k).undistort(f.keypoints[:, :2]), to_unit(f.descriptors)) for k, f in zip(Camera, (top, bottom), strict=True)
+        StereoSide(xy=rig.model(k).undistort(f.keypoints[:, :2]), descriptor=to_unit(f.descriptors), corner=f.corner)
+        for k, f in zip(Camera, (top, bottom), strict=True)
     ]
     found = match_stereo(rectify(rig.top_from_bottom), sides[0], sides[1], limits)
-    return drop_isolated_depths(found, sides[0][0][found.top])
+    return drop_isolated_depths(found, sides[0].xy[found.top])
 
 
 def drop_isolated_depths(matches: StereoMatches, xy: Array, neighbours: int = 8, factor: float = 6.0) -> StereoMatches:
@@ -112,6 +116,7 @@ def view_of_node(
         camera=camera,
         xy=xy,
         descriptor=to_unit(lead.descriptors),
+        corner=lead.corner,
         other=other,
         point=point,
         depth=depth,
