@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Features of one image: contrast levelled, SIFT found by OpenCV, RootSIFT descriptors as bytes, colours; by option corners too.
+"""Features of one image: contrast levelled, SIFT found by OpenCV, RootSIFT descriptors as bytes, colours; corners by option.
 
 What moves a feature depending on where in the image it lies acts as a wrong lens: hundredths of a pixel bend a path of 45 m by
 centimetres (docs/methods.md 4). So the levelling knows no tiles, follows the light, and features are kept clear of the border.
