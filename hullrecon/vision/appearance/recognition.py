@@ -127,6 +127,8 @@ def reject_look_alikes(
     rows = compared.kept()
     first, second = compared.proposal.first[rows], compared.proposal.second[rows]
     doubtful = known[first] & known[second]
+    if not doubtful.any():
+        return compared
     _, covariance = scene_offsets(track, first[doubtful], second[doubtful], scene.depth_m)
     sigma = largest_sigma(covariance)
     doubtful[doubtful] = sigma > BEYOND * footprint_m(scene.depth_m, scene.camera)
