@@ -143,7 +143,7 @@ class GraphSolution:
             return np.zeros(0)
         others = middle[1:]
         covariance = self.relative_errors().relative_covariance(np.full(len(others), middle[0]), others)[:, :3, :3]
-        return np.r_[0.0, np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0))]
+        return np.asarray(np.r_[0.0, np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0))])
 
 
 @dataclass(frozen=True, kw_only=True)
