@@ -16,6 +16,7 @@ from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.intrinsics import camera_fields
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.triangulation import camera_poses
+from hullrecon.adjustment.problem.weighting import UNKNOWN_DEPTH_M
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.artifacts.execution.memory_limit import refuse_small_address_space
@@ -27,6 +28,7 @@ from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.serialisation import to_arrays
+from hullrecon.records.trajectory import Attitude
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.typing import Ints
 
@@ -36,7 +38,7 @@ def run(context: Context[AdjustOptions]) -> None:
     measured = _measurements(context)
     adjusted = adjust(measured, context.parameters, logging.getLogger(__name__).info)
     outcome = summarise_adjustment(measured, adjusted, context.parameters)
-    for sentence in outcome.warnings:
+    for sentence in [*guess_without_depth(measured.cad_model, measured.attitude), *outcome.warnings]:
         context.warn(sentence)
     context.out.arrays("solution.npz", to_arrays(outcome.solution))
     context.out.arrays("iterations.npz", outcome.iterations)
@@ -49,6 +51,16 @@ def run(context: Context[AdjustOptions]) -> None:
         context.out.json("cameras.json", {name: camera_fields(camera) for name, camera in found.items() if camera is not None})
     if measured.tracks is not None:
         _write_colmap(context, replace(measured, rig=adjusted.rig), adjusted)
+
+
+def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[str]:
+    """Return what `hull.pose` means where no depth was measured: a sentence, or none."""
+    if cad_model is None or (attitude.sigma[:, 0] <= UNKNOWN_DEPTH_M).any():
+        return []
+    return [
+        "No depth was measured, so z of hull.pose counts from the depth of the first pose. If it was given from the water "
+        "surface, take that depth off it: else the CAD model is looked for that much too deep, and may be refused for it."
+    ]
 
 
 def _measurements(context: Context[AdjustOptions]) -> Measurements:
@@ -121,6 +133,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=12,
+    version=13,
     run=run,
 )

@@ -16,8 +16,9 @@ from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.schema import Logs
 from hullrecon.dive.images.store import ImageStore
+from hullrecon.dive.logs.summary import WITHOUT_CAMERAS
 from hullrecon.dive.package_files import named_images
-from hullrecon.errors import StageError
+from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.typing import Array, Ints, Mask
@@ -55,7 +56,11 @@ def external(settings: StageSettings, package: Path) -> list[Path]:
 
 
 def run(context: Context[FeatureOptions]) -> None:
-    """Leave the features of each camera and index.npz. Raises StageError where no image has one."""
+    """Leave the features of each camera and index.npz. Raises StageError where no image has one, InputError where the upper
+    camera has no image."""
+    top = InputArtifacts(context.inputs).ingest.image_index(Camera.TOP)
+    if top is None or not len(top.t_ns):
+        raise InputError("dive.toml has a camera.top, but no image of it was logged", where="features", remedy=WITHOUT_CAMERAS)
     index: dict[str, NDArray[np.generic]] = {}
     for camera in Camera:
         images = InputArtifacts(context.inputs).ingest.image_index(camera)

@@ -24,8 +24,8 @@ from hullrecon.vision.tracks.landmarks import NodeMatches, build_tracks
 from hullrecon.vision.tracks.track_verification import Link, contradicted_observations
 
 NO_IMAGES = (
-    "look whether images are lit, sharp and of the hull; without the cameras (their topics, or camera_top.csv and"
-    " camera_bottom.csv) a run goes on with the DVL alone"
+    "look whether images are lit, sharp and of the hull; without [camera.top] and [camera.bottom] in dive.toml a run goes on"
+    " with the DVL alone"
 )
 
 

@@ -4,7 +4,7 @@
 
 import json
 import zipfile
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import pycolmap
@@ -33,7 +33,8 @@ from hullrecon.geometry.charts.chart import chart_from_arrays
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.solution import Solution
-from hullrecon.steps.adjust import STAGE
+from hullrecon.records.trajectory import Attitude
+from hullrecon.steps.adjust import STAGE, guess_without_depth
 
 TO_DEGREES = np.r_[np.ones(3), np.full(3, 180 / np.pi)]
 
@@ -149,6 +150,17 @@ def test_warnings_and_times_go_into_the_manifest_and_not_into_the_result(stereo)
     manifest = json.loads((out / "manifest.json").read_text())
     assert "along the hull" in json.dumps(manifest)
     assert "seconds" not in load_arrays(out / "iterations.npz")
+
+
+def test_a_guess_of_the_hulls_pose_without_a_depth_is_spoken_of():
+    sigma = np.full((3, 3), 1e3)
+    attitude = Attitude(
+        node=np.arange(3), depth=np.zeros(3), roll=np.zeros(3), pitch=np.zeros(3), sigma=sigma,
+        tray_direction=np.ones(3), tray_sigma=np.zeros(3),
+    )  # fmt: skip
+    measured = replace(attitude, sigma=np.vstack([[0.02, 0.002, 0.002], sigma[1:]]))
+    assert "take that depth off it" in guess_without_depth(object(), attitude)[0]
+    assert guess_without_depth(object(), measured) == guess_without_depth(None, attitude) == []
 
 
 def test_the_chart_is_the_hulls(stereo):

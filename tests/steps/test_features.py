@@ -10,7 +10,7 @@ import pytest
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.schema import Cameras, CameraTop, Dive, Logs
-from hullrecon.errors import StageError
+from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.serialisation import to_arrays
@@ -126,6 +126,14 @@ def test_a_dive_without_a_single_feature_ends_with_advice(tmp_path):
     black = ingest(tmp_path / "ingest", [np.zeros((64, 64, 3), np.uint8)], [True])
     with pytest.raises(StageError, match="no image has a feature"):
         run(black, tmp_path / "out")
+
+
+def test_a_camera_that_logged_no_image_is_said_with_what_to_do(made, tmp_path):
+    """Without the upper camera's images a lower one alone ended in a KeyError of the step links."""
+    (made / "images_camera_top.npz").rename(made / "images_camera_bottom.npz")
+    (made / "images_camera_top.bin").rename(made / "images_camera_bottom.bin")
+    with pytest.raises(InputError, match=r"dive.toml has a camera.top, but no image of it was logged"):
+        run(made, tmp_path / "out")
 
 
 def test_a_dive_without_camera_has_no_features():

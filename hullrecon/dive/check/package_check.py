@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,10 +17,11 @@ from hullrecon.dive.check.messages import Stream
 from hullrecon.dive.check.sampled_images import SampledImages
 from hullrecon.dive.check.to_fill_in import to_fill_in
 from hullrecon.dive.config.load import LoadedConfig
+from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import Watch
-from hullrecon.dive.logs.summary import missing, needs
+from hullrecon.dive.logs.summary import WITHOUT_CAMERAS, missing, needs
 from hullrecon.dive.logs.timeline import rate_hz
 from hullrecon.dive.package_files import logo_of
 from hullrecon.dive.problems import Problems
@@ -121,7 +122,7 @@ def check_package(
         found=found,
         missing_files=missing_files,
         unusable=[*(error.line() for error in problems.found), *_lost_velocities(found.records.dvl)],
-        needs=needs(known),
+        needs=[*needs(known), *_images_not_logged(loaded.config, known)],
         missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
         to_fill_in=to_fill_in(loaded, logged),
         warnings=[
@@ -130,6 +131,14 @@ def check_package(
         ],
         defaults=defaults_of(loaded),
     )
+
+
+def _images_not_logged(config: DiveConfig, known: Set[str]) -> list[str]:
+    """Return a sentence where dive.toml has a camera that leads, and the logs no image of it."""
+    top = config.camera.top
+    if top is None or top.calibration is None or Camera.TOP.key in known:
+        return []
+    return [f"no image of camera.top was logged: {WITHOUT_CAMERAS}"]
 
 
 def _lost_velocities(dvl: DvlPings | None) -> list[str]:

@@ -27,6 +27,7 @@ NAMED = {
 UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "cam1")
 COMPRESSED = "/compressed"
 DIFFERENTIAL, LOWEST_ABSOLUTE_PA = ("diff", "gauge", "relative"), 80e3  # the lowest air pressure at any sea is 87 kPa
+WITHOUT_CAMERAS = "take [camera.top] and [camera.bottom] out of dive.toml (a lone camera is the top one)"
 UNIT = 0.05  # how far the length of an attitude's quaternion may be off 1
 MOST_FRAME_MESSAGES = 64
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled

@@ -165,6 +165,17 @@ def test_a_run_needs_velocities_with_a_heading_or_stereo_images(sensors, runnabl
     assert any("no run is possible" in line for line in missing(sensors)) != runnable
 
 
+def test_a_camera_of_which_no_image_was_logged_is_in_the_way_of_a_run(package, kit):
+    kit.mcap(package / "logs" / "dive.mcap", [e for e in kit.dive() if "camera" not in e.topic])
+    text = (package / "dive.toml").read_text()
+    (package / "dive.toml").write_text(
+        "\n".join(line for line in text.splitlines() if not line.startswith("camera_top")) + "\n"
+    )
+    found = check(package)
+    assert not found.run_is_possible
+    assert "no image of camera.top was logged: take [camera.top] and [camera.bottom] out of dive.toml" in found.verdict
+
+
 def test_the_last_line_is_the_verdict(package):
     found = check(package)
     assert found.lines()[-1].startswith("verdict: ready, with doubts (to fill in: tray.origin, pressure.origin, dvl.mount")
