@@ -105,7 +105,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=5,
+    version=6,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )
