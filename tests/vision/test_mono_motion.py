@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import exp
-from hullrecon.vision.pairs import mono_motion, two_view
+from hullrecon.vision.pairs import mono_inliers, mono_motion, two_view
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.stereo_adjustment import correlation_inflation
 from hullrecon.vision.pairs.two_view import PossibleMotion
@@ -61,11 +61,11 @@ def test_the_five_numbers_scatter_as_their_covariance_says():
 
 def test_the_derivatives_are_those_of_the_distance():
     first, second = matches(sigma=0.0)
-    residual, jacobian = mono_motion._linearise(UNIT, first, second)
+    residual, jacobian = mono_motion.linearise(UNIT, first, second)
     np.testing.assert_allclose(residual, 0, atol=1e-12)
     for k in range(5):
         step = 1e-6 * np.eye(5)[k]
-        plus, minus = (mono_motion._linearise(mono_motion._apply_step(UNIT, s), first, second)[0] for s in (step, -step))
+        plus, minus = (mono_motion.linearise(mono_motion._apply_step(UNIT, s), first, second)[0] for s in (step, -step))
         np.testing.assert_allclose(jacobian[:, k], (plus - minus) / 2e-6, atol=1e-6)
 
 
@@ -98,7 +98,7 @@ def test_the_noises_share_is_what_many_draws_show_and_does_not_depend_on_its_siz
     for sigma in (SIGMA, 4 * SIGMA):
         found = []
         for seed in range(60):
-            jacobian = mono_motion._linearise(still, *matches(seed=seed, sigma=sigma, motion=np.eye(4)))[1]
+            jacobian = mono_motion.linearise(still, *matches(seed=seed, sigma=sigma, motion=np.eye(4)))[1]
             found.append(jacobian[:, 3:].T @ jacobian[:, 3:] / sigma**2)
         share = mono_motion.noise_share(still, *matches(sigma=sigma, motion=np.eye(4))).sum(axis=0)
         np.testing.assert_allclose(np.mean(found, axis=0), share, atol=0.05 * np.trace(share))
@@ -106,7 +106,7 @@ def test_the_noises_share_is_what_many_draws_show_and_does_not_depend_on_its_siz
 
 def test_a_vehicle_that_moved_loses_no_information_by_it():
     motion, covariance = mono_motion.refine(UNIT, *matches())
-    residual, jacobian = mono_motion._linearise(motion, *matches())
+    residual, jacobian = mono_motion.linearise(motion, *matches())
     plain = np.linalg.inv(mono_motion._information(jacobian, mono_motion._variance(residual)))
     each = jacobian[:, :, None] * jacobian[:, None]
     shared = correlation_inflation(each, jacobian * residual[:, None], mono_motion._variance(residual), matches()[0])
@@ -194,9 +194,9 @@ def test_the_surfaces_normal_settles_the_motion_of_a_plane_whatever_navigation_s
     assert sorted(truth) == [False, True]
     wrong = choices[truth.index(False)]
     astray = Motion(wrong.motion, KNOWN)
-    found = mono_motion.choose(choices, seen, astray, (0.0, 0.0, 1.0))
+    found = mono_inliers.choose(choices, seen, astray, (0.0, 0.0, 1.0))
     assert np.abs(five(off_length(found))).max() < 0.02
-    other = mono_motion.choose(choices, seen, astray, tuple(wrong.normal))
+    other = mono_inliers.choose(choices, seen, astray, tuple(wrong.normal))
     assert np.abs(five(off_length(other))).max() > 0.05
 
 
@@ -212,10 +212,10 @@ def test_without_a_normal_navigation_settles_it_by_direction_as_well_as_rotation
     choices = [PossibleMotion(off(shift=2 * across)), PossibleMotion(UNIT)]
     seen = matches(n=6, sigma=0.0)
     priors = Motion(TRUE, 1e-6 * np.eye(6))
-    found = mono_motion.choose(choices, seen, priors, None)
+    found = mono_inliers.choose(choices, seen, priors, None)
     assert np.abs(five(off_length(found))).max() < 0.02
 
 
 def test_a_normal_says_nothing_about_an_essential_matrix():
-    found = mono_motion.choose([PossibleMotion(UNIT)], matches(), None, (0.0, 0.0, 1.0))
+    found = mono_inliers.choose([PossibleMotion(UNIT)], matches(), None, (0.0, 0.0, 1.0))
     assert np.abs(five(found.second_from_first)).max() < 0.05

@@ -14,7 +14,7 @@ from hullrecon.vision.features.descriptors import Putative, best_of_pairs, spars
 from hullrecon.vision.features.kinds import best_of_each_kind, like_pairs, limit_corners
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pair_match import PairMatch, Reason, agrees, failed_match
-from hullrecon.vision.pairs import mono_motion, pose_from_points, two_view
+from hullrecon.vision.pairs import mono_inliers, pose_from_points, two_view
 from hullrecon.vision.pairs.gated_search import in_ellipse
 from hullrecon.vision.pairs.gating import Motion, transfer
 from hullrecon.vision.pairs.stereo_adjustment import CalibrationEvidence, NodeObservations, adjust_stereo_motion
@@ -208,7 +208,11 @@ class PairMatcher:
         if found is None or found.inlier.sum() < self.options.min_inliers or not possible:
             return failed_match(len(seeds), Reason.FEW_INLIERS)
         inlier = found.inlier
-        motion = mono_motion.choose(possible, (xy[0][inlier], xy[1][inlier]), prior, first.normal)
+        motion = mono_inliers.choose(possible, (xy[0][inlier], xy[1][inlier]), prior, first.normal)
+        limit = (self.options.verify_px / self.rig.focal_px(Camera.TOP)) ** 2
+        inlier = inlier & (two_view.sampson_squared(two_view.essential_of(motion.second_from_first), *xy) < limit)
+        if inlier.sum() < self.options.min_inliers:
+            return failed_match(len(seeds), Reason.FEW_INLIERS)
         kept = Putative(first=seeds.first[inlier], second=seeds.second[inlier], distance=seeds.distance[inlier])
         near = (seeds.first, seeds.second) if gated is None else gated
         kept = _add_unmatched(kept, self._best_on_lines(first, second, motion.second_from_first, *near))

@@ -1,11 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Relative pose of two views without depth: which of the possible motions, how well its five numbers are known, and whether
-navigation agrees [Ozog2016 D.1; KimEustice2009 III-B]."""
+"""Relative pose of two views without depth: refined on matches, how well its five numbers are known, and whether navigation
+agrees [Ozog2016 D.1; KimEustice2009 III-B]."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -14,7 +12,7 @@ from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.stereo_adjustment import correlation_inflation
-from hullrecon.vision.pairs.two_view import PossibleMotion, essential_of
+from hullrecon.vision.pairs.two_view import essential_of
 
 ITERATIONS = 10
 FREEDOMS = 5  # of a motion without a length
@@ -32,14 +30,14 @@ def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
     that adjustment's. The covariance takes its scale from the residuals and from how far neighbours err together, and what the
     matches' own noise adds to the information about the direction is taken off.
     """
-    residual, jacobian = _linearise(motion, first, second)
+    residual, jacobian = linearise(motion, first, second)
     damping = 1e-6
     for _ in range(ITERATIONS):
         normal = _information(jacobian, _variance(residual))
         gradient = jacobian.T @ residual / _variance(residual)
         step = np.asarray(-np.linalg.solve(normal + damping * np.diag(np.diag(normal)), gradient))
         trial = _apply_step(motion, step)
-        trial_residual, trial_jacobian = _linearise(trial, first, second)
+        trial_residual, trial_jacobian = linearise(trial, first, second)
         if trial_residual @ trial_residual > residual @ residual:
             damping *= 100
             continue
@@ -90,23 +88,6 @@ def navigation_chi2(found: Motion, prior: Motion) -> float:
     length = max(float(along @ information @ target) / float(along @ information @ along), 0.0)
     gap = length * along - target
     return float(gap @ information @ gap)
-
-
-def choose(
-    possible: Sequence[PossibleMotion],
-    matches: tuple[Array, Array],
-    prior: Motion | None,
-    surface_normal: tuple[float, float, float] | None,
-) -> Motion:
-    """Return one of the motions that a matrix may stand for, refined on its inliers (n, 2) of both views, with its covariance.
-
-    The two motions of a plane differ by its normal: the DVL's decides where there is one, else navigation's rotation and
-    direction, else the order.
-    """
-    if surface_normal is not None and all(p.normal is not None for p in possible):
-        possible = [max(possible, key=lambda p: float(np.dot(surface_normal, p.normal)))]  # type: ignore[arg-type]
-    found = [with_length(*refine(p.motion, *matches), prior) for p in possible]
-    return found[0] if prior is None else min(found, key=lambda motion: navigation_chi2(motion, prior))
 
 
 def has_parallax(motion: Array, first: Array, second: Array, variance: float) -> bool:
@@ -166,7 +147,7 @@ def tangent_basis(direction: Array) -> Array:
     return np.stack([u, np.cross(direction, u)], axis=1)
 
 
-def _linearise(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
+def linearise(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
     """Return signed Sampson distances (n,) and their derivatives (n, 5), the distance's own denominator held."""
     essential = essential_of(motion)
     a, b = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (first, second))

@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which matches of two views without depth show one motion, where RANSAC alone cannot tell.
+
+On a nearly plane hull a turn and a shift of the camera look alike: a motion that is degrees off costs the right matches a tenth
+of a pixel each, and a few wrong ones that it happens to fit make it the likelier. Navigation knows the motion better than that:
+with it the wrong ones stand out. It chooses matches; what these say of the motion is refined without it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hullrecon.geometry.robust import robust_sigma
+from hullrecon.typing import Array
+from hullrecon.vision.pairs import mono_motion
+from hullrecon.vision.pairs.gating import Motion
+from hullrecon.vision.pairs.stereo_adjustment import OUTLIER_SIGMAS
+from hullrecon.vision.pairs.two_view import PossibleMotion
+
+ITERATIONS = 25
+LEAST_SIGMA = 1e-7  # ideal units, of a match
+LEAST_LENGTH_M = 1e-3
+WELL_KNOWN_RAD = 0.1  # of rotation and direction, one sigma
+NEAR_RAD = 0.3  # of either, from navigation: the two motions of a plane are farther apart
+LARGEST_STEP = 0.1  # rad, m: where the matches hardly tell, the linear step leads anywhere
+
+
+def choose(
+    possible: Sequence[PossibleMotion],
+    matches: tuple[Array, Array],
+    prior: Motion | None,
+    surface_normal: tuple[float, float, float] | None,
+) -> Motion:
+    """Return one of the motions that a matrix may stand for, refined on its inliers (n, 2) of both views, with its covariance.
+
+    The two motions of a plane differ by its normal: the DVL's decides where there is one, else navigation's rotation and
+    direction, else the order.
+    """
+    if surface_normal is not None and all(p.normal is not None for p in possible):
+        possible = [max(possible, key=lambda p: float(np.dot(surface_normal, p.normal)))]  # type: ignore[arg-type]
+    found = [mono_motion.with_length(*refine_on_inliers(p.motion, *matches, prior), prior) for p in possible]
+    return found[0] if prior is None else min(found, key=lambda motion: mono_motion.navigation_chi2(motion, prior))
+
+
+def refine_on_inliers(start: Array, first: Array, second: Array, prior: Motion | None) -> tuple[Array, Array]:
+    """Return the motion (4, 4) with |t| = 1 and its covariance (5, 5), as `mono_motion.refine` does, of the matches (n, 2) that
+    agree with the most likely motion, navigation's word counted; of all where navigation does not know the motion well or means
+    another.
+
+    Matches that do not agree are not without meaning: as many more may lie within the limit. In the variance they count as if
+    they lay on it.
+    """
+    alone = mono_motion.refine(start, first, second)
+    if prior is None or not is_well_known(prior) or not _is_near(alone[0], prior):
+        return alone
+    motion, sigma = most_likely_motion(alone[0], first, second, prior)
+    limit = OUTLIER_SIGMAS * sigma
+    good = np.abs(mono_motion.linearise(motion, first, second)[0]) < limit
+    if good.sum() <= 2 * mono_motion.FREEDOMS:
+        return alone
+    motion, covariance = mono_motion.refine(motion, first[good], second[good])
+    squares = mono_motion.linearise(motion, first, second)[0] ** 2
+    own = max(float(squares[good].mean()), LEAST_SIGMA**2)
+    return motion, covariance * max(1.0, float(np.minimum(squares, limit**2).mean()) / own)
+
+
+def is_well_known(prior: Motion) -> bool:
+    """Return whether navigation tells rotation and direction of the motion so well that of a plane's two motions the wrong one,
+    and what noise makes of nearly plane matches, are out of the question."""
+    length = float(np.linalg.norm(prior.second_from_first[:3, 3]))
+    if length < LEAST_LENGTH_M:
+        return False
+    across = mono_motion.tangent_basis(prior.second_from_first[:3, 3] / length)
+    direction = across.T @ prior.covariance[:3, :3] @ across / length**2
+    worst = max(np.linalg.eigvalsh(part)[-1] for part in (direction, prior.covariance[3:, 3:]))
+    return bool(worst < WELL_KNOWN_RAD**2)
+
+
+def _is_near(motion: Array, prior: Motion) -> bool:
+    """Return whether rotation and direction of a motion (4, 4) are those that navigation means, and not of a plane's other."""
+    wanted = prior.second_from_first
+    turn = Rotation.from_matrix(wanted[:3, :3].T @ motion[:3, :3]).magnitude()
+    cosine = motion[:3, 3] @ wanted[:3, 3] / np.linalg.norm(wanted[:3, 3])
+    return bool(max(turn, np.arccos(np.clip(cosine, -1, 1))) < NEAR_RAD)
+
+
+def most_likely_motion(start: Array, first: Array, second: Array, prior: Motion) -> tuple[Array, float]:
+    """Return the motion (4, 4), |t| = 1, of least robust cost of matches (n, 2) and navigation together, from where RANSAC has
+    it, and the robust sigma of the matches about it.
+
+    Steps are reweighted by Tukey's biweight. From navigation's motion they would lead to either of a plane's two.
+    """
+    motion = start.copy()
+    motion[:3, 3] *= np.linalg.norm(prior.second_from_first[:3, 3])
+    for _ in range(ITERATIONS):
+        length, unit = float(np.linalg.norm(motion[:3, 3])), _unit(motion)
+        residual, by = mono_motion.linearise(unit, first, second)
+        weight = _biweight(residual)
+        jacobian = np.hstack([by[:, 3:] @ mono_motion.tangent_basis(unit[:3, 3]).T / length, by[:, :3]])
+        gap, whitening = _gap(motion, prior)
+        normal = (jacobian * weight[:, None]).T @ jacobian + whitening.T @ whitening
+        normal[:3, :3] += np.eye(3) / length**2  # a direction is never more than unknown, and matches tell no length
+        step = np.asarray(-np.linalg.solve(normal, (jacobian * weight[:, None]).T @ residual + whitening.T @ gap))
+        step *= min(1.0, LARGEST_STEP / max(float(np.abs(step).max()), 1e-12))
+        motion[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[3:]).as_matrix()
+        motion[:3, 3] += step[:3]
+        if np.abs(step).max() < 1e-7:
+            break
+    return _unit(motion), _sigma(mono_motion.linearise(_unit(motion), first, second)[0])
+
+
+def _biweight(residual: Array) -> Array:
+    """Return the weights (n,), inverse variances, of residuals of one robust sigma."""
+    sigma = _sigma(residual)
+    return np.asarray(np.clip(1 - (residual / (OUTLIER_SIGMAS * sigma)) ** 2, 0, None) ** 2 / sigma**2)
+
+
+def _sigma(residual: Array) -> float:
+    return max(float(robust_sigma(residual, about=0.0)), LEAST_SIGMA)
+
+
+def _gap(motion: Array, prior: Motion) -> tuple[Array, Array]:
+    """Return how far a motion (4, 4) is from navigation's, whitened (6,), and what whitens it (6, 6)."""
+    wanted = prior.second_from_first
+    turn = Rotation.from_matrix(wanted[:3, :3].T @ motion[:3, :3]).as_rotvec()
+    whitening = np.linalg.inv(np.linalg.cholesky(prior.covariance + LEAST_SIGMA**2 * np.eye(6)))
+    return np.asarray(whitening @ np.concatenate([motion[:3, 3] - wanted[:3, 3], turn])), whitening
+
+
+def _unit(motion: Array) -> Array:
+    out = motion.copy()
+    out[:3, 3] /= np.linalg.norm(out[:3, 3])
+    return out
