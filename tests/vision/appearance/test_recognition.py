@@ -45,7 +45,7 @@ def dive_with_outage(off_m=OFF_M):
     translation[gap] += off_m
     covariance[gap, :3, :3] += OUTAGE_SIGMA_M**2 * np.eye(3) * (np.linalg.norm(off_m) > 0)
     steps = replace(steps, translation=translation, covariance=covariance)
-    attitude = {name: getattr(whole.attitude, name)[keep] for name in ("depth", "roll", "pitch", "sigma", "tray_direction")}
+    attitude = {name: getattr(whole.attitude, name)[keep] for name in ATTITUDE_FIELDS}
     return replace(
         whole,
         global_from_vehicle=truth,
