@@ -31,6 +31,7 @@ from hullrecon.vision.pairs.selection import Proposal
 
 CELL_M, OUTAGE_SIGMA_M, OFF_M = 0.2, 3.0, np.array([0.3, 5.0, 0.2])
 BLANK = range(14, 40)  # of 60 nodes: the second leg begins 3 m beyond where the first ended, and goes back over it
+ATTITUDE_FIELDS = ("depth", "roll", "pitch", "sigma", "tray_direction", "tray_sigma")
 NONE = Reason.FEW_INLIERS
 
 
