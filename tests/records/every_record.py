@@ -60,7 +60,7 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
     TiedPlanes: {
         "anchor": "p", "plane": "p 3", "ranges": {}, "first": "m", "second": "m", "difference": "m 3", "information": "m 3 3",
     },
-    Attitude: {"node": "m", "depth": "m", "roll": "m", "pitch": "m", "sigma": "m 3", "tray_direction": "n"},
+    Attitude: {"node": "m", "depth": "m", "roll": "m", "pitch": "m", "sigma": "m 3", "tray_direction": "n", "tray_sigma": "n"},
     Tracks: {"landmark": "m", "node": "m", "top": "m 2", "bottom": "m 2", "color": "k 3"},
     Surface: {"vertices": "n 3", "faces": "m 3", "deviation": "n", "sigma": "n", "support": "n"},
     DeviationSplit: {"offset": "", "offset_sigma": "", "tilt": "2", "tilt_sigma": "2", "form": "n", "form_sigma": "n"},

@@ -31,6 +31,7 @@ from hullrecon.vision.pairs.selection import Proposal
 
 CELL_M, OUTAGE_SIGMA_M, OFF_M = 0.2, 3.0, np.array([0.3, 5.0, 0.2])
 BLANK = range(14, 40)  # of 60 nodes: the second leg begins 3 m beyond where the first ended, and goes back over it
+ATTITUDE_FIELDS = ("depth", "roll", "pitch", "sigma", "tray_direction", "tray_sigma")
 NONE = Reason.FEW_INLIERS
 
 
@@ -45,10 +46,7 @@ def dive_with_outage(off_m=OFF_M, blank=BLANK):
     translation[gap] += off_m
     covariance[gap, :3, :3] += OUTAGE_SIGMA_M**2 * np.eye(3) * (np.linalg.norm(off_m) > 0)
     steps = replace(steps, translation=translation, covariance=covariance)
-    attitude = {
-        name: getattr(whole.attitude, name)[keep]
-        for name in ("depth", "roll", "pitch", "sigma", "tray_direction", "tray_sigma")
-    }
+    attitude = {name: getattr(whole.attitude, name)[keep] for name in ATTITUDE_FIELDS}
     return replace(
         whole,
         global_from_vehicle=truth,
