@@ -142,7 +142,9 @@ class GraphSolution:
         if len(middle) == 0:
             return np.zeros(0)
         covariance = self.relative_errors().relative_covariance(np.full(len(middle), middle[0]), middle)[:, :3, :3]
-        return np.asarray(np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0)))
+        sigma = np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0))
+        sigma[0] = 0.0  # to itself, where what is left of a difference of equal covariances depends on rounding
+        return np.asarray(sigma)
 
 
 @dataclass(frozen=True, kw_only=True)
