@@ -141,9 +141,10 @@ class GraphSolution:
         middle = np.array([np.median(np.flatnonzero(part == k)) for k in range(part.max(initial=-1) + 1)], np.int64)
         if len(middle) == 0:
             return np.zeros(0)
-        others = middle[1:]
-        covariance = self.relative_errors().relative_covariance(np.full(len(others), middle[0]), others)[:, :3, :3]
-        return np.asarray(np.r_[0.0, np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0))])
+        covariance = self.relative_errors().relative_covariance(np.full(len(middle), middle[0]), middle)[:, :3, :3]
+        sigma = np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0))
+        sigma[0] = 0.0  # to itself, where what is left of a difference of equal covariances depends on rounding
+        return np.asarray(sigma)
 
 
 @dataclass(frozen=True, kw_only=True)
