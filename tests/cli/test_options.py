@@ -78,9 +78,11 @@ def test_an_option_changes_some_step_and_is_named_there(section: str, key: str, 
 
 
 @pytest.mark.parametrize("stage", STAGES, ids=lambda stage: stage.name)
-def test_a_steps_own_options_change_that_step_alone(stage: Any, sections: Mapping[str, Any]) -> None:
-    readers = {other.name for other in STAGES if stage.name in other.uses}
+def test_a_steps_own_options_change_that_step_and_those_that_say_they_read_them(
+    stage: Any, sections: Mapping[str, Any]
+) -> None:
     for key in stage.parameters.__struct_fields__:
+        readers = {other.name for other in STAGES if {stage.name, f"{stage.name}.{key}"} & set(other.uses)}
         assert affected(stage.name, key, sections).keys() == {stage.name} | readers
 
 
