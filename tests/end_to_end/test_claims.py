@@ -19,8 +19,8 @@ from end_to_end.true_hull import true_hull
 
 pytestmark = pytest.mark.slow
 
-SMALL = ("--legs", 2, "--leg-length-m", 2, "--marks", 1, "--structures", 2, "--barnacles", 0, "--image-width", 320,
-         "--image-height", 256, "--seed", 11)  # fmt: skip
+SMALL = ("--legs", 2, "--leg-length-m", 2, "--marks", 1, "--structures", 2, "--barnacles", 0, "--image-width", 400,
+         "--image-height", 320, "--seed", 11)  # fmt: skip
 WITHOUT = {"no CAD model": ("hull",), "no DVL": ("dvl",), "images alone": ("hull", "dvl", "pressure")}
 SIMULATED = {"mono": "mono", "no camera": "none"}
 IN_SHIP_FRAME = ("demo", "no DVL", "mono", "no camera")
