@@ -119,7 +119,9 @@ def join_images(
 def _count_corners(
     worker: MatchWorker, image: Ints, pairs: NodePairs, links: CameraLinks, features: PairFeatures
 ) -> Ints | None:
-    """Return how many of the features that each pair has in common (m,) are corners; None where no image has one."""
+    """Return how many of the features that each pair has in common (m,) are corners; None where none were asked for, or no image has one."""
+    if worker.options.harris_share == 0:
+        return None  # no image is read for it
     views = (worker.read((int(top), int(bottom))).leading for top, bottom in image)
     rows, corners = np.array([(len(view), view.corners) for view in views], np.int64).T
     if not corners.any():

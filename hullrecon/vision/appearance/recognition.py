@@ -97,13 +97,13 @@ def recognise_places(
     proposal = _propose(scene, track, keyframes[likely.pairs])
     proposal = _select(proposal, ~np.isin(proposal.first * len(track) + proposal.second, compared))
     found = scene.match(track, proposal, map_items, anywhere=True)
-    alike = scene.match(track, _propose(scene, track, keyframes[likely.control]), map_items, anywhere=True)
+    alike = _match_control(scene, track, keyframes, likely, map_items)
     counts = {
         "words": likely.words,
         "offered": len(proposal),
         "matched": sum(pair.motion is not None for pair in found),
-        "control": len(alike),
-        "control_matched": sum(pair.motion is not None for pair in alike),
+        "control": len(likely.control),
+        "control_matched": alike,
     }
     within = _within_gate(track, proposal, found)
     group, refusal = _confirmed(scene, track, proposal, found, within)
@@ -132,12 +132,12 @@ def reject_look_alikes(
     _, covariance = scene_offsets(track, first[doubtful], second[doubtful], scene.depth_m)
     sigma = largest_sigma(covariance)
     doubtful[doubtful] = sigma > BEYOND * footprint_m(scene.depth_m, scene.camera)
-    likely = _likeliest(scene, track, keyframes[known[keyframes]]) if doubtful.any() else None
+    keyframes = keyframes[known[keyframes]]
+    likely = _likeliest(scene, track, keyframes) if doubtful.any() else None
     if likely is None:
         return compared
-    alike = scene.match(track, _propose(scene, track, keyframes[known[keyframes]][likely.control]), map_items, anywhere=True)
     most = MAX_ALIKE if likely.reach_m >= LEAST_REACH * sigma.max() else 0
-    if sum(pair.motion is not None for pair in alike) <= most:
+    if _match_control(scene, track, keyframes, likely, map_items) <= most:
         return compared
     return compared.rejecting(doubtful)
 
@@ -162,6 +162,12 @@ def _likeliest(scene: LinkedScene, track: CameraTrack, keyframes: Ints) -> _Like
     images = invert(words, len(vocabulary))
     pairs, control = likeliest_pairs(track, keyframes, scene.depth_m, scene.camera, places, images)
     return _Likely(pairs=pairs, control=control, words=len(vocabulary), reach_m=places.reach_m)
+
+
+def _match_control(scene: LinkedScene, track: CameraTrack, keyframes: Ints, likely: _Likely, map_items: Map) -> int:
+    """Return how many pairs of places known to be two match."""
+    alike = scene.match(track, _propose(scene, track, keyframes[likely.control]), map_items, anywhere=True)
+    return sum(pair.motion is not None for pair in alike)
 
 
 def learn_words(worker: MatchWorker, nodes: Sequence[MatchNode]) -> tuple[Vocabulary, list[Ints]]:

@@ -156,10 +156,10 @@ def _reduce(gray: Pixels, reduction: float) -> tuple[Floats32, Floats32]:
 
     height, width = gray.shape
     size = (max(1, round(width / reduction)), max(1, round(height / reduction)))
-    grey = gray.astype(np.float32)
+    values = gray.astype(np.float32)
     if size == (width, height):
-        return grey, np.ones(2, np.float32)
-    small = cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
+        return values, np.ones(2, np.float32)
+    small = cv2.resize(values, size, interpolation=cv2.INTER_AREA)
     return np.asarray(small, np.float32), np.array([width / size[0], height / size[1]], np.float32)
 
 
