@@ -119,7 +119,7 @@ def join_images(
 def _count_corners(
     worker: MatchWorker, image: Ints, pairs: NodePairs, links: CameraLinks, features: PairFeatures
 ) -> Ints | None:
-    """Return how many of the features that each pair has in common (m,) are corners; None where none were asked for or found."""
+    """Return how many of the features that each pair has in common (m,) are corners; None where there are none."""
     if worker.options.harris_share == 0:
         return None  # no image is read for it
     views = (worker.read((int(top), int(bottom))).leading for top, bottom in image)
