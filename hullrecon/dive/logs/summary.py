@@ -192,7 +192,7 @@ def missing(sensors: set[str], hull: bool | None = None) -> list[str]:
         "pressure": "depth comes from dead reckoning and drifts",
         "joints": "the tray is taken as fixed at 0 degrees",
         "camera_top": "there will be no images, landmarks or optical mosaic",
-        "camera_bottom": "one camera: scale and depth come from the DVL",
+        "camera_bottom": f"one camera: {'scale and depth come from the DVL' if 'dvl' in sensors else 'no scale without a DVL'}",
         "sonar": "there will be no sonar mosaic",
     }  # fmt: skip
     if "camera_top" not in sensors:

@@ -86,6 +86,11 @@ def test_a_dvl_without_an_imu_can_not_be_run_even_with_stereo():
     assert "no imu: there is no attitude: no run is possible" in missing({"camera_top"})
 
 
+def test_scale_is_said_to_come_from_a_dvl_only_where_there_is_one():
+    assert "no camera_bottom: one camera: scale and depth come from the DVL" in missing({"camera_top", "dvl"})
+    assert "no camera_bottom: one camera: no scale without a DVL" in missing({"camera_top", "imu"})
+
+
 def test_topics_that_were_not_chosen_are_told_from_those_of_types_that_are_not_read(kit, tmp_path):
     entries = kit.dive()
     entry = type(entries[0])

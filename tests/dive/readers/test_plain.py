@@ -91,7 +91,7 @@ def test_a_sonar_file_that_is_damaged_or_gone_is_a_named_loss(tmp_path, content)
     (tmp_path / "sonar.csv").write_text("t,file\n0,p.npz\n1,good.npz\n")
     samples, log = read(tmp_path)
     assert [s.t_ns for s in samples] == [1_000_000_000]
-    assert log.losses()[0].why == "lines 2 of sonar.csv cannot be read"
+    assert log.losses()[0].why == "line 2 of sonar.csv cannot be read"
 
 
 def test_a_row_that_is_no_numbers_is_a_named_loss_and_the_others_stay(tmp_path):
@@ -153,7 +153,7 @@ def test_one_absurd_stamp_among_good_ones_is_lost_alone(tmp_path):
     (tmp_path / "pressure.csv").write_text("t,pascal\n0,1\n99999999999999,2\n2,3\n")
     samples, log = read(tmp_path)
     assert [s.pascal for s in samples] == [1.0, 3.0]
-    assert log.losses()[0].why == "lines 3 of pressure.csv cannot be read"
+    assert log.losses()[0].why == "line 3 of pressure.csv cannot be read"
 
 
 def test_a_row_that_is_cut_short_is_lost_alone(tmp_path):
@@ -200,7 +200,7 @@ def test_a_cell_that_names_no_file_costs_its_row_alone(tmp_path, cell):
     (tmp_path / "camera_top.csv").write_text(f"t,file\n0,a.jpg\n1,{cell}\n2,a.jpg\n")
     samples, log = read(tmp_path)
     assert [s.t_ns for s in samples] == [0, 2_000_000_000]
-    assert log.losses()[0].why == "lines 3 of camera_top.csv cannot be read"
+    assert log.losses()[0].why == "line 3 of camera_top.csv cannot be read"
     assert log.named_files() == [Path("a.jpg")]
 
 
@@ -262,7 +262,7 @@ def test_a_line_without_end_costs_itself_and_no_memory(tmp_path):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert [s.pascal for s in samples] == [1.0, 3.0]
-    assert log.losses()[0].why == "lines 3 of pressure.csv cannot be read"
+    assert log.losses()[0].why == "line 3 of pressure.csv cannot be read"
     assert peak < 4 << 20
 
 

@@ -110,7 +110,7 @@ class PlainLog:
         if rows and bad.count == rows:
             raise InputError(f"{sensor}.csv has no row that can be read: {first_reason}", where=str(self.path))
         if bad.count:
-            self._losses.append(Loss(f"lines {bad.listed()} of {sensor}.csv cannot be read", sensor, messages=bad.count))
+            self._losses.append(Loss(f"{bad.listed()} of {sensor}.csv cannot be read", sensor, messages=bad.count))
 
     def _read(self, sensor: str) -> Iterator[tuple[int, Row | None]]:
         return read_rows(self.path / f"{sensor}.csv", COLUMNS[sensor])
@@ -187,7 +187,8 @@ class _BadLines:
             self._first.append(line)
 
     def listed(self) -> str:
-        return ", ".join(map(str, self._first)) + (", ..." if self.count > LISTED_LINES else "")
+        noun = "line" if self.count == 1 else "lines"
+        return f"{noun} {', '.join(map(str, self._first))}" + (", ..." if self.count > LISTED_LINES else "")
 
 
 def is_there(path: Path) -> bool:
