@@ -11,8 +11,10 @@ from hullrecon.geometry.poses import exp
 from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pair_match import REASON_TEXTS, Reason, agrees
+from hullrecon.vision.pairs import matching, pose_from_points
 from hullrecon.vision.pairs.gating import Motion
-from hullrecon.vision.pairs.matching import PairMatcher
+from hullrecon.vision.pairs.matching import FEW, PairMatcher
+from hullrecon.vision.pairs.stereo_adjustment import NodeObservations, adjust_stereo_motion
 from hullrecon.vision.stereo.matching import no_matches
 from hullrecon.vision.stereo.node_view import DepthPrior, stereo_of_node, view_of_node
 from hullrecon.vision.tracks.landmarks import NodeFeatures
@@ -56,6 +58,29 @@ def test_two_stereo_nodes_give_right_matches_and_their_motion(rig, two, informed
     gap = np.linalg.inv(found.motion.second_from_first) @ truth(first, second)
     assert np.linalg.norm(gap[:3, 3]) < 0.003
     assert agrees(found, Motion(truth(first, second), 1e-12 * np.eye(6)), 40.0)
+
+
+def test_from_few_seeds_the_motion_is_that_of_the_matches_it_comes_with(rig, two, monkeypatch):
+    """The first motion is so rough that the search along it misses some of what the second search finds."""
+    rough = truth(*two) @ exp([[0.012, 0.008, 0.0, 0.006, -0.004, 0.01]]).matrix()[0]
+    monkeypatch.setattr(pose_from_points, "refine", lambda *_: (rough, 1e-6 * np.eye(6)))
+    monkeypatch.setattr(matching, "_count_inliers", lambda *_: OPTIONS.min_inliers)
+    views, searched = [stereo_view(rig, node) for node in two], []
+    search = PairMatcher.search_along
+    monkeypatch.setattr(PairMatcher, "search_along", lambda *given: searched.append(search(*given)) or searched[-1])
+    found = PairMatcher(rig, MatchOptions(seeds=30)).match(*views, expected(*two), (1,), False)
+    assert found.reason is Reason.MATCHED
+    assert found.putative < FEW
+    assert len(searched[0]) < 0.9 * len(searched[1]) == 0.9 * len(found.first)
+    seen = [
+        NodeObservations(lead=view.xy[rows], other=view.other[rows], point=view.point[rows])
+        for view, rows in zip(views, (found.first, found.second), strict=True)
+    ]
+    again = adjust_stereo_motion(found.motion.second_from_first, *seen, rig.from_top(Camera.BOTTOM))
+    step = np.linalg.inv(found.motion.second_from_first) @ again.second_from_first
+    sigma = np.sqrt(np.diag(again.covariance))
+    assert np.linalg.norm(step[:3, 3]) < 0.02 * np.linalg.norm(sigma[:3])
+    np.testing.assert_allclose(np.sqrt(np.diag(found.motion.covariance)), sigma, rtol=0.02)
 
 
 def test_one_stereo_node_and_one_mono_give_a_motion_with_its_length(rig, two):

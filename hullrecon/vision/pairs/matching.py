@@ -124,7 +124,9 @@ class PairMatcher:
             return failed_match(len(seeds), Reason.FEW_INLIERS)
         matched = self.search_along(first, second, motion)
         motion, calibration = self._adjust(first, second, _take_evenly(matched), motion)
-        matched = self.search_along(first, second, motion) if len(seeds) < FEW else matched
+        if len(seeds) < FEW:
+            matched = self.search_along(first, second, motion)
+            motion, calibration = self._adjust(first, second, _take_evenly(matched), motion)
         if len(matched) < self.options.min_inliers:
             return failed_match(len(seeds), Reason.FEW_INLIERS)
         return PairMatch(
