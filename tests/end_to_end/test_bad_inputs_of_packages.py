@@ -170,7 +170,7 @@ def test_a_spoiled_package_is_refused_in_one_line(package, tmp_path, capfd, comm
 CUT = TABLES["imu"][:-6]
 TOLD = {
     "text in one number cell": (table("pressure", "t,pascal\n0,111380\n1,deep\n2,121435\n"), r"line 3 of pressure\.csv"),
-    "a table that is cut in its last row": (table("imu", CUT), r"lines 4 of imu\.csv"),
+    "a table that is cut in its last row": (table("imu", CUT), r"line 4 of imu\.csv"),
     "a stamp beyond all calendars": (table("pressure", "t,pascal\n0,111380\n1e30,1\n2,121435\n"), r"line 3 of pressure\.csv"),
     "stamps that go backward": (table("imu", "t,qx,qy,qz,qw\n3,0,0,0,1\n1,0,0,0,1\n2,0,0,0,1\n"), r"the clock jumps by -2"),
     "every range is lost": (table("dvl", "t,vx,vy,vz,range_1\n0,1,0,0,\n1,1,0,0,0\n"), r"dvl: every range is lost"),

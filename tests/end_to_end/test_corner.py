@@ -79,7 +79,8 @@ def contour(mesh, value, level, on_map):
     sides = np.vstack([mesh[:, [0, 1]], mesh[:, [1, 2]], mesh[:, [2, 0]]])
     low, high = value[sides[:, 0]], value[sides[:, 1]]
     crossed = (low > level) != (high > level)
-    share = ((level - low) / (high - low))[crossed][:, None]
+    low, high = low[crossed], high[crossed]
+    share = ((level - low) / (high - low))[:, None]
     return on_map[sides[crossed, 0]] * (1 - share) + on_map[sides[crossed, 1]] * share
 
 
