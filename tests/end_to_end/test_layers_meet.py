@@ -91,7 +91,7 @@ def value_at(path, xy):
 
 
 def distance_to_grid(points, columns):
-    """Distance from the origin to the surface between points (n, 3) given row by row; triangles without a value are left out."""
+    """Distance from the origin to the surface between points (n, 3) given row by row, where they have a value."""
     a, b = np.arange(len(points)).reshape(-1, columns)[:-1, :-1].ravel(), columns
     faces = np.concatenate([np.stack([a, a + 1, a + b], axis=1), np.stack([a + 1, a + b + 1, a + b], axis=1)])
     faces = faces[np.isfinite(points[faces]).all(axis=(1, 2))]
