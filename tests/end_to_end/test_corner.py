@@ -13,6 +13,7 @@ import open3d
 import pytest
 import rasterio
 import trimesh
+from end_to_end.test_layers_meet import Chart
 
 pytestmark = pytest.mark.slow
 AGREES_M = 0.005
@@ -50,33 +51,6 @@ def to_map(deliver):
         return np.einsum("nk,nkc->nc", share, corners) / signs
 
     return on_map
-
-
-@pytest.fixture(scope="module")
-def to_ship(deliver):
-    """The way back: points (n, 2) of the map, so far off the hull (n,), to points (n, 3) of the ship."""
-    chart, document = read_ply(deliver / "chart.ply"), json.loads((deliver / "chart.json").read_text())["map"]
-    on_map = np.stack([chart.of["along"], chart.of["girth"]], axis=1).reshape(-1, 2)
-    on_map = on_map / [document["along_from_x"], document["girth_from_y"]]
-    normals = np.stack([chart.of["nx"], chart.of["ny"], chart.of["nz"]], axis=1).reshape(-1, 3)
-    middle = on_map.mean(axis=0)
-    scene = open3d.t.geometry.RaycastingScene()
-    scene.add_triangles(flat(on_map - middle), chart.faces.astype(np.uint32))
-
-    def in_ship(points, offsets):
-        near = scene.compute_closest_points(open3d.core.Tensor(flat(points - middle)))
-        share = near["primitive_uvs"].numpy()
-        share = np.column_stack([1 - share.sum(axis=1), share])
-        corners = chart.faces[near["primitive_ids"].numpy()]
-        base, normal = (np.einsum("nk,nkc->nc", share, values[corners]) for values in (chart.vertices, normals))
-        return base + offsets[:, None] * normal
-
-    return in_ship
-
-
-def flat(points):
-    """Points (n, 2) in space, in single precision."""
-    return np.column_stack([points, np.zeros(len(points))]).astype(np.float32)
 
 
 @pytest.fixture(scope="module")
@@ -132,18 +106,19 @@ def test_the_geotiff_has_the_corners_of_the_ply(deliver, rings, objects, as_foun
             assert (above @ direction).max() == pytest.approx((line @ direction).max(), abs=AGREES_M)
 
 
-def test_the_pixels_around_a_corner_lie_on_the_ply(deliver, rings, to_ship, as_found):
+def test_the_pixels_around_a_corner_lie_on_the_ply(deliver, rings, as_found):
     """In space, by the chart: on a wall of 80 degrees the height of a corner that stands out is in no pixel beside it."""
     with rasterio.open(deliver / "deviation.tif") as raster:
         pixels, transform = raster.read(1).astype(float), raster.transform
     rows, columns = np.mgrid[: pixels.shape[0], : pixels.shape[1]]
     x, y = transform @ (columns + 0.5, rows + 0.5)
-    scene = open3d.t.geometry.RaycastingScene()
+    chart, scene = Chart(deliver), open3d.t.geometry.RaycastingScene()
     middle = as_found.vertices.mean(axis=0)  # in single precision beside it
     scene.add_triangles((as_found.vertices - middle).astype(np.float32), as_found.faces.astype(np.uint32))
     for ring in rings.values():
         for corner in corners(ring):
             close = (np.hypot(x - ring[corner, 0], y - ring[corner, 1]) < AGREES_M) & np.isfinite(pixels)
             assert close.any()
-            points = to_ship(np.column_stack([x[close], y[close]]), pixels[close]) - middle
+            at = np.column_stack([x[close], y[close]])
+            points = np.array([chart.to_frame(*pair) for pair in zip(at, pixels[close], strict=True)]) - middle
             assert scene.compute_distance(open3d.core.Tensor(points.astype(np.float32))).numpy().max() < AGREES_M
