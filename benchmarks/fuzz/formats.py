@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 
-from benchmarks.fuzz import seed_ad2cp, seed_aris, seed_files, seed_messages
+from benchmarks.fuzz import seed_ad2cp, seed_aris, seed_files, seed_messages, seed_view_point
 from benchmarks.fuzz.readings import CALIBRATION
 
 
@@ -41,6 +41,7 @@ def seeds() -> dict[str, tuple[Seed, ...]]:
     """Return sound inputs by format."""
     return {
         "mcap": _mcap(), "bag": _bag(), "rosbag2": _rosbag2(), "pd0": _pd0(), "ad2cp": _ad2cp(), "aris": _aris(),
+        "view_point": _view_point(),
         "reports": _reports(), "plain": _plain(), "npz": _npz(), "oculus": _oculus(), "didson": _didson(), "toml": _toml(),
         "yaml": _yaml(), "hull": _hull(), "hull-gz": _hull_gz(), "image": _image(),
         "init": _init(),
@@ -97,6 +98,11 @@ def _ad2cp() -> tuple[Seed, ...]:
 def _aris() -> tuple[Seed, ...]:
     files = (seed_aris.aris_file(), seed_aris.aris_file(6, mode=9, samples=5, speed=1450.0))
     return tuple(_log("sonar.aris", data) for data in files)
+
+
+def _view_point() -> tuple[Seed, ...]:
+    files = (seed_view_point.oculus_file(), seed_view_point.oculus_file(6, compression=1))
+    return tuple(_log("sonar.oculus", data) for data in files)
 
 
 def word_sums_are_right(data: bytes) -> bool:

@@ -8,12 +8,13 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 MCAP, BAG, PNG, GLB = b"\x89MCAP0\r\n", b"#ROSBAG V2.0\n", b"\x89PNG\r\n\x1a\n", b"glTF"
-ARIS = b"DDF\x05"
+ARIS, VIEW_POINT = b"DDF\x05", b"\x44\x33\x22\x11"
 
 
 @lru_cache(maxsize=64)
 def record_starts(data: bytes) -> tuple[int, ...]:
-    """Return the offsets of the records of an MCAP, ROS 1 bag, PNG, GLB, JPEG, zip, PD0, AD2CP or ARIS; none for others."""
+    """Return the offsets of the records of an MCAP, ROS 1 bag, PNG, GLB, JPEG, zip, PD0, AD2CP, ARIS or ViewPoint log; none for
+    others."""
     if data.startswith(MCAP):
         return tuple(_walk(data, len(MCAP), len(data) - len(MCAP), lambda at: 9 + _number(data, at + 1, 8)))
     if data.startswith(BAG):
@@ -24,6 +25,8 @@ def record_starts(data: bytes) -> tuple[int, ...]:
         return tuple(_walk(data, 12, len(data), lambda at: 8 + _number(data, at, 4)))
     if data.startswith(ARIS):
         return tuple(at - 12 for at in _found(data, ARIS) if at >= 1024)
+    if data.startswith(VIEW_POINT):
+        return tuple(_walk(data, 48, len(data), lambda at: 40 + _number(data, at + 32, 4)))
     for start in (b"PK", b"\x7f\x7f", b"\xa5", b"\xff\xd8"):
         if data.startswith(start):
             return tuple(_found(data, start[:1] if start == b"\xff\xd8" else start))

@@ -39,7 +39,9 @@ def test_damage_at_the_start_of_a_record_is_frequent():
     assert sum(d[:4321] == data[:4321] and d[4321:4330] != data[4321:4330] for d in damaged) > 10
 
 
-@pytest.mark.parametrize(("form", "least"), [("mcap", 10), ("bag", 10), ("pd0", 4), ("ad2cp", 6), ("aris", 4), ("npz", 6)])
+@pytest.mark.parametrize(
+    ("form", "least"), [("mcap", 10), ("bag", 10), ("pd0", 4), ("ad2cp", 6), ("aris", 4), ("view_point", 5), ("npz", 6)]
+)
 def test_the_records_of_a_sound_file_are_found(form, least):
     seed = seeds()[form][0]
     assert len(record_starts(seed.files[seed.target])) >= least

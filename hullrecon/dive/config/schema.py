@@ -68,7 +68,10 @@ class Logs(Section, frozen=True):
 
     files: Annotated[
         tuple[FileName, ...],
-        Meta(min_length=1, description="bags, MCAP, ROS 2 folders, PD0, AD2CP, ARIS, Water Linked JSON or a folder of CSVs"),
+        Meta(
+            min_length=1,
+            description="bags, MCAP, ROS 2 folders, PD0, AD2CP, ARIS, ViewPoint, Water Linked JSON or a folder of CSVs",
+        ),
     ]
 
 

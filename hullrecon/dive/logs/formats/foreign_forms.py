@@ -31,7 +31,6 @@ BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
 )
 BY_SUFFIX = {
     ".tlog": ("a telemetry log of ArduPilot", TO_MCAP), ".svlog": ("a log of SonarView", TO_MCAP),
-    ".oculus": ("a log of Oculus ViewPoint", "export its pings and name them in sonar.csv"),
     ".npz": ("an archive of NumPy arrays", f"write its sensors as {TABLES}"), ".mat": ("a file of MATLAB", f"write {TABLES}"),
     ".zip": ("a packed archive", "unpack it first"), ".csv": ("one table", f"give its folder, with {TABLES}"),
     ".xtf": ("a side-scan recording", "side scans are not read"), ".jsf": ("a side-scan recording", "side scans are not read"),

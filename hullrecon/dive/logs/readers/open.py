@@ -14,6 +14,8 @@ from hullrecon.dive.logs.readers.ad2cp.blocks import is_ad2cp
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
 from hullrecon.dive.logs.readers.file_log import require_regular_file, unreadable
 from hullrecon.dive.logs.readers.mcap import McapLog
+from hullrecon.dive.logs.readers.oculus import log_items
+from hullrecon.dive.logs.readers.oculus.log import OculusLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
 from hullrecon.dive.logs.readers.plain import COLUMNS, PlainLog
 from hullrecon.dive.logs.readers.protocol import Log
@@ -28,15 +30,16 @@ from hullrecon.errors import InputError
 
 BY_MAGIC: dict[bytes, Callable[[Path], Log]] = {
     mcap_records.MAGIC: McapLog, bag_records.MAGIC: Rosbag1Log, sqlite.MAGIC: SqliteLog, pd0_ensemble.MAGIC: Pd0Log,
-    aris_frames.MAGIC: ArisLog,
+    aris_frames.MAGIC: ArisLog, log_items.MAGIC: OculusLog,
 }  # fmt: skip
 BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
     ".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log, ".ad2cp": Ad2cpLog,
-    ".aris": ArisLog,
+    ".aris": ArisLog, ".oculus": OculusLog,
 }  # fmt: skip
 MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
 FORMS = (
-    "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0, AD2CP or ARIS file, the JSON lines of a Water Linked DVL or a folder of CSVs"
+    "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0, AD2CP, ARIS or ViewPoint file, the JSON lines of a Water Linked DVL or a"
+    " folder of CSVs"
 )
 
 

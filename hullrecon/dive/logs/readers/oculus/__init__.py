@@ -1,0 +1,3 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Logs of Oculus ViewPoint: where their items lie, the reader of their pings."""

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""An .oculus file as an imaging sonar: each simple ping is a ping in the frame `sonar` of a sonar that stands upright."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import BinaryIO
+
+from hullrecon.dive.logs.formats.oculus_ping import is_ping, parse_ping
+from hullrecon.dive.logs.messages.sonar import in_fan
+from hullrecon.dive.logs.readers.file_log import FileLog
+from hullrecon.dive.logs.readers.oculus.log_items import (
+    FILE_HEADER_BYTES,
+    ItemHeader,
+    items,
+    parse_file_header,
+    unpacked,
+)
+from hullrecon.dive.logs.readers.protocol import Channel, Message
+from hullrecon.dive.logs.readers.unpack import DamagedError, printable
+from hullrecon.dive.logs.samples import SonarSample
+from hullrecon.errors import InputError
+
+CHANNEL = Channel("sonar", "Blueprint Oculus", "sample")
+OCULUS = 10  # kind of the items that hold what the sonar sent
+ALWAYS = (
+    "a log of ViewPoint has no checksums; stamps are those of the computer that recorded it, taken as UTC (sonar.time_offset "
+    "corrects its clock); beams are those of a sonar that stands upright (one upside down has roll 180 in sonar.mount); "
+    "heading, tilts and depth in its pings were left aside"
+)
+
+
+class OculusLog(FileLog):
+    """Pings of items whose headers hold what ViewPoint writes; what lies between them is named."""
+
+    kind = "Oculus ViewPoint"
+    gives_samples = True
+
+    def _read(self) -> Iterator[Message]:
+        pings, others = 0, 0
+        with self.path.open("rb") as stream:
+            for start, end, found in items(stream, self._first_item(stream)):
+                if isinstance(found, str):
+                    self._tracker.open_gap(f"{end - start} bytes from byte {start} on hold no whole item: {found}")
+                    continue
+                try:
+                    sample = to_sample(*found)
+                except DamagedError as error:
+                    self._tracker.open_gap(f"the item at byte {start}: {error}")
+                    continue
+                if sample is None:
+                    others += 1
+                    continue
+                pings += 1
+                yield self._tracker.record(Message(CHANNEL, sample.t_ns, sample))
+        self._tracker.finish()
+        if others:
+            self.remarks.append(f"{others} items were passed over: they hold no ping with an image")
+        self.remarks.append(ALWAYS if pings else "no ping of it could be read")
+
+    def _first_item(self, stream: BinaryIO) -> int:
+        """Return where items begin. Raises InputError where they are encrypted."""
+        try:
+            size, is_encrypted = parse_file_header(stream.read(FILE_HEADER_BYTES))
+        except DamagedError as error:
+            self._tracker.open_gap(f"the header of the file: {error}")
+            return FILE_HEADER_BYTES
+        if is_encrypted:
+            raise InputError(
+                f"{printable(self.path.name)} is encrypted",
+                where=printable(str(self.path.parent)),
+                remedy="record without encryption, or export the log without it",
+            )
+        return size
+
+
+def to_sample(header: ItemHeader, payload: bytes) -> SonarSample | None:
+    """Return the ping of an item; None where it holds something else. Raises DamagedError for a damaged one."""
+    if header.kind != OCULUS:
+        return None
+    data = unpacked(header, payload)
+    if not is_ping(data):
+        return None
+    ping = parse_ping(data)
+    return SonarSample(header.t_ns, ping.image, in_fan(ping.azimuth_rad), ping.range_m)

@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Items of an .oculus file, which ViewPoint records: each a header and a payload; where they lie, also behind damage.
+
+Layout: [OculusDriver], little-endian, fields aligned by their size. Each header states its own length. Nothing of it has a
+checksum.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import BinaryIO
+
+from hullrecon.dive.logs.formats.oculus_ping import message_bytes
+from hullrecon.dive.logs.readers.unpack import DamagedError, fields
+
+MAGIC, ITEM_MAGIC = b"\x44\x33\x22\x11", b"\xdd\xcc\xbb\xaa"
+FILE_HEADER, ITEM_HEADER = "<II16sHH4xqd", "<IIHH4xdHxxIII"  # the last field of an item fills it up to eight bytes
+FILE_HEADER_BYTES, ITEM_HEADER_BYTES = 48, 40
+LONGEST_HEADER = 1024
+PLAIN, PACKED = 0, 1  # kinds of compression: none; zlib behind four bytes that tell the length (Qt's qCompress)
+EARLIEST_S, LATEST_S = 1.2e9, 4.1e9  # 2008, before the first Oculus, and 2099
+MOST_BYTES = 1 << 26  # of a payload
+WINDOW = 1 << 20  # bytes that a search behind damage reads at a time
+
+
+@dataclass(frozen=True, kw_only=True)
+class ItemHeader:
+    """What stands before a payload. size: bytes of the header itself; t_ns: by the clock of the computer that recorded it."""
+
+    size: int
+    kind: int
+    t_ns: int
+    is_packed: bool
+    original_bytes: int
+    payload_bytes: int
+
+
+def parse_file_header(data: bytes) -> tuple[int, bool]:
+    """Return how long the file's header is, and whether what follows is encrypted. Raises DamagedError where it is none."""
+    if data[: len(MAGIC)] != MAGIC:
+        raise DamagedError("no log of ViewPoint begins there")
+    _, size, _, _, encryption, _, _ = fields(FILE_HEADER, data)
+    if not FILE_HEADER_BYTES <= size <= LONGEST_HEADER:
+        raise DamagedError(f"a header of {size} bytes")
+    return int(size), bool(encryption)
+
+
+def parse_item_header(data: bytes) -> ItemHeader:
+    """Return what an item's header says. Raises DamagedError where it is none, or says what ViewPoint does not write."""
+    if data[: len(ITEM_MAGIC)] != ITEM_MAGIC:
+        raise DamagedError("no item begins there")
+    _, size, kind, _, time_s, compression, original, payload, _ = fields(ITEM_HEADER, data)
+    if not ITEM_HEADER_BYTES <= size <= LONGEST_HEADER:
+        raise DamagedError(f"an item with a header of {size} bytes")
+    if not EARLIEST_S < time_s < LATEST_S:
+        raise DamagedError("its item has no time of day")
+    if compression not in (PLAIN, PACKED):
+        raise DamagedError(f"an item packed in the unknown way {compression}")
+    if max(original, payload) > MOST_BYTES:
+        raise DamagedError(f"an item of {max(original, payload)} bytes")
+    return ItemHeader(
+        size=int(size),
+        kind=int(kind),
+        t_ns=round(time_s * 1e9),
+        is_packed=compression == PACKED,
+        original_bytes=int(original),
+        payload_bytes=int(payload),
+    )
+
+
+def items(stream: BinaryIO, at: int) -> Iterator[tuple[int, int, tuple[ItemHeader, bytes] | str]]:
+    """Yield (start, end, header and payload as stored) from a byte on, between them (start, end, why) of bytes that hold no
+    whole item.
+
+    An item counts whose bytes end where another begins or the file does, or that holds one whole message of an Oculus.
+    """
+    end = stream.seek(0, 2)
+    while at < end:
+        try:
+            header, payload = _item_at(stream, at, end)
+        except DamagedError as error:
+            following = _next_item(stream, at + 1, end)
+            yield at, following, str(error)
+            at = following
+            continue
+        after = at + header.size + header.payload_bytes
+        yield at, after, (header, payload)
+        at = after
+
+
+def unpacked(header: ItemHeader, payload: bytes) -> bytes:
+    """Return the payload as it was before it was packed. Raises DamagedError where it does not unpack to what is stated."""
+    if not header.is_packed:
+        return payload
+    machine = zlib.decompressobj()
+    try:
+        data = machine.decompress(payload[4:], header.original_bytes + 1)
+    except zlib.error as error:
+        raise DamagedError(f"its item does not unpack: {error}") from None
+    if len(data) != header.original_bytes or not machine.eof:
+        raise DamagedError("its item does not unpack to the length that it states")
+    return data
+
+
+def _item_at(stream: BinaryIO, at: int, end: int) -> tuple[ItemHeader, bytes]:
+    """Return the item at a byte of the file."""
+    stream.seek(at)
+    header = parse_item_header(stream.read(ITEM_HEADER_BYTES))
+    after = at + header.size + header.payload_bytes
+    if after > end:
+        raise DamagedError("the file ends within its item")
+    stream.seek(at + header.size)
+    payload = stream.read(header.payload_bytes)
+    following = stream.read(len(ITEM_MAGIC))
+    if following != ITEM_MAGIC[: len(following)] and not _is_whole_message(header, payload):
+        raise DamagedError("no other item follows where it ends")
+    return header, payload
+
+
+def _is_whole_message(header: ItemHeader, payload: bytes) -> bool:
+    """Return whether a payload is as long as the message in it says."""
+    try:
+        data = unpacked(header, payload)
+        return message_bytes(data) == len(data)
+    except DamagedError:
+        return False
+
+
+def _next_item(stream: BinaryIO, at: int, end: int) -> int:
+    """Return where the next item begins, from a byte on, or the end of the file."""
+    while at < end:
+        stream.seek(at)
+        data = stream.read(WINDOW + ITEM_HEADER_BYTES)
+        found = data.find(ITEM_MAGIC)
+        while 0 <= found < WINDOW:
+            try:
+                parse_item_header(data[found : found + ITEM_HEADER_BYTES])
+                return at + found
+            except DamagedError:
+                found = data.find(ITEM_MAGIC, found + 1)
+        at += WINDOW
+    return end
