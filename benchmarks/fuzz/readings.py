@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, TemporaryFile
 
 import msgspec
 import numpy as np
@@ -25,8 +25,9 @@ from hullrecon.dive.hull.load import read_hull
 from hullrecon.dive.images.integrity import size_of
 from hullrecon.dive.images.store import decode
 from hullrecon.dive.ingest import IngestRequest, ingest
+from hullrecon.dive.logs.ping_spool import PingStorage
 from hullrecon.dive.logs.readers.open import find_logs, open_log
-from hullrecon.dive.logs.streams import PressureModel
+from hullrecon.dive.logs.streams import PressureModel, keep_in_memory
 from hullrecon.dive.logs.summary import summarise_logs
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.steps.chain import stages
@@ -56,7 +57,9 @@ def read_log(folder: Path, name: str) -> Reading:
         calibration={"camera_top": CALIBRATION}, offset_ns={"camera_top": 0}, mesh=None, units="m",
         sonar_azimuth_deg=AZIMUTH_DEG,
     )  # fmt: skip
-    found = ingest(folder, request, lambda camera: kept.setdefault(camera, BytesIO()))
+    with TemporaryFile() as spool:
+        storage = PingStorage(spool, keep_in_memory)
+        found = ingest(folder, request, lambda camera: kept.setdefault(camera, BytesIO()), pings=storage)
     parts = [("", np.frombuffer(b"".join(f.getvalue() for f in kept.values()), np.uint8))]
     for key, record in {**found.records.by_name(), **found.images}.items():
         parts += [(f"{key}.{field}", array) for field, array in to_arrays(record).items()]

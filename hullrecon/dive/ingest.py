@@ -16,6 +16,7 @@ from hullrecon.dive.config.calibration import read_camera
 from hullrecon.dive.hull.load import read_hull
 from hullrecon.dive.images.sink import ImageSink
 from hullrecon.dive.logs import streams
+from hullrecon.dive.logs.ping_spool import KeepImages, PingSpool, PingStorage, SpooledPing
 from hullrecon.dive.logs.read_streams import LogContents, Watch, read_streams
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.samples import (
@@ -26,7 +27,6 @@ from hullrecon.dive.logs.samples import (
     JointSample,
     PressureSample,
     Sample,
-    SonarSample,
 )
 from hullrecon.dive.logs.time_window import Instant, time_window
 from hullrecon.dive.logs.timeline import NS, put_in_order
@@ -98,11 +98,17 @@ class IngestResult:
 
 
 def ingest(
-    package: Path, request: IngestRequest, open_file: OpenFile, watch: Watch = iter, problems: Problems | None = None
+    package: Path,
+    request: IngestRequest,
+    open_file: OpenFile,
+    watch: Watch = iter,
+    problems: Problems | None = None,
+    pings: PingStorage | None = None,
 ) -> IngestResult:
     """Return what the package holds, read once.
 
-    open_file is called for each camera whose image bytes are to be kept; watch sees every message pass (progress). Raises
+    open_file is called for each camera whose image bytes are to be kept; pings: where the sonar's images go, None to leave them
+    aside (those of the result are black); watch sees every message pass (progress). Raises
     InputError for what cannot be used, with the file, topic or size that is wrong, unless `problems` takes it.
     """
     out, problems = IngestResult(), problems or Problems()
@@ -130,13 +136,14 @@ def ingest(
     window = None
     with problems.gather():
         window = time_window(request.start, request.end, logs)
-    found = read_streams(logs, sensors, take_image, watch, problems, window)
+    spool = PingSpool(None if pings is None else pings.spool)
+    found = read_streams(logs, sensors, take_image, watch, problems, window, spool.keep)
     _check_topics(topics, found, problems)
     out.remarks += found.remarks
     out.lost = messages.describe_losses(found.losses)
     out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
     out.unused = describe_unused((c for c in found.counts if c.encoding != "sample"), set(topics.values()))
-    out.records = _build_records(out, request, found, problems)
+    out.records = _build_records(out, request, found, problems, spool, streams.leave_black if pings is None else pings.keep)
     for name, sink in sinks.items():
         with problems.gather():
             index = sink.finish(out.remarks)
@@ -175,7 +182,14 @@ def _check_topics(topics: Mapping[str, str], found: LogContents, problems: Probl
             )  # fmt: skip
 
 
-def _build_records(out: IngestResult, request: IngestRequest, found: LogContents, problems: Problems) -> SensorRecords:
+def _build_records(
+    out: IngestResult,
+    request: IngestRequest,
+    found: LogContents,
+    problems: Problems,
+    spool: PingSpool,
+    keep_images: KeepImages,
+) -> SensorRecords:
     """Return the records of all sensors but the cameras."""
     remarks = out.remarks
     built: dict[str, SensorRecord | None] = {}
@@ -197,9 +211,9 @@ def _build_records(out: IngestResult, request: IngestRequest, found: LogContents
         return streams.pressure_samples(samples, request.pressure, remarks) if samples else None
 
     def sonar() -> SonarPings | None:
-        samples = _sort_samples("sonar", found, SonarSample, remarks)
-        samples = [replace(s, t_ns=s.t_ns + request.sonar_offset_ns) for s in samples]
-        return streams.sonar_pings(samples, remarks, request.sonar_azimuth_deg)
+        spooled = _sort_samples("sonar", found, SpooledPing, remarks)
+        samples = [replace(spool.load(s), t_ns=s.t_ns + request.sonar_offset_ns) for s in spooled]
+        return streams.sonar_pings(samples, remarks, request.sonar_azimuth_deg, keep_images)
 
     build("dvl", dvl)
     build("imu", imu)

@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,13 +30,13 @@ MIN_SAMPLES = 200  # of the hull, for a ping or a place in the fan to have a lev
 @dataclass(frozen=True, kw_only=True)
 class SonarView:
     """A ping. pose: one T_M_o (T_g_o without a CAD model); image (beams, ranges) uint8; level (beams, ranges): what a mean
-    piece
-    of hull returns there in that ping, None to leave the image as it is."""
+    piece of hull returns there, None to leave the image as it is; gain: by which that ping is brighter."""
 
     pose: Poses
     fan: SonarFan
     image: NDArray[np.uint8]
     level: Array | None = None
+    gain: float = 1.0
 
     @property
     def center(self) -> Array:
@@ -56,8 +56,9 @@ class SonarView:
 
     def picture(self) -> Floats32 | None:
         raw = self.image.astype(np.float32)
-        even = raw if self.level is None else raw * (LEVEL / np.maximum(self.level, 1.0)).astype(np.float32)
-        return np.ascontiguousarray(np.minimum(even, 255)[..., None])
+        if self.level is not None:
+            raw *= (LEVEL / np.maximum(self.level * self.gain, 1.0)).astype(np.float32)
+        return np.ascontiguousarray(np.minimum(raw, 255)[..., None])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,10 +70,25 @@ class SonarMosaic:
     footprints: Footprints
 
 
+@dataclass(frozen=True, kw_only=True)
+class ReturnLevels:
+    """What the hull returns. mean (beams, ranges): of a dive; gain (pings,): by which each ping is brighter."""
+
+    mean: Array
+    gain: Array
+
+
 def sonar_mosaic(
-    surface: MosaicSurface, pings: SonarPings, poses: Poses, elevation_rad: float, options: SonarOptions, progress: Progress
+    surface: MosaicSurface,
+    pings: SonarPings,
+    poses: Poses,
+    elevation_rad: float,
+    options: SonarOptions,
+    progress: Progress,
+    scratch: BinaryIO,
 ) -> SonarMosaic:
-    """Return the mosaic. poses: T_M_o at the pings; elevation_rad: the full aperture out of the fan.
+    """Return the mosaic. poses: T_M_o at the pings; elevation_rad: the full aperture out of the fan; scratch: an empty file,
+    for what grows with the dive.
 
     Raises ValueError when no ping meets the surface.
     """
@@ -83,9 +99,11 @@ def sonar_mosaic(
     grid = grid_around(footprints.at.reshape(-1, 2), step)
     surface = surface.with_occlusion_horizon(grid, footprints.span_m)
     limits = ViewLimits(min_cosine=float(np.cos(np.radians(options.max_incidence_deg))), slant=0.0)
-    levels = learn_levels(surface, image_views, footprints, limits.min_cosine) if options.even_light else None
+    levels = learn_levels(surface, image_views, footprints, limits.min_cosine, scratch) if options.even_light else None
     if levels is not None:
-        image_views = [replace(s, level=level) for s, level in zip(image_views, levels, strict=True)]
+        image_views = [
+            replace(s, level=levels.mean, gain=float(gain)) for s, gain in zip(image_views, levels.gain, strict=True)
+        ]
     windows = footprint_windows(grid, footprints)
     store = make_tiles(
         grid, 1, options.tile_px, options.texture_px,
@@ -96,10 +114,10 @@ def sonar_mosaic(
 
 
 def learn_levels(
-    surface: MosaicSurface, image_views: Sequence[SonarView], footprints: Footprints, min_cosine: float
-) -> list[Array] | None:
-    """Return what the hull returns on average at each range and beam, times each ping's gain: beam pattern, spreading,
-    grazing angle.
+    surface: MosaicSurface, image_views: Sequence[SonarView], footprints: Footprints, min_cosine: float, scratch: BinaryIO
+) -> ReturnLevels | None:
+    """Return what the hull returns on average at each range and beam, and each ping's gain: beam pattern, spreading, grazing
+    angle. scratch: an empty file.
 
     Only pixels on which the surface lies and is seen are counted, so that neither water before the first return nor shadows
     darken the mean. None when too little of the hull was seen.
@@ -107,24 +125,45 @@ def learn_levels(
     grid = grid_around(footprints.at.reshape(-1, 2), 0.05)
     shape = image_views[0].image.shape
     total, count = np.zeros(shape), np.zeros(shape)
-    cells: list[Ints] = [np.zeros(0, np.int64) for _ in image_views]
+    cells = _HullCells(scratch, len(image_views))
     windows = footprint_windows(grid, footprints)
     for tile in grid.tiles(1024):
         patch = sample_surface(surface, grid, tile)
         for k, image_view in enumerate(image_views):
             part = windows[k].meet(tile).within(tile)
-            cells[k] = np.concatenate([cells[k], _hull_cells(surface, image_view, patch.part(part), min_cosine)])
-    for image_view, cell in zip(image_views, cells, strict=True):
-        flat = np.bincount(cell, minlength=shape[0] * shape[1]).reshape(shape)
-        total += flat * image_view.image
-        count += flat
+            cell = _hull_cells(surface, image_view, patch.part(part), min_cosine)
+            cells.append(k, cell)
+            flat = np.bincount(cell, minlength=shape[0] * shape[1]).reshape(shape)
+            total += flat * image_view.image
+            count += flat
     if count.sum() < MIN_SAMPLES:
         return None
     mean = _smooth(total, count)
-    return [
-        mean * _gain(image_view.image.ravel()[cell], mean.ravel()[cell])
-        for image_view, cell in zip(image_views, cells, strict=True)
-    ]
+    gain = [_gain(s.image.ravel()[cell], mean.ravel()[cell]) for s, cell in zip(image_views, cells.by_ping(), strict=True)]
+    return ReturnLevels(mean=mean, gain=np.array(gain))
+
+
+class _HullCells:
+    """Flat indices into the images of the pixels that hold hull, by ping, in a file: there are thousands a ping."""
+
+    def __init__(self, file: BinaryIO, pings: int) -> None:
+        self._file = file
+        self._parts: list[list[tuple[int, int]]] = [[] for _ in range(pings)]  # byte and length of each
+
+    def append(self, ping: int, cells: Ints) -> None:
+        """Add indices to those of a ping."""
+        if len(cells):
+            self._parts[ping].append((self._file.seek(0, 2), len(cells)))
+            self._file.write(cells.astype(np.uint32).tobytes())
+
+    def by_ping(self) -> Iterator[Ints]:
+        """Yield the indices of one ping after the other."""
+        for parts in self._parts:
+            yield np.concatenate([np.zeros(0, np.int64), *(self._read(at, length) for at, length in parts)])
+
+    def _read(self, at: int, length: int) -> Ints:
+        self._file.seek(at)
+        return np.frombuffer(self._file.read(4 * length), np.uint32).astype(np.int64)
 
 
 def _hull_cells(surface: MosaicSurface, image_view: SonarView, patch: SurfacePatch, min_cosine: float) -> Ints:

@@ -14,6 +14,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TypeVar
 
+import numpy as np
+
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import InputError
@@ -33,6 +35,7 @@ from hullrecon.typing import Arrays
 
 Record = TypeVar("Record")
 Document = Mapping[str, object]
+SONAR_IMAGES = "sonar_image.npy"
 
 
 @dataclass(frozen=True)
@@ -80,7 +83,12 @@ class IngestArtifact(StepArtifact):
 
     @property
     def sonar(self) -> SonarPings | None:
-        return self._optional("sonar.npz", SonarPings)
+        """Return the pings, their images mapped from the file; None where no sonar was carried."""
+        path = self.folder / "sonar.npz"
+        if not path.exists():
+            return None
+        image = np.load(self.folder / SONAR_IMAGES, mmap_mode="r", allow_pickle=False)
+        return from_arrays(SonarPings, {**load_arrays(path), "image": image})
 
     @property
     def sonar_joint(self) -> JointSamples | None:

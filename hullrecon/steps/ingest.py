@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import asdict
 from datetime import datetime
@@ -19,11 +19,14 @@ from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.schema import Logs, Topics
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest, offset_ns
 from hullrecon.dive.logs.dvl_beams import tilted_beams
+from hullrecon.dive.logs.ping_spool import Images, PingStorage
 from hullrecon.dive.logs.streams import PressureModel
 from hullrecon.dive.logs.time_window import Instant
 from hullrecon.dive.package_files import log_files
 from hullrecon.geometry.frames import Camera
+from hullrecon.records.sensors import SonarPings
 from hullrecon.records.serialisation import to_arrays
+from hullrecon.steps.artifacts import SONAR_IMAGES
 from hullrecon.typing import Array
 
 USES = (
@@ -102,17 +105,36 @@ def run(context: Context[IngestOptions]) -> None:
             path = files.enter_context(context.out.path(f"images_{camera}.bin"))
             return files.enter_context(path.open("wb"))
 
+        def keep_pings(shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
+            return _write_images(files.enter_context(context.out.path(SONAR_IMAGES)), shape, images)
+
+        spool = files.enter_context(context.out.scratch())
         found = ingest(
-            context.source, request_of(context.settings), open_file, lambda messages: context.progress(messages, "messages")
+            context.source,
+            request_of(context.settings),
+            open_file,
+            lambda messages: context.progress(messages, "messages"),
+            pings=PingStorage(spool, keep_pings),
         )
     _write(context, found)
     for message in [*found.lost, *found.remarks]:
         context.warn(message)
 
 
+def _write_images(path: Path, shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
+    """Write images one after the other as one .npy, and return them mapped."""
+    with path.open("wb") as file:
+        description = {"descr": np.dtype(np.uint8).str, "fortran_order": False, "shape": shape}
+        np.lib.format.write_array_header_1_0(file, description)
+        for image in images:
+            file.write(np.ascontiguousarray(image).data)
+    return np.asarray(np.load(path, mmap_mode="r", allow_pickle=False))
+
+
 def _write(context: Context[IngestOptions], found: IngestResult) -> None:
     for name, record in found.records.by_name().items():
-        context.out.arrays(f"{name}.npz", to_arrays(record))
+        apart = {"image"} if isinstance(record, SonarPings) else set()
+        context.out.arrays(f"{name}.npz", {key: value for key, value in to_arrays(record).items() if key not in apart})
     for name, index in found.images.items():
         context.out.arrays(f"images_{name}.npz", to_arrays(index))
     cameras = {name.removeprefix("camera_"): asdict(camera) for name, camera in found.cameras.items() if name in found.images}
@@ -132,7 +154,7 @@ STAGE = Stage(
     summary="read the logs, the calibration and the CAD model",
     inputs=(),
     parameters=IngestOptions,
-    version=5,
+    version=6,
     run=run,
     uses=USES,
     external=external,

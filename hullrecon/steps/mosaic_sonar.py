@@ -42,7 +42,8 @@ def run(context: Context[SonarOptions]) -> None:
     poses = sonar_poses(rig, inputs.track, pings.t_ns, joint, artifacts.ingest.sonar_joint)
     elevation_rad = np.radians(settings.read("sonar.elevation_deg", float))
     try:
-        mosaic = sonar_mosaic(inputs.surface, pings, poses, elevation_rad, options, context.progress)
+        with context.out.scratch() as scratch:
+            mosaic = sonar_mosaic(inputs.surface, pings, poses, elevation_rad, options, context.progress, scratch)
     except ValueError as error:
         raise StageError(f"no sonar mosaic: {error}", where="mosaic-sonar", remedy="check the mount of the sonar") from error
     nodes_ns, mount_sigma = inputs.track.t_ns, np.array(settings.read("sonar.mount_sigma", tuple))

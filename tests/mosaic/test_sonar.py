@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from io import BytesIO
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -14,7 +15,7 @@ from hullrecon.mosaic.imagery.camera_views import compute_footprints
 from hullrecon.mosaic.imagery.sonar_fan import build_fan
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.options import SonarOptions
-from hullrecon.mosaic.sonar import LEVEL, SonarView, learn_levels, sonar_mosaic
+from hullrecon.mosaic.sonar import LEVEL, ReturnLevels, SonarView, learn_levels, sonar_mosaic
 from hullrecon.records.sensors import SonarPings
 
 BEARING = np.radians(np.linspace(-14, 14, 49))
@@ -56,7 +57,7 @@ def test_a_bright_stripe_is_mapped_to_its_place(flat_surface: Callable[..., Mosa
         return np.where(np.abs(points[:, 0] - 0.1) < 0.03, 200.0, 60.0)
 
     pings, poses = pings_over([-0.1, 0.0, 0.1, 0.2], stripe)
-    made = sonar_mosaic(flat_surface(), pings, poses, np.radians(14), OPTIONS, still)
+    made = sonar_mosaic(flat_surface(), pings, poses, np.radians(14), OPTIONS, still, BytesIO())
     grid, gray, alpha = made.store.grid, made.store.small[..., 0].astype(float), made.store.small[..., 1]
     along = grid.west + (np.arange(grid.width) + 0.5) * grid.step_m
     profile = np.array([gray[:, k][alpha[:, k] > 0].mean() if (alpha[:, k] > 0).any() else np.nan for k in range(grid.width)])
@@ -71,7 +72,7 @@ def test_an_even_plate_becomes_even_whatever_the_beam_pattern(flat_surface: Call
     shaded = SonarPings(
         t_ns=pings.t_ns, image=(pings.image * pattern).astype(np.uint8), directions=pings.directions, range_m=pings.range_m
     )
-    made = sonar_mosaic(flat_surface(), shaded, poses, np.radians(14), OPTIONS, still)
+    made = sonar_mosaic(flat_surface(), shaded, poses, np.radians(14), OPTIONS, still, BytesIO())
     inner = made.store.small[3:-3, 3:-3]
     seen = inner[..., 0][inner[..., 1] > 0].astype(float)
     assert made.light_corrected
@@ -81,14 +82,14 @@ def test_an_even_plate_becomes_even_whatever_the_beam_pattern(flat_surface: Call
 
 def test_what_a_block_shadows_is_not_mapped_to_the_end_of_its_shadow(flat_surface: Callable[..., MosaicSurface]) -> None:
     pings, poses = pings_over([0.0], lambda points: np.full(len(points), 90.0))
-    free = sonar_mosaic(flat_surface(), pings, poses, np.radians(14), OPTIONS, still).store
+    free = sonar_mosaic(flat_surface(), pings, poses, np.radians(14), OPTIONS, still, BytesIO()).store
     girth = girths(free)
     girth = girth[(girth > 0.06) & [seen_at(free, 0.0, g) for g in girth]]
     assert girth.max() > 0.2
     # the shadow as seen from y = -0.8 at 0.5 m height, behind the block's far upper edge at y = 0.05
     for height, end in ((0.05, 0.05 + 0.85 * 0.05 / 0.45), (0.2, 0.05 + 0.85 * 0.2 / 0.3)):
         block = ([-0.1, -0.05, 0.0], [0.1, 0.05, height])
-        made = sonar_mosaic(flat_surface(block), pings, poses, np.radians(14), OPTIONS, still).store
+        made = sonar_mosaic(flat_surface(block), pings, poses, np.radians(14), OPTIONS, still, BytesIO()).store
         mapped = [seen_at(made, 0.0, g) for g in girth]
         clear = np.abs(girth - end) > 0.02
         np.testing.assert_array_equal(np.array(mapped)[clear], (girth > end)[clear])
@@ -102,7 +103,7 @@ def test_a_long_shadow_is_found_to_its_end(flat_surface: Callable[..., MosaicSur
     directions = np.stack([np.zeros(49), np.sin(BEARING), np.cos(BEARING)], axis=1)
     pings = SonarPings(t_ns=np.arange(1), image=np.full((1, 49, 141), 90, np.uint8), directions=directions, range_m=RANGES)
     made = sonar_mosaic(
-        flat_surface(([-0.3, -0.45, 0.0], [0.3, -0.4, 0.12])), pings, poses, np.radians(40), OPTIONS, still
+        flat_surface(([-0.3, -0.45, 0.0], [0.3, -0.4, 0.12])), pings, poses, np.radians(40), OPTIONS, still, BytesIO()
     ).store
     end = -0.4 + 0.5 * 0.12 / 0.13
     girth = girths(made)
@@ -115,8 +116,8 @@ def views_of(pings: SonarPings, poses: Poses, images: np.ndarray) -> list[SonarV
     return [SonarView(pose=poses[k], fan=fan, image=image) for k, image in enumerate(images)]
 
 
-def learn(surface: MosaicSurface, views: list[SonarView]) -> list[np.ndarray] | None:
-    return learn_levels(surface, views, compute_footprints(surface, views), min_cosine=0.1)
+def learn(surface: MosaicSurface, views: list[SonarView]) -> ReturnLevels | None:
+    return learn_levels(surface, views, compute_footprints(surface, views), 0.1, BytesIO())
 
 
 def test_the_level_is_what_the_bare_hull_returns(flat_surface: Callable[..., MosaicSurface]) -> None:
@@ -124,7 +125,7 @@ def test_the_level_is_what_the_bare_hull_returns(flat_surface: Callable[..., Mos
     levels = learn(flat_surface(), views_of(pings, poses, pings.image))
     assert levels is not None
     on_plate = pings.image[1] > 0
-    assert np.abs(levels[1][on_plate] - 120).mean() < 8  # water before the first return is not counted
+    assert np.abs((levels.mean * levels.gain[1])[on_plate] - 120).mean() < 8  # water before the first return is not counted
 
 
 def test_each_ping_has_its_own_gain_within_a_factor_of_two(flat_surface: Callable[..., MosaicSurface]) -> None:
@@ -135,7 +136,7 @@ def test_each_ping_has_its_own_gain_within_a_factor_of_two(flat_surface: Callabl
     levels = learn(flat_surface(), [SonarView(pose=poses[k], fan=fan, image=image) for k, image in enumerate(images)])
     assert levels is not None
     mean = (100 + 130 + 100 + 10) / 4
-    ratio = [float(np.median(level / levels[0])) for level in levels]
+    ratio = levels.gain / levels.gain[0]
     np.testing.assert_allclose(ratio[1:3], [1.3, 1.0], rtol=0.05)
     assert abs(ratio[3] - 0.5 * mean / 100) < 0.05  # a ping eight times darker than the mean is evened out by two only
 
@@ -155,15 +156,15 @@ def test_a_shadow_does_not_darken_the_level(flat_surface: Callable[..., MosaicSu
     assert blind is not None
     in_shadow = np.s_[20:29, 42:46]
     assert (pings.image[1][in_shadow] == 0).all()
-    assert blind[1][in_shadow].max() < 50  # without the block in the surface the shadow is taken for a dark hull
-    assert aware[1][in_shadow].min() > 75
+    assert blind.mean[in_shadow].max() < 50  # without the block in the surface the shadow is taken for a dark hull
+    assert aware.mean[in_shadow].min() > 75
 
 
 def test_too_little_hull_has_no_level(flat_surface: Callable[..., MosaicSurface]) -> None:
     pings, poses = pings_over([0.98], lambda points: np.full(len(points), 100.0))
     views = views_of(pings, poses, pings.image)
     footprints = compute_footprints(flat_surface(), views)
-    assert learn_levels(flat_surface(), views, footprints, min_cosine=0.999) is None
+    assert learn_levels(flat_surface(), views, footprints, 0.999, BytesIO()) is None
 
 
 def girths(store) -> np.ndarray:

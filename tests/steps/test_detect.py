@@ -20,7 +20,7 @@ from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.poses import Poses, from_mount, identity
-from hullrecon.records.sensors import DvlPings, ImageIndex, JointSamples, PressureSamples, SonarPings
+from hullrecon.records.sensors import DvlPings, ImageIndex, JointSamples, PressureSamples
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import DeviationSplit, Surface
@@ -144,10 +144,8 @@ class EarlierSteps:
     def _carry_sonar(self, ingest: Path) -> None:
         bearing = np.linspace(-0.4, 0.4, 9)
         beams = np.column_stack([np.zeros(9), np.sin(bearing), np.cos(bearing)])
-        pings = SonarPings(
-            t_ns=np.array([1002, 1008]), image=np.zeros((2, 9, 4), np.uint8), directions=beams, range_m=np.linspace(0.5, 3, 4)
-        )
-        np.savez(ingest / "sonar.npz", **to_arrays(pings))
+        np.savez(ingest / "sonar.npz", t_ns=np.array([1002, 1008]), directions=beams, range_m=np.linspace(0.5, 3, 4))
+        np.save(ingest / "sonar_image.npy", np.zeros((2, 9, 4), np.uint8))
         np.savez(ingest / "sonar_tray.npz", **to_arrays(JointSamples(t_ns=np.array([0, 2000]), angle=np.zeros(2))))
 
     def _folder(self, name: str) -> Path:

@@ -16,8 +16,9 @@ from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import InputError
-from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SonarPings
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.serialisation import from_arrays
+from hullrecon.steps.artifacts import IngestArtifact
 from hullrecon.steps.ingest import STAGE, USES, external, request_of
 
 TOML = """
@@ -72,13 +73,16 @@ def run(package: Path, out: Path, *overrides: str) -> Path:
 def test_the_artifact_holds_a_record_of_every_sensor(package, tmp_path):
     out = run(package, tmp_path / "ingest")
     kinds = {"dvl": DvlPings, "imu": ImuSamples, "pressure": PressureSamples, "tray": JointSamples, "sonar_tray": JointSamples,
-             "sonar": SonarPings, "images_camera_top": ImageIndex}  # fmt: skip
+             "images_camera_top": ImageIndex}  # fmt: skip
     found = {name: from_arrays(kind, load_arrays(out / f"{name}.npz")) for name, kind in kinds.items()}
     assert np.isnan(found["dvl"].ranges[0, 3])
     assert found["pressure"].depth == pytest.approx([0, 1.0])
     assert found["tray"].angle.tolist() == [0.1, 0.2]
     assert found["sonar_tray"].angle.tolist() == [0.3]
-    assert found["sonar"].image.shape == (1, 3, 4)
+    pings = IngestArtifact(out).sonar
+    assert isinstance(pings.image, np.memmap)
+    assert pings.image.shape == (1, len(pings.directions), len(pings.range_m)) == (1, 3, 4)
+    assert pings.image.any()
     assert found["images_camera_top"].t_ns.tolist() == [500_000_000, 1_500_000_000]
     assert found["images_camera_top"].usable.tolist() == [True, False]
     assert not (out / "images_camera_top.bin").exists()

@@ -21,7 +21,7 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import chart_for_points
 from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.poses import from_rpy, identity
-from hullrecon.records.sensors import ImageIndex, JointSamples, SonarPings
+from hullrecon.records.sensors import ImageIndex, JointSamples
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import Trajectory, VehicleTrack
@@ -139,11 +139,8 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
     slant = 1 / np.cos(bearing)
     image = np.where(ranges >= slant[:, None], 100, 0) + np.zeros((NODES, 1, 1))
     directions = np.stack([0 * bearing, np.sin(bearing), np.cos(bearing)], axis=1)
-    save(
-        passed["ingest"],
-        "sonar.npz",
-        to_arrays(SonarPings(t_ns=TIMES, image=image.astype(np.uint8), directions=directions, range_m=ranges)),
-    )
+    save(passed["ingest"], "sonar.npz", {"t_ns": TIMES, "directions": directions, "range_m": ranges})
+    np.save(passed["ingest"] / "sonar_image.npy", image.astype(np.uint8))
     # z of the sonar to starboard, its fan along x: x of the sonar is up
     sonar = Sonar(mount=(0.0, 0.0, 0.0, -90.0, 90.0, 0.0), elevation_deg=20.0)
     loose = Sonar(mount=sonar.mount, elevation_deg=20.0, mount_sigma=(0.0, 0.0, 0.0, 2.0, 2.0, 2.0))

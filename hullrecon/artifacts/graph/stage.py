@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, BinaryIO, Protocol, TypeVar
 
 import numpy as np
 from msgspec import Struct
@@ -36,6 +36,9 @@ class Writer(Protocol):
 
     def path(self, name: str) -> AbstractContextManager[Path]:
         """Give a temporary path to let a library write to; it is made durable and renamed at the end of the `with`."""
+
+    def scratch(self) -> AbstractContextManager[BinaryIO]:
+        """Give an empty file without a name, to write and to read, which is gone at the end of the `with`."""
 
 
 class Context(Protocol[Parameters]):

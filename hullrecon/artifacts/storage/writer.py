@@ -4,16 +4,17 @@
 
 from __future__ import annotations
 
+import tempfile
 import zipfile
-from collections.abc import Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.artifacts.storage.disk import durable_file, durable_path, write_file
+from hullrecon.artifacts.storage.disk import durable_file, durable_path, make_folder, storage_errors, write_file
 from hullrecon.artifacts.storage.documents import encode
 from hullrecon.artifacts.storage.manifest import FILE_NAME
 
@@ -50,6 +51,13 @@ class ArtifactWriter:
 
     def path(self, name: str) -> AbstractContextManager[Path]:
         return durable_path(self._place(name))
+
+    @contextmanager
+    def scratch(self) -> Iterator[BinaryIO]:
+        with storage_errors(self._folder):
+            make_folder(self._folder)
+            with tempfile.TemporaryFile(dir=self._folder) as file:
+                yield cast(BinaryIO, file)
 
     def _place(self, name: str) -> Path:
         parts = PurePosixPath(name).parts

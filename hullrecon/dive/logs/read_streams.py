@@ -14,12 +14,13 @@ from hullrecon.dive.logs.messages.decode import decode, describe, type_name
 from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER, stamp_ns
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Loss, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
-from hullrecon.dive.logs.samples import ImageSample, Sample
+from hullrecon.dive.logs.samples import ImageSample, Sample, SonarSample
 from hullrecon.dive.logs.time_window import TimeWindow
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 
 TakeImage = Callable[[ImageSample, int], None]  # the sample and when it was logged, ns
+KeepPing = Callable[[SonarSample], SonarSample]
 Watch = Callable[[Iterable[Message]], Iterable[Message]]
 LIMIT_NS = 1 << 62  # the year 2116; differences of such stamps are int64 too
 MOST_REASONS = 5  # a topic for which messages could not be used, that are told apart
@@ -53,12 +54,14 @@ def read_streams(
     watch: Watch = iter,
     problems: Problems | None = None,
     window: TimeWindow | None = None,
+    keep_ping: KeepPing = lambda ping: ping,
 ) -> LogContents:
     """Return what the logs hold, or what of it lies in the time window, read once.
 
     topics: sensors by topic (a pose has attitude and depth); a sensor named there comes from that topic, not from a PD0 file or
-    a table beside the log. Only small samples are kept. `watch` sees every message pass (progress). Raises InputError for a
-    topic of a type that is not read and for a log of which nothing is, unless `problems` takes it.
+    a table beside the log. Only small samples are kept; of a sonar's ping what `keep_ping` returns. `watch` sees every message
+    pass (progress). Raises InputError for a topic of a type that is not read and for a log of which nothing is, unless
+    `problems` takes it.
     """
     out, problems = LogContents(), problems or Problems()
     refused: set[Channel] = set()
@@ -70,7 +73,7 @@ def read_streams(
                     continue
                 count = len(problems.found)
                 with problems.gather():
-                    _sort(message, topics, take_image, out, window)
+                    _sort(message, topics, take_image, out, window, keep_ping)
                 if len(problems.found) > count:
                     refused.add(message.channel)
         name = printable(log.path.name)
@@ -94,6 +97,7 @@ def _sort(
     take_image: TakeImage,
     out: LogContents,
     window: TimeWindow | None,
+    keep_ping: KeepPing,
 ) -> None:
     """Put the samples of a message where those of their sensor go; those outside the time window are counted."""
     for sensor, sample in _samples(message, topics, out):
@@ -102,7 +106,7 @@ def _sort(
         elif isinstance(sample, ImageSample):
             take_image(sample, message.t_ns)
         else:
-            out.samples[sensor].append(sample)
+            out.samples[sensor].append(keep_ping(sample) if isinstance(sample, SonarSample) else sample)
             out.logged_ns[sensor].append(message.t_ns)
 
 

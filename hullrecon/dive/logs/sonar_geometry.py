@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hullrecon.dive.logs.messages.sonar import in_fan
 from hullrecon.dive.logs.samples import SonarSample
@@ -19,13 +19,13 @@ SAME_REACH = 0.01  # share of the range by which windows of one setting differ, 
 MEANING = "the azimuth of each beam in degrees from the middle of the fan, growing from port to starboard"
 
 
-def pings_of_one_window(samples: Sequence[SonarSample], remarks: list[str]) -> list[SonarSample]:
-    """Return the pings of the most common number of beams and window, in the ranges of the most common of them; [] without any.
+def pings_of_one_window(samples: Sequence[SonarSample], remarks: list[str]) -> tuple[list[SonarSample], Array]:
+    """Return the pings of the most common number of beams and window, and the most common of their ranges; [] without any.
 
     Windows whose ends differ by 1 % at most are one: the speed of sound that a sonar reckons with changes with the temperature.
     """
     if not samples:
-        return []
+        return [], np.zeros(0)
     reach = np.array([s.range_m[-1] for s in samples])
     shapes = Counter(s.image.shape for s in samples)
     best = max((_widest_agreement(samples, reach, shape) for shape in shapes), key=len)
@@ -44,7 +44,7 @@ def pings_of_one_window(samples: Sequence[SonarSample], remarks: list[str]) -> l
             f"sonar: {others} of {len(kept)} pings have ranges that differ by up to "
             f"{1e3 * np.abs(reach[best] - first.range_m[-1]).max():.0f} mm, as by another speed of sound, and were put onto one"
         )
-    return [_in_ranges(s, first.range_m) for s in kept]
+    return kept, first.range_m
 
 
 def _widest_agreement(samples: Sequence[SonarSample], reach: Array, shape: tuple[int, ...]) -> list[int]:
@@ -60,17 +60,16 @@ def _widest_agreement(samples: Sequence[SonarSample], reach: Array, shape: tuple
     return [int(i) for i in near]
 
 
-def _in_ranges(sample: SonarSample, range_m: Array) -> SonarSample:
-    """Return a ping with its samples put where the ranges are nearest; 0 beyond its own."""
+def image_in_ranges(sample: SonarSample, range_m: Array) -> NDArray[np.generic]:
+    """Return a ping's image with its samples put where the ranges are nearest; 0 beyond its own."""
     own = sample.range_m
     if np.array_equal(own, range_m) or len(own) < 2 or not (np.diff(own) > 0).all():
-        return sample
+        return sample.image
     number = np.arange(len(own))
     half = 0.5 * np.diff(own)[[0, -1]]
     limits = np.concatenate([[own[0] - half[0]], own, [own[-1] + half[1]]])  # of the samples, not of their middles
     nearest = np.interp(range_m, limits, np.concatenate([[0], number, [number[-1]]]), left=-1, right=-1).round().astype(int)
-    image = np.where(nearest >= 0, sample.image[:, nearest], 0).astype(sample.image.dtype)
-    return replace(sample, image=image, range_m=range_m)
+    return np.where(nearest >= 0, sample.image[:, nearest], 0).astype(sample.image.dtype)
 
 
 def choose_directions(sample: SonarSample, azimuth_deg: Array | None, remarks: list[str]) -> Array:

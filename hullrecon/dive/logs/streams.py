@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import check_beams, choose_beams, unit
+from hullrecon.dive.logs.ping_spool import Images, KeepImages
 from hullrecon.dive.logs.samples import DepthSample, DvlSample, ImuSample, JointSample, PressureSample, SonarSample
-from hullrecon.dive.logs.sonar_geometry import choose_directions, pings_of_one_window
+from hullrecon.dive.logs.sonar_geometry import choose_directions, image_in_ranges, pings_of_one_window
 from hullrecon.errors import InputError
 from hullrecon.records.sensors import DvlPings, ImuSamples, JointSamples, PressureSamples, SonarPings
 from hullrecon.typing import Array, Ints
@@ -154,25 +155,51 @@ def joint_samples(samples: Sequence[JointSample], name: str, remarks: list[str])
     return JointSamples(t_ns=_times(samples)[good], angle=angle[good])
 
 
+def keep_in_memory(shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
+    """Return the images as one array."""
+    kept = np.empty(shape, np.uint8)
+    for row, image in zip(kept, images, strict=True):
+        row[:] = image
+    return kept
+
+
+def leave_black(shape: tuple[int, int, int], images: Iterator[Images]) -> Images:
+    """Return black images, which take no memory."""
+    return np.broadcast_to(np.uint8(0), shape)
+
+
 @np.errstate(all="ignore")
-def sonar_pings(samples: Sequence[SonarSample], remarks: list[str], azimuth_deg: Array | None = None) -> SonarPings | None:
+def sonar_pings(
+    samples: Sequence[SonarSample],
+    remarks: list[str],
+    azimuth_deg: Array | None = None,
+    keep: KeepImages = keep_in_memory,
+) -> SonarPings | None:
     """Return pings of the most common geometry, as 8 bits; None without any. azimuth_deg (beams,): of dive.toml, for logs that
-    do not say where the beams point. Raises InputError for beams that nothing describes."""
-    kept = pings_of_one_window(samples, remarks)
+    do not say where the beams point; keep: keeps the images. Raises InputError for beams that nothing describes."""
+    kept, range_m = pings_of_one_window(samples, remarks)
     if not kept:
         return None
     directions = choose_directions(kept[0], azimuth_deg, remarks)
-    image = _eight_bits([s.image for s in kept], remarks)
-    return SonarPings(t_ns=_times(kept), image=image, directions=unit(directions), range_m=np.asarray(kept[0].range_m, float))
+    scale = _scale_to_eight_bits(kept, remarks)
+    shape = (len(kept), len(directions), len(range_m))
+    image = keep(shape, (_eight_bits(image_in_ranges(sample, range_m), scale) for sample in kept))
+    return SonarPings(t_ns=_times(kept), image=image, directions=unit(directions), range_m=np.asarray(range_m, float))
 
 
-def _eight_bits(images: Sequence[NDArray[np.generic]], remarks: list[str]) -> NDArray[np.uint8]:
-    if all(image.dtype == np.uint8 for image in images):
-        return np.stack(images).astype(np.uint8)
-    brightest = max(float(np.nanmax(image.astype(float))) for image in images)
-    remarks.append(f"sonar: {images[0].dtype} pixels were scaled to 8 bits, {brightest:g} to 255")
-    scale = 255.0 / brightest if brightest > 0 else 0.0
-    return np.stack([np.clip(np.nan_to_num(i.astype(float)) * scale, 0, 255).round().astype(np.uint8) for i in images])
+def _scale_to_eight_bits(samples: Sequence[SonarSample], remarks: list[str]) -> float | None:
+    """Return the factor that brings the brightest pixel to 255; None where all pixels have 8 bits."""
+    if all(sample.image.dtype == np.uint8 for sample in samples):
+        return None
+    brightest = max(float(np.nanmax(sample.image.astype(float))) for sample in samples)
+    remarks.append(f"sonar: {samples[0].image.dtype} pixels were scaled to 8 bits, {brightest:g} to 255")
+    return 255.0 / brightest if brightest > 0 else 0.0
+
+
+def _eight_bits(image: NDArray[np.generic], scale: float | None) -> NDArray[np.uint8]:
+    if scale is None:
+        return image.astype(np.uint8)
+    return np.asarray(np.clip(np.nan_to_num(image.astype(float)) * scale, 0, 255).round(), np.uint8)
 
 
 def _times(samples: Sequence[object]) -> Ints:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import zipfile
 from pathlib import Path
@@ -16,6 +17,7 @@ from hypothesis.extra import numpy as arrays_of
 
 from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.artifacts.storage.writer import ArtifactWriter
+from hullrecon.errors import StorageError
 
 
 @pytest.fixture
@@ -82,3 +84,16 @@ def test_text_bytes_and_paths_land_in_subfolders(out: ArtifactWriter, tmp_path: 
 def test_a_name_outside_the_artifact_is_refused(name: str, out: ArtifactWriter) -> None:
     with pytest.raises(ValueError, match="no name for a file"):
         out.text(name, "x")
+
+
+def test_a_scratch_file_is_written_read_and_leaves_nothing(out: ArtifactWriter, tmp_path: Path) -> None:
+    with out.scratch() as file:
+        file.write(b"abc")
+        file.seek(0)
+        assert file.read() == b"abc"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_scratch_file_on_a_full_disk_is_said_so(out: ArtifactWriter) -> None:
+    with pytest.raises(StorageError, match="cannot write"), out.scratch():
+        raise OSError(errno.ENOSPC, "No space left on device")

@@ -6,7 +6,7 @@ import pytest
 from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.messages.sonar import in_fan
 from hullrecon.dive.logs.samples import SonarSample
-from hullrecon.dive.logs.sonar_geometry import pings_of_one_window
+from hullrecon.dive.logs.sonar_geometry import image_in_ranges, pings_of_one_window
 from hullrecon.errors import InputError
 
 BEAMS = 3
@@ -35,33 +35,38 @@ def test_pings_of_another_speed_of_sound_are_put_onto_the_same_ranges():
 
 def test_samples_beyond_a_pings_own_ranges_are_dark():
     short = ping(2, 4.98, 500)
-    (*_, last) = pings_of_one_window([ping(0, bins=500), ping(1, bins=500), short], [])
-    assert not last.image[:, -1].any()
-    assert last.image[0, -3] == short.image[0, -1]
+    kept, range_m = pings_of_one_window([ping(0, bins=500), ping(1, bins=500), short], [])
+    assert kept[2] is short
+    image = image_in_ranges(short, range_m)
+    assert not image[:, -1].any()
+    assert image[0, -3] == short.image[0, -1]
 
 
 def test_a_window_that_was_set_anew_is_left_out_and_counted():
     remarks: list[str] = []
     samples = [ping(0), ping(1), ping(2, 5.0, first=2.0), ping(3, 8.0), ping(4, bins=40)]
-    assert [s.t_ns for s in pings_of_one_window(samples, remarks)] == [0, 1]
+    assert [s.t_ns for s in pings_of_one_window(samples, remarks)[0]] == [0, 1]
     assert remarks == ["sonar: 3 of 5 pings have another range or number of beams than 3 beams to 5.0 m and were left out"]
 
 
 def test_of_two_windows_with_as_many_pings_the_first_stays():
-    assert [s.t_ns for s in pings_of_one_window([ping(0, 8.0), ping(1), ping(2, 8.0), ping(3)], [])] == [0, 2]
+    assert [s.t_ns for s in pings_of_one_window([ping(0, 8.0), ping(1), ping(2, 8.0), ping(3)], [])[0]] == [0, 2]
 
 
 def test_pings_of_one_window_stay_as_they_are():
     samples = [ping(0), ping(1)]
-    kept = pings_of_one_window(samples, [])
+    kept, range_m = pings_of_one_window(samples, [])
     assert all(one is other for one, other in zip(kept, samples, strict=True))
-    assert pings_of_one_window([], []) == []
+    assert all(image_in_ranges(sample, range_m) is sample.image for sample in samples)
+    assert pings_of_one_window([], [])[0] == []
 
 
 def test_ranges_that_do_not_grow_are_not_interpolated():
     odd = SonarSample(1, np.ones((BEAMS, 3), np.uint8), None, np.array([1.0, 0.5, 5.001]))
     even = SonarSample(0, np.ones((BEAMS, 3), np.uint8), None, np.array([1.0, 0.5, 5.0]))
-    assert len(pings_of_one_window([even, even, odd], [])) == 3
+    kept, range_m = pings_of_one_window([even, even, odd], [])
+    assert len(kept) == 3
+    assert image_in_ranges(odd, range_m) is odd.image
 
 
 def test_beams_that_nothing_describes_are_asked_for():

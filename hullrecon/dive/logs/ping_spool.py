@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The images of an imaging sonar while a log is read: in a file, as those of a long dive do not fit into memory."""
+
+from __future__ import annotations
+
+import mmap
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hullrecon.dive.logs.samples import SonarSample
+from hullrecon.typing import Array
+
+Images = NDArray[np.uint8]  # (pings, beams, ranges)
+KeepImages = Callable[[tuple[int, int, int], Iterator[Images]], Images]  # from their shape, one (beams, ranges) after the other
+
+
+@dataclass(frozen=True)
+class PingStorage:
+    """Where the images of a sonar go. spool: an empty file that may be read and written, for them as they were logged; keep:
+    keeps them as they are used."""
+
+    spool: BinaryIO
+    keep: KeepImages
+
+
+@dataclass(frozen=True, slots=True)
+class SpooledPing(SonarSample):
+    """A ping whose image lies in a spool from byte `at` on. What stands for it has its shape, type and brightest pixel, and no
+    memory."""
+
+    at: int = 0
+
+
+class PingSpool:
+    """Takes pings as they are read and gives them back from the file. Without a file, images are left aside."""
+
+    def __init__(self, file: BinaryIO | None) -> None:
+        self._file = file
+        self._size = 0
+        self._map: mmap.mmap | None = None
+        self._directions: Array | None = None
+        self._range_m: Array | None = None
+
+    def keep(self, sample: SonarSample) -> SpooledPing:
+        """Write a ping's image to the file; directions and ranges are those of the ping before where they are equal."""
+        image = np.ascontiguousarray(sample.image)
+        if self._directions is None or sample.directions is None or not np.array_equal(self._directions, sample.directions):
+            self._directions = sample.directions
+        if self._range_m is None or not np.array_equal(self._range_m, sample.range_m):
+            self._range_m = sample.range_m
+        at = self._size
+        if self._file is not None:
+            self._file.write(image.data)
+            self._size += image.nbytes
+        stand_in = np.broadcast_to(_brightest(image), image.shape)
+        return SpooledPing(sample.t_ns, stand_in, self._directions, self._range_m, at)
+
+    def load(self, ping: SpooledPing) -> SonarSample:
+        """Return the ping with its image mapped from the file."""
+        if self._file is None:
+            return ping
+        if self._map is None:
+            self._file.flush()
+            self._map = mmap.mmap(self._file.fileno(), 0, access=mmap.ACCESS_READ)
+        image = np.frombuffer(self._map, ping.image.dtype, ping.image.size, ping.at).reshape(ping.image.shape)
+        return SonarSample(ping.t_ns, image, ping.directions, ping.range_m)
+
+
+def _brightest(image: NDArray[np.generic]) -> NDArray[np.generic]:
+    """Return the largest pixel as an array without axes; NaN counts where there is nothing else."""
+    with np.errstate(all="ignore"):
+        return np.asarray(np.fmax.reduce(image, axis=None), image.dtype)

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+import tempfile
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from hullrecon.dive.logs import streams
+from hullrecon.dive.logs.ping_spool import PingSpool
+from hullrecon.dive.logs.samples import SonarSample
+
+RANGES = np.linspace(1.0, 5.0, 64)
+DIRECTIONS = np.tile([0.0, 0.0, 1.0], (96, 1))
+
+
+def ping(t_ns, dtype=np.uint8, ranges=RANGES):
+    image = np.random.default_rng(t_ns).integers(0, 250, (96, len(ranges))).astype(dtype)
+    return SonarSample(t_ns, image, DIRECTIONS.copy(), ranges.copy())
+
+
+@pytest.mark.parametrize("dtype", ["u1", "<u2", ">u2", "<f4"])
+def test_pings_come_back_as_they_went(dtype):
+    samples = [ping(0), *(ping(t, dtype) for t in range(1, 5)), ping(5, ranges=RANGES[:33])]
+    with tempfile.TemporaryFile() as file:
+        spool = PingSpool(file)
+        for kept, sample in zip([spool.keep(s) for s in samples], samples, strict=True):
+            back = spool.load(kept)
+            assert back.t_ns == sample.t_ns
+            assert back.image.dtype == sample.image.dtype
+            np.testing.assert_array_equal(back.image, sample.image)
+            np.testing.assert_array_equal(back.range_m, sample.range_m)
+            np.testing.assert_array_equal(back.directions, sample.directions)
+
+
+def test_what_stands_for_an_image_has_its_shape_and_its_brightest_pixel():
+    sample = ping(1, "<u2")
+    kept = PingSpool(None).keep(sample)
+    assert (kept.image.shape, kept.image.dtype) == (sample.image.shape, sample.image.dtype)
+    assert (kept.image == sample.image.max()).all()
+    nothing = PingSpool(None).keep(SonarSample(0, np.full((2, 3), np.nan, np.float32), None, np.arange(1.0, 4.0)))
+    assert np.isnan(nothing.image).all()
+
+
+def test_without_a_file_the_remarks_are_the_same_and_the_images_black():
+    samples = [ping(t, "<u2") for t in range(3)]
+    spool = PingSpool(None)
+    told, heard = [], []
+    whole = streams.sonar_pings(samples, told)
+    black = streams.sonar_pings([spool.load(spool.keep(s)) for s in samples], heard, keep=streams.leave_black)
+    assert told == heard
+    assert len(told) == 1
+    assert black.image.shape == whole.image.shape
+    assert not black.image.any()
+
+
+def test_equal_beams_and_ranges_are_kept_once():
+    spool = PingSpool(None)
+    first, second, third = (spool.keep(s) for s in (ping(0), ping(1), ping(2, ranges=RANGES[:33])))
+    assert second.range_m is first.range_m
+    assert second.directions is first.directions
+    assert len(third.range_m) == 33
+
+
+def test_memory_does_not_grow_with_the_pings():
+    size = 96 * 64
+    with tempfile.TemporaryFile() as file:
+        spool = PingSpool(file)
+        tracemalloc.start()
+        kept = [spool.keep(ping(t)) for t in range(500)]
+        pings = streams.sonar_pings([spool.load(k) for k in kept], [], keep=streams.leave_black)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    assert pings.image.shape == (500, 96, 64)
+    assert peak < 500 * size / 3
