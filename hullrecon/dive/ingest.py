@@ -212,8 +212,8 @@ def _build_records(
 
     def sonar() -> SonarPings | None:
         spooled = _sort_samples("sonar", found, SpooledPing, remarks)
-        samples = [replace(spool.load(s), t_ns=s.t_ns + request.sonar_offset_ns) for s in spooled]
-        return streams.sonar_pings(samples, remarks, request.sonar_azimuth_deg, keep_images)
+        samples = [replace(s, t_ns=s.t_ns + request.sonar_offset_ns) for s in spooled]
+        return streams.sonar_pings(samples, remarks, request.sonar_azimuth_deg, keep_images, spool.load)
 
     build("dvl", dvl)
     build("imu", imu)

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import mmap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import BinaryIO
@@ -42,7 +41,6 @@ class PingSpool:
     def __init__(self, file: BinaryIO | None) -> None:
         self._file = file
         self._size = 0
-        self._map: mmap.mmap | None = None
         self._directions: Array | None = None
         self._range_m: Array | None = None
 
@@ -55,19 +53,19 @@ class PingSpool:
             self._range_m = sample.range_m
         at = self._size
         if self._file is not None:
+            self._file.seek(at)
             self._file.write(image.data)
             self._size += image.nbytes
         stand_in = np.broadcast_to(_brightest(image), image.shape)
         return SpooledPing(sample.t_ns, stand_in, self._directions, self._range_m, at)
 
-    def load(self, ping: SpooledPing) -> SonarSample:
-        """Return the ping with its image mapped from the file."""
-        if self._file is None:
+    def load(self, ping: SonarSample) -> SonarSample:
+        """Return the ping with its image read from the file; one that was not kept here as it is."""
+        if self._file is None or not isinstance(ping, SpooledPing):
             return ping
-        if self._map is None:
-            self._file.flush()
-            self._map = mmap.mmap(self._file.fileno(), 0, access=mmap.ACCESS_READ)
-        image = np.frombuffer(self._map, ping.image.dtype, ping.image.size, ping.at).reshape(ping.image.shape)
+        self._file.seek(ping.at)
+        data = self._file.read(ping.image.nbytes)
+        image = np.frombuffer(data, ping.image.dtype).reshape(ping.image.shape)
         return SonarSample(ping.t_ns, image, ping.directions, ping.range_m)
 
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -174,16 +174,18 @@ def sonar_pings(
     remarks: list[str],
     azimuth_deg: Array | None = None,
     keep: KeepImages = keep_in_memory,
+    load: Callable[[SonarSample], SonarSample] = lambda sample: sample,
 ) -> SonarPings | None:
     """Return pings of the most common geometry, as 8 bits; None without any. azimuth_deg (beams,): of dive.toml, for logs that
-    do not say where the beams point; keep: keeps the images. Raises InputError for beams that nothing describes."""
+    do not say where the beams point; keep: keeps the images; load: gives a ping with its image, where samples have
+    another of the same shape and brightest pixel. Raises InputError for beams that nothing describes."""
     kept, range_m = pings_of_one_window(samples, remarks)
     if not kept:
         return None
     directions = choose_directions(kept[0], azimuth_deg, remarks)
     scale = _scale_to_eight_bits(kept, remarks)
     shape = (len(kept), len(directions), len(range_m))
-    image = keep(shape, (_eight_bits(image_in_ranges(sample, range_m), scale) for sample in kept))
+    image = keep(shape, (_eight_bits(image_in_ranges(load(sample), range_m), scale) for sample in kept))
     return SonarPings(t_ns=_times(kept), image=image, directions=unit(directions), range_m=np.asarray(range_m, float))
 
 

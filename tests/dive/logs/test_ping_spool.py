@@ -47,7 +47,7 @@ def test_without_a_file_the_remarks_are_the_same_and_the_images_black():
     spool = PingSpool(None)
     told, heard = [], []
     whole = streams.sonar_pings(samples, told)
-    black = streams.sonar_pings([spool.load(spool.keep(s)) for s in samples], heard, keep=streams.leave_black)
+    black = streams.sonar_pings([spool.keep(s) for s in samples], heard, keep=streams.leave_black, load=spool.load)
     assert told == heard
     assert len(told) == 1
     assert black.image.shape == whole.image.shape
@@ -62,13 +62,27 @@ def test_equal_beams_and_ranges_are_kept_once():
     assert len(third.range_m) == 33
 
 
+def take_one_by_one(shape, images):
+    assert sum(image.shape == shape[1:] for image in images) == shape[0]
+    return streams.leave_black(shape, images)
+
+
+def test_the_record_is_that_of_pings_in_memory():
+    samples = [ping(0, "<u2"), ping(1, "<u2"), ping(2, "<u2", RANGES * 1.004)]
+    with tempfile.TemporaryFile() as file:
+        spool = PingSpool(file)
+        spooled = streams.sonar_pings([spool.keep(s) for s in samples], [], load=spool.load)
+    np.testing.assert_array_equal(spooled.image, streams.sonar_pings(samples, []).image)
+    assert spooled.image.max() == 255
+
+
 def test_memory_does_not_grow_with_the_pings():
     size = 96 * 64
     with tempfile.TemporaryFile() as file:
         spool = PingSpool(file)
         tracemalloc.start()
         kept = [spool.keep(ping(t)) for t in range(500)]
-        pings = streams.sonar_pings([spool.load(k) for k in kept], [], keep=streams.leave_black)
+        pings = streams.sonar_pings(kept, [], keep=take_one_by_one, load=spool.load)
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
     assert pings.image.shape == (500, 96, 64)
