@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decompression and text of damaged files: whatever is wrong with the bytes comes back as one exception, `DamagedError`."""
+"""Decompression, headers and text of damaged files: what is wrong with the bytes comes back as one error, `DamagedError`."""
 
 from __future__ import annotations
 
 import bz2
 import struct
-from typing import Protocol
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import BinaryIO, Protocol
 
 LARGEST_CHUNK = 1 << 27  # bytes; recorders write chunks of 1 to 4 MiB, or of one message; a larger size is a damaged field
 FREE_BYTES, RATIO = 1 << 23, 256  # a log unpacks to at most so many bytes and so many times its own size
@@ -123,3 +125,30 @@ def _to_the_end(decompressor: _Decompressor, data: bytes, size: int) -> bytes:
     if len(out) == size and not decompressor.eof:
         raise DamagedError("it is cut off before its checksum")
     return out
+
+
+@dataclass(frozen=True)
+class HeaderMark:
+    """How a header is known. magic: bytes that stand `magic_at` bytes behind its start; parse: raises DamagedError for none."""
+
+    magic: bytes
+    magic_at: int
+    header_bytes: int
+    parse: Callable[[bytes], object]
+
+
+def find_header(stream: BinaryIO, at: int, end: int, window: int, mark: HeaderMark) -> int:
+    """Return where the next header begins, from a byte on, or `end`. window: bytes to read at a time."""
+    while at < end:
+        stream.seek(at)
+        data = stream.read(window + mark.header_bytes)
+        found = data.find(mark.magic, mark.magic_at)
+        while 0 <= found < window + mark.magic_at:
+            start = found - mark.magic_at
+            try:
+                mark.parse(data[start : start + mark.header_bytes])
+                return at + start
+            except DamagedError:
+                found = data.find(mark.magic, found + 1)
+        at += window
+    return end

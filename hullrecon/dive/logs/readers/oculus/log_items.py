@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import BinaryIO
 
 from hullrecon.dive.logs.formats.oculus_ping import message_bytes
-from hullrecon.dive.logs.readers.unpack import DamagedError, fields
+from hullrecon.dive.logs.readers.unpack import DamagedError, HeaderMark, fields, find_header
 
 MAGIC, ITEM_MAGIC = b"\x44\x33\x22\x11", b"\xdd\xcc\xbb\xaa"
 FILE_HEADER, ITEM_HEADER = "<II16sHH4xqd", "<IIHH4xdHxxIII"  # the last field of an item fills it up to eight bytes
@@ -77,12 +77,13 @@ def items(stream: BinaryIO, at: int) -> Iterator[tuple[int, int, tuple[ItemHeade
 
     An item counts whose bytes end where another begins or the file does, or that holds one whole message of an Oculus.
     """
+    mark = HeaderMark(ITEM_MAGIC, 0, ITEM_HEADER_BYTES, parse_item_header)
     end = stream.seek(0, 2)
     while at < end:
         try:
             header, payload = _item_at(stream, at, end)
         except DamagedError as error:
-            following = _next_item(stream, at + 1, end)
+            following = find_header(stream, at + 1, end, WINDOW, mark)
             yield at, following, str(error)
             at = following
             continue
@@ -127,19 +128,3 @@ def _is_whole_message(header: ItemHeader, payload: bytes) -> bool:
         return message_bytes(data) == len(data)
     except DamagedError:
         return False
-
-
-def _next_item(stream: BinaryIO, at: int, end: int) -> int:
-    """Return where the next item begins, from a byte on, or the end of the file."""
-    while at < end:
-        stream.seek(at)
-        data = stream.read(WINDOW + ITEM_HEADER_BYTES)
-        found = data.find(ITEM_MAGIC)
-        while 0 <= found < WINDOW:
-            try:
-                parse_item_header(data[found : found + ITEM_HEADER_BYTES])
-                return at + found
-            except DamagedError:
-                found = data.find(ITEM_MAGIC, found + 1)
-        at += WINDOW
-    return end

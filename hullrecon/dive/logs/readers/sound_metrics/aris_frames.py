@@ -14,7 +14,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.dive.logs.readers.unpack import DamagedError, fields
+from hullrecon.dive.logs.readers.unpack import DamagedError, HeaderMark, fields, find_header
 from hullrecon.typing import Array
 
 MAGIC = b"DDF\x05"
@@ -90,13 +90,13 @@ def frames(stream: BinaryIO) -> Iterator[tuple[int, int, ArisFrame | str]]:
 
     A frame counts whose bytes end where another begins, where the file does, or where those of the last frame would.
     """
-    at, last = HEADER, 0
+    at, last, mark = HEADER, 0, HeaderMark(MAGIC, MAGIC_AT, HEADER, parse_header)
     end = stream.seek(0, 2)
     while at < end:
         try:
             frame = _frame_at(stream, at, end, last)
         except DamagedError as error:
-            following = _next_header(stream, at + 1, end)
+            following = find_header(stream, at + 1, end, WINDOW, mark)
             yield at, following, str(error)
             at = following
             continue
@@ -122,20 +122,3 @@ def _frame_at(stream: BinaryIO, at: int, end: int, last: int) -> ArisFrame:
 def _is_header(data: bytes) -> bool:
     """Return whether bytes look like the beginning of a frame's header, or of one that is cut off."""
     return len(data) < MAGIC_AT + len(MAGIC) or data[MAGIC_AT:] == MAGIC
-
-
-def _next_header(stream: BinaryIO, at: int, end: int) -> int:
-    """Return where the next frame's header begins, from a byte on, or the end of the file."""
-    while at < end:
-        stream.seek(at)
-        data = stream.read(WINDOW + HEADER)
-        found = data.find(MAGIC, MAGIC_AT)
-        while 0 <= found < WINDOW + MAGIC_AT:
-            start = found - MAGIC_AT
-            try:
-                parse_header(data[start : start + HEADER])
-                return at + start
-            except DamagedError:
-                found = data.find(MAGIC, found + 1)
-        at += WINDOW
-    return end
