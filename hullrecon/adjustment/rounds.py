@@ -22,7 +22,7 @@ from hullrecon.estimation.rig_priors import Rig
 from hullrecon.records.iterations import reached_cost
 
 Report = Callable[[str], None]
-LEAST_MAX_PX = 2.0
+LEAST_MAX_PX = 2.0  # in rounds before the last, whose path may still be off
 NO_STRUCTURE_M = 0.5  # off the hull: a mismatch, not something that stands on it
 log = logging.getLogger(__name__)
 
@@ -73,7 +73,8 @@ class RoundSolver:
         """Return the round from an estimate: choose and weight measurements, solve, estimate the next sigmas."""
         options, measured = self.options, before.measured
         state = replace(before.state, landmark=selection.triangulate_landmarks(measured, before.state))
-        chosen = choose_measurements(measured, state, before.max_px, options, final)
+        max_px = before.max_px if final else max(LEAST_MAX_PX, before.max_px)
+        chosen = choose_measurements(measured, state, max_px, options, final)
         weights = replace(before.weights, surface=weighting.surface_weights(state, chosen, options))
         problem = assemble(measured, state, weights, chosen, options.as_published, hold_hull_pose)
         problem = intrinsics.free_intrinsics(problem, self.calibrated, options)
@@ -83,7 +84,6 @@ class RoundSolver:
         state = state_from_unknowns(state, result.unknowns, chosen)
         measured = intrinsics.apply_intrinsics(measured, problem, result)
         found = weighting.estimate_weights(measured, state, chosen, weights, options)
-        max_px = max(LEAST_MAX_PX, options.outlier_sigmas * found.pixel)
         self.report(_describe_round(len(self.history), result, chosen, found))
         return RoundResult(
             chosen=chosen,
@@ -92,7 +92,7 @@ class RoundSolver:
             problem=problem.started_from(result.unknowns),
             result=result,
             history=history,
-            after=Estimate(measured=measured, state=state, weights=found, max_px=max_px),
+            after=Estimate(measured=measured, state=state, weights=found, max_px=options.outlier_sigmas * found.pixel),
         )
 
     def _record(
