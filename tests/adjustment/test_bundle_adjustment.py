@@ -3,6 +3,8 @@
 """`adjust` on the simulated dive, against truth. Bounds are some twice what this dive gives (0.9 to 1.4 mm, landmarks 0.4 to
 0.8 mm; as published 2.6 mm); dead reckoning alone is 12 mm off after alignment."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from adjustment.simulated_dive import (
@@ -61,6 +63,18 @@ def test_no_camera_still_leaves_a_path_better_than_dead_reckoning():
     assert np.sqrt(np.mean(np.sum(found.position_errors_m() ** 2, 1))) < 0.7 * before
     assert len(found.outcome.solution.landmarks) == 0
     assert found.adjusted.state.T_s_ct is None
+
+
+def test_the_last_round_leaves_out_what_lies_beyond_the_outlier_limit():
+    dive = simulate(cad=False)
+    top, rng = dive.measured.tracks.top.copy(), np.random.default_rng(8)
+    wrong = np.flatnonzero(np.isfinite(top[:, 0]) & (rng.random(len(top)) < 0.03))
+    top[wrong, 0] += 6 * PIXEL_NOISE_PX  # below the 2 px to which the rounds before it reach
+    tracks = replace(dive.measured.tracks, top=top)
+    options = AdjustOptions(least_pixel_sigma=0.1)
+    chosen = adjust(replace(dive.measured, tracks=tracks), options, lambda line: None).chosen
+    assert chosen.top[wrong].mean() < 0.2
+    assert chosen.top[np.isfinite(top[:, 0])].mean() > 0.94
 
 
 @pytest.mark.parametrize("case", [c for c in WITH_CAD if c != "as published"])
