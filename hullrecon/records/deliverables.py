@@ -27,6 +27,7 @@ class ReportedObject:
     area_sigma: float | None = None
     volume: float = 0.0
     volume_sigma: float | None = None
+    open_edge: float | None = None
     position_covariance: tuple[Point, Point, Point] | None = None
     position_sigma: Point | None = None
     sigma_along: float | None = None

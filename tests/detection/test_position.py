@@ -32,7 +32,7 @@ def base(wall) -> BaseSurface:
 
 
 def test_an_objects_sigmas_are_its_landmarks_and_its_own_shapes(base: BaseSurface) -> None:
-    place = object_position(CENTER, NORMAL, SHARED, 0.015, 0.2, base)
+    place = object_position(CENTER, NORMAL, SHARED, 0.015, 0.01, base)
     np.testing.assert_allclose(place.sigma, np.hypot([0.3, 0.05, 0.02], [0.01, 0.01, 0.015]))
     np.testing.assert_allclose(np.sqrt(np.diag(place.covariance)), np.hypot([0.3, 0.02, 0.05], [0.01, 0.015, 0.01]))
 

@@ -2,20 +2,29 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from hullrecon.detection.objects.open_edge import find_open_edge
 from hullrecon.detection.objects.regions import find_regions
 from hullrecon.detection.objects.size import EDGE_SIGMA_M, ObjectSize, measure_size
 from hullrecon.detection.options import DetectOptions
 from hullrecon.geometry.meshes.mesh import vertex_areas
+from hullrecon.geometry.neighbours import Around
 
 
 @pytest.fixture(scope="module")
 def sizes(scenery, found) -> list[ObjectSize]:
-    area = vertex_areas(found.base)
+    return _sizes(scenery, found)
+
+
+def _sizes(scenery, found) -> list[ObjectSize]:
+    area, around, up = vertex_areas(found.base), Around(found.base.vertices), np.array([0.0, 1, 0])
     regions = find_regions(found, DetectOptions())
-    return [measure_size(found, region, area, 0.004, np.array([0.0, 1, 0]), scenery.chart) for region in regions]
+    edges = [find_open_edge(found, region, area, around) for region in regions]
+    return [measure_size(found, r, edge, area, 0.004, up, scenery.chart) for r, edge in zip(regions, edges, strict=True)]
 
 
 def test_the_truth_lies_within_two_sigmas_of_every_size(sizes: list[ObjectSize]) -> None:
@@ -31,3 +40,16 @@ def test_sizes_are_as_uncertain_as_the_edge_and_the_height(sizes: list[ObjectSiz
     assert disc.extent_sigma[0] == pytest.approx(EDGE_SIGMA_M * 2**0.5, abs=1e-5)
     assert 0.1 < disc.area_sigma / disc.area < 0.3
     assert disc.volume_sigma > disc.area * 0.004
+
+
+@pytest.mark.parametrize("beyond_m", [0.07, 0.03, 0.0, -0.03])
+def test_the_truth_lies_within_the_sigmas_of_what_the_edge_of_the_survey_cuts(scenery, found, beyond_m: float) -> None:
+    unseen = found.base.vertices[:, 0] > 1.2 + beyond_m
+    cut = replace(found, measured=found.measured & ~unseen, height=np.where(unseen, 0.0, found.height))
+    size, whole = _sizes(scenery, cut)[0], _sizes(scenery, found)[0]
+    off = np.abs(np.array(size.extent) - 0.24) / size.extent_sigma
+    assert off.max() < 3
+    assert abs(size.area - np.pi * 0.12**2) < 2 * size.area_sigma
+    assert abs(size.volume - np.pi * 0.12**2 * 0.10) < 2 * size.volume_sigma
+    assert size.extent_sigma[0] > 2 * whole.extent_sigma[0]
+    assert size.volume_sigma > 4 * whole.volume_sigma

@@ -127,7 +127,7 @@ def found() -> ReportedObject:
     outline = np.column_stack([1 + 0.1 * np.cos(ring), -1.2 + 0.08 * np.sin(ring), 0 * ring])
     return ReportedObject(
         id=1, center=(1.0, -1.2, -0.1), normal=(0.0, 0.0, -1.0), height=0.1, height_sigma=0.004, deviation=0.104,
-        deviation_sigma=0.021, extent_sigma=(0.01, 0.01), area_sigma=0.002, volume_sigma=0.0002,
+        deviation_sigma=0.021, extent_sigma=(0.01, 0.01), area_sigma=0.002, volume_sigma=0.0002, open_edge=0.0,
         position_covariance=((0.09, 0.0, 0.0), (0.0, 0.0004, 0.0), (0.0, 0.0, 0.0025)), position_sigma=(0.3, 0.02, 0.05),
         sigma_along=0.3, sigma_girth=0.02, sigma_normal=0.05, along=1.0, girth=-1.2, side="starboard", frame=1.67, depth=2.9,
         depth_sigma=0.05, extent=(0.2, 0.16), area=0.025, volume=0.0019, views=6, p_value=1e-9, address="frame 3 + 0.2 m, port",

@@ -111,6 +111,13 @@ def test_every_measured_number_of_a_card_has_its_sigma(survey: Survey, found: Re
     assert rows["Centre (x, y, z)"] == "1.0 ± 0.3, −1.20 ± 0.02, −0.10 ± 0.05 m in M"
 
 
+def test_a_card_says_where_the_survey_cut_its_object_off(survey: Survey, found: ReportedObject) -> None:
+    name = "Outline beyond which nothing was measured"
+    assert name not in dict(card_context(found, survey, None)["rows"])  # type: ignore[call-overload]
+    rows = dict(card_context(replace(found, open_edge=0.287), survey, None)["rows"])  # type: ignore[call-overload]
+    assert rows[name] == "29 %: it may be larger, as the sigmas of its size say"
+
+
 def test_without_a_pressure_sensor_a_card_has_no_depth(survey: Survey, found: ReportedObject) -> None:
     rows = dict(card_context(replace(found, depth=None), survey, None)["rows"])  # type: ignore[call-overload]
     assert not any("epth" in name for name in rows)

@@ -65,7 +65,7 @@ def test_every_column_of_lengths_angles_and_times_has_a_unit(survey: Survey, fou
     trajectory, objects = entries([trajectory_table(survey), objects_table([found])])
     without = {c["name"] for c in [*trajectory, *objects] if "unit" not in c}
     quaternion, normal = {"qx", "qy", "qz", "qw"}, {"normal_x", "normal_y", "normal_z"}
-    assert without == quaternion | normal | {"side", "frame", "id", "views", "p_value", "address", "images"}
+    assert without == quaternion | normal | {"side", "frame", "id", "views", "open_edge", "p_value", "address", "images"}
     assert {c["unit"] for c in [*trajectory, *objects] if "unit" in c} == set(UNITS)
 
 

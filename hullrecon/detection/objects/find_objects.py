@@ -11,11 +11,12 @@ import numpy as np
 from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
 from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.detection.objects.open_edge import find_open_edge
 from hullrecon.detection.objects.outline import outline
-from hullrecon.detection.objects.position import object_position
+from hullrecon.detection.objects.position import MIDDLE_SHARE, object_position
 from hullrecon.detection.objects.regions import TOP_M2, Region, find_regions, weighted_quantile
 from hullrecon.detection.objects.significance import height_sigma, p_value, relief_left, roughness
-from hullrecon.detection.objects.size import measure_size
+from hullrecon.detection.objects.size import hidden_extent, measure_size
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews, rows_in_image, visible_rows
 from hullrecon.geometry.meshes.casting import Scene
@@ -44,6 +45,7 @@ class HullObject:
     area_sigma: float
     volume: float
     volume_sigma: float
+    open_edge: float
     views: int
     p_value: float
     images: list[str]
@@ -123,7 +125,7 @@ def find_objects(
     """
     area = vertex_areas(found.base)
     rough = roughness(found)
-    scene = Scene(found.mesh)
+    scene, around = Scene(found.mesh), Around(found.base.vertices)
     landmarks = _Landmarks(measured=measured, height=height, around=Around(measured.foot))
     objects, rejected = [], []
     for region in find_regions(found, options):
@@ -136,7 +138,7 @@ def find_objects(
                 )
             )
         else:
-            objects.append(_object(found, evidence, area, views, base, landmarks))
+            objects.append(_object(found, evidence, area, around, views, base, landmarks))
     return objects, rejected
 
 
@@ -209,16 +211,26 @@ def _top_rows(found: HullAsFound, region: Region) -> Ints:
 
 
 def _object(
-    found: HullAsFound, evidence: _RegionEvidence, area: Array, views: CameraViews, base: BaseSurface, landmarks: _Landmarks
+    found: HullAsFound,
+    evidence: _RegionEvidence,
+    area: Array,
+    around: Around,
+    views: CameraViews,
+    base: BaseSurface,
+    landmarks: _Landmarks,
 ) -> HullObject:
     region = evidence.region
     foot, core = region.foot, region.core
     normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
     normal /= np.linalg.norm(normal)
     deviation = region.side * weighted_quantile(region.side * found.deviation[core], area[core], 0.98)
-    size = measure_size(found, region, area, evidence.sigma, normal, base.chart)
-    center, extent = _top(found, region, evidence.center), np.array(size.extent)
-    position = object_position(center, normal, landmarks.covariances(found, region), evidence.sigma, float(extent.max()), base)
+    open_edge = find_open_edge(found, region, area, around)
+    size = measure_size(found, region, open_edge, area, evidence.sigma, normal, base.chart)
+    middle_sigma = np.hypot(
+        MIDDLE_SHARE * max(size.extent), 0.5 * hidden_extent(found, region, open_edge, normal, base.chart).max()
+    )
+    center = _top(found, region, evidence.center)
+    position = object_position(center, normal, landmarks.covariances(found, region), evidence.sigma, float(middle_sigma), base)
     return HullObject(
         center=_round(center),
         normal=_round(normal),
@@ -227,6 +239,7 @@ def _object(
         deviation=round(deviation, 5) if base.cad_model is not None else None,
         deviation_sigma=round(float(position.sigma[2]), 5) if base.cad_model is not None else None,
         **asdict(size),
+        open_edge=round(open_edge.share, 3),
         views=len(evidence.seen),
         p_value=float(f"{evidence.chance:.3g}"),
         images=[views.name[view] for view in evidence.seen[:IMAGES]],

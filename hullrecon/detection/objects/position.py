@@ -58,16 +58,16 @@ class ObjectPosition:
 
 
 def object_position(
-    center: Array, normal: Array, on_object: Array, height_sigma: float, size_m: float, base: BaseSurface
+    center: Array, normal: Array, on_object: Array, height_sigma: float, middle_sigma: float, base: BaseSurface
 ) -> ObjectPosition:
     """Return the place of an object's centre (3,) with outward normal (3,). on_object (k, 3, 3): covariances of its landmarks;
-    height_sigma m: how well the height of its top over the hull is known; size_m: its larger extent.
+    height_sigma m: how well the height of its top over the hull is known; middle_sigma m: how well its shape's middle is.
 
     Landmarks of one object share nearly all that is unknown of their place, so their mean covariance is that of each. Beside it
     stand how high the top is and where the middle of the shape lies.
     """
     flat = np.eye(3) - np.outer(normal, normal)
-    covariance = on_object.mean(axis=0) + height_sigma**2 * np.outer(normal, normal) + (MIDDLE_SHARE * size_m) ** 2 * flat
+    covariance = on_object.mean(axis=0) + height_sigma**2 * np.outer(normal, normal) + middle_sigma**2 * flat
     axes = np.array([*_tangents(center, normal, base), normal])
     depth = base.depth_of(center)
     down = base.result_from_global.rotation.as_matrix()[0][:, 2]

@@ -28,6 +28,13 @@ def card_context(found: ReportedObject, survey: Survey, crop: Crop | None) -> Ca
             f"{_scaled(found.area, found.area_sigma, 1e4, 'cm²')}, {_scaled(found.volume, found.volume_sigma, 1e3, 'l')}",
         ),
     ]
+    if found.open_edge:
+        rows.append(
+            (
+                "Outline beyond which nothing was measured",
+                f"{100 * found.open_edge:.0f} %: it may be larger, as the sigmas of its size say",
+            )
+        )
     if found.deviation is not None:
         rows.append(("Largest distance to the CAD model", with_sigma(found.deviation, found.deviation_sigma, "m")))
     if found.along is not None and found.girth is not None:

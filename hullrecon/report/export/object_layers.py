@@ -17,7 +17,7 @@ from hullrecon.typing import Array
 FIELDS: dict[str, type] = {
     "id": int, "kind": str, "height": float, "height_sigma": float, "deviation": float, "deviation_sigma": float, "area": float,
     "volume": float, "views": int, "p_value": float, "along": float, "girth": float, "side": str, "frame": float, "depth":
-    float, "sigma_along": float, "sigma_girth": float, "sigma_normal": float, "address": str,
+    float, "sigma_along": float, "sigma_girth": float, "sigma_normal": float, "open_edge": float, "address": str,
 }  # fmt: skip
 Fields = dict[str, int | float | str | None]
 

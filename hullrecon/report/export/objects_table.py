@@ -57,6 +57,7 @@ _ADDED = (
     ("deviation_sigma", "m", "one sigma of the deviation, the hull's position included"),
     ("area_sigma", "m2", "one sigma of the area"),
     ("volume_sigma", "m3", "one sigma of the volume"),
+    ("open_edge", "", "share of the outline beyond which nothing was measured"),
     ("sigma_along", "m", "one sigma of the center along the hull"),
     ("sigma_girth", "m", "one sigma of the center in girth"),
     ("sigma_normal", "m", "one sigma of the center along the normal"),
