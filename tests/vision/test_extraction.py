@@ -94,6 +94,17 @@ def test_features_beside_the_border_are_not_drawn_to_it(texture):
     assert abs(near.mean()) < 0.005  # 0.009 px, and 0.07 px rms, where none is left out
 
 
+def test_features_are_clear_of_where_the_levelling_leans_on_the_border(texture):
+    image = texture.clip(0, 255).astype(np.uint8)
+
+    def nearest(window_px):
+        u, v = features_of(image, window_px)[:, :2].T
+        return min(u.min(), v.min(), 399 - u.max(), 279 - v.max())
+
+    assert nearest(0.0) < 12 < 15 <= nearest(10.0) < 18
+    assert nearest(16.0) >= 24
+
+
 def test_light_that_falls_off_to_one_side_does_not_draw_features_to_the_other(texture):
     lit = texture * np.exp((np.arange(400) - 200) / 600)
     shift, _ = moved(*(extract(np.rint(0.8 * image).astype(np.uint8), FeatureOptions()).keypoints for image in (texture, lit)))

@@ -29,7 +29,7 @@ class FeatureOptions(Section, frozen=True):
         float,
         Meta(
             ge=0.0,
-            le=1.0,
+            le=0.1,
             description="ratio, of the image's width: sigma of the window that levels contrast; 0 leaves it as it is",
         ),
     ] = 0.025
@@ -50,6 +50,7 @@ MID_GREY, SPREAD = 128.0, 32.0  # of a levelled image: its mean, and one sigma o
 DARKEST = 16.0  # grey levels, added to the local mean: below, contrast is noise
 LEAST_CONTRAST = 0.05  # of the local mean; 1 % is a camera's noise, on plain paint fewer features than ten are found in it
 CLEAR_SIZES = 2.0  # from the border, in diameters: nearer, up to 0.2 px of bias, beyond none (the smoothing reaches 1.9)
+CLEAR_WINDOWS = 1.5  # from the border, in sigmas of the levelling window: nearer, up to 0.024 px, beyond 0.001 px
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,8 @@ def extract(image: Pixels, options: FeatureOptions, corners: bool = False) -> Fe
     table = np.array([(p.pt[0], p.pt[1], p.size, p.response) for p in found], np.float32)
     order = np.lexsort((table[:, 3], table[:, 2], table[:, 0], table[:, 1]))
     keypoints, vectors = _to_raw(table[order], step), root_sift(descriptors[order])
-    clear = _is_clear_of_border(keypoints, gray.shape)
+    window = options.level_window * gray.shape[1]
+    clear = _is_clear_of_border(keypoints, gray.shape, window)
     keypoints, vectors = keypoints[clear], vectors[clear]
     if not corners:
         return Features(keypoints, vectors, _colors(image, keypoints))
@@ -143,9 +145,13 @@ def _level(gray: Floats32, window_px: float) -> Pixels:
     return np.asarray(np.clip(np.rint(levelled), 0, 255), np.uint8)
 
 
-def _is_clear_of_border(keypoints: Floats32, shape: tuple[int, ...]) -> Mask:
-    """Return which keypoints (n, 4) were found without what is mirrored beyond the border of an image (h, w)."""
-    u, v, reach = keypoints[:, 0], keypoints[:, 1], np.float32(CLEAR_SIZES) * keypoints[:, 2]
+def _is_clear_of_border(keypoints: Floats32, shape: tuple[int, ...], window_px: float) -> Mask:
+    """Return which keypoints (n, 4) were found without what is mirrored beyond the border of an image (h, w).
+
+    window_px: sigma of the window that levelled its contrast, in raw pixels.
+    """
+    u, v = keypoints[:, 0], keypoints[:, 1]
+    reach = np.maximum(np.float32(CLEAR_SIZES) * keypoints[:, 2], np.float32(CLEAR_WINDOWS * window_px))
     height, width = shape[:2]
     return np.asarray((u >= reach) & (v >= reach) & (u <= width - 1 - reach) & (v <= height - 1 - reach))
 
