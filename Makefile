@@ -79,11 +79,13 @@ web:
 	cd hullrecon/report/web && npm ci --ignore-scripts --no-fund --no-audit && npm run build
 
 # Never part of the project's own environment or lock.
-bench-peers: benchmarks/.venv/.installed
+PEERS := $(abspath build)/peers
 
-benchmarks/.venv/.installed: benchmarks/requirements-peers.txt
-	@$(PYTHON) -m venv benchmarks/.venv
-	@benchmarks/.venv/bin/pip install -q -r $<
+bench-peers: $(PEERS)/.installed
+
+$(PEERS)/.installed: benchmarks/requirements-peers.txt
+	@$(PYTHON) -m venv $(PEERS)
+	@$(PEERS)/bin/python -m pip install -q -r $<
 	@touch $@
 
 # Readers that are no part of the project's environment or lock: wheels, npm packages, and GDAL's programs of the system.
@@ -107,4 +109,4 @@ $(OUTSIDE)/.installed: $(wildcard tests/outside_readers/*.txt tests/outside_read
 	@touch $@
 
 clean:
-	rm -rf build $(VENV) benchmarks/.venv .mypy_cache .ruff_cache .pytest_cache
+	rm -rf build $(VENV) .mypy_cache .ruff_cache .pytest_cache

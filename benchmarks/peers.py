@@ -21,7 +21,7 @@ import numpy as np
 from benchmarks.bundle import Bundle
 from benchmarks.subprocess_runner import ROOT, run
 
-THEIRS = ROOT / "benchmarks" / ".venv" / "bin" / "python"
+THEIRS = ROOT / "build" / "peers" / "bin" / "python"
 SOLVERS: dict[str, tuple[str, list[str], bool]] = {
     "hullrecon": ("benchmarks.peer_hullrecon", [], True),
     "pycolmap": ("benchmarks.peer_pycolmap", [], False),

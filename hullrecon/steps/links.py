@@ -110,7 +110,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=8,
+    version=9,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )
