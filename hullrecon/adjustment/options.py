@@ -33,6 +33,6 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     max_iterations: Annotated[int, Meta(ge=1, le=1000, description="iterations of one solve at most")] = 60
     function_tolerance: Annotated[Positive, Meta(description="ratio, relative change of cost that ends a solve")] = 1e-6
     anchors: Annotated[int, Meta(ge=1000, description="landmarks at most in the rounds before the last")] = 20000
-    least_pixel_sigma: Annotated[Positive, Meta(description="px, lower bound of the estimated pixel sigma")] = 0.15
+    least_pixel_sigma: Annotated[Positive, Meta(description="px, lower bound of the estimated pixel sigmas")] = 0.03
     outlier_sigmas: Annotated[Positive, Meta(description="sigmas, observations with larger residuals are left out")] = 5.0
     threads: Annotated[int, Meta(ge=1, le=64, description="threads of the solve; any number gives the same bytes")] = 2

@@ -173,6 +173,7 @@ class VelocityTable:
 @dataclass(frozen=True, kw_only=True)
 class StereoTable:
     """Landmarks in both images [Ozog2016 eq. 4.12]. node, landmark (m,); pixel (m, 4) raw: top u v, bottom u v.
+    sigma_ratio (m,): sigma of a coordinate in Problem.sigma_px; empty: 1.
 
     One Huber loss on the norm of the 4 rows (Options.huber_stereo); a point behind its camera costs 10^4 px a row, without
     derivative.
@@ -181,17 +182,19 @@ class StereoTable:
     node: Ints32 = integers(0)
     landmark: Ints32 = integers(0)
     pixel: Array = floats(0, 4)
+    sigma_ratio: Array = floats(0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class MonoTable:
-    """Landmarks in one image [Ozog2016 eq. 4.13]. node, landmark (m,); camera (m,): 0 top, 1 bottom; pixel (m, 2) raw. The loss
-    is as in StereoTable, on 2 rows (Options.huber_mono)."""
+    """Landmarks in one image [Ozog2016 eq. 4.13]. node, landmark (m,); camera (m,): 0 top, 1 bottom; pixel (m, 2) raw. Loss
+    and sigma_ratio are as in StereoTable, on 2 rows (Options.huber_mono)."""
 
     node: Ints32 = integers(0)
     landmark: Ints32 = integers(0)
     camera: Ints32 = integers(0)
     pixel: Array = floats(0, 2)
+    sigma_ratio: Array = floats(0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -235,7 +238,8 @@ class Problem:
     """Unknowns at their start values, priors and measurements.
 
     constant: the blocks held, any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top",
-    "intrinsics_bottom", "tray" (every pose's tray angle). sigma_px: of a pixel coordinate.
+    "intrinsics_bottom", "tray" (every pose's tray angle). sigma_px: of a pixel coordinate, but for what a row's
+    sigma_ratio says.
     """
 
     unknowns: Unknowns

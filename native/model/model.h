@@ -211,10 +211,10 @@ void Model::visit(int64_t factor, const Use& use) const {
     case Kind::Odometry:
       return use(odometry(i), Full<6>{matrix<6, 6>(t.odometry_sqrt.row(i))}, none);
     case Kind::Stereo:
-      return use(Stereo{tray, matrix<4, 1>(t.stereo_pixel.row(i))}, Scalar{1 / t.sigma_px},
+      return use(Stereo{tray, matrix<4, 1>(t.stereo_pixel.row(i))}, Scalar{1 / t.stereo_sigma_px(i)},
                  Robust{options_.huber_stereo, nullptr});
     case Kind::Mono:
-      return use(Mono{tray, matrix<2, 1>(t.mono_pixel.row(i)), t.mono_camera.data[i] == 1}, Scalar{1 / t.sigma_px},
+      return use(Mono{tray, matrix<2, 1>(t.mono_pixel.row(i)), t.mono_camera.data[i] == 1}, Scalar{1 / t.mono_sigma_px(i)},
                  Robust{options_.huber_mono, nullptr});
     case Kind::Range:
       return use(range(i), Scalar{1 / t.range_sigma.data[i]}, Robust{options_.huber_range, nullptr});

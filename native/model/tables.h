@@ -37,7 +37,7 @@ struct Table {
   X(attitude_sigma) X(tray_measured) X(tray_direction) X(tray_sigma) \
   X(odometry_measured) X(odometry_sqrt) X(odometry_by_navigation) \
   X(odometry_by_mount) X(odometry_by_tray) X(odometry_tray) \
-  X(odometry_mount) X(stereo_pixel) X(mono_pixel) X(range_offset) \
+  X(odometry_mount) X(stereo_pixel) X(stereo_sigma_ratio) X(mono_pixel) X(mono_sigma_ratio) X(range_offset) \
   X(range_tray_offset) X(range_beam) X(range_measured) X(range_sigma) \
   X(range_field_weight) X(surface_weight) X(surface_field_weight) \
   X(field_prior_value) X(link_switch) X(link_measured) X(link_sqrt) \
@@ -62,6 +62,10 @@ struct Tables {
 #undef HULLRECON_FIELD
   std::vector<std::string> constant;
   double sigma_px = 1.0;
+
+  // Sigma in px of a row: sigma_px times its ratio, where the table has ratios.
+  double stereo_sigma_px(int64_t row) const { return sigma_px * (stereo_sigma_ratio.rows() ? stereo_sigma_ratio.data[row] : 1.0); }
+  double mono_sigma_px(int64_t row) const { return sigma_px * (mono_sigma_ratio.rows() ? mono_sigma_ratio.data[row] : 1.0); }
 
   bool held(const char* block) const {
     for (const auto& name : constant) {

@@ -141,12 +141,21 @@ void navigation(const Tables& t) {
   shape(t.odometry_tray, {o});
 }
 
+// (rows,) to multiply sigma_px; empty is allowed.
+void sigma_ratio(const Floats& table, int64_t rows) {
+  if (table.rows() == 0) return;
+  shape(table, {rows});
+  positive(table);
+}
+
 void images(const Tables& t) {
   const int64_t n = t.pose.rows(), l = t.landmark.rows(), s = t.stereo_node.rows(), m = t.mono_node.rows();
   shape(t.stereo_node, {s}), shape(t.stereo_landmark, {s}), shape(t.stereo_pixel, {s, 4});
   index(t.stereo_node, n), index(t.stereo_landmark, l);
+  sigma_ratio(t.stereo_sigma_ratio, s);
   shape(t.mono_node, {m}), shape(t.mono_landmark, {m}), shape(t.mono_camera, {m}), shape(t.mono_pixel, {m, 2});
   index(t.mono_node, n), index(t.mono_landmark, l), index(t.mono_camera, 2);
+  sigma_ratio(t.mono_sigma_ratio, m);
 }
 
 void hull(const Tables& t) {

@@ -92,9 +92,10 @@ inline void read_navigation(const TableReader& from, Tables& t) {
 
 inline void read_images(const TableReader& from, Tables& t) {
   from.read(t.stereo_node, "stereo.node"), from.read(t.stereo_landmark, "stereo.landmark");
-  from.read(t.stereo_pixel, "stereo.pixel");
+  from.read(t.stereo_pixel, "stereo.pixel"), from.read(t.stereo_sigma_ratio, "stereo.sigma_ratio");
   from.read(t.mono_node, "mono.node"), from.read(t.mono_landmark, "mono.landmark");
   from.read(t.mono_camera, "mono.camera"), from.read(t.mono_pixel, "mono.pixel");
+  from.read(t.mono_sigma_ratio, "mono.sigma_ratio");
 }
 
 inline void read_links(const TableReader& from, Tables& t) {

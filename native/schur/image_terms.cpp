@@ -50,7 +50,6 @@ struct ImageTerms::Cameras {
   std::array<const double*, 2> intrinsics;
   Motion bottom;
   Mat3 bottom_from_top;
-  double inverse_sigma;
   Robust pair, single;
 
   explicit Cameras(const Model& model)
@@ -58,28 +57,33 @@ struct ImageTerms::Cameras {
         intrinsics{model.blocks()[model.block("intrinsics_top")].data, model.blocks()[model.block("intrinsics_bottom")].data},
         bottom(model.blocks()[model.block("T_ct_cb")].data),
         bottom_from_top(bottom.rotation().transpose()),
-        inverse_sigma(1 / tables.sigma_px),
         pair{model.options().huber_stereo, nullptr},
         single{model.options().huber_mono, nullptr} {}
+
+  double inverse_sigma(int32_t observation) const {
+    const auto stereo = static_cast<int32_t>(tables.stereo_node.rows());
+    return 1 / (observation < stereo ? tables.stereo_sigma_px(observation) : tables.mono_sigma_px(observation - stereo));
+  }
 
   template <bool kDerive>
   void look(const CameraChain& chain, const Vec3& landmark, int32_t observation, Observation& out) const {
     const auto stereo = static_cast<int32_t>(tables.stereo_node.rows());
     const int32_t mono = observation - stereo;
     const bool both = mono < 0, above = both || tables.mono_camera.data[mono] == 0, below = both || !above;
+    const double scale = inverse_sigma(observation);
     const double* measured = both ? tables.stereo_pixel.row(observation) : tables.mono_pixel.row(mono);
     out.top.noalias() = chain.camera_from_global * (landmark - chain.centre);
     out.rows = both ? 4 : 2;
     out.in_front = true;
-    if (above) out.in_front = image<kDerive>(intrinsics[0], out.top, chain.camera_from_global, measured, inverse_sigma, 0, out);
+    if (above) out.in_front = image<kDerive>(intrinsics[0], out.top, chain.camera_from_global, measured, scale, 0, out);
     if (below) {
       out.bottom.noalias() = bottom_from_top * (out.top - bottom.t);
       const Mat3 bottom_from_global = kDerive ? Mat3(bottom_from_top * chain.camera_from_global) : Mat3();
       out.in_front &= image<kDerive>(intrinsics[1], out.bottom, bottom_from_global, both ? measured + 2 : measured,
-                                     inverse_sigma, out.rows - 2, out);
+                                     scale, out.rows - 2, out);
     }
     if (out.in_front) return;
-    out.r.setConstant(kBehindPixels * inverse_sigma);
+    out.r.setConstant(kBehindPixels * scale);
     out.by.setZero();
   }
   // Huber's cost of an observation and its slope, by the norm of all its rows.
@@ -239,7 +243,7 @@ void ImageTerms::add_intrinsics(int64_t v, Eigen::Matrix3Xd& cross, Eigen::Matri
       project(cameras.intrinsics[1], s.bottom, true, p);
       J.block<2, 6>(row, intrinsics_.mount()) << -p.by_point * cameras.bottom_from_top, p.by_point * hat(s.bottom);
     }
-    J *= cameras.inverse_sigma;
+    J *= cameras.inverse_sigma(observation_[k]);
     const auto rows = J.topRows(s.rows);
     cross.noalias() += slope * s.by.topRows(s.rows).transpose() * rows;
     if (own) own->noalias() += slope * rows.transpose() * rows;

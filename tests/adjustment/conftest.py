@@ -53,7 +53,14 @@ def scene():
     pixels = [observe(CAMERA, pose, points, node, landmark) for pose in (top, bottom)]
     seen = np.isfinite(pixels[0][:, 0]) | np.isfinite(pixels[1][:, 0])
     color = np.full((count, 3), 90, np.uint8)
-    tracks = Tracks(landmark=landmark[seen], node=node[seen], top=pixels[0][seen], bottom=pixels[1][seen], color=color)
+    tracks = Tracks(
+        landmark=landmark[seen],
+        node=node[seen],
+        top=pixels[0][seen],
+        bottom=pixels[1][seen],
+        response=np.full(seen.sum(), 0.02),
+        color=color,
+    )
     return SimpleNamespace(nodes=nodes, tray=tray, points=points, rig=rig, top=top, bottom=bottom, tracks=tracks)
 
 

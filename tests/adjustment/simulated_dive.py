@@ -201,7 +201,14 @@ def _tracks(rng, poses, tray, points, stereo):
         seen[1][:] = np.nan
     keep = np.isfinite(seen[0][:, 0]) | np.isfinite(seen[1][:, 0])
     color = np.tile(np.array([90, 120, 60], np.uint8), (len(points), 1))
-    return Tracks(landmark=landmark[keep], node=node[keep], top=seen[0][keep], bottom=seen[1][keep], color=color)
+    return Tracks(
+        landmark=landmark[keep],
+        node=node[keep],
+        top=seen[0][keep],
+        bottom=seen[1][keep],
+        response=np.full(keep.sum(), 0.02),
+        color=color,
+    )
 
 
 def cross_matrices(v):

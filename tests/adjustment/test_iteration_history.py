@@ -9,7 +9,9 @@ from hullrecon import native
 from hullrecon.adjustment.problem.iteration_history import Round, columns, lines, seconds, summarise_rounds
 from hullrecon.adjustment.problem.state import Weights
 
-WEIGHTS = Weights(pixel=1.0, depth=1.0, tray=0.01, range_sigma=0.02, surface=np.ones(3), tray_direction=np.zeros(2))
+WEIGHTS = Weights(
+    pixel=1.0, pixel_ratio=np.ones(0), depth=1.0, tray=0.01, range_sigma=0.02, surface=np.ones(3), tray_direction=np.zeros(2)
+)
 
 
 def record(cost, on_surface):

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+from dataclasses import replace
+
 import numpy as np
 
 from hullrecon.adjustment.problem.triangulation import camera_poses, reprojection_errors, triangulate
-from hullrecon.records.tracks import Tracks
 
 
 def test_landmarks_are_found_where_they_are(scene):
@@ -16,9 +17,7 @@ def test_landmarks_are_found_where_they_are(scene):
 def test_a_single_ray_gives_no_landmark(scene):
     t = scene.tracks
     first = np.flatnonzero(np.isfinite(t.top[:, 0]))[:1]
-    alone = Tracks(
-        landmark=t.landmark[first], node=t.node[first], top=t.top[first], bottom=np.full((1, 2), np.nan), color=t.color
-    )
+    alone = replace(t, landmark=t.landmark[first], node=t.node[first], top=t.top[first], bottom=np.full((1, 2), np.nan))
     position, spread = triangulate(alone, len(scene.points), scene.top, scene.bottom, scene.rig)
     assert np.isnan(position).all()
     assert spread[t.landmark[first[0]]] == 0.0
@@ -27,7 +26,7 @@ def test_a_single_ray_gives_no_landmark(scene):
 def test_two_rays_spread_by_the_angle_between_them(scene):
     t = scene.tracks
     row = np.flatnonzero(np.isfinite(t.top[:, 0]) & np.isfinite(t.bottom[:, 0]))[:1]
-    pair = Tracks(landmark=t.landmark[row], node=t.node[row], top=t.top[row], bottom=t.bottom[row], color=t.color)
+    pair = replace(t, landmark=t.landmark[row], node=t.node[row], top=t.top[row], bottom=t.bottom[row])
     _, spread = triangulate(pair, len(scene.points), scene.top, scene.bottom, scene.rig)
     node, number = t.node[row[0]], t.landmark[row[0]]
     rays = [scene.points[number] - pose.translation[node] for pose in (scene.top, scene.bottom)]
@@ -43,7 +42,7 @@ def test_the_camera_hangs_on_the_tray(scene):
 
 def test_reprojection_errors_are_pixel_distances(scene):
     t = scene.tracks
-    moved = Tracks(landmark=t.landmark, node=t.node, top=t.top + np.array([3.0, 4.0]), bottom=t.bottom, color=t.color)
+    moved = replace(t, top=t.top + np.array([3.0, 4.0]))
     top, bottom = reprojection_errors(moved, scene.points, scene.top, scene.bottom, scene.rig)
     np.testing.assert_allclose(top[np.isfinite(top)], 5.0, atol=1e-6)
     np.testing.assert_allclose(bottom[np.isfinite(bottom)], 0.0, atol=1e-6)

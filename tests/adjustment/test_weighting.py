@@ -10,11 +10,19 @@ import pytest
 
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.state import Weights
-from hullrecon.adjustment.problem.weighting import depth_sigma, estimate_weights
+from hullrecon.adjustment.problem.weighting import depth_sigma, estimate_pixel_sigmas, estimate_weights
 from hullrecon.geometry import poses
 from hullrecon.records.trajectory import Attitude
 
-WEIGHTS = Weights(pixel=1.0, depth=1.0, tray=0.01, range_sigma=0.02, surface=np.ones(0), tray_direction=np.ones(400))
+WEIGHTS = Weights(
+    pixel=1.0,
+    pixel_ratio=np.ones(0),
+    depth=1.0,
+    tray=0.01,
+    range_sigma=0.02,
+    surface=np.ones(0),
+    tray_direction=np.ones(400),
+)
 GIVEN_M = 0.02
 OPTIONS = AdjustOptions()
 
@@ -41,13 +49,54 @@ def dive(scene, depth, noise_m, given_m=GIVEN_M):
 @pytest.fixture
 def depth_weight(scene, monkeypatch):
     """The sigma of depths that a round settles, in the sigma given."""
-    monkeypatch.setattr("hullrecon.adjustment.problem.selection.estimate_pixel_sigma", lambda *_: 0.5)
+    monkeypatch.setattr("hullrecon.adjustment.problem.weighting.estimate_pixel_sigmas", lambda *_: (0.5, np.ones(0)))
 
     def found(*of, **more):
         measured, state = dive(scene, *of, **more)
         return estimate_weights(measured, state, None, WEIGHTS, OPTIONS).depth
 
     return found
+
+
+@pytest.fixture
+def seen_with(scene):
+    """Returns the sigmas that images get, of observations whose errors have these sigmas, by the detector's response."""
+
+    def found(response, sigma_px):
+        t, rng = scene.tracks, np.random.default_rng(4)
+        noise = [sigma_px[:, None] * rng.standard_normal((len(t.node), 2)) for _ in range(2)]
+        tracks = replace(t, top=t.top + noise[0], bottom=t.bottom + noise[1], response=response)
+        measured = SimpleNamespace(rig=scene.rig, tracks=tracks)
+        rig = scene.rig
+        state = SimpleNamespace(
+            nodes=scene.nodes, tray=scene.tray, T_s_ct=rig.T_s_ct.nominal, T_ct_cb=rig.T_ct_cb.nominal, landmark=scene.points
+        )
+        every = [np.isfinite(pixels[:, 0]) for pixels in (t.top, t.bottom)]
+        chosen = SimpleNamespace(top=every[0], bottom=every[1], landmarks=np.unique(t.landmark))
+        weights = replace(WEIGHTS, pixel_ratio=np.ones(len(t.node)))
+        pixel, ratio = estimate_pixel_sigmas(measured, state, chosen, weights, 0.03)
+        return pixel * ratio
+
+    return found
+
+
+def test_an_observation_gets_the_sigma_of_those_of_like_response(scene, seen_with) -> None:
+    response = np.random.default_rng(5).uniform(0.008, 0.1, len(scene.points))[scene.tracks.landmark]
+    true_px = 0.003 / response
+    np.testing.assert_allclose(seen_with(response, true_px), true_px, rtol=0.2)
+
+
+def test_where_the_response_says_nothing_all_have_one_sigma(scene, seen_with) -> None:
+    response = np.random.default_rng(5).uniform(0.008, 0.1, len(scene.points))[scene.tracks.landmark]
+    np.testing.assert_allclose(seen_with(response, np.full(len(response), 0.2)), 0.2, rtol=0.1)
+    np.testing.assert_allclose(seen_with(np.full(len(response), 0.02), np.full(len(response), 0.2)), 0.2, rtol=0.1)
+
+
+def test_corners_have_a_sigma_of_their_own(scene, seen_with) -> None:
+    corner = scene.tracks.landmark % 2 == 0
+    found = seen_with(np.where(corner, np.nan, 0.02), np.where(corner, 0.4, 0.1))
+    np.testing.assert_allclose(found[corner], 0.4, rtol=0.1)
+    np.testing.assert_allclose(found[~corner], 0.1, rtol=0.1)
 
 
 def test_depths_get_the_sigma_of_their_residuals(depth_weight) -> None:

@@ -54,7 +54,9 @@ def write_colmap(folder: Path) -> None:
     seen = CAMERA.project(top.inverse()[node].apply(points[landmark]))
     below = CAMERA.project((top @ beside).inverse()[node].apply(points[landmark]))
     folder.mkdir(parents=True)
-    tracks = Tracks(landmark=landmark, node=node, top=seen, bottom=below, color=np.full((60, 3), 90, np.uint8))
+    tracks = Tracks(
+        landmark=landmark, node=node, top=seen, bottom=below, response=np.ones(120), color=np.full((60, 3), 90, np.uint8)
+    )
     model = SparseModel(
         tracks=tracks, top=np.ones(120, bool), bottom=node == 0, hull_from_top=top, T_ct_cb=beside,
         cameras=(CAMERA, CAMERA), stamps=STAMPS, position=points,

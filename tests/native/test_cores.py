@@ -83,6 +83,8 @@ def mono_beside_stereo(p: Draft) -> None:
     again = np.arange(10)  # and some twice
     p.mono.node, p.mono.landmark = np.r_[p.mono.node, p.stereo.node[again]], np.r_[p.mono.landmark, p.stereo.landmark[again]]
     p.mono.camera, p.mono.pixel = np.r_[p.mono.camera, np.zeros(10, np.int32)], np.r_[p.mono.pixel, p.stereo.pixel[again, :2]]
+    for table in (p.stereo, p.mono):
+        table.sigma_ratio = np.geomspace(0.3, 3.0, len(table.node))
 
 
 def outliers(p: Draft) -> None:

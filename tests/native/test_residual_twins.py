@@ -121,7 +121,17 @@ def test_stereo_pairs(dive: Draft) -> None:
     p.sigma_px = 0.7
     top, bottom = in_cameras(p, p.stereo.node, p.stereo.landmark)
     predicted = np.hstack([pixels(p.unknowns.intrinsics_top, top), pixels(p.unknowns.intrinsics_bottom, bottom)])
-    np.testing.assert_allclose(got(p, "stereo").reshape(-1, 4), (predicted - p.stereo.pixel) / 0.7, atol=1e-8)
+    np.testing.assert_allclose(
+        got(p, "stereo").reshape(-1, 4), (predicted - p.stereo.pixel) / (0.7 * p.stereo.sigma_ratio[:, None]), atol=1e-8
+    )
+
+
+def test_rows_without_a_ratio_have_the_common_sigma(dive: Draft) -> None:
+    p = dive
+    own = {name: got(p, name).reshape(-1, rows) for name, rows in (("stereo", 4), ("mono", 2))}
+    for table, name in ((p.stereo, "stereo"), (p.mono, "mono")):
+        ratio, table.sigma_ratio = table.sigma_ratio, np.zeros(0)
+        np.testing.assert_allclose(got(p, name).reshape(own[name].shape), own[name] * ratio[:, None], rtol=1e-12)
 
 
 def test_single_images(dive: Draft) -> None:
@@ -129,7 +139,9 @@ def test_single_images(dive: Draft) -> None:
     top, bottom = in_cameras(p, p.mono.node, p.mono.landmark)
     of_bottom = p.mono.camera[:, None] == 1
     predicted = np.where(of_bottom, pixels(p.unknowns.intrinsics_bottom, bottom), pixels(p.unknowns.intrinsics_top, top))
-    np.testing.assert_allclose(got(p, "mono").reshape(-1, 2), predicted - p.mono.pixel, atol=1e-8)
+    np.testing.assert_allclose(
+        got(p, "mono").reshape(-1, 2), (predicted - p.mono.pixel) / p.mono.sigma_ratio[:, None], atol=1e-8
+    )
 
 
 def field_value(p: Draft, table: str) -> np.ndarray:

@@ -91,9 +91,11 @@ def test_a_surface_gives_its_mesh() -> None:
 def test_tracks_read_back_with_the_pixels_that_a_camera_did_not_see() -> None:
     tracks = Tracks(
         landmark=np.array([0, 0, 1]), node=np.array([0, 1, 1]), top=np.arange(6.0).reshape(3, 2),
-        bottom=np.array([[1.0, 2.0], [np.nan, np.nan], [3.0, 4.0]]), color=np.array([[1, 2, 3], [4, 5, 6]], np.uint8),
+        bottom=np.array([[1.0, 2.0], [np.nan, np.nan], [3.0, 4.0]]), response=np.array([0.02, 0.03, np.nan]),
+        color=np.array([[1, 2, 3], [4, 5, 6]], np.uint8),
     )  # fmt: skip
     again = from_arrays(Tracks, to_arrays(tracks))
     np.testing.assert_array_equal(again.bottom, tracks.bottom)
+    np.testing.assert_array_equal(again.response, tracks.response)
     np.testing.assert_array_equal(again.color, tracks.color)
     assert again.color.dtype == np.uint8

@@ -1,5 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,7 +12,8 @@ from hullrecon.vision.tracks.landmarks import NodeFeatures, NodeMatches, build_t
 
 
 def features(base, n, color):
-    table = np.column_stack([base + np.arange(n), np.full(n, base), np.ones(n), np.ones(n)]).astype(np.float32)
+    across = base + np.arange(n)
+    table = np.column_stack([across, np.full(n, base), np.ones(n), across / 1000]).astype(np.float32)
     return Features(table, np.zeros((n, 128), np.uint8), np.full((n, 3), color, np.uint8))
 
 
@@ -51,6 +53,15 @@ def test_a_track_holds_both_pixels_where_both_cameras_saw_it(dive):
     np.testing.assert_array_equal(tracks.top, [[100, 100], [201, 200], [np.nan, np.nan]])
     np.testing.assert_array_equal(tracks.bottom, [[502, 500], [600, 600], [702, 700]])
     np.testing.assert_array_equal(tracks.color, [[30, 30, 30]])
+
+
+def test_an_observation_has_the_mean_response_of_its_images_and_a_corner_none(dive):
+    found = matches((0, 0, 1, 1), (1, 1, 2, 2), (0, 1, 1, 2))
+    tracks = made(dive, found, single_node=False)
+    np.testing.assert_allclose(tracks.response, [(0.1 + 0.502) / 2, (0.201 + 0.6) / 2, 0.702, 0.101, 0.202], rtol=1e-6)
+    nodes = [NodeFeatures(top=replace(dive.read(k).top, corners=1), bottom=no_features()) for k in range(2)]
+    tracks = build_tracks(np.array([3, 3]), [no_matches()] * 2, matches((0, 1, 1, 1), (0, 2, 1, 2)), nodes.__getitem__, False)
+    np.testing.assert_array_equal(np.isnan(tracks.response), [False, False, True, True])
 
 
 def test_what_one_camera_alone_matched_keeps_its_one_pixel(dive):

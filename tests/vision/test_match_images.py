@@ -34,6 +34,7 @@ def matched(nodes, reasons, across=None, rejected=None):
             node=np.array([0, 1, 1]),
             top=np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]),
             bottom=np.stack([nan, nan, np.array([7.0, 8.0])]),
+            response=np.array([0.02, 0.03, 0.04]),
             color=np.zeros((2, 3), np.uint8),
         ),
         pairs=pairs,

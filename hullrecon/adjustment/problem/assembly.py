@@ -68,7 +68,7 @@ def assemble(
         odometry=odometry_table(_unseen_motions(m, chosen), m.trajectory.tray, m.rig.T_s_d.nominal, state.nodes),
     )
     if m.tracks is not None:
-        stereo, mono = _image_tables(m.tracks, state, chosen)
+        stereo, mono = _image_tables(m.tracks, state, weights.pixel_ratio, chosen)
         problem = replace(problem, stereo=stereo, mono=mono, sigma_px=weights.pixel)
     if state.hull is None:
         return with_planes(problem, m.planes)  # with a CAD model, the same returns measure that
@@ -169,7 +169,9 @@ def _priors(m: Measurements, state: State) -> native.Priors:
     return replace(priors, deviation=sparse)
 
 
-def _image_tables(tracks: Tracks, state: State, chosen: Selection) -> tuple[native.StereoTable, native.MonoTable]:
+def _image_tables(
+    tracks: Tracks, state: State, sigma_ratio: Array, chosen: Selection
+) -> tuple[native.StereoTable, native.MonoTable]:
     """Return the chosen observations: of landmarks that both cameras saw at a node, and of those that one saw."""
     number = np.full(len(state.landmark), -1)
     number[chosen.landmarks] = np.arange(len(chosen.landmarks))
@@ -181,12 +183,14 @@ def _image_tables(tracks: Tracks, state: State, chosen: Selection) -> tuple[nati
         node=tracks.node[both].astype(np.int32),
         landmark=number[tracks.landmark[both]].astype(np.int32),
         pixel=np.hstack([tracks.top[both], tracks.bottom[both]]),
+        sigma_ratio=sigma_ratio[both],
     )
     mono = native.MonoTable(
         node=np.r_[tracks.node[top], tracks.node[bottom]].astype(np.int32),
         landmark=number[np.r_[tracks.landmark[top], tracks.landmark[bottom]]].astype(np.int32),
         camera=np.repeat(np.array([0, 1], np.int32), [top.sum(), bottom.sum()]),
         pixel=np.vstack([tracks.top[top], tracks.bottom[bottom]]),
+        sigma_ratio=np.r_[sigma_ratio[top], sigma_ratio[bottom]],
     )
     return stereo, mono
 

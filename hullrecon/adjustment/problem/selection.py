@@ -83,22 +83,3 @@ def _near_hull(state: State, reach_m: float = 2.0) -> Mask:
         gap, _ = cKDTree(state.nodes.translation).query(finite)
         return np.asarray(gap < 30.0)
     return np.asarray(np.abs(state.hull.cad_distance(finite)) < reach_m)
-
-
-def estimate_pixel_sigma(m: Measurements, state: State, chosen: Selection, least: float) -> float:
-    """Return one sigma of a pixel coordinate from the residuals of well-seen landmarks (at least six rays), freed of the three
-    coordinates that each landmark takes from them."""
-    if m.tracks is None or state.T_s_ct is None:
-        return least
-    poses = camera_poses(state.nodes, state.tray, m.rig, state.T_s_ct, state.T_ct_cb)
-    errors = reprojection_errors(m.tracks, state.landmark, *poses, m.rig)
-    rays = np.bincount(m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m))
-    well = (rays[m.tracks.landmark] >= min(6, np.percentile(rays[chosen.landmarks], 75))) & np.isin(
-        m.tracks.landmark, chosen.landmarks
-    )
-    lengths = np.r_[errors[0][well & chosen.top], errors[1][well & chosen.bottom]]
-    if len(lengths) < 100:
-        return max(least, m.rig.sigma_px)
-    freedom = 1 - 3 * len(np.unique(m.tracks.landmark[well])) / (2 * len(lengths))
-    rayleigh = np.median(lengths) / np.sqrt(2 * np.log(2))  # the median length of a 2-D normal error is 1.177 sigma
-    return float(max(least, rayleigh / np.sqrt(max(freedom, 0.2))))

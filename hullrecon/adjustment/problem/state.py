@@ -62,11 +62,12 @@ class State:
 
 @dataclass(frozen=True, kw_only=True)
 class Weights:
-    """One sigma of each kind of measurement as used in a round. surface (L,): weight of each landmark's mixture.
-    depth: in the sigma that navigation gave it. range_sigma: metres. tray_direction (n,): +1 or -1, the side of its backlash on
-    which the tray hangs."""
+    """One sigma of each kind of measurement as used in a round. pixel_ratio (m,): by which the sigma of each observation of the
+    tracks differs from `pixel`. surface (L,): weight of each landmark's mixture. depth: in the sigma that navigation gave it.
+    range_sigma: metres. tray_direction (n,): +1 or -1, the side of its backlash on which the tray hangs."""
 
     pixel: float
+    pixel_ratio: Array
     depth: float
     tray: float
     range_sigma: float

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,10 +14,13 @@ from hullrecon.adjustment.problem import backlash, selection
 from hullrecon.adjustment.problem.assembly import Selection, share_weight_by_cell
 from hullrecon.adjustment.problem.measurements import Measurements
 from hullrecon.adjustment.problem.state import State, Weights
+from hullrecon.adjustment.problem.triangulation import camera_poses, reprojection_errors
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.typing import Array, Ints
 
 DENSITY_SIGMA = 0.002  # relative, of sea water where it was not measured
+LEAST_LENGTHS = 100  # residuals from which a sigma is estimated
+RESPONSE_GROUPS = 12
 UNKNOWN_DEPTH_M = 1.0  # sigma beyond which no pressure was logged
 
 
@@ -24,6 +28,7 @@ def initial_weights(m: Measurements, options: AdjustOptions) -> Weights:
     """Return the sigmas of the package."""
     return Weights(
         pixel=m.rig.sigma_px,
+        pixel_ratio=np.ones(0 if m.tracks is None else len(m.tracks.node)),
         depth=1.0,
         tray=m.rig.tray_sigma,
         range_sigma=m.rig.sigma_range,
@@ -46,12 +51,67 @@ def estimate_weights(m: Measurements, state: State, chosen: Selection, weights: 
     """Return sigmas from the residuals, and sides of the tray's backlash from the adjusted angles."""
     if options.as_published or m.tracks is None:
         return weights
-    pixel = selection.estimate_pixel_sigma(m, state, chosen, options.least_pixel_sigma)
+    pixel, pixel_ratio = estimate_pixel_sigmas(m, state, chosen, weights, options.least_pixel_sigma)
     side = backlash.estimate_sides(m.trajectory.tray - state.tray, weights.tray_direction)
     excess = (m.trajectory.tray - state.tray - state.navigation[5] * side)[m.attitude.tray_sigma == 0]
     read = robust_sigma(excess) if len(excess) else m.rig.tray_sigma
     tray = float(np.clip(read, np.radians(0.02), m.rig.tray_sigma))
-    return replace(weights, pixel=pixel, depth=_depth_weight(m, state), tray_direction=side, tray=tray)
+    return replace(weights, pixel=pixel, pixel_ratio=pixel_ratio, depth=_depth_weight(m, state), tray_direction=side, tray=tray)
+
+
+def estimate_pixel_sigmas(
+    m: Measurements, state: State, chosen: Selection, weights: Weights, least: float
+) -> tuple[float, Array]:
+    """Return one sigma of a pixel coordinate, and the ratio (m,) of each observation's own to it, from the residuals of
+    well-seen landmarks (at least six rays), freed of the three coordinates that each landmark takes from them.
+
+    A feature is found the better the stronger the detector's response to it is: noise moves the extremum of a flat bump farther
+    (docs/methods.md 6). Residuals in groups of like response tell how much, one group the corners, which have none.
+    """
+    if m.tracks is None or state.T_s_ct is None:
+        return least, weights.pixel_ratio
+    poses = camera_poses(state.nodes, state.tray, m.rig, state.T_s_ct, state.T_ct_cb)
+    errors = reprojection_errors(m.tracks, state.landmark, *poses, m.rig)
+    count, landmark = selection.landmark_count(m), m.tracks.landmark
+    seen = chosen.top.astype(float) + chosen.bottom
+    rays = np.bincount(landmark, seen, minlength=count)
+    known = np.isin(landmark, chosen.landmarks)
+    well = (rays[landmark] >= min(6, np.percentile(rays[chosen.landmarks], 75))) & known
+    row = np.r_[np.flatnonzero(well & chosen.top), np.flatnonzero(well & chosen.bottom)]
+    length = np.r_[errors[0][well & chosen.top], errors[1][well & chosen.bottom]]
+    if len(length) < LEAST_LENGTHS:
+        return max(least, m.rig.sigma_px), np.ones_like(weights.pixel_ratio)
+    weight = weights.pixel_ratio**-2
+    whole = np.bincount(landmark, weight * seen, minlength=count)
+    freedom = 1 - 1.5 * (weight / np.maximum(whole[landmark], weight))[row]  # of the two coordinates of a ray
+    pixel = max(least, _sigma_of_lengths(length, freedom))
+    by_response = _sigma_by_response(m.tracks.response, row, length, freedom, pixel)
+    return pixel, np.maximum(by_response, least) / pixel
+
+
+def _sigma_by_response(response: Array, row: Ints, length: Array, freedom: Array, pixel: float) -> Array:
+    """Return one sigma (m,) of each observation: of its group of like response, linear in the logarithms between groups."""
+    sigma = np.full(len(response), pixel)
+    of_length = response[row]
+    corner = np.isnan(of_length)
+    if corner.sum() >= LEAST_LENGTHS:
+        sigma[np.isnan(response)] = _sigma_of_lengths(length[corner], freedom[corner])
+    found, center = [], []
+    edges = np.unique(np.quantile(of_length[~corner], np.linspace(0, 1, RESPONSE_GROUPS + 1))) if not corner.all() else []
+    for low, high in pairwise(edges):
+        inside = (of_length >= low) & ((of_length < high) | (high == edges[-1]))
+        if inside.sum() >= LEAST_LENGTHS:
+            found.append(_sigma_of_lengths(length[inside], freedom[inside]))
+            center.append(np.median(of_length[inside]))
+    if len(found) > 1:
+        rows = np.flatnonzero(response > 0)
+        sigma[rows] = np.exp(np.interp(np.log(response[rows]), np.log(center), np.log(found)))
+    return sigma
+
+
+def _sigma_of_lengths(length: Array, freedom: Array) -> float:
+    """Return one sigma of a coordinate from lengths of residuals: the median length of a 2-D normal error is 1.177 sigma."""
+    return float(np.median(length) / np.sqrt(2 * np.log(2)) / np.sqrt(max(freedom.mean(), 0.2)))
 
 
 def depth_sigma(m: Measurements, weights: Weights) -> float:

@@ -68,29 +68,37 @@ def build_tracks(
     node = np.searchsorted(start, used, side="right") - 1
     label = join_matches(node, np.searchsorted(used, first), np.searchsorted(used, second), matches.distance)
     label[label < 0] = label.max(initial=-1) + 1 + np.arange(int((label < 0).sum()))
-    top, bottom, color = _observations(used - start[node], node, stereo, read)
+    top, bottom, response, color = _observations(used - start[node], node, stereo, read)
     keep = np.ones(len(used), bool) if find_outliers is None else ~find_outliers(node, label, top, bottom)
     shared = np.bincount(label[keep], minlength=int(label.max(initial=-1)) + 1) > 1
     both = np.isfinite(top[:, 0]) & np.isfinite(bottom[:, 0])
     keep &= shared[label] | (both & single_node)
     label = np.unique(label[keep], return_inverse=True)[1].astype(np.int64)
-    node, top, bottom, color = node[keep], top[keep], bottom[keep], color[keep]
+    node, top, bottom, response, color = node[keep], top[keep], bottom[keep], response[keep], color[keep]
     order = np.lexsort((node, label))
     return Tracks(
-        landmark=label[order], node=node[order], top=top[order], bottom=bottom[order], color=_mean_color(label, color)
+        landmark=label[order],
+        node=node[order],
+        top=top[order],
+        bottom=bottom[order],
+        response=response[order],
+        color=_mean_color(label, color),
     )
 
 
 def _observations(
     row: Ints, node: Ints, stereo: Sequence[StereoMatches], read: Callable[[int], NodeFeatures]
-) -> tuple[Array, Array, Array]:
-    """Return pixels in the top and in the bottom image, NaN where not seen, and colours; node (m,) ascending."""
+) -> tuple[Array, Array, Array, Array]:
+    """Return pixels in the top and in the bottom image, NaN where not seen, the detector's response in the mean of both, NaN
+    for corners, and colours; node (m,) ascending."""
     top, bottom, color = np.full((len(row), 2), np.nan), np.full((len(row), 2), np.nan), np.zeros((len(row), 3))
+    response = np.full(len(row), np.nan)
     for k in np.unique(node):
         rows = slice(*np.searchsorted(node, [k, k + 1]))
         features = read(int(k))
         seen = features.leading.keypoints[row[rows], :2]
         color[rows] = features.leading.color[row[rows]]
+        response[rows] = _responses(features.leading)[row[rows]]
         if features.bottom_leads:
             bottom[rows] = seen
             continue
@@ -99,7 +107,14 @@ def _observations(
         pair[stereo[k].top] = stereo[k].bottom
         other = pair[row[rows]]
         bottom[rows][other >= 0] = features.bottom.keypoints[other[other >= 0], :2]
-    return top, bottom, color
+        response[rows][other >= 0] += _responses(features.bottom)[other[other >= 0]]
+        response[rows][other >= 0] /= 2
+    return top, bottom, response, color
+
+
+def _responses(features: Features) -> Array:
+    """Return the detector's response (n,); NaN for corners."""
+    return np.where(features.corner, np.nan, features.keypoints[:, 3])
 
 
 def _mean_color(label: Ints, color: Array) -> NDArray[np.uint8]:
