@@ -122,8 +122,9 @@ def test_a_larger_measurement_lowers_its_own_residual_and_no_other(
     change(p, field, values)
     moved_by = evaluate(p, NAIVE).residual - before.residual
     sigma = {"attitude": p.attitude.sigma[k], "tray": p.tray.sigma[k : k + 1], "range": p.ranges.sigma[k : k + 1]}
+    sigma |= {name: np.full(4, of.sigma_ratio[k]) for name, of in (("stereo", p.stereo), ("mono", p.mono))}
     mine = np.flatnonzero((before.factor == FACTORS.index(table)) & (before.table_row == k))[row]
-    assert moved_by[mine] == pytest.approx(-1e-3 / sigma.get(table, np.ones(4))[row], rel=1e-6)
+    assert moved_by[mine] == pytest.approx(-1e-3 / sigma[table][row], rel=1e-6)
     assert np.delete(moved_by, mine) == pytest.approx(0, abs=1e-15)
 
 
