@@ -64,7 +64,9 @@ struct Tables {
   double sigma_px = 1.0;
 
   // Sigma in px of a row: sigma_px times its ratio, where the table has ratios.
-  double stereo_sigma_px(int64_t row) const { return sigma_px * (stereo_sigma_ratio.rows() ? stereo_sigma_ratio.data[row] : 1.0); }
+  double stereo_sigma_px(int64_t row) const {
+    return sigma_px * (stereo_sigma_ratio.rows() ? stereo_sigma_ratio.data[row] : 1.0);
+  }
   double mono_sigma_px(int64_t row) const { return sigma_px * (mono_sigma_ratio.rows() ? mono_sigma_ratio.data[row] : 1.0); }
 
   bool held(const char* block) const {

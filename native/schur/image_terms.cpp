@@ -79,8 +79,8 @@ struct ImageTerms::Cameras {
     if (below) {
       out.bottom.noalias() = bottom_from_top * (out.top - bottom.t);
       const Mat3 bottom_from_global = kDerive ? Mat3(bottom_from_top * chain.camera_from_global) : Mat3();
-      out.in_front &= image<kDerive>(intrinsics[1], out.bottom, bottom_from_global, both ? measured + 2 : measured,
-                                     scale, out.rows - 2, out);
+      out.in_front &= image<kDerive>(intrinsics[1], out.bottom, bottom_from_global, both ? measured + 2 : measured, scale,
+                                     out.rows - 2, out);
     }
     if (out.in_front) return;
     out.r.setConstant(kBehindPixels * scale);
