@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from hullrecon.native import FieldNodes, MonoTable, Problem, Result, StereoTable, SurfaceTable
-from hullrecon.typing import Array, Mask
+from hullrecon.typing import Mask
 
 
 def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
@@ -21,7 +21,7 @@ def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
     number = (np.cumsum(keep) - 1).astype(np.int32)
     stereo, mono, surface = problem.stereo, problem.mono, problem.surface
     kept = {"stereo": keep[stereo.landmark], "mono": keep[mono.landmark], "surface": keep[surface.landmark]}
-    in_field = _rows(surface.field.index, kept["surface"])
+    in_field = _rows(len(surface.field.index), kept["surface"])
     return replace(
         problem,
         unknowns=replace(problem.unknowns, landmark=problem.unknowns.landmark[keep]),
@@ -29,14 +29,14 @@ def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
             node=stereo.node[kept["stereo"]],
             landmark=number[stereo.landmark[kept["stereo"]]],
             pixel=stereo.pixel[kept["stereo"]],
-            sigma_ratio=stereo.sigma_ratio[_rows(stereo.sigma_ratio, kept["stereo"])],
+            sigma_ratio=stereo.sigma_ratio[_rows(len(stereo.sigma_ratio), kept["stereo"])],
         ),
         mono=MonoTable(
             node=mono.node[kept["mono"]],
             landmark=number[mono.landmark[kept["mono"]]],
             camera=mono.camera[kept["mono"]],
             pixel=mono.pixel[kept["mono"]],
-            sigma_ratio=mono.sigma_ratio[_rows(mono.sigma_ratio, kept["mono"])],
+            sigma_ratio=mono.sigma_ratio[_rows(len(mono.sigma_ratio), kept["mono"])],
         ),
         surface=SurfaceTable(
             landmark=number[surface.landmark[kept["surface"]]],
@@ -46,9 +46,9 @@ def drop_landmarks(problem: Problem, keep: Mask) -> Problem:
     )
 
 
-def _rows(column: Array, keep: Mask) -> Mask | slice:
-    """Return which rows to keep of a column that may be empty."""
-    return keep if len(column) else slice(0)
+def _rows(length: int, keep: Mask) -> Mask | slice:
+    """Return which rows to keep of a column of that length, which may be empty."""
+    return keep if length else slice(0)
 
 
 def drop_label_rows(result: Result, surface_rows: Mask) -> Result:

@@ -96,8 +96,10 @@ def _sigma_by_response(response: Array, row: Ints, length: Array, freedom: Array
     corner = np.isnan(of_length)
     if corner.sum() >= LEAST_LENGTHS:
         sigma[np.isnan(response)] = _sigma_of_lengths(length[corner], freedom[corner])
+    if corner.all():
+        return sigma
     found, center = [], []
-    edges = np.unique(np.quantile(of_length[~corner], np.linspace(0, 1, RESPONSE_GROUPS + 1))) if not corner.all() else []
+    edges = np.unique(np.quantile(of_length[~corner], np.linspace(0, 1, RESPONSE_GROUPS + 1)))
     for low, high in pairwise(edges):
         inside = (of_length >= low) & ((of_length < high) | (high == edges[-1]))
         if inside.sum() >= LEAST_LENGTHS:
