@@ -96,10 +96,11 @@ def _sigma_by_response(response: Array, row: Ints, length: Array, freedom: Array
     corner = np.isnan(of_length)
     if corner.sum() >= LEAST_LENGTHS:
         sigma[np.isnan(response)] = _sigma_of_lengths(length[corner], freedom[corner])
-    if corner.all():
+    responds = of_length > 0
+    if not responds.any():
         return sigma
     found, center = [], []
-    edges = np.unique(np.quantile(of_length[~corner], np.linspace(0, 1, RESPONSE_GROUPS + 1)))
+    edges = np.unique(np.quantile(of_length[responds], np.linspace(0, 1, RESPONSE_GROUPS + 1)))
     for low, high in pairwise(edges):
         inside = (of_length >= low) & ((of_length < high) | (high == edges[-1]))
         if inside.sum() >= LEAST_LENGTHS:
