@@ -81,7 +81,7 @@ def seen_with(scene):
 
 
 def test_an_observation_gets_the_sigma_of_those_of_like_response(scene, seen_with) -> None:
-    response = np.random.default_rng(5).uniform(0.008, 0.1, len(scene.points))[scene.tracks.landmark]
+    response = np.random.default_rng(5).uniform(0.02, 0.1, len(scene.points))[scene.tracks.landmark]
     true_px = 0.003 / response
     np.testing.assert_allclose(seen_with(response, true_px), true_px, rtol=0.2)
 

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -96,19 +95,18 @@ def _sigma_by_response(response: Array, row: Ints, length: Array, freedom: Array
     corner = np.isnan(of_length)
     if corner.sum() >= LEAST_LENGTHS:
         sigma[np.isnan(response)] = _sigma_of_lengths(length[corner], freedom[corner])
-    responds = of_length > 0
-    if not responds.any():
+    responds = np.flatnonzero(of_length > 0)
+    if not len(responds):
         return sigma
-    found, center = [], []
-    edges = np.unique(np.quantile(of_length[responds], np.linspace(0, 1, RESPONSE_GROUPS + 1)))
-    for low, high in pairwise(edges):
-        inside = (of_length >= low) & ((of_length < high) | (high == edges[-1]))
-        if inside.sum() >= LEAST_LENGTHS:
-            found.append(_sigma_of_lengths(length[inside], freedom[inside]))
-            center.append(np.median(of_length[inside]))
-    if len(found) > 1:
-        rows = np.flatnonzero(response > 0)
-        sigma[rows] = np.exp(np.interp(np.log(response[rows]), np.log(center), np.log(found)))
+    edges = np.unique(np.quantile(of_length[responds], np.arange(1, RESPONSE_GROUPS) / RESPONSE_GROUPS))
+    group = np.searchsorted(edges, of_length[responds], side="right")
+    groups = [responds[group == k] for k in range(len(edges) + 1)]
+    groups = [rows for rows in groups if len(rows) >= LEAST_LENGTHS]
+    if groups:
+        found = [_sigma_of_lengths(length[rows], freedom[rows]) for rows in groups]
+        center = [np.median(of_length[rows]) for rows in groups]
+        known = np.flatnonzero(response > 0)
+        sigma[known] = np.exp(np.interp(np.log(response[known]), np.log(center), np.log(found)))
     return sigma
 
 
