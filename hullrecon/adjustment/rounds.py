@@ -20,6 +20,7 @@ from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.errors import StageError
 from hullrecon.estimation.rig_priors import Rig
 from hullrecon.records.iterations import reached_cost
+from hullrecon.typing import Array
 
 Report = Callable[[str], None]
 LEAST_MAX_PX = 2.0  # in rounds before the last, whose path may still be off
@@ -30,7 +31,7 @@ log = logging.getLogger(__name__)
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
     """What one round leaves to the next: measured, with the intrinsics found so far; the unknowns; sigmas and weights; the
-    largest reprojection error that counts, px."""
+    largest reprojection error that counts, px, where the sigma is the pixel sigma."""
 
     measured: Measurements
     state: State
@@ -73,7 +74,8 @@ class RoundSolver:
         """Return the round from an estimate: choose and weight measurements, solve, estimate the next sigmas."""
         options, measured = self.options, before.measured
         state = replace(before.state, landmark=selection.triangulate_landmarks(measured, before.state))
-        max_px = before.max_px if final else max(LEAST_MAX_PX, before.max_px)
+        max_px = before.max_px * before.weights.pixel_ratio
+        max_px = max_px if final else np.maximum(LEAST_MAX_PX, max_px)
         chosen = choose_measurements(measured, state, max_px, options, final)
         weights = replace(before.weights, surface=weighting.surface_weights(state, chosen, options))
         problem = assemble(measured, state, weights, chosen, options.as_published, hold_hull_pose)
@@ -114,7 +116,7 @@ class RoundSolver:
         return done
 
 
-def choose_measurements(measured: Measurements, state: State, max_px: float, options: AdjustOptions, final: bool) -> Selection:
+def choose_measurements(measured: Measurements, state: State, max_px: Array, options: AdjustOptions, final: bool) -> Selection:
     """Return anchor landmarks for a coarse round, all landmarks but isolated ones off the hull for the final one.
 
     Raises StageError when fewer than 20 agree with the navigation.

@@ -133,6 +133,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=14,
+    version=15,
     run=run,
 )

@@ -77,6 +77,20 @@ def test_the_last_round_leaves_out_what_lies_beyond_the_outlier_limit():
     assert chosen.top[np.isfinite(top[:, 0])].mean() > 0.94
 
 
+def test_an_observation_is_left_out_by_its_own_sigma():
+    dive = simulate(cad=False)
+    tracks, rng = dive.measured.tracks, np.random.default_rng(8)
+    weak, seen = tracks.landmark % 2 == 0, np.isfinite(tracks.top[:, 0])
+    top = tracks.top + np.where(weak, 4 * PIXEL_NOISE_PX, 0.0)[:, None] * rng.standard_normal(tracks.top.shape)
+    bottom = tracks.bottom + np.where(weak, 4 * PIXEL_NOISE_PX, 0.0)[:, None] * rng.standard_normal(tracks.bottom.shape)
+    off = seen & (rng.random(len(top)) < 0.03)
+    top[off, 0] += 8 * PIXEL_NOISE_PX  # two sigmas of a weak feature, eight of a strong one
+    tracks = replace(tracks, top=top, bottom=bottom, response=np.where(weak, 0.02, 0.08))
+    chosen = adjust(replace(dive.measured, tracks=tracks), AdjustOptions(), lambda line: None).chosen
+    assert chosen.top[off & ~weak].mean() < 0.2
+    assert chosen.top[off & weak].mean() > 0.9
+
+
 @pytest.mark.parametrize("case", [c for c in WITH_CAD if c != "as published"])
 def test_the_hull_lies_within_three_of_its_sigmas(case):
     found = of(case)
