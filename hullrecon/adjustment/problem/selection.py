@@ -28,8 +28,8 @@ def triangulate_landmarks(m: Measurements, state: State) -> Array:
 
 
 def select_measurements(m: Measurements, state: State, max_px: Array | float) -> Selection:
-    """Return observations whose reprojection error is at most `max_px`, of all or of each (m,), landmarks that keep at least two
-    rays and lie near the hull, returns that were not flagged."""
+    """Return observations whose reprojection error is at most `max_px`, of all or of each (m,), landmarks that keep at least
+    two rays and lie near the hull, returns that were not flagged."""
     returns = ~m.returns.flagged if m.returns is not None else np.zeros(0, bool)
     if m.tracks is None or state.T_s_ct is None:
         empty = np.zeros(0, bool)
