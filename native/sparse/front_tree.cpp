@@ -10,7 +10,7 @@ namespace hullrecon {
 namespace {
 
 // Two fronts are joined when the zeros that this adds are few: up to so many columns, up to this share of the panel.
-constexpr std::array<std::pair<int, double>, 4> kJoin{{{14, 1.0}, {28, 0.8}, {112, 0.2}, {1 << 30, 0.05}}};
+constexpr std::array<std::pair<int, double>, 4> kJoin{{{14, 1.0}, {28, 0.2}, {112, 0.03}, {1 << 30, 0.01}}};
 
 bool worth_joining(int columns, double zeros, double entries) {
   return std::any_of(kJoin.begin(), kJoin.end(),
