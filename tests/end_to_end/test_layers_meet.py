@@ -58,16 +58,29 @@ class Chart:
         return share[face] @ self.point[corner] + offset * (share[face] @ self.normal[corner])
 
     def to_map(self, point):
-        """Map coordinates (2,) of a point of the ship, by the closest of the mesh's vertices and its plane."""
-        best = None
-        for face in np.argsort(np.linalg.norm(self.point[self.faces].mean(axis=1) - point, axis=1))[:8]:
-            corner = self.faces[face]
-            a, b, c = self.point[corner]
-            share = np.linalg.lstsq(np.stack([b - a, c - a], axis=1), point - a, rcond=None)[0]
-            share = np.r_[1 - share.sum(), share]
-            if best is None or share.min() > best[0]:
-                best = (share.min(), share @ self.at[corner])
-        return best[1] * self.signs
+        """Map coordinates (2,) of a point of the ship: those whose point plus offset times normal it is."""
+        candidates = [self._inverted(face, point) for face in self._faces_near(point)]
+        inside, at = max(candidates, key=lambda found: found[0])
+        assert inside > -1e-6, "off the chart"
+        return at * self.signs
+
+    def _faces_near(self, point):
+        return np.argsort(np.linalg.norm(self.point[self.faces].mean(axis=1) - point, axis=1))[:12]
+
+    def _inverted(self, face, point):
+        """The least share of a corner, negative outside the face, and along and girth; by Newton's method."""
+        corner = self.faces[face]
+        p, n = self.point[corner], self.normal[corner]
+        u, v, offset = 1 / 3, 1 / 3, 0.0
+        for _ in range(20):
+            share = np.array([1 - u - v, u, v])
+            edges = (p[1:] - p[0]) + offset * (n[1:] - n[0])
+            missing = point - share @ (p + offset * n)
+            du, dv, more = np.linalg.solve(np.column_stack([*edges, share @ n]), missing)
+            u, v, offset = u + du, v + dv, offset + more
+        share = np.array([1 - u - v, u, v])
+        np.testing.assert_allclose(share @ (p + offset * n), point, atol=1e-9)
+        return share.min(), share @ self.at[corner]
 
 
 def rings(deliver):

@@ -26,8 +26,9 @@ TO_POINT = (
     "the hull by an offset (deviation.tif, a height) is the point plus offset times normal."
 )
 TO_CHART = (
-    "Find the closest point on the mesh of chart.ply and interpolate along and girth linearly on its face; the signed distance "
-    "is the offset. x = along / along_from_x, y = girth / girth_from_y."
+    "The inverse: find the face, the place on it and the offset for which point plus offset times normal, both interpolated as "
+    "above, is the given point (Newton's method from the closest point takes some steps). x = along / along_from_x, "
+    "y = girth / girth_from_y. The closest point itself is up to offset times the angle between neighbouring faces away."
 )
 
 
