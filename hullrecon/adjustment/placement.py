@@ -19,7 +19,7 @@ from hullrecon.adjustment.hull_pose.form import Form, compare_form
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import selection
 from hullrecon.adjustment.problem.deviation_field import grid_over
-from hullrecon.adjustment.problem.measurements import CadModel, Measurements, return_points
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements, beam_ends
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.rounds import Estimate, Report, RoundResult
 from hullrecon.errors import StageError
@@ -141,7 +141,7 @@ def _hull_state(found: registration.Registration, points: Array, options: Adjust
 def _points_to_register(measured: Measurements, state: State) -> Array:
     """Return what is laid onto the CAD model, in g: DVL returns, or stereo landmarks where no ranges were carried."""
     if measured.returns is not None and (~measured.returns.flagged).sum() >= MIN_POINTS:
-        points, _ = return_points(measured.returns, state.nodes, state.tray, measured.rig.tray_origin, state.T_s_d)
+        points, _ = beam_ends(measured.returns, state.nodes, state.tray, measured.rig.tray_origin, state.T_s_d)
         return points[~measured.returns.flagged]
     landmarks = selection.triangulate_landmarks(measured, state)
     landmarks = landmarks[np.isfinite(landmarks[:, 0])]

@@ -49,7 +49,7 @@ class Measurements:
     planes: TiedPlanes | None = None
 
 
-def return_points(returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, T_s_d: Poses) -> tuple[Array, Array]:
+def beam_ends(returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, T_s_d: Poses) -> tuple[Array, Array]:
     """Return the ends of the DVL's beams in g, (m, 3), and their unit directions in g, (m, 3)."""
     rig = SensorRig(tray_origin=tray_origin, pressure_origin=np.zeros(3), tray_from_dvl=T_s_d)
     ends = rig.dvl_points(returns, VehiclePath(poses=nodes, tray=tray_angle))
