@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import bz2
 import struct
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import BinaryIO, Protocol
@@ -34,13 +35,14 @@ class UnpackBudget:
 
 
 def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = None) -> bytes:
-    """Return `size` bytes of a chunk packed as "", "none", "zstd", "lz4" or "bz2"; DamagedError when they are not there, or not
-    whole."""
+    """Return `size` bytes of a chunk packed as "", "none", "zstd", "lz4", "bz2" or "zlib"; DamagedError when they are not
+    there, or not whole."""
     if size > LARGEST_CHUNK:
         raise DamagedError(f"it claims {size} bytes")
     unpack = {
         "": lambda: data, "none": lambda: data, "zstd": lambda: _zstd(data, size), "lz4": lambda: _lz4(data, size),
         "bz2": lambda: _to_the_end(bz2.BZ2Decompressor(), data, size),
+        "zlib": lambda: _to_the_end(zlib.decompressobj(), data, size),
     }.get(how)  # fmt: skip
     if unpack is None:
         raise DamagedError(f"its compression {printable(how)!r} is not known")
@@ -48,7 +50,7 @@ def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = N
         budget.take(size)
     try:
         out = unpack()
-    except (OSError, EOFError, RuntimeError, ValueError, MemoryError) as error:
+    except (OSError, EOFError, RuntimeError, ValueError, MemoryError, zlib.error) as error:
         raise DamagedError(f"it cannot be decompressed: {error}") from None
     if len(out) != size:
         raise DamagedError(f"it holds {len(out)} bytes instead of {size}")
@@ -116,7 +118,7 @@ class _Decompressor(Protocol):
     @property
     def eof(self) -> bool: ...
 
-    def decompress(self, data: bytes, max_length: int) -> bytes: ...
+    def decompress(self, data: bytes, /, max_length: int) -> bytes: ...
 
 
 def _to_the_end(decompressor: _Decompressor, data: bytes, size: int) -> bytes:

@@ -8,13 +8,12 @@ checksum.
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import BinaryIO
 
 from hullrecon.dive.logs.formats.oculus_ping import message_bytes
-from hullrecon.dive.logs.readers.unpack import DamagedError, HeaderMark, fields, find_header
+from hullrecon.dive.logs.readers.unpack import DamagedError, HeaderMark, UnpackBudget, decompress, fields, find_header
 
 MAGIC, ITEM_MAGIC = b"\x44\x33\x22\x11", b"\xdd\xcc\xbb\xaa"
 FILE_HEADER, ITEM_HEADER = "<II16sHH4xqd", "<IIHH4xdHxxIII"  # the last field of an item fills it up to eight bytes
@@ -71,7 +70,7 @@ def parse_item_header(data: bytes) -> ItemHeader:
     )
 
 
-def items(stream: BinaryIO, at: int) -> Iterator[tuple[int, int, tuple[ItemHeader, bytes] | str]]:
+def items(stream: BinaryIO, at: int, budget: UnpackBudget) -> Iterator[tuple[int, int, tuple[ItemHeader, bytes] | str]]:
     """Yield (start, end, header and payload as stored) from a byte on, between them (start, end, why) of bytes that hold no
     whole item.
 
@@ -81,7 +80,7 @@ def items(stream: BinaryIO, at: int) -> Iterator[tuple[int, int, tuple[ItemHeade
     end = stream.seek(0, 2)
     while at < end:
         try:
-            header, payload = _item_at(stream, at, end)
+            header, payload = _item_at(stream, at, end, budget)
         except DamagedError as error:
             following = find_header(stream, at + 1, end, WINDOW, mark)
             yield at, following, str(error)
@@ -92,21 +91,13 @@ def items(stream: BinaryIO, at: int) -> Iterator[tuple[int, int, tuple[ItemHeade
         at = after
 
 
-def unpacked(header: ItemHeader, payload: bytes) -> bytes:
-    """Return the payload as it was before it was packed. Raises DamagedError where it does not unpack to what is stated."""
-    if not header.is_packed:
-        return payload
-    machine = zlib.decompressobj()
-    try:
-        data = machine.decompress(payload[4:], header.original_bytes + 1)
-    except zlib.error as error:
-        raise DamagedError(f"its item does not unpack: {error}") from None
-    if len(data) != header.original_bytes or not machine.eof:
-        raise DamagedError("its item does not unpack to the length that it states")
-    return data
+def unpacked(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> bytes:
+    """Return the payload as it was before it was packed. Raises DamagedError where it does not unpack to what is stated, and
+    beyond the log's budget."""
+    return decompress(payload[4:], "zlib", header.original_bytes, budget) if header.is_packed else payload
 
 
-def _item_at(stream: BinaryIO, at: int, end: int) -> tuple[ItemHeader, bytes]:
+def _item_at(stream: BinaryIO, at: int, end: int, budget: UnpackBudget) -> tuple[ItemHeader, bytes]:
     """Return the item at a byte of the file."""
     stream.seek(at)
     header = parse_item_header(stream.read(ITEM_HEADER_BYTES))
@@ -116,15 +107,15 @@ def _item_at(stream: BinaryIO, at: int, end: int) -> tuple[ItemHeader, bytes]:
     stream.seek(at + header.size)
     payload = stream.read(header.payload_bytes)
     following = stream.read(len(ITEM_MAGIC))
-    if following != ITEM_MAGIC[: len(following)] and not _is_whole_message(header, payload):
+    if following != ITEM_MAGIC[: len(following)] and not _is_whole_message(header, payload, budget):
         raise DamagedError("no other item follows where it ends")
     return header, payload
 
 
-def _is_whole_message(header: ItemHeader, payload: bytes) -> bool:
+def _is_whole_message(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> bool:
     """Return whether a payload is as long as the message in it says."""
     try:
-        data = unpacked(header, payload)
+        data = unpacked(header, payload, budget)
         return message_bytes(data) == len(data)
     except DamagedError:
         return False
