@@ -13,6 +13,7 @@ from typing import BinaryIO, Protocol
 
 LARGEST_CHUNK = 1 << 27  # bytes; recorders write chunks of 1 to 4 MiB, or of one message; a larger size is a damaged field
 FREE_BYTES, RATIO = 1 << 23, 256  # a log unpacks to at most so many bytes and so many times its own size
+FIRST_STEP = 1 << 14  # bytes in which a search begins: what it reads stays near to how far it goes, however often it begins
 LONGEST_NAME = 400  # characters; ROS allows 255, and a line that names one stays a line
 LONGEST_REASON = 200  # characters of what a library says about damaged bytes: they may quote all of them
 
@@ -140,17 +141,18 @@ class HeaderMark:
 
 
 def find_header(stream: BinaryIO, at: int, end: int, window: int, mark: HeaderMark) -> int:
-    """Return where the next header begins, from a byte on, or `end`. window: bytes to read at a time."""
+    """Return where the next header begins, from a byte on, or `end`. window: bytes to read at a time, at most."""
+    step = min(FIRST_STEP, window)
     while at < end:
         stream.seek(at)
-        data = stream.read(window + mark.header_bytes)
+        data = stream.read(step + mark.header_bytes)
         found = data.find(mark.magic, mark.magic_at)
-        while 0 <= found < window + mark.magic_at:
+        while 0 <= found < step + mark.magic_at:
             start = found - mark.magic_at
             try:
                 mark.parse(data[start : start + mark.header_bytes])
                 return at + start
             except DamagedError:
                 found = data.find(mark.magic, found + 1)
-        at += window
+        at, step = at + step, min(2 * step, window)
     return end
