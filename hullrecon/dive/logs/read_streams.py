@@ -58,10 +58,10 @@ def read_streams(
 ) -> LogContents:
     """Return what the logs hold, or what of it lies in the time window, read once.
 
-    topics: sensors by topic (a pose has attitude and depth); a sensor named there comes from that topic, not from a PD0 file or
-    a table beside the log. Only small samples are kept; of a sonar's ping what `keep_ping` returns. `watch` sees every message
-    pass (progress). Raises InputError for a topic of a type that is not read and for a log of which nothing is, unless
-    `problems` takes it.
+    topics: sensors by topic (a pose has attitude and depth); a sensor named there comes from that topic, not from a log beside
+    it that gives samples (tables, the file of one instrument). Only small samples are kept; of a sonar's ping what `keep_ping`
+    returns. `watch` sees every message pass (progress). Raises InputError for a topic of a type that is not read and for a log
+    of which nothing is, unless `problems` takes it.
     """
     out, problems = LogContents(), problems or Problems()
     refused: set[Channel] = set()

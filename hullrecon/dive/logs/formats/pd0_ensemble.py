@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Teledyne PD0 ensembles: where they lie in a file, and what stands in each.
 
-Layout: Teledyne RD Instruments, WorkHorse Commands and Output Data Format; the Explorer DVL writes the same.
+Layout: Teledyne RD Instruments, WorkHorse Commands and Output Data Format [TeledynePD0]; the Explorer DVL writes the same.
 """
 
 from __future__ import annotations

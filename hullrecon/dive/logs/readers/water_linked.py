@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a DVL of Water Linked sends over TCP, kept line by line in a file: velocity with ranges, and the DVL's own attitude.
 
-Protocol: Water Linked, DVL TCP JSON API, json_v3 (before it, reports had no time). Axes: x forward, y right, z out of the
-transducers; velocities are turned by the mounting rotation offset, ranges are those of the transducers. position_local has
-roll, pitch and yaw in degrees, z down, heading from wherever the DVL was started: by its gyroscope, not a compass.
+Protocol: [WaterLinkedJSON], json_v3 (before it, reports had no time). Axes: x forward, y right, z out of the transducers;
+velocities are turned by the mounting rotation offset, ranges are those of the transducers. position_local has roll, pitch and
+yaw in degrees, z down, heading from wherever the DVL was started: by its gyroscope, not a compass.
 """
 
 from __future__ import annotations
