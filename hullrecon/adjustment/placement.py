@@ -36,7 +36,7 @@ FREED_QUANTILE = 0.999  # of the chi-square that unknowns give back which the CA
 
 
 @dataclass(frozen=True, kw_only=True)
-class Placement:
+class RegisteredModel:
     """The estimate with the CAD model laid onto it; refusal: why it may not be believed, None where it may."""
 
     estimate: Estimate
@@ -44,7 +44,7 @@ class Placement:
     refusal: str | None
 
 
-def place_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOptions, report: Report) -> Placement:
+def register_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOptions, report: Report) -> RegisteredModel:
     """Return the CAD model registered to a solved path. Raises StageError where there is nothing to register."""
     measured = solved.measured
     points = _points_to_register(measured, solved.state)
@@ -59,7 +59,7 @@ def place_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOption
         )
     elif found.sigmas_off > MAX_SIGMAS_OFF:
         refusal = f"it fits only {found.sigmas_off:.0f} times farther from hull.pose than hull.pose_sigma says"
-    return Placement(estimate=replace(solved, state=state), registration=found, refusal=refusal)
+    return RegisteredModel(estimate=replace(solved, state=state), registration=found, refusal=refusal)
 
 
 def reason_against(found: RoundResult, options: AdjustOptions) -> str | None:

@@ -92,11 +92,11 @@ def _write_camera(context: Context[FeatureOptions], camera: Camera, usable: Mask
     work = Extract(context.inputs["ingest"], context.source, camera, context.parameters, corners)
     n = len(usable)
     out = _Written(count=np.zeros(n, np.int64), corners=np.zeros(n, np.int64), saliency=np.zeros(n))
-    with ExitStack() as opened:
+    with ExitStack() as stack:
 
         def grow(kind: str, width: int, dtype: type[np.generic]) -> GrowingArray:
-            return opened.enter_context(
-                GrowingArray(opened.enter_context(context.out.path(f"{kind}_{camera.key}.npy")), width, dtype)
+            return stack.enter_context(
+                GrowingArray(stack.enter_context(context.out.path(f"{kind}_{camera.key}.npy")), width, dtype)
             )
 
         keypoints, descriptors = grow("keypoints", 4, np.float32), grow("descriptors", 128, np.uint8)

@@ -66,13 +66,13 @@ def read_streams(
     out, problems = LogContents(), problems or Problems()
     refused: set[Channel] = set()
     for log in logs:
-        with problems.gather():
+        with problems.collect():
             for message in watch(log.messages()):
                 out.counts[message.channel] += 1
                 if message.channel in refused:
                     continue
                 count = len(problems.found)
-                with problems.gather():
+                with problems.collect():
                     _sort(message, topics, take_image, out, window, keep_ping)
                 if len(problems.found) > count:
                     refused.add(message.channel)
