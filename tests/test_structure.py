@@ -188,6 +188,13 @@ def test_few_lines_are_untyped() -> None:
     assert len(lines) < ANY_LINES, "\n".join(lines)
 
 
+def test_array_types_are_named_in_one_place() -> None:
+    here = ROOT / "hullrecon" / "typing.py"
+    names = "|".join(re.findall(r"(?m)^(\w+) =", here.read_text()))
+    again = re.compile(rf"(?m)^({names}) = .*")
+    assert [f"{p.relative_to(ROOT)}: {found[0]}" for p in SOURCES if p != here for found in again.finditer(p.read_text())] == []
+
+
 def test_a_class_name_is_used_once() -> None:
     where: dict[str, list[str]] = {}
     for path in LIBRARY:

@@ -11,7 +11,7 @@ import numpy as np
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.plane_chart import PlaneChart
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh, face_cross_products
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.neighbours import count_within, nearest
 from hullrecon.records.surface import Surface
@@ -118,13 +118,12 @@ def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart
     vertices = base + normal * offset[:, None]
     placed = np.asarray(np.isfinite(vertices).all(axis=1))
     used, renumbered = np.unique(mesh.faces[placed[mesh.faces].all(axis=1)], return_inverse=True)
-    faces = renumbered.reshape(-1, 3)
+    faces = renumbered.reshape(-1, 3).astype(np.int32)
     vertices, normal = vertices[used], normal[used]
-    a, b, c = vertices[faces].transpose(1, 0, 2)
-    inward = np.einsum("ni,ni->n", np.cross(b - a, c - a), normal[faces[:, 0]]) < 0
+    inward = np.einsum("ni,ni->n", face_cross_products(Mesh(vertices, faces)), normal[faces[:, 0]]) < 0
     faces[inward] = faces[inward][:, ::-1]
     nothing = np.full(len(used), np.nan)
-    return Surface(vertices=vertices, faces=faces.astype(np.int32), deviation=nothing, sigma=sigma[used], support=support[used])
+    return Surface(vertices=vertices, faces=faces, deviation=nothing, sigma=sigma[used], support=support[used])
 
 
 def _take(observed: SurfacePoints, which: Mask) -> SurfacePoints:

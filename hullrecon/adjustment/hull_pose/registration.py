@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from hullrecon.adjustment.hull_pose import cad_error
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry import poses
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh, face_areas
 from hullrecon.geometry.pose_solver import LinearisedCost, minimise_over_pose
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex
@@ -151,16 +151,16 @@ def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
     middle = corner.mean(1)
     reach = np.linalg.norm(corner - middle[:, None], axis=2).max(1)
     gap, _ = cKDTree(near).query(middle, distance_upper_bound=3.0 + reach.max())
-    corner = corner[gap <= 3.0 + reach]
-    if len(corner) == 0:
+    part = Mesh(mesh.vertices, mesh.faces[gap <= 3.0 + reach])
+    if len(part.faces) == 0:
         return np.zeros((0, 3))  # a CAD model in other units, or guessed far off
-    area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    area = face_areas(part)
     rng = np.random.default_rng(seed)
-    face = rng.choice(len(corner), 20000, p=area / area.sum())
+    face = rng.choice(len(area), 20000, p=area / area.sum())
     u, v = rng.random((2, 20000))
     fold = u + v > 1
     u[fold], v[fold] = 1 - u[fold], 1 - v[fold]
-    a, b, c = corner[face].transpose(1, 0, 2)
+    a, b, c = part.vertices[part.faces[face]].transpose(1, 0, 2)
     samples = a + u[:, None] * (b - a) + v[:, None] * (c - a)
     gap, _ = cKDTree(near).query(samples, distance_upper_bound=4.0)
     return np.asarray(samples[np.isfinite(gap)])

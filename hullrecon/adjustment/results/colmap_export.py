@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.tracks import Tracks
 from hullrecon.typing import Array, Ints, Mask
@@ -128,7 +129,7 @@ def _add_images(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
         reconstruction.add_frame(frame)
         for image_id, camera_id, stamp in ids:
             rows = slice(*np.searchsorted(seen.image, [image_id, image_id + 1]))
-            name = f"camera_{'top' if camera_id == TOP else 'bottom'}/{stamp}.jpg"
+            name = f"{(Camera.TOP if camera_id == TOP else Camera.BOTTOM).key}/{stamp}.jpg"
             image = pycolmap.Image(name=name, keypoints=seen.pixel[rows], camera_id=camera_id, image_id=image_id)
             image.frame_id = int(node) + 1
             reconstruction.add_image(image)

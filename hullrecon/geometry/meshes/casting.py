@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh, face_normals
 from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, Ints
 
@@ -29,9 +29,7 @@ class Scene:
 
     def __init__(self, mesh: Mesh) -> None:
         self._index = MeshIndex(mesh.vertices, mesh.faces)
-        a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
-        normal = np.cross(b - a, c - a)
-        self._normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-15)
+        self._normal = face_normals(mesh)
 
     def closest(self, points: Array) -> ClosestPoints:
         """Return the closest point of the mesh for each of (n, 3), the sign by the pseudonormal there; NaN for points not
