@@ -73,7 +73,7 @@ def reason_against(found: RoundResult, options: AdjustOptions) -> str | None:
         return f"only {100 * float(np.mean(label == 1)):.0f} % of the landmarks lie on its surface"
     if not len(found.problem.stereo.node) + len(found.problem.mono.node):
         return None  # without images the path is navigation's own: its residuals are nil, and whatever bends it makes them grow
-    settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
+    settings = native.Options(method=options.method, sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m)
     growth = residual_growth(found.problem, settings)
     worse = [name for name, ratio in growth.items() if ratio > MAX_GROWTH[name]]
     if not worse:
