@@ -97,7 +97,7 @@ def _by_triangles(
 
 
 def _heights_to_offsets(height: Array, sigma: Array, at: Array, chart: Chart, datum: PlaneChart) -> tuple[Array, Array]:
-    """How far along the chart's normals the places of height (n,) over the datum lie, and their sigma; NaN where too steep."""
+    """Return how far along the chart's normals places of height (n,) over the datum lie, and their sigma; NaN: too steep."""
     base, normal = chart.from_chart(at)
     lean = normal @ datum.axes[2]
     lean = np.where(lean > MIN_FACING, lean, np.nan)
@@ -105,7 +105,7 @@ def _heights_to_offsets(height: Array, sigma: Array, at: Array, chart: Chart, da
 
 
 def _sample(seen: Observations) -> Observations:
-    """Half of them a compact part around the middle, where short lengths show, half spread evenly, where long ones do."""
+    """Return half of them as a compact part around the middle, where short lengths show, half spread evenly, where long do."""
     far = np.linalg.norm((seen.at - np.median(seen.at, axis=0)) / np.maximum(np.std(seen.at, axis=0), 1e-9), axis=1)
     spread = np.linspace(0, len(far) - 1, LIKELIHOOD_POINTS // 2).astype(np.int64)
     part = np.union1d(np.argsort(far, kind="stable")[: LIKELIHOOD_POINTS // 2], spread)
@@ -113,7 +113,7 @@ def _sample(seen: Observations) -> Observations:
 
 
 def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart: Chart) -> Surface:
-    """The chart's mesh moved into space; faces that the chart cannot place are dropped, orientation follows the normals."""
+    """Return the chart's mesh moved into space; faces that it cannot place are dropped, orientation follows the normals."""
     base, normal = chart.from_chart(mesh.vertices[:, :2])
     vertices = base + normal * offset[:, None]
     placed = np.asarray(np.isfinite(vertices).all(axis=1))

@@ -82,7 +82,7 @@ def summarise_rounds(rounds: Sequence[Round]) -> list[dict[str, Any]]:
 
 
 def _sigmas(done: Round) -> dict[str, float]:
-    """What the round's cost is whitened with."""
+    """Return what the round's cost is whitened with."""
     w = done.weights
     return {
         "pixel_sigma_px": w.pixel,

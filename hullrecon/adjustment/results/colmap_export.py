@@ -116,7 +116,7 @@ def _observations(model: SparseModel) -> _Seen:
 
 
 def _add_images(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
-    """One frame a node that has an image; an image without observations is kept: its pose is known all the same."""
+    """Add a frame for each node that has an image; an image without observations is kept: its pose is known all the same."""
     import pycolmap
 
     for node in np.flatnonzero((model.stamps >= 0).any(1)):

@@ -163,7 +163,7 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
 
 
 def _reason(topic: str, reason: str, out: LogContents) -> str:
-    """The reason, or a common one where a topic has too many: each damaged message may have one of its own."""
+    """Return the reason, or a common one where a topic has too many: each damaged message may have one of its own."""
     if (topic, reason) in out.undecoded or sum(t == topic for t, _ in out.undecoded) < MOST_REASONS:
         return reason
     return "for other reasons"

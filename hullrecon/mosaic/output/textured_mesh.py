@@ -46,8 +46,8 @@ def build_textured_mesh(
 
 
 def _faces(good: Mask) -> Ints:
-    """Two triangles (m, 3) for each cell whose four corners are good, all turned the same way; rows run down the girth, columns
-    along."""
+    """Return two triangles (m, 3) for each cell whose four corners are good, all turned the same way; rows run down the girth,
+    columns along."""
     height, width = good.shape
     index = np.arange(height * width).reshape(height, width)
     cell = good[:-1, :-1] & good[1:, :-1] & good[:-1, 1:] & good[1:, 1:]

@@ -48,7 +48,7 @@ class TileStore:
         self._reduce(window, color)
 
     def _reduce(self, window: Window, color: NDArray[np.uint8]) -> None:
-        """The mean of seen texels in each block of the small copy."""
+        """Return the mean of seen texels in each block of the small copy."""
         n = self.reduction
         blocks = color.reshape(self.size // n, n, self.size // n, n, -1).astype(np.float32)
         alpha = blocks[..., -1:] / 255

@@ -136,7 +136,7 @@ def records(data: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def _string(body: bytes, at: int) -> tuple[str, int]:
-    """A string with its length in front, and the byte behind it."""
+    """Return a string with its length in front, and the byte behind it."""
     (length,) = fields("<I", body, at)
     if at + 4 + length > len(body):
         raise DamagedError("a string reaches beyond its record")

@@ -84,7 +84,7 @@ def claims_summary(stream: BinaryIO, size: int) -> bool:
 
 
 def _footer(stream: BinaryIO, size: int) -> tuple[int, int] | None:
-    """The start of the summary as the footer has it, and the footer's own byte; None where no footer and magic end the file."""
+    """Return the start of the summary as the footer has it, and the footer's own byte; None where none ends the file."""
     at = size - FOOTER_SIZE - len(MAGIC)
     try:
         if at < len(MAGIC) or head(stream, at, size) != (FOOTER, 20):
@@ -104,7 +104,7 @@ def _is_summary(stream: BinaryIO, at: int, foot: int) -> bool:
 
 
 def _heads(stream: BinaryIO, at: int, end: int) -> Iterator[tuple[int, int, int]]:
-    """Opcode, byte and length of the records from `at` to `end`; DamagedError where they do not end there."""
+    """Yield opcode, byte and length of the records from `at` to `end`; DamagedError where they do not end there."""
     while at < end:
         opcode, length = head(stream, at, end)
         yield opcode, at, length
@@ -112,7 +112,7 @@ def _heads(stream: BinaryIO, at: int, end: int) -> Iterator[tuple[int, int, int]
 
 
 def _names_all(stream: BinaryIO, summary: Summary) -> bool:
-    """Whether no chunk and no message lies where the summary names none; an index of another kind may be damaged there."""
+    """Tell whether no chunk and no message lies where the summary names none; an index of another kind may be damaged there."""
     edges = [len(MAGIC), *(edge for note in summary.chunks for edge in (note.offset, note.end)), summary.start]
     if not summary.chunks:
         return True
