@@ -28,7 +28,7 @@ from hullrecon.dive.logs.samples import (
     PressureSample,
     Sample,
 )
-from hullrecon.dive.logs.time_window import Instant, time_window
+from hullrecon.dive.logs.time_window import Instant, TimeWindow, time_window
 from hullrecon.dive.logs.timeline import NS, put_in_order
 from hullrecon.dive.logs.unused_topics import describe_unused
 from hullrecon.dive.problems import Problems
@@ -151,19 +151,21 @@ def ingest(
                 out.images[name] = index
     if not out.records.by_name() and not out.images and not problems.found:
         with problems.collect():
-            if window is not None and found.outside:
-                raise InputError(
-                    f"nothing was measured {window.describe()}",
-                    where="dive.from",
-                    remedy="`hullrecon init LOG` says when a log begins",
-                )
-            raise InputError(
-                "no sensor could be read from the logs",
-                where=", ".join(request.logs),
-                remedy="`hullrecon init LOG` lists what a log holds; a run needs a DVL with an IMU, or two cameras, in "
-                "[topics]",
-            )
+            raise _nothing_read(request, window if found.outside else None)
     return out
+
+
+def _nothing_read(request: IngestRequest, window: TimeWindow | None) -> InputError:
+    """Return why nothing could be read; window: outside of which all was measured, None where that is not the reason."""
+    if window is not None:
+        return InputError(
+            f"nothing was measured {window.describe()}", where="dive.from", remedy="`hullrecon init LOG` says when a log begins"
+        )
+    return InputError(
+        "no sensor could be read from the logs",
+        where=", ".join(request.logs),
+        remedy="`hullrecon init LOG` lists what a log holds; a run needs a DVL with an IMU, or two cameras, in [topics]",
+    )
 
 
 def _check_topics(topics: Mapping[str, str], found: LogContents, problems: Problems) -> None:

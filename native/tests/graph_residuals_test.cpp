@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
 #include "check.h"
+#include "factors/mixture.h"
 #include "factors/residuals.h"
-#include "factors/scaling_loss.h"
 
 using namespace hullrecon;
 using twin::Frame;
