@@ -96,7 +96,7 @@ def adjust(measured: Measurements, options: AdjustOptions, report: Report) -> Ad
 def find_path(measured: Measurements, options: AdjustOptions, report: Report) -> FirstPath:
     """Return the path without the CAD model: some well-seen landmarks find poses, outliers and sigmas at a fraction of the
     cost."""
-    solver = RoundSolver(measured.rig, options, report)
+    solver = RoundSolver(calibrated=measured.rig, options=options, report=report)
     start = _start(measured, options)
     with_cad = measured.cad_model is not None
     rounds = solver.coarse_rounds(start, max(options.rounds - 1, int(with_cad)))

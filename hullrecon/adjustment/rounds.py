@@ -53,7 +53,7 @@ class RoundResult:
     after: Estimate
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RoundSolver:
     """Solves rounds, counts and reports them. calibrated: the rig with the intrinsics of the calibration."""
 

@@ -77,7 +77,7 @@ class IngestRequest:
     sonar_offset_ns: int = 0
 
 
-@dataclass
+@dataclass(kw_only=True)
 class IngestResult:
     """Hold what was read, by sensor and by camera; filled while the logs stream by. hull: None without a CAD model."""
 

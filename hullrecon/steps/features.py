@@ -29,7 +29,7 @@ from hullrecon.vision.features.store import GrowingArray
 BLOCK = 128  # images whose features are in memory at a time
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Extract:
     """Finds the features of one image, by its row in the camera's index; picklable."""
 
@@ -89,7 +89,9 @@ class _Written:
 def _write_camera(context: Context[FeatureOptions], camera: Camera, usable: Mask) -> _Written:
     """Write one camera's arrays block by block; return what is known by image."""
     corners = context.settings.read("matches.harris_share", float) > 0
-    work = Extract(context.inputs["ingest"], context.source, camera, context.parameters, corners)
+    work = Extract(
+        ingest=context.inputs["ingest"], source=context.source, camera=camera, options=context.parameters, corners=corners
+    )
     n = len(usable)
     out = _Written(count=np.zeros(n, np.int64), corners=np.zeros(n, np.int64), saliency=np.zeros(n))
     with ExitStack() as stack:

@@ -25,7 +25,7 @@ STEP = ("cost", "cost_change", "step_norm", "gradient_norm", "radius", "accepted
 COUNTS = ("on_surface", "label_changes", "rays_missed")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Round:
     """One solve. weights: those that it used; depth_sigma_m: their sigma of a depth (NaN without depths); began_s: when it
     began, seconds since the adjustment did."""

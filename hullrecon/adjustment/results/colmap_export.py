@@ -23,7 +23,7 @@ from hullrecon.typing import Array, Ints, Mask
 TOP, BOTTOM = 1, 2  # camera ids; the rig has id 1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SparseModel:
     """hull_from_top: T_M_ct at the nodes (T_g_ct without a CAD model); T_ct_cb None for a mono rig. position (L, 3), NaN where
     a landmark is not in the model. top, bottom (m,) bool: observations that entered. stamps (n, 2): ns by camera, -1 for

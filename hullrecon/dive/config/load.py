@@ -29,7 +29,7 @@ Table = dict[str, object]  # of TOML, not yet decoded
 Kind = TypeVar("Kind")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LoadedConfig:
     """A decoded dive.toml. sections: structs by dotted name ("dvl", "camera.top", a step's name), None when absent; given: the
     dotted keys that the file or an override set, everything else is a default."""
@@ -72,7 +72,7 @@ def load_config(
     sections |= {"camera.top": config.camera.top, "camera.bottom": config.camera.bottom}
     sections |= {name: _decode(steps[name], kind, name, []) for name, kind in step_sections.items()}
     _check_whole(config)
-    return LoadedConfig(package, config, MappingProxyType(sections), given)
+    return LoadedConfig(package=package, config=config, sections=MappingProxyType(sections), given=given)
 
 
 def _read(package: Path) -> Table:

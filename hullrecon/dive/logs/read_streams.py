@@ -28,7 +28,7 @@ MOST_DEFINITIONS = 16  # a topic: each is compiled anew
 SENSORS = tuple(TYPES)
 
 
-@dataclass
+@dataclass(kw_only=True)
 class LogContents:
     """What the logs held. samples and logged_ns by sensor ("dvl", ...; images go to their sinks); counts by topic; used: topics
     of which a message could be used; outside: samples that lie outside the time window; definitions: the channels by which a

@@ -33,7 +33,7 @@ MOST_FRAME_MESSAGES = 64
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
 
 
-@dataclass
+@dataclass(kw_only=True)
 class TopicNote:
     """One topic. first: its first message, decoded, or the sample; None where it does not decode. frames: the messages of
     tf_static, of which there may be many with a part each."""
@@ -52,7 +52,7 @@ class TopicNote:
         return f"{self.channel.topic}: {many}{pace}, {self.channel.type}"
 
 
-@dataclass
+@dataclass(kw_only=True)
 class LogSummary:
     """What one log holds."""
 
@@ -98,17 +98,19 @@ def summarise_log(log: Log) -> LogSummary:
         note = notes.get(message.channel)
         if note is None:
             first = _first(message) if len(notes) < MOST_DECODED else None
-            note = notes[message.channel] = TopicNote(message.channel, first, [], 0, message.t_ns, message.t_ns)
+            note = notes[message.channel] = TopicNote(
+                channel=message.channel, first=first, frames=[], count=0, start_ns=message.t_ns, end_ns=message.t_ns
+            )
         if _is_static(note.channel) and note.count < MOST_FRAME_MESSAGES and isinstance(message.data, bytes):
             note.frames += _decode(message.channel, message.data)
         note.count += 1
         note.start_ns, note.end_ns = min(note.start_ns, message.t_ns), max(note.end_ns, message.t_ns)
     topics = sorted(notes.values(), key=lambda n: n.channel.topic)
     return LogSummary(
-        log.kind,
-        topics,
-        messages.describe_losses([(printable(log.path.name), loss) for loss in log.losses()]),
-        list(log.remarks),
+        kind=log.kind,
+        topics=topics,
+        lost=messages.describe_losses([(printable(log.path.name), loss) for loss in log.losses()]),
+        remarks=list(log.remarks),
     )
 
 
@@ -123,10 +125,10 @@ def summarise_logs(logs: Sequence[Log]) -> LogSummary:
             kept.frames += note.frames
             kept.start_ns, kept.end_ns = min(kept.start_ns, note.start_ns), max(kept.end_ns, note.end_ns)
     return LogSummary(
-        " and ".join(dict.fromkeys(part.kind for part in parts)),
-        sorted(notes.values(), key=lambda n: n.channel.topic),
-        [line for part in parts for line in part.lost],
-        [line for part in parts for line in part.remarks],
+        kind=" and ".join(dict.fromkeys(part.kind for part in parts)),
+        topics=sorted(notes.values(), key=lambda n: n.channel.topic),
+        lost=[line for part in parts for line in part.lost],
+        remarks=[line for part in parts for line in part.remarks],
     )
 
 

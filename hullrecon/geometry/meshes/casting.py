@@ -13,7 +13,7 @@ from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, Ints
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ClosestPoints:
     """distance (n,) m, signed, positive outside; foot (n, 3) on the mesh; normal (n, 3) of the closest triangle, outward;
     face (n,), -1 where there is no answer."""
@@ -45,7 +45,7 @@ class Scene:
             near = self._index.closest(points[known])
             distance[known], foot[known], face[known] = near.distance, near.point, near.face
             normal[known] = self._normal[near.face]
-        return ClosestPoints(distance, foot, normal, face)
+        return ClosestPoints(distance=distance, foot=foot, normal=normal, face=face)
 
     def cast(self, origins: Array, directions: Array) -> Array:
         """Return how far along unit directions (n, 3) from origins (n, 3) or (3,) the mesh is met, (n,) m; inf where it is

@@ -18,7 +18,7 @@ from hullrecon.mosaic.output.compressed_tiles import CompressedTiles
 VARIANCE_STEP = 0.25  # squared gray levels; finer is noise, and compresses badly
 
 
-@dataclass
+@dataclass(kw_only=True)
 class TileStore:
     """Tiles in the order of grid.tiles(size). small: RGBA (or LA) of the whole, reduced by `reduction`."""
 

@@ -29,7 +29,7 @@ from hullrecon.dive.logs.formats.mcap_records import (
 from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, fields
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ChunkNote:
     """What the summary says about one chunk. end: the byte behind it and its indices. topics: those it holds, empty when the
     writer did not say."""
@@ -41,7 +41,7 @@ class ChunkNote:
     topics: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Summary:
     """chunks in the order of the file; counts of messages by topic (empty without statistics); start: its first byte."""
 
@@ -166,6 +166,7 @@ def _parse(section: bytes, start: int) -> Summary:
         if number in names:
             counts[names[number]] = counts.get(names[number], 0) + count
     named = (
-        ChunkNote(o, e, first, last, tuple(sorted({names[c] for c in held if c in names}))) for o, e, first, last, held in notes
+        ChunkNote(offset=o, end=e, start_ns=first, end_ns=last, topics=tuple(sorted({names[c] for c in held if c in names})))
+        for o, e, first, last, held in notes
     )
-    return Summary(tuple(named), counts, definitions, start)
+    return Summary(chunks=tuple(named), counts=counts, definitions=definitions, start=start)

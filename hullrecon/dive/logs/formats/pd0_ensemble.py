@@ -27,7 +27,7 @@ MIN_BEAM_ANGLE, MAX_BEAM_ANGLE = 5.0, 60.0
 BLOCK, REACH = 1 << 20, 65535 + 2  # bytes read at a time; of the longest ensemble
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Ensemble:
     """One ping as the instrument wrote it, in SI units; NaN where it is marked lost or was not measured.
 
