@@ -36,7 +36,7 @@ FREED_QUANTILE = 0.999  # of the chi-square that unknowns give back which the CA
 
 
 @dataclass(frozen=True, kw_only=True)
-class Placement:
+class RegisteredModel:
     """The estimate with the CAD model laid onto it; refusal: why it may not be believed, None where it may."""
 
     estimate: Estimate
@@ -44,7 +44,7 @@ class Placement:
     refusal: str | None
 
 
-def place_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOptions, report: Report) -> Placement:
+def register_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOptions, report: Report) -> RegisteredModel:
     """Return the CAD model registered to a solved path. Raises StageError where there is nothing to register."""
     measured = solved.measured
     points = _points_to_register(measured, solved.state)
@@ -59,7 +59,7 @@ def place_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOption
         )
     elif found.sigmas_off > MAX_SIGMAS_OFF:
         refusal = f"it fits only {found.sigmas_off:.0f} times farther from hull.pose than hull.pose_sigma says"
-    return Placement(estimate=replace(solved, state=state), registration=found, refusal=refusal)
+    return RegisteredModel(estimate=replace(solved, state=state), registration=found, refusal=refusal)
 
 
 def reason_against(found: RoundResult, options: AdjustOptions) -> str | None:
@@ -73,7 +73,7 @@ def reason_against(found: RoundResult, options: AdjustOptions) -> str | None:
         return f"only {100 * float(np.mean(label == 1)):.0f} % of the landmarks lie on its surface"
     if not len(found.problem.stereo.node) + len(found.problem.mono.node):
         return None  # without images the path is navigation's own: its residuals are nil, and whatever bends it makes them grow
-    settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
+    settings = native.Options(method=options.method, sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m)
     growth = residual_growth(found.problem, settings)
     worse = [name for name, ratio in growth.items() if ratio > MAX_GROWTH[name]]
     if not worse:

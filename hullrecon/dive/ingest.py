@@ -28,7 +28,7 @@ from hullrecon.dive.logs.samples import (
     PressureSample,
     Sample,
 )
-from hullrecon.dive.logs.time_window import Instant, time_window
+from hullrecon.dive.logs.time_window import Instant, TimeWindow, time_window
 from hullrecon.dive.logs.timeline import NS, put_in_order
 from hullrecon.dive.logs.unused_topics import describe_unused
 from hullrecon.dive.problems import Problems
@@ -77,7 +77,7 @@ class IngestRequest:
     sonar_offset_ns: int = 0
 
 
-@dataclass
+@dataclass(kw_only=True)
 class IngestResult:
     """Hold what was read, by sensor and by camera; filled while the logs stream by. hull: None without a CAD model."""
 
@@ -114,13 +114,13 @@ def ingest(
     out, problems = IngestResult(), problems or Problems()
     logs = []
     for name in request.logs:
-        with problems.gather():
+        with problems.collect():
             logs.append(open_log(package / name, package))
     for name, path in request.calibration.items():
-        with problems.gather():
+        with problems.collect():
             out.cameras[name] = read_camera(package / path)
     if request.mesh is not None:
-        with problems.gather():
+        with problems.collect():
             out.hull = read_hull(package / request.mesh, request.units, out.hull_messages)
     sinks = {
         name: ImageSink(name, (c.width, c.height), request.offset_ns[name], package, partial(open_file, name))
@@ -134,7 +134,7 @@ def ingest(
     topics = {} if all(log.gives_samples for log in logs) else request.topics
     sensors = {topic: [sensor for sensor, named in topics.items() if named == topic] for topic in topics.values()}
     window = None
-    with problems.gather():
+    with problems.collect():
         window = time_window(request.start, request.end, logs)
     spool = PingSpool(None if pings is None else pings.spool)
     found = read_streams(logs, sensors, take_image, watch, problems, window, spool.keep)
@@ -145,25 +145,27 @@ def ingest(
     out.unused = describe_unused((c for c in found.counts if c.encoding != "sample"), set(topics.values()))
     out.records = _build_records(out, request, found, problems, spool, streams.leave_black if pings is None else pings.keep)
     for name, sink in sinks.items():
-        with problems.gather():
+        with problems.collect():
             index = sink.finish(out.remarks)
             if index is not None:
                 out.images[name] = index
     if not out.records.by_name() and not out.images and not problems.found:
-        with problems.gather():
-            if window is not None and found.outside:
-                raise InputError(
-                    f"nothing was measured {window.describe()}",
-                    where="dive.from",
-                    remedy="`hullrecon init LOG` says when a log begins",
-                )
-            raise InputError(
-                "no sensor could be read from the logs",
-                where=", ".join(request.logs),
-                remedy="`hullrecon init LOG` lists what a log holds; a run needs a DVL with an IMU, or two cameras, in "
-                "[topics]",
-            )
+        with problems.collect():
+            raise _nothing_read(request, window if found.outside else None)
     return out
+
+
+def _nothing_read(request: IngestRequest, window: TimeWindow | None) -> InputError:
+    """Return why nothing could be read; window: outside of which all was measured, None where that is not the reason."""
+    if window is not None:
+        return InputError(
+            f"nothing was measured {window.describe()}", where="dive.from", remedy="`hullrecon init LOG` says when a log begins"
+        )
+    return InputError(
+        "no sensor could be read from the logs",
+        where=", ".join(request.logs),
+        remedy="`hullrecon init LOG` lists what a log holds; a run needs a DVL with an IMU, or two cameras, in [topics]",
+    )
 
 
 def _check_topics(topics: Mapping[str, str], found: LogContents, problems: Problems) -> None:
@@ -175,7 +177,7 @@ def _check_topics(topics: Mapping[str, str], found: LogContents, problems: Probl
         if found.losses:
             found.remarks.append(f"{sensor}: nothing of {topic} is left in the damaged log")
             continue
-        with problems.gather():
+        with problems.collect():
             raise InputError(
                 f"topic {topic} is not in the log, which holds {', '.join(sorted(held)) or 'nothing'}",
                 where=f"topics.{sensor}", remedy="name the topic that the log has, or leave the key away",
@@ -195,7 +197,7 @@ def _build_records(
     built: dict[str, SensorRecord | None] = {}
 
     def build(name: str, record: Callable[[], SensorRecord | None]) -> None:
-        with problems.gather():
+        with problems.collect():
             built[name] = record()
 
     def dvl() -> DvlPings | None:
@@ -219,7 +221,7 @@ def _build_records(
     build("imu", imu)
     build("pressure", pressure)
     build("sonar", sonar)
-    with problems.gather():
+    with problems.collect():
         _check_joints(request, found, {s.name for s in found.samples["joints"] if isinstance(s, JointSample)}, remarks)
     for record in JOINT_KEYS:
         build(record, partial(_build_joint, record, request, found, remarks))

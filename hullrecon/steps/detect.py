@@ -39,7 +39,7 @@ def run(context: Context[DetectOptions]) -> None:
         hull_pose=solution.hull_pose,
         depth_known=inputs.ingest.pressure is not None,
         from_dvl=inputs.ingest.dvl is not None,
-        place_sigma=_place_sigma(solution, surface.chart),
+        position_sigma=_position_sigma(solution, surface.chart),
     )
     views = _views(context, inputs, solution)
     structures = find_structures(base, solution.landmarks, solution.deviation_field, views, context.parameters)
@@ -60,7 +60,7 @@ def _solution(inputs: InputArtifacts) -> Solution:
     return inputs.adjust.solution
 
 
-def _place_sigma(solution: Solution, chart: Chart) -> AddressSigma:
+def _position_sigma(solution: Solution, chart: Chart) -> AddressSigma:
     """Return how well the survey as a whole lies on the hull."""
     track = solution.track()
     along, girth = track.sigma_on_chart(chart)

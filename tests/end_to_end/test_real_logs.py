@@ -49,7 +49,7 @@ def test_a_glider_s_pd0_alone_ends_in_a_report(evaluation_data, shell, tmp_path)
     assert "to fill in: imu.mount_deg" in shell("init", package).stdout
     assert "nothing says how the DVL sits in the vehicle (imu.mount_deg)" in verdict(shell, package)
     down = ["--set", "imu.mount_deg=[0, 0, 0]", "--set", "dvl.mount=[0, 0, 0, 0, 0, 0]"]
-    assert verdict(shell, package, *down, code=0).startswith("verdict: ready, with doubts")
+    assert verdict(shell, package, *down, code=0).startswith("verdict: ready, with warnings")
     shell("run", package, *down, "--runs", "out")
     found = json.loads((shell.folder / "out" / "glider" / "deliver" / "summary.json").read_text())
     assert any("attitude comes from the DVL's own sensors" in warning for warning in found["warnings"])

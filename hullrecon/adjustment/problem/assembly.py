@@ -113,7 +113,7 @@ def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selecti
 
 def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknowns:
     unknowns = native.Unknowns(
-        pose=np.hstack([state.nodes.translation, state.nodes.quaternion, state.tray[:, None]]),
+        pose=np.hstack([state.nodes.vectors(), state.tray[:, None]]),
         T_s_d=pose_vector(state.T_s_d),
         navigation=state.navigation.copy(),
     )
@@ -219,7 +219,7 @@ def _range_table(
     keep = chosen.returns
     table = native.RangeTable(
         node=returns.node[keep].astype(np.int32),
-        offset=np.hstack([returns.translation[keep], returns.quaternion[keep]]),
+        offset=Poses(returns.quaternion[keep], returns.translation[keep]).vectors(),
         tray_offset=returns.tray_offset[keep],
         beam=returns.beam[keep],
         measured=returns.range_m[keep],

@@ -33,7 +33,7 @@ class CadModel:
     contradicted: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Measurements:
     """All that enters the adjustment. tracks None: no camera; CAD model None: no CAD; start None: dead reckoning is the path to
     begin with; planes: what ties passes where there is no CAD model."""

@@ -159,7 +159,7 @@ def _collect_evidence(
 def _rejection_reason(
     found: HullAsFound, evidence: _RegionEvidence, area: Array, supporting: tuple[int, float], options: DetectOptions
 ) -> str:
-    """Why the region is not an object, or nothing. supporting: landmarks that agree, and their share."""
+    """Return why the region is not an object, or nothing. supporting: landmarks that agree, and their share."""
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
     shapes = int(np.percentile(found.shapes[region.core], 75))
     core = float(area[region.core].sum())
@@ -176,20 +176,20 @@ def _rejection_reason(
 
 
 def _supporting_landmarks(found: HullAsFound, region: Region, landmarks: _Landmarks) -> tuple[int, float]:
-    """Landmarks on the core that stand off as it does, and their share of all landmarks there."""
+    """Return the landmarks on the core that stand off as it does, and their share of all landmarks there."""
     stands, _, _ = landmarks.on(found, region, region.core)
     return int(stands.sum()), float(stands.mean()) if len(stands) else 0.0
 
 
 def _center(found: HullAsFound, region: Region, area: Array) -> int:
-    """The vertex on the visible surface nearest to the middle of the highest part."""
+    """Return the vertex on the visible surface nearest to the middle of the highest part."""
     top = _top_rows(found, region)
     middle = np.average(found.base.vertices[top], axis=0, weights=np.maximum(area[top], 1e-12))
     return int(top[np.argmin(np.linalg.norm(found.base.vertices[top] - middle, axis=1))])
 
 
 def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scene) -> Ints:
-    """CameraViews that saw more than half of the top, the best (nearest to the image's middle) first."""
+    """Return the camera views that saw more than half of the top, the best (nearest to the image's middle) first."""
     top = _top_rows(found, region)
     middle = views.T_x_c.inverse().apply(found.mesh.vertices[top].mean(axis=0)[None])
     offset = np.hypot(middle[:, 0], middle[:, 1]) / np.maximum(middle[:, 2], 1e-6)
@@ -204,7 +204,7 @@ def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scen
 
 
 def _top_rows(found: HullAsFound, region: Region) -> Ints:
-    """Vertices of the core above four fifths of the height."""
+    """Return the vertices of the core above four fifths of the height."""
     above = region.side * (found.height[region.core] - region.level)
     top = region.core[above >= 0.8 * abs(region.height)]
     return top if len(top) else region.core
@@ -249,7 +249,7 @@ def _object(
 
 
 def _top(found: HullAsFound, region: Region, center: int) -> Array:
-    """The center's foot on the base, lifted to the region's height."""
+    """Return the center's foot on the base, lifted to the region's height."""
     lift = found.hull[center] + region.level + region.height
     return np.asarray(found.base.vertices[center] + found.normal[center] * lift)
 

@@ -25,7 +25,7 @@ def outline(mesh: Mesh, part: Ints, most: int = 60) -> Array:
 
 
 def _loops(rim: Ints) -> list[list[int]]:
-    """Directed edges (e, 2) chained to closed lines; at a vertex that two lines touch, the one begun first goes on."""
+    """Join directed edges (e, 2) to closed lines; at a vertex that two lines touch, the one begun first goes on."""
     follow: dict[int, list[int]] = {}
     for a, b in rim.tolist():
         follow.setdefault(a, []).append(b)

@@ -66,9 +66,9 @@ class PackageCheck:
         if self.reasons:
             return f"not ready: {'; '.join(self.reasons)}"
         keys = ", ".join(line.split(": ")[1] for line in self.to_fill_in)
-        remaining = [f"{len(self.warnings)} suspicious above"] if self.warnings else []
+        remaining = [f"{len(self.warnings)} above"] if self.warnings else []
         remaining += [f"to fill in: {keys}"] if keys else []
-        return f"ready, with doubts ({'; '.join(remaining)})" if remaining else "ready"
+        return f"ready, with warnings ({'; '.join(remaining)})" if remaining else "ready"
 
     def lines(self) -> list[str]:
         """Return the report, a sentence a line."""
@@ -80,7 +80,7 @@ class PackageCheck:
             *(f"missing: {file}" for file in self.missing_files), *(f"not usable: {line}" for line in self.unusable),
             *(f"lost: {line}" for line in findings["lost"]), *(f"note: {line}" for line in findings["remarks"]),
             *(f"note: {line}" for line in self.found.unused), *self.missing,
-            *self.to_fill_in, *(f"suspicious: {line}" for line in self.warnings), f"defaults used: {defaults}",
+            *self.to_fill_in, *(f"warning: {line}" for line in self.warnings), f"defaults used: {defaults}",
             f"verdict: {self.verdict}",
         ]  # fmt: skip
 
@@ -91,7 +91,7 @@ class PackageCheck:
             "name": self.name, "vessel": self.vessel,
             "streams": {name: _describe_stream(stream) for name, stream in streams.items() if len(stream.t_ns)},
             **self.found.findings(), "missing_files": self.missing_files, "unusable": self.unusable, "missing": self.missing,
-            "to_fill_in": self.to_fill_in, "suspicious": self.warnings, "topics": self.found.counts,
+            "to_fill_in": self.to_fill_in, "warnings": self.warnings, "topics": self.found.counts,
             "unused": self.found.unused,
             "offset": describe_start_offset(self.found.records, self.found.images), "defaults": self.defaults,
             "run_is_possible": self.run_is_possible, "verdict": self.verdict,

@@ -38,7 +38,7 @@ def trajectory_table(survey: Survey) -> Table:
         for k, (n, unit, what) in enumerate(_SIGMAS)
     ]
     columns.append(Column(name="tray", unit="rad", meaning="angle of the tray", values=numbers(track.tray)))
-    return Table(file="trajectory.csv", title="the vehicle at every node", columns=[*columns, *_place_columns(survey)])
+    return Table(file="trajectory.csv", title="the vehicle at every node", columns=[*columns, *_ship_columns(survey)])
 
 
 _SIGMAS = (
@@ -48,7 +48,7 @@ _SIGMAS = (
 )  # fmt: skip
 
 
-def _place_columns(survey: Survey) -> list[Column]:
+def _ship_columns(survey: Survey) -> list[Column]:
     """Return where on the ship the vehicle stood."""
     at = chart_coordinates(survey, survey.track.poses.translation)
     depth = vehicle_depth(survey)

@@ -156,7 +156,7 @@ def _mark(mark: Mark, plan: Plan, scale: float, height: float) -> str:
 
 
 def _ellipse(ellipse: SigmaEllipse, x: float, y: float, flips: tuple[bool, bool], scale: float) -> str:
-    """SVG's y grows downwards, and so does its angle."""
+    """Return the ellipse; SVG's y grows downwards, and so does its angle."""
     along, girth = math.cos(ellipse.angle_rad), math.sin(ellipse.angle_rad)
     angle = math.degrees(math.atan2(girth if flips[1] else -girth, -along if flips[0] else along))
     rx, ry = (scale * half for half in ellipse.half_axes)

@@ -64,9 +64,9 @@ def test_a_sonar_file_beside_the_log_is_read_or_its_beams_are_asked_for(package,
     assert azimuth[[0, -1]] == pytest.approx([-7, 7] if lens else [-14.89, 14.89], abs=0.01)
 
 
-def test_what_is_suspicious_is_marked_so(package):
+def test_what_contradicts_itself_is_a_warning(package):
     lines = check(package, "camera.top.mount=[0,0,0,0,0,0]").lines()
-    assert any(line.startswith("suspicious: camera.top looks 90 degrees away") for line in lines)
+    assert any(line.startswith("warning: camera.top looks 90 degrees away") for line in lines)
 
 
 def test_a_damaged_log_is_told_as_lost(package):
@@ -178,7 +178,7 @@ def test_a_camera_of_which_no_image_was_logged_is_in_the_way_of_a_run(package, k
 
 def test_the_last_line_is_the_verdict(package):
     found = check(package)
-    assert found.lines()[-1].startswith("verdict: ready, with doubts (to fill in: tray.origin, pressure.origin, dvl.mount")
+    assert found.lines()[-1].startswith("verdict: ready, with warnings (to fill in: tray.origin, pressure.origin, dvl.mount")
     assert found.document()["verdict"] == found.verdict
     mounts = ["tray.origin=[0,0,0]", "pressure.origin=[0,0,0]", "dvl.mount=[0,0,0,0,90,0]", "camera.top.mount=[0,0,0,90,0,90]"]
     assert check(package, *mounts).lines()[-1] == "verdict: ready"

@@ -46,6 +46,7 @@ def test_what_nobody_knows_is_told_what_is_read(tmp_path):
     ("names", "what"),
     [
         (["a.jpg", "b.JPG", "notes.md"], "2 photos without times"),
+        (["a.pgm", "b.PPM"], "2 photos without times"),
         (["a.mp4", "b.jpg", "c.jpg"], "videos without times"),
         (["nav.csv", "depth.csv.gz", "x.txt"], r"tables of other names \(depth.csv.gz, nav.csv\)"),
         (["a.npz", "b.json.txt"], "archive of NumPy arrays"),

@@ -15,7 +15,7 @@ IMAGE = "sensor_msgs/msg/CompressedImage"
 
 
 def notes(**kinds: str) -> list[TopicNote]:
-    return [TopicNote(Channel("/" + topic.replace("__", "/"), kind, "cdr"), count=1) for topic, kind in kinds.items()]
+    return [TopicNote(channel=Channel("/" + topic.replace("__", "/"), kind, "cdr"), count=1) for topic, kind in kinds.items()]
 
 
 def test_a_log_is_told_topic_by_topic(kit, tmp_path):

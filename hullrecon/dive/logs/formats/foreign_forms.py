@@ -8,9 +8,9 @@ from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
+from hullrecon.dive.images.header import IMAGE_SUFFIXES
 from hullrecon.dive.logs.readers.unpack import printable
 
-PHOTOS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp")
 VIDEOS = (".mp4", ".mov", ".mkv", ".avi", ".ts", ".mpg")
 TABLES = "tables dvl.csv, imu.csv, pressure.csv, camera_top.csv, ... with the columns of docs/dive_package.md"
 TO_PHOTOS = "camera_top.csv with columns t (s since 1970) and file, and camera_bottom.csv for a second camera"
@@ -40,8 +40,8 @@ BY_SUFFIX = {
 def describe_file(path: Path, start: bytes) -> tuple[str, str]:
     """Return what a file is and what to do with it, by its first bytes and its name; two empty texts where nobody knows."""
     suffix = path.suffix.lower()
-    if suffix in PHOTOS or suffix in VIDEOS:
-        kind = "a photo" if suffix in PHOTOS else "a video"
+    if suffix in IMAGE_SUFFIXES or suffix in VIDEOS:
+        kind = "a photo" if suffix in IMAGE_SUFFIXES else "a video"
         return kind, f"give the folder that holds it, with {TO_PHOTOS}"
     known = [(what, remedy) for magic, what, remedy in BY_MAGIC if start.startswith(magic)]
     return (known or [BY_SUFFIX.get(suffix, ("", ""))])[0]
@@ -51,7 +51,7 @@ def describe_folder(names: Iterable[str]) -> tuple[str, str]:
     """Return what lies in a folder without a log, and what to do with it; two empty texts where nobody knows."""
     names = sorted(names)
     suffixes = Counter(Path(name.lower().removesuffix(".gz")).suffix for name in names)
-    photos = sum(suffixes[suffix] for suffix in PHOTOS)
+    photos = sum(suffixes[suffix] for suffix in IMAGE_SUFFIXES)
     if any(suffixes[suffix] for suffix in VIDEOS):
         return "videos without times", f"put beside them {TO_PHOTOS} (a row names the video and, in a column frame, its frame)"
     if photos > 1:

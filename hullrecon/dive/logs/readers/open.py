@@ -82,7 +82,7 @@ def _open_folder(path: Path, package: Path | None) -> Log:
 
 
 def _not_read(name: str, where: str, what: str, remedy: str) -> InputError:
-    """The error for what no reader knows, with what it is and what to do where that is known."""
+    """Return the error for what no reader knows, with what it is and what to do where that is known."""
     state = "holds no log" if name.startswith("the folder ") else "is no log"
     kind = f": {what}" if what else ""
     return InputError(f"{name} {state} that is read here{kind}", where=where, remedy=remedy or f"give {FORMS}")
@@ -119,7 +119,7 @@ def _is_log(path: Path) -> bool:
 
 
 def _describe(inside: Sequence[Path]) -> tuple[str, str]:
-    """What lies in a folder without a log: by the names, else by the first bytes of a file."""
+    """Describe what lies in a folder without a log: by the names, else by the first bytes of a file."""
     found = describe_folder(p.name for p in inside)
     for path in inside[:MOST_LOOKED_AT]:
         if not found[0] and path.is_file():
@@ -128,13 +128,13 @@ def _describe(inside: Sequence[Path]) -> tuple[str, str]:
 
 
 def _holds_log(folder: Path) -> bool:
-    """Whether a folder is itself a log: of CSVs, or with the metadata of ROS 2."""
+    """Tell whether a folder is itself a log: of CSVs, or with the metadata of ROS 2."""
     names = {p.name for p in folder.iterdir()}
     return METADATA in names or any(f"{sensor}.csv" in names for sensor in COLUMNS)
 
 
 def _peek(path: Path) -> bytes:
-    """The first bytes of a file that lies beside logs; none where it cannot be read, which is no reason to stop."""
+    """Return the first bytes of a file that lies beside logs; none where it cannot be read, which is no reason to stop."""
     try:
         return _start(path)
     except (OSError, InputError):

@@ -123,7 +123,7 @@ class _Decompressor(Protocol):
 
 
 def _to_the_end(decompressor: _Decompressor, data: bytes, size: int) -> bytes:
-    """The stream's own checksum stands at its end: a stream that does not reach it was not checked."""
+    """Read to the end, where the stream's own checksum stands: what does not reach it was not checked."""
     out = bytes(decompressor.decompress(data, size + 1))
     if len(out) == size and not decompressor.eof:
         raise DamagedError("it is cut off before its checksum")

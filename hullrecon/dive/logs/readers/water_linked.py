@@ -112,7 +112,7 @@ def to_attitude(report: Report) -> ImuSample:
 
 
 def _ranges(transducers: object) -> Array:
-    """Distances in the order of the transducers' numbers, NaN for one that is not valid."""
+    """Return the distances in the order of the transducers' numbers, NaN for one that is not valid."""
     if not isinstance(transducers, Sequence) or len(transducers) > MOST_BEAMS:
         raise DamagedError("it has no list of transducers")
     if not all(isinstance(t, dict) for t in transducers):

@@ -128,18 +128,18 @@ def _has_angles(config: int) -> bool:
 
 
 def _vector(values: Array, tracked: Array) -> Array:
-    """(3,) of a velocity that comes with one z, or with two of different beams; a lost beam is in all of them."""
+    """Return (3,) of a velocity that comes with one z, or with two of different beams; a lost beam is in all of them."""
     return np.array([*values[:2], values[2:].mean()]) if tracked.all() else LOST
 
 
 def _mean(values: Array) -> float:
-    """The mean of those that are not lost; NaN of none."""
+    """Return the mean of those that are not lost; NaN of none."""
     good = values[np.isfinite(values)]
     return float(good.mean()) if len(good) else float("nan")
 
 
 def _clock(stamp: tuple[int, ...]) -> int:
-    """The instrument's clock as UTC: years since 1900, months from 0, the last in 100 microseconds."""
+    """Return the instrument's clock as UTC: years since 1900, months from 0, the last in 100 microseconds."""
     year, month, *rest, ticks = stamp
     try:
         whole = datetime(1900 + year, 1 + month, *rest, tzinfo=UTC)  # type: ignore[arg-type,misc]

@@ -51,7 +51,7 @@ class Ad2cpLog(FileLog):
         self.remarks += describe(seen)
 
     def _pings(self, block: Block, start: int, beams: dict[int, Array], seen: Counter[str]) -> Iterator[Message]:
-        """The readings of one record, or the loss of it; what was met is counted in `seen`."""
+        """Yield the readings of one record, or the loss of it; what was met is counted in `seen`."""
         try:
             ping = tracks.parse(block.kind, block.data)
         except DamagedError as error:
