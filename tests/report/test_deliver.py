@@ -155,5 +155,5 @@ def test_objects_csv_has_the_columns_of_the_documents_page(survey: Survey, found
     assert [row["id"] for row in rows] == ["1", "2"]
     assert rows[1]["deviation"] == ""
     assert rows[1]["address"] == 'by "the" keel, port'
-    assert list(rows[0])[:4] == ["id", "center_x", "center_y", "center_z"]
+    assert list(rows[0])[:4] == ["id", "center_x_m", "center_y_m", "center_z_m"]
     assert list(rows[0])[16:18] == ["address", "images"]
