@@ -148,7 +148,7 @@ def test_patches_wider_than_a_cell_leave_no_holes_between_them(wall, scenery) ->
     assert coverage.find_holes(coarse, seen, scenery.chart, _address) == []
 
 
-SCHEMA = Path(__file__).resolve().parents[2] / "docs" / "schemas" / "coverage.schema.json"
+SCHEMA = Path(__file__).resolve().parents[2] / "hullrecon" / "report" / "schemas" / "coverage.schema.json"
 
 
 @pytest.fixture
