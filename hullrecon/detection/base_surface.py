@@ -24,7 +24,8 @@ class BaseSurface:
     of one (the identity without a CAD model). frame_spacing_m: between the ship's frames, None where it is not known.
     hull_pose: where the hull lies in the dive's frame, None without a CAD model. depth_known: whether z = 0 of g is the water
     surface (a pressure sensor was logged). from_dvl: whether the surveyed surface is the DVL's; else it is that of landmarks.
-    position_sigma: of the survey as a whole.
+    position_sigma: of the survey as a whole. depth_sigma_m: of the water surface in g, which covariances in M do not hold; None
+    in g, or where it is not known.
     """
 
     cad_model: Mesh | None
@@ -36,6 +37,7 @@ class BaseSurface:
     depth_known: bool = True
     from_dvl: bool = True
     position_sigma: AddressSigma | None = None
+    depth_sigma_m: float | None = None
 
     @property
     def mesh(self) -> Mesh:

@@ -3,6 +3,7 @@
 """check and init as a user calls them: what is said, where, and the exit code."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -93,6 +94,38 @@ def test_check_lists_all_files_that_are_missing_and_reads_the_rest(capsys, packa
     assert "missing: hull.off (hull.mesh)" in lines
     assert "depth runs from 1.2 to 3.4 m" in lines
     assert "missing: top.yaml (camera.top.calibration); missing: hull.off (hull.mesh)" in err.splitlines()[-1]
+
+
+def _without(*names):
+    return lambda package: [(package / name).unlink() for name in names]
+
+
+def _rewrite(old, new, name="dive.toml"):
+    return lambda package: (package / name).write_text((package / name).read_text().replace(old, new))
+
+
+SPOILED = {
+    "no dive.toml": _without("dive.toml"),
+    "an unknown key": _rewrite("[hull]", "[hull]\nmash = 1"),
+    "no log": _rewrite('["logs"]', '["gone"]'),
+    "no IMU": _without("logs/imu.csv"),
+    "files are missing": _without("top.yaml", "hull.off"),
+    "no beams": _rewrite("beam_angle_deg = 30.0\nbeam_azimuth_deg = [180, 0, 90, -90]", ""),
+    "a misspelt joint": _rewrite("[hull]", '[tray]\njoint = "tary"\n[hull]'),
+    "a hull in millimetres": lambda package: (package / "hull.off").write_text(TETRAHEDRON.format(20000)),
+    "a calibration of another size": _rewrite("32", "64", "top.yaml"),
+    "stamps in ms": lambda package: (package / "logs" / "imu.csv").write_text("t,qx,qy,qz,qw\n1777887000000,0,0,0,1\n"),
+    "a cut table": lambda package: (package / "logs" / "dvl.csv").write_text("t,vx\n"),
+    "nothing wrong": lambda package: None,
+}
+
+
+@pytest.mark.parametrize("what", SPOILED)
+def test_check_never_tells_one_to_see_check(capsys, package, what):
+    SPOILED[what](package)
+    for more in ([], ["--json"]):
+        _, out, err = call(capsys, "check", package, *more)
+        assert not re.search(r"(?i)\bhullrecon check\b|\b(see|run|try|call|with|by) `?check\b", out + err), out + err
 
 
 def test_an_option_of_set_that_check_does_not_take_is_not_blamed_on_the_file(capsys, package):

@@ -20,14 +20,28 @@ POSITION_TYPES = frozenset(
 )  # fmt: skip
 POSITION_WORDS = frozenset({"usbl", "sbl", "lbl", "gps", "gnss", "fix"})  # in the name of a topic that gives positions
 COMMAND_WORDS = frozenset({"cmd", "command", "setpoint", "goal"})
+ECHO_TYPES = frozenset(  # of mechanically scanned sonars: a beam a message
+    {
+        "ping360_sonar_msgs/msg/SonarEcho", "ping360_sonar/msg/SonarEcho", "tritech_micron/msg/ScanLine",
+        "sensor_msgs/msg/LaserScan",
+    }
+)  # fmt: skip
+CLOUD_TYPES = frozenset({"sensor_msgs/msg/PointCloud2", "sensor_msgs/msg/PointCloud"})
+BAR30 = "bar30"  # a pressure sensor; some of its drivers have types of their own
+ECHOES = "echoes of a sonar that turns beam by beam, which never saw a whole fan at one time; those of imaging sonars are read"
+CLOUDS = "points of a 3-D sonar or another scanner, which no step takes; DVL and IMU, or cameras, measure the hull"
+DEPTHS = "a depth is read from sensor_msgs/FluidPressure, ds_sensor_msgs/DepthPressure or std_msgs/Float64: log one of these"
 RANGES = "ranges are taken along the beams of a DVL alone, a single beam has no mount of its own"
 POSITIONS = "no position from outside (GPS, USBL) is used, the hull's pose comes from CAD model, DVL, depth and images"
 COMMANDS = "by the name a command, no measurement"
+NAMED_TYPES = {
+    **dict.fromkeys(RANGE_TYPES, RANGES), **dict.fromkeys(ECHO_TYPES, ECHOES), **dict.fromkeys(CLOUD_TYPES, CLOUDS),
+}  # fmt: skip
 
 
 def describe_unused(channels: Iterable[Channel], chosen: Set[str]) -> list[str]:
     """Return a sentence for each reason why topics that are not among those chosen are not used, with these topics."""
-    by_reason: dict[str, list[str]] = {reason: [] for reason in (RANGES, POSITIONS, COMMANDS)}
+    by_reason: dict[str, list[str]] = {reason: [] for reason in (RANGES, ECHOES, CLOUDS, DEPTHS, POSITIONS, COMMANDS)}
     readable, other = [], []
     for channel in sorted({c for c in channels if c.topic not in chosen}, key=lambda c: c.topic):
         reason, sensors = _reason(channel), readable_as(channel)
@@ -54,8 +68,10 @@ def readable_as(channel: Channel) -> list[str]:
 def _reason(channel: Channel) -> str:
     """Return why a topic is of no use by its type, or by its name where its type is that of no one sensor; "" otherwise."""
     kind, words = type_name(channel), set(re.split(r"[^a-z]+", channel.topic.lower()))
-    if kind in RANGE_TYPES:
-        return RANGES
+    if kind in NAMED_TYPES:
+        return NAMED_TYPES[kind]
+    if BAR30 in f"{channel.topic} {kind}".lower() and not kind.startswith("sensor_msgs/") and not readable_as(channel):
+        return DEPTHS
     has_own_type = bool(readable_as(channel)) and kind not in COMMON_TYPES
     if kind in POSITION_TYPES or (words & POSITION_WORDS and not has_own_type):
         return POSITIONS

@@ -64,6 +64,19 @@ def test_a_dvl_of_a_common_type_needs_its_name():
     assert guess_topics(notes(dvl__velocity=kind)) == {"dvl": "/dvl/velocity"}
 
 
+@pytest.mark.parametrize(
+    ("topic", "kind"),
+    [
+        ("bar30__depth", "std_msgs/msg/Float64"),
+        ("bar30__pressure", "sensor_msgs/msg/FluidPressure"),
+        ("mavros__vfr_hud", "mavros_msgs/msg/VfrHud"),
+        ("mavros__vfr_hud", "mavros_msgs/VFR_HUD"),  # as ROS 1 calls it
+    ],
+)
+def test_a_depth_under_the_name_of_its_instrument_is_the_pressure_sensor(topic, kind):
+    assert guess_topics(notes(**{topic: kind})) == {"pressure": "/" + topic.replace("__", "/")}
+
+
 def test_of_several_imus_the_one_that_is_called_so_is_taken():
     assert guess_topics(notes(other="sensor_msgs/msg/Imu", my_imu="sensor_msgs/msg/Imu"))["imu"] == "/my_imu"
 

@@ -3,7 +3,7 @@
 import pytest
 
 from hullrecon.dive.logs.readers.protocol import Channel
-from hullrecon.dive.logs.unused_topics import COMMANDS, POSITIONS, RANGES, describe_unused
+from hullrecon.dive.logs.unused_topics import CLOUDS, COMMANDS, DEPTHS, ECHOES, POSITIONS, RANGES, describe_unused
 
 POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 
@@ -17,6 +17,11 @@ def channel(topic, kind, encoding="cdr"):
     [
         ("/altimeter", "sensor_msgs/msg/Range", RANGES),
         ("/altimeter", "sensor_msgs/Range", RANGES),
+        ("/ping360_node/sonar/data", "ping360_sonar_msgs/msg/SonarEcho", ECHOES),
+        ("/ping360_data", "ping360_sonar/SonarEcho", ECHOES),
+        ("/sonar3d/points", "sensor_msgs/msg/PointCloud2", CLOUDS),
+        ("/bar30", "bluerov_interfaces/msg/Bar30", DEPTHS),
+        ("/bar30/data", "orca_msgs/msg/Barometer", DEPTHS),
         ("/fix", "sensor_msgs/msg/NavSatFix", POSITIONS),
         ("/surface", "geographic_msgs/msg/GeoPointStamped", POSITIONS),
         ("/usbl/pose", POSE, POSITIONS),
