@@ -28,6 +28,8 @@ UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "c
 COMPRESSED = "/compressed"
 DIFFERENTIAL, LOWEST_ABSOLUTE_PA = ("diff", "gauge", "relative"), 80e3  # the lowest air pressure at any sea is 87 kPa
 WITHOUT_CAMERAS = "take [camera.top] and [camera.bottom] out of dive.toml (a lone camera is the top one)"
+A_RUN_NEEDS = "a run needs a DVL with an IMU, or two cameras"
+MOST_SAID = 2  # sentences of a reader in one line
 UNIT = 0.05  # how far the length of an attitude's quaternion may be off 1
 MOST_FRAME_MESSAGES = 64
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
@@ -74,6 +76,11 @@ class LogSummary:
         unused = describe_unused((t.channel for t in span), set(guessed.values()))
         lines = [head, *(t.sentence() for t in span), *sensors, *unused]
         return [*lines, *self.lost, *self.remarks, *missing(set(guessed))]
+
+    def why_nothing(self) -> str:
+        """Return a sentence for a log that holds no message at all, with what its reader had to say."""
+        said = "; ".join([*self.remarks, *self.lost][:MOST_SAID])
+        return f"nothing could be read of the log{f': {said}' if said else ''}"
 
     def needs(self) -> list[str]:
         """Return what the topics lack for a run; [] for nothing."""
