@@ -49,7 +49,10 @@ def describe_file(path: Path, start: bytes) -> tuple[str, str]:
     if holds_reports(start):
         is_list = start.lstrip().startswith(b"[")
         what = "'.[]'" if is_list else "."
-        return "reports of a Water Linked DVL, but not one a line as it sends them", f"`jq -c {what} OLD > NEW.json` puts them so"
+        return (
+            "reports of a Water Linked DVL, but not one a line as it sends them",
+            f"`jq -c {what} OLD > NEW.json` puts them so",
+        )
     known = [(what, remedy) for magic, what, remedy in BY_MAGIC if start.startswith(magic)]
     return (known or [BY_SUFFIX.get(suffix, ("", ""))])[0]
 
