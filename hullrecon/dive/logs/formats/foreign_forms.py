@@ -15,7 +15,8 @@ PHOTOS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp")
 VIDEOS = (".mp4", ".mov", ".mkv", ".avi", ".ts", ".mpg")
 TABLES = "tables dvl.csv, imu.csv, pressure.csv, camera_top.csv, ... with the columns of docs/dive_package.md"
 TO_PHOTOS = "camera_top.csv with columns t (s since 1970) and file, and camera_bottom.csv for a second camera"
-TO_MCAP = "convert it to MCAP or to tables"
+TO_TABLES = f"write {TABLES}"
+TO_MCAP = f"convert it to MCAP, or {TO_TABLES}"
 PACKED = "packed by gzip"
 MESHES = (".stl", ".ply", ".obj", ".off", ".glb")
 BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
@@ -27,7 +28,7 @@ BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
         "name file and frame in sonar.csv, with columns t, file, ping, range_from, range_to, and give sonar.beam_azimuth_deg",
     ),
     (b"\xa3\x95", "a data-flash log of ArduPilot", TO_MCAP),
-    (b"\xa5\x0a", "a file of another instrument of Nortek", "have its DVL write PD0, or log it as nortek_dvl/Dvl"),
+    (b"\xa5\x0a", "a file of another instrument of Nortek", f"have its DVL write PD0, log it as nortek_dvl/Dvl or {TO_TABLES}"),
     (b"\x1f\x8b", PACKED, "where it is the log, unpack it first (gunzip)"),
     (b"7z\xbc\xaf", "a packed archive", "unpack it first"),
     (b"\x89HDF", "an HDF5 or NetCDF file", f"write its sensors as {TABLES}"),
