@@ -11,6 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import BinaryIO, TypeVar
 
+import numpy as np
+
 from hullrecon.dive.check import messages
 from hullrecon.dive.config.calibration import read_camera
 from hullrecon.dive.hull.load import read_hull
@@ -29,8 +31,8 @@ from hullrecon.dive.logs.samples import (
     Sample,
 )
 from hullrecon.dive.logs.time_window import Instant, TimeWindow, time_window
-from hullrecon.dive.logs.timeline import NS, put_in_order
-from hullrecon.dive.logs.unused_topics import describe_unused
+from hullrecon.dive.logs.timeline import NS, format_time, put_in_order
+from hullrecon.dive.logs.unused_topics import describe_unused, unread_dvls
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
@@ -47,6 +49,7 @@ from hullrecon.records.sensors import (
 )
 from hullrecon.typing import Array
 
+LONG_SILENCE_S = 3600.0  # without velocity: at a decimetre a second the vehicle may be anywhere in a harbour
 JOINT_KEYS = {"tray": "tray.joint", "sonar_tray": "sonar.joint"}
 OpenFile = Callable[[str], BinaryIO]  # a file for the images of that camera
 Kind = TypeVar("Kind", bound=Sample)
@@ -90,6 +93,8 @@ class IngestResult:
     hull_messages: list[str] = field(default_factory=list)
     unused: list[str] = field(default_factory=list)  # topics that dive.toml does not name, and why a run does not use them
     remarks: list[str] = field(default_factory=list)
+    unread_dvls: list[str] = field(default_factory=list)  # topics that are a DVL's by their names, of types that are not read
+    attitude_is_dvls: bool = False  # by the DVL's own sensors, as no IMU was logged
 
     def findings(self) -> dict[str, list[str]]:
         """Return the sentences of findings.json."""
@@ -142,13 +147,17 @@ def ingest(
     out.remarks += found.remarks
     out.lost = messages.describe_losses(found.losses)
     out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
-    out.unused = describe_unused((c for c in found.counts if c.encoding != "sample"), set(topics.values()))
+    messages_of = [channel for channel in found.counts if channel.encoding != "sample"]
+    out.unused = describe_unused(messages_of, set(topics.values()))
+    out.unread_dvls = unread_dvls(messages_of)
     out.records = _build_records(out, request, found, problems, spool, streams.leave_black if pings is None else pings.keep)
     for name, sink in sinks.items():
         with problems.collect():
             index = sink.finish(out.remarks)
             if index is not None:
                 out.images[name] = index
+    with problems.collect():
+        _check_silence(out)
     if not out.records.by_name() and not out.images and not problems.found:
         with problems.collect():
             raise _nothing_read(request, window if found.outside else None)
@@ -165,6 +174,24 @@ def _nothing_read(request: IngestRequest, window: TimeWindow | None) -> InputErr
         "no sensor could be read from the logs",
         where=", ".join(request.logs),
         remedy="`hullrecon init LOG` lists what a log holds; a run needs a DVL with an IMU, or two cameras, in [topics]",
+    )
+
+
+def _check_silence(found: IngestResult) -> None:
+    """Raise InputError where the DVL is silent for so long that these are several dives, and no camera could join them."""
+    dvl = found.records.dvl
+    if dvl is None or found.images:
+        return
+    t_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
+    silent_s = np.diff(t_ns) / NS
+    if not len(silent_s) or silent_s.max() < LONG_SILENCE_S:
+        return
+    at = int(silent_s.argmax())
+    raise InputError(
+        f"the DVL gives no velocity for {silent_s[at] / 3600:.1f} h from {format_time(int(t_ns[at]))} on, and no image tells "
+        "how the vehicle moved meanwhile: these are several dives",
+        where="logs.files",
+        remedy="give one at a time, by other files or by dive.from and dive.to",
     )
 
 
@@ -206,6 +233,7 @@ def _build_records(
 
     def imu() -> ImuSamples | None:
         samples = _sort_samples("imu", found, ImuSample, remarks)
+        out.attitude_is_dvls = bool(samples) and all(sample.of_dvl for sample in samples)
         return streams.imu_samples(samples, request.imu_frame, remarks, request.imu_mount_deg) if samples else None
 
     def pressure() -> PressureSamples | None:

@@ -291,3 +291,32 @@ def test_a_calibration_of_another_size_is_one_line_with_both_sizes_and_code_thre
     assert code == 3
     assert "32 x 24" in line
     assert "640 x 480" in line
+
+
+def test_check_ends_with_a_verdict_whatever_stands_against_a_run(capsys, package, tmp_path):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "table").mkdir()
+    (tmp_path / "table" / "dvl.csv").write_text("time;speed\n0;1\n")
+    (package / "dive.toml").write_text(TOML.replace("vessel", "vesel"))
+    wanted = {"empty": "no dive.toml", "table": "no column t", "nowhere": "no dive.toml", "package": "unknown key dive.vesel"}
+    for name, reason in wanted.items():
+        code, out, err = call(capsys, "check", tmp_path / name)
+        assert code in (2, 3)
+        verdicts = [line for line in out.splitlines() if line.startswith("verdict: ")]
+        assert verdicts == [line.replace("error: ", "verdict: not ready: ") for line in err.splitlines()]
+        assert reason in verdicts[0]
+    code, out, _ = call(capsys, "check", tmp_path / "empty", "--json")
+    assert json.loads(out)["error"]["exit_code"] == code == 3
+
+
+def test_a_log_without_a_message_is_told_why_by_init_and_check_alike(capsys, tmp_path):
+    from benchmarks.fuzz.seed_ad2cp import TEXT, block
+
+    (tmp_path / "profiles.ad2cp").write_bytes(block(0x16, bytes(100)) + block(TEXT, b"x" * 20))
+    for command in ("init", "check"):
+        code, line = complaint(capsys, command, tmp_path)
+        assert code == 3
+        assert "no bottom-track record was read from it" in line
+        assert "a run needs a DVL with an IMU, or two cameras" in line
+        assert "`hullrecon init" not in line
+    assert not (tmp_path / "dive.toml").exists()

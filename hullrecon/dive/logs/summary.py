@@ -17,7 +17,7 @@ from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import DepthSample, ImuSample
 from hullrecon.dive.logs.timeline import NS, format_time
-from hullrecon.dive.logs.unused_topics import describe_unused
+from hullrecon.dive.logs.unused_topics import describe_unused, unread_dvls
 from hullrecon.geometry.frames import Camera
 
 NAMED = {
@@ -28,6 +28,8 @@ UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "c
 COMPRESSED = "/compressed"
 DIFFERENTIAL, LOWEST_ABSOLUTE_PA = ("diff", "gauge", "relative"), 80e3  # the lowest air pressure at any sea is 87 kPa
 WITHOUT_CAMERAS = "take [camera.top] and [camera.bottom] out of dive.toml (a lone camera is the top one)"
+A_RUN_NEEDS = "a run needs a DVL with an IMU, or two cameras"
+MOST_SAID = 2  # sentences of a reader in one line
 UNIT = 0.05  # how far the length of an attitude's quaternion may be off 1
 MOST_FRAME_MESSAGES = 64
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
@@ -75,9 +77,15 @@ class LogSummary:
         lines = [head, *(t.sentence() for t in span), *sensors, *unused]
         return [*lines, *self.lost, *self.remarks, *missing(set(guessed))]
 
+    def why_nothing(self) -> str:
+        """Return a sentence for a log that holds no message at all, with what its reader had to say."""
+        said = "; ".join([*self.remarks, *self.lost][:MOST_SAID])
+        return f"nothing could be read of the log{f': {said}' if said else ''}"
+
     def needs(self) -> list[str]:
         """Return what the topics lack for a run; [] for nothing."""
-        return needs(set(guess_topics(self.topics)))
+        channels = [topic.channel for topic in self.topics if topic.channel.encoding != "sample"]
+        return needs(set(guess_topics(self.topics)), unread_dvls(channels))
 
     def document(self) -> dict[str, object]:
         topics = [
@@ -128,7 +136,11 @@ def summarise_logs(logs: Sequence[Log]) -> LogSummary:
         kind=" and ".join(dict.fromkeys(part.kind for part in parts)),
         topics=sorted(notes.values(), key=lambda n: n.channel.topic),
         lost=[line for part in parts for line in part.lost],
-        remarks=[line for part in parts for line in part.remarks],
+        remarks=[
+            line if len(logs) == 1 else f"{printable(log.path.name)}: {line}"
+            for log, part in zip(logs, parts, strict=True)
+            for line in part.remarks
+        ],
     )
 
 
@@ -205,16 +217,21 @@ def missing(sensors: set[str], hull: bool | None = None) -> list[str]:
     return out
 
 
-def needs(sensors: Set[str]) -> list[str]:
-    """Return what is missing for the vehicle's motion (from DVL and IMU, else from stereo images); [] where nothing is."""
+def needs(sensors: Set[str], unread: Sequence[str] = ()) -> list[str]:
+    """Return what is missing for the vehicle's motion (from DVL and IMU, else from stereo images); [] where nothing is.
+
+    unread: topics that are a DVL's and of types that are not read.
+    """
     if "dvl" in sensors:
         return [] if "imu" in sensors else ["missing: an IMU with attitude, for the DVL's velocities"]
     lacking = {camera.key for camera in Camera} - sensors
     if not lacking:
         return []
+    shown = ", ".join(unread[:MOST_SAID]) + (", ..." if len(unread) > MOST_SAID else "")
+    known = f"; {shown} is a DVL's but of a type that is not read: log one of those in docs/dive_package.md" if unread else ""
     if len(lacking) == 1:
-        return [f"missing: {lacking.pop()} (a second camera), or a DVL" + ("" if "imu" in sensors else " with an IMU")]
-    return [f"missing: a DVL{'' if 'imu' in sensors else ' with an IMU'}, or two cameras"]
+        return [f"missing: {lacking.pop()} (a second camera), or a DVL{'' if 'imu' in sensors else ' with an IMU'}{known}"]
+    return [f"missing: a DVL{'' if 'imu' in sensors else ' with an IMU'}, or two cameras{known}"]
 
 
 def _without_imu(dvl: bool, stereo: bool) -> str:

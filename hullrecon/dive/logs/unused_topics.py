@@ -19,6 +19,7 @@ POSITION_TYPES = frozenset(
     }
 )  # fmt: skip
 POSITION_WORDS = frozenset({"usbl", "sbl", "lbl", "gps", "gnss", "fix"})  # in the name of a topic that gives positions
+DVL_WORDS = ("dvl", "doppler", "bottom_track", "teledyne", "nortek", "linkquest", "water_linked", "waterlinked")
 COMMAND_WORDS = frozenset({"cmd", "command", "setpoint", "goal"})
 ECHO_TYPES = frozenset(  # of mechanically scanned sonars: a beam a message
     {
@@ -57,6 +58,12 @@ def describe_unused(channels: Iterable[Channel], chosen: Set[str]) -> list[str]:
         *(f"a run would not use {', '.join(topics)}: {reason}" for reason, topics in by_reason.items() if topics),
         *([f"a run would not use {', '.join(other)}: of other types than it reads"] if other else []),
     ]
+
+
+def unread_dvls(channels: Iterable[Channel]) -> list[str]:
+    """Return the topics, with their types, that are a DVL's by name or maker and of a type that is not read."""
+    found = sorted({c for c in channels if not readable_as(c) and not _reason(c)}, key=lambda c: c.topic)
+    return [f"{c.topic} ({c.type})" for c in found if any(word in f"{c.topic} {c.type}".lower() for word in DVL_WORDS)]
 
 
 def readable_as(channel: Channel) -> list[str]:

@@ -3,7 +3,7 @@
 import pytest
 
 from hullrecon.dive.logs.readers.protocol import Channel
-from hullrecon.dive.logs.unused_topics import CLOUDS, COMMANDS, DEPTHS, ECHOES, POSITIONS, RANGES, describe_unused
+from hullrecon.dive.logs.unused_topics import CLOUDS, COMMANDS, DEPTHS, ECHOES, POSITIONS, RANGES, describe_unused, unread_dvls
 
 POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 
@@ -59,3 +59,14 @@ def test_messages_in_an_encoding_that_is_not_read_are_of_no_type_that_is():
     assert describe_unused([channel("/imu", "sensor_msgs/msg/Imu", "json")], set()) == [
         "a run would not use /imu: of other types than it reads"
     ]
+
+
+def test_topics_that_are_a_dvl_s_by_name_or_maker_are_told_apart_from_those_that_are_read():
+    found = [
+        channel("/teledyne_navigator/ensemble", "teledyne_navigator/Ensemble", "ros1"),
+        channel("/vel", "cirs/LinkquestDvl"),
+        channel("/dvl", "marine_acoustic_msgs/msg/Dvl"),
+        channel("/dvl/gps", "sensor_msgs/msg/NavSatFix"),
+        channel("/rosout", "rosgraph_msgs/Log"),
+    ]
+    assert unread_dvls(found) == ["/teledyne_navigator/ensemble (teledyne_navigator/Ensemble)", "/vel (cirs/LinkquestDvl)"]

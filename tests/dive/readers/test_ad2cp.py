@@ -335,7 +335,7 @@ def test_it_is_known_by_its_first_bytes_and_by_its_name(tmp_path):
     (tmp_path / "a").write_bytes(dvl_file())
     (tmp_path / "b.AD2CP").write_bytes(b"\0" + dvl_file()[1:])
     assert [open_log(tmp_path / name).kind for name in ("a", "b.AD2CP")] == ["Nortek AD2CP"] * 2
-    assert find_logs(tmp_path) == [tmp_path / "b.AD2CP"]
+    assert find_logs(tmp_path) == [tmp_path / "a", tmp_path / "b.AD2CP"]
     (tmp_path / "c.bin").write_bytes(block(TEXT, b"x" * 20, family=0x20))  # a Nucleus
     with pytest.raises(InputError, match="a file of another instrument of Nortek"):
         open_log(tmp_path / "c.bin")

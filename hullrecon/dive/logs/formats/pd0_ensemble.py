@@ -58,6 +58,11 @@ class Ensemble:
         return any((self.heading_rad, self.pitch_rad, self.roll_rad))
 
 
+def is_pd0(start: bytes) -> bool:
+    """Return whether a file that begins so starts with an ensemble: its first data type lies right behind its list of them."""
+    return len(start) >= 8 and start.startswith(MAGIC) and int.from_bytes(start[6:8], "little") == 6 + 2 * start[5] > 6
+
+
 def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
     """Yield (start, end, ensemble) where a checksum holds, between them (start, end, why) of bytes of no ensemble."""
     at = bad = 0

@@ -69,8 +69,13 @@ class WaterLinkedLog(FileLog):
 
 
 def is_water_linked(start: bytes) -> bool:
-    """Return whether a file that begins so holds such reports: other JSON lies in many folders."""
-    return start.lstrip().startswith(b"{") and any(mark in start for mark in MARKS)
+    """Return whether a file that begins so holds such reports, one a line: other JSON lies in many folders."""
+    return holds_reports(start) and start.lstrip().startswith(b"{") and start.split(maxsplit=1)[0] != b"{"
+
+
+def holds_reports(start: bytes) -> bool:
+    """Return whether a file that begins so holds such reports, one a line or as somebody rewrote them: a list, indented."""
+    return start.lstrip()[:1] in (b"{", b"[") and any(mark in start for mark in MARKS)
 
 
 def describe(timeless: int, offset_deg: float | None) -> list[str]:
