@@ -29,7 +29,7 @@ COMPRESSED = "/compressed"
 DIFFERENTIAL, LOWEST_ABSOLUTE_PA = ("diff", "gauge", "relative"), 80e3  # the lowest air pressure at any sea is 87 kPa
 WITHOUT_CAMERAS = "take [camera.top] and [camera.bottom] out of dive.toml (a lone camera is the top one)"
 A_RUN_NEEDS = "a run needs a DVL with an IMU, or two cameras"
-MOST_SAID = 2  # sentences of a reader in one line
+MOST_REMARKS = 2  # sentences of a reader in one line
 UNIT = 0.05  # how far the length of an attitude's quaternion may be off 1
 MOST_FRAME_MESSAGES = 64
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
@@ -79,8 +79,8 @@ class LogSummary:
 
     def why_nothing(self) -> str:
         """Return a sentence for a log that holds no message at all, with what its reader had to say."""
-        said = "; ".join([*self.remarks, *self.lost][:MOST_SAID])
-        return f"nothing could be read of the log{f': {said}' if said else ''}"
+        sentences = "; ".join([*self.remarks, *self.lost][:MOST_REMARKS])
+        return f"nothing could be read of the log{f': {sentences}' if said else ''}"
 
     def needs(self) -> list[str]:
         """Return what the topics lack for a run; [] for nothing."""
@@ -227,7 +227,7 @@ def needs(sensors: Set[str], unread: Sequence[str] = ()) -> list[str]:
     lacking = {camera.key for camera in Camera} - sensors
     if not lacking:
         return []
-    shown = ", ".join(unread[:MOST_SAID]) + (", ..." if len(unread) > MOST_SAID else "")
+    shown = ", ".join(unread[:MOST_REMARKS]) + (", ..." if len(unread) > MOST_REMARKS else "")
     known = f"; {shown} is a DVL's but of a type that is not read: log one of those in docs/dive_package.md" if unread else ""
     if len(lacking) == 1:
         return [f"missing: {lacking.pop()} (a second camera), or a DVL{'' if 'imu' in sensors else ' with an IMU'}{known}"]

@@ -148,4 +148,4 @@ def test_a_file_is_known_by_its_first_bytes_or_its_name(tmp_path):
     assert isinstance(open_log(tmp_path / "sonar.ddf"), ArisLog)
     (tmp_path / "x.aris").write_bytes(b"????" + aris_file(1)[4:])
     assert len(list(open_log(tmp_path / "x.aris").messages())) == 1
-    assert find_logs(tmp_path) == [tmp_path / "x.aris"]
+    assert find_logs(tmp_path) == [tmp_path / "sonar.ddf", tmp_path / "x.aris"]

@@ -183,7 +183,7 @@ def test_a_log_is_known_by_its_first_bytes_or_its_name(tmp_path):
     assert isinstance(open_log(tmp_path / "sonar.dat"), OculusLog)
     (tmp_path / "x.oculus").write_bytes(b"????" + oculus_file(1)[4:])
     assert len(list(open_log(tmp_path / "x.oculus").messages())) == 1
-    assert find_logs(tmp_path) == [tmp_path / "x.oculus"]
+    assert find_logs(tmp_path) == [tmp_path / "sonar.dat", tmp_path / "x.oculus"]
 
 
 def test_the_pings_of_a_real_oculus_read_back_from_a_log(data, tmp_path):
