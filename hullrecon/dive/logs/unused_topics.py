@@ -12,16 +12,11 @@ from hullrecon.dive.logs.messages.samples import COMMON_TYPES, TYPES
 from hullrecon.dive.logs.readers.protocol import Channel
 
 RANGE_TYPES = frozenset({"sensor_msgs/msg/Range"})
-POSITION_TYPES = frozenset(
-    {
-        "sensor_msgs/msg/NavSatFix", "geographic_msgs/msg/GeoPointStamped", "geographic_msgs/msg/GeoPoseStamped",
-        "geographic_msgs/msg/GeoPoseWithCovarianceStamped", "gps_common/msg/GPSFix", "gps_msgs/msg/GPSFix",
-    }
-)  # fmt: skip
+UNREAD_POSITION_TYPES = frozenset({"gps_common/msg/GPSFix", "gps_msgs/msg/GPSFix"})
 POSITION_WORDS = frozenset({"usbl", "sbl", "lbl", "gps", "gnss", "fix"})  # in the name of a topic that gives positions
 COMMAND_WORDS = frozenset({"cmd", "command", "setpoint", "goal"})
 RANGES = "ranges are taken along the beams of a DVL alone, a single beam has no mount of its own"
-POSITIONS = "no position from outside (GPS, USBL) is used, the hull's pose comes from CAD model, DVL, depth and images"
+POSITIONS = "positions from outside (GPS, USBL) of other types than are read"
 COMMANDS = "by the name a command, no measurement"
 
 
@@ -46,17 +41,23 @@ def describe_unused(channels: Iterable[Channel], chosen: Set[str]) -> list[str]:
 
 
 def readable_as(channel: Channel) -> list[str]:
-    """Return the sensors that a channel's messages could be read as."""
+    """Return the sensors that a channel's messages could be read as; position alone where its name says so."""
     is_decoded = channel.encoding in ENCODINGS
-    return [sensor for sensor, types in TYPES.items() if is_decoded and type_name(channel) in types]
+    sensors = [sensor for sensor, types in TYPES.items() if is_decoded and type_name(channel) in types]
+    return ["position"] if "position" in sensors and _words(channel) & POSITION_WORDS else sensors
+
+
+def _words(channel: Channel) -> set[str]:
+    return set(re.split(r"[^a-z]+", channel.topic.lower()))
 
 
 def _reason(channel: Channel) -> str:
     """Return why a topic is of no use by its type, or by its name where its type is that of no one sensor; "" otherwise."""
-    kind, words = type_name(channel), set(re.split(r"[^a-z]+", channel.topic.lower()))
+    kind, words = type_name(channel), _words(channel)
     if kind in RANGE_TYPES:
         return RANGES
-    has_own_type = bool(readable_as(channel)) and kind not in COMMON_TYPES
-    if kind in POSITION_TYPES or (words & POSITION_WORDS and not has_own_type):
+    sensors = readable_as(channel)
+    has_own_type = bool(sensors) and kind not in COMMON_TYPES
+    if kind in UNREAD_POSITION_TYPES or (words & POSITION_WORDS and not has_own_type and sensors != ["position"]):
         return POSITIONS
     return COMMANDS if words & COMMAND_WORDS and not has_own_type else ""

@@ -17,10 +17,8 @@ def channel(topic, kind, encoding="cdr"):
     [
         ("/altimeter", "sensor_msgs/msg/Range", RANGES),
         ("/altimeter", "sensor_msgs/Range", RANGES),
-        ("/fix", "sensor_msgs/msg/NavSatFix", POSITIONS),
-        ("/surface", "geographic_msgs/msg/GeoPointStamped", POSITIONS),
-        ("/usbl/pose", POSE, POSITIONS),
-        ("/usbl_point", "geometry_msgs/msg/PointStamped", POSITIONS),
+        ("/fix", "gps_common/msg/GPSFix", POSITIONS),
+        ("/usbl/range", "usbl/msg/SlantRange", POSITIONS),
         ("/GPS1/odom", "nav_msgs/msg/Odometry", POSITIONS),
         ("/cmd_vel", "geometry_msgs/msg/TwistStamped", COMMANDS),
         ("/goal", "geometry_msgs/msg/PoseStamped", COMMANDS),
@@ -34,7 +32,11 @@ def test_a_topic_of_no_use_is_named_with_its_type_and_the_reason(topic, kind, re
     ("topic", "kind", "sensors"),
     [
         ("/odometry/filtered", "nav_msgs/msg/Odometry", "dvl or imu or pressure"),
-        ("/pose", POSE, "imu or pressure"),
+        ("/pose", POSE, "imu or pressure or position"),
+        ("/fix", "sensor_msgs/msg/NavSatFix", "position"),
+        ("/surface", "geographic_msgs/msg/GeoPointStamped", "position"),
+        ("/usbl/pose", POSE, "position"),
+        ("/usbl_point", "geometry_msgs/msg/PointStamped", "position"),
         ("/twist", "geometry_msgs/msg/TwistWithCovarianceStamped", "dvl"),
         ("/gps/imu", "sensor_msgs/msg/Imu", "imu"),  # an instrument's own type says more than its name
         ("/fixed_cam", "sensor_msgs/msg/Image", "camera_top or camera_bottom"),
