@@ -30,6 +30,7 @@ TOPICS = {
     "camera_top": ("/camera/top/image_raw/compressed", "sensor_msgs/msg/CompressedImage"),
     "camera_bottom": ("/camera/bottom/image_raw/compressed", "sensor_msgs/msg/CompressedImage"),
     "sonar": ("/sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage"),
+    "position": ("/usbl", "geometry_msgs/msg/PointStamped"),
 }
 LATENCY_NS = {"dvl": 33_000_000, "imu": 2_000_000, "pressure": 6_000_000, "joints": 7_000_000, "sonar": 130_000_000}
 
@@ -145,4 +146,9 @@ MESSAGES = {
     "camera_top": lambda s, k, ns: _camera("camera_top", s.frames[k][0], ns),
     "camera_bottom": lambda s, k, ns: _camera("camera_bottom", s.frames[k][1], ns),
     "sonar": _sonar,
+    "position": lambda s, k, ns: make(
+        "geometry_msgs/msg/PointStamped",
+        header=header(ns, "usbl"),
+        point=make("geometry_msgs/msg/Point", **dict(zip("xyz", s.positions.value[k].tolist(), strict=True))),
+    ),
 }
