@@ -43,15 +43,17 @@ void Model::add_block(double* data, int size, int tangent, std::string name) {
 void Model::add_blocks() {
   const Tables& t = tables_;
   std::vector<size_t> start;
-  for (const Table<double>* table :
-       {&t.pose, &t.landmark, &t.T_g_M, &t.T_s_ct, &t.T_ct_cb, &t.T_s_d, &t.navigation, &t.intrinsics_top, &t.intrinsics_bottom,
-        &t.world, &t.deviation, &t.plane, &t.link_switch}) {
+  std::vector<const Table<double>*> tables{
+      &t.pose,           &t.landmark,          &t.T_g_M,     &t.T_s_ct, &t.T_ct_cb,    &t.T_s_d, &t.navigation,
+      &t.intrinsics_top, &t.intrinsics_bottom, &t.deviation, &t.plane,  &t.link_switch};
+  if (t.places_world()) tables.push_back(&t.world);
+  for (const Table<double>* table : tables) {
     start.push_back(unknowns_.size());
     unknowns_.insert(unknowns_.end(), table->data, table->data + table->rows() * table->width());
   }
   double* const all = unknowns_.data();
-  double *const pose = all, *const motion = all + start[2], *const deviation = all + start[10], *const plane = all + start[11],
-                *const switches = all + start[12];
+  double *const pose = all, *const motion = all + start[2], *const deviation = all + start[9], *const plane = all + start[10],
+                *const switches = all + start[11];
   landmark_ = all + start[1], intrinsics_ = all + start[7];
   for (int64_t i = 0; i < poses(); ++i) add_block(&pose[8 * i], 8, t.held("tray") ? 6 : 7, "pose " + std::to_string(i));
   for (int64_t i = 0; i < landmarks(); ++i) add_block(&landmark_[3 * i], 3, 3, "landmark " + std::to_string(i));
@@ -60,7 +62,10 @@ void Model::add_blocks() {
   add_block(all + start[6], 6, tangent("navigation", 6), "navigation");
   for (int k = 0; k < 2; ++k)
     add_block(&intrinsics_[9 * k], 9, tangent(kGlobalNames[kTopIntrinsics + k], 9), kGlobalNames[kTopIntrinsics + k]);
-  add_block(all + start[9], 3, t.places_world() ? 3 : 0, "world");
+  // A world that is held stays where it was given and is never written: norms of all unknowns are sums over the array, and
+  // three more numbers would change their last digits in problems that have none.
+  double* const world = t.places_world() ? all + start[12] : const_cast<double*>(t.world.data);
+  add_block(world, 3, t.places_world() ? 3 : 0, "world");
   for (int k = 0; k < nodes(); ++k) add_block(&deviation[k], 1, tangent("deviation", 1), "deviation " + std::to_string(k));
   for (int k = 0; k < planes(); ++k) add_block(&plane[3 * k], 3, 3, "plane " + std::to_string(k));
   for (int64_t k = 0; k < t.link_switch.rows(); ++k) add_block(&switches[k], 1, 1, "link_switch " + std::to_string(k));
