@@ -22,7 +22,7 @@ import numpy as np
 from hullrecon.adjustment.hull_pose.registration import register
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.api.commands import run_dive
-from hullrecon.evaluation.figures.distance_to_cad import PlacedReturns, distance_to_cad_model
+from hullrecon.evaluation.figures.distance_to_cad import ReturnsOnHull, distance_to_cad_model
 from hullrecon.evaluation.scoring.deliverables import TimedPoses
 from hullrecon.evaluation.scoring.trajectory import hull_from_start
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
@@ -89,7 +89,7 @@ def score(path: LinkedPath, t_ns: Ints, truth: Truth) -> dict[str, float]:
     }  # fmt: skip
 
 
-def lay_onto_cad_model(path: LinkedPath, navigate: NavigateArtifact, mesh: Mesh | None, guess: Poses) -> PlacedReturns:
+def lay_onto_cad_model(path: LinkedPath, navigate: NavigateArtifact, mesh: Mesh | None, guess: Poses) -> ReturnsOnHull:
     """Return the returns on a path, registered to the CAD model from where it truly lies."""
     returns = navigate.returns
     if returns is None or mesh is None:
@@ -99,7 +99,7 @@ def lay_onto_cad_model(path: LinkedPath, navigate: NavigateArtifact, mesh: Mesh 
     sigma = np.r_[1.0, 1.0, 0.3, np.radians([1.0, 1.0, 5.0])]
     model = CadModel(mesh, chart_for_hull(mesh), guess, sigma, 0.02, (3.0, 1.5))
     in_hull = register(points, model, 0.01).global_from_hull.inverse().apply(points)
-    return PlacedReturns(points=in_hull, distance=Scene(mesh).closest(in_hull).distance)
+    return ReturnsOnHull(points=in_hull, distance=Scene(mesh).closest(in_hull).distance)
 
 
 def main() -> int:
@@ -111,7 +111,7 @@ def main() -> int:
     chosen = parser.parse_args()
     chosen.folder.mkdir(parents=True, exist_ok=True)
     rows: dict[str, dict[str, dict[str, float]]] = {}
-    placed: dict[str, PlacedReturns] = {}
+    on_hull: dict[str, ReturnsOnHull] = {}
     for number in range(1, chosen.dives + 1):
         package = simulate(chosen.folder, number)
         truth, bare = read_truth(package), without_cad_model(package)
@@ -122,13 +122,13 @@ def main() -> int:
             rows[package.name][name] = score(path, navigate.trajectory.t_ns, truth)
             if number == chosen.dives:
                 ingest = run_dive(package, chosen.folder / "cad", last_step="ingest").workspace.artifact("ingest")
-                placed[name] = lay_onto_cad_model(path, navigate, IngestArtifact(ingest).hull, global_from_hull)
+                on_hull[name] = lay_onto_cad_model(path, navigate, IngestArtifact(ingest).hull, global_from_hull)
     ratio = {name: row["with planes"]["rigid_m"] / row["without planes"]["rigid_m"] for name, row in rows.items()}
     text = json.dumps({"dives": rows, "ratio": ratio, "median_ratio": statistics.median(ratio.values())}, indent=1)
     print(text)
     if chosen.json:
         chosen.json.write_text(text)
-    figure = distance_to_cad_model(placed)
+    figure = distance_to_cad_model(on_hull)
     (chosen.folder / f"{figure.name}.png").write_bytes(figure.png)
     (chosen.folder / f"{figure.name}.csv").write_text(figure.csv)
     print(figure.caption, file=sys.stderr)

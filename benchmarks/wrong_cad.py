@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.legs import in_sigmas, rigid_rms_mm
-from hullrecon.adjustment.bundle_adjustment import FirstPath, adjust_with_cad_model, find_path, judge_cad_model
+from hullrecon.adjustment.bundle_adjustment import FirstPath, adjust_with_cad_model, check_cad_model, find_path
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.results.summary import summarise_adjustment
@@ -84,7 +84,7 @@ def with_vertices(cad_model: CadModel, vertices: Array, flip: bool = False) -> C
     return replace(cad_model, mesh=mesh, chart=chart_for_hull(mesh))
 
 
-def surveyed_place(measured: Measurements, cad_model: CadModel) -> Array:
+def survey_center(measured: Measurements, cad_model: CadModel) -> Array:
     """Return the point (3,) of the CAD model, in M, that the guess lays nearest to the middle of the path."""
     middle = cad_model.guess.inverse().apply(measured.trajectory.translation).mean(axis=0)
     index = MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
@@ -106,8 +106,8 @@ def other_ship(cad_model: CadModel, mesh: Mesh, place: Array) -> CadModel:
     outside = np.array([at[0], theirs.mean(axis=0)[1] + side * (theirs[1, 1] - theirs[0, 1]), at[2]])
     distance = float(Scene(mesh).cast(outside[None], np.array([[0.0, -side, 0.0]]))[0])
     at[1] = outside[1] - side * distance
-    placed = Mesh(mesh.vertices - at + place, mesh.faces)
-    return replace(cad_model, mesh=placed, chart=chart_for_hull(placed))
+    moved = Mesh(mesh.vertices - at + place, mesh.faces)
+    return replace(cad_model, mesh=moved, chart=chart_for_hull(moved))
 
 
 def far_guess(cad_model: CadModel, vehicle: Array) -> CadModel:
@@ -121,7 +121,7 @@ def far_guess(cad_model: CadModel, vehicle: Array) -> CadModel:
 
 def cases(measured: Measurements, cad_model: CadModel, others: Sequence[Path]) -> Iterator[tuple[str, Change]]:
     """Yield the changes by name."""
-    path, place = measured.trajectory.translation.mean(axis=0), surveyed_place(measured, cad_model)
+    path, place = measured.trajectory.translation.mean(axis=0), survey_center(measured, cad_model)
     low, high = cad_model.mesh.vertices.min(axis=0), cad_model.mesh.vertices.max(axis=0)
     yield "as given", lambda c: c
     yield "guess 5 m and 15 deg off", lambda c: far_guess(c, path)
@@ -148,16 +148,16 @@ def outcome(path: FirstPath, measured: Measurements, options: AdjustOptions, tru
     assert measured.cad_model is not None
     on_path = replace(path, straight=replace(path.straight, measured=replace(measured, rig=path.straight.measured.rig)))
     try:
-        judged = judge_cad_model(on_path, measured.cad_model, options, lambda sentence: None)
+        checked = check_cad_model(on_path, measured.cad_model, options, lambda sentence: None)
     except StageError as error:
         return {"verdict": "refused", "why": str(error)}
-    registered = judged.placement.registration
+    registered = checked.registered.registration
     row: dict[str, object] = {"fitness": registered.fitness, "guess_in_sigmas": registered.sigmas_off}
-    if judged.laid is not None and judged.laid.form is not None:
-        row["form"] = asdict(judged.laid.form) | {"log_odds": judged.laid.form.log_odds}
-    if judged.refusal is not None:
-        return row | {"verdict": "refused", "why": judged.refusal}
-    adjusted = adjust_with_cad_model(on_path, judged)
+    if checked.laid is not None and checked.laid.form is not None:
+        row["form"] = asdict(checked.laid.form) | {"log_odds": checked.laid.form.log_odds}
+    if checked.refusal is not None:
+        return row | {"verdict": "refused", "why": checked.refusal}
+    adjusted = adjust_with_cad_model(on_path, checked)
     summary = summarise_adjustment(measured, adjusted, options)
     solution = summary.solution
     sigmas = in_sigmas(solution, truth)

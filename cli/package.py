@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
 
-from hullrecon.errors import InputError, UsageError
+from hullrecon.errors import HullreconError, InputError, UsageError
 
 from .dives import CONFIGURATION, FOLDER, allow_outside_option, name_overrides, set_option
 from .state import state_of
@@ -27,7 +29,7 @@ def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
     from hullrecon.dive.config.load import load_config
     from hullrecon.dive.config.log_proposals import missing_calibrations, questions
     from hullrecon.dive.logs.readers.open import find_logs, open_log
-    from hullrecon.dive.logs.summary import guess_topics, summarise_logs
+    from hullrecon.dive.logs.summary import A_RUN_NEEDS, guess_topics, summarise_logs
     from hullrecon.dive.package_files import check_log, lies_inside
 
     logs = find_logs(log)
@@ -35,7 +37,7 @@ def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
         check_log(path, log, allow_outside=allow_outside)
     found = summarise_logs([open_log(path) for path in logs])
     if not found.topics:
-        raise InputError("nothing could be read of the log", where=str(log))
+        raise InputError(found.why_nothing(), where=str(log), remedy=A_RUN_NEEDS)
     folder = out or (log if log.is_dir() else Path())
     path = folder / CONFIGURATION
     if path.exists() and not force:
@@ -103,7 +105,7 @@ def check_of_package(package: Path, overrides: tuple[str, ...], allow_outside: b
 
 def _check_logs(path: Path, allow_outside: bool) -> None:
     from hullrecon.dive.logs.readers.open import find_logs, open_log
-    from hullrecon.dive.logs.summary import summarise_logs
+    from hullrecon.dive.logs.summary import A_RUN_NEEDS, summarise_logs
     from hullrecon.dive.package_files import check_log
 
     try:
@@ -113,7 +115,8 @@ def _check_logs(path: Path, allow_outside: bool) -> None:
     for log in logs if path.is_dir() else ():
         check_log(log, path, allow_outside=allow_outside)
     found = summarise_logs([open_log(log) for log in logs])
-    reasons = [f"no {CONFIGURATION} yet, `hullrecon init {path}` writes one", *found.needs()]
+    unwritten = f"no {CONFIGURATION} yet, `hullrecon init {path}` writes one"
+    reasons = [unwritten, *found.needs()] if found.topics else [found.why_nothing(), A_RUN_NEEDS]
     verdict = f"not ready: {'; '.join(reasons)}"
     state_of().emit({**found.document(), "run_is_possible": False, "verdict": verdict}, [*found.lines(), f"verdict: {verdict}"])
     if state_of().json:
@@ -147,8 +150,19 @@ def check(context: click.Context, target: Path, read_data: bool) -> None:
         return
     if read_data:
         raise click.UsageError(f"--read-data is for the folder of a run, and {target} is none", context)
-    with check_of_package.make_context("check", [str(target), *context.args], parent=context) as inner:
+    with check_of_package.make_context("check", [str(target), *context.args], parent=context) as inner, _verdict_in_any_case():
         check_of_package.invoke(inner)
+
+
+@contextmanager
+def _verdict_in_any_case() -> Iterator[None]:
+    """End with a verdict too where an error came before it: of a dive.toml with a mistake, of what holds no log."""
+    try:
+        yield
+    except HullreconError as error:
+        if not state_of().json and not state_of().is_emitted:
+            state_of().emit(None, [f"verdict: not ready: {' '.join(error.line().split())}"])
+        raise
 
 
 def _check_run(folder: Path, read_data: bool) -> None:

@@ -146,7 +146,7 @@ def _outcome(outcome: StepOutcome) -> dict[str, object]:
 
 
 def _warning_lines(outcomes: Sequence[StepOutcome]) -> list[str]:
-    """Recall every warning in one place: those of the log have scrolled away."""
+    """Repeat every warning in one place: those of the log have scrolled away."""
     warnings = [(o.before.stage.name, w) for o in outcomes if o.manifest is not None for w in o.manifest.warnings]
     return (
         [f"{len(warnings)} warning{'s' if len(warnings) > 1 else ''}:", *(f"  {n}: {w}" for n, w in warnings)]

@@ -22,7 +22,7 @@ from .printing import printable
 _LONG = 100  # characters of a path that is shown
 
 
-@dataclass
+@dataclass(kw_only=True)
 class CallState:
     """workspace: RUNS/<dive> once it is known, where the traceback of an unexpected fault goes. is_emitted: the result has been
     printed, one document with --json."""

@@ -220,6 +220,8 @@ def _init() -> tuple[Seed, ...]:
             finish=with_right_word_sums,
         ),
         Seed(read="init", files={"log/sonar.aris": seed_aris.aris_file()}, target="log/sonar.aris", given="log"),
+        Seed(read="init", files={"log/sonar.oculus": seed_view_point.oculus_file()}, target="log/sonar.oculus", given="log"),
+        Seed(read="init", files={"log/dvl.json": seed_files.reports().encode()}, target="log/dvl.json", given="log", text=True),
     )
 
 

@@ -9,6 +9,8 @@ python docs/figures/report_screenshot.py RUNS/demo/deliver/report/index.html
 from __future__ import annotations
 
 import argparse
+import html
+import re
 import shutil
 import subprocess
 import sys
@@ -16,10 +18,12 @@ import tempfile
 from pathlib import Path
 
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 SIZES = {"report.png": (1280, 2735), "report_phone.png": (390, 2376)}  # ship, verdict, map and 3-D; on a phone up to the map
 COLOURS = 256
+KEY = "Report"  # of the text in a picture that says which report it shows: tests/end_to_end/test_readme.py compares it
 
 
 def main() -> int:
@@ -38,7 +42,7 @@ def main() -> int:
 
 
 def take_picture(browser: str, page: Path, size: tuple[int, int], target: Path) -> None:
-    """Write a picture of the top of a page at that window size, with few colours."""
+    """Write a picture of the top of a page at that window size, with few colours and the words of the page's summary."""
     with tempfile.TemporaryDirectory() as folder:
         shot = Path(folder) / "shot.png"
         flags = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--user-data-dir={folder}/profile"]
@@ -46,8 +50,22 @@ def take_picture(browser: str, page: Path, size: tuple[int, int], target: Path) 
         command = [browser, *flags, f"--window-size={size[0]},{size[1]}", f"--screenshot={shot}", page.as_uri()]
         subprocess.run(command, check=True, capture_output=True)
         with Image.open(shot) as picture:
-            target.parent.mkdir(exist_ok=True)
-            picture.convert("RGB").quantize(COLOURS, kmeans=4).save(target, optimize=True)
+            write_picture(picture, target, summary_of(page.read_text(encoding="utf-8")))
+
+
+def write_picture(picture: Image.Image, target: Path, summary: str) -> None:
+    """Write a picture with few colours that says which report it shows."""
+    words = PngInfo()
+    words.add_itxt(KEY, summary)
+    target.parent.mkdir(exist_ok=True)
+    picture.convert("RGB").quantize(COLOURS, kmeans=4).save(target, optimize=True, pnginfo=words)
+
+
+def summary_of(page: str) -> str:
+    """Return the words of a report's summary, without those of the ship's picture."""
+    section = re.split(r'<section id="summary"[^>]*>', page)[1].split("</section>")[0]
+    words = re.sub(r"(?s)<svg.*?</svg>|<[^>]*>", " ", section)
+    return re.sub(r"\s+", " ", html.unescape(words)).strip()
 
 
 if __name__ == "__main__":

@@ -19,11 +19,11 @@ from hullrecon.adjustment.hull_pose.form import Form
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.placement import (
     LaidModel,
-    Placement,
+    RegisteredModel,
     estimate_hull_pose,
     form_against,
-    place_cad_model,
     reason_against,
+    register_cad_model,
 )
 from hullrecon.adjustment.problem import iteration_history, pruning, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection
@@ -66,11 +66,11 @@ class FirstPath:
 
 
 @dataclass(frozen=True, kw_only=True)
-class JudgedModel:
+class CheckedModel:
     """The CAD model laid under a path, the rounds solved with it, where their points lie on it (None after no round), and why
     it is refused (None where it is not)."""
 
-    placement: Placement
+    registered: RegisteredModel
     rounds: tuple[RoundResult, ...]
     laid: LaidModel | None
     refusal: str | None
@@ -84,42 +84,42 @@ def adjust(measured: Measurements, options: AdjustOptions, report: Report) -> Ad
     path = find_path(measured, options, report)
     if measured.cad_model is None:
         return adjust_without_cad_model(path)
-    judged = judge_cad_model(path, measured.cad_model, options, report)
-    if judged.refusal is not None:
-        report(f"the CAD model is left out: {judged.refusal}")
-        without = adjust_without_cad_model(path, judged.rounds)
-        form = None if judged.laid is None else judged.laid.form
-        return replace(without, registration=judged.placement.registration, form=form, refusal=judged.refusal)
-    return adjust_with_cad_model(path, judged)
+    checked = check_cad_model(path, measured.cad_model, options, report)
+    if checked.refusal is not None:
+        report(f"the CAD model is left out: {checked.refusal}")
+        without = adjust_without_cad_model(path, checked.rounds)
+        form = None if checked.laid is None else checked.laid.form
+        return replace(without, registration=checked.registered.registration, form=form, refusal=checked.refusal)
+    return adjust_with_cad_model(path, checked)
 
 
 def find_path(measured: Measurements, options: AdjustOptions, report: Report) -> FirstPath:
     """Return the path without the CAD model: some well-seen landmarks find poses, outliers and sigmas at a fraction of the
     cost."""
-    solver = RoundSolver(measured.rig, options, report)
+    solver = RoundSolver(calibrated=measured.rig, options=options, report=report)
     start = _start(measured, options)
     with_cad = measured.cad_model is not None
     rounds = solver.coarse_rounds(start, max(options.rounds - 1, int(with_cad)))
     return FirstPath(solver=solver, rounds=tuple(rounds), straight=rounds[-1].after if rounds else start)
 
 
-def judge_cad_model(path: FirstPath, cad_model: CadModel, options: AdjustOptions, report: Report) -> JudgedModel:
+def check_cad_model(path: FirstPath, cad_model: CadModel, options: AdjustOptions, report: Report) -> CheckedModel:
     """Return the CAD model laid under that path, and whether what follows from it may be believed."""
-    placement = place_cad_model(path.straight, cad_model, options, report)
-    placed = [] if placement.refusal else path.solver.coarse_rounds(placement.estimate, min(1, options.rounds - 1))
-    refusal = placement.refusal or (reason_against(placed[-1], options) if placed else None)
-    laid = None if refusal or not placed else estimate_hull_pose(placed[-1], options)
+    registered = register_cad_model(path.straight, cad_model, options, report)
+    rounds = [] if registered.refusal else path.solver.coarse_rounds(registered.estimate, min(1, options.rounds - 1))
+    refusal = registered.refusal or (reason_against(rounds[-1], options) if rounds else None)
+    laid = None if refusal or not rounds else estimate_hull_pose(rounds[-1], options)
     if laid is not None and laid.form is not None:
-        refusal = form_against(laid.form, placement.registration.sigmas_off)
-    return JudgedModel(placement=placement, rounds=tuple(placed), laid=laid, refusal=refusal)
+        refusal = form_against(laid.form, registered.registration.sigmas_off)
+    return CheckedModel(registered=registered, rounds=tuple(rounds), laid=laid, refusal=refusal)
 
 
-def adjust_with_cad_model(path: FirstPath, judged: JudgedModel) -> Adjusted:
+def adjust_with_cad_model(path: FirstPath, checked: CheckedModel) -> Adjusted:
     """Return the dive with labels: the hull pose at the mean of its profile, every landmark, all solved with it held."""
-    laid = judged.laid or LaidModel(ready=judged.placement.estimate)
+    laid = checked.laid or LaidModel(ready=checked.registered.estimate)
     last = path.solver.solve_round(laid.ready, final=True, hold_hull_pose=laid.evidence is not None)
-    adjusted = _drop_lost_landmarks([*path.rounds, *judged.rounds, last])
-    return replace(adjusted, registration=judged.placement.registration, evidence=laid.evidence, form=laid.form)
+    adjusted = _drop_lost_landmarks([*path.rounds, *checked.rounds, last])
+    return replace(adjusted, registration=checked.registered.registration, evidence=laid.evidence, form=laid.form)
 
 
 def adjust_without_cad_model(path: FirstPath, refused: tuple[RoundResult, ...] = ()) -> Adjusted:

@@ -22,17 +22,17 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     labels: Annotated[
         Literal["inside", "outer"], Meta(description="decided within the solve, or held and updated between solves")
     ] = "inside"
-    sigma_on: Annotated[Positive, Meta(description="m, sigma of the distance to the hull of a landmark on it")] = 0.02
-    sigma_off: Annotated[Positive, Meta(description="m, sigma of the distance to the hull of a landmark off it")] = 1.0
+    on_hull_sigma_m: Annotated[Positive, Meta(description="m, sigma of the distance to the hull of a landmark on it")] = 0.02
+    off_hull_sigma_m: Annotated[Positive, Meta(description="m, sigma of the distance to the hull of a landmark off it")] = 1.0
     free_dvl_position: Annotated[bool, Meta(description="the DVL's position on the tray is an unknown too")] = False
     refine_intrinsics: Annotated[bool, Meta(description="the cameras' intrinsics are unknowns with priors")] = False
     focal_sigma: Annotated[Positive, Meta(description="share, sigma of the focal length's calibration")] = 0.005
-    center_sigma: Annotated[Positive, Meta(description="px, sigma of the principal point's calibration")] = 5.0
+    center_sigma_px: Annotated[Positive, Meta(description="px, sigma of the principal point's calibration")] = 5.0
     distortion_sigma: Annotated[Positive, Meta(description="ratio, sigma of k1, k2, k3; p1 and p2 have a tenth of it")] = 0.01
     rounds: Annotated[int, Meta(ge=1, le=10, description="solves between which outliers and sigmas are updated")] = 3
     max_iterations: Annotated[int, Meta(ge=1, le=1000, description="iterations of one solve at most")] = 60
     function_tolerance: Annotated[Positive, Meta(description="ratio, relative change of cost that ends a solve")] = 1e-6
     anchors: Annotated[int, Meta(ge=1000, description="landmarks at most in the rounds before the last")] = 20000
-    least_pixel_sigma: Annotated[Positive, Meta(description="px, lower bound of the estimated pixel sigmas")] = 0.03
+    min_sigma_px: Annotated[Positive, Meta(description="px, lower bound of the estimated pixel sigmas")] = 0.03
     outlier_sigmas: Annotated[Positive, Meta(description="sigmas, observations with larger residuals are left out")] = 5.0
     threads: Annotated[int, Meta(ge=1, le=64, description="threads of the solve; any number gives the same bytes")] = 2

@@ -19,7 +19,7 @@ from hullrecon.adjustment.hull_pose.form import Form, compare_form
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import selection
 from hullrecon.adjustment.problem.deviation_field import grid_over
-from hullrecon.adjustment.problem.measurements import CadModel, Measurements, return_points
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements, beam_ends
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.rounds import Estimate, Report, RoundResult
 from hullrecon.errors import StageError
@@ -38,7 +38,7 @@ FREED_QUANTILE = 0.999  # of the chi-square that unknowns give back which the CA
 
 
 @dataclass(frozen=True, kw_only=True)
-class Placement:
+class RegisteredModel:
     """The estimate with the CAD model laid onto it; refusal: why it may not be believed, None where it may."""
 
     estimate: Estimate
@@ -46,7 +46,7 @@ class Placement:
     refusal: str | None
 
 
-def place_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOptions, report: Report) -> Placement:
+def register_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOptions, report: Report) -> RegisteredModel:
     """Return the CAD model registered to a solved path. Raises StageError where there is nothing to register."""
     measured = solved.measured
     points = _points_to_register(measured, solved.state)
@@ -61,7 +61,7 @@ def place_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOption
         )
     elif found.sigmas_off > MAX_SIGMAS_OFF:
         refusal = f"it fits only {found.sigmas_off:.0f} times farther from hull.pose than hull.pose_sigma says"
-    return Placement(estimate=replace(solved, state=state), registration=found, refusal=refusal)
+    return RegisteredModel(estimate=replace(solved, state=state), registration=found, refusal=refusal)
 
 
 def reason_against(found: RoundResult, options: AdjustOptions) -> str | None:
@@ -75,7 +75,7 @@ def reason_against(found: RoundResult, options: AdjustOptions) -> str | None:
         return f"only {100 * float(np.mean(label == 1)):.0f} % of the landmarks lie on its surface"
     if not len(found.problem.stereo.node) + len(found.problem.mono.node):
         return None  # without images the path is navigation's own: its residuals are nil, and whatever bends it makes them grow
-    settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
+    settings = native.Options(method=options.method, sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m)
     growth = residual_growth(found.problem, settings)
     worse = [name for name, ratio in growth.items() if ratio > MAX_GROWTH[name]]
     if not worse:
@@ -143,7 +143,7 @@ def _hull_state(found: registration.Registration, points: Array, options: Adjust
 def _points_to_register(measured: Measurements, state: State) -> Array:
     """Return what is laid onto the CAD model, in g: DVL returns, or stereo landmarks where no ranges were carried."""
     if measured.returns is not None and (~measured.returns.flagged).sum() >= MIN_POINTS:
-        points, _ = return_points(measured.returns, state.nodes, state.tray, measured.rig.tray_origin, state.T_s_d)
+        points, _ = beam_ends(measured.returns, state.nodes, state.tray, measured.rig.tray_origin, state.T_s_d)
         return points[~measured.returns.flagged]
     landmarks = selection.triangulate_landmarks(measured, state)
     landmarks = landmarks[np.isfinite(landmarks[:, 0])]

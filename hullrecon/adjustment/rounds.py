@@ -53,7 +53,7 @@ class RoundResult:
     after: Estimate
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RoundSolver:
     """Solves rounds, counts and reports them. calibrated: the rig with the intrinsics of the calibration."""
 
@@ -124,7 +124,7 @@ def choose_measurements(measured: Measurements, state: State, max_px: Array, opt
     chosen = selection.select_measurements(measured, state, max_px)
     if final and state.hull is not None and not options.as_published:
         off = np.abs(state.hull.deviation(state.landmark[chosen.landmarks]))
-        off_hull = off > hard_em.label_boundary(options.sigma_on, options.sigma_off)
+        off_hull = off > hard_em.label_boundary(options.on_hull_sigma_m, options.off_hull_sigma_m)
         chosen = selection.drop_isolated_landmarks(measured, state, chosen, off_hull)
     if options.method == "geva" and state.hull is not None:
         # pulled to the hull, a mismatch near the camera passes through the camera's plane, and the solve stalls there
@@ -144,8 +144,8 @@ def _solve(problem: native.Problem, options: AdjustOptions, final: bool) -> nati
     solve = hard_em.solve if options.labels == "outer" and options.method == "maxmix" else native.solve
     settings = native.Options(
         method=options.method,
-        sigma_on=options.sigma_on,
-        sigma_off=options.sigma_off,
+        sigma_on=options.on_hull_sigma_m,
+        sigma_off=options.off_hull_sigma_m,
         max_iterations=options.max_iterations,
         function_tolerance=options.function_tolerance if final else 10 * options.function_tolerance,
         threads=options.threads,

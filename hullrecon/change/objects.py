@@ -29,7 +29,7 @@ SEEN_SHARE = 0.5  # of a footprint that must have been looked at
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Placed:
+class _MovedObject:
     """An object in the first survey's frame: center (3,), its footprint (a, g) on the lattice, and its outline (k, 2)."""
 
     found: ReportedObject
@@ -60,8 +60,8 @@ def compare_objects(
     first: HullSurvey, second: HullSurvey, regions: Sequence[ChangedRegion], on: ObjectComparison
 ) -> tuple[ObjectChange, ...]:
     """Return all objects of both surveys and the regions that changed without one, what changed most first."""
-    before = [_place(found, on, identity()) for found in first.objects]
-    after = [_place(found, on, on.offset.first_from_second) for found in second.objects]
+    before = [_move_object(found, on, identity()) for found in first.objects]
+    after = [_move_object(found, on, on.offset.first_from_second) for found in second.objects]
     pairs = match_objects(before, after, on)
     rows: list[ObjectChange] = []
     for region in regions:
@@ -93,7 +93,7 @@ def _at(a: int | None, b: int | None, pairs: dict[int, int]) -> list[tuple[int |
     return [(a if a is not None or b is None else back.get(b), b if b is not None or a is None else pairs.get(a))]
 
 
-def match_objects(before: Sequence[_Placed], after: Sequence[_Placed], on: ObjectComparison) -> dict[int, int]:
+def match_objects(before: Sequence[_MovedObject], after: Sequence[_MovedObject], on: ObjectComparison) -> dict[int, int]:
     """Return which object of the second survey is which of the first's: the best pairs by chi-square of their places, both
     raised or both sunken, inside the gate."""
     candidates = sorted(_candidates(before, after, on))
@@ -104,7 +104,9 @@ def match_objects(before: Sequence[_Placed], after: Sequence[_Placed], on: Objec
     return pairs
 
 
-def _candidates(before: Sequence[_Placed], after: Sequence[_Placed], on: ObjectComparison) -> Iterator[tuple[float, int, int]]:
+def _candidates(
+    before: Sequence[_MovedObject], after: Sequence[_MovedObject], on: ObjectComparison
+) -> Iterator[tuple[float, int, int]]:
     for a, one in enumerate(before):
         if not np.isfinite(one.along_girth).all():
             continue
@@ -121,7 +123,7 @@ def _candidates(before: Sequence[_Placed], after: Sequence[_Placed], on: ObjectC
                 yield chi_square, a, b
 
 
-def _place(found: ReportedObject, on: ObjectComparison, motion: Poses) -> _Placed:
+def _move_object(found: ReportedObject, on: ObjectComparison, motion: Poses) -> _MovedObject:
     """Return an object with its place after a motion."""
     center = motion.apply(np.array([found.center], float))[0]
     ring = motion.apply(np.array(found.outline, float)) if len(found.outline) else np.zeros((0, 3))
@@ -131,20 +133,22 @@ def _place(found: ReportedObject, on: ObjectComparison, motion: Poses) -> _Place
     footprint = on.lattice.polygon(outline)
     if not footprint.any() and np.isfinite(at).all():
         footprint = np.linalg.norm(on.lattice.points() - at, axis=-1) <= max(0.5 * max(found.extent), on.lattice.step_m)
-    return _Placed(found=found, center=center, along_girth=at, outline=outline, footprint=footprint)
+    return _MovedObject(found=found, center=center, along_girth=at, outline=outline, footprint=footprint)
 
 
-def _nearest(region: ChangedRegion, placed: Sequence[_Placed], on: ObjectComparison) -> int | None:
+def _nearest(region: ChangedRegion, moved: Sequence[_MovedObject], on: ObjectComparison) -> int | None:
     """Return the object that a region overlaps most, an edge's reach around it included."""
     from scipy.ndimage import binary_dilation
 
     wide = binary_dilation(region.cells, iterations=max(1, round(on.options.edge_m / on.options.cell_m)))
-    shared = [int((wide & one.footprint).sum()) for one in placed]
+    shared = [int((wide & one.footprint).sum()) for one in moved]
     best = int(np.argmax(shared)) if shared else 0
     return best if shared and shared[best] >= 4 else None
 
 
-def _describe_change(region: ChangedRegion, one: _Placed | None, other: _Placed | None, on: ObjectComparison) -> ObjectChange:
+def _describe_change(
+    region: ChangedRegion, one: _MovedObject | None, other: _MovedObject | None, on: ObjectComparison
+) -> ObjectChange:
     """Return what became of a place that changed."""
     before, after = region.before, region.after
     if one is not None and other is not None:
@@ -167,7 +171,7 @@ def _stood_in_both(before: float, after: float) -> bool:
     return before * after > 0 and min(abs(before), abs(after)) >= THERE_SHARE * max(abs(before), abs(after))
 
 
-def _describe_rest(one: _Placed | None, other: _Placed | None, compared: int, on: ObjectComparison) -> ObjectChange:
+def _describe_rest(one: _MovedObject | None, other: _MovedObject | None, compared: int, on: ObjectComparison) -> ObjectChange:
     """Return what became of an object at which no region changed by more than any place of the hull may; compared: how many
     objects and pairs both surveys list. What one survey alone lists may be new or gone by that smaller number of places."""
     there = [p for p in (one, other) if p is not None]
@@ -205,18 +209,18 @@ def _seen_share(footprint: Mask, relief: Relief, on: ObjectComparison) -> float:
 
 
 def _row(
-    status: Status, region: ChangedRegion | None, one: _Placed | None, other: _Placed | None, on: ObjectComparison
+    status: Status, region: ChangedRegion | None, one: _MovedObject | None, other: _MovedObject | None, on: ObjectComparison
 ) -> ObjectChange:
-    placed = other if other is not None else one
+    moved = other if other is not None else one
     heights = [np.nan if p is None else p.found.height for p in (one, other)]
     if region is not None:
         heights = [h if np.isfinite(h) else r for h, r in zip(heights, (region.before, region.after), strict=True)]
-    if placed is None:
+    if moved is None:
         assert region is not None
         at = on.lattice.points()[region.top].mean(axis=0)
         center, outline = on.chart.from_chart(at[None])[0][0], on.lattice.outline(region.cells)
     else:
-        at, center, outline = placed.along_girth, placed.center, placed.outline
+        at, center, outline = moved.along_girth, moved.center, moved.outline
     return ObjectChange(
         status=status,
         first_id=None if one is None else one.found.id,
@@ -230,13 +234,13 @@ def _row(
         change_sigma=np.nan if region is None else region.sigma,
         p_value=np.nan if region is None else region.p_value,
         area=np.nan if region is None else float(region.cells.sum() * on.options.cell_m**2),
-        sigma=_place_sigma(center, placed, on),
+        sigma=_position_sigma(center, moved, on),
     )
 
 
-def _place_sigma(center: Array, placed: _Placed | None, on: ObjectComparison) -> Array:
+def _position_sigma(center: Array, moved: _MovedObject | None, on: ObjectComparison) -> Array:
     """Return one sigma (3,) m of a place: as delivered with its object, else as the surveys' hull poses leave it."""
-    found = None if placed is None else placed.found
+    found = None if moved is None else moved.found
     if found is not None and None not in (found.sigma_along, found.sigma_girth, found.sigma_normal):
         return np.array([found.sigma_along, found.sigma_girth, found.sigma_normal], float)
     axes = [axis[0] for axis in tangents_at(on.chart, center[None])]

@@ -70,7 +70,10 @@ class _Fit:
     prior: Array
 
     def solve(self, motion: Poses, samples: _Samples, height: Array) -> _Solved:
-        """Return the motion that fits samples of the second survey to heights (a, g) of the first, and its covariance."""
+        """Return the motion that fits samples of the second survey to heights (a, g) of the first, and its covariance.
+
+        Not geometry.pose_solver: each step has another set of cells that both surveys saw, and weights by its own scale.
+        """
         held: Array = np.asarray(np.linalg.inv(self.prior), float)
         covariance = self.prior
         for _ in range(STEPS):

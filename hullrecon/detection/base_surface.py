@@ -24,7 +24,8 @@ class BaseSurface:
     of one (the identity without a CAD model). frame_spacing_m: between the ship's frames, None where it is not known.
     hull_pose: where the hull lies in the dive's frame, None without a CAD model. depth_known: whether z = 0 of g is the water
     surface (a pressure sensor was logged). from_dvl: whether the surveyed surface is the DVL's; else it is that of landmarks.
-    place_sigma: of the survey as a whole.
+    position_sigma: of the survey as a whole. depth_sigma_m: of the water surface in g, which covariances in M do not hold; None
+    in g, or where it is not known.
     """
 
     cad_model: Mesh | None
@@ -35,7 +36,8 @@ class BaseSurface:
     hull_pose: HullPose | None = None
     depth_known: bool = True
     from_dvl: bool = True
-    place_sigma: AddressSigma | None = None
+    position_sigma: AddressSigma | None = None
+    depth_sigma_m: float | None = None
 
     @property
     def mesh(self) -> Mesh:
@@ -57,7 +59,7 @@ class BaseSurface:
         is given)."""
         depth = self.depth_of(point)
         depths = None if depth is None else [depth]
-        return address(self.chart, point[None], self.frame_spacing_m, depths, sigma or self.place_sigma)[0]
+        return address(self.chart, point[None], self.frame_spacing_m, depths, sigma or self.position_sigma)[0]
 
     def depth_of(self, point: Array) -> float | None:
         """Return how deep a point (3,) lies below the water surface, m; None where no depth was measured. g has z down."""

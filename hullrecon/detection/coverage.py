@@ -12,6 +12,7 @@ import numpy as np
 
 from hullrecon.detection.as_found.mesh import refine_near
 from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.detection.hull_position import hull_position
 from hullrecon.detection.views import GRAZING, CameraViews, Visibility, find_visibility
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.meshes.casting import Scene
@@ -19,6 +20,7 @@ from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas, vertex_normals
 from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.sensors import SonarPings
+from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, Any]
@@ -49,8 +51,11 @@ class SonarSurvey:
     half_elevation_rad: float
 
 
-def summarise_coverage(base: BaseSurface, views: CameraViews | None, sonar: SonarSurvey | None) -> Facts:
-    """Return coverage.json: areas of the base surface that each sensor saw, and holes in what the camera (else the DVL) saw."""
+def summarise_coverage(base: BaseSurface, views: CameraViews | None, sonar: SonarSurvey | None, track: VehicleTrack) -> Facts:
+    """Return coverage.json: areas of the base surface that each sensor saw, and holes in what the camera (else the DVL) saw.
+
+    track: the path that it was seen from.
+    """
     surveyed = base.surveyed.vertices
     patches, scene = hull_patches(refine_near(base.mesh, surveyed[::7], PATCH_M, PATCHES_REACH_M)), Scene(base.mesh)
     by_dvl = covered_by_surface(patches, surveyed[base.surveyed.support > 0], DVL_REACH_M)
@@ -65,9 +70,19 @@ def summarise_coverage(base: BaseSurface, views: CameraViews | None, sonar: Sona
     if sonar is not None:
         by_sonar = visible_to_sonar(patches, sonar, scene)
         report["sonar"] = {"pings": len(sonar.poses), **area_facts(patches, by_sonar)}
-    report["holes"] = find_holes(patches, seen, base.chart, base.address_of)
+    report["holes"] = find_holes(patches, seen, base.chart, lambda center: locate_hole(center, base, track))
     report["min_hole_m2"] = MIN_HOLE_M2
     return report
+
+
+def locate_hole(center: Array, base: BaseSurface, track: VehicleTrack) -> Facts:
+    """Return where the middle (3,) of a hole lies, as members of coverage.json. Nothing was measured in it: it is known as well
+    as the pose of the path nearest to it, to a cell of the chart."""
+    near = int(np.argmin(np.linalg.norm(track.poses.translation - center, axis=1)))
+    toward = track.poses.translation[near] - center
+    normal = toward / max(float(np.linalg.norm(toward)), 1e-9)
+    covariance = track.covariance[near : near + 1, :3, :3]
+    return hull_position(center, normal, covariance, 0.0, CELL_M / np.sqrt(12), base).as_json(base)
 
 
 def hull_patches(mesh: Mesh) -> HullPatches:
@@ -122,8 +137,9 @@ def area_facts(hull: HullPatches, seen: Mask) -> Facts:
     return {"area_m2": _area(hull, seen)}
 
 
-def find_holes(hull: HullPatches, seen: Mask, chart: Chart, address: Callable[[Array], str]) -> list[Facts]:
-    """Return the parts of the chart inside the surveyed area that were not seen, the largest first: address, center, area.
+def find_holes(hull: HullPatches, seen: Mask, chart: Chart, locate: Callable[[Array], Facts]) -> list[Facts]:
+    """Return the parts of the chart inside the surveyed area that were not seen, the largest first: center, area, and what
+    `locate` says of the center (3,), its address among it.
 
     Without a CAD model there is no patch where there was nothing to see; such parts are holes as well. What lies off the hull
     is none.
@@ -136,7 +152,7 @@ def find_holes(hull: HullPatches, seen: Mask, chart: Chart, address: Callable[[A
     disc = np.hypot(*np.mgrid[-BRIDGE_CELLS : BRIDGE_CELLS + 1, -BRIDGE_CELLS : BRIDGE_CELLS + 1]) <= BRIDGE_CELLS
     surveyed = ndimage.binary_fill_holes(ndimage.binary_closing(cells.seen, disc))
     label, count = ndimage.label(surveyed & ~cells.seen & cells.on_hull)
-    found = [_hole_facts(cells, np.argwhere(label == k), chart, address) for k in range(1, count + 1)]
+    found = [_hole_facts(cells, np.argwhere(label == k), chart, locate) for k in range(1, count + 1)]
     large = [hole for hole in found if hole["area_m2"] >= MIN_HOLE_M2]
     return sorted(large, key=lambda hole: (-hole["area_m2"], hole["address"]))
 
@@ -171,11 +187,11 @@ def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
     return _ChartCells(low=low, seen=image, area=np.where(area > 0, area, CELL_M**2), on_hull=on_hull)
 
 
-def _hole_facts(cells: _ChartCells, which: Ints, chart: Chart, address: Callable[[Array], str]) -> Facts:
+def _hole_facts(cells: _ChartCells, which: Ints, chart: Chart, locate: Callable[[Array], Facts]) -> Facts:
     inner = which[np.argmin(np.linalg.norm(which - which.mean(axis=0), axis=1))]
     center = chart.from_chart(((inner + cells.low + 0.5) * CELL_M)[None])[0][0]
     return {
-        "address": address(center),
+        **locate(center),
         "center": [round(float(v), 3) for v in center],
         "area_m2": round(float(cells.area[tuple(which.T)].sum()), 4),
     }

@@ -53,9 +53,9 @@ def split_deviation(
     deviation, total = surface.deviation[seen], surface.sigma[seen]
     fit = _fit_patch(surface.vertices[seen], near.normal, deviation, weight, chart)
     coefficients, of_pose = fit.solver @ deviation, fit.solver @ by_pose
-    of_place = _variance(by_pose, pose)
-    own = np.sqrt(np.maximum(total**2 - of_place, 0.0)) if own_sigma is None else own_sigma[seen]
-    rest = np.maximum(total**2 - own**2 - of_place, 0.0)
+    by_hull_pose = _variance(by_pose, pose)
+    own = np.sqrt(np.maximum(total**2 - by_hull_pose, 0.0)) if own_sigma is None else own_sigma[seen]
+    rest = np.maximum(total**2 - own**2 - by_hull_pose, 0.0)
     mean = np.average(fit.columns, axis=0, weights=weight)
     tilt = np.einsum("ki,ij,kj->k", of_pose[1:], pose, of_pose[1:])
     values = np.full((2, len(seen)), np.nan)

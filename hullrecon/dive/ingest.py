@@ -11,6 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import BinaryIO, TypeVar
 
+import numpy as np
+
 from hullrecon.dive.check import messages
 from hullrecon.dive.config.calibration import read_camera
 from hullrecon.dive.hull.load import read_hull
@@ -30,9 +32,9 @@ from hullrecon.dive.logs.samples import (
     PressureSample,
     Sample,
 )
-from hullrecon.dive.logs.time_window import Instant, time_window
-from hullrecon.dive.logs.timeline import NS, put_in_order
-from hullrecon.dive.logs.unused_topics import describe_unused
+from hullrecon.dive.logs.time_window import Instant, TimeWindow, time_window
+from hullrecon.dive.logs.timeline import NS, format_time, put_in_order
+from hullrecon.dive.logs.unused_topics import describe_unused, unread_dvls
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
@@ -50,6 +52,7 @@ from hullrecon.records.sensors import (
 )
 from hullrecon.typing import Array
 
+LONG_SILENCE_S = 3600.0  # without velocity: at a decimetre a second the vehicle may be anywhere in a harbour
 JOINT_KEYS = {"tray": "tray.joint", "sonar_tray": "sonar.joint"}
 OpenFile = Callable[[str], BinaryIO]  # a file for the images of that camera
 Kind = TypeVar("Kind", bound=Sample)
@@ -84,7 +87,7 @@ class IngestRequest:
     position_offset_ns: int = 0
 
 
-@dataclass
+@dataclass(kw_only=True)
 class IngestResult:
     """Hold what was read, by sensor and by camera; filled while the logs stream by. hull: None without a CAD model."""
 
@@ -97,6 +100,8 @@ class IngestResult:
     hull_messages: list[str] = field(default_factory=list)
     unused: list[str] = field(default_factory=list)  # topics that dive.toml does not name, and why a run does not use them
     remarks: list[str] = field(default_factory=list)
+    unread_dvls: list[str] = field(default_factory=list)  # topics that are a DVL's by their names, of types that are not read
+    attitude_is_dvls: bool = False  # by the DVL's own sensors, as no IMU was logged
 
     def findings(self) -> dict[str, list[str]]:
         """Return the sentences of findings.json."""
@@ -121,13 +126,13 @@ def ingest(
     out, problems = IngestResult(), problems or Problems()
     logs = []
     for name in request.logs:
-        with problems.gather():
+        with problems.collect():
             logs.append(open_log(package / name, package))
     for name, path in request.calibration.items():
-        with problems.gather():
+        with problems.collect():
             out.cameras[name] = read_camera(package / path)
     if request.mesh is not None:
-        with problems.gather():
+        with problems.collect():
             out.hull = read_hull(package / request.mesh, request.units, out.hull_messages)
     sinks = {
         name: ImageSink(name, (c.width, c.height), request.offset_ns[name], package, partial(open_file, name))
@@ -141,7 +146,7 @@ def ingest(
     topics = {} if all(log.gives_samples for log in logs) else request.topics
     sensors = {topic: [sensor for sensor, named in topics.items() if named == topic] for topic in topics.values()}
     window = None
-    with problems.gather():
+    with problems.collect():
         window = time_window(request.start, request.end, logs)
     spool = PingSpool(None if pings is None else pings.spool)
     found = read_streams(logs, sensors, take_image, watch, problems, window, spool.keep)
@@ -149,28 +154,52 @@ def ingest(
     out.remarks += found.remarks
     out.lost = messages.describe_losses(found.losses)
     out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
-    out.unused = describe_unused((c for c in found.counts if c.encoding != "sample"), set(topics.values()))
+    messages_of = [channel for channel in found.counts if channel.encoding != "sample"]
+    out.unused = describe_unused(messages_of, set(topics.values()))
+    out.unread_dvls = unread_dvls(messages_of)
     out.records = _build_records(out, request, found, problems, spool, streams.leave_black if pings is None else pings.keep)
     for name, sink in sinks.items():
-        with problems.gather():
+        with problems.collect():
             index = sink.finish(out.remarks)
             if index is not None:
                 out.images[name] = index
+    with problems.collect():
+        _check_silence(out)
     if not out.records.by_name() and not out.images and not problems.found:
-        with problems.gather():
-            if window is not None and found.outside:
-                raise InputError(
-                    f"nothing was measured {window.describe()}",
-                    where="dive.from",
-                    remedy="`hullrecon init LOG` says when a log begins",
-                )
-            raise InputError(
-                "no sensor could be read from the logs",
-                where=", ".join(request.logs),
-                remedy="`hullrecon init LOG` lists what a log holds; a run needs a DVL with an IMU, or two cameras, in "
-                "[topics]",
-            )
+        with problems.collect():
+            raise _nothing_read(request, window if found.outside else None)
     return out
+
+
+def _nothing_read(request: IngestRequest, window: TimeWindow | None) -> InputError:
+    """Return why nothing could be read; window: outside of which all was measured, None where that is not the reason."""
+    if window is not None:
+        return InputError(
+            f"nothing was measured {window.describe()}", where="dive.from", remedy="`hullrecon init LOG` says when a log begins"
+        )
+    return InputError(
+        "no sensor could be read from the logs",
+        where=", ".join(request.logs),
+        remedy="`hullrecon init LOG` lists what a log holds; a run needs a DVL with an IMU, or two cameras, in [topics]",
+    )
+
+
+def _check_silence(found: IngestResult) -> None:
+    """Raise InputError where the DVL is silent for so long that these are several dives, and no camera could join them."""
+    dvl = found.records.dvl
+    if dvl is None or found.images:
+        return
+    t_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
+    silent_s = np.diff(t_ns) / NS
+    if not len(silent_s) or silent_s.max() < LONG_SILENCE_S:
+        return
+    at = int(silent_s.argmax())
+    raise InputError(
+        f"the DVL gives no velocity for {silent_s[at] / 3600:.1f} h from {format_time(int(t_ns[at]))} on, and no image tells "
+        "how the vehicle moved meanwhile: these are several dives",
+        where="logs.files",
+        remedy="give one at a time, by other files or by dive.from and dive.to",
+    )
 
 
 def _check_topics(topics: Mapping[str, str], found: LogContents, problems: Problems) -> None:
@@ -182,7 +211,7 @@ def _check_topics(topics: Mapping[str, str], found: LogContents, problems: Probl
         if found.losses:
             found.remarks.append(f"{sensor}: nothing of {topic} is left in the damaged log")
             continue
-        with problems.gather():
+        with problems.collect():
             raise InputError(
                 f"topic {topic} is not in the log, which holds {', '.join(sorted(held)) or 'nothing'}",
                 where=f"topics.{sensor}", remedy="name the topic that the log has, or leave the key away",
@@ -202,7 +231,7 @@ def _build_records(
     built: dict[str, SensorRecord | None] = {}
 
     def build(name: str, record: Callable[[], SensorRecord | None]) -> None:
-        with problems.gather():
+        with problems.collect():
             built[name] = record()
 
     def dvl() -> DvlPings | None:
@@ -211,6 +240,7 @@ def _build_records(
 
     def imu() -> ImuSamples | None:
         samples = _sort_samples("imu", found, ImuSample, remarks)
+        out.attitude_is_dvls = bool(samples) and all(sample.of_dvl for sample in samples)
         return streams.imu_samples(samples, request.imu_frame, remarks, request.imu_mount_deg) if samples else None
 
     def pressure() -> PressureSamples | None:
@@ -234,7 +264,7 @@ def _build_records(
     build("pressure", pressure)
     build("sonar", sonar)
     build("position", position)
-    with problems.gather():
+    with problems.collect():
         _check_joints(request, found, {s.name for s in found.samples["joints"] if isinstance(s, JointSample)}, remarks)
     for record in JOINT_KEYS:
         build(record, partial(_build_joint, record, request, found, remarks))

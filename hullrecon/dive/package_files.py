@@ -10,7 +10,7 @@ from pathlib import Path
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.files import special_kind
-from hullrecon.dive.images.store import IMAGE_SUFFIXES
+from hullrecon.dive.images.header import IMAGE_SUFFIXES
 from hullrecon.dive.logs.readers.file_log import require_regular_file
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.readers.plain import PlainLog

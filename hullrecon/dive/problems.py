@@ -18,7 +18,7 @@ class Problems:
         self.found: list[InputError] = []
 
     @contextmanager
-    def gather(self) -> Iterator[None]:
+    def collect(self) -> Iterator[None]:
         """Keep an InputError of the block and go on behind it, or let it pass."""
         try:
             yield

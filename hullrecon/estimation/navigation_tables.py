@@ -51,7 +51,7 @@ def odometry_table(odometry: Odometry, tray_rad: Array, tray_from_dvl: Poses, pa
     return native.OdometryTable(
         first=odometry.first.astype(np.int32),
         second=odometry.second.astype(np.int32),
-        measured=np.hstack([odometry.translation, odometry.quaternion]),
+        measured=Poses(odometry.quaternion, odometry.translation).vectors(),
         sqrt_information=np.linalg.inv(np.linalg.cholesky(odometry.covariance)),
         by_navigation=by_navigation,
         by_mount=odometry.by_mount,
@@ -95,7 +95,7 @@ def gauge_prior(nodes: Poses, levelled: bool) -> native.PosePriors:
     sigma_in_global = np.array([tight_m, tight_m, *free, tight_rad])
     to_global = nodes.rotation.as_matrix()[0]
     rows = np.asarray(np.kron(np.eye(2), to_global) / sigma_in_global[:, None])
-    first = np.hstack([nodes.translation, nodes.quaternion])[:1]
+    first = nodes[:1].vectors()
     return native.PosePriors(node=np.zeros(1, np.int32), value=first, sqrt_information=rows[None])
 
 

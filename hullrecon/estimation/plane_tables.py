@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from hullrecon import native
+from hullrecon.geometry.poses import Poses
 from hullrecon.records.planes import TiedPlanes
 
 
@@ -24,7 +25,7 @@ def with_planes(problem: native.Problem, planes: TiedPlanes | None) -> native.Pr
         plane_ranges=native.PlaneRangeTable(
             node=rows.node.astype(np.int32),
             plane=rows.plane.astype(np.int32),
-            offset=np.hstack([rows.translation, rows.quaternion]),
+            offset=Poses(rows.quaternion, rows.translation).vectors(),
             tray_offset=rows.tray_offset,
             beam=rows.beam,
             measured=rows.range_m,

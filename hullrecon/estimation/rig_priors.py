@@ -30,7 +30,7 @@ class Mount:
     sqrt_information: Array | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Rig:
     """How the sensors sit on the vehicle, and how sure that is. Angles in radians, lengths in metres.
 

@@ -1,6 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Levenberg-Marquardt on one pose whose cost is given linearised [Triggs2000]."""
+"""Levenberg-Marquardt on one pose whose cost is given linearised [Triggs2000].
+
+For a cost that stays the same from step to step: whether a step is taken is told by the cost before and after. Loops whose cost
+changes under way, by inliers chosen again or weights by the last residuals, or that have other unknowns than a pose, are
+written out where they are used, each with its reason: vision's for two views (stereo points, two nodes, one camera) and that
+of two surveys.
+"""
 
 from __future__ import annotations
 

@@ -58,6 +58,10 @@ class Poses:
         back = self.rotation.inv()
         return Poses(back.as_quat(), -back.apply(self.translation))
 
+    def vectors(self) -> Array:
+        """Return x y z qx qy qz qw (n, 7)."""
+        return np.hstack([self.translation, self.quaternion])
+
     def log(self) -> Array:
         """Return (n, 6): translation, rotation vector."""
         return np.hstack([self.translation, self.rotation.as_rotvec()])
@@ -94,7 +98,7 @@ def from_mount(mount: ArrayLike) -> Poses:
 
 def pose_vector(pose: Poses) -> Array:
     """Return x y z qx qy qz qw (7,) of a batch of one."""
-    return np.asarray(np.r_[pose.translation[0], pose.quaternion[0]])
+    return np.asarray(pose.vectors()[0])
 
 
 def pose_from_vector(values: Array) -> Poses:

@@ -97,7 +97,7 @@ def view_cost(
 
 
 def _insert(best: BestViews, part: tuple[slice, slice], view: int, cost: Floats32) -> None:
-    """Insertion into the sorted list of each texel."""
+    """Insert into the sorted list of each texel."""
     names = np.full(cost.shape, view, np.int32)
     for place in range(VIEWS):
         kept_cost, kept = best.cost[place][part], best.view[place][part]
@@ -141,7 +141,7 @@ def blend(
 
 
 def _project(patch: SurfacePatch, part: tuple[slice, slice], chosen: Mask, image_view: ImageView) -> tuple[Floats32, Array]:
-    """Pixels (h, w, 2) and r/R (h, w) at the chosen texels of the part; NaN at the others."""
+    """Return pixels (h, w, 2) and r/R (h, w) at the chosen texels of the part; NaN at the others."""
     pixel = np.full((*chosen.shape, 2), -1.0, np.float32)
     ratio = np.full(chosen.shape, np.nan)
     pixel[chosen], ratio[chosen] = image_view.project(patch.point[part][chosen])
@@ -149,7 +149,7 @@ def _project(patch: SurfacePatch, part: tuple[slice, slice], chosen: Mask, image
 
 
 def _sample(picture: Floats32, pixel: Floats32) -> Floats32:
-    """Bilinear, (h, w, channels)."""
+    """Sample bilinearly, (h, w, channels)."""
     import cv2
 
     taken = cv2.remap(picture, pixel, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
@@ -162,6 +162,6 @@ def _normalise(total: list[Floats32], weights: list[Floats32]) -> Floats32:
 
 
 def _variance(moments: Floats32) -> Floats32:
-    """NaN where nothing was blended."""
+    """Return the variance, NaN where nothing was blended."""
     norm = np.where(moments[0] > 0, moments[0], np.nan)
     return np.asarray(np.maximum(moments[2] / norm - (moments[1] / norm) ** 2, 0), np.float32)

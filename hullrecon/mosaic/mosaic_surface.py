@@ -75,7 +75,7 @@ def sample_surface(surface: MosaicSurface, grid: TexelGrid, window: Window) -> S
 
 
 def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Array]:
-    """Points and unit normals of the chart at texel centres, linear between every COARSE-th."""
+    """Return points and unit normals of the chart at texel centres, linear between every COARSE-th."""
     height, width = window.shape
     rows, columns = (np.arange(0, n + COARSE, COARSE, dtype=float) for n in (height, width))
     nodes = grid.centers(rows + window.top, columns + window.left)
@@ -87,7 +87,7 @@ def _chart_at(chart: Chart, grid: TexelGrid, window: Window) -> tuple[Array, Arr
 
 
 def _interpolate_axis(values: Array, count: int, axis: int) -> Array:
-    """Linear interpolation to every texel along one axis."""
+    """Return values at every texel, linear along one axis."""
     at = np.arange(count) / COARSE
     low = at.astype(int)
     share = (at - low).reshape([-1 if k == axis else 1 for k in range(values.ndim)])

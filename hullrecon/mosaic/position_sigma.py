@@ -54,13 +54,13 @@ def median_position_sigma(pings: PingUncertainty, footprints: Footprints, chart:
 
 
 def _motion_jacobian(shift_axes: Array, turn_axes: Array, levers: Array) -> Array:
-    """(n, k, 3, 6): how points move with a shift along the columns of (n, 3, 3) and a turn about those of (n, 3, 3)."""
+    """Return how points move (n, k, 3, 6) with a shift along the columns of (n, 3, 3) and a turn about those of (n, 3, 3)."""
     turned = np.cross(turn_axes.swapaxes(1, 2)[:, None], levers[:, :, None]).swapaxes(2, 3)
     return np.concatenate([np.broadcast_to(shift_axes[:, None], turned.shape), turned], axis=3)
 
 
 def _largest_sigma(covariance: Array, normals: Array) -> Array:
-    """Root of the largest eigenvalue of (n, k, 3, 3) in the tangent planes."""
+    """Return the root of the largest eigenvalue of (n, k, 3, 3) in the tangent planes."""
     tangent = np.eye(3) - normals[..., :, None] * normals[..., None, :]
     flat = tangent @ covariance @ tangent
     known = np.isfinite(flat).all(axis=(2, 3))

@@ -167,7 +167,7 @@ class _HullCells:
 
 
 def _hull_cells(surface: MosaicSurface, image_view: SonarView, patch: SurfacePatch, min_cosine: float) -> Ints:
-    """Flat indices into the image of the pixels that hold these pieces of hull."""
+    """Return the flat indices into the image of the pixels that hold these pieces of hull."""
     point = patch.point.reshape(-1, 3)
     rows = np.flatnonzero(np.isfinite(point[:, 0]))
     pixel, ratio = image_view.project(point[rows])
@@ -178,14 +178,14 @@ def _hull_cells(surface: MosaicSurface, image_view: SonarView, patch: SurfacePat
 
 
 def _gain(values: NDArray[np.uint8], means: Array) -> float:
-    """A ping's brightness over the dive's, held to a factor of two."""
+    """Return a ping's brightness over the dive's, held to a factor of two."""
     if len(values) < MIN_SAMPLES:
         return 1.0
     return float(np.clip(values.astype(float).sum() / max(means.sum(), 1e-9), 0.5, 2.0))
 
 
 def _smooth(total: Array, count: Array) -> Array:
-    """Local mean over 2 beams and 3 range bins (sigma); wider where nothing was counted."""
+    """Return the local mean over 2 beams and 3 range bins (sigma); wider where nothing was counted."""
     from scipy.ndimage import gaussian_filter
 
     wide = gaussian_filter(total, (8, 12), mode="nearest") / np.maximum(gaussian_filter(count, (8, 12), mode="nearest"), 1e-9)

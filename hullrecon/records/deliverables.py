@@ -11,7 +11,26 @@ Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReportedObject:
+class PositionMembers:
+    """Where something lies on the hull and how well that is known: metres in the frame of summary.json, along and girth on the
+    hull chart, frame the ship's, depth below the water surface."""
+
+    position_covariance: tuple[Point, Point, Point] | None = None
+    position_sigma: Point | None = None
+    sigma_along: float | None = None
+    sigma_girth: float | None = None
+    sigma_normal: float | None = None
+    along: float | None = None
+    girth: float | None = None
+    side: str | None = None
+    frame: float | None = None
+    depth: float | None = None
+    depth_sigma: float | None = None
+    address: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportedObject(PositionMembers):
     """One row of objects.json: metres, square and cubic metres, points in the frame of summary.json."""
 
     center: Point
@@ -28,31 +47,20 @@ class ReportedObject:
     volume: float = 0.0
     volume_sigma: float | None = None
     open_edge: float | None = None
-    position_covariance: tuple[Point, Point, Point] | None = None
-    position_sigma: Point | None = None
-    sigma_along: float | None = None
-    sigma_girth: float | None = None
-    sigma_normal: float | None = None
-    along: float | None = None
-    girth: float | None = None
-    side: str | None = None
-    frame: float | None = None
-    depth: float | None = None
-    depth_sigma: float | None = None
     views: int = 0
     p_value: float | None = None
-    address: str = ""
     images: tuple[str, ...] = ()
     outline: tuple[Point, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
-class RejectedRegion:
+class RejectedRegion(PositionMembers):
     """A region that detect looked at and did not report: centre, height over the hull around it (m), and why."""
 
     center: Point
     height: float
     reason: str
+    height_sigma: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,11 +76,11 @@ class SensorCoverage:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CoverageHole:
-    """A hole in what was seen."""
+class CoverageHole(PositionMembers):
+    """A hole in what was seen: its area and a point in its middle."""
 
     area_m2: float
-    address: str | None = None
+    center: Point | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

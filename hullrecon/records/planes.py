@@ -12,8 +12,8 @@ from hullrecon.typing import Array, Ints
 @dataclass(frozen=True, kw_only=True)
 class PlaneRanges:
     """Returns that measure planes, one row a beam. plane (r,): of the patch that it fell on; node (r,), quaternion (r, 4),
-    translation (r, 3), tray_offset (r,), beam (r, 3) as in Returns; range_m (r,): the range to the plane, the measured one less
-    what the patch's curvature takes from it; sigma_m (r,)."""
+    translation (r, 3), tray_offset (r,), beam (r, 3) as in Returns; range_m (r,): the range to the plane, the measured one plus
+    how far the patch stands over its plane along the beam; sigma_m (r,)."""
 
     plane: Ints
     node: Ints

@@ -75,7 +75,7 @@ class Trajectory:
     """T_g_v at n nodes: quaternion (n, 4), translation (n, 3), covariance (n, 6, 6) of (translation in g, rotation as a
     right perturbation in v), tray (n,) rad, image (n, 2): row in the index of camera_top and camera_bottom, -1 where none.
 
-    A node stands at each camera frame; a DVL ping farther than a second from any camera frame has its own node.
+    A node stands at each camera frame; DVL pings farther than a second from any frame have nodes too, thinned out.
     """
 
     t_ns: Ints

@@ -10,6 +10,7 @@ import shutil
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from importlib import resources
 from pathlib import Path
 from typing import Protocol
 
@@ -31,7 +32,7 @@ from hullrecon.report.foxglove.dive_result import dive_result_mcap
 from hullrecon.report.pdf.render import PDF, render_pdf
 from hullrecon.report.survey import Survey
 
-FOLDER = "deliver"
+FOLDER, SCHEMAS = "deliver", "schemas"
 
 
 class FileWriter(Protocol):
@@ -101,11 +102,21 @@ def deliver(survey: Survey, out: FileWriter) -> None:
     for plot in plots:
         writer.write(f"plots/{plot.name}.png", plot.png)
         writer.write(f"plots/{plot.name}.csv", csv_text(plot.table))
+    _write_schemas(writer)
     context = page_context(survey, plots, writer.entries, photos)
     if PDF not in survey.provenance.missing:
         writer.write(PDF, render_pdf(context))
     writer.write("report/index.html", render_page({**context, "deliverables": writer.entries}))
     out.json(f"{FOLDER}/summary.json", summary_document(survey, writer.entries))
+
+
+def _write_schemas(writer: DeliverableWriter) -> None:
+    """Write the schema of each document that is delivered, summary.json's among them."""
+    schemas = resources.files("hullrecon.report") / SCHEMAS
+    for name in sorted({*writer.entries, "summary.json"}):
+        schema = schemas / f"{name.removesuffix('.json')}.schema.json"
+        if name.endswith(".json") and "/" not in name and schema.is_file():
+            writer.write(f"{SCHEMAS}/{schema.name}", schema.read_bytes())
 
 
 def _write_motion(writer: DeliverableWriter, survey: Survey) -> None:

@@ -62,12 +62,14 @@ class DiveFacts:
 
 @dataclass(frozen=True, kw_only=True)
 class AdjustedDive:
-    """What the adjustment left. weak_directions: as adjust.json has them; iterations: the record of the solve."""
+    """What the adjustment left. weak_directions: as adjust.json has them; iterations: the record of the solve; depth_sigma_m:
+    of any depth below the water surface, None where it is not known."""
 
     solution: Solution
     summary: AdjustSummary = field(default_factory=AdjustSummary)
     weak_directions: tuple[Document, ...] = ()
     iterations: Arrays = field(default_factory=dict)
+    depth_sigma_m: float | None = None
 
     @property
     def has_cad_model(self) -> bool:

@@ -8,6 +8,7 @@ A property raises InputError where a file that its step always leaves is missing
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -220,6 +221,14 @@ class AdjustArtifact(StepArtifact):
         return self._document("adjust.json")
 
     @property
+    def depth_sigma_m(self) -> float | None:
+        """Return how well the water surface is known in g, one sigma: the pressure sensor's bias, which all depths share, and
+        its noise; None where no depth was measured or the bias has no sigma."""
+        bias = _number(self.summary, "navigation_sigma", "depth_bias_m")
+        noise = _number(self.summary, "sigmas", "depth_m")
+        return math.hypot(bias, noise) if bias and noise is not None else None
+
+    @property
     def iterations(self) -> Arrays:
         return load_arrays(self.folder / "iterations.npz")
 
@@ -318,6 +327,12 @@ class InputArtifacts:
         """Return the calibrations as refined by adjust, else as read."""
         refined = self.adjust.camera_models if self.adjust is not None else {}
         return refined or self.ingest.camera_models
+
+
+def _number(document: Document, section: str, name: str) -> float | None:
+    members = document.get(section)
+    value = members.get(name) if isinstance(members, dict) else None
+    return float(value) if isinstance(value, int | float) else None
 
 
 def read_camera_models(path: Path) -> dict[Camera, CameraModel]:

@@ -21,7 +21,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.rig import rig_from_settings
-from hullrecon.steps.artifacts import InputArtifacts
+from hullrecon.steps.artifacts import AdjustArtifact, InputArtifacts
 from hullrecon.steps.sonar import SONAR_KEYS, sonar_poses
 
 CAMERA_KEYS = ("tray.origin",)  # of the rig: the mounts are the adjusted ones
@@ -29,7 +29,9 @@ CAMERA_KEYS = ("tray.origin",)  # of the rig: the mounts are the adjusted ones
 
 def run(context: Context[DetectOptions]) -> None:
     inputs, settings = InputArtifacts(context.inputs), context.settings
-    solution, surface = _solution(inputs), inputs.surface
+    adjusted, surface = _adjusted(inputs), inputs.surface
+    solution = adjusted.solution
+    depth_sigma_m = adjusted.depth_sigma_m if solution.hull_pose is not None else None
     base = BaseSurface(
         cad_model=inputs.ingest.hull if solution.hull_pose is not None else None,
         surveyed=surface.surface,
@@ -39,7 +41,8 @@ def run(context: Context[DetectOptions]) -> None:
         hull_pose=solution.hull_pose,
         depth_known=inputs.ingest.pressure is not None,
         from_dvl=inputs.ingest.dvl is not None,
-        place_sigma=_place_sigma(solution, surface.chart),
+        position_sigma=_position_sigma(solution, surface.chart, depth_sigma_m),
+        depth_sigma_m=depth_sigma_m,
     )
     views = _views(context, inputs, solution)
     structures = find_structures(base, solution.landmarks, solution.deviation_field, views, context.parameters)
@@ -50,20 +53,24 @@ def run(context: Context[DetectOptions]) -> None:
     else:
         context.warn("as_found is absent: there is neither a camera nor a CAD model")
     context.out.json("objects.json", {"objects": structures.objects})
-    context.out.json("coverage.json", summarise_coverage(base, views, _sonar_survey(context, inputs, solution)))
+    sonar = _sonar_survey(context, inputs, solution)
+    context.out.json("coverage.json", summarise_coverage(base, views, sonar, solution.track()))
     context.out.json("detect.json", structures.facts)
 
 
-def _solution(inputs: InputArtifacts) -> Solution:
+def _adjusted(inputs: InputArtifacts) -> AdjustArtifact:
     if inputs.adjust is None:
         raise RuntimeError("the step detect is declared to have the artifact of adjust")
-    return inputs.adjust.solution
+    return inputs.adjust
 
 
-def _place_sigma(solution: Solution, chart: Chart) -> AddressSigma:
-    """Return how well the survey as a whole lies on the hull."""
+def _position_sigma(solution: Solution, chart: Chart, depth_sigma_m: float | None) -> AddressSigma:
+    """Return how well the survey as a whole lies on the hull, and below the water. depth_sigma_m: of the water surface in g,
+    where the poses are in M; those in g say it themselves."""
     track = solution.track()
     along, girth = track.sigma_on_chart(chart)
+    if depth_sigma_m is not None:
+        return AddressSigma(along=along, girth=girth, depth=depth_sigma_m)
     down = solution.result_from_global().rotation.as_matrix()[:, :, 2]
     depth = track.sigma_towards(np.broadcast_to(down, (len(track.t_ns), 3)))
     return AddressSigma(along=along, girth=girth, depth=float(np.median(depth)))
@@ -100,7 +107,7 @@ STAGE = Stage(
     summary="find structures and remesh the hull as found",
     inputs=("ingest", "adjust", "surface"),
     parameters=DetectOptions,
-    version=6,
+    version=7,
     run=run,
     fails_alone=True,
     uses=(*CAMERA_KEYS, "hull.frame_spacing", *SONAR_KEYS, "sonar.joint", "sonar.elevation_deg"),

@@ -29,7 +29,7 @@ from hullrecon.vision.features.store import GrowingArray
 BLOCK = 128  # images whose features are in memory at a time
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Extract:
     """Finds the features of one image, by its row in the camera's index; picklable."""
 
@@ -89,14 +89,16 @@ class _Written:
 def _write_camera(context: Context[FeatureOptions], camera: Camera, usable: Mask) -> _Written:
     """Write one camera's arrays block by block; return what is known by image."""
     corners = context.settings.read("matches.harris_share", float) > 0
-    work = Extract(context.inputs["ingest"], context.source, camera, context.parameters, corners)
+    work = Extract(
+        ingest=context.inputs["ingest"], source=context.source, camera=camera, options=context.parameters, corners=corners
+    )
     n = len(usable)
     out = _Written(count=np.zeros(n, np.int64), corners=np.zeros(n, np.int64), saliency=np.zeros(n))
-    with ExitStack() as opened:
+    with ExitStack() as stack:
 
         def grow(kind: str, width: int, dtype: type[np.generic]) -> GrowingArray:
-            return opened.enter_context(
-                GrowingArray(opened.enter_context(context.out.path(f"{kind}_{camera.key}.npy")), width, dtype)
+            return stack.enter_context(
+                GrowingArray(stack.enter_context(context.out.path(f"{kind}_{camera.key}.npy")), width, dtype)
             )
 
         keypoints, descriptors = grow("keypoints", 4, np.float32), grow("descriptors", 128, np.uint8)

@@ -45,7 +45,8 @@ def run(context: Context[SonarOptions]) -> None:
         with context.out.scratch() as scratch:
             mosaic = sonar_mosaic(inputs.surface, pings, poses, elevation_rad, options, context.progress, scratch)
     except ValueError as error:
-        raise StageError(f"no sonar mosaic: {error}", where="mosaic-sonar", remedy="check the mount of the sonar") from error
+        remedy = f"check the mount of the sonar, and whether its {pings.range_m.max():.1f} m reach the surface that was found"
+        raise StageError(f"no sonar mosaic: {error}", where="mosaic-sonar", remedy=remedy) from error
     nodes_ns, mount_sigma = inputs.track.t_ns, np.array(settings.read("sonar.mount_sigma", tuple))
     uncertainty = PingUncertainty(
         sonar=poses,

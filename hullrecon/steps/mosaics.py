@@ -12,7 +12,7 @@ from hullrecon.geometry.frames import Frame
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, build_mosaic_surface
 from hullrecon.mosaic.options import OpticalOptions, SonarOptions
 from hullrecon.mosaic.output.deliverables import Presentation, make_deliverables
-from hullrecon.mosaic.output.raster import RasterBands, RasterPlace, write_raster
+from hullrecon.mosaic.output.raster import RasterBands, RasterLayout, write_raster
 from hullrecon.mosaic.output.surface_rasters import surface_bands, surface_tiles, surface_values
 from hullrecon.mosaic.output.tile_store import TileStore
 from hullrecon.records.solution import Mounts
@@ -60,9 +60,9 @@ def read_mosaic_inputs(inputs: InputArtifacts, reach_m: float) -> MosaicInputs:
 def write_mosaic(context: MosaicContext, inputs: MosaicInputs, store: TileStore, title: str, facts: dict[str, object]) -> None:
     """Write ortho.tif, the rasters of its grid, ortho.png, mosaic.glb and mosaic.json."""
     frame = Frame(inputs.track.frame)
-    place = RasterPlace(grid=store.grid, size=store.size, outside=inputs.outside)
-    _write_mosaic_rasters(context, place, store, title)
-    _write_surface_rasters(context, place, inputs)
+    layout = RasterLayout(grid=store.grid, size=store.size, outside=inputs.outside)
+    _write_mosaic_rasters(context, layout, store, title)
+    _write_surface_rasters(context, layout, inputs)
     presentation = Presentation(
         title=title,
         frame=frame,
@@ -80,7 +80,7 @@ def write_mosaic(context: MosaicContext, inputs: MosaicInputs, store: TileStore,
     context.out.json("mosaic.json", made.document)
 
 
-def _write_mosaic_rasters(context: MosaicContext, place: RasterPlace, store: TileStore, title: str) -> None:
+def _write_mosaic_rasters(context: MosaicContext, layout: RasterLayout, store: TileStore, title: str) -> None:
     colors = ("red", "green", "blue", "alpha") if store.channels == 3 else ("intensity", "alpha")
     rasters = (
         ("ortho.tif", store.color, RasterBands(names=colors, unit="", dtype="uint8", title=title)),
@@ -91,13 +91,13 @@ def _write_mosaic_rasters(context: MosaicContext, place: RasterPlace, store: Til
     )  # fmt: skip
     for name, tiles, bands in rasters:
         with context.out.path(name) as path:
-            write_raster(path, tiles, place, bands)
+            write_raster(path, tiles, layout, bands)
 
 
-def _write_surface_rasters(context: MosaicContext, place: RasterPlace, inputs: MosaicInputs) -> None:
+def _write_surface_rasters(context: MosaicContext, layout: RasterLayout, inputs: MosaicInputs) -> None:
     """Write what is known of the hull as found at the mosaic's pixels."""
     if inputs.as_found is None:
         return
-    for name, tiles in surface_tiles(inputs.surface, surface_values(inputs.as_found, inputs.deviation), place).items():
+    for name, tiles in surface_tiles(inputs.surface, surface_values(inputs.as_found, inputs.deviation), layout).items():
         with context.out.path(f"{name}.tif") as path:
-            write_raster(path, tiles, place, surface_bands(name))
+            write_raster(path, tiles, layout, surface_bands(name))

@@ -118,6 +118,7 @@ def _adjusted(artifact: AdjustArtifact) -> AdjustedDive:
         summary=msgspec.convert(artifact.summary, AdjustSummary),
         weak_directions=tuple(weak) if isinstance(weak, list) else (),
         iterations=artifact.iterations if (artifact.folder / "iterations.npz").exists() else {},
+        depth_sigma_m=artifact.depth_sigma_m,
     )
 
 
@@ -263,7 +264,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=CHAIN[2:],
     parameters=ReportOptions,
-    version=9,
+    version=10,
     run=run,
     uses=("dive", "logs", "hull", "camera.top.calibration", *RIG_KEYS),
     external=files_of_package,

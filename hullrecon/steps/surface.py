@@ -17,7 +17,7 @@ from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.surface.from_returns import SurfaceInputs, surface_from_survey
 from hullrecon.surface.hull_reference import CadHull, UnknownHull
 from hullrecon.surface.options import SurfaceOptions
-from hullrecon.surface.placement import place_on_hull
+from hullrecon.surface.placement import move_to_hull_frame
 
 DVL_KEYS = ("tray.origin", "dvl.mount")  # of the rig, what places the DVL's beams
 
@@ -53,7 +53,7 @@ def _dead_reckoned_track(inputs: InputArtifacts, settings: StageSettings) -> tup
     if inputs.ingest.hull is None or pose is None:
         return track, "dead reckoned"
     sigma_m = np.array(settings.read("hull.pose_sigma", tuple)[:3])
-    return place_on_hull(track, from_mount(pose), sigma_m), "dead reckoned, placed by hull.pose"
+    return move_to_hull_frame(track, from_mount(pose), sigma_m), "dead reckoned, placed by hull.pose"
 
 
 STAGE = Stage(

@@ -11,7 +11,7 @@ import numpy as np
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.plane_chart import PlaneChart
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh, face_cross_products
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.neighbours import count_within, nearest
 from hullrecon.records.surface import Surface
@@ -97,7 +97,7 @@ def _by_triangles(
 
 
 def _heights_to_offsets(height: Array, sigma: Array, at: Array, chart: Chart, datum: PlaneChart) -> tuple[Array, Array]:
-    """How far along the chart's normals the places of height (n,) over the datum lie, and their sigma; NaN where too steep."""
+    """Return how far along the chart's normals places of height (n,) over the datum lie, and their sigma; NaN: too steep."""
     base, normal = chart.from_chart(at)
     lean = normal @ datum.axes[2]
     lean = np.where(lean > MIN_FACING, lean, np.nan)
@@ -105,7 +105,7 @@ def _heights_to_offsets(height: Array, sigma: Array, at: Array, chart: Chart, da
 
 
 def _sample(seen: Observations) -> Observations:
-    """Half of them a compact part around the middle, where short lengths show, half spread evenly, where long ones do."""
+    """Return half of them as a compact part around the middle, where short lengths show, half spread evenly, where long do."""
     far = np.linalg.norm((seen.at - np.median(seen.at, axis=0)) / np.maximum(np.std(seen.at, axis=0), 1e-9), axis=1)
     spread = np.linspace(0, len(far) - 1, LIKELIHOOD_POINTS // 2).astype(np.int64)
     part = np.union1d(np.argsort(far, kind="stable")[: LIKELIHOOD_POINTS // 2], spread)
@@ -113,18 +113,17 @@ def _sample(seen: Observations) -> Observations:
 
 
 def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart: Chart) -> Surface:
-    """The chart's mesh moved into space; faces that the chart cannot place are dropped, orientation follows the normals."""
+    """Return the chart's mesh moved into space; faces that it cannot place are dropped, orientation follows the normals."""
     base, normal = chart.from_chart(mesh.vertices[:, :2])
     vertices = base + normal * offset[:, None]
     placed = np.asarray(np.isfinite(vertices).all(axis=1))
     used, renumbered = np.unique(mesh.faces[placed[mesh.faces].all(axis=1)], return_inverse=True)
-    faces = renumbered.reshape(-1, 3)
+    faces = renumbered.reshape(-1, 3).astype(np.int32)
     vertices, normal = vertices[used], normal[used]
-    a, b, c = vertices[faces].transpose(1, 0, 2)
-    inward = np.einsum("ni,ni->n", np.cross(b - a, c - a), normal[faces[:, 0]]) < 0
+    inward = np.einsum("ni,ni->n", face_cross_products(Mesh(vertices, faces)), normal[faces[:, 0]]) < 0
     faces[inward] = faces[inward][:, ::-1]
     nothing = np.full(len(used), np.nan)
-    return Surface(vertices=vertices, faces=faces.astype(np.int32), deviation=nothing, sigma=sigma[used], support=support[used])
+    return Surface(vertices=vertices, faces=faces, deviation=nothing, sigma=sigma[used], support=support[used])
 
 
 def _take(observed: SurfacePoints, which: Mask) -> SurfacePoints:

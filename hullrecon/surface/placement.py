@@ -14,7 +14,7 @@ from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.typing import Array
 
 
-def place_on_hull(track: VehicleTrack, global_from_hull: Poses, sigma_m: Array) -> VehicleTrack:
+def move_to_hull_frame(track: VehicleTrack, global_from_hull: Poses, sigma_m: Array) -> VehicleTrack:
     """Return a track in g moved to M by a first guess of the hull's pose (a batch of one).
 
     sigma_m (3,): of the guess, along M's axes; it is added to the covariance and soon exceeds the rest of it.

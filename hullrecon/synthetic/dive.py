@@ -6,9 +6,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.vehicle.motion import Motion, ticks
@@ -19,8 +16,8 @@ from hullrecon.synthetic.world.hull_patch import HullSkin
 from hullrecon.synthetic.world.hull_shapes import hull_shape
 from hullrecon.synthetic.world.item_placement import place_items
 from hullrecon.synthetic.world.items import Item
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 Window = tuple[float, float]
 BELOW_M, BEYOND_M = 3.0, 2.6  # skin kept around the legs, for the sonar
 

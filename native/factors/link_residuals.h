@@ -107,7 +107,7 @@ struct ScaledLink {
   }
 };
 
-// Two unit vectors across a direction, the axes in which a bearing is told: b1 across the direction and the axis of g that it
+// Two unit vectors across a direction, the axes in which a bearing is given: b1 across the direction and the axis of g that it
 // leans to least (the first of equals), b2 = direction x b1.
 inline Eigen::Matrix<double, 3, 2> bearing_basis(const Vec3& direction) {
   int least = 0;

@@ -130,7 +130,7 @@ std::vector<int> FrontTree::children(int front) const {
   return out;
 }
 
-FrontTree::Place FrontTree::place(int row, int column) const {
+FrontTree::EntryPosition FrontTree::position(int row, int column) const {
   const int front = front_of_[column], top = offset_[fronts_[front].first];
   if (row < fronts_[front].last) return {front, offset_[row] - top, offset_[column] - top};
   const auto all = rows(front);

@@ -45,10 +45,10 @@ class FrontTree {
   std::span<const Run> runs(int front) const { return part(runs_, front, &Front::runs); }
   std::vector<int> children(int front) const;  // last first
   // Of block (row, column), row at or below column: its front and its first scalar, from the top left of the front's panel.
-  struct Place {
+  struct EntryPosition {
     int front, row, column;
   };
-  Place place(int row, int column) const;
+  EntryPosition position(int row, int column) const;
   int offset(int block) const { return offset_[block]; }  // in scalars, of the whole matrix
   int64_t values() const { return fronts_.back().value + int64_t{fronts_.back().height} * fronts_.back().size; }
 

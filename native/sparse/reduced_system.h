@@ -51,7 +51,7 @@ class ReducedSystem {
  private:
   template <class Product>
   void add_lower(int row, int column, const Product& m) {
-    const auto [front, r, c] = fronts_->tree().place(row, column);
+    const auto [front, r, c] = fronts_->tree().position(row, column);
     for (int k = 0; k < m.cols(); ++k) {
       double* to = fronts_->at(front, r, c + k);
       for (int n = row == column ? k : 0; n < m.rows(); ++n) to[n] += m(n, k);

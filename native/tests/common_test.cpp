@@ -46,7 +46,7 @@ TEST_CASE("no slab is smaller than the grain, and there are no more than threads
   CHECK(smallest >= 300);
 }
 
-TEST_CASE("of several failing slabs the first is told") {
+TEST_CASE("of several failing slabs the first is reported") {
   for (int threads : {1, 4}) {
     try {
       for_slabs(4000, threads, [](int64_t begin, int64_t) { throw std::out_of_range(std::to_string(begin)); }, 1000);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
 #include "check.h"
+#include "factors/mixture.h"
 #include "factors/residuals.h"
-#include "factors/scaling_loss.h"
 
 using namespace hullrecon;
 using twin::Frame;
@@ -91,8 +91,8 @@ TEST_CASE("a link without length, between all cameras") {
       const V<T> across = z.cross(step.t);
       const T sine = sqrt(across.dot(across)), angle = atan2(sine, z.dot(step.t));
       const V<T> tangent = across.cross(z) * (angle / sine);
-      const Eigen::Matrix<T, 2, 1> told = bearing_basis(pair.link.measured.t).template cast<T>().transpose() * tangent;
-      for (int k = 0; k < 5; ++k) r[k] = k < 2 ? told[k] : turn[k - 2];
+      const Eigen::Matrix<T, 2, 1> bearing = bearing_basis(pair.link.measured.t).template cast<T>().transpose() * tangent;
+      for (int k = 0; k < 5; ++k) r[k] = k < 2 ? bearing[k] : turn[k - 2];
     };
     prove(BearingLink{pair.link}, by_twin, pair.truth, rng, 0.1);
   }

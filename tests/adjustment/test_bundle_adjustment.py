@@ -71,7 +71,7 @@ def test_the_last_round_leaves_out_what_lies_beyond_the_outlier_limit():
     wrong = np.flatnonzero(np.isfinite(top[:, 0]) & (rng.random(len(top)) < 0.03))
     top[wrong, 0] += 6 * PIXEL_NOISE_PX  # below the 2 px to which the rounds before it reach
     tracks = replace(dive.measured.tracks, top=top)
-    options = AdjustOptions(least_pixel_sigma=0.1)
+    options = AdjustOptions(min_sigma_px=0.1)
     chosen = adjust(replace(dive.measured, tracks=tracks), options, lambda line: None).chosen
     assert chosen.top[wrong].mean() < 0.2
     assert chosen.top[np.isfinite(top[:, 0])].mean() > 0.94

@@ -104,7 +104,7 @@ def test_every_round_starts_from_the_calibration(problem, rig) -> None:
 
 
 def test_priors_are_shares_of_the_focal_length_and_pixels() -> None:
-    sigma = intrinsics.prior_sigma(CALIBRATED, AdjustOptions(focal_sigma=0.01, center_sigma=4, distortion_sigma=0.02))
+    sigma = intrinsics.prior_sigma(CALIBRATED, AdjustOptions(focal_sigma=0.01, center_sigma_px=4, distortion_sigma=0.02))
     np.testing.assert_allclose(sigma, [5, 5, 4, 4, 0.02, 0.02, 0.002, 0.002, 0.02])
 
 

@@ -28,9 +28,28 @@ def record(cost, on_surface):
 @pytest.fixture
 def rounds():
     """Three iterations on a hundred landmarks, then one on four hundred with a finer pixel sigma."""
-    first = Round(record([90.0, 95.0, 10.0], [50, 50, 80]), WEIGHTS, 0.02, 100, False, "stopped", 1.0)
+    first = Round(
+        record=record([90.0, 95.0, 10.0], [50, 50, 80]),
+        weights=WEIGHTS,
+        depth_sigma_m=0.02,
+        landmarks=100,
+        converged=False,
+        message="stopped",
+        began_s=1.0,
+    )
     finer = replace(WEIGHTS, pixel=0.2)
-    return [first, Round(record([300.0, 200.0], [300, 310]), finer, 0.005, 400, True, "converged", 5.0)]
+    return [
+        first,
+        Round(
+            record=record([300.0, 200.0], [300, 310]),
+            weights=finer,
+            depth_sigma_m=0.005,
+            landmarks=400,
+            converged=True,
+            message="converged",
+            began_s=5.0,
+        ),
+    ]
 
 
 def test_rounds_stand_one_after_the_other_with_their_own_sigmas(rounds) -> None:

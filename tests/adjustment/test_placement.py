@@ -23,7 +23,7 @@ from adjustment.solved_dives import solved
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
-from hullrecon.adjustment.placement import MAX_GROWTH, place_cad_model, reason_against, residual_growth
+from hullrecon.adjustment.placement import MAX_GROWTH, reason_against, register_cad_model, residual_growth
 from hullrecon.adjustment.problem import selection, weighting
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.summary import summarise_adjustment
@@ -69,7 +69,7 @@ def guessed(shift_m, yaw_deg, sigmas=1.0):
 
 
 def place(cad_model, estimate=None):
-    return place_cad_model(estimate or true_path(), cad_model, OPTIONS, lambda _: None)
+    return register_cad_model(estimate or true_path(), cad_model, OPTIONS, lambda _: None)
 
 
 def off_hull_m(found):

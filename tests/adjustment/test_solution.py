@@ -199,7 +199,7 @@ def test_beams_that_miss_the_cad_model_are_warned_of():
 def test_as_published_the_hulls_covariance_is_the_solves_own():
     found = solved(as_published=True)
     options = AdjustOptions(as_published=True)
-    settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
+    settings = native.Options(method=options.method, sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m)
     np.testing.assert_allclose(
         found.outcome.solution.hull_pose.covariance, native.covariance(found.adjusted.problem, settings).T_g_M, rtol=1e-9
     )

@@ -23,7 +23,7 @@ from hullrecon.api.fleet.text import as_utf8, one_line
 from hullrecon.artifacts.storage.documents import encode
 from hullrecon.errors import HullreconError, InputError, UsageError
 
-SCHEMA = json.loads((Path(__file__).parents[2] / "docs/schemas/fleet.schema.json").read_text())
+SCHEMA = json.loads((Path(__file__).parents[2] / "hullrecon/report/schemas/fleet.schema.json").read_text())
 TOML = '[dive]\nname = "kestrel"\n'
 HOSTILE = [
     "two words", "'quoted'", '"quoted"', "$(touch here)", "`touch here`", "$(shell touch here)", "line\nend", "-rf", "--help",

@@ -38,7 +38,7 @@ def test_there_are_other_ships_stretched_ones_and_ones_too_large() -> None:
 
 @pytest.mark.parametrize("name", ["too large by 1.2", "stretched in beam by 1.3", "another ship (90 m)"])
 def test_a_wrong_model_passes_through_the_place_that_the_guess_gives_the_survey(name: str) -> None:
-    place, model = wrong_cad.surveyed_place(MEASURED, MODEL), changed(name)
+    place, model = wrong_cad.survey_center(MEASURED, MODEL), changed(name)
     assert abs(MeshIndex(model.mesh.vertices, model.mesh.faces).closest(place[None]).distance[0]) < 0.05
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from browser.conftest import OBJECTS
+from browser.pages import violations
 from browser.pictures import picture_at_rest, share_changed
 from playwright.sync_api import Browser
 
@@ -17,7 +17,6 @@ from benchmarks.chromium import NARROW, WIDE, Visit, visit
 
 pytestmark = pytest.mark.slow
 HEAVIEST = 60_000_000
-TAGS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
 
 
 def weight(seen: Visit) -> int:
@@ -54,8 +53,8 @@ def test_axe_finds_no_violation(chromium: Browser, report: Path, size: tuple[int
     with visit(chromium, report, size) as seen:
         scroll_through(seen)
         seen.page.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true })")
-        found = Axe().run(seen.page, options={"runOnly": {"type": "tag", "values": TAGS}}).response["violations"]
-        assert not found, "\n".join(f"{v['id']}: {node['html'][:160]}" for v in found for node in v["nodes"])
+        found = violations(seen)
+        assert not found, "\n".join(found)
 
 
 def test_each_layer_of_the_map_changes_its_pixels(page: Visit) -> None:
@@ -135,3 +134,28 @@ def test_without_javascript_the_page_still_holds_every_object_and_a_plan(chromiu
         assert not page.locator("#map").is_visible()
     finally:
         context.close()
+
+
+def test_the_keyboard_sorts_the_table_opens_a_card_and_comes_back_to_where_it_was(page: Visit) -> None:
+    table, focused = page.page.locator("#object-table"), "document.activeElement.closest('tr')?.id ?? ''"
+    heading = table.locator("thead button", has_text="Height").first
+    heading.focus()
+    for direction in ("ascending", "descending"):
+        page.page.keyboard.press("Enter")
+        assert table.locator("thead th", has_text="Height").first.get_attribute("aria-sort") == direction
+    table.locator("#row-2 a[data-action=card]").focus()
+    page.page.keyboard.press("Enter")
+    assert page.page.locator("#card h3").inner_text().startswith("2 ·")
+    page.page.keyboard.press("Escape")
+    assert not page.page.locator("#card").is_visible()
+    assert page.page.evaluate(focused) == "row-2"
+
+
+def test_the_map_moves_and_zooms_by_keyboard(page: Visit) -> None:
+    shown = page.page.locator("#map")
+    shown.scroll_into_view_if_needed()
+    shown.focus()
+    for key in ("+", "ArrowRight"):
+        before = picture_at_rest(shown)
+        page.page.keyboard.press(key)
+        assert share_changed(before, picture_at_rest(shown)) > 0.02, key

@@ -3,6 +3,7 @@
 """check and init as a user calls them: what is said, where, and the exit code."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -93,6 +94,38 @@ def test_check_lists_all_files_that_are_missing_and_reads_the_rest(capsys, packa
     assert "missing: hull.off (hull.mesh)" in lines
     assert "depth runs from 1.2 to 3.4 m" in lines
     assert "missing: top.yaml (camera.top.calibration); missing: hull.off (hull.mesh)" in err.splitlines()[-1]
+
+
+def _without(*names):
+    return lambda package: [(package / name).unlink() for name in names]
+
+
+def _rewrite(old, new, name="dive.toml"):
+    return lambda package: (package / name).write_text((package / name).read_text().replace(old, new))
+
+
+SPOILED = {
+    "no dive.toml": _without("dive.toml"),
+    "an unknown key": _rewrite("[hull]", "[hull]\nmash = 1"),
+    "no log": _rewrite('["logs"]', '["gone"]'),
+    "no IMU": _without("logs/imu.csv"),
+    "files are missing": _without("top.yaml", "hull.off"),
+    "no beams": _rewrite("beam_angle_deg = 30.0\nbeam_azimuth_deg = [180, 0, 90, -90]", ""),
+    "a misspelt joint": _rewrite("[hull]", '[tray]\njoint = "tary"\n[hull]'),
+    "a hull in millimetres": lambda package: (package / "hull.off").write_text(TETRAHEDRON.format(20000)),
+    "a calibration of another size": _rewrite("32", "64", "top.yaml"),
+    "stamps in ms": lambda package: (package / "logs" / "imu.csv").write_text("t,qx,qy,qz,qw\n1777887000000,0,0,0,1\n"),
+    "a cut table": lambda package: (package / "logs" / "dvl.csv").write_text("t,vx\n"),
+    "nothing wrong": lambda package: None,
+}
+
+
+@pytest.mark.parametrize("what", SPOILED)
+def test_check_never_tells_one_to_see_check(capsys, package, what):
+    SPOILED[what](package)
+    for more in ([], ["--json"]):
+        _, out, err = call(capsys, "check", package, *more)
+        assert not re.search(r"(?i)\bhullrecon check\b|\b(see|run|try|call|with|by) `?check\b", out + err), out + err
 
 
 def test_an_option_of_set_that_check_does_not_take_is_not_blamed_on_the_file(capsys, package):
@@ -258,3 +291,32 @@ def test_a_calibration_of_another_size_is_one_line_with_both_sizes_and_code_thre
     assert code == 3
     assert "32 x 24" in line
     assert "640 x 480" in line
+
+
+def test_check_ends_with_a_verdict_whatever_stands_against_a_run(capsys, package, tmp_path):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "table").mkdir()
+    (tmp_path / "table" / "dvl.csv").write_text("time;speed\n0;1\n")
+    (package / "dive.toml").write_text(TOML.replace("vessel", "vesel"))
+    wanted = {"empty": "no dive.toml", "table": "no column t", "nowhere": "no dive.toml", "package": "unknown key dive.vesel"}
+    for name, reason in wanted.items():
+        code, out, err = call(capsys, "check", tmp_path / name)
+        assert code in (2, 3)
+        verdicts = [line for line in out.splitlines() if line.startswith("verdict: ")]
+        assert verdicts == [line.replace("error: ", "verdict: not ready: ") for line in err.splitlines()]
+        assert reason in verdicts[0]
+    code, out, _ = call(capsys, "check", tmp_path / "empty", "--json")
+    assert json.loads(out)["error"]["exit_code"] == code == 3
+
+
+def test_a_log_without_a_message_is_told_why_by_init_and_check_alike(capsys, tmp_path):
+    from benchmarks.fuzz.seed_ad2cp import TEXT, block
+
+    (tmp_path / "profiles.ad2cp").write_bytes(block(0x16, bytes(100)) + block(TEXT, b"x" * 20))
+    for command in ("init", "check"):
+        code, line = complaint(capsys, command, tmp_path)
+        assert code == 3
+        assert "no bottom-track record was read from it" in line
+        assert "a run needs a DVL with an IMU, or two cameras" in line
+        assert "`hullrecon init" not in line
+    assert not (tmp_path / "dive.toml").exists()

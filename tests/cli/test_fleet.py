@@ -18,7 +18,7 @@ from hullrecon.api.fleet.records import FOLDER
 from hullrecon.artifacts.storage.lock import hold_lock
 
 ROOT = Path(__file__).parents[2]
-SCHEMA = json.loads((ROOT / "docs/schemas/fleet.schema.json").read_text())
+SCHEMA = json.loads((ROOT / "hullrecon/report/schemas/fleet.schema.json").read_text())
 STEPS_AND_HEAVY = ("hullrecon.steps.chain", "scipy", "cv2", "open3d", "pycolmap", "trimesh", "matplotlib", "rosbags", "rich")
 
 

@@ -2,16 +2,26 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
+from end_to_end.json_schema import violations
 
 from hullrecon.detection import coverage
+from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.views import find_visibility
+from hullrecon.geometry.frames import Frame
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
-from hullrecon.geometry.poses import Poses, from_rpy
+from hullrecon.geometry.poses import Poses, from_mount, from_rpy
 from hullrecon.records.sensors import SonarPings
+from hullrecon.records.surface import Surface
+from hullrecon.records.trajectory import VehicleTrack
 
 
 @pytest.fixture
@@ -89,8 +99,8 @@ def test_beyond_its_range_and_from_behind_the_sonar_sees_nothing(hull, wall) -> 
     assert not coverage.visible_to_sonar(hull, _survey(behind), Scene(wall)).any()
 
 
-def _address(point: np.ndarray) -> str:
-    return f"x {point[0]:.1f}"
+def _address(point: np.ndarray) -> dict[str, Any]:
+    return {"address": f"x {point[0]:.1f}"}
 
 
 def test_a_hole_inside_the_survey_is_reported_with_its_address_and_area(hull, scenery) -> None:
@@ -136,3 +146,52 @@ def test_patches_wider_than_a_cell_leave_no_holes_between_them(wall, scenery) ->
     coarse = coverage.hull_patches(refine(wall, 0.12)[0])
     seen = np.abs(coarse.mesh.vertices[:, 0] - 2) < 1.2
     assert coverage.find_holes(coarse, seen, scenery.chart, _address) == []
+
+
+SCHEMA = Path(__file__).resolve().parents[2] / "hullrecon" / "report" / "schemas" / "coverage.schema.json"
+
+
+@pytest.fixture
+def base(wall, scenery) -> BaseSurface:
+    n = len(wall.vertices)
+    return BaseSurface(
+        cad_model=wall,
+        surveyed=Surface(vertices=wall.vertices, faces=wall.faces, deviation=np.zeros(n), sigma=np.ones(n), support=np.ones(n,
+        np.int64)), chart=scenery.chart, result_from_global=from_mount([0, 0, 8, 180, 0, 0]), frame_spacing_m=None,
+    )  # fmt: skip
+
+
+def _track(along_sigma: tuple[float, float]) -> VehicleTrack:
+    """Two poses a metre off the wall, at x = 1 and x = 3, with those sigmas along x."""
+    covariance = np.stack([np.diag([along, 0.02, 0.05, 1, 1, 1]) ** 2 for along in along_sigma])
+    poses = Poses(np.tile([0.0, 0, 0, 1], (2, 1)), np.array([[1.0, 3, 1], [3, 3, 1]]))
+    return VehicleTrack(
+        t_ns=np.arange(2), poses=poses, tray=np.zeros(2), covariance=covariance, image=np.zeros((2, 2), int), frame=Frame.HULL
+    )
+
+
+def test_a_hole_is_known_as_well_as_the_path_beside_it(base: BaseSurface) -> None:
+    hole = coverage.locate_hole(np.array([2.8, 2.0, 1.0]), base, _track((9.0, 0.3)))
+    cell = coverage.CELL_M / 12**0.5
+    assert (hole["along"], hole["girth"], hole["side"], hole["frame"], hole["depth"]) == (2.8, 1.0, None, None, 7.0)
+    assert hole["sigma_along"] == pytest.approx(np.hypot(0.3, cell), rel=0.02)
+    assert hole["sigma_girth"] == pytest.approx(np.hypot(0.05, cell), rel=0.02)
+    assert hole["depth_sigma"] == pytest.approx(np.hypot(0.05, cell), abs=1e-3)
+    assert hole["address"] == "2.8 ± 0.3 m along, 1.00 ± 0.06 m across, 7.0 ± 0.1 m below waterline"
+
+
+def test_every_hole_keeps_to_the_schema_and_has_a_sigma_of_its_position(base: BaseSurface, hull, scenery) -> None:
+    x, _, z = hull.mesh.vertices.T
+    seen = (np.abs(x - 2) < 1.2) & (np.abs(z - 1) < 0.8) & (np.maximum(np.abs(x - 2.5), np.abs(z - 1.0)) > 0.25)
+    holes = [
+        coverage.find_holes(
+            hull, seen, scenery.chart, lambda center, on=on: coverage.locate_hole(center, on, _track((0.3, 0.3)))
+        )
+        for on in (base, replace(base, depth_known=False))
+    ]
+    schema = json.loads(SCHEMA.read_text())["properties"]["holes"]
+    for found in holes:
+        assert len(found) == 1
+        assert violations(found, schema) == []
+        assert all(sigma > 0 for sigma in found[0]["position_sigma"])
+    assert holes[1][0]["depth"] is None

@@ -12,6 +12,7 @@ from benchmarks.fuzz.seed_ad2cp import dvl_file
 from hullrecon.dive.ingest import IngestRequest, ingest, offset_ns
 from hullrecon.dive.logs.streams import PressureModel
 from hullrecon.errors import InputError
+from tests.dive.readers.test_pd0 import ensemble_bytes
 
 REQUEST = IngestRequest(
     logs=("logs/dive.mcap",),
@@ -293,3 +294,31 @@ def test_a_reading_of_another_millennium_is_left_out_and_counted(kit, package):
     kit.mcap(package / "logs" / "dive.mcap", [*entries, dataclasses.replace(entries[-1], t_ns=(1 << 63) + 1)])
     found, _ = run(package)
     assert any("beyond the year 2116" in remark for remark in found.remarks)
+
+
+def csv_package(folder: Path, stamps: list[float]) -> Path:
+    (folder / "logs").mkdir()
+    (folder / "logs" / "dvl.csv").write_text("t,vx,vy,vz\n" + "".join(f"{t},0.1,0,0\n" for t in stamps))
+    (folder / "logs" / "imu.csv").write_text("t,qx,qy,qz,qw\n" + "".join(f"{t},0,0,0,1\n" for t in stamps))
+    return folder
+
+
+def test_several_dives_in_one_package_are_refused_where_no_image_joins_them(tmp_path):
+    package = csv_package(tmp_path, [0, 1, 2, 7202, 7203])
+    only_logs = {"logs": ("logs",), "topics": {}, "calibration": {}}
+    with pytest.raises(InputError, match=r"no velocity for 2\.0 h from 1970-01-01T00:00:02\.000Z on.*one at a time"):
+        run(package, **only_logs)
+    found, _ = run(package, **only_logs, end=10.0)
+    assert len(found.records.dvl.t_ns) == 3
+
+
+def test_a_pause_of_minutes_is_no_second_dive(tmp_path):
+    package = csv_package(tmp_path, [0, 1, 2, 1802, 1803])
+    found, _ = run(package, logs=("logs",), topics={}, calibration={})
+    assert len(found.records.dvl.t_ns) == 5
+
+
+def test_attitude_is_the_dvl_s_own_only_where_no_imu_was_logged(package):
+    assert not run(package)[0].attitude_is_dvls
+    (package / "x.pd0").write_bytes(b"".join(ensemble_bytes(n, heading=100) for n in range(5)))
+    assert run(package, logs=("x.pd0",), topics={}, calibration={}, imu_mount_deg=(0, 0, 0))[0].attitude_is_dvls

@@ -11,6 +11,8 @@ from types import ModuleType
 
 import pytest
 
+from hullrecon.steps.chain import stages
+
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 SUFFIX_UNITS = {
     "_m": "m",
@@ -59,6 +61,13 @@ def test_a_unit_in_a_key_is_the_unit_of_its_description(generator: ModuleType) -
         for key in table.keys:
             said = next((unit for ending, unit in SUFFIX_UNITS.items() if key.name.endswith(ending)), key.unit)
             assert key.unit == said, key.name
+
+
+def test_an_option_of_a_step_ends_in_its_unit(generator: ModuleType) -> None:
+    steps = {stage.name for stage in stages()}
+    keys = [key for table in generator.tables() if table.name in steps for key in table.keys if "_per_" not in key.name]
+    endings = {unit: ending for ending, unit in SUFFIX_UNITS.items() if unit in ("m", "s", "px", "deg", "deg/h")}
+    assert [key.name for key in keys if key.unit in endings and not key.name.endswith(endings[key.unit])] == []
 
 
 def test_tables_of_the_dive_and_of_the_steps_are_there(generator: ModuleType) -> None:

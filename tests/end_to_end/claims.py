@@ -111,6 +111,15 @@ def path_errors(run, package):
     return np.stack(columns, axis=1)
 
 
+def depth_errors(run, package, hull):
+    """Errors over sigma (n,) of the vehicle's depth at the true times."""
+    ours, real = read_table(run / "deliver" / "trajectory.csv"), read_table(package / "truth" / "poses.csv")
+    t, true_t = np.array(ours["t"], float), np.array(real["t"], float)
+    place = np.stack([np.interp(t, true_t, np.array(real[k], float)) for k in "xyz"], axis=1)
+    want = np.array([hull.depth(point) for point in place])
+    return (np.array(ours["depth"], float) - want) / np.array(ours["depth_sigma"], float)
+
+
 def sensor_errors(run, package, drift_deg_per_hour=1.0, dvl_scale_error=0.003):
     """Errors over sigma of the sensors' errors that the page's table of the calibration names; what was simulated, where it is
     one number, else the mean of what was logged less the truth."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""As much of JSON Schema (2020-12) as docs/schemas uses; a keyword that is not understood is an error, not a pass."""
+"""As much of JSON Schema (2020-12) as hullrecon/report/schemas use; a keyword not understood is an error, not a pass."""
 
 import base64
 import re

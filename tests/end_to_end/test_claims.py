@@ -97,6 +97,13 @@ def test_the_path_lies_within_three_of_its_sigmas(dive):
     assert np.abs(claims.path_errors(*dive)).max() < 3
 
 
+@on(*IN_SHIP_FRAME)
+def test_the_vehicles_depth_lies_within_three_of_its_sigmas(dive):
+    errors = claims.depth_errors(*dive, true_hull(dive[0] / "deliver", dive[1]))
+    assert len(errors) > 10
+    assert np.abs(errors).max() < 3
+
+
 @on("demo", "no DVL", "mono", "no camera")
 def test_the_errors_of_the_sensors_lie_within_three_of_their_sigmas(dive):
     errors = claims.sensor_errors(*dive)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The demo's deliverables are those that docs/deliverables.md and docs/schemas describe: file by file, field by field."""
+"""The demo's deliverables are those that docs/deliverables.md and the schemas describe: file by file, field by field."""
 
 import csv
 import json
@@ -11,6 +11,7 @@ import pytest
 from end_to_end.json_schema import violations
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
+SCHEMAS = DOCS.parent / "hullrecon" / "report" / "schemas"
 JSON = ("summary", "alignment", "objects", "coverage", "chart")
 pytestmark = pytest.mark.slow
 
@@ -21,7 +22,7 @@ def deliver(demo_run):
 
 
 def schema(name):
-    return json.loads((DOCS / "schemas" / f"{name}.schema.json").read_text())
+    return json.loads((SCHEMAS / f"{name}.schema.json").read_text())
 
 
 def described(file):
@@ -36,6 +37,7 @@ def described(file):
 def test_a_document_keeps_to_its_schema(deliver, name):
     document = json.loads((deliver / f"{name}.json").read_text())
     assert violations(document, schema(name)) == []
+    assert json.loads((deliver / "schemas" / f"{name}.schema.json").read_text()) == schema(name)
 
 
 @pytest.mark.parametrize("name", JSON)

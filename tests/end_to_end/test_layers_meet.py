@@ -158,7 +158,7 @@ def test_a_center_is_the_same_in_table_and_layers(deliver, objects, chart):
     }
     for k, found in enumerate(objects):
         xy = np.array(points[found["id"]])
-        at = np.array([float(table["along_m"][k]), float(table["girth_m"][k])])
+        at = np.array([float(table["along"][k]), float(table["girth"][k])])
         np.testing.assert_allclose(xy * chart.signs, at, atol=AGREE_M)
         center = [float(table[f"center_{a}"][k]) for a in "xyz"]
         np.testing.assert_allclose(center, found["center"], atol=AGREE_M)

@@ -49,7 +49,7 @@ def test_a_glider_s_pd0_alone_ends_in_a_report(evaluation_data, shell, tmp_path)
     assert "to fill in: imu.mount_deg" in shell("init", package).stdout
     assert "nothing says how the DVL sits in the vehicle (imu.mount_deg)" in verdict(shell, package)
     down = ["--set", "imu.mount_deg=[0, 0, 0]", "--set", "dvl.mount=[0, 0, 0, 0, 0, 0]"]
-    assert verdict(shell, package, *down, code=0).startswith("verdict: ready, with doubts")
+    assert verdict(shell, package, *down, code=0).startswith("verdict: ready, with warnings")
     shell("run", package, *down, "--runs", "out")
     found = json.loads((shell.folder / "out" / "glider" / "deliver" / "summary.json").read_text())
     assert any("attitude comes from the DVL's own sensors" in warning for warning in found["warnings"])
@@ -120,3 +120,21 @@ def test_photos_ask_for_their_times_and_are_then_ready(evaluation_data, shell, p
     assert "to fill in: camera.bottom.pose_in_top" in asked
     pose = "camera.bottom.pose_in_top=[0.3035, 0.0182, 0.0256, -1.597, 2.637, -4.618]"
     assert verdict(shell, photos, "--set", pose, code=0).startswith("verdict: ready")
+
+
+def test_what_is_no_dive_is_named_for_what_it_is(evaluation_data, shell):
+    assert "CAD models alone (DTC-scaled_decimated30k.stl, " in verdict(shell, evaluation_data / "hulls")
+    line = verdict(shell, evaluation_data / "ba-small")
+    assert "Balbianello.out.gz is packed by gzip" in line
+    assert "where it is the log, unpack it first (gunzip); else give an MCAP" in line
+
+
+def test_several_glider_dives_in_one_folder_are_to_be_parted(evaluation_data, shell, tmp_path):
+    package = tmp_path / "glider"
+    shutil.copytree(evaluation_data / "dvl-pd0-slocum", package)
+    said = shell("init", package).stdout
+    assert "ADCP_CCE1T_20.000: no ensemble has a bottom track" in said  # found by its first bytes, and named
+    down = ["--set", "imu.mount_deg=[0, 0, 0]", "--set", "dvl.mount=[0, 0, 0, 0, 0, 0]"]
+    line = verdict(shell, package, *down)
+    assert "these are several dives (logs.files): give one at a time, by other files or by dive.from and dive.to" in line
+    assert line.removeprefix("error: no run is possible: ") in shell("run", package, *down, "--runs", "out", code=3).stderr

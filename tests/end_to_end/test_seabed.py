@@ -19,7 +19,7 @@ def test_all_sixteen_pairs_join_in_one_trajectory_and_make_a_mosaic(evaluation_d
     with (deliver / "trajectory.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 16
-    steps = [sum((float(b[k]) - float(a[k])) ** 2 for k in "xyz") ** 0.5 for a, b in pairwise(rows)]
+    steps = [sum((float(b[f"{k}_m"]) - float(a[f"{k}_m"])) ** 2 for k in "xyz") ** 0.5 for a, b in pairwise(rows)]
     assert all(0.25 < step < 0.75 for step in steps[:-1]), steps  # 0.37 to 0.55 m by the reference solution
     assert steps[-1] < 0.25
     assert (deliver / "ortho_optical.png").stat().st_size > 50_000

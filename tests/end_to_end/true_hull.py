@@ -4,6 +4,7 @@
 
 import csv
 import json
+import re
 import tomllib
 from dataclasses import dataclass
 
@@ -78,9 +79,10 @@ class TrueHull:
 
 
 def read_table(path):
+    """Columns of cells by name without its unit."""
     with path.open() as file:
         rows = list(csv.DictReader(file))
-    return {name: [row[name] for row in rows] for name in rows[0]}
+    return {re.sub(r"_(m|m2|m3|rad|s)$", "", name): [row[name] for row in rows] for name in rows[0]}
 
 
 def read_ply(path):

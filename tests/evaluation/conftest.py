@@ -89,7 +89,7 @@ class Deliver:
     ) -> None:
         """turned: the frame that the path is told in, from M."""
         quaternion = ((turned or Rotation.identity()) * FACING * Rotation.from_rotvec([np.radians(turn_deg), 0, 0])).as_quat()
-        rows = [",".join(["t", *"xyz", "qx", "qy", "qz", "qw", "sigma_x", "sigma_y", "sigma_z"])]
+        rows = [",".join(["t_s", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw", "sigma_x_m", "sigma_y_m", "sigma_z_m"])]
         for t, p in zip(STAMPS_NS.tolist(), path.tolist(), strict=True):
             rows.append(",".join([f"{t // 10**9}.{t % 10**9:09d}", *map(repr, [*p, *quaternion.tolist(), *sigma])]))
         (self.folder / "trajectory.csv").write_text("\n".join(rows) + "\n")

@@ -20,8 +20,14 @@ def test_empty_cells_are_nan(tmp_path: Path) -> None:
 def test_a_column_of_words_beside_the_numbers_is_left_out(tmp_path: Path) -> None:
     (tmp_path / "words.csv").write_text("t,side,depth_m\n1,port,2.5\n2,,3.5\n")
     table = read_table(tmp_path / "words.csv")
-    assert set(table) == {"t", "depth_m"}
-    np.testing.assert_array_equal(table["depth_m"], [2.5, 3.5])
+    assert set(table) == {"t", "depth"}
+    np.testing.assert_array_equal(table["depth"], [2.5, 3.5])
+
+
+def test_a_column_is_known_by_its_name_with_or_without_a_unit(tmp_path: Path) -> None:
+    (tmp_path / "bare.csv").write_text("t,x,sigma_x,sigma_roll,tray\n1,2,3,4,5\n")
+    (tmp_path / "units.csv").write_text("t_s,x_m,sigma_x_m,sigma_roll_rad,tray_rad\n1,2,3,4,5\n")
+    assert read_table(tmp_path / "units.csv") == read_table(tmp_path / "bare.csv")
 
 
 @pytest.mark.parametrize("text", ["", "t,x\n", "t,x\n1,two\n"])

@@ -53,7 +53,7 @@ def test_the_caption_names_the_surface_and_the_known_uncertainty() -> None:
     plain = str(mosaic_document(tiles(2), Frame.HULL, SHOWN.facts)["caption"])
     assert plain == "10.0 mm a pixel, at most four best views a pixel, laid on the surface as found."
     known = str(mosaic_document(tiles(2), Frame.HULL, {**SHOWN.facts, "position_sigma_m": 0.0312})["caption"])
-    assert known == plain + " A pixel's place on the hull is known to 31 mm (one sigma)."
+    assert known == plain + " A pixel's position on the hull is known to 31 mm (one sigma)."
     unknown = mosaic_document(tiles(2), Frame.HULL, {**SHOWN.facts, "position_sigma_m": None})["caption"]
     assert unknown == plain
 

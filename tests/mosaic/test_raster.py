@@ -18,7 +18,7 @@ from rasterio.enums import ColorInterp
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.mosaic.grid import TexelGrid
-from hullrecon.mosaic.output.raster import RasterBands, RasterPlace, write_raster
+from hullrecon.mosaic.output.raster import RasterBands, RasterLayout, write_raster
 
 GRID = TexelGrid(west=30.0, north=6.0, step_m=0.01, height=1000, width=1500)
 COLORS = RasterBands(names=("red", "green", "blue", "alpha"), unit="", dtype="uint8", title="Optical mosaic")
@@ -26,8 +26,8 @@ METRES = RasterBands(names=("deviation",), unit="m", dtype="float32", title="dev
 SIGNS = ((-1, 1), (1, -1), (1, 1))
 
 
-def place(x_sign: int, y_sign: int) -> RasterPlace:
-    return RasterPlace(grid=GRID, size=512, outside=OutsideMap(x_sign=x_sign, y_sign=y_sign, frame="M"))
+def layout(x_sign: int, y_sign: int) -> RasterLayout:
+    return RasterLayout(grid=GRID, size=512, outside=OutsideMap(x_sign=x_sign, y_sign=y_sign, frame="M"))
 
 
 def tiles(bands: int) -> Iterator[NDArray[np.float32]]:
@@ -44,7 +44,7 @@ def tiles(bands: int) -> Iterator[NDArray[np.float32]]:
 
 @pytest.mark.parametrize("signs", SIGNS)
 def test_a_spot_lies_where_the_map_says(signs: tuple[int, int], tmp_path: Path) -> None:
-    write_raster(tmp_path / "ortho.tif", tiles(4), place(*signs), COLORS)
+    write_raster(tmp_path / "ortho.tif", tiles(4), layout(*signs), COLORS)
     with rasterio.open(tmp_path / "ortho.tif") as file:
         picture = file.read()
         x, y = file.xy(*(round(v) for v in np.argwhere(picture[0] == 200).mean(axis=0)))
@@ -55,7 +55,7 @@ def test_a_spot_lies_where_the_map_says(signs: tuple[int, int], tmp_path: Path) 
 
 
 def test_the_coordinate_system_is_local_and_no_program_takes_it_for_degrees(tmp_path: Path) -> None:
-    write_raster(tmp_path / "ortho.tif", tiles(4), place(-1, 1), COLORS)
+    write_raster(tmp_path / "ortho.tif", tiles(4), layout(-1, 1), COLORS)
     with rasterio.open(tmp_path / "ortho.tif") as file:
         assert file.crs is not None
         assert not file.crs.is_geographic
@@ -66,8 +66,8 @@ def test_the_coordinate_system_is_local_and_no_program_takes_it_for_degrees(tmp_
 
 
 def test_bands_have_names_units_and_overviews(tmp_path: Path) -> None:
-    write_raster(tmp_path / "ortho.tif", tiles(4), place(-1, 1), COLORS)
-    write_raster(tmp_path / "deviation.tif", tiles(1), place(-1, 1), METRES)
+    write_raster(tmp_path / "ortho.tif", tiles(4), layout(-1, 1), COLORS)
+    write_raster(tmp_path / "deviation.tif", tiles(1), layout(-1, 1), METRES)
     with rasterio.open(tmp_path / "ortho.tif") as file:
         assert file.descriptions == ("red", "green", "blue", "alpha")
         assert file.colorinterp == (ColorInterp.red, ColorInterp.green, ColorInterp.blue, ColorInterp.alpha)
@@ -84,7 +84,7 @@ def test_bands_have_names_units_and_overviews(tmp_path: Path) -> None:
 
 
 def test_the_description_gives_the_chart_without_the_map(tmp_path: Path) -> None:
-    write_raster(tmp_path / "ortho.tif", tiles(4), place(-1, 1), COLORS)
+    write_raster(tmp_path / "ortho.tif", tiles(4), layout(-1, 1), COLORS)
     with tifffile.TiffFile(tmp_path / "ortho.tif") as file:
         said = json.loads(file.pages[0].tags["ImageDescription"].value)
     assert said["metres_per_pixel"] == 0.01
@@ -99,7 +99,7 @@ def test_a_disk_that_takes_no_more_is_an_error_of_the_system_and_nothing_is_prin
     resource.setrlimit(resource.RLIMIT_FSIZE, (512, before[1]))
     try:
         with pytest.raises(OSError, match="File too large"):
-            write_raster(tmp_path / "ortho.tif", tiles(1), place(1, -1), METRES)
+            write_raster(tmp_path / "ortho.tif", tiles(1), layout(1, -1), METRES)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert capfd.readouterr().err == ""
@@ -107,6 +107,6 @@ def test_a_disk_that_takes_no_more_is_an_error_of_the_system_and_nothing_is_prin
 
 def test_the_same_tiles_give_the_same_bytes(tmp_path: Path) -> None:
     for name in ("one", "two"):
-        write_raster(tmp_path / name, tiles(1), place(1, -1), METRES)
+        write_raster(tmp_path / name, tiles(1), layout(1, -1), METRES)
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
     assert {p.name for p in tmp_path.iterdir()} == {"one", "two"}

@@ -12,18 +12,18 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
-from hullrecon.mosaic.output.raster import RasterPlace
+from hullrecon.mosaic.output.raster import RasterLayout
 from hullrecon.mosaic.output.surface_rasters import face_shares, surface_bands, surface_tiles, surface_values
 from hullrecon.records.surface import DeviationSplit, Surface
 
 GRID = TexelGrid(west=-1.2, north=1.2, step_m=0.1, height=24, width=24)
-PLACE = RasterPlace(grid=GRID, size=32, outside=OutsideMap(x_sign=-1, y_sign=1, frame="M"))
+LAYOUT = RasterLayout(grid=GRID, size=32, outside=OutsideMap(x_sign=-1, y_sign=1, frame="M"))
 
 
 def test_a_field_linear_over_the_surface_is_linear_over_its_texels(flat_surface: Callable[..., MosaicSurface]) -> None:
     surface = flat_surface()
     slope = 0.01 * surface.mesh.vertices[:, 0] + 0.02 * surface.mesh.vertices[:, 1]
-    (tile,) = surface_tiles(surface, {"form": slope}, PLACE)["form"]
+    (tile,) = surface_tiles(surface, {"form": slope}, LAYOUT)["form"]
     at = GRID.centers(np.arange(24.0), np.arange(24.0))
     on = (np.abs(at) < 1).all(axis=2)
     np.testing.assert_allclose(tile[:24, :24][on], (at @ [0.01, 0.02])[on], atol=6e-5)
@@ -31,7 +31,7 @@ def test_a_field_linear_over_the_surface_is_linear_over_its_texels(flat_surface:
 
 
 def test_counts_are_those_of_the_nearest_corner_and_zero_off_the_surface(flat_surface: Callable[..., MosaicSurface]) -> None:
-    (tile,) = surface_tiles(flat_surface(), {"support": np.array([1.0, 2, 3, 4])}, PLACE)["support"]
+    (tile,) = surface_tiles(flat_surface(), {"support": np.array([1.0, 2, 3, 4])}, LAYOUT)["support"]
     assert tile.dtype == np.uint16
     assert set(np.unique(tile)) == {0, 1, 2, 3, 4}
     assert tile[3, 3] == 4  # along -0.85, girth 0.85

@@ -136,7 +136,14 @@ def test_a_jump_is_a_stray_and_a_steady_acceleration_is_none() -> None:
 
 
 def test_an_outage_adds_its_variance_by_the_share_that_an_interval_has_of_it() -> None:
-    v = Velocities(stamps([0, 10]), np.zeros((2, 3)), np.ones(2), np.array([stamps([2, 6])]), 0.01, np.zeros(0, np.int64))
+    v = Velocities(
+        t_ns=stamps([0, 10]),
+        velocity=np.zeros((2, 3)),
+        sigma=np.ones(2),
+        outages=np.array([stamps([2, 6])]),
+        agitation=0.01,
+        outliers=np.zeros(0, np.int64),
+    )
     whole, half, none = v.bridged_variance(stamps([0, 4, 7]), stamps([9, 9, 9]))
     assert whole == pytest.approx(0.01 * 4**3 / 12)
     assert half == pytest.approx(whole / 2)

@@ -47,7 +47,12 @@ def run(rig: SensorRig, velocity, turn_rad_s: float = 0.0, tray=None, outages: n
     heading = Rotation.from_euler("z", (turn_rad_s * t)[:, None])
     attitude = AttitudeHistory(stamps(t), heading.as_quat(), SIGMA_RAD, 0.0, NO_HOLES, False)
     v = Velocities(
-        stamps(t), np.tile(np.asarray(velocity, float), (n, 1)), np.full(n, SIGMA_M_S), outages, 0.01, np.zeros(0, np.int64)
+        t_ns=stamps(t),
+        velocity=np.tile(np.asarray(velocity, float), (n, 1)),
+        sigma=np.full(n, SIGMA_M_S),
+        outages=outages,
+        agitation=0.01,
+        outliers=np.zeros(0, np.int64),
     )
     joint = None if tray is None else JointSamples(t_ns=stamps(t), angle=np.full(n, tray))
     return reckon(v, attitude, servo(joint, 0), rig)

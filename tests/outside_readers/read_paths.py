@@ -17,8 +17,8 @@ def test_evo_reads_the_trajectory_that_the_table_has(deliver):
     is_valid, details = path.check()
     assert is_valid, details
     rows = list(csv.DictReader((deliver / "trajectory.csv").read_text().splitlines()))
-    np.testing.assert_allclose(path.positions_xyz, [[float(row[axis]) for axis in "xyz"] for row in rows], atol=1e-8)
-    np.testing.assert_allclose(path.timestamps, [float(row["t"]) for row in rows], rtol=0, atol=1e-6)
+    np.testing.assert_allclose(path.positions_xyz, [[float(row[f"{axis}_m"]) for axis in "xyz"] for row in rows], atol=1e-8)
+    np.testing.assert_allclose(path.timestamps, [float(row["t_s"]) for row in rows], rtol=0, atol=1e-6)
 
 
 def test_pycolmap_reads_the_model_with_its_reprojection_error(deliver):

@@ -54,5 +54,5 @@ def test_a_sensor_that_was_not_carried_is_none() -> None:
 
 
 def test_holes_have_area_and_address() -> None:
-    (hole,) = msgspec.convert({"holes": [{"area_m2": 0.2, "address": None}]}, Coverage).holes
-    assert (hole.area_m2, hole.address) == (0.2, None)
+    (hole,) = msgspec.convert({"holes": [{"area_m2": 0.2, "address": "frame 3", "sigma_along": 0.3}]}, Coverage).holes
+    assert (hole.area_m2, hole.address, hole.sigma_along) == (0.2, "frame 3", 0.3)

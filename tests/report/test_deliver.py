@@ -99,6 +99,13 @@ def test_a_whole_survey_delivers_what_it_has(survey: Survey, folder: Folder) -> 
     } <= names  # fmt: skip
 
 
+def test_each_document_is_delivered_with_its_schema_and_no_other(survey: Survey, folder: Folder) -> None:
+    deliver(replace(survey, findings=replace(survey.findings, documents={"coverage.json": {"frame": "M"}})), folder)
+    found = {name for name in delivered(folder) if name.startswith("schemas/")}
+    documents = {"summary", "alignment", "coverage", *({"chart"} if "chart.json" in delivered(folder) else ())}
+    assert found == {f"schemas/{name}.schema.json" for name in documents}
+
+
 def test_the_summary_lists_every_file_but_itself(survey: Survey, folder: Folder) -> None:
     deliver(survey, folder)
     summary = json.loads((folder.root / "deliver" / "summary.json").read_text())
@@ -109,7 +116,7 @@ def test_a_bare_dive_delivers_its_path_plots_and_report(bare: Survey, folder: Fo
     deliver(bare, folder)
     assert {name for name in delivered(folder) if not name.startswith("plots/")} == {
         "trajectory.csv", "trajectory.tum", "csv-metadata.json", "dive_result.mcap", "report/index.html", "report/report.pdf",
-        "summary.json",
+        "summary.json", "schemas/summary.schema.json",
     }  # fmt: skip
 
 
@@ -153,7 +160,7 @@ def test_objects_csv_has_the_columns_of_the_documents_page(survey: Survey, found
     with (folder.root / "deliver" / "objects.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["id"] for row in rows] == ["1", "2"]
-    assert rows[1]["deviation"] == ""
+    assert rows[1]["deviation_m"] == ""
     assert rows[1]["address"] == 'by "the" keel, port'
-    assert list(rows[0])[:4] == ["id", "center_x", "center_y", "center_z"]
-    assert list(rows[0])[16:18] == ["address", "images"]
+    assert list(rows[0])[:4] == ["id", "center_x_m", "center_y_m", "center_z_m"]
+    assert list(rows[0])[16:18] == ["address", "image_count"]

@@ -49,13 +49,13 @@ def test_cells_with_commas_and_quotes_are_read_back_as_they_were() -> None:
 def test_the_trajectory_is_in_the_hull_frame(survey: Survey) -> None:
     row = rows_of(trajectory_table(survey).csv)[1]
     # T_g_M turns by 180 degrees about x and moves by (10, 20, 3): (10.5, 21, 2) of g is (0.5, -1, 1) of M
-    np.testing.assert_allclose([float(row[k]) for k in "xyz"], [0.5, -1.0, 1.0], atol=1e-9)
+    np.testing.assert_allclose([float(row[f"{k}_m"]) for k in "xyz"], [0.5, -1.0, 1.0], atol=1e-9)
     np.testing.assert_allclose([abs(float(row[k])) for k in ("qx", "qy", "qz", "qw")], [1, 0, 0, 0], atol=1e-9)
     np.testing.assert_allclose(
-        [float(row[f"sigma_{k}"]) for k in ("x", "y", "z", "roll", "yaw")], [0.5, 0.02, 0.01, 0.001, 0.002]
+        [float(row[f"sigma_{k}"]) for k in ("x_m", "y_m", "z_m", "roll_rad", "yaw_rad")], [0.5, 0.02, 0.01, 0.001, 0.002]
     )
-    assert row["t"] == "1777887001.468241234"
-    assert float(row["tray"]) == 0.1
+    assert row["t_s"] == "1777887001.468241234"
+    assert float(row["tray_rad"]) == 0.1
 
 
 def test_the_trajectory_says_where_on_the_ship_and_how_deep(survey: Survey) -> None:
@@ -63,6 +63,23 @@ def test_the_trajectory_says_where_on_the_ship_and_how_deep(survey: Survey) -> N
     assert (float(row["along_m"]), float(row["girth_m"]), float(row["depth_m"])) == pytest.approx((0.5, -1.0, 2.0))
     dry = replace(survey, facts=replace(survey.facts, has_depth=False))
     assert rows_of(trajectory_table(dry).csv)[1]["depth_m"] == ""
+
+
+def test_where_on_the_ship_and_how_deep_have_their_sigmas(survey: Survey) -> None:
+    row = rows_of(trajectory_table(survey).csv)[1]
+    # without a sigma of the pressure sensor's bias, that towards the water
+    assert [float(row[k]) for k in ("sigma_along_m", "sigma_girth_m", "depth_sigma_m")] == pytest.approx([0.5, 0.02, 0.01])
+    assert survey.adjusted is not None
+    known = replace(survey, adjusted=replace(survey.adjusted, depth_sigma_m=0.095))
+    assert float(rows_of(trajectory_table(known).csv)[1]["depth_sigma_m"]) == pytest.approx(0.095)
+    dry = replace(survey, facts=replace(survey.facts, has_depth=False))
+    assert rows_of(trajectory_table(dry).csv)[1]["depth_sigma_m"] == ""
+
+
+def test_a_dead_reckoned_depth_has_the_sigma_of_the_position(bare: Survey) -> None:
+    row = rows_of(trajectory_table(bare).csv)[4]
+    assert row["sigma_along_m"] == row["sigma_girth_m"] == ""
+    assert row["depth_sigma_m"] == row["sigma_z_m"]
 
 
 def test_the_metadata_name_unit_and_meaning_of_every_column(survey: Survey, found: ReportedObject) -> None:
@@ -73,7 +90,7 @@ def test_the_metadata_name_unit_and_meaning_of_every_column(survey: Survey, foun
         assert [c["name"] for c in columns] == list(rows_of(table.csv)[0])
         assert all(c["dc:description"] for c in columns)
         units = {c["name"]: c.get("unit") for c in columns}
-        assert units.get("x", "m") == units.get("height", "m") == "m"
+        assert units.get("x_m", "m") == units.get("height_m", "m") == "m"
         assert all(units[name] == name.rsplit("_", 1)[1] for name in units if name.endswith(("_m", "_m2", "_m3")))
 
 
@@ -82,8 +99,8 @@ def test_without_a_solution_the_trajectory_is_dead_reckoned_in_g(bare: Survey) -
     row = rows_of(trajectory_table(bare).csv)[4]
     assert track.frame == "g"
     assert row["along_m"] == row["side"] == ""
-    np.testing.assert_allclose([float(row[k]) for k in "xyz"], [12.0, 21.0, 2.0])
-    assert float(row["sigma_x"]) == pytest.approx(0.1 * 5**0.5, rel=1e-5)
+    np.testing.assert_allclose([float(row[f"{k}_m"]) for k in "xyz"], [12.0, 21.0, 2.0])
+    assert float(row["sigma_x_m"]) == pytest.approx(0.1 * 5**0.5, rel=1e-5)
 
 
 def test_without_a_cad_model_the_trajectory_is_adjusted_in_g(trajectory: Trajectory, solution: Solution) -> None:
@@ -95,8 +112,8 @@ def test_without_a_cad_model_the_trajectory_is_adjusted_in_g(trajectory: Traject
 def test_the_tum_file_holds_the_same_poses(survey: Survey) -> None:
     lines = [line.split() for line in trajectory_tum(survey.track).splitlines()]
     table = rows_of(trajectory_table(survey).csv)
-    assert [line[0] for line in lines] == [row["t"] for row in table]
-    assert [line[1:] for line in lines] == [[row[k] for k in ("x", "y", "z", "qx", "qy", "qz", "qw")] for row in table]
+    assert [line[0] for line in lines] == [row["t_s"] for row in table]
+    assert [line[1:] for line in lines] == [[row[k] for k in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")] for row in table]
 
 
 def test_sigma_towards_a_direction_uses_the_whole_covariance(trajectory: Trajectory) -> None:
@@ -166,5 +183,6 @@ def test_the_alignment_names_its_prior_and_its_weak_directions(solution: Solutio
 def test_objects_have_one_line_each(found: ReportedObject) -> None:
     (row,) = rows_of(objects_table([found]).csv)
     assert row["address"] == "frame 3 + 0.2 m, port"
-    assert (row["center_x"], row["height"], row["height_sigma"], row["views"], row["images"]) == ("1", "0.1", "0.004", "6", "1")
+    values = [row[name] for name in ("center_x_m", "height_m", "height_sigma_m", "views", "image_count")]
+    assert values == ["1", "0.1", "0.004", "6", "1"]
     assert (row["sigma_along_m"], row["sigma_girth_m"], row["along_m"], row["side"]) == ("0.3", "0.02", "1", "starboard")

@@ -99,6 +99,13 @@ def test_an_outline_lies_on_the_map_in_every_layer(found: ReportedObject) -> Non
     np.testing.assert_array_equal(struct.unpack_from("<2d", blob, 13), [-1.0, -1.2])
 
 
+def test_a_feature_says_each_number_with_its_sigma(found: ReportedObject) -> None:
+    fields = object_layers([found], set(), CHART, OUTSIDE)[0].fields[0]
+    sure = {"id", "kind", "views", "p_value", "side", "frame", "open_edge", "address", "photo"}
+    bare = {n for n in fields if n not in sure and "sigma" not in n and not {f"{n}_sigma", f"sigma_{n}"} & fields.keys()}
+    assert bare == set()
+
+
 def test_the_geopackage_keeps_to_the_standards_tables(found: ReportedObject) -> None:
     layers = object_layers([found, replace(found, id=2, outline=(), depth=None)], set(), CHART, OUTSIDE)
     base = database(objects_gpkg(layers, OUTSIDE, 1_777_887_000_468_241_234))

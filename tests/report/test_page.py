@@ -188,9 +188,9 @@ def test_without_the_adjustments_words_a_large_sigma_is_said_all_the_same(survey
 
 
 def test_a_place_that_was_not_reported_is_named_with_its_reason(survey: Survey) -> None:
-    region = RejectedRegion(center=(1.0, -1.2, 0.0), height=0.031, reason="seen from two views only")
+    region = RejectedRegion(center=(1.0, -1.2, 0.0), height=0.031, reason="seen from two views only", address="frame 2, port")
     page = page_of(replace(survey, findings=replace(survey.findings, not_reported=(region,))))
-    assert "seen from two views only (height 0.031 m at 1.00, -1.20, 0.00)" in page.text
+    assert "seen from two views only (height 0.031 m, frame 2, port)" in page.text
 
 
 def test_an_object_without_a_cad_model_has_no_distance_to_it(survey: Survey, found: ReportedObject) -> None:

@@ -17,13 +17,13 @@ from hullrecon.report.content.object_card import card_context
 from hullrecon.report.content.object_images import object_crops
 from hullrecon.report.content.page_context import (
     coverage_rows,
+    describe_position,
     deviation_map,
     draw_plan,
     hole_text,
     mark_of,
     mosaic_context,
     percentile_text,
-    place_words,
 )
 from hullrecon.report.figures.plan_view import SigmaEllipse
 from hullrecon.report.figures.survey_map import chart_view
@@ -125,10 +125,10 @@ def test_without_a_pressure_sensor_a_card_has_no_depth(survey: Survey, found: Re
 
 def test_the_place_of_the_whole_survey_is_told_with_its_sigma(survey: Survey, bare: Survey) -> None:
     assert (
-        place_words(survey)
+        describe_position(survey)
         == "Its position as a whole is known to 0.50 m along the hull and 20 mm in girth (one sigma, median)."
     )
-    assert place_words(bare) == ""
+    assert describe_position(bare) == ""
 
 
 def test_a_wide_mosaic_is_reduced_for_the_page() -> None:

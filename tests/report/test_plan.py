@@ -83,6 +83,25 @@ def test_frame_numbers_stand_beside_metres() -> None:
     assert ">fr 60.0<" in svg
 
 
+def ticks(svg: str) -> list[str]:
+    """The words of the ticks along both axes and of the frames, without those at the path's ends."""
+    texts = [e for e in ElementTree.fromstring(svg).iter() if e.tag.endswith("text")]
+    return [str(e.text) for e in texts if e.get("class") in ("tick mid", "tick end") and "sigma" not in str(e.text)]
+
+
+@pytest.mark.parametrize("spacing_m", [0.55, 0.7, 0.8, 1.2, 2.4])
+@pytest.mark.parametrize("half_m", [0.4, 0.45, 1.0, 3.0, 40.0])
+def test_no_two_ticks_of_the_plan_read_alike(half_m: float, spacing_m: float) -> None:
+    middle = 163.87  # far from AP, where few digits are left
+    extent = Extent(along=(middle - half_m, middle + half_m), girth=(11.3 - half_m / 2, 11.3 + half_m / 2))
+    plan = replace(PLAN, extent=extent, marks=[], frame_spacing_m=spacing_m)
+    found = ticks(plan_svg(plan, "t"))
+    along, frames = ([t for t in found if ("fr" in t) == is_frame] for is_frame in (False, True))
+    assert len(frames) > 3
+    assert len(set(frames)) == len(frames), frames
+    assert len(set(along)) == len(along), along
+
+
 def test_steps_are_one_two_or_five_times_a_power_of_ten() -> None:
     assert [nice_step(s) for s in (10.0, 11.0, 180.0, 0.4)] == pytest.approx([1.0, 2.0, 20.0, 0.05])
     assert [nice_below(s) for s in (0.3, 0.5, 1.9, 70.0)] == pytest.approx([0.2, 0.5, 1.0, 50.0])

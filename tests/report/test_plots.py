@@ -42,7 +42,7 @@ def test_the_standoff_is_the_median_of_the_beams_that_came_back(dvl: DvlPings) -
 
 def test_depth_without_a_dvl_is_drawn_alone() -> None:
     plot = depth_and_standoff(np.arange(3) * 10**9, np.array([1.0, 2.0, 3.0]), None)
-    assert list(plot.table) == ["t", "depth_m"]
+    assert list(plot.table) == ["t_s", "depth_m"]
     assert plot.alt == "Depth from 1.00 to 3.00 m."
 
 
@@ -91,7 +91,7 @@ def test_without_depth_and_dvl_there_is_nothing_to_draw_of_them(dvl: DvlPings) -
     assert depth_and_standoff(times, None, None) is None
     plot = depth_and_standoff(times, None, dvl)
     assert plot is not None
-    assert list(plot.table) == ["t", "standoff_m"]
+    assert list(plot.table) == ["t_s", "standoff_m"]
     assert plot.title == "Distance to the hull"
 
 

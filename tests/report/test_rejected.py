@@ -57,10 +57,14 @@ def test_no_observation_is_counted_where_none_was_rejected(survey: Survey) -> No
     assert groups_of(survey)["Observations"] == ["2 of 100 image observations rejected as outliers"]
 
 
-def test_a_region_has_its_height_and_its_centre(bare: Survey) -> None:
-    region = RejectedRegion(center=(1.0, -2.0, 0.5), height=-0.043, reason="only 4 landmarks")
+def test_a_region_has_its_height_and_its_address(bare: Survey) -> None:
+    region = RejectedRegion(
+        center=(1.0, -2.0, 0.5), height=-0.043, height_sigma=0.006, reason="only 4 landmarks", address="frame 3, port"
+    )
     groups = groups_of(replace(bare, findings=replace(bare.findings, not_reported=(region,))))
-    assert groups["Regions examined and not reported as objects"] == ["only 4 landmarks (height -0.043 m at 1.00, -2.00, 0.50)"]
+    assert groups["Regions examined and not reported as objects"] == [
+        "only 4 landmarks (height −0.043 ± 0.006 m, frame 3, port)"
+    ]
 
 
 def test_warnings_carry_the_name_of_their_step(survey: Survey) -> None:

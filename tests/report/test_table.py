@@ -24,7 +24,7 @@ def table() -> Table:
         file="lengths.csv",
         title="some lengths",
         columns=[
-            Column(name="length_m", unit="m", meaning="how long", values=["1.5", ""]),
+            Column(name="length", unit="m", meaning="how long", values=["1.5", ""]),
             Column(name="count", unit="", meaning="how many", values=[3, 4]),
             Column(name="name", unit="", meaning="what it is called", values=['a "b", c', "d"], words=True),
         ],
@@ -65,8 +65,23 @@ def test_every_column_of_lengths_angles_and_times_has_a_unit(survey: Survey, fou
     trajectory, objects = entries([trajectory_table(survey), objects_table([found])])
     without = {c["name"] for c in [*trajectory, *objects] if "unit" not in c}
     quaternion, normal = {"qx", "qy", "qz", "qw"}, {"normal_x", "normal_y", "normal_z"}
-    assert without == quaternion | normal | {"side", "frame", "id", "views", "open_edge", "p_value", "address", "images"}
+    assert without == quaternion | normal | {"side", "frame", "id", "views", "open_edge", "p_value", "address", "image_count"}
     assert {c["unit"] for c in [*trajectory, *objects] if "unit" in c} == set(UNITS)
+
+
+def test_every_heading_ends_in_the_unit_of_its_column(survey: Survey, found: ReportedObject) -> None:
+    for table in (trajectory_table(survey), objects_table([found])):
+        headings = table.csv.splitlines()[0].split(",")
+        assert headings == [f"{c.name}_{c.unit}" if c.unit else c.name for c in table.columns]
+        assert {"t_s", "x_m", "sigma_roll_rad", "tray_rad"} <= set(headings) or {"center_x_m", "area_m2", "volume_m3"} <= set(
+            headings
+        )
+
+
+def test_one_name_has_one_meaning_in_the_table_and_in_the_document(found: ReportedObject) -> None:
+    (row,) = csv.DictReader(io.StringIO(objects_table([found]).csv))
+    assert "images" not in row  # objects.json lists them under that name
+    assert row["image_count"] == str(len(found.images))
 
 
 def test_the_contracts_columns_come_first_and_keep_their_names(survey: Survey, found: ReportedObject) -> None:
@@ -81,4 +96,4 @@ def test_an_object_without_sigmas_leaves_cells_empty() -> None:
     bare = ReportedObject(id=1, center=(0.0, 0.0, 0.0), height=0.1)
     (row,) = csv.DictReader(io.StringIO(objects_table([bare]).csv))
     assert row["position_sigma_x_m"] == row["extent_1_sigma_m"] == row["depth_m"] == row["side"] == ""
-    assert row["height"] == "0.1"
+    assert row["height_m"] == "0.1"

@@ -150,7 +150,7 @@ class EarlierSteps:
 
     def _folder(self, name: str) -> Path:
         path = self.root / name
-        path.mkdir()
+        path.mkdir(exist_ok=True)
         return path
 
 
@@ -277,8 +277,21 @@ def test_with_neither_camera_nor_cad_model_as_found_is_absent_with_its_reason(ea
 def test_what_was_not_reported_is_named_with_its_reason(earlier: EarlierSteps) -> None:
     out = earlier.run(min_height_m=0.2)
     assert _json(out, "objects.json")["objects"] == []
-    reasons = [row["reason"] for row in _json(out, "detect.json")["not_reported"]]
-    assert any("0.09" in reason for reason in reasons)
+    rejected = _json(out, "detect.json")["not_reported"]
+    assert any("0.09" in row["reason"] for row in rejected)
+    for row in rejected:
+        assert row["height_sigma"] > 0
+        assert all(sigma > 0 for sigma in row["position_sigma"])
+        assert float(row["address"].split()[0]) == pytest.approx(row["along"], abs=0.05)
+
+
+def test_a_depth_is_known_as_well_as_the_water_surface_is(earlier: EarlierSteps) -> None:
+    (earlier.root / "adjust").mkdir()
+    known = {"navigation_sigma": {"depth_bias_m": 0.4}, "sigmas": {"depth_m": 0.3}}
+    (earlier.root / "adjust" / "adjust.json").write_text(json.dumps(known))
+    (found,) = _json(earlier.run(), "objects.json")["objects"]
+    assert 0.5 <= found["depth_sigma"] < 0.51
+    assert "below waterline" in found["address"]
 
 
 def test_two_runs_give_the_same_bytes(earlier: EarlierSteps, tmp_path: Path) -> None:

@@ -159,6 +159,15 @@ def test_the_sonar_mosaic_needs_no_camera(passed: dict[str, Path], tmp_path: Pat
     assert worse["position_sigma_of_mount_m"] == pytest.approx(np.hypot(0.01, 1.05 * np.radians(2.0)), abs=2e-3)
 
 
+def test_a_sonar_that_sees_nothing_of_the_surface_says_how_far_it_reached(passed: dict[str, Path], tmp_path: Path) -> None:
+    rays = np.array([[0.0, 0.1, 1.0], [0.0, -0.1, 1.0]]) / np.sqrt(1.01)
+    save(passed["ingest"], "sonar.npz", {"t_ns": TIMES, "directions": rays, "range_m": np.linspace(0.1, 0.4, 4)})
+    np.save(passed["ingest"] / "sonar_image.npy", np.full((NODES, 2, 4), 9, np.uint8))
+    sonar = Sonar(mount=(0.0, 0.0, 0.0, 90.0, 90.0, 0.0), elevation_deg=20.0)  # to port, away from the wall
+    with pytest.raises(StageError, match=r"check the mount of the sonar, and whether its 0\.4 m reach the surface"):
+        run_stage(mosaic_sonar.STAGE, {**settings(sonar), "camera": Cameras()}, passed, tmp_path / "out")
+
+
 def test_steps_apply_only_where_their_sensor_was_carried() -> None:
     carried = {"camera.top.calibration": "top.yaml", "sonar.mount": Sonar().mount, "topics": Topics(sonar="/s")}
     assert mosaic_optical.applies(carried) is None

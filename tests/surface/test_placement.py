@@ -8,7 +8,7 @@ import pytest
 from hullrecon.geometry import poses
 from hullrecon.geometry.frames import Frame
 from hullrecon.records.trajectory import VehicleTrack
-from hullrecon.surface.placement import place_on_hull, pose_sigma_along
+from hullrecon.surface.placement import move_to_hull_frame, pose_sigma_along
 
 
 def test_a_position_sigma_counts_along_the_normal_only() -> None:
@@ -51,7 +51,7 @@ def test_a_track_is_moved_to_the_hull_with_the_sigma_of_the_guess() -> None:
         image=np.full((2, 2), -1),
         frame=Frame.GLOBAL,
     )
-    placed = place_on_hull(track, quarter_turn, np.array([0.3, 0.5, 0.1]))
-    assert placed.frame is Frame.HULL
-    assert np.allclose(placed.poses.translation, [[3, 0, 1], [3, 1, 1]])
-    assert np.allclose(placed.covariance, np.diag([0.01 + 0.09, 0.04 + 0.25, 0.01, 1e-4, 0, 0]))
+    moved = move_to_hull_frame(track, quarter_turn, np.array([0.3, 0.5, 0.1]))
+    assert moved.frame is Frame.HULL
+    assert np.allclose(moved.poses.translation, [[3, 0, 1], [3, 1, 1]])
+    assert np.allclose(moved.covariance, np.diag([0.01 + 0.09, 0.04 + 0.25, 0.01, 1e-4, 0, 0]))

@@ -19,7 +19,7 @@ from hullrecon.adjustment.hull_pose import cad_error, profile_likelihood, regist
 from hullrecon.adjustment.hull_pose.cad_error import CadError
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
 from hullrecon.adjustment.problem.assembly import Selection
-from hullrecon.adjustment.problem.measurements import CadModel, Measurements, return_points
+from hullrecon.adjustment.problem.measurements import CadModel, Measurements, beam_ends
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry.poses import Poses
@@ -50,7 +50,7 @@ def collect_hull_points(m: Measurements, state: State, chosen: Selection, label:
     landmarks = state.landmark[chosen.landmarks][label == 1] if len(chosen.landmarks) == len(label) else np.zeros((0, 3))
     parts = [landmarks]
     if m.returns is not None:
-        ends, _ = return_points(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
+        ends, _ = beam_ends(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
         parts.append(ends[chosen.returns])
     return thin_over_surface(np.vstack(parts), state.hull.global_from_hull, state.hull.cad_model)
 

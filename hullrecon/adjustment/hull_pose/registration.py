@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from hullrecon.adjustment.hull_pose import cad_error
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry import poses
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh, face_areas
 from hullrecon.geometry.pose_solver import LinearisedCost, minimise_over_pose
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex
@@ -134,7 +134,7 @@ def perturb_pose(global_from_hull: Poses, center: Array, step: Array) -> Poses:
 
 
 def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
-    """The guess, and one sigma along the hull and in yaw around it, in M's axes."""
+    """Return the guess, and what lies one sigma along the hull and in yaw around it, in M's axes."""
     rotate = cad_model.guess.rotation.as_matrix()[0]
     starts = []
     for along in (0.0, -1.0, 1.0):
@@ -146,28 +146,28 @@ def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
 
 
 def _target_cloud(mesh: Mesh, near: Array, seed: int) -> Array:
-    """Area-weighted samples of the faces within three metres of the guessed survey, some 20,000; none where none is so near."""
+    """Sample, by area, the faces within three metres of the guessed survey, some 20,000; none where none is so near."""
     corner = mesh.vertices[mesh.faces]
     middle = corner.mean(1)
     reach = np.linalg.norm(corner - middle[:, None], axis=2).max(1)
     gap, _ = cKDTree(near).query(middle, distance_upper_bound=3.0 + reach.max())
-    corner = corner[gap <= 3.0 + reach]
-    if len(corner) == 0:
+    part = Mesh(mesh.vertices, mesh.faces[gap <= 3.0 + reach])
+    if len(part.faces) == 0:
         return np.zeros((0, 3))  # a CAD model in other units, or guessed far off
-    area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    area = face_areas(part)
     rng = np.random.default_rng(seed)
-    face = rng.choice(len(corner), 20000, p=area / area.sum())
+    face = rng.choice(len(area), 20000, p=area / area.sum())
     u, v = rng.random((2, 20000))
     fold = u + v > 1
     u[fold], v[fold] = 1 - u[fold], 1 - v[fold]
-    a, b, c = corner[face].transpose(1, 0, 2)
+    a, b, c = part.vertices[part.faces[face]].transpose(1, 0, 2)
     samples = a + u[:, None] * (b - a) + v[:, None] * (c - a)
     gap, _ = cKDTree(near).query(samples, distance_upper_bound=4.0)
     return np.asarray(samples[np.isfinite(gap)])
 
 
 def _gicp(points: Array, target: Array, start: Poses) -> Poses:
-    """Generalised ICP of points in g onto samples in M; the answer as T_g_M."""
+    """Return T_g_M by generalised ICP of points in g onto samples in M."""
     import open3d as o3d
 
     def cloud(xyz: Array) -> o3d.geometry.PointCloud:
@@ -194,7 +194,7 @@ def prior_step(global_from_hull: Poses, cad_model: CadModel, center: Array) -> A
 
 
 def _trimmed_cost(points: Array, global_from_hull: Poses, cad_model: CadModel, center: Array, index: MeshIndex) -> float:
-    """Mean square of the best 80 % of the distances over the CAD model's sigma, plus the prior's share."""
+    """Return the mean square of the best 80 % of the distances over the CAD model's sigma, plus the prior's share."""
     distance = np.sort(np.abs(index.closest(global_from_hull.inverse().apply(points)).distance))
     trimmed = distance[: max(1, int(0.8 * len(distance)))]
     prior = prior_step(global_from_hull, cad_model, center) / cad_model.guess_sigma
@@ -277,6 +277,6 @@ def signed_distances(points: Array, global_from_hull: Poses, center: Array, inde
 
 
 def _robust_noise(distance: Array, sigma_range: float, sigma_field: float) -> Array:
-    """Range noise (n,), inflated where a distance is beyond what noise and field explain (Huber)."""
+    """Return the noise of ranges (n,), inflated where a distance is beyond what noise and field explain (Huber)."""
     excess = np.abs(distance - np.median(distance)) / (1.345 * np.hypot(sigma_range, sigma_field))
     return np.asarray(sigma_range * np.sqrt(np.maximum(1.0, excess)) * np.where(excess > 3, 10.0, 1.0))

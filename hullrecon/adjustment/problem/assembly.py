@@ -16,7 +16,7 @@ from scipy.sparse import coo_array
 from hullrecon import native
 from hullrecon.adjustment.hull_pose.registration import frame_at
 from hullrecon.adjustment.problem.deviation_field import DeviationGrid, prior_rows
-from hullrecon.adjustment.problem.measurements import Measurements, return_points
+from hullrecon.adjustment.problem.measurements import Measurements, beam_ends
 from hullrecon.adjustment.problem.state import HullState, State, Weights
 from hullrecon.estimation.navigation_tables import (
     attitude_table,
@@ -115,7 +115,7 @@ def state_from_unknowns(state: State, unknowns: native.Unknowns, chosen: Selecti
 
 def _unknowns(m: Measurements, state: State, chosen: Selection) -> native.Unknowns:
     unknowns = native.Unknowns(
-        pose=np.hstack([state.nodes.translation, state.nodes.quaternion, state.tray[:, None]]),
+        pose=np.hstack([state.nodes.vectors(), state.tray[:, None]]),
         T_s_d=pose_vector(state.T_s_d),
         navigation=state.navigation.copy(),
     )
@@ -221,7 +221,7 @@ def _range_table(
     keep = chosen.returns
     table = native.RangeTable(
         node=returns.node[keep].astype(np.int32),
-        offset=np.hstack([returns.translation[keep], returns.quaternion[keep]]),
+        offset=Poses(returns.quaternion[keep], returns.translation[keep]).vectors(),
         tray_offset=returns.tray_offset[keep],
         beam=returns.beam[keep],
         measured=returns.range_m[keep],
@@ -241,7 +241,7 @@ def _field_nodes(grid: DeviationGrid, along_girth: Array) -> native.FieldNodes:
 def _hits(m: Measurements, returns: Returns, hull: HullState, state: State, chosen: Selection) -> Array:
     """Return where the beams meet the CAD model, (r, 3) in the problem's hull frame; the measured end where they miss."""
     used = from_arrays(Returns, {k: v[chosen.returns] for k, v in to_arrays(returns).items()})
-    points, direction = return_points(used, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
+    points, direction = beam_ends(used, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
     to_hull = pose_from_vector(pose_vector(_centred_pose(hull))).inverse()
     points, direction = to_hull.apply(points), to_hull.rotation.apply(direction)
     origin = points - direction * used.range_m[:, None]

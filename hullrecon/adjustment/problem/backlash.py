@@ -31,7 +31,7 @@ def estimate_sides(excess: Array, prior_direction: Array, flip_cost: float = 4.0
 
 
 def _two_levels(values: Array) -> tuple[float, float]:
-    """Centres of two clusters by k-means in one dimension, started at the quartiles."""
+    """Return the centres of two clusters by k-means in one dimension, started at the quartiles."""
     low, high = (float(q) for q in np.percentile(values, [25, 75]))
     for _ in range(20):
         upper = np.abs(values - high) < np.abs(values - low)
@@ -42,7 +42,7 @@ def _two_levels(values: Array) -> tuple[float, float]:
 
 
 def _viterbi(cost: Array, flip_cost: float) -> Ints:
-    """The path of two states (n, 2) of least cost, each change of state costing `flip_cost`."""
+    """Return the path of two states (n, 2) of least cost, each change of state costing `flip_cost`."""
     n = len(cost)
     best, back = cost[0].copy(), np.zeros((n, 2), np.int64)
     for i in range(1, n):

@@ -64,7 +64,7 @@ def prior_rows(grid: DeviationGrid, sigma: float, length: tuple[float, float]) -
 
 
 def _operator(shape: tuple[int, int], step: Array) -> sparse.csr_array:
-    """1 - Laplace on the grid, five points, mirrored at the edges."""
+    """Return 1 - Laplace on the grid, five points, mirrored at the edges."""
     along, girth = (_second_difference(n, float(h)) for n, h in zip(shape, step, strict=True))
     laplace = sparse.kron(along, sparse.eye_array(shape[1])) + sparse.kron(sparse.eye_array(shape[0]), girth)
     return sparse.csr_array(sparse.eye_array(shape[0] * shape[1]) - laplace)
@@ -78,7 +78,7 @@ def _second_difference(n: int, step: float) -> sparse.csr_array:
 
 
 def _interior_sigma(step: Array) -> float:
-    """Sigma in the middle of a grid of unit rows, wide enough that its edges are not felt."""
+    """Return the sigma in the middle of a grid of unit rows, wide enough that its edges are not felt."""
     shape = tuple(int(2 * np.ceil(8.0 / h)) + 1 for h in step)
     a = _operator((shape[0], shape[1]), step)
     unit = np.zeros(shape[0] * shape[1])

@@ -25,7 +25,7 @@ _FAR_SIGMAS = 3.0
 
 def prior_sigma(camera: CameraModel, options: AdjustOptions) -> Array:
     """Return sigmas (9,) of `NAMES`: pixels, then coefficients; the tangential ones are a tenth as free as the radial ones."""
-    radial, center = options.distortion_sigma, options.center_sigma
+    radial, center = options.distortion_sigma, options.center_sigma_px
     focal = options.focal_sigma * np.array([camera.fx, camera.fy])
     return np.asarray(np.r_[focal, center, center, radial, radial, 0.1 * radial, 0.1 * radial, radial])
 

@@ -25,7 +25,7 @@ STEP = ("cost", "cost_change", "step_norm", "gradient_norm", "radius", "accepted
 COUNTS = ("on_surface", "label_changes", "rays_missed")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Round:
     """One solve. weights: those that it used; depth_sigma_m: their sigma of a depth (NaN without depths); began_s: when it
     began, seconds since the adjustment did."""
@@ -82,7 +82,7 @@ def summarise_rounds(rounds: Sequence[Round]) -> list[dict[str, Any]]:
 
 
 def _sigmas(done: Round) -> dict[str, float]:
-    """What the round's cost is whitened with."""
+    """Return what the round's cost is whitened with."""
     w = done.weights
     return {
         "pixel_sigma_px": w.pixel,

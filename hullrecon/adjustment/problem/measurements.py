@@ -33,7 +33,7 @@ class CadModel:
     contradicted: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Measurements:
     """All that enters the adjustment. tracks None: no camera; CAD model None: no CAD; start None: dead reckoning is the path to
     begin with; planes: what ties passes where there is no CAD model; positions: from outside, None where there are none."""
@@ -50,7 +50,7 @@ class Measurements:
     positions: PositionTies | None = None
 
 
-def return_points(returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, T_s_d: Poses) -> tuple[Array, Array]:
+def beam_ends(returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, T_s_d: Poses) -> tuple[Array, Array]:
     """Return the ends of the DVL's beams in g, (m, 3), and their unit directions in g, (m, 3)."""
     rig = SensorRig(tray_origin=tray_origin, pressure_origin=np.zeros(3), tray_from_dvl=T_s_d)
     ends = rig.dvl_points(returns, VehiclePath(poses=nodes, tray=tray_angle))

@@ -63,7 +63,7 @@ def rays_in_global(pixels: Array, node: Ints, camera: CameraModel, pose: Poses) 
 
 
 def _ray_spread(mean_ray: Array, count: Array) -> Array:
-    """Twice the angle whose cosine is the length of the mean ray: the full angle for two rays, its scale for more."""
+    """Return twice the angle whose cosine is the length of the mean ray: the full angle for two rays, its scale for more."""
     length = np.linalg.norm(mean_ray, axis=1) / np.maximum(count, 1)
     return np.asarray(2 * np.arccos(np.clip(length, -1, 1)))
 

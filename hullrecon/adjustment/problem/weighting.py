@@ -50,7 +50,7 @@ def estimate_weights(m: Measurements, state: State, chosen: Selection, weights: 
     """Return sigmas from the residuals, and sides of the tray's backlash from the adjusted angles."""
     if options.as_published or m.tracks is None:
         return weights
-    pixel, pixel_ratio = estimate_pixel_sigmas(m, state, chosen, weights, options.least_pixel_sigma)
+    pixel, pixel_ratio = estimate_pixel_sigmas(m, state, chosen, weights, options.min_sigma_px)
     side = backlash.estimate_sides(m.trajectory.tray - state.tray, weights.tray_direction)
     excess = (m.trajectory.tray - state.tray - state.navigation[5] * side)[m.attitude.tray_sigma == 0]
     read = robust_sigma(excess) if len(excess) else m.rig.tray_sigma

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.tracks import Tracks
 from hullrecon.typing import Array, Ints, Mask
@@ -22,7 +23,7 @@ from hullrecon.typing import Array, Ints, Mask
 TOP, BOTTOM = 1, 2  # camera ids; the rig has id 1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SparseModel:
     """hull_from_top: T_M_ct at the nodes (T_g_ct without a CAD model); T_ct_cb None for a mono rig. position (L, 3), NaN where
     a landmark is not in the model. top, bottom (m,) bool: observations that entered. stamps (n, 2): ns by camera, -1 for
@@ -115,7 +116,7 @@ def _observations(model: SparseModel) -> _Seen:
 
 
 def _add_images(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
-    """One frame a node that has an image; an image without observations is kept: its pose is known all the same."""
+    """Add a frame for each node that has an image; an image without observations is kept: its pose is known all the same."""
     import pycolmap
 
     for node in np.flatnonzero((model.stamps >= 0).any(1)):
@@ -128,7 +129,7 @@ def _add_images(reconstruction: Any, model: SparseModel, seen: _Seen) -> None:
         reconstruction.add_frame(frame)
         for image_id, camera_id, stamp in ids:
             rows = slice(*np.searchsorted(seen.image, [image_id, image_id + 1]))
-            name = f"camera_{'top' if camera_id == TOP else 'bottom'}/{stamp}.jpg"
+            name = f"{(Camera.TOP if camera_id == TOP else Camera.BOTTOM).key}/{stamp}.jpg"
             image = pycolmap.Image(name=name, keypoints=seen.pixel[rows], camera_id=camera_id, image_id=image_id)
             image.frame_id = int(node) + 1
             reconstruction.add_image(image)

@@ -45,7 +45,7 @@ def points_in_hull(point: Array, point_hull: Array, hull: Array, position: Array
 
 
 def _propagate(by_own: Array, by_hull: Array, own: Array, cross: Array, hull: Array) -> Array:
-    """J_own S_own J_own^T + J_own S_cross J_hull^T + its transpose + J_hull S_hull J_hull^T, symmetrised."""
+    """Return J_own S_own J_own^T + J_own S_cross J_hull^T + its transpose + J_hull S_hull J_hull^T, symmetrised."""
     mixed = by_own @ cross @ by_hull.transpose(0, 2, 1)
     total = (
         by_own @ own @ by_own.transpose(0, 2, 1)

@@ -42,7 +42,7 @@ class Outcome:
 
 def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> Outcome:
     """Return all that the step writes. m: as measured, its rig as calibrated."""
-    settings = native.Options(method=options.method, sigma_on=options.sigma_on, sigma_off=options.sigma_off)
+    settings = native.Options(method=options.method, sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m)
     marginals = marginal_covariances(m, adjusted, options, settings)
     solution = build_solution(m, adjusted, marginals)
     hull = adjusted.state.hull

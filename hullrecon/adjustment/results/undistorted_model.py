@@ -31,7 +31,7 @@ class ImageNames:
     camera_id: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class UndistortedModel:
     """Hold the pinhole model. undistortions: by camera id; images: in the order of their frames; lost_observations: how many
     observations of the delivered model lie outside the smaller images."""
@@ -76,7 +76,7 @@ def undistort_model(folder: Path) -> UndistortedModel:
     _add_points(reconstruction, delivered, seen)
     reconstruction.update_point_3d_errors()
     lost = delivered.compute_num_observations() - len(seen.image)
-    return UndistortedModel(reconstruction, undistortions, images, lost)
+    return UndistortedModel(reconstruction=reconstruction, undistortions=undistortions, images=images, lost_observations=lost)
 
 
 def camera_of(camera: pycolmap.Camera) -> CameraModel:

@@ -45,7 +45,7 @@ def run_fleet(
     packages_for(here, out)  # a wrong folder is said before anything is written
     with _lock(out):
         records = FleetRecords(out)
-        memory = _Memory(records, out, terms, on_failure)
+        memory = _Memory(records=records, runs=out, terms=terms, on_failure=on_failure)
         planned, skipped = plan_fleet(here, out, records, retry=retry, terms=terms)
         records.forget_all_but(here, [dive.package for dive in planned])
         to_do = {dive.package: dive for dive in planned if dive.to_do}
@@ -159,7 +159,7 @@ def _dive(
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Memory:
     """Where it is noted how a dive stands, under which terms it was run, and who is told of a failure."""
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a fleet ends with: each dive's state, and all as a document for other programs (docs/schemas/fleet.schema.json)."""
+"""What a fleet ends with: each dive's state, and all as a document for programs (report/schemas/fleet.schema.json)."""
 
 from __future__ import annotations
 

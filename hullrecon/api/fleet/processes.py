@@ -45,7 +45,7 @@ class Ended:
     timed_out: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Running(Generic[Key]):
     key: Key
     process: subprocess.Popen[bytes]
@@ -100,7 +100,7 @@ def _start(key: Key, arguments: Sequence[str], scratch: Path) -> _Running[Key]:
     errors = tempfile.TemporaryFile(dir=scratch)  # noqa: SIM115
     command = [*PROGRAM, str(os.getpid()), "--quiet", "--json", *arguments]
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output, stderr=errors)
-    return _Running(key, process, output, errors, time.monotonic())
+    return _Running(key=key, process=process, output=output, errors=errors, started=time.monotonic())
 
 
 def _end_of(run: _Running[Key]) -> Ended:

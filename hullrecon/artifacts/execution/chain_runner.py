@@ -77,12 +77,12 @@ def _run_all(
     for stage in chain.stages:
         if stage.name in skipped:
             log.info("%s: skipped: %s", stage.name, skipped[stage.name])
-            done.append(StepOutcome(StepStatus(stage, "skipped", (skipped[stage.name],)), False, None))
+            done.append(StepOutcome(StepStatus(stage=stage, state="skipped", reasons=(skipped[stage.name],)), False, None))
             continue
         lost = next((name for name in stage.inputs if name in failures), None)
         if lost is not None:
             failures[stage.name] = f"it needs {lost}, which failed: {failures[lost]}"
-            done.append(StepOutcome(StepStatus(stage, "skipped", (failures[stage.name],)), False, None))
+            done.append(StepOutcome(StepStatus(stage=stage, state="skipped", reasons=(failures[stage.name],)), False, None))
             continue
         inputs = inputs_of(stage, chain, workspace, {**skipped, **failures})
         job = make_job(stage, chain.sections, inputs, chain.package, run_context.hashes, failures)

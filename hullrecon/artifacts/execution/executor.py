@@ -101,7 +101,7 @@ def one_thread_each() -> Iterator[None]:
 
 
 def _prepare_worker() -> None:
-    """Ctrl-C is the parent's business; a worker whose parent was killed ends too."""
+    """Leave Ctrl-C to the parent, and end a worker whose parent was killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     threading.Thread(target=_end_with_parent, daemon=True).start()

@@ -118,7 +118,7 @@ def _call(stage: Stage, context: StageContext, building: Path) -> JsonTable:
 
 
 def _take_back_sigterm() -> None:
-    """pycolmap takes SIGTERM when it is imported and ends the process with a dump: Python's handler comes back here."""
+    """Restore Python's handler of SIGTERM: pycolmap takes it when it is imported, and ends the process with a dump."""
     handler = signal.getsignal(signal.SIGTERM)
     if handler is not None and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, handler)

@@ -17,7 +17,7 @@ from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.artifacts.storage.manifest import Recipe
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Job:
     """One stage with all that it works on. source: the package's folder. recipe: what decides the result."""
 
@@ -38,4 +38,10 @@ def make_job(
     """
     settings = settings_for(stage, sections)
     own = {name: failures[name] for name in stage.optional if name in failures}
-    return Job(stage, settings, inputs, source, make_recipe(stage, settings, inputs, source, hashes, own))
+    return Job(
+        stage=stage,
+        settings=settings,
+        inputs=inputs,
+        source=source,
+        recipe=make_recipe(stage, settings, inputs, source, hashes, own),
+    )

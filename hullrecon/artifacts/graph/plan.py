@@ -21,7 +21,7 @@ from hullrecon.artifacts.storage.workspace import Workspace, damaged_files
 State = Literal["up to date", "not run yet", "out of date", "damaged", "skipped"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StepStatus:
     """The status of one step. reasons: sentences, empty when up to date. manifest: that of the present artifact, if
     readable."""
@@ -46,7 +46,7 @@ def assess_chain(chain: Chain, workspace: Workspace, hashes: HashCache) -> list[
     found: list[StepStatus] = []
     for stage in chain.stages:
         if stage.name in skipped:
-            found.append(StepStatus(stage, "skipped", (skipped[stage.name],)))
+            found.append(StepStatus(stage=stage, state="skipped", reasons=(skipped[stage.name],)))
             continue
         inputs = inputs_of(stage, chain, workspace, skipped)
         waiting = [s.stage.name for s in found if s.to_do and s.stage.name in inputs]
@@ -71,11 +71,11 @@ def assess_step(job: Job, workspace: Workspace, hashes: HashCache) -> StepStatus
     try:
         manifest = workspace.manifest(stage.name)
     except DamagedArtifactError as error:
-        return StepStatus(stage, "damaged", (str(error),))
+        return StepStatus(stage=stage, state="damaged", reasons=(str(error),))
     if manifest is None:
-        return StepStatus(stage, "not run yet", ())
+        return StepStatus(stage=stage, state="not run yet", reasons=())
     harmed = damaged_files(workspace.artifact(stage.name), manifest, hashes)
     if harmed:
-        return StepStatus(stage, "damaged", tuple(harmed), manifest)
+        return StepStatus(stage=stage, state="damaged", reasons=tuple(harmed), manifest=manifest)
     changed = differences(manifest.recipe, job.recipe)
-    return StepStatus(stage, "out of date" if changed else "up to date", tuple(changed), manifest)
+    return StepStatus(stage=stage, state="out of date" if changed else "up to date", reasons=tuple(changed), manifest=manifest)

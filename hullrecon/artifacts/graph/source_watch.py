@@ -21,7 +21,7 @@ class SourceWatch:
     """Keeps what each file was when a step of this run read it."""
 
     def __init__(self, hashes: HashCache, package: Path, read_before: Mapping[str, FileRecord] | None = None) -> None:
-        """read_before: files of the package that were read before the first step, by their path relative to it."""
+        """Watch a package. read_before: files of it that were read before the first step, by their path relative to it."""
         self._hashes, self._package = hashes, package
         self._read: dict[str, FileRecord] = dict(read_before or {})
 

@@ -70,7 +70,7 @@ def _verb(before: bool, after: bool) -> str:
 
 
 def _as_text(value: object) -> str:
-    """A whole section as the word for it; else as in JSON."""
+    """Return a whole section as the word for it, any other value as in JSON."""
     if value is _ABSENT or value is None:
         return "none"
     return "a section" if isinstance(value, dict) else json.dumps(value, ensure_ascii=False)

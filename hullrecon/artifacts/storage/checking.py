@@ -15,7 +15,7 @@ from hullrecon.artifacts.storage.manifest import Manifest
 from hullrecon.artifacts.storage.workspace import Workspace, damaged_files
 
 
-@dataclass
+@dataclass(kw_only=True)
 class WorkspaceCheck:
     """artifacts and files looked at, and a sentence for each that is not as it was written."""
 

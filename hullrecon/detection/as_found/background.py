@@ -73,7 +73,7 @@ def median_background(feet: Array, offset: Array, width_m: float) -> Background:
 
 
 def _cell_medians(cell: Ints, at: Array, value: Array) -> tuple[Array, Array]:
-    """Mean place and median value in each cell, in the cells' order."""
+    """Return the mean place and the median value in each cell, in the cells' order."""
     _, number = np.unique(cell, axis=0, return_inverse=True)
     number = number.reshape(-1)
     order = np.lexsort((value, number))
@@ -86,7 +86,7 @@ def _cell_medians(cell: Ints, at: Array, value: Array) -> tuple[Array, Array]:
 
 
 def _robust_error(values: Array) -> float:
-    """One sigma of the median of these values."""
+    """Return one sigma of the median of these values."""
     if len(values) < 2:
         return UNKNOWN_SIGMA_M
     return float(robust_sigma(values) * MEDIAN_OVER_MEAN / np.sqrt(len(values)))

@@ -53,14 +53,14 @@ def fuse_shapes(views: CameraViews, features: Array, deviation: Array, vertices:
 
 
 def _near(vertices: Array, features: Array, reach_m: float) -> Ints:
-    """Vertices near enough to any feature off the hull to be moved."""
+    """Return the vertices near enough to any feature off the hull to be moved."""
     if not len(features):
         return np.zeros(0, np.int64)
     return np.flatnonzero(np.isfinite(nearest(features, vertices, 1, reach_m)[0][:, 0]))
 
 
 def _intersections(shapes: list[Mesh], vertices: Array) -> Array:
-    """Where the rays from the camera to vertices (n, 3), both in its frame, meet the nearest shape; NaN where none does."""
+    """Find where the rays from the camera to vertices (n, 3), both in its frame, meet the nearest shape; NaN: nowhere."""
     if not shapes:
         return np.full(vertices.shape, np.nan)
     start = np.cumsum([0, *(len(s.vertices) for s in shapes)])

@@ -99,7 +99,7 @@ def estimate_hull_as_found(
 
 
 def _sagitta_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
-    """The sagitta of the base's face under each of those vertices, 0 elsewhere."""
+    """Return the sagitta of the base's face under each of those vertices, 0 elsewhere."""
     out = np.zeros(len(mesh.vertices))
     if which.any():
         out[which] = facet_sagitta(base)[Scene(base).closest(mesh.vertices[which]).face]
@@ -107,7 +107,7 @@ def _sagitta_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
 
 
 def _near_structures(mesh: Mesh, height: Array, options: DetectOptions) -> Mask:
-    """Vertices on structures and where these may hide the hull from a camera."""
+    """Mark the vertices on structures and where these may hide the hull from a camera."""
     off = np.abs(height) >= options.min_offset_m
     if not off.any():
         return off

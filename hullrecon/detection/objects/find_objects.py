@@ -11,9 +11,9 @@ import numpy as np
 from hullrecon.detection.as_found.hull_as_found import HullAsFound
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
 from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.detection.hull_position import MIDDLE_SHARE, hull_position
 from hullrecon.detection.objects.open_edge import find_open_edge
 from hullrecon.detection.objects.outline import outline
-from hullrecon.detection.objects.position import MIDDLE_SHARE, object_position
 from hullrecon.detection.objects.regions import TOP_M2, Region, find_regions, weighted_quantile
 from hullrecon.detection.objects.significance import height_sigma, p_value, relief_left, roughness
 from hullrecon.detection.objects.size import hidden_extent, measure_size
@@ -81,8 +81,7 @@ class _Landmarks:
 
     def on(self, found: HullAsFound, region: Region, vertices: Ints) -> tuple[Mask, Array, Array]:
         """Return those near these vertices of a region: whether each stands off the hull as the region does (n,), its height
-        over the
-        surface there (n,), and its own sigma (n,), m."""
+        over the surface there (n,), and its own sigma (n,), m."""
         at = found.base.vertices[vertices]
         near = self.around.ball(at, NEAR_M)
         distance, row = nearest(at, self.measured.foot[near], 1, NEAR_M)
@@ -98,6 +97,11 @@ class _Landmarks:
         on = near[np.isfinite(nearest(at, self.measured.foot[near], 1, NEAR_M)[0][:, 0])]
         return self.measured.covariance[on[self.on(found, region, region.core)[0]]]
 
+    def nearest_covariance(self, point: Array) -> Array:
+        """Return that (1, 3, 3) of the landmark nearest to a point (3,)."""
+        row = int(np.argmin(np.linalg.norm(self.measured.foot - point, axis=1)))
+        return self.measured.covariance[row : row + 1]
+
 
 @dataclass(frozen=True, kw_only=True)
 class UnreportedRegion:
@@ -105,10 +109,15 @@ class UnreportedRegion:
 
     center: list[float]
     height: float
+    height_sigma: float
     reason: str
+    position: dict[str, object]
 
     def as_json(self) -> dict[str, object]:
-        return asdict(self)
+        """Return a row of `not_reported` in detect.json, the position's members beside the others."""
+        row = asdict(self)
+        del row["position"]
+        return row | self.position
 
 
 def find_objects(
@@ -132,14 +141,25 @@ def find_objects(
         evidence = _collect_evidence(found, region, area, rough, landmarks, _seen_by(found, region, views, scene))
         reason = _rejection_reason(found, evidence, area, _supporting_landmarks(found, region, landmarks), options)
         if reason:
-            rejected.append(
-                UnreportedRegion(
-                    center=_round(found.mesh.vertices[evidence.center]), height=round(region.height, 5), reason=reason
-                )
-            )
+            rejected.append(_unreported(found, evidence, area, base, landmarks, reason))
         else:
             objects.append(_object(found, evidence, area, around, views, base, landmarks))
     return objects, rejected
+
+
+def _unreported(
+    found: HullAsFound, evidence: _RegionEvidence, area: Array, base: BaseSurface, landmarks: _Landmarks, reason: str
+) -> UnreportedRegion:
+    region, center = evidence.region, found.mesh.vertices[evidence.center]
+    covariances = landmarks.covariances(found, region)
+    if not len(covariances):
+        covariances = landmarks.nearest_covariance(center)
+    middle_sigma = MIDDLE_SHARE * float(np.sqrt(area[region.foot].sum()))
+    position = hull_position(center, found.normal[evidence.center], covariances, evidence.sigma, middle_sigma, base)
+    return UnreportedRegion(
+        center=_round(center), height=round(region.height, 5), height_sigma=round(evidence.sigma, 5), reason=reason,
+        position=position.as_json(base),
+    )  # fmt: skip
 
 
 def _collect_evidence(
@@ -159,7 +179,7 @@ def _collect_evidence(
 def _rejection_reason(
     found: HullAsFound, evidence: _RegionEvidence, area: Array, supporting: tuple[int, float], options: DetectOptions
 ) -> str:
-    """Why the region is not an object, or nothing. supporting: landmarks that agree, and their share."""
+    """Return why the region is not an object, or nothing. supporting: landmarks that agree, and their share."""
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
     shapes = int(np.percentile(found.shapes[region.core], 75))
     core = float(area[region.core].sum())
@@ -176,20 +196,20 @@ def _rejection_reason(
 
 
 def _supporting_landmarks(found: HullAsFound, region: Region, landmarks: _Landmarks) -> tuple[int, float]:
-    """Landmarks on the core that stand off as it does, and their share of all landmarks there."""
+    """Return the landmarks on the core that stand off as it does, and their share of all landmarks there."""
     stands, _, _ = landmarks.on(found, region, region.core)
     return int(stands.sum()), float(stands.mean()) if len(stands) else 0.0
 
 
 def _center(found: HullAsFound, region: Region, area: Array) -> int:
-    """The vertex on the visible surface nearest to the middle of the highest part."""
+    """Return the vertex on the visible surface nearest to the middle of the highest part."""
     top = _top_rows(found, region)
     middle = np.average(found.base.vertices[top], axis=0, weights=np.maximum(area[top], 1e-12))
     return int(top[np.argmin(np.linalg.norm(found.base.vertices[top] - middle, axis=1))])
 
 
 def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scene) -> Ints:
-    """CameraViews that saw more than half of the top, the best (nearest to the image's middle) first."""
+    """Return the camera views that saw more than half of the top, the best (nearest to the image's middle) first."""
     top = _top_rows(found, region)
     middle = views.T_x_c.inverse().apply(found.mesh.vertices[top].mean(axis=0)[None])
     offset = np.hypot(middle[:, 0], middle[:, 1]) / np.maximum(middle[:, 2], 1e-6)
@@ -204,7 +224,7 @@ def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scen
 
 
 def _top_rows(found: HullAsFound, region: Region) -> Ints:
-    """Vertices of the core above four fifths of the height."""
+    """Return the vertices of the core above four fifths of the height."""
     above = region.side * (found.height[region.core] - region.level)
     top = region.core[above >= 0.8 * abs(region.height)]
     return top if len(top) else region.core
@@ -230,7 +250,7 @@ def _object(
         MIDDLE_SHARE * max(size.extent), 0.5 * hidden_extent(found, region, open_edge, normal, base.chart).max()
     )
     center = _top(found, region, evidence.center)
-    position = object_position(center, normal, landmarks.covariances(found, region), evidence.sigma, float(middle_sigma), base)
+    position = hull_position(center, normal, landmarks.covariances(found, region), evidence.sigma, float(middle_sigma), base)
     return HullObject(
         center=_round(center),
         normal=_round(normal),
@@ -249,7 +269,7 @@ def _object(
 
 
 def _top(found: HullAsFound, region: Region, center: int) -> Array:
-    """The center's foot on the base, lifted to the region's height."""
+    """Return the center's foot on the base, lifted to the region's height."""
     lift = found.hull[center] + region.level + region.height
     return np.asarray(found.base.vertices[center] + found.normal[center] * lift)
 

@@ -83,13 +83,13 @@ def _heights(
 
 
 def _terms(a: Array, b: Array) -> Array:
-    """(n, k, 6) terms of the polynomial at a, b (n, k) m from the vertex: height, slopes, second order."""
+    """Return the (n, k, 6) terms of the polynomial at a, b (n, k) m from the vertex: height, slopes, second order."""
     return np.stack([np.ones_like(a), a, b, a * a, a * b, b * b], axis=2)
 
 
 def _error(terms: Array, h: Array, fit: Array, weight: Array, sigma: Array, variance: Array) -> Array:
-    """One sigma of the heights (n,): of a landmark, by its own word or by the scatter if that is larger, over the root of how
-    many count, times the leverage of the polynomial against a mean."""
+    """Return one sigma of the heights (n,): of a landmark, by its own word or by the scatter if that is larger, over the
+    root of how many count, times the leverage of the polynomial against a mean."""
     total = weight.sum(axis=1) + 1e-12
     scatter = np.einsum("nk,nk->n", weight, (h - np.einsum("nkj,nj->nk", terms, fit)) ** 2) / total
     claimed = np.einsum("nk,nk->n", weight, sigma**2) / total
@@ -99,8 +99,8 @@ def _error(terms: Array, h: Array, fit: Array, weight: Array, sigma: Array, vari
 
 
 def _solve(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array, Array]:
-    """Coefficients (n, 6) of the terms by weighted least squares with priors, and the height's variance (n,); as before where
-    nothing weighs."""
+    """Return the coefficients (n, 6) of the terms by weighted least squares with priors, and the height's variance (n,); as
+    before where nothing weighs."""
     normal_matrix = np.einsum("nki,nk,nkj->nij", terms, weight, terms, optimize=True)
     normal_matrix[:, [1, 2], [1, 2]] += 1 / SLOPE_SIGMA**2
     normal_matrix[:, [3, 4, 5], [3, 4, 5]] += 1 / BEND_SIGMA**2
@@ -114,7 +114,7 @@ def _solve(terms: Array, h: Array, weight: Array, before: Array) -> tuple[Array,
 
 
 def _median(values: Array) -> Array:
-    """Median along the rows, NaN left out; NaN where all are."""
+    """Return the median along the rows, NaN left out; NaN where all are."""
     ranked = np.sort(values, axis=1)
     count = np.isfinite(values).sum(axis=1)
     rows = np.arange(len(values))
@@ -123,7 +123,7 @@ def _median(values: Array) -> Array:
 
 
 def _tangents(normal: Array) -> tuple[Array, Array]:
-    """Two unit vectors (n, 3) each, square to the normals and to each other."""
+    """Return two unit vectors (n, 3) each, square to the normals and to each other."""
     helper = np.where(np.abs(normal[:, :1]) < 0.7, np.array([[1.0, 0, 0]]), np.array([[0, 1.0, 0]]))
     east = np.cross(helper, normal)
     east /= np.maximum(np.linalg.norm(east, axis=1, keepdims=True), 1e-12)

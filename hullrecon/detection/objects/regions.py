@@ -65,7 +65,7 @@ def find_regions(found: HullAsFound, options: DetectOptions) -> list[Region]:
 
 
 def _seeds(relief: _Relief, side: float) -> Iterator[tuple[Ints, Ints]]:
-    """Vertices of each evidence on that side, and those of its neighbours that were parted from it."""
+    """Return the vertices of each evidence on that side, and those of its neighbours that were parted from it."""
     for cluster in relief.clusters(np.flatnonzero(relief.off & (side * relief.found.height > 0))):
         parts = _split_at_saddles(relief, cluster, side)
         for k, seed in enumerate(parts):
@@ -74,7 +74,7 @@ def _seeds(relief: _Relief, side: float) -> Iterator[tuple[Ints, Ints]]:
 
 
 def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
-    """A cluster, or its parts: two peaks are two structures when the saddle between them is lower than half of either.
+    """Return a cluster, or its parts: two peaks are two structures when the saddle between them is lower than half of either.
     Smoothing bridges the hull between neighbours, so that clusters at the threshold may hold both."""
     height, vertices = side * relief.found.height[rows], relief.found.base.vertices
     level = SADDLE_STEP * relief.options.min_offset_m
@@ -89,14 +89,14 @@ def _split_at_saddles(relief: _Relief, rows: Ints, side: float) -> list[Ints]:
 
 
 def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
-    """Wide enough to be told from noise, and twice as high as the level that cuts it off."""
+    """Tell whether it is wide enough to be told from noise, and twice as high as the level that cuts it off."""
     area = relief.area[rows]
     wide = area.sum() >= SPECK * relief.options.min_area_m2
     return bool(wide and _height_of_top(side * relief.found.height[rows], area, TOP_M2) >= 2 * level)
 
 
 def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region | None:
-    """None when no hull was measured around it to count the height from. foreign: vertices of its neighbours."""
+    """Return the region, None where no hull was measured around it to count from. foreign: its neighbours' vertices."""
     found, area, base = relief.found, relief.area, relief.found.base.vertices
     width = float(np.clip(0.5 * np.sqrt(area[seed].sum()), 0.08, 0.25))
     near = relief.around.ball(base[seed], RING_GAP_M + width)
@@ -118,7 +118,7 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
 
 
 def _height_of_top(height: Array, area: Array, top_m2: float) -> float:
-    """The height that so much of the area reaches, half of it at most."""
+    """Return the height that so much of the area reaches, half of it at most."""
     return weighted_quantile(height, area, 1 - min(0.5, top_m2 / area.sum()))
 
 

@@ -61,7 +61,7 @@ def hidden_extent(found: HullAsFound, region: Region, open_edge: OpenEdge, norma
 
 
 def _extent(points: Array, middle_of: Array, normal: Array, chart: Chart) -> Array:
-    """Size (2,) along the hull and around the girth, in the tangent plane at the middle of those points."""
+    """Return the size (2,) along the hull and around the girth, in the tangent plane at the middle of those points."""
     middle = middle_of.mean(axis=0)
     at = chart.to_chart(middle[None])[0, :2]
     ends, _ = chart.from_chart(at + np.array([[-0.05, 0], [0.05, 0]]))

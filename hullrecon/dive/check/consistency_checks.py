@@ -20,6 +20,7 @@ from hullrecon.typing import Ints
 ABOVE_WATER_M = 0.5  # a return that far above the surface is not of the hull under water
 MUCH = 0.05  # share of returns above water
 APART_DEG = 50.0  # between where a camera and the DVL look
+SAME_DEG = 5.0  # between two statements on how one sensor sits
 SLOW = 0.02  # m/s; below, depth's rate says nothing about the DVL
 
 
@@ -44,6 +45,23 @@ def describe_start_offset(records: SensorRecords, images: Mapping[str, ImageInde
     seconds = (int(top.t_ns[0]) - int(records.dvl.t_ns[0])) / NS
     side = "after" if seconds >= 0 else "before"
     return [f"the first camera image is {abs(seconds):.1f} s {side} the first DVL ping"]
+
+
+def check_mount_of_attitude(config: DiveConfig, tray: JointSamples | None) -> list[str]:
+    """Return a sentence where imu.mount_deg and dvl.mount place the DVL's axes differently, on a tray that does not turn.
+
+    For a dive whose attitude is that of the DVL's own sensors: both keys are of one instrument.
+    """
+    if config.imu.mount_deg is None or tray is not None:
+        return []
+    by_imu = Rotation.from_euler("ZYX", config.imu.mount_deg[::-1], degrees=True)
+    apart = float(np.degrees((by_imu.inv() * from_mount(config.dvl.mount).rotation).magnitude().max()))
+    if apart <= SAME_DEG:
+        return []
+    return [
+        f"imu.mount_deg and dvl.mount turn the DVL's axes {apart:.0f} degrees apart, and both say how the one DVL sits in the "
+        "vehicle: is one of them wrong?"
+    ]
 
 
 def _check_clocks(streams: Mapping[str, Stream]) -> list[str]:

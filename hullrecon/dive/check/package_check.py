@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 from msgspec import Struct
 
-from hullrecon.dive.check.consistency_checks import check_consistency, describe_start_offset
+from hullrecon.dive.check.consistency_checks import check_consistency, check_mount_of_attitude, describe_start_offset
 from hullrecon.dive.check.messages import Stream
 from hullrecon.dive.check.sampled_images import SampledImages
 from hullrecon.dive.check.to_fill_in import to_fill_in
@@ -26,7 +26,7 @@ from hullrecon.dive.logs.timeline import rate_hz
 from hullrecon.dive.package_files import logo_of
 from hullrecon.dive.problems import Problems
 from hullrecon.geometry.frames import Camera
-from hullrecon.records.sensors import DvlPings
+from hullrecon.records.sensors import DvlPings, ImageIndex
 
 VEHICLE_SECTIONS = ("tray", "imu", "pressure", "dvl", *(camera.section for camera in Camera), "sonar", "hull")
 
@@ -66,9 +66,9 @@ class PackageCheck:
         if self.reasons:
             return f"not ready: {'; '.join(self.reasons)}"
         keys = ", ".join(line.split(": ")[1] for line in self.to_fill_in)
-        remaining = [f"{len(self.warnings)} suspicious above"] if self.warnings else []
+        remaining = [f"{len(self.warnings)} above"] if self.warnings else []
         remaining += [f"to fill in: {keys}"] if keys else []
-        return f"ready, with doubts ({'; '.join(remaining)})" if remaining else "ready"
+        return f"ready, with warnings ({'; '.join(remaining)})" if remaining else "ready"
 
     def lines(self) -> list[str]:
         """Return the report, a sentence a line."""
@@ -80,7 +80,7 @@ class PackageCheck:
             *(f"missing: {file}" for file in self.missing_files), *(f"not usable: {line}" for line in self.unusable),
             *(f"lost: {line}" for line in findings["lost"]), *(f"note: {line}" for line in findings["remarks"]),
             *(f"note: {line}" for line in self.found.unused), *self.missing,
-            *self.to_fill_in, *(f"suspicious: {line}" for line in self.warnings), f"defaults used: {defaults}",
+            *self.to_fill_in, *(f"warning: {line}" for line in self.warnings), f"defaults used: {defaults}",
             f"verdict: {self.verdict}",
         ]  # fmt: skip
 
@@ -91,7 +91,7 @@ class PackageCheck:
             "name": self.name, "vessel": self.vessel,
             "streams": {name: _describe_stream(stream) for name, stream in streams.items() if len(stream.t_ns)},
             **self.found.findings(), "missing_files": self.missing_files, "unusable": self.unusable, "missing": self.missing,
-            "to_fill_in": self.to_fill_in, "suspicious": self.warnings, "topics": self.found.counts,
+            "to_fill_in": self.to_fill_in, "warnings": self.warnings, "topics": self.found.counts,
             "unused": self.found.unused,
             "offset": describe_start_offset(self.found.records, self.found.images), "defaults": self.defaults,
             "run_is_possible": self.run_is_possible, "verdict": self.verdict,
@@ -121,12 +121,13 @@ def check_package(
         vessel=loaded.config.dive.vessel,
         found=found,
         missing_files=missing_files,
-        unusable=[*(error.line() for error in problems.found), *_lost_velocities(found.records.dvl)],
-        needs=[*needs(known), *_images_not_logged(loaded.config, known)],
+        unusable=[*_lost_velocities(found.records.dvl, found.images), *(error.line() for error in problems.found)],
+        needs=[*needs(known, found.unread_dvls), *_images_not_logged(loaded.config, known)],
         missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
         to_fill_in=to_fill_in(loaded, logged),
         warnings=[
             *check_consistency(loaded.config, found.records, found.images),
+            *(check_mount_of_attitude(loaded.config, found.records.tray) if found.attitude_is_dvls else []),
             *(check_images(loaded, found, sampled) if check_images is not None else []),
         ],
         defaults=defaults_of(loaded, with_positions="position" in logged | known),
@@ -141,11 +142,13 @@ def _images_not_logged(config: DiveConfig, known: Set[str]) -> list[str]:
     return [f"no image of camera.top was logged: {WITHOUT_CAMERAS}"]
 
 
-def _lost_velocities(dvl: DvlPings | None) -> list[str]:
+def _lost_velocities(dvl: DvlPings | None, images: Mapping[str, ImageIndex]) -> list[str]:
     """Return a sentence where a DVL measured no velocity at all: nothing could be reckoned from it."""
     if dvl is None or np.isfinite(dvl.velocity).any():
         return []
-    return [f"the DVL's {len(dvl.t_ns)} pings have no velocity over ground: log its bottom track, or leave topics.dvl away"]
+    stereo = all(camera.key in images for camera in Camera)
+    other = "leave the DVL away (topics.dvl, or its file in logs.files)" if stereo else "give two cameras instead"
+    return [f"the DVL's {len(dvl.t_ns)} pings have no velocity over ground: log its bottom track, or {other}"]
 
 
 def _leave_out_missing(package: Path, request: IngestRequest) -> tuple[IngestRequest, list[str]]:

@@ -29,7 +29,7 @@ Table = dict[str, object]  # of TOML, not yet decoded
 Kind = TypeVar("Kind")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LoadedConfig:
     """A decoded dive.toml. sections: structs by dotted name ("dvl", "camera.top", a step's name), None when absent; given: the
     dotted keys that the file or an override set, everything else is a default."""
@@ -72,7 +72,7 @@ def load_config(
     sections |= {"camera.top": config.camera.top, "camera.bottom": config.camera.bottom}
     sections |= {name: _decode(steps[name], kind, name, []) for name, kind in step_sections.items()}
     _check_whole(config)
-    return LoadedConfig(package, config, MappingProxyType(sections), given)
+    return LoadedConfig(package=package, config=config, sections=MappingProxyType(sections), given=given)
 
 
 def _read(package: Path) -> Table:
@@ -132,7 +132,7 @@ def _leaves(raw: Mapping[str, object], prefix: str = "") -> Iterator[str]:
 
 
 def _check_whole(config: DiveConfig) -> None:
-    """What no single field can say."""
+    """Check what no single field can say."""
     if config.camera.bottom is not None and config.camera.top is None:
         raise UsageError("[camera.bottom] without [camera.top]", where=FILE, remedy="a mono rig has camera.top only")
     files = [posixpath.normpath(name) for name in config.logs.files]
@@ -147,7 +147,7 @@ def _check_whole(config: DiveConfig) -> None:
 
 
 def _check_topics(topics: Topics) -> None:
-    """One topic is one sensor's, but poses and odometry may be the velocity, the attitude and the depth."""
+    """Check that a topic is one sensor's, but poses and odometry may be the velocity, the attitude and the depth."""
     sensors_of: dict[str, list[str]] = {}
     for sensor in topics.__struct_fields__:
         topic = getattr(topics, sensor)
@@ -161,7 +161,7 @@ def _check_topics(topics: Topics) -> None:
 
 
 def _check_tilt(dvl: Dvl) -> None:
-    """The angle of the beams needs their azimuths, and both stand in place of unit vectors."""
+    """Check that the angle of the beams comes with their azimuths, and both in place of unit vectors."""
     given = [name for name in ("beam_angle_deg", "beam_azimuth_deg") if getattr(dvl, name) is not None]
     if len(given) == 1:
         other = "beam_azimuth_deg" if given[0] == "beam_angle_deg" else "beam_angle_deg"

@@ -76,7 +76,8 @@ class Logs(Section, frozen=True):
 
 
 class Topics(Section, frozen=True):
-    """An absent topic: that sensor was not carried. With plain files the keys are ignored: the CSVs' names decide."""
+    """An absent topic: that sensor was not carried. Where no log but CSVs and files of one instrument is given, the keys are
+    ignored: these say themselves which sensor they are."""
 
     dvl: Topic = None
     imu: Topic = None

@@ -10,6 +10,7 @@ from typing import Literal
 
 LARGEST_PIXELS = 80_000_000  # decoded in colour a PNG takes six bytes for each (measured): 480 MB
 PNG, JPEG, RIFF = b"\x89PNG\r\n\x1a\n", b"\xff\xd8", b"RIFF"
+IMAGE_SUFFIXES = frozenset((".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff"))  # of files with one image
 OTHERS = ("BMP", "GIF", "JPEG2000", "PPM", "TIFF")
 FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}  # JPEG's markers that carry a size
 Size = tuple[int, int]

@@ -19,7 +19,6 @@ from hullrecon.records.serialisation import from_arrays
 from hullrecon.typing import Pixels
 
 CAMERAS = tuple(camera.key for camera in Camera)
-IMAGE_SUFFIXES = frozenset((".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff"))  # of files with one image
 LARGEST_BYTES = 4 * LARGEST_PIXELS  # of one image in a file, unpacked pixels with some room
 
 

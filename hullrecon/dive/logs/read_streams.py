@@ -28,7 +28,7 @@ MOST_DEFINITIONS = 16  # a topic: each is compiled anew
 SENSORS = tuple(TYPES)
 
 
-@dataclass
+@dataclass(kw_only=True)
 class LogContents:
     """What the logs held. samples and logged_ns by sensor ("dvl", ...; images go to their sinks); counts by topic; used: topics
     of which a message could be used; outside: samples that lie outside the time window; definitions: the channels by which a
@@ -58,21 +58,21 @@ def read_streams(
 ) -> LogContents:
     """Return what the logs hold, or what of it lies in the time window, read once.
 
-    topics: sensors by topic (a pose has attitude and depth); a sensor named there comes from that topic, not from a PD0 file or
-    a table beside the log. Only small samples are kept; of a sonar's ping what `keep_ping` returns. `watch` sees every message
-    pass (progress). Raises InputError for a topic of a type that is not read and for a log of which nothing is, unless
-    `problems` takes it.
+    topics: sensors by topic (a pose has attitude and depth); a sensor named there comes from that topic, not from a log beside
+    it that gives samples (tables, the file of one instrument). Only small samples are kept; of a sonar's ping what `keep_ping`
+    returns. `watch` sees every message pass (progress). Raises InputError for a topic of a type that is not read and for a log
+    of which nothing is, unless `problems` takes it.
     """
     out, problems = LogContents(), problems or Problems()
     refused: set[Channel] = set()
     for log in logs:
-        with problems.gather():
+        with problems.collect():
             for message in watch(log.messages()):
                 out.counts[message.channel] += 1
                 if message.channel in refused:
                     continue
                 count = len(problems.found)
-                with problems.gather():
+                with problems.collect():
                     _sort(message, topics, take_image, out, window, keep_ping)
                 if len(problems.found) > count:
                     refused.add(message.channel)
@@ -163,7 +163,7 @@ def _translate(message: Message, data: bytes, sensor: str, out: LogContents) -> 
 
 
 def _reason(topic: str, reason: str, out: LogContents) -> str:
-    """The reason, or a common one where a topic has too many: each damaged message may have one of its own."""
+    """Return the reason, or a common one where a topic has too many: each damaged message may have one of its own."""
     if (topic, reason) in out.undecoded or sum(t == topic for t, _ in out.undecoded) < MOST_REASONS:
         return reason
     return "for other reasons"

@@ -117,7 +117,7 @@ class PositionSample:
 
 
 def _require(holds: bool) -> None:
-    """A damaged definition gives fields of other shapes, which would fail far from here."""
+    """Refuse fields of other shapes: a damaged definition gives them, which would fail far from here."""
     if not holds:
         raise ValueError("its values are not of the shape of such a reading")
 

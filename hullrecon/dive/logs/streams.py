@@ -104,7 +104,7 @@ def imu_samples(
 
 
 def _mount_of_dvl(mount_deg: tuple[float, float, float] | None, remarks: list[str]) -> tuple[float, float, float]:
-    """The attitude of the frame `dvl` says nothing of the vehicle's without it."""
+    """Return it: the attitude of the frame `dvl` says nothing of the vehicle's without it."""
     if mount_deg is None:
         raise InputError(
             "the only attitude is that of the DVL's own sensors, and nothing says how the DVL sits in the vehicle",

@@ -17,7 +17,7 @@ from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
 from hullrecon.dive.logs.samples import DepthSample, ImuSample
 from hullrecon.dive.logs.timeline import NS, format_time
-from hullrecon.dive.logs.unused_topics import describe_unused
+from hullrecon.dive.logs.unused_topics import describe_unused, unread_dvls
 from hullrecon.geometry.frames import Camera
 
 NAMED = {
@@ -29,12 +29,14 @@ UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "c
 COMPRESSED = "/compressed"
 DIFFERENTIAL, LOWEST_ABSOLUTE_PA = ("diff", "gauge", "relative"), 80e3  # the lowest air pressure at any sea is 87 kPa
 WITHOUT_CAMERAS = "take [camera.top] and [camera.bottom] out of dive.toml (a lone camera is the top one)"
+A_RUN_NEEDS = "a run needs a DVL with an IMU, or two cameras"
+MOST_SAID = 2  # sentences of a reader in one line
 UNIT = 0.05  # how far the length of an attitude's quaternion may be off 1
 MOST_FRAME_MESSAGES = 64
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
 
 
-@dataclass
+@dataclass(kw_only=True)
 class TopicNote:
     """One topic. first: its first message, decoded, or the sample; None where it does not decode. frames: the messages of
     tf_static, of which there may be many with a part each."""
@@ -53,7 +55,7 @@ class TopicNote:
         return f"{self.channel.topic}: {many}{pace}, {self.channel.type}"
 
 
-@dataclass
+@dataclass(kw_only=True)
 class LogSummary:
     """What one log holds."""
 
@@ -76,9 +78,15 @@ class LogSummary:
         lines = [head, *(t.sentence() for t in span), *sensors, *unused]
         return [*lines, *self.lost, *self.remarks, *missing(set(guessed))]
 
+    def why_nothing(self) -> str:
+        """Return a sentence for a log that holds no message at all, with what its reader had to say."""
+        said = "; ".join([*self.remarks, *self.lost][:MOST_SAID])
+        return f"nothing could be read of the log{f': {said}' if said else ''}"
+
     def needs(self) -> list[str]:
         """Return what the topics lack for a run; [] for nothing."""
-        return needs(set(guess_topics(self.topics)))
+        channels = [topic.channel for topic in self.topics if topic.channel.encoding != "sample"]
+        return needs(set(guess_topics(self.topics)), unread_dvls(channels))
 
     def document(self) -> dict[str, object]:
         topics = [
@@ -99,17 +107,19 @@ def summarise_log(log: Log) -> LogSummary:
         note = notes.get(message.channel)
         if note is None:
             first = _first(message) if len(notes) < MOST_DECODED else None
-            note = notes[message.channel] = TopicNote(message.channel, first, [], 0, message.t_ns, message.t_ns)
+            note = notes[message.channel] = TopicNote(
+                channel=message.channel, first=first, frames=[], count=0, start_ns=message.t_ns, end_ns=message.t_ns
+            )
         if _is_static(note.channel) and note.count < MOST_FRAME_MESSAGES and isinstance(message.data, bytes):
             note.frames += _decode(message.channel, message.data)
         note.count += 1
         note.start_ns, note.end_ns = min(note.start_ns, message.t_ns), max(note.end_ns, message.t_ns)
     topics = sorted(notes.values(), key=lambda n: n.channel.topic)
     return LogSummary(
-        log.kind,
-        topics,
-        messages.describe_losses([(printable(log.path.name), loss) for loss in log.losses()]),
-        list(log.remarks),
+        kind=log.kind,
+        topics=topics,
+        lost=messages.describe_losses([(printable(log.path.name), loss) for loss in log.losses()]),
+        remarks=list(log.remarks),
     )
 
 
@@ -124,10 +134,14 @@ def summarise_logs(logs: Sequence[Log]) -> LogSummary:
             kept.frames += note.frames
             kept.start_ns, kept.end_ns = min(kept.start_ns, note.start_ns), max(kept.end_ns, note.end_ns)
     return LogSummary(
-        " and ".join(dict.fromkeys(part.kind for part in parts)),
-        sorted(notes.values(), key=lambda n: n.channel.topic),
-        [line for part in parts for line in part.lost],
-        [line for part in parts for line in part.remarks],
+        kind=" and ".join(dict.fromkeys(part.kind for part in parts)),
+        topics=sorted(notes.values(), key=lambda n: n.channel.topic),
+        lost=[line for part in parts for line in part.lost],
+        remarks=[
+            line if len(logs) == 1 else f"{printable(log.path.name)}: {line}"
+            for log, part in zip(logs, parts, strict=True)
+            for line in part.remarks
+        ],
     )
 
 
@@ -147,7 +161,7 @@ def guess_topics(topics: Sequence[TopicNote]) -> dict[str, str]:
 
 
 def _has_no_attitude(topic: TopicNote) -> bool:
-    """Whether an IMU's messages have rates and acceleration alone, as raw ones do."""
+    """Tell whether an IMU's messages have rates and acceleration alone, as raw ones do."""
     if type_name(topic.channel) != "sensor_msgs/msg/Imu" or topic.first is None:
         return False
     samples = TYPES["imu"]["sensor_msgs/msg/Imu"](topic.first, 0, "imu")
@@ -159,18 +173,18 @@ def _never(topic: TopicNote) -> bool:
 
 
 def _is_of_dvl(topic: TopicNote) -> bool:
-    """Whether attitude or depth is that of a DVL's own sensors, which yield to others."""
+    """Tell whether attitude or depth is that of a DVL's own sensors, which yield to others."""
     return isinstance(topic.first, ImuSample | DepthSample) and topic.first.of_dvl
 
 
 def _is_differential(topic: TopicNote) -> bool:
-    """Whether a pressure is one over another, by its name or by a value that no absolute one has under the atmosphere."""
+    """Tell whether a pressure is one over another, by its name or by a value that no absolute one has under the air."""
     pascal = getattr(topic.first, "fluid_pressure", LOWEST_ABSOLUTE_PA)
     return any(part in topic.channel.topic.lower() for part in DIFFERENTIAL) or not pascal >= LOWEST_ABSOLUTE_PA
 
 
 def _guess_cameras(topics: Sequence[str]) -> dict[str, str]:
-    """Upper and lower camera by name; one alone is the upper one. Of one camera's topics the compressed one."""
+    """Guess upper and lower camera by name; one alone is the upper one. Of one camera's topics the compressed one."""
     topics = [t for t in topics if t + COMPRESSED not in topics and "depth" not in t.lower()]
     lower = _with_part(topics, LOWER)
     upper = [t for t in _with_part(topics, UPPER) if t not in lower] or [t for t in topics if t not in lower[:1]]
@@ -204,20 +218,25 @@ def missing(sensors: set[str], hull: bool | None = None) -> list[str]:
     return out
 
 
-def needs(sensors: Set[str]) -> list[str]:
-    """Return what is missing for the vehicle's motion (from DVL and IMU, else from stereo images); [] where nothing is."""
+def needs(sensors: Set[str], unread: Sequence[str] = ()) -> list[str]:
+    """Return what is missing for the vehicle's motion (from DVL and IMU, else from stereo images); [] where nothing is.
+
+    unread: topics that are a DVL's and of types that are not read.
+    """
     if "dvl" in sensors:
         return [] if "imu" in sensors else ["missing: an IMU with attitude, for the DVL's velocities"]
     lacking = {camera.key for camera in Camera} - sensors
     if not lacking:
         return []
+    shown = ", ".join(unread[:MOST_SAID]) + (", ..." if len(unread) > MOST_SAID else "")
+    known = f"; {shown} is a DVL's but of a type that is not read: log one of those in docs/dive_package.md" if unread else ""
     if len(lacking) == 1:
-        return [f"missing: {lacking.pop()} (a second camera), or a DVL" + ("" if "imu" in sensors else " with an IMU")]
-    return [f"missing: a DVL{'' if 'imu' in sensors else ' with an IMU'}, or two cameras"]
+        return [f"missing: {lacking.pop()} (a second camera), or a DVL{'' if 'imu' in sensors else ' with an IMU'}{known}"]
+    return [f"missing: a DVL{'' if 'imu' in sensors else ' with an IMU'}, or two cameras{known}"]
 
 
 def _without_imu(dvl: bool, stereo: bool) -> str:
-    """As `navigate` has it: velocities need a heading; stereo images alone do not."""
+    """Say it as `navigate` does: velocities need a heading; stereo images alone do not."""
     if dvl:
         advice = "; without the DVL it could take motion and attitude from stereo images" if stereo else ""
         return f"the DVL's velocities have no heading: no run is possible{advice}"
@@ -240,7 +259,7 @@ def _decode(channel: Channel, data: bytes) -> list[Fields]:
 
 
 def _first(message: Message) -> object:
-    """The message decoded, where it is of a type that is read and holds what its type says."""
+    """Return the message decoded, where it is of a type that is read and holds what its type says."""
     if not isinstance(message.data, bytes):
         return message.data
     kind = type_name(message.channel)

@@ -16,25 +16,25 @@ MOST_DRAWN = 4000
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlacedReturns:
+class ReturnsOnHull:
     """DVL returns on one path, laid onto the CAD model: points (n, 3) m in M, distance (n,) m from its surface."""
 
     points: Array
     distance: Array
 
 
-def distance_to_cad_model(paths: Mapping[str, PlacedReturns]) -> PublishedFigure:
+def distance_to_cad_model(paths: Mapping[str, ReturnsOnHull]) -> PublishedFigure:
     """Draw the returns seen from above, a panel a path, and how their distances from the CAD model are spread."""
     figure, axes = new_canvas(4.2 * (len(paths) + 1), 3.6, 1, len(paths) + 1)
     palette = dict(zip(paths, (COLOURS["geva"], COLOURS["maxmix"], INK), strict=False))
-    reach = max(float(np.percentile(np.abs(placed.distance), 99)) for placed in paths.values())
+    reach = max(float(np.percentile(np.abs(found.distance), 99)) for found in paths.values())
     edges = np.linspace(0, max(reach, 1e-3), 61)
     table, words = ["path,returns,mean_m,sigma_m,median_m,share_beyond_0.1_m"], []
-    for axis, (name, placed) in zip(axes[0], paths.items(), strict=False):
-        few = slice(None, None, max(1, len(placed.points) // MOST_DRAWN))
-        axis.scatter(placed.points[few, 0], placed.points[few, 1], s=2, color=palette[name], linewidths=0)
+    for axis, (name, found) in zip(axes[0], paths.items(), strict=False):
+        few = slice(None, None, max(1, len(found.points) // MOST_DRAWN))
+        axis.scatter(found.points[few, 0], found.points[few, 1], s=2, color=palette[name], linewidths=0)
         axis.set(title=name, xlabel="along the hull (m)", ylabel="across it (m)")
-        away = np.abs(placed.distance)
+        away = np.abs(found.distance)
         share = 100 * np.histogram(away, edges)[0] / max(1, len(away))
         axes[0][-1].stairs(share, 1e3 * edges, color=palette[name], linewidth=1.8, label=name)
         beyond = float(np.mean(away > 0.1))

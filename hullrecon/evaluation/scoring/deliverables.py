@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -39,6 +40,7 @@ class TimedPoses:
 
 
 WORDS = ("side",)  # columns of trajectory.csv that hold no numbers
+UNIT = re.compile(r"_(m|m2|m3|rad|s)$")  # what a heading may end in
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,14 +52,16 @@ class PointCloud:
 
 
 def read_table(path: Path) -> dict[str, Array]:
-    """Return the columns of numbers of a CSV by name; an empty cell is NaN, columns of words are left out.
+    """Return the columns of numbers of a CSV by name without its unit (`sigma_x` of `sigma_x_m`); an empty cell is NaN, columns
+    of words are left out.
 
     Raises InputError for a row that cannot be read.
     """
     try:
         with path.open(newline="") as file:
             rows = list(csv.DictReader(file))
-        return {key: np.array([float(row[key] or "nan") for row in rows]) for key in rows[0] if key not in WORDS}
+        names = {key: UNIT.sub("", key) for key in rows[0] if key not in WORDS}
+        return {name: np.array([float(row[key] or "nan") for row in rows]) for key, name in names.items()}
     except (OSError, ValueError, TypeError, IndexError) as error:
         raise InputError(f"the table cannot be read: {error}", where=str(path)) from error
 

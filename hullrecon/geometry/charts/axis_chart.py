@@ -91,7 +91,16 @@ class AxisChart:
         number = {n: np.asarray(arrays[n], float) for n in ("axes", "vertices", "axis", "station", "angle", "radius", "girth")}
         axis_y, axis_z, reach = (float(v) for v in number["axis"])
         whole = np.asarray(arrays["whole"], bool)
-        sections = Sections(axis_y, axis_z, reach, number["station"], number["angle"], number["radius"], number["girth"], whole)
+        sections = Sections(
+            axis_y=axis_y,
+            axis_z=axis_z,
+            reach=reach,
+            station=number["station"],
+            angle=number["angle"],
+            radius=number["radius"],
+            girth=number["girth"],
+            whole=whole,
+        )
         return cls(number["axes"], Mesh(number["vertices"], np.asarray(arrays["faces"], np.int32)), sections)
 
 

@@ -81,7 +81,16 @@ def cast_sections(mesh: Mesh, index: MeshIndex, height: float) -> Sections:
     filled = _bridge_gaps(radius)
     whole = _whole(empty, filled, index)
     girth, whole = _girth(empty, filled), _whole(empty, filled, index)
-    return Sections(empty.axis_y, height, empty.reach, empty.station, empty.angle, filled, girth, whole)
+    return Sections(
+        axis_y=empty.axis_y,
+        axis_z=height,
+        reach=empty.reach,
+        station=empty.station,
+        angle=empty.angle,
+        radius=filled,
+        girth=girth,
+        whole=whole,
+    )
 
 
 def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
@@ -95,14 +104,14 @@ def _frame(mesh: Mesh, height: float, stations: int, angles: int) -> Sections:
     inset = 1e-6 * (high[0] - low[0])
     shape = (stations, angles)
     return Sections(
-        float(axis_y),
-        height,
-        reach,
-        np.linspace(low[0] + inset, high[0] - inset, stations),
-        np.linspace(-np.pi, np.pi, angles),
-        np.full(shape, np.nan),
-        np.full(shape, np.nan),
-        np.zeros((stations - 1, angles - 1), bool),
+        axis_y=float(axis_y),
+        axis_z=height,
+        reach=reach,
+        station=np.linspace(low[0] + inset, high[0] - inset, stations),
+        angle=np.linspace(-np.pi, np.pi, angles),
+        radius=np.full(shape, np.nan),
+        girth=np.full(shape, np.nan),
+        whole=np.zeros((stations - 1, angles - 1), bool),
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from hullrecon.typing import Array, Ints, Mask
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Sections:
     """Rays of the axis (axis_y, axis_z) at `station` (k,) and `angle` (m,): radius (k, m) where the skin is met (bridged over
     small gaps, NaN beyond the sheer), girth (k, m) from phi = 0, whole (k - 1, m - 1). reach: rays start that far out."""

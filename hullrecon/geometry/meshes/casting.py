@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.meshes.mesh import Mesh, face_normals
 from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, Ints
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ClosestPoints:
     """distance (n,) m, signed, positive outside; foot (n, 3) on the mesh; normal (n, 3) of the closest triangle, outward;
     face (n,), -1 where there is no answer."""
@@ -29,9 +29,7 @@ class Scene:
 
     def __init__(self, mesh: Mesh) -> None:
         self._index = MeshIndex(mesh.vertices, mesh.faces)
-        a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
-        normal = np.cross(b - a, c - a)
-        self._normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-15)
+        self._normal = face_normals(mesh)
 
     def closest(self, points: Array) -> ClosestPoints:
         """Return the closest point of the mesh for each of (n, 3), the sign by the pseudonormal there; NaN for points not
@@ -47,7 +45,7 @@ class Scene:
             near = self._index.closest(points[known])
             distance[known], foot[known], face[known] = near.distance, near.point, near.face
             normal[known] = self._normal[near.face]
-        return ClosestPoints(distance, foot, normal, face)
+        return ClosestPoints(distance=distance, foot=foot, normal=normal, face=face)
 
     def cast(self, origins: Array, directions: Array) -> Array:
         """Return how far along unit directions (n, 3) from origins (n, 3) or (3,) the mesh is met, (n,) m; inf where it is

@@ -21,12 +21,12 @@ class Mesh:
 
 def face_areas(mesh: Mesh) -> Array:
     """Return the area of each face (m,), m2."""
-    return np.asarray(0.5 * np.linalg.norm(_face_cross_products(mesh), axis=1))
+    return np.asarray(0.5 * np.linalg.norm(face_cross_products(mesh), axis=1))
 
 
 def face_normals(mesh: Mesh) -> Array:
     """Return the outward unit normal of each face (m, 3); zero for a degenerate one."""
-    cross = _face_cross_products(mesh)
+    cross = face_cross_products(mesh)
     return np.asarray(cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), 1e-15))
 
 
@@ -49,7 +49,7 @@ def vertex_normals(mesh: Mesh) -> Array:
     return np.asarray(out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-15))
 
 
-def _face_cross_products(mesh: Mesh) -> Array:
+def face_cross_products(mesh: Mesh) -> Array:
     """Return (b - a) x (c - a) of each face (m, 3): twice the area along the normal."""
     a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
     return np.cross(b - a, c - a)

@@ -140,7 +140,7 @@ def estimate_light(
 
 
 def _thumbnail(read: Read, row: int) -> NDArray[np.uint8] | None:
-    """A small copy with twice the field's cells a side."""
+    """Return a small copy with twice the field's cells a side."""
     import cv2
 
     picture = read(row)

@@ -69,6 +69,6 @@ class CameraView:
         return self.load()
 
     def _widest(self) -> float:
-        """Tangent beyond which the distortion polynomial would fold points back into the image."""
+        """Return the tangent beyond which the distortion polynomial would fold points back into the image."""
         c = self.camera
         return 1.5 * max(c.cx / c.fx, (c.width - c.cx) / c.fx, c.cy / c.fy, (c.height - c.cy) / c.fy)

@@ -83,15 +83,15 @@ def _field_at(samples: LightSamples, fields: list[Array]) -> Array:
 
 
 def _texel_mean(samples: LightSamples, values: Array) -> Array:
-    """(m, channels): the mean over the views of each sample's texel."""
+    """Return the mean (m, channels) over the views of each sample's texel."""
     count = np.bincount(samples.texel)
     sums = np.stack([np.bincount(samples.texel, v) for v in values.T], axis=1)
     return np.asarray((sums / np.maximum(count, 1)[:, None])[samples.texel])
 
 
 def _gains(samples: LightSamples, values: Array, views: int, sweeps: int = 60, pull: float = 20.0) -> Array:
-    """Each view's level against the scene's mean, by sweeps; `pull` samples' worth of belief that a view is as bright as the
-    others keep a chain of views from drifting. Huber at 0.2, a fifth of the brightness: glints do not count more."""
+    """Return each view's level against the scene's mean, by sweeps; `pull` samples' worth of belief that a view is as bright as
+    the others keep a chain of views from drifting. Huber at 0.2, a fifth of the brightness: glints do not count more."""
     gain = np.zeros(views)
     for _ in range(sweeps):
         level = values - gain[samples.view]
@@ -119,7 +119,7 @@ def _resized(level: Array) -> Array:
 
 
 def _smooth(field: Array, weight: Array) -> Array:
-    """Gaussian mean by weight; cells that nothing fell into take their neighbours' value."""
+    """Return the Gaussian mean by weight; cells that nothing fell into take their neighbours' value."""
     from scipy.ndimage import gaussian_filter
 
     spread = gaussian_filter(weight.astype(float) + 1e-6, SMOOTH, mode="nearest")

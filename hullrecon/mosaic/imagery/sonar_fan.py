@@ -50,7 +50,7 @@ class SonarFan:
         return np.stack([np.sin(theta), level * np.sin(psi), level * np.cos(psi)], axis=-1).reshape(-1, 3)
 
     def _best(self) -> float:
-        """Metres ahead of the instrument at v = 3h/4, where the display ends at the nearest range shown."""
+        """Return the metres ahead of the instrument at v = 3h/4, where the display ends at the nearest range shown."""
         near = self.range_m[0] * float(np.cos(np.abs(self.bearing).max()))
         return float(self.range_m[-1] - 0.75 * (self.range_m[-1] - near))
 

@@ -74,7 +74,7 @@ def mosaic_document(store: TileStore, frame: Frame, facts: Mapping[str, object])
     caption += f" Gaps inside its outline: {gaps:.2f} m²." if gaps else ""
     known = facts.get("position_sigma_m")
     if isinstance(known, float):
-        caption += f" A pixel's place on the hull is known to {1000 * known:.0f} mm (one sigma)."
+        caption += f" A pixel's position on the hull is known to {1000 * known:.0f} mm (one sigma)."
     return {
         "frame": str(frame),
         "resolution_m": grid.step_m,

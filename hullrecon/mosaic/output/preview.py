@@ -57,7 +57,7 @@ def preview_png(picture: NDArray[np.uint8], west: float, north: float, step_m: f
 
 
 def _axis_names(caption: Caption) -> tuple[str, str]:
-    """In M the chart is the ship's; in g it is a plane through the survey."""
+    """Return what the axes are: in M the chart is the ship's, in g a plane through the survey."""
     if caption.frame != "M":
         return "along the survey's plane (m)", "across the survey's plane (m)"
     side = "left" if caption.flips[0] else "right"
@@ -91,7 +91,7 @@ def _frame_numbers(axis: Any, spacing_m: float) -> None:
 
 
 def _scale_bar(axis: Any, extent: tuple[float, float, float, float], flips: tuple[bool, bool]) -> None:
-    """A bar of 1, 2 or 5 times a power of ten, a fifth of the width at most, in the lower right corner."""
+    """Draw a bar of 1, 2 or 5 times a power of ten, a fifth of the width at most, in the lower right corner."""
     span = extent[1] - extent[0]
     power = 10.0 ** math.floor(math.log10(span / 5))
     metres = max(m * power for m in (1.0, 2.0, 5.0) if m * power <= span / 5 + 1e-12)

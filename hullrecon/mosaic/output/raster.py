@@ -37,7 +37,7 @@ class RasterBands:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RasterPlace:
+class RasterLayout:
     """Where a raster lies: the texels of the chart in tiles of `size`, and the map that they are written in."""
 
     grid: TexelGrid
@@ -53,7 +53,7 @@ class RasterPlace:
         return self.outside.x_sign * along, self.outside.y_sign * girth
 
 
-def write_raster(path: Path, tiles: Iterable[NDArray[np.generic]], place: RasterPlace, bands: RasterBands) -> None:
+def write_raster(path: Path, tiles: Iterable[NDArray[np.generic]], layout: RasterLayout, bands: RasterBands) -> None:
     """Write tiles (size, size, bands), or (size, size), in the order of grid.tiles(size). Same bytes for the same tiles.
 
     GDAL's driver for cloud-optimised files copies a whole file with its overviews. Both, deflated, stay in memory: on a full
@@ -63,21 +63,21 @@ def write_raster(path: Path, tiles: Iterable[NDArray[np.generic]], place: Raster
     from rasterio.io import MemoryFile
     from rasterio.shutil import copy
 
-    grid, (west, north) = place.grid, place.corner
+    grid, (west, north) = layout.grid, layout.corner
     options = bands.creation_options
     with rasterio.Env(GDAL_NUM_THREADS=1), MemoryFile() as memory, MemoryFile(ext=".tif") as finished:
         with memory.open(
             driver="GTiff", width=grid.width, height=grid.height, count=len(bands.names), dtype=bands.dtype,
-            crs=rasterio.CRS.from_wkt(place.outside.wkt), nodata=bands.nodata, tiled=True, blockxsize=512, blockysize=512,
+            crs=rasterio.CRS.from_wkt(layout.outside.wkt), nodata=bands.nodata, tiled=True, blockxsize=512, blockysize=512,
             transform=rasterio.Affine(grid.step_m, 0, west, 0, -grid.step_m, north), compress="DEFLATE", zlevel=1,
             bigtiff="IF_SAFER", **options,
         ) as file:  # fmt: skip
-            for window, values in _windows(tiles, place):
+            for window, values in _windows(tiles, layout):
                 file.write(values, window=rasterio.windows.Window(*window))
             for k, name in enumerate(bands.names, start=1):
                 file.set_band_description(k, name)
                 file.set_band_unit(k, "" if name == "alpha" else bands.unit)
-            file.update_tags(TIFFTAG_IMAGEDESCRIPTION=json.dumps(description(place, bands), sort_keys=True))
+            file.update_tags(TIFFTAG_IMAGEDESCRIPTION=json.dumps(description(layout, bands), sort_keys=True))
             file.update_tags(TIFFTAG_SOFTWARE="hullrecon")
         copy(
             memory.name, finished.name, driver="COG", compress="DEFLATE", blocksize=512, bigtiff="IF_SAFER",
@@ -86,27 +86,27 @@ def write_raster(path: Path, tiles: Iterable[NDArray[np.generic]], place: Raster
         path.write_bytes(finished.getbuffer())
 
 
-def description(place: RasterPlace, bands: RasterBands) -> dict[str, object]:
+def description(layout: RasterLayout, bands: RasterBands) -> dict[str, object]:
     """Return what ImageDescription says."""
-    x, y = place.corner
+    x, y = layout.corner
     return {
         "title": bands.title,
-        "metres_per_pixel": place.grid.step_m,
-        "origin_along_m": place.outside.x_sign * x,
-        "origin_girth_m": place.outside.y_sign * y,
+        "metres_per_pixel": layout.grid.step_m,
+        "origin_along_m": layout.outside.x_sign * x,
+        "origin_girth_m": layout.outside.y_sign * y,
         "origin": "outer corner of the first pixel, upper left for a viewer outside the hull",
-        "along_from_x": place.outside.x_sign,
-        "girth_from_y": place.outside.y_sign,
-        "chart_frame": place.outside.frame,
+        "along_from_x": layout.outside.x_sign,
+        "girth_from_y": layout.outside.y_sign,
+        "chart_frame": layout.outside.frame,
     }
 
 
 def _windows(
-    tiles: Iterable[NDArray[np.generic]], place: RasterPlace
+    tiles: Iterable[NDArray[np.generic]], layout: RasterLayout
 ) -> Iterable[tuple[tuple[int, int, int, int], NDArray[np.generic]]]:
     """Yield column, row, width, height of each tile in the raster, and its values (bands, height, width) as they are seen."""
-    grid, (mirrored, upset) = place.grid, place.outside.flips
-    for window, tile in zip(grid.tiles(place.size), tiles, strict=True):
+    grid, (mirrored, upset) = layout.grid, layout.outside.flips
+    for window, tile in zip(grid.tiles(layout.size), tiles, strict=True):
         held = window.meet(grid.whole)
         height, width = held.shape
         values = np.atleast_3d(tile)[:height, :width]

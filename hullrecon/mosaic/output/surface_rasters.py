@@ -12,7 +12,7 @@ from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, sample_surface
 from hullrecon.mosaic.output.compressed_tiles import CompressedTiles
-from hullrecon.mosaic.output.raster import RasterBands, RasterPlace
+from hullrecon.mosaic.output.raster import RasterBands, RasterLayout
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.typing import Array, Ints
 
@@ -41,13 +41,13 @@ def surface_values(surface: Surface, split: DeviationSplit | None) -> dict[str, 
     return {name: np.where(surface.support > 0, v, np.nan) for name, v in values.items()}
 
 
-def surface_tiles(surface: MosaicSurface, values: Mapping[str, Array], place: RasterPlace) -> dict[str, CompressedTiles]:
+def surface_tiles(surface: MosaicSurface, values: Mapping[str, Array], layout: RasterLayout) -> dict[str, CompressedTiles]:
     """Return tiles of values (n,) of the surface's vertices at the texels: metres linear on each face, counts those of the
     nearest corner; NaN, and 0 for counts, where there is none. surface: without a horizon, which is not needed here."""
-    shape = (place.size, place.size)
+    shape = (layout.size, layout.size)
     tiles = {name: CompressedTiles(shape, surface_bands(name).dtype) for name in values}
-    for window in place.grid.tiles(place.size):
-        point = sample_surface(surface, place.grid, window).point.reshape(-1, 3)
+    for window in layout.grid.tiles(layout.size):
+        point = sample_surface(surface, layout.grid, window).point.reshape(-1, 3)
         rows = np.flatnonzero(np.isfinite(point[:, 0]))
         corners, share = face_shares(surface.mesh, surface.scene, point[rows])
         for name, value in values.items():

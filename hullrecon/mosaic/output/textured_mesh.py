@@ -10,7 +10,7 @@ from io import BytesIO
 import numpy as np
 from numpy.typing import NDArray
 
-from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
+from hullrecon.geometry.meshes.mesh import Mesh, face_cross_products, vertex_normals
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface
 from hullrecon.typing import Array, Ints, Mask
@@ -46,8 +46,8 @@ def build_textured_mesh(
 
 
 def _faces(good: Mask) -> Ints:
-    """Two triangles (m, 3) for each cell whose four corners are good, all turned the same way; rows run down the girth, columns
-    along."""
+    """Return two triangles (m, 3) for each cell whose four corners are good, all turned the same way; rows run down the girth,
+    columns along."""
     height, width = good.shape
     index = np.arange(height * width).reshape(height, width)
     cell = good[:-1, :-1] & good[1:, :-1] & good[:-1, 1:] & good[1:, 1:]
@@ -61,8 +61,8 @@ _CORNERS = (np.s_[:-1, :-1], np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:])
 def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
     """Return the same triangles, counter-clockwise seen from outside. Charts of hulls are left-handed about the outward
     normal."""
-    a, b, c = patch.point.reshape(-1, 3)[faces].transpose(1, 0, 2)
-    outward = np.einsum("ni,ni->n", np.cross(b - a, c - a), patch.normal.reshape(-1, 3)[faces[:, 0]])
+    across = face_cross_products(Mesh(patch.point.reshape(-1, 3), faces.astype(np.int32)))
+    outward = np.einsum("ni,ni->n", across, patch.normal.reshape(-1, 3)[faces[:, 0]])
     return faces if outward.sum() >= 0 else faces[:, ::-1]
 
 

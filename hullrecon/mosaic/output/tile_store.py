@@ -18,7 +18,7 @@ from hullrecon.mosaic.output.compressed_tiles import CompressedTiles
 VARIANCE_STEP = 0.25  # squared gray levels; finer is noise, and compresses badly
 
 
-@dataclass
+@dataclass(kw_only=True)
 class TileStore:
     """Tiles in the order of grid.tiles(size). small: RGBA (or LA) of the whole, reduced by `reduction`."""
 
@@ -48,7 +48,7 @@ class TileStore:
         self._reduce(window, color)
 
     def _reduce(self, window: Window, color: NDArray[np.uint8]) -> None:
-        """The mean of seen texels in each block of the small copy."""
+        """Return the mean of seen texels in each block of the small copy."""
         n = self.reduction
         blocks = color.reshape(self.size // n, n, self.size // n, n, -1).astype(np.float32)
         alpha = blocks[..., -1:] / 255

@@ -32,7 +32,7 @@ TILT_AXIS = np.array([0.0, 1.0, 0.0])  # the tray turns about y of the vehicle
 PATH, MOMENT, MOUNT, TRAY, BACKLASH, TILT = slice(0, 1), slice(1, 2), slice(2, 5), slice(5, 6), slice(6, 7), slice(7, 10)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Reckoning:
     """A path that can be asked at any time. `sums` integrates (n, 3, 10) in g, columns as above; start_ns: where it begins."""
 
@@ -51,18 +51,18 @@ class Reckoning:
         lever = mounted.apply(self.rig.tray_from_dvl.translation)
         by_tilt = np.cross(TILT_AXIS, lever - self.rig.tray_origin)
         return Instant(
-            t_ns,
-            seconds(t_ns, self.start_ns),
-            rotation,
-            self.sums.at(seconds(t_ns, self.start_ns)),
-            theta,
-            self.servo.direction_at(t_ns),
-            lever,
-            by_tilt,
+            t_ns=t_ns,
+            t_s=seconds(t_ns, self.start_ns),
+            rotation=rotation,
+            sums=self.sums.at(seconds(t_ns, self.start_ns)),
+            tray=theta,
+            direction=self.servo.direction_at(t_ns),
+            lever=lever,
+            lever_by_tray=by_tilt,
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Instant:
     """n instants: t_s since the start, R_g_v, sums (n, 3, 10), tray (n,) rad and its direction, lever (n, 3) m of the
     instrument in vehicle, lever_by_tray (n, 3)."""
@@ -101,4 +101,11 @@ def reckon(velocities: Velocities, attitude: AttitudeHistory, servo: Servo, rig:
     by_backlash = by_tray * servo.direction_at(t_ns)[:, None]
     by_tilt = -R_g_v @ cross_matrix(v_v)
     columns = [v_g[..., None], (v_g * t[:, None])[..., None], by_mount, by_tray[..., None], by_backlash[..., None], by_tilt]
-    return Reckoning(start, integral(t, np.concatenate(columns, axis=2)), attitude, servo, velocities, rig)
+    return Reckoning(
+        start_ns=start,
+        sums=integral(t, np.concatenate(columns, axis=2)),
+        attitude=attitude,
+        servo=servo,
+        velocities=velocities,
+        rig=rig,
+    )

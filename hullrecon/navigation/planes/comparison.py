@@ -18,19 +18,19 @@ ROUGHNESS = np.array([0.003, 0.002, 0.002])  # m, slopes in azimuth and elevatio
 # Of the difference of two patches' curvatures, which says how fast it changes: the share by which their mean may be off, what
 # that leaves of the height beside the slopes, and how a change within a patch of 0.66 m, a cubic, tilts what is fitted to it.
 MEAN_OFF, HEIGHT_OFF, TILT_M2 = 0.5, 0.05, 0.5 * 0.66**2 / 6
-LEAST_PLACE_M = 0.5
+MIN_DISTANCE_M = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class PatchPairs:
-    """m pairs of patches on a path. first, second (m,). place (m, 2) m: of the second's centre in the first's axes. expected
+    """m pairs of patches on a path. first, second (m,). position (m, 2) m: of the second's centre in the first's axes. expected
     (m, 3): (height m, slopes) of the hull there, over the first's plane carried on by the mean of both curvatures; gap (m, 3):
     those of the second less these. noise (m, 3, 3): of the gap by curvature and roughness of the hull; fit (m, 3, 3): by the
     fits of the two planes."""
 
     first: Ints
     second: Ints
-    place: Array
+    position: Array
     expected: Array
     gap: Array
     noise: Array
@@ -51,9 +51,9 @@ class PatchPairs:
 def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePath) -> PatchPairs:
     """Return the pairs (m,) compared on a path T_g_v."""
     motion = path.poses[patches.anchor[first]].inverse() @ path.poses[patches.anchor[second]]
-    place, expected, gap, turn = _gap(patches, first, second, motion)
-    carried = _carried(place)
-    by_height, by_slopes = _by_curvature(place)
+    position, expected, gap, turn = _gap(patches, first, second, motion)
+    carried = _carried(position)
+    by_height, by_slopes = _by_curvature(position)
     first_by_k = np.concatenate([by_height[:, None] / 3, 0.5 * by_slopes], axis=1)
     second_by_k = np.concatenate([by_height[:, None] / 6, 0.5 * by_slopes], axis=1)
     turned, turned_k = _turn_plane(turn), _turn_curvature(turn)
@@ -65,16 +65,16 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
         m_first @ patches.curvature_covariance[first] @ m_first.swapaxes(1, 2)
         + m_second @ patches.curvature_covariance[second] @ m_second.swapaxes(1, 2)
         + by_change @ by_change.swapaxes(1, 2)
-        + _roughness(place, change)
+        + _roughness(position, change)
     )
     fit = carried @ patches.plane_covariance[first] @ carried.swapaxes(1, 2)
     fit = fit + turned @ patches.plane_covariance[second] @ turned.swapaxes(1, 2)
-    return PatchPairs(first=first, second=second, place=place, expected=expected, gap=gap, noise=noise, fit=fit)
+    return PatchPairs(first=first, second=second, position=position, expected=expected, gap=gap, noise=noise, fit=fit)
 
 
-def _roughness(place: Array, change: Array) -> Array:
+def _roughness(position: Array, change: Array) -> Array:
     """Return the covariance (m, 3, 3) of gaps by what two curvatures leave open; change (m, 3): between them."""
-    distance = np.maximum(np.linalg.norm(place, axis=1), LEAST_PLACE_M)
+    distance = np.maximum(np.linalg.norm(position, axis=1), MIN_DISTANCE_M)
     of_axes = np.sqrt(change[:, [0, 2]] ** 2 + change[:, [1]] ** 2)
     height = HEIGHT_OFF * distance**2 * np.linalg.norm(change, axis=1)
     sigma = np.column_stack([height, TILT_M2 / distance[:, None] * of_axes])
@@ -83,11 +83,11 @@ def _roughness(place: Array, change: Array) -> Array:
 
 def gap_by_poses(patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array) -> Array:
     """Return the derivative (m, 3, 14) of the gaps by both anchors' (translation in g, rotation on the right, tray)."""
-    return place_and_gap_by_poses(patches, pairs, path, tray_origin)[:, 2:]
+    return position_and_gap_by_poses(patches, pairs, path, tray_origin)[:, 2:]
 
 
-def place_and_gap_by_poses(patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array) -> Array:
-    """Return the derivative (m, 5, 14) of place and gap by both anchors' (translation in g, rotation on the right, tray)."""
+def position_and_gap_by_poses(patches: Patches, pairs: PatchPairs, path: VehiclePath, tray_origin: Array) -> Array:
+    """Return the derivative (m, 5, 14) of position and gap by both anchors' (translation in g, rotation on the right, tray)."""
     anchors = [patches.anchor[pairs.first], patches.anchor[pairs.second]]
     out = np.zeros((len(pairs), 5, 14))
     step = 1e-5
@@ -96,8 +96,8 @@ def place_and_gap_by_poses(patches: Patches, pairs: PatchPairs, path: VehiclePat
         for sign in (1, -1):
             moved = [path.poses[a] for a in anchors]
             moved[k // 7] = _perturbed(moved[k // 7], path.tray[anchors[k // 7]], k % 7, sign * step, tray_origin)
-            place, _, gap, _ = _gap(patches, pairs.first, pairs.second, moved[0].inverse() @ moved[1])
-            values.append(np.hstack([place, gap]))
+            position, _, gap, _ = _gap(patches, pairs.first, pairs.second, moved[0].inverse() @ moved[1])
+            values.append(np.hstack([position, gap]))
         out[:, :, k] = (values[0] - values[1]) / (2 * step)
     return out
 
@@ -121,13 +121,13 @@ def _exp(vector: Array) -> Poses:
 
 
 def _gap(patches: Patches, first: Ints, second: Ints, motion: Poses) -> tuple[Array, Array, Array, Array]:
-    """Return place (m, 2), expected and gap (m, 3), and the turn (m, 2, 2) of the second's axes along the hull into the
+    """Return position (m, 2), expected and gap (m, 3), and the turn (m, 2, 2) of the second's axes along the hull into the
     first's. motion: T_v1_v2 of what carries the patches."""
     axes = patches.axes[first]
     rotation = axes.swapaxes(1, 2) @ motion.rotation.as_matrix() @ patches.axes[second]
     center = np.einsum("mji,mj->mi", axes, motion.apply(patches.center[second]) - patches.center[first])
-    place, turn = center[:, :2], rotation[:, :2, :2]
-    by_height, by_slopes = _by_curvature(place)
+    position, turn = center[:, :2], rotation[:, :2, :2]
+    by_height, by_slopes = _by_curvature(position)
     own = patches.curvature[first]
     other = np.einsum("mij,mj->mi", _turn_curvature(turn), patches.curvature[second])
     height = np.sum(by_height * (own / 3 + other / 6), axis=1)
@@ -135,21 +135,21 @@ def _gap(patches: Patches, first: Ints, second: Ints, motion: Poses) -> tuple[Ar
     normal = rotation[:, :, 2]
     seen = -normal[:, :2] / np.maximum(normal[:, 2:], 1e-3)
     expected = np.column_stack([height, slopes])
-    return place, expected, np.column_stack([center[:, 2], seen]) - expected, turn
+    return position, expected, np.column_stack([center[:, 2], seen]) - expected, turn
 
 
-def _by_curvature(place: Array) -> tuple[Array, Array]:
+def _by_curvature(position: Array) -> tuple[Array, Array]:
     """Return the derivatives of x' K x (m, 3) and K x (m, 2, 3) at places x by (K_aa, K_ae, K_ee)."""
-    a, e = place.T
+    a, e = position.T
     zero = np.zeros_like(a)
     slopes = np.stack([np.stack([a, e, zero], axis=1), np.stack([zero, a, e], axis=1)], axis=1)
     return np.stack([a**2, 2 * a * e, e**2], axis=1), slopes
 
 
-def _carried(place: Array) -> Array:
+def _carried(position: Array) -> Array:
     """Return the derivative (m, 3, 3) of a plane's (height, slopes) at places by those at its centre."""
-    out = np.tile(np.eye(3), (len(place), 1, 1))
-    out[:, 0, 1:] = place
+    out = np.tile(np.eye(3), (len(position), 1, 1))
+    out[:, 0, 1:] = position
     return out
 
 
@@ -173,7 +173,7 @@ def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> t
     length = np.sqrt(1 + np.sum(slopes**2, axis=1))[:, None, None]
     in_patch = np.concatenate([-slopes, np.ones((len(pairs), 1))], axis=1)[:, :, None] / length
     normal = (axes @ in_patch)[:, :, 0]
-    local = np.column_stack([pairs.place, pairs.expected[:, 0]])
+    local = np.column_stack([pairs.position, pairs.expected[:, 0]])
     point = patches.center[pairs.first] + np.einsum("mij,mj->mi", axes, local)
     distance = -np.sum(normal * point, axis=1)[:, None]
     difference = distance * normal - patches.plane[pairs.first]

@@ -18,7 +18,7 @@ from hullrecon.navigation.planes.comparison import (
     compare_patches,
     difference_of_planes,
     gap_by_poses,
-    place_and_gap_by_poses,
+    position_and_gap_by_poses,
 )
 from hullrecon.navigation.planes.patches import Patches
 from hullrecon.records.planes import PlaneRanges, TiedPlanes
@@ -71,7 +71,7 @@ def located(patches: Patches, pairs: PatchPairs, path: VehiclePath, rig: Rig, jo
     Farther off, as after minutes without a DVL, the hull there has another form than the one that is compared; gaps, taken as
     straight in the place, would pull the path along to where that form fits best and be sure of it.
     """
-    by_poses = place_and_gap_by_poses(patches, pairs, path, rig.tray_origin)[:, :2]
+    by_poses = position_and_gap_by_poses(patches, pairs, path, rig.tray_origin)[:, :2]
     variance = np.linalg.eigvalsh(by_poses @ joint @ by_poses.swapaxes(1, 2)).max(axis=1, initial=0.0)
     return np.asarray(variance < MOST_UNSURE_M**2)
 

@@ -230,7 +230,7 @@ def link_table(links: CameraLinks, nodes: int, kernel: native.LinkKernel) -> nat
         second=links.first.astype(np.int32),
         camera_first=links.bottom[:, 1].astype(np.int32),
         camera_second=links.bottom[:, 0].astype(np.int32),
-        measured=np.hstack([links.translation, links.quaternion]),
+        measured=Poses(links.quaternion, links.translation).vectors(),
         sqrt_information=_whitening(links) / np.sqrt(shared)[:, None, None],
         scaled=links.scaled,
         kernel=np.full(len(links), int(kernel), np.int32),
@@ -267,9 +267,7 @@ def _rejected(problem: native.Problem, count: int) -> Mask:
 
 
 def _unknowns(start: VehiclePath, nominal: Mapping[str, Poses | None], switches: int) -> native.Unknowns:
-    unknowns = native.Unknowns(
-        pose=np.hstack([start.poses.translation, start.poses.quaternion, start.tray[:, None]]), link_switch=np.ones(switches)
-    )
+    unknowns = native.Unknowns(pose=np.hstack([start.poses.vectors(), start.tray[:, None]]), link_switch=np.ones(switches))
     return replace(unknowns, **{name: pose_vector(pose) for name, pose in nominal.items() if pose is not None})
 
 

@@ -24,7 +24,7 @@ WIDTH_S = 5.0
 STEP_M = 0.3  # between two readings, beyond what the DVL saw
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Depth:
     """z to add to the DVL's vertical path at the nodes: shift (n,), its sigma (m). measured (n,): depth of the sensor there.
     steps (k,): stamps where the pressure jumped against the DVL; white: scatter of one reading, m. unread_s (n,): how far in
@@ -57,7 +57,9 @@ def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints,
     jumps = np.abs(np.diff(steady)) > max(STEP_M, 6 * white)
     measured = near[:, 0] + _sensor(path, nodes_ns)
     silence = describe_silence(t_ns, nodes_ns)
-    return Depth(shift, float(sigma), measured, t_ns[1:][jumps], white, unread, silence)
+    return Depth(
+        shift=shift, sigma=float(sigma), measured=measured, steps=t_ns[1:][jumps], white=white, unread_s=unread, silence=silence
+    )
 
 
 def path_seconds(path: Reckoning, t_ns: Ints) -> Array:

@@ -18,7 +18,7 @@ UNREAD_RATE_RAD_S, UNREAD_RAD = 0.05, 0.5  # how fast and how far a tray may hav
 FEW_READINGS = 3  # fewer are no record of a tray that turns, but the angle at which it was set
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Servo:
     """Readings t_ns (n,), angle (n,) rad; direction (n,): +1 or -1, the sense in which it last moved. is_read: False of a tray
     that stands at zero, as no angle was logged."""
@@ -56,11 +56,11 @@ class Servo:
 def servo(tray: JointSamples | None, start_ns: int) -> Servo:
     """Return the servo of a joint's record in time order; one that was not logged stays at zero."""
     if tray is None or not np.isfinite(tray.angle).any():
-        return Servo(np.array([start_ns]), np.zeros(1), np.ones(1), is_read=False)
+        return Servo(t_ns=np.array([start_ns]), angle=np.zeros(1), direction=np.ones(1), is_read=False)
     known = np.isfinite(tray.angle)
     angle = tray.angle[known]
     flicker = robust_sigma(np.diff(angle, n=2), about=0.0) / np.sqrt(6) if len(angle) > 2 else 0.0
-    return Servo(tray.t_ns[known], angle, _directions(angle, max(LEAST_TRAVEL_RAD, 6 * float(flicker))))
+    return Servo(t_ns=tray.t_ns[known], angle=angle, direction=_directions(angle, max(LEAST_TRAVEL_RAD, 6 * float(flicker))))
 
 
 def _directions(angle: Array, travel: float) -> Array:

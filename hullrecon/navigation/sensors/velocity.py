@@ -18,7 +18,7 @@ OUTLIER_M_S = 0.25  # no inspection vehicle leaves the median of its neighbours 
 OUTLIER_SIGMAS = 8.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Velocities:
     """Pings with a velocity: t_ns (n,), velocity (n, 3) m/s of the instrument in dvl, sigma (n,) m/s each axis. outages (m, 2):
     intervals without one that were bridged, ns. agitation: variance of a velocity's change, m2/s3. outliers: pings rejected."""
@@ -48,7 +48,12 @@ def usable_velocities(dvl: DvlPings, span_ns: tuple[int, int], longest_gap_s: fl
     outlier = _find_outliers(v)
     t_good, v_good, sigma_good = t[~outlier], v[~outlier], sigma[~outlier]
     return Velocities(
-        t_good, v_good, sigma_good, gaps(t_good, longest_gap_s), _agitation(t_good, v_good, sigma_good), t[outlier]
+        t_ns=t_good,
+        velocity=v_good,
+        sigma=sigma_good,
+        outages=gaps(t_good, longest_gap_s),
+        agitation=_agitation(t_good, v_good, sigma_good),
+        outliers=t[outlier],
     )
 
 

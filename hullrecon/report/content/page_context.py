@@ -67,7 +67,7 @@ def page_context(
         "origin_words": origin_in_words(survey),
         "deviation_rows": deviation_rows(figures),
         "offset_words": figures.offset_words if figures is not None else "",
-        "place": place_words(survey),
+        "position": describe_position(survey),
         "survey": survey,
         "title": f"Hull survey: {dive.name}",
         "about": survey.facts.about,
@@ -154,7 +154,7 @@ def deviation_map(survey: Survey, view: ChartView) -> str | None:
     return png_uri(form_png(view.found, split, view.extent, marks))
 
 
-def place_words(survey: Survey) -> str:
+def describe_position(survey: Survey) -> str:
     """Return how well the survey as a whole lies on its chart, in a sentence; nothing where that is not known."""
     chart = survey.surfaces.chart
     along, girth = survey.track.sigma_on_chart(chart) if chart is not None else (np.nan, np.nan)

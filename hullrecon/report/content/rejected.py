@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from hullrecon.records.deliverables import RejectedRegion
-from hullrecon.report.content.phrases import count
+from hullrecon.report.content.phrases import count, with_sigma
 from hullrecon.report.step_documents import AdjustSummary
 from hullrecon.report.survey import StepRun, Survey
 
@@ -40,8 +40,8 @@ def _observations(summary: AdjustSummary) -> list[str]:
 
 
 def _region(region: RejectedRegion) -> str:
-    center = ", ".join(f"{c:.2f}" for c in region.center)
-    return f"{region.reason} (height {region.height:.3f} m at {center})"
+    height = with_sigma(region.height, region.height_sigma, "m")
+    return f"{region.reason} (height {height}, {region.address or 'at a point without an address'})"
 
 
 def settings_rows(steps: Iterable[StepRun]) -> list[tuple[str, str]]:

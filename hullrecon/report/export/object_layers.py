@@ -16,8 +16,9 @@ from hullrecon.typing import Array
 
 FIELDS: dict[str, type] = {
     "id": int, "kind": str, "height": float, "height_sigma": float, "deviation": float, "deviation_sigma": float, "area": float,
-    "volume": float, "views": int, "p_value": float, "along": float, "girth": float, "side": str, "frame": float, "depth":
-    float, "sigma_along": float, "sigma_girth": float, "sigma_normal": float, "open_edge": float, "address": str,
+    "area_sigma": float, "volume": float, "volume_sigma": float, "views": int, "p_value": float, "along": float, "girth": float,
+    "side": str, "frame": float, "depth": float, "depth_sigma": float, "sigma_along": float, "sigma_girth": float,
+    "sigma_normal": float, "open_edge": float, "address": str,
 }  # fmt: skip
 Fields = dict[str, int | float | str | None]
 

@@ -21,16 +21,16 @@ def objects_table(objects: Sequence[ReportedObject]) -> Table:
     ]
     columns += [_column(name, unit, meaning, [getattr(o, name) for o in objects]) for name, unit, meaning in _BEFORE]
     columns.append(_column("address", "", "place in words", [o.address for o in objects], words=True))
-    columns.append(_column("images", "", "number of images listed in objects.json", [len(o.images) for o in objects]))
+    columns.append(_column("image_count", "", "images that objects.json lists", [len(o.images) for o in objects]))
     columns += [
         _column(
-            f"extent_{k + 1}_sigma_m", "m", "one sigma of the extent", [o.extent_sigma and o.extent_sigma[k] for o in objects]
+            f"extent_{k + 1}_sigma", "m", "one sigma of the extent", [o.extent_sigma and o.extent_sigma[k] for o in objects]
         )
         for k in range(2)
     ]
     columns += [
         _column(
-            f"position_sigma_{a}_m",
+            f"position_sigma_{a}",
             "m",
             f"one sigma of the center along {a}",
             [o.position_sigma and o.position_sigma[k] for o in objects],
@@ -38,7 +38,7 @@ def objects_table(objects: Sequence[ReportedObject]) -> Table:
         for k, a in enumerate("xyz")
     ]
     columns += [
-        _column(f"{name}_{unit}" if unit else name, unit, meaning, [getattr(o, name) for o in objects], words=name == "side")
+        _column(name, unit, meaning, [getattr(o, name) for o in objects], words=name == "side")
         for name, unit, meaning in _ADDED
     ]
     return Table(file="objects.csv", title="structures on the hull", columns=columns)

@@ -15,13 +15,19 @@ UNITS = {"m": "M", "rad": "RAD", "s": "SEC", "m2": "M2", "m3": "M3"}  # names of
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """A column of a table. unit: "" for numbers without one and for words; words: whether its cells are."""
+    """A column of a table. name: without its unit; unit: "" for numbers without one and for words; words: whether its cells
+    are."""
 
     name: str
     unit: str
     meaning: str
     values: Sequence[object]
     words: bool = False
+
+    @property
+    def heading(self) -> str:
+        """Return what the table's first row calls it: the name, and its unit where it has one (`sigma_x_m`)."""
+        return f"{self.name}_{self.unit}" if self.unit else self.name
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +41,7 @@ class Table:
     @property
     def csv(self) -> str:
         """Return the file's text."""
-        return csv_text({column.name: column.values for column in self.columns})
+        return csv_text({column.heading: column.values for column in self.columns})
 
 
 def csv_metadata(tables: Sequence[Table]) -> Mapping[str, object]:
@@ -51,8 +57,8 @@ def csv_metadata(tables: Sequence[Table]) -> Mapping[str, object]:
 
 def _entry(column: Column) -> dict[str, str]:
     entry = {
-        "name": column.name,
-        "titles": column.name,
+        "name": column.heading,
+        "titles": column.heading,
         "datatype": "string" if column.words else "number",
         "dc:description": column.meaning,
     }

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hullrecon.geometry.charts.tangents import tangents_at
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Trajectory, VehicleTrack
 from hullrecon.report.export.chart_coordinates import chart_coordinates
@@ -38,7 +39,7 @@ def trajectory_table(survey: Survey) -> Table:
         for k, (n, unit, what) in enumerate(_SIGMAS)
     ]
     columns.append(Column(name="tray", unit="rad", meaning="angle of the tray", values=numbers(track.tray)))
-    return Table(file="trajectory.csv", title="the vehicle at every node", columns=[*columns, *_place_columns(survey)])
+    return Table(file="trajectory.csv", title="the vehicle at every node", columns=[*columns, *_ship_columns(survey)])
 
 
 _SIGMAS = (
@@ -48,22 +49,38 @@ _SIGMAS = (
 )  # fmt: skip
 
 
-def _place_columns(survey: Survey) -> list[Column]:
-    """Return where on the ship the vehicle stood."""
-    at = chart_coordinates(survey, survey.track.poses.translation)
-    depth = vehicle_depth(survey)
+def _ship_columns(survey: Survey) -> list[Column]:
+    """Return where on the ship the vehicle stood, and how well that is known."""
+    track = survey.track
+    at = chart_coordinates(survey, track.poses.translation)
+    along_sigma, girth_sigma = chart_sigmas(survey)
     lost = np.full(len(at.along), np.nan)
+    depth = vehicle_depth(survey)
+    depth, depth_sigma = (lost, lost) if depth is None else (depth, vehicle_depth_sigma(survey))
+
+    def length(name: str, meaning: str, values: Array, form: str = ".4f") -> Column:
+        return Column(name=name, unit="m", meaning=meaning, values=numbers(values, form))
+
     return [
-        Column(
-            name="along_m", unit="m", meaning="along the hull, of the point below the vehicle", values=numbers(at.along, ".4f")
-        ),
-        Column(name="girth_m", unit="m", meaning="girth from the keel, port positive", values=numbers(at.girth, ".4f")),
+        length("along", "along the hull, of the point below the vehicle", at.along),
+        length("girth", "girth from the keel, port positive", at.girth),
         Column(name="side", unit="", meaning="port, starboard or keel", values=at.side, words=True),
         Column(name="frame", unit="", meaning="number of the ship's frame", values=numbers(at.frame, ".3f")),
-        Column(
-            name="depth_m", unit="m", meaning="below the water surface", values=numbers(lost if depth is None else depth, ".4f")
-        ),
+        length("depth", "below the water surface", depth),
+        length("sigma_along", "one sigma along the hull", along_sigma, ".6g"),
+        length("sigma_girth", "one sigma in girth", girth_sigma, ".6g"),
+        length("depth_sigma", "one sigma of the depth", depth_sigma, ".6g"),
     ]
+
+
+def chart_sigmas(survey: Survey) -> tuple[Array, Array]:
+    """Return one sigma (n,) m of the vehicle along the hull and in girth, by the chart's tangents below it; NaN off the
+    chart."""
+    track, chart = survey.track, survey.surfaces.chart
+    if chart is None:
+        return np.full(len(track.t_ns), np.nan), np.full(len(track.t_ns), np.nan)
+    along, girth = (track.sigma_towards(direction) for direction in tangents_at(chart, track.poses.translation))
+    return along, girth
 
 
 def vehicle_depth(survey: Survey) -> Array | None:
@@ -73,6 +90,19 @@ def vehicle_depth(survey: Survey) -> Array | None:
     if survey.adjusted is not None:
         return survey.adjusted.solution.global_from_vehicle.translation[:, 2]
     return survey.trajectory.translation[:, 2]
+
+
+def vehicle_depth_sigma(survey: Survey) -> Array:
+    """Return one sigma (n,) m of the depth at the nodes: in g that of the position; in M, whose covariance says how the vehicle
+    lies to the hull, that of the pressure sensor's bias and noise."""
+    adjusted, nodes = survey.adjusted, len(survey.track.t_ns)
+    if adjusted is None:
+        return np.asarray(np.sqrt(survey.trajectory.covariance[:, 2, 2]))
+    known = adjusted.depth_sigma_m
+    if not survey.is_in_hull_frame or known is None:
+        down = adjusted.solution.result_from_global().rotation.as_matrix()[:, :, 2]
+        return survey.track.sigma_towards(np.broadcast_to(down, (nodes, 3)))
+    return np.full(nodes, known)
 
 
 def trajectory_tum(track: VehicleTrack) -> str:

@@ -106,13 +106,15 @@ def nice_below(span_m: float) -> float:
 
 def _ticks(plan: Plan, scale: float, height: float) -> list[str]:
     step = nice_step(max(plan.extent.size))
+    frames = step / (plan.frame_spacing_m or step)
+    digits = max(1, math.ceil(-math.log10(frames)))  # so many that no two frames read alike
     parts = []
     for value in _multiples(plan.extent.along, step):
         x = _x(value, plan, scale)
         parts.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{TOP}" y2="{TOP + height:.1f}" class="grid"/>')
         parts.append(f'<text x="{x:.1f}" y="{TOP + height + 17:.1f}" class="tick mid">{value:g} m</text>')
         if plan.frame_spacing_m:
-            frame = f"fr {value / plan.frame_spacing_m:.1f}"
+            frame = f"fr {value / plan.frame_spacing_m:.{digits}f}"
             parts.append(f'<text x="{x:.1f}" y="{TOP + height + 33:.1f}" class="tick mid">{frame}</text>')
     for value in _multiples(plan.extent.girth, step):
         y = _y(value, plan, scale, height)
@@ -156,7 +158,7 @@ def _mark(mark: Mark, plan: Plan, scale: float, height: float) -> str:
 
 
 def _ellipse(ellipse: SigmaEllipse, x: float, y: float, flips: tuple[bool, bool], scale: float) -> str:
-    """SVG's y grows downwards, and so does its angle."""
+    """Return the ellipse; SVG's y grows downwards, and so does its angle."""
     along, girth = math.cos(ellipse.angle_rad), math.sin(ellipse.angle_rad)
     angle = math.degrees(math.atan2(girth if flips[1] else -girth, -along if flips[0] else along))
     rx, ry = (scale * half for half in ellipse.half_axes)

@@ -151,7 +151,7 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
     gap = standoff(dvl) if dvl is not None and np.isfinite(dvl.ranges).any() else None
     if depth_m is None and gap is None:
         return None
-    start, parts, table = t_ns[0], [], {"t": seconds(t_ns)}
+    start, parts, table = t_ns[0], [], {"t_s": seconds(t_ns)}
     rows = int(depth_m is not None) + int(gap is not None)
     figure, axes = new_figure(height_in=0.4 + 1.7 * rows, rows=rows)
     if depth_m is not None:
@@ -188,5 +188,5 @@ def sigmas(track: VehicleTrack) -> Plot:
     axis.legend(fontsize=8, frameon=False, ncols=3)
     middle = np.median(track.sigma[:, :3], axis=0)
     alt = "Median one sigma: " + ", ".join(f"{n} {v:.3f} m" for n, v in zip("xyz", middle, strict=True)) + "."
-    table = {"t": seconds(track.t_ns), **{f"sigma_{n}_m": numbers(track.sigma[:, k], ".6g") for k, n in enumerate("xyz")}}
+    table = {"t_s": seconds(track.t_ns), **{f"sigma_{n}_m": numbers(track.sigma[:, k], ".6g") for k, n in enumerate("xyz")}}
     return Plot(name="position_sigma", title="Uncertainty of position", alt=alt, png=png_bytes(figure), table=table)

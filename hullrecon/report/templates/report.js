@@ -1,4 +1,4 @@
-/*! hullrecon's report page, Apache-2.0, of sources c24c66b173800a7b0e3857c6391bd8e4efda71612dfd47dfaa9f7b51991a0db7. Bundled:
+/*! hullrecon's report page, Apache-2.0, of sources 10c63d9085482f131482f63912aef1f824d13eb32adc9f8a22fe0333c0ca0dde. Bundled:
 
 Leaflet 1.9.4
 

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from hullrecon.synthetic.sensors import sonar
 from hullrecon.synthetic.sensors.recorder import Streams, stamp_ns
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def write_plain(folder: Path, streams: Streams) -> None:

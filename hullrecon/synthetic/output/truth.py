@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
@@ -21,8 +20,7 @@ from hullrecon.synthetic.output.plain_log import write_table
 from hullrecon.synthetic.vehicle.rig import SONAR_ORIGIN, TRAY_ORIGIN
 from hullrecon.synthetic.world.items import MARKS, Item
 from hullrecon.synthetic.world.relief import height_of
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def write_truth(folder: Path, dive: Dive) -> None:

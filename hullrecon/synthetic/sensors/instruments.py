@@ -7,15 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.vehicle.motion import Motion, ticks
 from hullrecon.synthetic.vehicle.rig import BEAMS, TRANSPONDER, TRAY_ORIGIN, Rig
 from hullrecon.synthetic.world.built_hull import BuiltHull
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 ATMOSPHERE_PA, DENSITY, GRAVITY = 101325.0, 1025.0, 9.81
 VELOCITY_SIGMA, RANGE_SIGMA = 0.003, 0.01

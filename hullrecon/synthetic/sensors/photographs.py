@@ -7,19 +7,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.sensors.rendering import Scene, lens, photograph
 from hullrecon.synthetic.vehicle.rig import LAMP_IN_TOP, TRAY_ORIGIN
 from hullrecon.synthetic.world.plate_atlas import PlateAtlas, paint_atlas
 from hullrecon.synthetic.world.texture import Albedo, Atlas, PaintedHull
+from hullrecon.typing import Pixels
 
-Image = NDArray[np.uint8]
 ATLAS_TEXELS = 24e6  # up to there the texture is one image: painting it takes 0.5 GB
 
 
-def photographs(dive: Dive) -> Iterator[tuple[Image, Image | None]]:
+def photographs(dive: Dive) -> Iterator[tuple[Pixels, Pixels | None]]:
     """Yield the RGB images (h, w, 3) of the top and the bottom camera; None where no bottom camera is carried."""
     rig, motion, random = dive.rig, dive.motion, dive.spec.random("camera")
     paint, absorption = _paint(dive), 2.0 / dive.spec.visibility_m

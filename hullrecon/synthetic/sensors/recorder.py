@@ -15,8 +15,8 @@ from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.sensors import instruments
 from hullrecon.synthetic.sensors.photographs import photographs
 from hullrecon.synthetic.sensors.sonar import pings
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 START_NS = 1_777_887_000_000_000_000  # 2026-05-04T09:30:00Z
 
 

@@ -13,9 +13,7 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.world.built_hull import Block
 from hullrecon.synthetic.world.texture import Albedo
-
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
+from hullrecon.typing import Array, Floats32
 
 ABSORPTION = np.array([1.55, 0.9, 1.1], np.float32)  # RGB, relative: red goes first
 VEIL = np.array([0.020, 0.062, 0.050], np.float32)  # RGB, of an endless water column
@@ -35,8 +33,8 @@ class Lens:
     """Hold a camera's rays (h w, 3) and its vignetting (h, w)."""
 
     camera: CameraModel
-    ray: Floats
-    vignetting: Floats
+    ray: Floats32
+    vignetting: Floats32
 
 
 def lens(camera: CameraModel) -> Lens:
@@ -67,8 +65,8 @@ def photograph(scene: Scene, view: Lens, T_M_c: Poses, lamp: Array, random: np.r
 
 
 def _lamp(
-    scene: Scene, hit: NDArray[np.bool_], point: Floats, normal: Floats, chart: Floats, camera: Array, lamp: Array
-) -> tuple[Floats, Floats]:
+    scene: Scene, hit: NDArray[np.bool_], point: Floats32, normal: Floats32, chart: Floats32, camera: Array, lamp: Array
+) -> tuple[Floats32, Floats32]:
     """Return the light (n,) that the lamp throws on points given from the camera, and its way through the water; shadows
     where something stands out nearby."""
     to_lamp = (lamp - camera).astype(np.float32) - point
@@ -85,12 +83,12 @@ def _lamp(
     return np.asarray(light, np.float32), np.asarray(way, np.float32)
 
 
-def _snow(radiance: Floats, random: np.random.Generator) -> Floats:
+def _snow(radiance: Floats32, random: np.random.Generator) -> Floats32:
     """Add particles in the beam, most of them out of focus, and the blur of the lens and the water."""
     import cv2
 
     height, width = radiance.shape[:2]
-    flakes: Floats = np.zeros((height, width), np.float32)
+    flakes: Floats32 = np.zeros((height, width), np.float32)
     for x, y, r, tone in random.uniform(0, 1, (14, 4)).tolist():
         centre = (round(16 * x * width), round(16 * y * height))
         cv2.circle(flakes, centre, round(16 * (0.5 + 1.5 * r**4)), 0.02 + 0.12 * tone**3, -1, cv2.LINE_AA, 4)
@@ -98,7 +96,7 @@ def _snow(radiance: Floats, random: np.random.Generator) -> Floats:
     return np.asarray(cv2.GaussianBlur(lit, (0, 0), 0.55), np.float32)
 
 
-def _expose(radiance: Floats, random: np.random.Generator) -> NDArray[np.uint8]:
+def _expose(radiance: Floats32, random: np.random.Generator) -> NDArray[np.uint8]:
     gain = np.float32(2.6 * (1 + 0.02 * random.standard_normal()))
     image = 255 * np.sqrt(np.clip(gain * radiance, 0, 1))
     image += 1.6 * random.standard_normal(image.shape, np.float32)

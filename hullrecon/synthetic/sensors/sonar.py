@@ -15,8 +15,7 @@ from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.vehicle.motion import ticks
 from hullrecon.synthetic.vehicle.rig import SONAR_ELEVATION_DEG, SONAR_ORIGIN
 from hullrecon.synthetic.world.built_hull import Block
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 BEAM_COUNT, BIN_COUNT = 96, 256
 NEAR_M, FAR_M = 0.6, 3.0

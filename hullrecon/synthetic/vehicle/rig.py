@@ -7,13 +7,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses, exp, from_mount
 from hullrecon.synthetic.spec import DiveSpec
 
-Array = NDArray[np.float64]
 Six = tuple[float, float, float, float, float, float]
 
 TRAY_ORIGIN = (0.45, 0.0, 0.10)

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.poses import Poses, from_rpy
@@ -13,8 +12,8 @@ from hullrecon.synthetic.spec import DiveSpec, Survey
 from hullrecon.synthetic.vehicle.motion import Motion, with_backlash
 from hullrecon.synthetic.vehicle.rig import TRAY_ORIGIN
 from hullrecon.synthetic.world.hull_patch import HullSkin
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 STEP_S = 0.02
 SONAR_BELOW = (0.72, 0.42)  # the sonar looks that much lower than the cameras (rad), less where the bilge curves away (rad/rad)
 

@@ -15,9 +15,8 @@ from hullrecon.synthetic.world.deviation import deviation_m
 from hullrecon.synthetic.world.hull_patch import HullPatch
 from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.relief import height_of
+from hullrecon.typing import Array, Ints
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 FINER = 5  # 3 cm cells become 6 mm cells
 
 

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import DiveSpec
@@ -17,8 +16,8 @@ from hullrecon.synthetic.world.as_built import AsBuilt, build, crop
 from hullrecon.synthetic.world.hull_patch import HullPatch, HullSkin
 from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.ray_casting import Rays
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 KEPT_BLOCKS = 2  # cameras and sonar can stand in neighbouring ones
 
 

@@ -5,11 +5,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.synthetic.spec import DiveSpec
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def deviation_m(spec: DiveSpec, along_m: Array, girth_m: Array, waves: int = 300) -> Array:

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.world.ray_casting import Rays
+from hullrecon.typing import Array
 
-Array = NDArray[np.float64]
 GAP_M = 0.6  # a wider gap between neighbouring rays' hits ends a section: an edge, not a facet
 BLOCK_CELLS = 4e5  # of the grid in a block: what is made of one takes some 0.3 GB
 MARGIN_M = 4.0  # beyond a block on both sides: more than any sensor sees past the sensor's own place along the hull

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from hullrecon.errors import InputError
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.synthetic.spec import Ship
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def hull_shape(ship: Ship) -> Mesh:

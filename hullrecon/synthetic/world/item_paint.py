@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from hullrecon.synthetic.world.items import Item
 from hullrecon.synthetic.world.relief import local
-from hullrecon.synthetic.world.texture import Atlas, Floats
+from hullrecon.synthetic.world.texture import Atlas
+from hullrecon.typing import Floats32
 
 ITEM_TONES = (70.0, 150.0)  # grey of a structure
 PAINTS = {"digits": (205, 205, 195), "stripe": (200, 190, 70), "ring": (205, 205, 195), "barnacles": (185, 180, 160)}
@@ -34,7 +35,7 @@ def _mark(atlas: Atlas, item: Item, tone: float) -> None:
     part[...] = np.clip(part * (1 - weight) + paint * weight, 0, 255).astype(np.uint8)
 
 
-def _stamp(atlas: Atlas, item: Item) -> tuple[int, int, Floats]:
+def _stamp(atlas: Atlas, item: Item) -> tuple[int, int, Floats32]:
     """Return the first row and column of the item's box in the atlas, and its mask 0..1 there."""
     reach = int(np.ceil(item.reach_m() / atlas.texel_m)) + 2
     column = round((item.along_m - atlas.origin_m[0]) / atlas.texel_m)

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.world.item_paint import ITEM_TONES, paint_items
 from hullrecon.synthetic.world.items import Item
-from hullrecon.synthetic.world.texture import PLATE_M, Atlas, Floats, paint_steel
+from hullrecon.synthetic.world.texture import PLATE_M, Atlas, paint_steel
+from hullrecon.typing import Floats32
 
 ROWS = 1 << 20  # more rows of plates than any hull has
 KEPT_PLATES = 24  # 2.4 m x 1.3 m at a millimetre a texel are 9.4 MB
@@ -36,7 +37,7 @@ class PlateAtlas:
         self._tones: NDArray[np.float64] = spec.hull_random("item tones").uniform(*ITEM_TONES, len(items))
         self._plates: OrderedDict[tuple[int, int], Atlas] = OrderedDict()
 
-    def look_up(self, along_m: Floats, girth_m: Floats, seen: NDArray[np.bool_]) -> Floats:
+    def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
         """Return the albedo (h, w, 3) at chart coordinates (h, w), bilinear, where `seen` (h, w); nothing elsewhere."""
         column = np.floor(along_m / np.float32(PLATE_M[0])).astype(np.int64)
         row = np.floor(girth_m / np.float32(PLATE_M[1])).astype(np.int64)

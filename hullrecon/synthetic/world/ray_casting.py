@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.meshes.mesh import Mesh
-
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
+from hullrecon.typing import Array, Floats32
 
 
 @dataclass(frozen=True)
@@ -21,9 +19,9 @@ class Hits:
     """Hold what rays hit. range_m (n,) inf where nothing was hit; face (n,); weight (n, 3) barycentric weights of the face's
     corners."""
 
-    range_m: Floats
+    range_m: Floats32
     face: NDArray[np.int64]
-    weight: Floats
+    weight: Floats32
 
     @property
     def hit(self) -> NDArray[np.bool_]:

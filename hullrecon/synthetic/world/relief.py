@@ -5,11 +5,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hullrecon.synthetic.world.items import Item
-
-Array = NDArray[np.float64]
+from hullrecon.typing import Array
 
 
 def height_of(item: Item, along_m: Array, girth_m: Array) -> Array:

@@ -11,8 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float32]
-Image = NDArray[np.uint8]
+from hullrecon.typing import Floats32, Pixels
 
 PAINT = np.array([0.42, 0.30, 0.27], np.float32)  # RGB albedo: antifouling red under slime
 SLIME = np.array([0.20, 0.23, 0.17], np.float32)
@@ -27,11 +26,11 @@ class Atlas:
 
     image: (rows along girth, columns along the hull, 3) albedo x 255, RGB; its first texel's centre lies at origin_m."""
 
-    image: Image
+    image: Pixels
     origin_m: tuple[float, float]
     texel_m: float
 
-    def look_up(self, along_m: Floats, girth_m: Floats, seen: NDArray[np.bool_]) -> Floats:
+    def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
         """Return the albedo (h, w, 3) at chart coordinates (h, w), bilinear, where `seen` (h, w); anything elsewhere."""
         import cv2
 
@@ -49,7 +48,7 @@ class Atlas:
 class Albedo(Protocol):
     """Tells the colour of the steel."""
 
-    def look_up(self, along_m: Floats, girth_m: Floats, seen: NDArray[np.bool_]) -> Floats:
+    def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
         """Return the albedo (h, w, 3) at chart coordinates (h, w), where `seen` (h, w); anything elsewhere."""
         ...
 
@@ -64,7 +63,7 @@ class PaintedHull:
     bare_to_m: float | None
     repeats_m: float | None
 
-    def look_up(self, along_m: Floats, girth_m: Floats, seen: NDArray[np.bool_]) -> Floats:
+    def look_up(self, along_m: Floats32, girth_m: Floats32, seen: NDArray[np.bool_]) -> Floats32:
         """Return the albedo (h, w, 3) at chart coordinates (h, w), where `seen` (h, w); anything elsewhere."""
         within = along_m
         if self.repeats_m is not None:
@@ -92,7 +91,7 @@ def paint_steel(
     return Atlas(image, origin, texel_m)
 
 
-def value_noise(random: np.random.Generator, shape: tuple[int, int], cell_px: float) -> Floats:
+def value_noise(random: np.random.Generator, shape: tuple[int, int], cell_px: float) -> Floats32:
     """Return (rows, columns) in about -1..1: random values on a grid of that cell size, cubic in between."""
     import cv2
 
@@ -106,7 +105,7 @@ def value_noise(random: np.random.Generator, shape: tuple[int, int], cell_px: fl
 
 def _octaves(
     random: np.random.Generator, shape: tuple[int, int], cells_m: list[float], gains: list[float], texel_m: float
-) -> Floats:
+) -> Floats32:
     total = np.zeros(shape, np.float32)
     for cell, gain in zip(cells_m, gains, strict=True):
         if cell / texel_m >= 2.0:
@@ -119,8 +118,8 @@ class _Fouling:
     """Say what covers the steel. paint (rows, columns): share of bare paint; patches: tone and share (rows, columns) of algae
     and of pale spots."""
 
-    paint: Floats
-    patches: tuple[tuple[Floats, Floats], ...]
+    paint: Floats32
+    patches: tuple[tuple[Floats32, Floats32], ...]
 
 
 def _fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: float) -> _Fouling:
@@ -139,7 +138,7 @@ def _fouling(random: np.random.Generator, shape: tuple[int, int], texel_m: float
     return _Fouling(_soften(fine), tuple(patches))
 
 
-def _soften(x: Floats) -> Floats:
+def _soften(x: Floats32) -> Floats32:
     """Return 0.5 + 0.5 tanh x, in place."""
     np.tanh(x, out=x)
     x *= np.float32(0.5)
@@ -147,7 +146,7 @@ def _soften(x: Floats) -> Floats:
     return x
 
 
-def _colour(fouling: _Fouling, rows: slice) -> Floats:
+def _colour(fouling: _Fouling, rows: slice) -> Floats32:
     """Return the albedo (rows, columns, 3) of some rows: paint under slime, algae in patches, pale spots."""
     share = fouling.paint[rows, :, None]
     out = PAINT * share + SLIME * (1 - share)
@@ -159,7 +158,7 @@ def _colour(fouling: _Fouling, rows: slice) -> Floats:
 
 def _plates(
     random: np.random.Generator, shape: tuple[int, int], origin_m: tuple[float, float], texel_m: float
-) -> Callable[[slice], Floats]:
+) -> Callable[[slice], Floats32]:
     """Return the brightness (rows, columns) of some rows: a tone of its own for each plate, and the weld between."""
     g = origin_m[1] + texel_m * np.arange(shape[0])
     a = origin_m[0] + texel_m * np.arange(shape[1])
@@ -167,7 +166,7 @@ def _plates(
     tone = random.uniform(0.85, 1.12, (np.ptp(row) + 1, np.ptp(column) + 1)).astype(np.float32)
     across, along = _seam(random, g, PLATE_M[1]), _seam(random, a, PLATE_M[0])
 
-    def brightness(rows: slice) -> Floats:
+    def brightness(rows: slice) -> Floats32:
         """Return those rows."""
         seam = np.minimum(across[rows, None], along)
         return np.asarray(tone[np.ix_(row[rows] - row.min(), column - column.min())] * seam, np.float32)
@@ -175,13 +174,13 @@ def _plates(
     return brightness
 
 
-def _seam(random: np.random.Generator, x: NDArray[np.floating], every_m: float) -> Floats:
+def _seam(random: np.random.Generator, x: NDArray[np.floating], every_m: float) -> Floats32:
     """Return the brightness (n,) of a dark, uneven line at each multiple."""
     near = np.abs((x + every_m / 2) % every_m - every_m / 2)
     return np.asarray(1 - 0.45 * np.exp(-((near / SEAM_M) ** 2)) * random.uniform(0.8, 1.0, len(x)), np.float32)
 
 
-def _specks(random: np.random.Generator, image: Image, texel_m: float) -> None:
+def _specks(random: np.random.Generator, image: Pixels, texel_m: float) -> None:
     import cv2
 
     count = int(350 * image.shape[0] * image.shape[1] * texel_m**2)
@@ -193,7 +192,7 @@ def _specks(random: np.random.Generator, image: Image, texel_m: float) -> None:
         cv2.circle(image, (x, y), r, c, -1, cv2.LINE_AA, 4)
 
 
-def _scratches(random: np.random.Generator, image: Image, texel_m: float) -> None:
+def _scratches(random: np.random.Generator, image: Pixels, texel_m: float) -> None:
     import cv2
 
     count = int(5 * image.shape[0] * image.shape[1] * texel_m**2)
@@ -207,7 +206,7 @@ def _scratches(random: np.random.Generator, image: Image, texel_m: float) -> Non
         cv2.polylines(image, [line], False, (tone, tone, 0.9 * tone), 1, cv2.LINE_AA, 4)
 
 
-def _window(x: Floats, size: int) -> tuple[int, int]:
+def _window(x: Floats32, size: int) -> tuple[int, int]:
     """Return the first and the last column that a bilinear look-up at x needs, within the image."""
     low, high = float(np.nanmin(x)), float(np.nanmax(x))
     first = int(np.clip(np.floor(low) - 1, 0, size - 2))

@@ -76,7 +76,7 @@ class FeatureStore:
         return _map(self.folder, self.camera.key, (status.st_ino, status.st_mtime_ns))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Mapped:
     """The arrays of one camera, mapped. corners (n,): how many of each image's rows, the last, are corners."""
 
@@ -97,4 +97,4 @@ def _map(folder: Path, camera: str, stamp: tuple[int, int]) -> _Mapped:
         corners = np.asarray(index.get(f"{camera}_corners", none), np.int64)
     mode: Literal["r"] | None = "r" if start[-1] else None  # a file without rows cannot be mapped
     arrays = {kind: np.load(folder / f"{kind}_{camera}.npy", mmap_mode=mode, allow_pickle=False) for kind in KINDS}
-    return _Mapped(start, saliency, corners, **arrays)
+    return _Mapped(start=start, saliency=saliency, corners=corners, **arrays)

@@ -92,7 +92,8 @@ def most_likely_motion(start: Array, first: Array, second: Array, prior: Motion)
     """Return the motion (4, 4), |t| = 1, of least robust cost of matches (n, 2) and navigation together, from where RANSAC has
     it, and the robust sigma of the matches about it.
 
-    Steps are reweighted by Tukey's biweight. From navigation's motion they would lead to either of a plane's two.
+    Steps are reweighted by Tukey's biweight, about a sigma that falls with them: costs of two steps cannot be compared, as
+    geometry.pose_solver does. From navigation's motion they would lead to either of a plane's two.
     """
     motion = start.copy()
     motion[:3, 3] *= np.linalg.norm(prior.second_from_first[:3, 3])

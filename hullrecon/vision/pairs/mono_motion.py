@@ -31,7 +31,7 @@ def refine(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
     matches' own noise adds to the information about the direction is taken off.
     """
     residual, jacobian = linearise(motion, first, second)
-    damping = 1e-6
+    damping = 1e-6  # not geometry.pose_solver: five unknowns, and steps in units of a variance that each step finds anew
     for _ in range(ITERATIONS):
         normal = _information(jacobian, _variance(residual))
         gradient = jacobian.T @ residual / _variance(residual)

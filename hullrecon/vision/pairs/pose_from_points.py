@@ -85,7 +85,7 @@ def refine(motion: Array, views: list[ObservedPoints], tolerance: float, iterati
 
     Inliers are chosen again in the first half of the iterations, then held. The covariance takes its scale from the residuals.
     """
-    damping = 1e-6
+    damping = 1e-6  # not geometry.pose_solver: a change of the inliers changes the cost, by which that would refuse the step
     masks = _inliers(motion, views, tolerance)
     for k in range(iterations):
         if k < iterations // 2:

@@ -74,6 +74,7 @@ def adjust_stereo_motion(
         return None
     back = (second.point - motion[:3, 3]) @ motion[:3, :3]
     points = np.where(np.isfinite(first.point), first.point, back)
+    # Not geometry.pose_solver: every step moves the points as well, and chooses the features anew by what is left of them.
     for _ in range(ITERATIONS):
         system = _reduce(motion, points, first, second, bottom_from_top)
         good = _inliers(system)

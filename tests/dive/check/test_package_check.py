@@ -12,6 +12,7 @@ from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.summary import missing, needs
 from hullrecon.steps.ingest import USES, request_of
 from hullrecon.steps.report import ReportOptions
+from tests.dive.readers.test_pd0 import ensemble_bytes
 
 
 def check(package: Path, *overrides: str):
@@ -64,9 +65,9 @@ def test_a_sonar_file_beside_the_log_is_read_or_its_beams_are_asked_for(package,
     assert azimuth[[0, -1]] == pytest.approx([-7, 7] if lens else [-14.89, 14.89], abs=0.01)
 
 
-def test_what_is_suspicious_is_marked_so(package):
+def test_what_contradicts_itself_is_a_warning(package):
     lines = check(package, "camera.top.mount=[0,0,0,0,0,0]").lines()
-    assert any(line.startswith("suspicious: camera.top looks 90 degrees away") for line in lines)
+    assert any(line.startswith("warning: camera.top looks 90 degrees away") for line in lines)
 
 
 def test_a_damaged_log_is_told_as_lost(package):
@@ -199,7 +200,7 @@ def test_a_camera_of_which_no_image_was_logged_is_in_the_way_of_a_run(package, k
 
 def test_the_last_line_is_the_verdict(package):
     found = check(package)
-    assert found.lines()[-1].startswith("verdict: ready, with doubts (to fill in: tray.origin, pressure.origin, dvl.mount")
+    assert found.lines()[-1].startswith("verdict: ready, with warnings (to fill in: tray.origin, pressure.origin, dvl.mount")
     assert found.document()["verdict"] == found.verdict
     mounts = ["tray.origin=[0,0,0]", "pressure.origin=[0,0,0]", "dvl.mount=[0,0,0,0,90,0]", "camera.top.mount=[0,0,0,90,0,90]"]
     assert check(package, *mounts).lines()[-1] == "verdict: ready"
@@ -227,7 +228,29 @@ def test_a_dvl_without_any_velocity_is_in_the_way_of_a_run(package, kit):
     entries = [e for e in kit.dive() if e.topic != "/dvl"]
     entries += [type(e)("/dvl", "marine_acoustic_msgs/msg/Dvl", e.t_ns, kit.dvl(e.t_ns, velocity_covar=lost)) for e in entries]
     kit.mcap(package / "logs" / "dive.mcap", entries)
-    assert any("pings have no velocity over ground" in line for line in check(package).unusable)
+    (line,) = check(package).unusable
+    assert line.endswith("pings have no velocity over ground: log its bottom track, or give two cameras instead")
+
+
+def test_a_profiler_s_lost_velocities_are_told_before_how_it_sits(tmp_path):
+    """Else its owner measures mounts of an instrument that cannot be used."""
+    (tmp_path / "x.pd0").write_bytes(b"".join(ensemble_bytes(n, velocity=(-32768,) * 4, heading=100) for n in range(20)))
+    (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["x.pd0"]\n')
+    first, second = check(tmp_path).unusable
+    assert "20 pings have no velocity over ground" in first
+    assert "imu.mount_deg" in second
+
+
+@pytest.mark.parametrize(("mount", "is_told"), [("[0,0,0,0,90,0]", True), ("[1,0,0,0,3,0]", False)])
+def test_two_statements_on_how_the_dvl_sits_are_compared_where_its_attitude_is_used(tmp_path, mount, is_told):
+    (tmp_path / "x.pd0").write_bytes(b"".join(ensemble_bytes(n, heading=100) for n in range(20)))
+    (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["x.pd0"]\n')
+    warnings = check(tmp_path, "imu.mount_deg=[0,0,0]", f"dvl.mount={mount}").warnings
+    assert any("turn the DVL's axes 90 degrees apart" in line for line in warnings) == is_told
+
+
+def test_an_imu_of_its_own_may_sit_otherwise_than_the_dvl(package):
+    assert check(package, "imu.mount_deg=[0,0,0]").warnings == check(package).warnings
 
 
 def test_a_sensor_that_cannot_be_used_is_not_called_missing_as_well(package, kit):
@@ -255,3 +278,15 @@ def test_a_logo_that_is_not_there_is_missed(package):
     assert check_package(loaded, request).missing_files == ["logo.png (report.logo)"]
     (package / "logo.png").write_bytes(b"")
     assert check_package(loaded, request).missing_files == []
+
+
+def test_a_dvl_of_a_type_that_is_not_read_is_named_in_the_verdict(package, kit):
+    entries = kit.dive()
+    entry, t = type(entries[0]), entries[0].t_ns
+    warmth = kit.make("sensor_msgs/msg/Temperature", header=kit.header(t), temperature=4.0, variance=0.0)
+    kit.mcap(package / "logs" / "dive.mcap", [*entries, entry("/nortek/raw", "sensor_msgs/msg/Temperature", t, warmth)])
+    assert check(package).run_is_possible
+    text = (package / "dive.toml").read_text()
+    (package / "dive.toml").write_text(text.replace('dvl = "/dvl"\n', ""))
+    (line,) = check(package).needs
+    assert "/nortek/raw (sensor_msgs/msg/Temperature) is a DVL's but of a type that is not read" in line

@@ -1,5 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+import json
 from pathlib import Path
 
 import pytest
@@ -17,7 +18,14 @@ from hullrecon.errors import InputError
         ("x.ddf", b"DDF\x04", "DIDSON", "sonar.csv"),
         ("x.bin", b"\xa5\x0a\xa0\x20", "Nortek", "PD0"),
         ("x.csv.gz", b"\x1f\x8b\x08", "gzip", "unpack"),
-        ("x.tlog", b"\0\0", "ArduPilot", "MCAP"),
+        ("x.tlog", b"\0\0", "ArduPilot", "convert it to MCAP, or write tables dvl.csv, imu.csv"),
+        ("x.nucleus", b"\xa5\x0a\xa0\x20", "Nortek", "or write tables dvl.csv"),
+        ("x.svlog", b"\0\0", "SonarView", "MCAP"),
+        ("00000012.BIN", b"\xa3\x95\x80\x80", "ArduPilot", "MCAP"),
+        ("x.xtf", b"\x7b\0", "side-scan", "not read"),
+        ("x.jsf", b"\x01\x16", "side-scan", "not read"),
+        ("x.mat", b"MATLAB 5.0 MAT-file", "MATLAB", "dvl.csv"),
+        ("x.zip", b"PK\3\4", "archive", "unpack"),
         ("x.nc", b"\x89HDF\r\n", "NetCDF", "dvl.csv"),
         ("x.npz", b"PK\3\4", "NumPy", "dvl.csv"),
         ("x.JPG", b"\xff\xd8", "a photo", "camera_top.csv"),
@@ -46,6 +54,7 @@ def test_what_nobody_knows_is_told_what_is_read(tmp_path):
     ("names", "what"),
     [
         (["a.jpg", "b.JPG", "notes.md"], "2 photos without times"),
+        (["a.pgm", "b.PPM"], "2 photos without times"),
         (["a.mp4", "b.jpg", "c.jpg"], "videos without times"),
         (["nav.csv", "depth.csv.gz", "x.txt"], r"tables of other names \(depth.csv.gz, nav.csv\)"),
         (["a.npz", "b.json.txt"], "archive of NumPy arrays"),
@@ -68,3 +77,34 @@ def test_a_folder_whose_names_say_nothing_is_named_by_the_first_bytes_of_a_file(
 
 def test_an_empty_folder_is_none_of_them():
     assert describe_folder([]) == ("", "")
+
+
+def test_cad_models_alone_are_no_dive_and_are_not_told_to_be_unpacked(tmp_path):
+    for name in ("a.stl", "b.obj.gz", "c.STL.gz", "notes.md"):
+        (tmp_path / name).write_bytes(b"\x1f\x8b\x08" + bytes(20))
+    with pytest.raises(InputError, match=r"CAD models alone \(a\.stl, b\.obj\.gz, c\.STL\.gz\)") as caught:
+        find_logs(tmp_path)
+    assert "its log" in caught.value.remedy
+    assert "gunzip" not in caught.value.line()
+
+
+def test_a_packed_file_among_others_is_named_and_is_not_said_to_be_the_log(tmp_path):
+    (tmp_path / "a.out.gz").write_bytes(b"\x1f\x8b\x08" + bytes(20))
+    (tmp_path / "b.txt").write_text("hello")
+    with pytest.raises(InputError, match=r"a\.out\.gz is packed by gzip .*where it is the log, unpack it .*else give an MCAP"):
+        find_logs(tmp_path)
+    (tmp_path / "z.ping").write_bytes(b"SO\xd4\x1e")
+    with pytest.raises(InputError, match="pings of an Oculus"):  # says more
+        find_logs(tmp_path)
+
+
+@pytest.mark.parametrize(("content", "command"), [("[{0},\n{0}]", "jq -c '.[]' "), ("{0}\n{0}", "jq -c . ")])
+def test_reports_of_a_dvl_that_were_rewritten_over_several_lines_are_told_how_to_be_put_back(tmp_path, content, command):
+    report = json.dumps({"vx": 0.1, "transducers": []}, indent=4)
+    (tmp_path / "dvl.json").write_text(content.replace("{0}", report))
+    for look, path in ((open_log, tmp_path / "dvl.json"), (find_logs, tmp_path)):
+        with pytest.raises(InputError, match="reports of a Water Linked DVL, but not one a line") as caught:
+            look(path)
+        assert command in caught.value.remedy
+    (tmp_path / "dvl.json").write_text(json.dumps(json.loads(report)))
+    assert find_logs(tmp_path) == [tmp_path / "dvl.json"]

@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hullrecon.artifacts.storage.writer import ArtifactWriter
+from hullrecon.dive.images.header import IMAGE_SUFFIXES
 from hullrecon.dive.images.integrity import jpeg_is_whole, size_of
 from hullrecon.dive.images.sink import ImageSink
-from hullrecon.dive.images.store import CAMERAS, IMAGE_SUFFIXES, ImageStore, decode
+from hullrecon.dive.images.store import CAMERAS, ImageStore, decode
 from hullrecon.dive.logs.samples import ImageSample
 from hullrecon.errors import InputError
 from hullrecon.records.serialisation import to_arrays

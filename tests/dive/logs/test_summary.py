@@ -3,19 +3,20 @@
 import numpy as np
 import pytest
 
+from benchmarks.fuzz.seed_ad2cp import TEXT, block
 from hullrecon.dive.check.to_fill_in import to_fill_in
 from hullrecon.dive.config.config_template import beams_to_ask_for, fill_template
 from hullrecon.dive.config.load import load_config
-from hullrecon.dive.logs.readers.open import open_log
+from hullrecon.dive.logs.readers.open import find_logs, open_log
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.readers.unpack import printable
-from hullrecon.dive.logs.summary import TopicNote, guess_topics, missing, summarise_log, summarise_logs
+from hullrecon.dive.logs.summary import LogSummary, TopicNote, guess_topics, missing, summarise_log, summarise_logs
 
 IMAGE = "sensor_msgs/msg/CompressedImage"
 
 
 def notes(**kinds: str) -> list[TopicNote]:
-    return [TopicNote(Channel("/" + topic.replace("__", "/"), kind, "cdr"), count=1) for topic, kind in kinds.items()]
+    return [TopicNote(channel=Channel("/" + topic.replace("__", "/"), kind, "cdr"), count=1) for topic, kind in kinds.items()]
 
 
 def test_a_log_is_told_topic_by_topic(kit, tmp_path):
@@ -62,6 +63,19 @@ def test_a_dvl_of_a_common_type_needs_its_name():
     kind = "geometry_msgs/msg/TwistWithCovarianceStamped"
     assert guess_topics(notes(odom=kind)) == {}
     assert guess_topics(notes(dvl__velocity=kind)) == {"dvl": "/dvl/velocity"}
+
+
+@pytest.mark.parametrize(
+    ("topic", "kind"),
+    [
+        ("bar30__depth", "std_msgs/msg/Float64"),
+        ("bar30__pressure", "sensor_msgs/msg/FluidPressure"),
+        ("mavros__vfr_hud", "mavros_msgs/msg/VfrHud"),
+        ("mavros__vfr_hud", "mavros_msgs/VFR_HUD"),  # as ROS 1 calls it
+    ],
+)
+def test_a_depth_under_the_name_of_its_instrument_is_the_pressure_sensor(topic, kind):
+    assert guess_topics(notes(**{topic: kind})) == {"pressure": "/" + topic.replace("__", "/")}
 
 
 def test_of_several_imus_the_one_that_is_called_so_is_taken():
@@ -186,3 +200,19 @@ def test_beams_are_asked_for_only_where_ranges_come_without_them(kit, tmp_path):
     (tmp_path / "dvl.csv").write_text("t,vx,vy,vz\n0,1,0,0\n")
     assert beams_to_ask_for(summarise_log(open_log(tmp_path))) == 0
     assert beams_to_ask_for(summarise_log(open_log(kit.mcap(tmp_path / "x.mcap", kit.dive())))) == 0
+
+
+def test_what_readers_say_of_several_files_is_told_with_the_file(tmp_path):
+    for name in ("a.ad2cp", "b.ad2cp"):
+        (tmp_path / name).write_bytes(block(TEXT, b"x" * 20))
+    logs = [open_log(path) for path in find_logs(tmp_path)]
+    assert [line.split(": ")[0] for line in summarise_logs(logs).remarks if "bottom-track" in line] == ["a.ad2cp", "b.ad2cp"]
+    assert not any(line.startswith("a.ad2cp") for line in summarise_logs(logs[:1]).remarks)
+
+
+def test_a_log_without_a_dvl_that_is_read_names_the_one_that_is_not():
+    note = TopicNote(Channel("/teledyne/ensemble", "teledyne_navigator/Ensemble", "ros1"), count=3)
+    (line,) = LogSummary("ROS 1 bag", [note]).needs()
+    assert line.startswith(
+        "missing: a DVL with an IMU, or two cameras; /teledyne/ensemble (teledyne_navigator/Ensemble) is a DVL's"
+    )

@@ -3,7 +3,7 @@
 import pytest
 
 from hullrecon.dive.logs.readers.protocol import Channel
-from hullrecon.dive.logs.unused_topics import COMMANDS, POSITIONS, RANGES, describe_unused
+from hullrecon.dive.logs.unused_topics import CLOUDS, COMMANDS, DEPTHS, ECHOES, POSITIONS, RANGES, describe_unused, unread_dvls
 
 POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 
@@ -19,6 +19,11 @@ def channel(topic, kind, encoding="cdr"):
         ("/altimeter", "sensor_msgs/Range", RANGES),
         ("/fix", "gps_common/msg/GPSFix", POSITIONS),
         ("/usbl/range", "usbl/msg/SlantRange", POSITIONS),
+        ("/ping360_node/sonar/data", "ping360_sonar_msgs/msg/SonarEcho", ECHOES),
+        ("/ping360_data", "ping360_sonar/SonarEcho", ECHOES),
+        ("/sonar3d/points", "sensor_msgs/msg/PointCloud2", CLOUDS),
+        ("/bar30", "bluerov_interfaces/msg/Bar30", DEPTHS),
+        ("/bar30/data", "orca_msgs/msg/Barometer", DEPTHS),
         ("/GPS1/odom", "nav_msgs/msg/Odometry", POSITIONS),
         ("/cmd_vel", "geometry_msgs/msg/TwistStamped", COMMANDS),
         ("/goal", "geometry_msgs/msg/PoseStamped", COMMANDS),
@@ -56,3 +61,14 @@ def test_messages_in_an_encoding_that_is_not_read_are_of_no_type_that_is():
     assert describe_unused([channel("/imu", "sensor_msgs/msg/Imu", "json")], set()) == [
         "a run would not use /imu: of other types than it reads"
     ]
+
+
+def test_topics_that_are_a_dvl_s_by_name_or_maker_are_told_apart_from_those_that_are_read():
+    found = [
+        channel("/teledyne_navigator/ensemble", "teledyne_navigator/Ensemble", "ros1"),
+        channel("/vel", "cirs/LinkquestDvl"),
+        channel("/dvl", "marine_acoustic_msgs/msg/Dvl"),
+        channel("/dvl/gps", "sensor_msgs/msg/NavSatFix"),
+        channel("/rosout", "rosgraph_msgs/Log"),
+    ]
+    assert unread_dvls(found) == ["/teledyne_navigator/ensemble (teledyne_navigator/Ensemble)", "/vel (cirs/LinkquestDvl)"]

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import io
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from benchmarks.fuzz.seed_ad2cp import (
     DF20,
     DF21,
     TEXT,
+    WATER_TRACK,
     block,
     configuration,
     dvl_file,
@@ -23,6 +25,7 @@ from benchmarks.fuzz.seed_ad2cp import (
 )
 from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.readers.ad2cp import blocks as ad2cp_blocks
+from hullrecon.dive.logs.readers.ad2cp import bottom_track
 from hullrecon.dive.logs.readers.ad2cp.beam_list import read_beams, velocity_from_beams
 from hullrecon.dive.logs.readers.ad2cp.blocks import Block, blocks, checksum
 from hullrecon.dive.logs.readers.ad2cp.bottom_track import parse
@@ -204,6 +207,24 @@ def test_a_record_that_is_not_what_its_kind_has_is_a_named_loss(tmp_path, kind, 
     assert "no bottom-track record was read from it" in log.remarks[0]
 
 
+@pytest.mark.parametrize("kind", [0x15, WATER_TRACK])
+def test_a_kind_that_nobody_entered_is_not_parsed_as_another(tmp_path, kind):
+    with pytest.raises(DamagedError, match=f"blocks of kind {kind:#04x} are not read as bottom tracks"):
+        parse(kind, dvl_record())
+    pings, _, log = read(tmp_path / "x.ad2cp", block(kind, dvl_record()), block(DF21, dvl_record()))
+    assert len(pings) == 1
+    assert any(r.startswith("1 blocks of other kinds were passed over") for r in log.remarks)
+
+
+def test_a_kind_that_is_entered_goes_to_its_own_parser_and_counts_under_its_own_name(tmp_path, monkeypatch):
+    """A third kind, whose parser gives a velocity of its own."""
+    other = replace(parse(DF21, dvl_record()), velocity=np.array([7.0, 8, 9]))
+    monkeypatch.setitem(bottom_track.KINDS, 0x15, bottom_track.Kind("DF99", lambda data, start: other))
+    pings, _, log = read(tmp_path / "x.ad2cp", block(0x15, dvl_record()), block(DF21, dvl_record()))
+    assert [p.velocity[0] for p in pings] == pytest.approx([7.0, 0.1])
+    assert not any("no bottom-track record" in r or "passed over" in r for r in log.remarks)
+
+
 def test_a_wrong_checksum_loses_that_block_alone_and_says_where(tmp_path):
     content = [block(DF21, dvl_record(n)) for n in range(5)]
     content[2] = content[2][:100] + bytes([content[2][100] ^ 0x55]) + content[2][101:]
@@ -314,7 +335,7 @@ def test_it_is_known_by_its_first_bytes_and_by_its_name(tmp_path):
     (tmp_path / "a").write_bytes(dvl_file())
     (tmp_path / "b.AD2CP").write_bytes(b"\0" + dvl_file()[1:])
     assert [open_log(tmp_path / name).kind for name in ("a", "b.AD2CP")] == ["Nortek AD2CP"] * 2
-    assert find_logs(tmp_path) == [tmp_path / "b.AD2CP"]
+    assert find_logs(tmp_path) == [tmp_path / "a", tmp_path / "b.AD2CP"]
     (tmp_path / "c.bin").write_bytes(block(TEXT, b"x" * 20, family=0x20))  # a Nucleus
     with pytest.raises(InputError, match="a file of another instrument of Nortek"):
         open_log(tmp_path / "c.bin")

@@ -132,12 +132,26 @@ def test_damage_within_a_ping_costs_that_ping(tmp_path):
     assert (loss.start_ns, loss.end_ns) == (pings[0].t_ns, pings[1].t_ns)
 
 
-@pytest.mark.parametrize("original", [0, 100, 1 << 20])
-def test_an_item_that_does_not_unpack_to_its_length_is_damage(tmp_path, original):
+@pytest.mark.parametrize(("original", "held"), [(0, 1), (100, 101), (1 << 20, len(oculus_ping()))])
+def test_an_item_that_does_not_unpack_to_its_length_is_damage(tmp_path, original, held):
     content = file_header() + item(oculus_ping(), 0, compression=1, original=original) + item(oculus_ping(), 1, compression=1)
     pings, log = read(tmp_path / "x.oculus", content)
     assert numbers(pings) == [1]
-    assert [loss.why.rpartition(": ")[2] for loss in log.losses()] == ["its item does not unpack to the length that it states"]
+    assert [loss.why for loss in log.losses()] == [f"the item at byte 48: it holds {held} bytes instead of {original}"]
+
+
+@pytest.mark.parametrize(
+    ("behind", "whole", "why"),
+    [(b"", 2, "more than 256 times its size"), (b"?", 1, "no other item follows where it ends")],
+)
+def test_a_log_unpacks_to_a_multiple_of_its_size_and_no_further(tmp_path, behind, whole, why):
+    """Three pings with 6 MiB of zeros behind each; one that no item follows is unpacked twice, to see whether it is whole."""
+    ping = oculus_ping()
+    long = ping[:10] + struct.pack("<I", len(ping) - 16 + (6 << 20)) + ping[14:] + bytes(6 << 20)
+    content = file_header() + b"".join(item(long, n, compression=1) + behind for n in range(3))
+    pings, log = read(tmp_path / "x.oculus", content)
+    assert numbers(pings) == list(range(whole))
+    assert log.losses()[-1].why.endswith(why)
 
 
 def test_a_search_behind_damage_goes_on_over_its_windows(tmp_path, monkeypatch):

@@ -120,3 +120,13 @@ def test_a_file_that_vanishes_before_it_is_read_is_one_line(kit, tmp_path):
     (tmp_path / "a.mcap").unlink()
     with pytest.raises(InputError, match=r"a\.mcap cannot be read: No such file"):
         list(log.messages())
+
+
+@pytest.mark.parametrize("name", ["ADCP_20.000", "track.ENR", "x"])
+def test_a_log_is_found_in_a_folder_by_its_first_bytes_whatever_its_name(kit, tmp_path, name):
+    (tmp_path / name).write_bytes(b"\x7f\x7f" + bytes([20, 0, 0, 1, 8, 0]) + bytes(40))  # the head of a PD0 ensemble
+    (tmp_path / "grey.raw").write_bytes(b"\x7f" * 4096)
+    (tmp_path / "library.sqlite").write_bytes(b"SQLite format 3\0" + bytes(84))
+    assert find_logs(tmp_path) == [tmp_path / name]
+    kit.bag1(tmp_path / "recording.1", kit.dive(ros=1)[:10])
+    assert {p.name for p in find_logs(tmp_path)} == {name, "recording.1"}

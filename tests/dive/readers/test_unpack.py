@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import bz2
+import zlib
 
 import lz4.frame
 import pytest
@@ -25,6 +26,7 @@ PACK = {
     "zstd": zstandard.ZstdCompressor().compress,
     "lz4": lz4.frame.compress,
     "bz2": bz2.compress,
+    "zlib": zlib.compress,
 }
 
 
@@ -60,6 +62,8 @@ def test_a_small_file_that_claims_to_be_huge_is_not_believed():
         decompress(lz4.frame.compress(bytes(10**6)), "lz4", 10)
     with pytest.raises(DamagedError):
         decompress(bz2.compress(bytes(10**6)), "bz2", 10)
+    with pytest.raises(DamagedError):
+        decompress(zlib.compress(bytes(10**6)), "zlib", 10)
 
 
 def test_an_unknown_compression_is_damage():
@@ -76,7 +80,7 @@ def test_fields_beyond_the_end_and_names_that_are_no_text_are_damage():
         text(b"\xff")
 
 
-@pytest.mark.parametrize("how", ["zstd", "lz4", "bz2"])
+@pytest.mark.parametrize("how", ["zstd", "lz4", "bz2", "zlib"])
 def test_a_log_unpacks_to_a_multiple_of_its_size_and_no_further(how):
     packed, budget = PACK[how](bytes(1 << 22)), UnpackBudget(1000)
     for _ in range(2):
@@ -85,7 +89,7 @@ def test_a_log_unpacks_to_a_multiple_of_its_size_and_no_further(how):
         decompress(packed, how, 1 << 22, budget)
 
 
-@pytest.mark.parametrize("how", ["lz4", "bz2"])
+@pytest.mark.parametrize("how", ["lz4", "bz2", "zlib"])
 def test_a_stream_that_stops_before_its_checksum_is_damaged(how):
     packed = PACK[how](b"x" * 500)
     with pytest.raises(DamagedError):

@@ -22,6 +22,7 @@ from hullrecon.report.change.layers import change_layers
 from hullrecon.report.change.table import COLUMNS
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
+SCHEMAS = DOCS.parent / "hullrecon" / "report" / "schemas"
 
 
 @pytest.fixture
@@ -52,14 +53,14 @@ def test_the_same_comparison_gives_the_same_bytes(files: dict[str, bytes], chang
 
 
 def test_the_document_keeps_to_its_schema(document) -> None:
-    schema = json.loads((DOCS / "schemas" / "change.schema.json").read_text())
+    schema = json.loads((SCHEMAS / "change.schema.json").read_text())
     assert violations(document, schema) == []
     assert violations({**document, "frame": "g"}, schema)
     assert violations({**document, "objects": [{**document["objects"][0], "status": "odd"}]}, schema)
 
 
 def test_a_comparison_without_a_change_keeps_to_the_schema_too(outside: OutsideMap) -> None:
-    schema = json.loads((DOCS / "schemas" / "change.schema.json").read_text())
+    schema = json.loads((SCHEMAS / "change.schema.json").read_text())
     assert violations(json.loads(change_files(hull_change(), outside, T_NS)["change.json"]), schema) == []
 
 

@@ -22,7 +22,7 @@ LARGEST_HEAD = 1 << 20  # bytes; a connection's head holds its topic, never more
 Head = dict[str, bytes]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BagChunk:
     """What the index says about one chunk: where it is, its span in log time, messages by connection."""
 
@@ -147,7 +147,9 @@ def _connection(head: Head, data: bytes) -> tuple[int, Channel]:
 def _note(head: Head, data: bytes) -> BagChunk:
     (offset,) = fields("<Q", head.get("chunk_pos", b""))
     pairs = [fields("<II", data, at) for at in range(0, len(data), 8)]
-    return BagChunk(offset, _time(head.get("start_time", b"")), _time(head.get("end_time", b"")), dict(pairs))  # type: ignore[arg-type]
+    counts: dict[int, int] = dict(pairs)  # type: ignore[arg-type]
+    start_ns, end_ns = (_time(head.get(name, b"")) for name in ("start_time", "end_time"))
+    return BagChunk(offset=offset, start_ns=start_ns, end_ns=end_ns, counts=counts)
 
 
 def _time(value: bytes) -> int:

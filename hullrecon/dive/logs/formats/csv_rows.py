@@ -54,7 +54,7 @@ def _check_header(path: Path, header: Sequence[str], needed: Sequence[str]) -> N
 
 
 def _lines(stream: TextIO) -> Iterator[str | None]:
-    """Lines without zero bytes; None for one that is too long, whose rest is passed over piece by piece."""
+    """Yield lines without zero bytes; None for one that is too long, whose rest is passed over piece by piece."""
     while line := stream.readline(LONGEST_LINE):
         if len(line) < LONGEST_LINE or line.endswith(ENDS):
             yield line.replace("\0", "")
@@ -65,7 +65,7 @@ def _lines(stream: TextIO) -> Iterator[str | None]:
 
 
 def _cells(line: str | None) -> list[str] | None:
-    """The cells of one line; None where there are none to be had. A quote that is not closed ends with its line."""
+    """Return the cells of one line; None where there are none to be had. A quote that is not closed ends with its line."""
     if line is None:
         return None
     try:

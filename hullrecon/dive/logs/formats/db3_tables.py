@@ -84,7 +84,7 @@ class Database:
         self.connection.execute(f"{ROWS} LIMIT 1", (at,)).fetchall()
 
     def _first_readable(self, bad: int, good: int) -> int:
-        """The first number from which rows can be read, between one from which they cannot and one from which they can."""
+        """Return the first number from which rows can be read, between one from which they cannot and one where they can."""
         while good - bad > 1:
             middle = (good + bad) // 2
             try:
@@ -95,7 +95,7 @@ class Database:
         return good
 
     def _first(self) -> int:
-        """The first row's number; 1, where rosbag2 starts, in a database too damaged to say."""
+        """Return the first row's number; 1, where rosbag2 starts, in a database too damaged to say."""
         try:
             (low,) = self.connection.execute("SELECT min(rowid) FROM messages").fetchone()
         except READ_ERRORS:
@@ -109,7 +109,7 @@ class Database:
             return 0
 
     def _is_computed(self, table: str) -> bool:
-        """Whether a table has columns that are computed, by code in the file, instead of stored."""
+        """Tell whether a table has columns that are computed, by code in the file, instead of stored."""
         return any(hidden for *_, hidden in self.connection.execute(f"PRAGMA table_xinfo({table})"))
 
     def _step(self) -> bool:

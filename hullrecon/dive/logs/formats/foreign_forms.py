@@ -8,13 +8,17 @@ from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
+from hullrecon.dive.images.header import IMAGE_SUFFIXES
 from hullrecon.dive.logs.readers.unpack import printable
+from hullrecon.dive.logs.readers.water_linked import holds_reports
 
-PHOTOS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp")
 VIDEOS = (".mp4", ".mov", ".mkv", ".avi", ".ts", ".mpg")
 TABLES = "tables dvl.csv, imu.csv, pressure.csv, camera_top.csv, ... with the columns of docs/dive_package.md"
 TO_PHOTOS = "camera_top.csv with columns t (s since 1970) and file, and camera_bottom.csv for a second camera"
-TO_MCAP = "convert it to MCAP or to tables"
+TO_TABLES = f"write {TABLES}"
+TO_MCAP = f"convert it to MCAP, or {TO_TABLES}"
+PACKED = "packed by gzip"
+MESHES = (".stl", ".ply", ".obj", ".off", ".glb")
 BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
     (b"SO", "pings of an Oculus sonar without the time of day", "name file and ping in sonar.csv, with columns t, file, ping"),
     (b"RIP", "a recording of a 3-D sonar (Water Linked Sonar 3D-15)", "3-D sonars are not read; give DVL and IMU, or cameras"),
@@ -24,8 +28,8 @@ BY_MAGIC: tuple[tuple[bytes, str, str], ...] = (
         "name file and frame in sonar.csv, with columns t, file, ping, range_from, range_to, and give sonar.beam_azimuth_deg",
     ),
     (b"\xa3\x95", "a data-flash log of ArduPilot", TO_MCAP),
-    (b"\xa5\x0a", "a file of another instrument of Nortek", "have its DVL write PD0, or log it as nortek_dvl/Dvl"),
-    (b"\x1f\x8b", "packed by gzip", "unpack it (gunzip) first"),
+    (b"\xa5\x0a", "a file of another instrument of Nortek", f"have its DVL write PD0, log it as nortek_dvl/Dvl or {TO_TABLES}"),
+    (b"\x1f\x8b", PACKED, "where it is the log, unpack it first (gunzip)"),
     (b"7z\xbc\xaf", "a packed archive", "unpack it first"),
     (b"\x89HDF", "an HDF5 or NetCDF file", f"write its sensors as {TABLES}"),
 )
@@ -40,9 +44,16 @@ BY_SUFFIX = {
 def describe_file(path: Path, start: bytes) -> tuple[str, str]:
     """Return what a file is and what to do with it, by its first bytes and its name; two empty texts where nobody knows."""
     suffix = path.suffix.lower()
-    if suffix in PHOTOS or suffix in VIDEOS:
-        kind = "a photo" if suffix in PHOTOS else "a video"
+    if suffix in IMAGE_SUFFIXES or suffix in VIDEOS:
+        kind = "a photo" if suffix in IMAGE_SUFFIXES else "a video"
         return kind, f"give the folder that holds it, with {TO_PHOTOS}"
+    if holds_reports(start):
+        is_list = start.lstrip().startswith(b"[")
+        what = "'.[]'" if is_list else "."
+        return (
+            "reports of a Water Linked DVL, but not one a line as it sends them",
+            f"`jq -c {what} OLD > NEW.json` puts them so",
+        )
     known = [(what, remedy) for magic, what, remedy in BY_MAGIC if start.startswith(magic)]
     return (known or [BY_SUFFIX.get(suffix, ("", ""))])[0]
 
@@ -51,7 +62,7 @@ def describe_folder(names: Iterable[str]) -> tuple[str, str]:
     """Return what lies in a folder without a log, and what to do with it; two empty texts where nobody knows."""
     names = sorted(names)
     suffixes = Counter(Path(name.lower().removesuffix(".gz")).suffix for name in names)
-    photos = sum(suffixes[suffix] for suffix in PHOTOS)
+    photos = sum(suffixes[suffix] for suffix in IMAGE_SUFFIXES)
     if any(suffixes[suffix] for suffix in VIDEOS):
         return "videos without times", f"put beside them {TO_PHOTOS} (a row names the video and, in a column frame, its frame)"
     if photos > 1:
@@ -61,4 +72,8 @@ def describe_folder(names: Iterable[str]) -> tuple[str, str]:
         shown = printable(", ".join(tables[:3])) + (", ..." if len(tables) > 3 else "")
         return f"tables of other names ({shown})", f"rename or rewrite them (unpacked) as {TABLES}"
     found = [BY_SUFFIX[suffix] for suffix in suffixes if suffix in BY_SUFFIX]
+    meshes = [name for name in names if Path(name.lower().removesuffix(".gz")).suffix in MESHES]
+    if meshes and not found:
+        shown = printable(", ".join(meshes[:3])) + (", ..." if len(meshes) > 3 else "")
+        return f"CAD models alone ({shown})", "give the folder of a dive: its log, and the CAD model beside it"
     return found[0] if found else ("", "")

@@ -25,7 +25,7 @@ CHUNK_HEAD = 28 + 4 + 4 + 8  # bytes of a chunk's body before what is packed, at
 LONGEST_DEFINITION = 1 << 20  # bytes
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Chunk:
     """Its span in log time and its records, still packed."""
 
@@ -106,7 +106,9 @@ def read_chunk(stream: BinaryIO, at: int, end: int) -> Chunk:
     stream.seek(at + HEAD)
     body = stream.read(length)
     start_ns, end_ns, size, crc = fields("<QQQI", body)
-    return Chunk(start_ns, end_ns, size, crc, body[32 : start - 8].decode(), body[start:])
+    return Chunk(
+        start_ns=start_ns, end_ns=end_ns, size=size, crc=crc, compression=body[32 : start - 8].decode(), packed=body[start:]
+    )
 
 
 def messages_of(chunk: Chunk, definitions: Definitions, budget: UnpackBudget | None = None) -> list[Message]:
@@ -136,7 +138,7 @@ def records(data: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def _string(body: bytes, at: int) -> tuple[str, int]:
-    """A string with its length in front, and the byte behind it."""
+    """Return a string with its length in front, and the byte behind it."""
     (length,) = fields("<I", body, at)
     if at + 4 + length > len(body):
         raise DamagedError("a string reaches beyond its record")

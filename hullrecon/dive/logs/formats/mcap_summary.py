@@ -29,7 +29,7 @@ from hullrecon.dive.logs.formats.mcap_records import (
 from hullrecon.dive.logs.readers.unpack import LARGEST_CHUNK, DamagedError, fields
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ChunkNote:
     """What the summary says about one chunk. end: the byte behind it and its indices. topics: those it holds, empty when the
     writer did not say."""
@@ -41,7 +41,7 @@ class ChunkNote:
     topics: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Summary:
     """chunks in the order of the file; counts of messages by topic (empty without statistics); start: its first byte."""
 
@@ -84,7 +84,7 @@ def claims_summary(stream: BinaryIO, size: int) -> bool:
 
 
 def _footer(stream: BinaryIO, size: int) -> tuple[int, int] | None:
-    """The start of the summary as the footer has it, and the footer's own byte; None where no footer and magic end the file."""
+    """Return the start of the summary as the footer has it, and the footer's own byte; None where none ends the file."""
     at = size - FOOTER_SIZE - len(MAGIC)
     try:
         if at < len(MAGIC) or head(stream, at, size) != (FOOTER, 20):
@@ -104,7 +104,7 @@ def _is_summary(stream: BinaryIO, at: int, foot: int) -> bool:
 
 
 def _heads(stream: BinaryIO, at: int, end: int) -> Iterator[tuple[int, int, int]]:
-    """Opcode, byte and length of the records from `at` to `end`; DamagedError where they do not end there."""
+    """Yield opcode, byte and length of the records from `at` to `end`; DamagedError where they do not end there."""
     while at < end:
         opcode, length = head(stream, at, end)
         yield opcode, at, length
@@ -112,7 +112,7 @@ def _heads(stream: BinaryIO, at: int, end: int) -> Iterator[tuple[int, int, int]
 
 
 def _names_all(stream: BinaryIO, summary: Summary) -> bool:
-    """Whether no chunk and no message lies where the summary names none; an index of another kind may be damaged there."""
+    """Tell whether no chunk and no message lies where the summary names none; an index of another kind may be damaged there."""
     edges = [len(MAGIC), *(edge for note in summary.chunks for edge in (note.offset, note.end)), summary.start]
     if not summary.chunks:
         return True
@@ -166,6 +166,7 @@ def _parse(section: bytes, start: int) -> Summary:
         if number in names:
             counts[names[number]] = counts.get(names[number], 0) + count
     named = (
-        ChunkNote(o, e, first, last, tuple(sorted({names[c] for c in held if c in names}))) for o, e, first, last, held in notes
+        ChunkNote(offset=o, end=e, start_ns=first, end_ns=last, topics=tuple(sorted({names[c] for c in held if c in names})))
+        for o, e, first, last, held in notes
     )
-    return Summary(tuple(named), counts, definitions, start)
+    return Summary(chunks=tuple(named), counts=counts, definitions=definitions, start=start)

@@ -28,7 +28,7 @@ MOST_BEAMS, MOST_RANGES = 1024, 20_000
 FARTHEST_M, WIDEST_DEG = 500.0, 90.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class OculusPing:
     """image (beams, ranges); azimuth_rad (beams,) as sent, growing from left to right; range_m (ranges,) of bin centres."""
 

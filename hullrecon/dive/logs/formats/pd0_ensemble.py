@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Teledyne PD0 ensembles: where they lie in a file, and what stands in each.
 
-Layout: Teledyne RD Instruments, WorkHorse Commands and Output Data Format; the Explorer DVL writes the same.
+Layout: Teledyne RD Instruments, WorkHorse Commands and Output Data Format [TeledynePD0]; the Explorer DVL writes the same.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ MIN_BEAM_ANGLE, MAX_BEAM_ANGLE = 5.0, 60.0
 BLOCK, REACH = 1 << 20, 65535 + 2  # bytes read at a time; of the longest ensemble
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Ensemble:
     """One ping as the instrument wrote it, in SI units; NaN where it is marked lost or was not measured.
 
@@ -56,6 +56,11 @@ class Ensemble:
     def has_attitude(self) -> bool:
         """Tell whether heading or a tilt is other than zero: where an instrument lacks the sensors, all three are zero."""
         return any((self.heading_rad, self.pitch_rad, self.roll_rad))
+
+
+def is_pd0(start: bytes) -> bool:
+    """Return whether a file that begins so starts with an ensemble: its first data type lies right behind its list of them."""
+    return len(start) >= 8 and start.startswith(MAGIC) and int.from_bytes(start[6:8], "little") == 6 + 2 * start[5] > 6
 
 
 def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
@@ -88,7 +93,7 @@ def ensembles(stream: BinaryIO) -> Iterator[tuple[int, int, Ensemble | str]]:
 
 
 def _checked_starts(data: bytes) -> NDArray[np.intp]:
-    """The bytes where something starts that has an ensemble's magic, length and checksum.
+    """Return the bytes where something starts that has an ensemble's magic, length and checksum.
 
     Sums of stretches are differences of one running sum: each byte is added once, however many heads claim it.
     """
@@ -104,7 +109,7 @@ def _checked_starts(data: bytes) -> NDArray[np.intp]:
 
 
 def _ensemble_at(data: bytes, at: int) -> tuple[Ensemble | None, str]:
-    """The ensemble at a byte, or None and why there is none."""
+    """Return the ensemble at a byte, or None and why there is none."""
     try:
         return parse(data[at : _end_of(data, at)]), ""
     except DamagedError as error:
@@ -142,12 +147,12 @@ def parse(data: bytes) -> Ensemble:
 
 
 def _size(data: bytes, at: int) -> int:
-    """How many bytes an ensemble has with its checksum, as its head says."""
+    """Return how many bytes an ensemble has with its checksum, as its head says."""
     return int(fields("<H", data, at + 2)[0]) + 2
 
 
 def _end_of(data: bytes, at: int) -> int:
-    """The byte behind the ensemble at `at`, its checksum counted and right."""
+    """Return the byte behind the ensemble at `at`, its checksum counted and right."""
     if data[at : at + 2] != MAGIC:
         raise DamagedError("no ensemble starts there")
     end = at + _size(data, at)
@@ -159,7 +164,7 @@ def _end_of(data: bytes, at: int) -> int:
 
 
 def _parts(data: bytes) -> dict[int, bytes]:
-    """The data types of an ensemble by their number."""
+    """Return the data types of an ensemble by their number."""
     (count,) = fields("<B", data, 5)
     offsets = fields(f"<{count}H", data, 6)
     ends = sorted({*offsets, len(data)})
@@ -171,7 +176,7 @@ def _parts(data: bytes) -> dict[int, bytes]:
 
 
 def _clock(variable: bytes) -> int:
-    """The instrument's clock as UTC; the one with a century where it is there."""
+    """Return the instrument's clock as UTC; the one with a century where it is there."""
     year, *rest = fields("<7B", variable, 4)
     year += 2000 if year < 80 else 1900
     if len(variable) >= 65 and fields("<B", variable, 57)[0] in (19, 20):
@@ -194,7 +199,7 @@ def _beam_angle(system: int, fixed: bytes) -> float:
 
 
 def _ranges(bottom: bytes | None) -> Array:
-    """(4,) m; a range of 0 is lost. The high byte of each stands at the end, where the record is long enough."""
+    """Return the ranges (4,) m; a range of 0 is lost. Their high bytes stand at the end, where the record is long enough."""
     if bottom is None:
         return np.full(4, np.nan)
     high = fields("<4B", bottom, 77) if len(bottom) >= 81 else (0, 0, 0, 0)

@@ -87,7 +87,7 @@ def _oculus(path: Path, number: int) -> tuple[NDArray[np.generic], Array, Array]
 
 @lru_cache(maxsize=4)
 def _ping_offsets(path: Path, size: int, mtime_ns: int) -> list[int]:
-    """Where the pings begin: heads are stepped over by the lengths that they tell. A file that has changed is read anew."""
+    """Return where the pings begin: heads are passed by the lengths that they tell. A file that has changed is read anew."""
     offsets, at = [], 0
     with path.open("rb") as stream:
         while len(head := stream.read(oculus_ping.HEADER_BYTES)) == oculus_ping.HEADER_BYTES:
@@ -114,7 +114,7 @@ def _arrays(path: Path) -> list[NDArray[np.generic]]:
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[np.generic]:
-    """One array of numbers. What its head says of its size must be what the archive says, before either is believed."""
+    """Return one array of numbers. What its head says of its size must be what the archive says, before either is believed."""
     if member.file_size > min(LARGEST_FILE, FREE_BYTES + RATIO * member.compress_size):
         raise ValueError(f"{member.filename} would unpack to {member.file_size} bytes")
     with archive.open(member) as stream:

@@ -46,7 +46,7 @@ def describe_damage(path: Path) -> str:
 
 
 def _holds(stream: BinaryIO, start: bytes, salt: bytes) -> bool:
-    """Whether the salt stands anywhere in what is left: there, frames of the last generation follow, in whatever place."""
+    """Tell whether the salt stands anywhere in what is left: there, frames of the last generation follow, in whatever place."""
     while start:
         if salt in start:
             return True

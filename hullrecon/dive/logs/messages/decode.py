@@ -46,7 +46,7 @@ def describe(error: Exception) -> str:
 
 @lru_cache(maxsize=64)
 def _store(channel: Channel) -> Typestore | str:
-    """The types by which a channel's messages are decoded, or why there are none, found out once for all messages."""
+    """Return the types by which a channel's messages are decoded, or why there are none, found out once for all messages."""
     if channel.encoding not in ENCODINGS:
         return f"messages in the encoding {channel.encoding!r} are not read"
     try:

@@ -54,7 +54,7 @@ def check_idl(text: str) -> None:
 
 
 def _blank(match: re.Match[str]) -> str:
-    """What stands for a string or a comment where only the code matters. Raises DamagedError for one without an end."""
+    """Return what stands for a string or a comment where only the code matters. Raises DamagedError for one without an end."""
     found = match.group()
     if found.startswith("//"):
         return " "
@@ -115,7 +115,7 @@ class _Sizes:
         return self._known[name]
 
     def _field(self, kind: FieldKind, depth: int) -> tuple[int, int]:
-        """Bytes and calls of a field. Of an array of numbers one call reads all."""
+        """Return the bytes and calls of a field. Of an array of numbers one call reads all."""
         form, inner = kind
         if form == BASE:
             return WIDTHS.get(str(inner[0]), 1), 1

@@ -49,7 +49,7 @@ def _pixels(message: Fields) -> NDArray[np.integer]:
 
 
 def _to_bgr(pixels: NDArray[np.integer], encoding: str) -> NDArray[np.uint8]:
-    """As OpenCV writes it: gray, or blue, green, red."""
+    """Return it as OpenCV writes it: gray, or blue, green, red."""
     import cv2
 
     if pixels.dtype.itemsize == 2:

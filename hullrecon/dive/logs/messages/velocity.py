@@ -85,7 +85,7 @@ def _transducers(report: Fields, t_ns: int, instrument: str) -> DvlSample:
 
 
 def _water_linked(report: Fields, velocity: Array, distances: list[float], t_ns: int, instrument: str) -> DvlSample:
-    """What the reports of all of Water Linked's drivers have: x forward, y right, z out of the transducers."""
+    """Return what the reports of all of Water Linked's drivers have: x forward, y right, z out of the transducers."""
     ranges = np.array(distances, float)
     ranges[~(ranges > 0)] = np.nan
     is_valid, merit = bool(report.velocity_valid), float(report.fom)
@@ -126,13 +126,13 @@ def nortek_dvl(message: Fields, t_ns: int, role: str) -> list[Sample]:
 
 
 def _sigma(variances: Array) -> float:
-    """One sigma of a velocity from the diagonal of its covariance; NaN where that is zero or senseless."""
+    """Return one sigma of a velocity from the diagonal of its covariance; NaN where that is zero or senseless."""
     mean = float(np.mean(variances))
     return float(np.sqrt(mean)) if np.isfinite(mean) and mean > 0 else float("nan")
 
 
 def _positive(altitude: float) -> float:
-    """An altitude of -1 or 0 is none."""
+    """Return an altitude, NaN for one of -1 or 0, which is none."""
     return float(altitude) if altitude > 0 else float("nan")
 
 

@@ -151,7 +151,7 @@ class McapLog(FileLog):
             self.remarks.append(NO_CHECKSUM)
 
 
-@dataclass
+@dataclass(kw_only=True)
 class _Unchecked:
     """What was met on the way: definitions or messages outside chunks, chunks without a checksum, damage, private records."""
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from hullrecon.dive.logs.formats import bag_records, mcap_records, pd0_ensemble
-from hullrecon.dive.logs.formats.foreign_forms import describe_file, describe_folder
+from hullrecon.dive.logs.formats.foreign_forms import PACKED, describe_file, describe_folder
 from hullrecon.dive.logs.readers import sqlite
 from hullrecon.dive.logs.readers.ad2cp.blocks import is_ad2cp
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
@@ -36,6 +36,7 @@ BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
     ".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log, ".ad2cp": Ad2cpLog,
     ".aris": ArisLog, ".oculus": OculusLog,
 }  # fmt: skip
+TELLING = (mcap_records.MAGIC, bag_records.MAGIC, aris_frames.MAGIC, log_items.MAGIC)  # not sqlite's: others use it too
 MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
 FORMS = (
     "an MCAP, a ROS 1 bag, a ROS 2 folder, a PD0, AD2CP, ARIS or ViewPoint file, the JSON lines of a Water Linked DVL or a"
@@ -82,7 +83,7 @@ def _open_folder(path: Path, package: Path | None) -> Log:
 
 
 def _not_read(name: str, where: str, what: str, remedy: str) -> InputError:
-    """The error for what no reader knows, with what it is and what to do where that is known."""
+    """Return the error for what no reader knows, with what it is and what to do where that is known."""
     state = "holds no log" if name.startswith("the folder ") else "is no log"
     kind = f": {what}" if what else ""
     return InputError(f"{name} {state} that is read here{kind}", where=where, remedy=remedy or f"give {FORMS}")
@@ -113,28 +114,40 @@ def _find_logs(path: Path) -> list[Path]:
 def _is_log(path: Path) -> bool:
     if path.is_dir():
         return path.name != "logs" and _holds_log(path)
-    return path.suffix.lower() in BY_SUFFIX or (
-        path.suffix.lower() in SUFFIXES and path.is_file() and is_water_linked(_peek(path))
-    )
+    suffix = path.suffix.lower()
+    if suffix in BY_SUFFIX or not path.is_file():
+        return suffix in BY_SUFFIX
+    start = _peek(path)
+    return is_log_of_any_name(start) or (suffix in SUFFIXES and is_water_linked(start))
+
+
+def is_log_of_any_name(start: bytes) -> bool:
+    """Return whether the first bytes alone tell a log, whatever its name: a PD0 file is often called .000, .ENR or .bin."""
+    return pd0_ensemble.is_pd0(start) or is_ad2cp(start) or any(start.startswith(magic) for magic in TELLING)
 
 
 def _describe(inside: Sequence[Path]) -> tuple[str, str]:
-    """What lies in a folder without a log: by the names, else by the first bytes of a file."""
+    """Describe what lies in a folder without a log: by the names, else by the first bytes of a file."""
     found = describe_folder(p.name for p in inside)
-    for path in inside[:MOST_LOOKED_AT]:
-        if not found[0] and path.is_file():
-            found = describe_file(path, _peek(path))
-    return found
+    if found[0]:
+        return found
+    files = [path for path in inside[:MOST_LOOKED_AT] if path.is_file()]
+    described = [(path, *describe_file(path, _peek(path))) for path in files]
+    known = sorted((row for row in described if row[1]), key=lambda row: row[1] == PACKED)
+    if not known:
+        return "", ""
+    path, what, remedy = known[0]
+    return (f"{printable(path.name)} is {what}", f"{remedy}; else give {FORMS}") if what == PACKED else (what, remedy)
 
 
 def _holds_log(folder: Path) -> bool:
-    """Whether a folder is itself a log: of CSVs, or with the metadata of ROS 2."""
+    """Tell whether a folder is itself a log: of CSVs, or with the metadata of ROS 2."""
     names = {p.name for p in folder.iterdir()}
     return METADATA in names or any(f"{sensor}.csv" in names for sensor in COLUMNS)
 
 
 def _peek(path: Path) -> bytes:
-    """The first bytes of a file that lies beside logs; none where it cannot be read, which is no reason to stop."""
+    """Return the first bytes of a file that lies beside logs; none where it cannot be read, which is no reason to stop."""
     try:
         return _start(path)
     except (OSError, InputError):

@@ -107,6 +107,6 @@ def earth_from_instrument(heading: float, pitch: float, roll: float) -> Array:
 
 
 def _tilts(ping: Ensemble) -> tuple[float, float]:
-    """Pitch as a rotation (the sensor measures the tilt of an axis) and roll, turned over where the instrument faces up."""
+    """Return pitch as a rotation (the sensor measures the tilt of an axis) and roll, turned over where it faces up."""
     pitch = float(np.arctan(np.tan(ping.pitch_rad) * np.cos(ping.roll_rad)))
     return pitch, ping.roll_rad + (np.pi if ping.faces_up else 0.0)

@@ -152,7 +152,7 @@ class PlainLog:
         return ImageSample(_ns(row), camera, b"", self._in_package(path).as_posix())
 
     def _frame(self, camera: str, path: Path, row: Row) -> bytes:
-        """A frame of a video, whose rows follow each other."""
+        """Return a frame of a video, whose rows follow each other."""
         if not (row.get("frame") or "").strip().isdecimal():
             raise ValueError("a video needs the number of its frame in column frame")
         name, video = self._videos.get(camera, (None, None))
@@ -165,7 +165,7 @@ class PlainLog:
         return path.relative_to(self.package) if path.is_relative_to(self.package) else path.absolute()
 
     def _sonar(self, row: Row) -> SonarSample:
-        """Beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
+        """Return a ping; beams lie in the y-z plane of `sonar`, azimuth from z towards y."""
         name = printable(row["file"], LONGEST_REASON)
         path = Path(os.path.realpath(self._locate(row["file"])))  # of links in a circle, too
         number = int(row.get("ping") or 0)
@@ -250,7 +250,7 @@ def _imu(row: Row) -> ImuSample:
 
 
 def _position(row: Row) -> PositionSample:
-    """A place by latitude and longitude, or by x and y east and north; an empty one is no fix."""
+    """Return a place by latitude and longitude, or by x and y east and north; an empty one is no fix."""
     geographic = "latitude" in row
     names = ("latitude", "longitude", "altitude") if geographic else ("x", "y", "z")
     if not geographic and not {"x", "y"} <= row.keys():
@@ -260,18 +260,18 @@ def _position(row: Row) -> PositionSample:
 
 
 def _window(row: Row) -> tuple[float, float] | None:
-    """Where a DIDSON's samples begin and end; None where the row has neither."""
+    """Return where a DIDSON's samples begin and end; None where the row has neither."""
     near, far = ((row.get(name) or "").strip() for name in WINDOW)
     return (_number(near), _number(far)) if near or far else None
 
 
 def _number(value: str, lost: bool = False) -> float:
-    """An empty cell is a lost value where that may be."""
+    """Return a cell's number; an empty one is a lost value where that may be."""
     return float("nan") if lost and not (value or "").strip() else float(value)
 
 
 def _ns(row: Row) -> int:
-    """Nanoseconds of seconds since 1970, exact to the digits written."""
+    """Return nanoseconds of seconds since 1970, exact to the digits written."""
     seconds = float(row["t"])
     if seconds > LATEST_S:
         raise _LateStampError(seconds)

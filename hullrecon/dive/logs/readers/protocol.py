@@ -15,8 +15,9 @@ from hullrecon.dive.logs.samples import Sample
 
 @dataclass(frozen=True)
 class Channel:
-    """One topic of a log. encoding: "cdr", "ros1", or "sample" where messages hold samples already (plain files, PD0); any
-    other is listed but not decoded. definition: the type's text as the log carries it, "" where it does not."""
+    """One topic of a log. encoding: "cdr", "ros1", or "sample" where messages hold samples already, as those of every log with
+    `gives_samples` do; any other is listed but not decoded. definition: the type's text as the log carries it, "" where it does
+    not."""
 
     topic: str
     type: str

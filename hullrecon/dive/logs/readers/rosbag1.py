@@ -118,7 +118,7 @@ def find_chunk(stream: BinaryIO, start: int, size: int) -> int:
 
 
 def _is_chunk(data: bytes, room: int) -> bool:
-    """Whether the record that starts there is a chunk that fits into so many bytes."""
+    """Tell whether the record that starts there is a chunk that fits into so many bytes."""
     length = int.from_bytes(data[:4], "little")
     if not len(OP_CHUNK) < length < LONGEST_CHUNK_HEAD or len(data) < 8 + length:
         return False

@@ -112,7 +112,7 @@ class _Metadata:
 
 
 def _parse(info: object) -> _Metadata:
-    """What is there in the shape that it should have; a half-written file has the rest in none."""
+    """Return what is there in the shape that it should have; a half-written file has the rest in none."""
     table = info if isinstance(info, Mapping) else {}
     mode, files, topics = (table.get(k) for k in ("compression_mode", "relative_file_paths", "topics_with_message_count"))
     names = [Path(name).name for name in files if isinstance(name, str)] if isinstance(files, list) else []

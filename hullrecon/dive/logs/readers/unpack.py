@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import bz2
 import struct
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import BinaryIO, Protocol
 
 LARGEST_CHUNK = 1 << 27  # bytes; recorders write chunks of 1 to 4 MiB, or of one message; a larger size is a damaged field
 FREE_BYTES, RATIO = 1 << 23, 256  # a log unpacks to at most so many bytes and so many times its own size
+FIRST_STEP = 1 << 14  # bytes in which a search begins: what it reads stays near to how far it goes, however often it begins
 LONGEST_NAME = 400  # characters; ROS allows 255, and a line that names one stays a line
 LONGEST_REASON = 200  # characters of what a library says about damaged bytes: they may quote all of them
 
@@ -34,13 +36,14 @@ class UnpackBudget:
 
 
 def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = None) -> bytes:
-    """Return `size` bytes of a chunk packed as "", "none", "zstd", "lz4" or "bz2"; DamagedError when they are not there, or not
-    whole."""
+    """Return `size` bytes of a chunk packed as "", "none", "zstd", "lz4", "bz2" or "zlib"; DamagedError when they are not
+    there, or not whole."""
     if size > LARGEST_CHUNK:
         raise DamagedError(f"it claims {size} bytes")
     unpack = {
         "": lambda: data, "none": lambda: data, "zstd": lambda: _zstd(data, size), "lz4": lambda: _lz4(data, size),
         "bz2": lambda: _to_the_end(bz2.BZ2Decompressor(), data, size),
+        "zlib": lambda: _to_the_end(zlib.decompressobj(), data, size),
     }.get(how)  # fmt: skip
     if unpack is None:
         raise DamagedError(f"its compression {printable(how)!r} is not known")
@@ -48,7 +51,7 @@ def decompress(data: bytes, how: str, size: int, budget: UnpackBudget | None = N
         budget.take(size)
     try:
         out = unpack()
-    except (OSError, EOFError, RuntimeError, ValueError, MemoryError) as error:
+    except (OSError, EOFError, RuntimeError, ValueError, MemoryError, zlib.error) as error:
         raise DamagedError(f"it cannot be decompressed: {error}") from None
     if len(out) != size:
         raise DamagedError(f"it holds {len(out)} bytes instead of {size}")
@@ -116,11 +119,11 @@ class _Decompressor(Protocol):
     @property
     def eof(self) -> bool: ...
 
-    def decompress(self, data: bytes, max_length: int) -> bytes: ...
+    def decompress(self, data: bytes, /, max_length: int) -> bytes: ...
 
 
 def _to_the_end(decompressor: _Decompressor, data: bytes, size: int) -> bytes:
-    """The stream's own checksum stands at its end: a stream that does not reach it was not checked."""
+    """Read to the end, where the stream's own checksum stands: what does not reach it was not checked."""
     out = bytes(decompressor.decompress(data, size + 1))
     if len(out) == size and not decompressor.eof:
         raise DamagedError("it is cut off before its checksum")
@@ -138,17 +141,18 @@ class HeaderMark:
 
 
 def find_header(stream: BinaryIO, at: int, end: int, window: int, mark: HeaderMark) -> int:
-    """Return where the next header begins, from a byte on, or `end`. window: bytes to read at a time."""
+    """Return where the next header begins, from a byte on, or `end`. window: bytes to read at a time, at most."""
+    step = min(FIRST_STEP, window)
     while at < end:
         stream.seek(at)
-        data = stream.read(window + mark.header_bytes)
+        data = stream.read(step + mark.header_bytes)
         found = data.find(mark.magic, mark.magic_at)
-        while 0 <= found < window + mark.magic_at:
+        while 0 <= found < step + mark.magic_at:
             start = found - mark.magic_at
             try:
                 mark.parse(data[start : start + mark.header_bytes])
                 return at + start
             except DamagedError:
                 found = data.find(mark.magic, found + 1)
-        at += window
+        at, step = at + step, min(2 * step, window)
     return end

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a DVL of Water Linked sends over TCP, kept line by line in a file: velocity with ranges, and the DVL's own attitude.
 
-Protocol: Water Linked, DVL TCP JSON API, json_v3 (before it, reports had no time). Axes: x forward, y right, z out of the
-transducers; velocities are turned by the mounting rotation offset, ranges are those of the transducers. position_local has
-roll, pitch and yaw in degrees, z down, heading from wherever the DVL was started: by its gyroscope, not a compass.
+Protocol: [WaterLinkedJSON], json_v3 (before it, reports had no time). Axes: x forward, y right, z out of the transducers;
+velocities are turned by the mounting rotation offset, ranges are those of the transducers. position_local has roll, pitch and
+yaw in degrees, z down, heading from wherever the DVL was started: by its gyroscope, not a compass.
 """
 
 from __future__ import annotations
@@ -69,8 +69,13 @@ class WaterLinkedLog(FileLog):
 
 
 def is_water_linked(start: bytes) -> bool:
-    """Return whether a file that begins so holds such reports: other JSON lies in many folders."""
-    return start.lstrip().startswith(b"{") and any(mark in start for mark in MARKS)
+    """Return whether a file that begins so holds such reports, one a line: other JSON lies in many folders."""
+    return holds_reports(start) and start.lstrip().startswith(b"{") and start.split(maxsplit=1)[0] != b"{"
+
+
+def holds_reports(start: bytes) -> bool:
+    """Return whether a file that begins so holds such reports, one a line or as somebody rewrote them: a list, indented."""
+    return start.lstrip()[:1] in (b"{", b"[") and any(mark in start for mark in MARKS)
 
 
 def describe(timeless: int, offset_deg: float | None) -> list[str]:
@@ -112,7 +117,7 @@ def to_attitude(report: Report) -> ImuSample:
 
 
 def _ranges(transducers: object) -> Array:
-    """Distances in the order of the transducers' numbers, NaN for one that is not valid."""
+    """Return the distances in the order of the transducers' numbers, NaN for one that is not valid."""
     if not isinstance(transducers, Sequence) or len(transducers) > MOST_BEAMS:
         raise DamagedError("it has no list of transducers")
     if not all(isinstance(t, dict) for t in transducers):

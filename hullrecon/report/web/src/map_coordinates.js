@@ -23,12 +23,12 @@ export function showCoordinates(map, about, pictures) {
   const values = valueReader();
   map.on("mousemove", ({ latlng }) => {
     const value = values(pictures.current(), latlng);
-    readout.textContent = placeWords(about, latlng) + (value ? ` · ${value}` : "");
+    readout.textContent = describePosition(about, latlng) + (value ? ` · ${value}` : "");
   });
   map.on("mouseout", () => (readout.textContent = ""));
 }
 
-function placeWords({ axes, x_sign, y_sign, frame_spacing }, { lng, lat }) {
+function describePosition({ axes, x_sign, y_sign, frame_spacing }, { lng, lat }) {
   const along = x_sign * lng;
   const girth = y_sign * lat;
   const side = axes[1] === "girth" ? (girth > 0 ? " (port)" : " (starboard)") : "";

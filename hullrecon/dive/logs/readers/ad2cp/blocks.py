@@ -70,12 +70,12 @@ def checksum(data: bytes) -> int:
 
 
 def _odd(data: bytes) -> int:
-    """What the last byte of an odd number of them counts more than as the low half of a word."""
+    """Return what the last byte of an odd number of them counts more than as the low half of a word."""
     return 255 * data[-1] if len(data) % 2 else 0
 
 
 def _whole_blocks(data: bytes) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Starts and ends of all that has a block's header, length and both checksums.
+    """Return the starts and ends of all that has a block's header, length and both checksums.
 
     Sums of stretches are differences of two running sums: each byte is added once, however many headers claim it.
     """
@@ -128,7 +128,7 @@ class _RunningSums:
 
 
 def _why_none(data: bytes, at: int) -> str:
-    """Why no whole block starts at a byte."""
+    """Return why no whole block starts at a byte."""
     try:
         sync, size, _, family = fields("<4B", data, at)
         if sync != SYNC or size not in (SHORT, LONG):

@@ -9,6 +9,7 @@ Institution [NortekDF21]. Axes are Nortek's XYZ, z out of the transducers.
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -18,7 +19,7 @@ from hullrecon.dive.logs.readers.unpack import DamagedError, fields
 from hullrecon.typing import Array
 
 DF20, DF21, WATER_TRACK, TEXT = 0x17, 0x1B, 0x1D, 0xA0  # kinds of blocks
-VERSION = 1  # of either record; no other is described publicly
+VERSION = 1  # of each record; no other is described publicly
 DF20_HEADER, DF21_HEADER = 78, 36  # bytes before the values
 HAS_COMPASS, HAS_TILT, HAS_VELOCITY, HAS_DISTANCE, HAS_MERIT = 1 << 2, 1 << 3, 1 << 5, 1 << 8, 1 << 9
 FRAMES = ("enu", "xyz", "beam")  # by the code in the record
@@ -53,11 +54,13 @@ class BottomTrack:
 
 
 def parse(kind: int, data: bytes) -> BottomTrack:
-    """Parse the data of a block of kind DF20 or DF21. Raises DamagedError where they are not what that kind has."""
+    """Parse the data of a block of one of KINDS. Raises DamagedError for any other, and where they are not what it has."""
+    if kind not in KINDS:
+        raise DamagedError(f"blocks of kind {kind:#04x} are not read as bottom tracks")
     version, start = fields("<BB", data)
     if version != VERSION:
         raise DamagedError(f"its version {version} is not known")
-    return _parse_df20(data, start) if kind == DF20 else _parse_df21(data, start)
+    return KINDS[kind].parse(data, start)
 
 
 def _parse_df20(data: bytes, start: int) -> BottomTrack:
@@ -125,18 +128,18 @@ def _has_angles(config: int) -> bool:
 
 
 def _vector(values: Array, tracked: Array) -> Array:
-    """(3,) of a velocity that comes with one z, or with two of different beams; a lost beam is in all of them."""
+    """Return (3,) of a velocity that comes with one z, or with two of different beams; a lost beam is in all of them."""
     return np.array([*values[:2], values[2:].mean()]) if tracked.all() else LOST
 
 
 def _mean(values: Array) -> float:
-    """The mean of those that are not lost; NaN of none."""
+    """Return the mean of those that are not lost; NaN of none."""
     good = values[np.isfinite(values)]
     return float(good.mean()) if len(good) else float("nan")
 
 
 def _clock(stamp: tuple[int, ...]) -> int:
-    """The instrument's clock as UTC: years since 1900, months from 0, the last in 100 microseconds."""
+    """Return the instrument's clock as UTC: years since 1900, months from 0, the last in 100 microseconds."""
     year, month, *rest, ticks = stamp
     try:
         whole = datetime(1900 + year, 1 + month, *rest, tzinfo=UTC)  # type: ignore[arg-type,misc]
@@ -145,3 +148,14 @@ def _clock(stamp: tuple[int, ...]) -> int:
     if ticks >= 10_000:
         raise DamagedError("its clock shows no time")
     return int(whole.timestamp()) * 1_000_000_000 + ticks * 100_000
+
+
+@dataclass(frozen=True)
+class Kind:
+    """How a kind of record is called, and what parses its data from the byte on at which its values start."""
+
+    name: str
+    parse: Callable[[bytes, int], BottomTrack]
+
+
+KINDS = {DF20: Kind("DF20", _parse_df20), DF21: Kind("DF21", _parse_df21)}  # of bottom tracks, by the blocks' kind

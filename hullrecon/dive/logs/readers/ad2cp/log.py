@@ -43,7 +43,7 @@ class Ad2cpLog(FileLog):
                     self._tracker.open_gap(f"{end - start} bytes from byte {start} on hold no whole block: {found}")
                 elif found.kind == tracks.TEXT:
                     beams |= read_beams(found.data)
-                elif found.kind in (tracks.DF20, tracks.DF21):
+                elif found.kind in tracks.KINDS:
                     yield from self._pings(found, start, beams, seen)
                 else:
                     seen["water track" if found.kind == tracks.WATER_TRACK else "other"] += 1
@@ -51,7 +51,7 @@ class Ad2cpLog(FileLog):
         self.remarks += describe(seen)
 
     def _pings(self, block: Block, start: int, beams: dict[int, Array], seen: Counter[str]) -> Iterator[Message]:
-        """The readings of one record, or the loss of it; what was met is counted in `seen`."""
+        """Yield the readings of one record, or the loss of it; what was met is counted in `seen`."""
         try:
             ping = tracks.parse(block.kind, block.data)
         except DamagedError as error:
@@ -61,7 +61,8 @@ class Ad2cpLog(FileLog):
         turn = enu_from_dvl(ping)
         sample = to_sample(ping, units, turn)
         lost = not np.isfinite(sample.velocity).all()
-        seen["DF20" if block.kind == tracks.DF20 else "DF21"] += 1
+        seen["bottom track"] += 1
+        seen[tracks.KINDS[block.kind].name] += 1
         seen["tracked"] += not lost
         seen["without beams"] += lost and ping.frame == "beam" and units is None
         seen["without attitude"] += lost and ping.frame == "enu" and turn is None
@@ -97,9 +98,9 @@ def attitude(t_ns: int, turn: Array) -> ImuSample:
 def describe(seen: Counter[str]) -> list[str]:
     """Return sentences: what a file lacks, what was left aside, what was assumed."""
     out = []
-    if seen["DF20"] + seen["DF21"] and not seen["tracked"]:
+    if seen["bottom track"] and not seen["tracked"]:
         out.append("no bottom track of it is valid: it gives no velocity over ground")
-    if not seen["DF20"] + seen["DF21"]:
+    if not seen["bottom track"]:
         out.append("no bottom-track record was read from it (a current profiler's file?): it gives no velocity over ground")
     if seen["without beams"]:
         out.append(

@@ -18,7 +18,7 @@ from hullrecon.dive.logs.readers.oculus.log_items import (
     unpacked,
 )
 from hullrecon.dive.logs.readers.protocol import Channel, Message
-from hullrecon.dive.logs.readers.unpack import DamagedError, printable
+from hullrecon.dive.logs.readers.unpack import DamagedError, UnpackBudget, printable
 from hullrecon.dive.logs.samples import SonarSample
 from hullrecon.errors import InputError
 
@@ -38,14 +38,14 @@ class OculusLog(FileLog):
     gives_samples = True
 
     def _read(self) -> Iterator[Message]:
-        pings, others = 0, 0
+        pings, others, budget = 0, 0, UnpackBudget(self.path.stat().st_size)
         with self.path.open("rb") as stream:
-            for start, end, found in items(stream, self._first_item(stream)):
+            for start, end, found in items(stream, self._first_item(stream), budget):
                 if isinstance(found, str):
                     self._tracker.open_gap(f"{end - start} bytes from byte {start} on hold no whole item: {found}")
                     continue
                 try:
-                    sample = to_sample(*found)
+                    sample = to_sample(*found, budget)
                 except DamagedError as error:
                     self._tracker.open_gap(f"the item at byte {start}: {error}")
                     continue
@@ -75,11 +75,11 @@ class OculusLog(FileLog):
         return size
 
 
-def to_sample(header: ItemHeader, payload: bytes) -> SonarSample | None:
+def to_sample(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> SonarSample | None:
     """Return the ping of an item; None where it holds something else. Raises DamagedError for a damaged one."""
     if header.kind != OCULUS:
         return None
-    data = unpacked(header, payload)
+    data = unpacked(header, payload, budget)
     if not is_ping(data):
         return None
     ping = parse_ping(data)

@@ -8,13 +8,12 @@ checksum.
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import BinaryIO
 
 from hullrecon.dive.logs.formats.oculus_ping import message_bytes
-from hullrecon.dive.logs.readers.unpack import DamagedError, HeaderMark, fields, find_header
+from hullrecon.dive.logs.readers.unpack import DamagedError, HeaderMark, UnpackBudget, decompress, fields, find_header
 
 MAGIC, ITEM_MAGIC = b"\x44\x33\x22\x11", b"\xdd\xcc\xbb\xaa"
 FILE_HEADER, ITEM_HEADER = "<II16sHH4xqd", "<IIHH4xdHxxIII"  # the last field of an item fills it up to eight bytes
@@ -24,6 +23,7 @@ PLAIN, PACKED = 0, 1  # kinds of compression: none; zlib behind four bytes that 
 EARLIEST_S, LATEST_S = 1.2e9, 4.1e9  # 2008, before the first Oculus, and 2099
 MOST_BYTES = 1 << 26  # of a payload
 WINDOW = 1 << 20  # bytes that a search behind damage reads at a time
+PATIENCE = 4  # times the file's size: so much of payloads that turn out to be none is read before the rest is given up
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,19 +71,25 @@ def parse_item_header(data: bytes) -> ItemHeader:
     )
 
 
-def items(stream: BinaryIO, at: int) -> Iterator[tuple[int, int, tuple[ItemHeader, bytes] | str]]:
+def items(stream: BinaryIO, at: int, budget: UnpackBudget) -> Iterator[tuple[int, int, tuple[ItemHeader, bytes] | str]]:
     """Yield (start, end, header and payload as stored) from a byte on, between them (start, end, why) of bytes that hold no
     whole item.
 
-    An item counts whose bytes end where another begins or the file does, or that holds one whole message of an Oculus.
+    An item counts whose bytes end where another begins or the file does, or that holds one whole message of an Oculus. False
+    headers may each claim the rest of the file; PATIENCE bounds what is read of payloads that turn out to be none.
     """
     mark = HeaderMark(ITEM_MAGIC, 0, ITEM_HEADER_BYTES, parse_item_header)
     end = stream.seek(0, 2)
+    patience = PATIENCE * end
     while at < end:
+        read = 0
         try:
-            header, payload = _item_at(stream, at, end)
+            header = _header_at(stream, at, end)
+            read = header.payload_bytes
+            payload = _payload_at(stream, at + header.size, header, budget)
         except DamagedError as error:
-            following = find_header(stream, at + 1, end, WINDOW, mark)
+            patience -= read
+            following = find_header(stream, at + 1, end, WINDOW, mark) if patience >= 0 else end
             yield at, following, str(error)
             at = following
             continue
@@ -92,39 +98,35 @@ def items(stream: BinaryIO, at: int) -> Iterator[tuple[int, int, tuple[ItemHeade
         at = after
 
 
-def unpacked(header: ItemHeader, payload: bytes) -> bytes:
-    """Return the payload as it was before it was packed. Raises DamagedError where it does not unpack to what is stated."""
-    if not header.is_packed:
-        return payload
-    machine = zlib.decompressobj()
-    try:
-        data = machine.decompress(payload[4:], header.original_bytes + 1)
-    except zlib.error as error:
-        raise DamagedError(f"its item does not unpack: {error}") from None
-    if len(data) != header.original_bytes or not machine.eof:
-        raise DamagedError("its item does not unpack to the length that it states")
-    return data
+def unpacked(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> bytes:
+    """Return the payload as it was before it was packed. Raises DamagedError where it does not unpack to what is stated, and
+    beyond the log's budget."""
+    return decompress(payload[4:], "zlib", header.original_bytes, budget) if header.is_packed else payload
 
 
-def _item_at(stream: BinaryIO, at: int, end: int) -> tuple[ItemHeader, bytes]:
-    """Return the item at a byte of the file."""
+def _header_at(stream: BinaryIO, at: int, end: int) -> ItemHeader:
+    """Return the header at a byte of the file, whose payload lies in the file."""
     stream.seek(at)
     header = parse_item_header(stream.read(ITEM_HEADER_BYTES))
-    after = at + header.size + header.payload_bytes
-    if after > end:
+    if at + header.size + header.payload_bytes > end:
         raise DamagedError("the file ends within its item")
-    stream.seek(at + header.size)
+    return header
+
+
+def _payload_at(stream: BinaryIO, at: int, header: ItemHeader, budget: UnpackBudget) -> bytes:
+    """Return the payload at a byte of the file."""
+    stream.seek(at)
     payload = stream.read(header.payload_bytes)
     following = stream.read(len(ITEM_MAGIC))
-    if following != ITEM_MAGIC[: len(following)] and not _is_whole_message(header, payload):
+    if following != ITEM_MAGIC[: len(following)] and not _is_whole_message(header, payload, budget):
         raise DamagedError("no other item follows where it ends")
-    return header, payload
+    return payload
 
 
-def _is_whole_message(header: ItemHeader, payload: bytes) -> bool:
+def _is_whole_message(header: ItemHeader, payload: bytes, budget: UnpackBudget) -> bool:
     """Return whether a payload is as long as the message in it says."""
     try:
-        data = unpacked(header, payload)
+        data = unpacked(header, payload, budget)
         return message_bytes(data) == len(data)
     except DamagedError:
         return False

@@ -112,10 +112,12 @@ def _frame_at(stream: BinaryIO, at: int, end: int, last: int) -> ArisFrame:
     size = header.image_bytes
     if at + HEADER + size > end:
         raise DamagedError("the file ends within its frame")
-    data = stream.read(size)
-    if at + HEADER + size < end and size != last and not _is_header(stream.read(MAGIC_AT + len(MAGIC))):
-        raise DamagedError("no other frame follows where its frame ends")
-    image = np.frombuffer(data, np.uint8).reshape(len(header.range_m), header.beams)
+    if at + HEADER + size < end and size != last:
+        stream.seek(at + HEADER + size)
+        if not _is_header(stream.read(MAGIC_AT + len(MAGIC))):
+            raise DamagedError("no other frame follows where its frame ends")
+        stream.seek(at + HEADER)
+    image = np.frombuffer(stream.read(size), np.uint8).reshape(len(header.range_m), header.beams)
     return ArisFrame(header=header, image=np.ascontiguousarray(image[:, ::-1].T))
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""How well an object's own place on the hull is known, and where that is on the chart."""
+"""Where an object, a hole or a rejected region lies on the hull, and how well its own position is known."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ MIDDLE_SHARE = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class ObjectPosition:
-    """Where an object lies. covariance (3, 3) m2 of its centre in the frame of the results, hull pose included; sigma (3,) m
-    along the hull, in girth, along the normal; along_girth (2,) m on the chart; depth and its sigma m, None where none was
-    measured."""
+class HullPosition:
+    """Where something lies on the hull. covariance (3, 3) m2 of its centre in the frame of the results, hull pose included;
+    sigma (3,) m along the hull, in girth, along the normal; along_girth (2,) m on the chart; depth and its sigma m, None where
+    none was measured."""
 
     center: Array
     covariance: Array
@@ -33,11 +33,11 @@ class ObjectPosition:
 
     @property
     def address_sigma(self) -> AddressSigma:
-        """Return what an address of the object may not be finer than."""
+        """Return what an address of it may not be finer than."""
         return AddressSigma(along=float(self.sigma[0]), girth=float(self.sigma[1]), depth=self.depth_sigma or 0.0)
 
     def as_json(self, base: BaseSurface) -> dict[str, object]:
-        """Return the members of objects.json that place it."""
+        """Return the members of objects.json, and of the holes of coverage.json, that say where it lies."""
         known = bool(np.isfinite(self.along_girth).all())
         along, girth = (round(float(v), 5) for v in self.along_girth) if known else (None, None)
         on_ship = known and is_hull_chart(base.chart)
@@ -57,27 +57,31 @@ class ObjectPosition:
         }
 
 
-def object_position(
-    center: Array, normal: Array, on_object: Array, height_sigma: float, middle_sigma: float, base: BaseSurface
-) -> ObjectPosition:
-    """Return the place of an object's centre (3,) with outward normal (3,). on_object (k, 3, 3): covariances of its landmarks;
-    height_sigma m: how well the height of its top over the hull is known; middle_sigma m: how well its shape's middle is.
+def hull_position(
+    center: Array, normal: Array, measured: Array, height_sigma: float, middle_sigma: float, base: BaseSurface
+) -> HullPosition:
+    """Return the position of a centre (3,) with outward normal (3,). measured (k, 3, 3): covariances of the points that were
+    measured there, landmarks of an object; height_sigma m: how well the height of its top over the hull is known; middle_sigma
+    m: how well the middle of its shape is.
 
-    Landmarks of one object share nearly all that is unknown of their place, so their mean covariance is that of each. Beside it
-    stand how high the top is and where the middle of the shape lies.
+    Points of one object share nearly all that is unknown of their position, so their mean covariance is that of each. Beside it
+    stand how high the top is and where the middle of the shape lies. A depth is as uncertain as the shape and the water
+    surface are, where the latter is told apart from where the hull lies (base.depth_sigma_m).
     """
     flat = np.eye(3) - np.outer(normal, normal)
-    covariance = on_object.mean(axis=0) + height_sigma**2 * np.outer(normal, normal) + middle_sigma**2 * flat
+    shape = height_sigma**2 * np.outer(normal, normal) + middle_sigma**2 * flat
+    covariance = measured.mean(axis=0) + shape
     axes = np.array([*_tangents(center, normal, base), normal])
     depth = base.depth_of(center)
     down = base.result_from_global.rotation.as_matrix()[0][:, 2]
-    return ObjectPosition(
+    own, surface = (covariance, 0.0) if base.depth_sigma_m is None else (shape, base.depth_sigma_m)
+    return HullPosition(
         center=center,
         covariance=covariance,
         sigma=np.sqrt(np.einsum("ki,ij,kj->k", axes, covariance, axes)),
         along_girth=base.chart.to_chart(center[None])[0, :2],
         depth=depth,
-        depth_sigma=None if depth is None else float(np.sqrt(down @ covariance @ down)),
+        depth_sigma=None if depth is None else float(np.sqrt(down @ own @ down + surface**2)),
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hullrecon.detection.base_surface import BaseSurface
-from hullrecon.detection.objects.position import object_position
+from hullrecon.detection.hull_position import hull_position
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.poses import from_mount
 from hullrecon.records.surface import Surface
@@ -32,30 +32,36 @@ def base(wall) -> BaseSurface:
 
 
 def test_an_objects_sigmas_are_its_landmarks_and_its_own_shapes(base: BaseSurface) -> None:
-    place = object_position(CENTER, NORMAL, SHARED, 0.015, 0.01, base)
+    place = hull_position(CENTER, NORMAL, SHARED, 0.015, 0.01, base)
     np.testing.assert_allclose(place.sigma, np.hypot([0.3, 0.05, 0.02], [0.01, 0.01, 0.015]))
     np.testing.assert_allclose(np.sqrt(np.diag(place.covariance)), np.hypot([0.3, 0.02, 0.05], [0.01, 0.015, 0.01]))
 
 
 def test_its_depth_is_as_uncertain_as_its_place_upwards(base: BaseSurface) -> None:
-    place = object_position(CENTER, NORMAL, SHARED, 0.0, 0.0, base)
+    place = hull_position(CENTER, NORMAL, SHARED, 0.0, 0.0, base)
     assert place.depth == pytest.approx(6.0)
     assert place.depth_sigma == pytest.approx(0.05)
 
 
+def test_its_depth_is_as_uncertain_as_the_water_surface_where_that_is_told_apart_from_the_hull(base: BaseSurface) -> None:
+    beside = replace(base, depth_sigma_m=0.09)
+    assert hull_position(CENTER, NORMAL, SHARED, 0.0, 0.0, beside).depth_sigma == pytest.approx(0.09)
+    assert hull_position(CENTER, NORMAL, SHARED, 0.0, 0.03, beside).depth_sigma == pytest.approx(np.hypot(0.09, 0.03))
+
+
 def test_its_address_is_no_finer_than_its_sigma(base: BaseSurface) -> None:
-    row = object_position(CENTER, NORMAL, SHARED, 0.0, 0.0, base).as_json(base)
+    row = hull_position(CENTER, NORMAL, SHARED, 0.0, 0.0, base).as_json(base)
     assert row["address"] == "1.5 ± 0.3 m along, 2.00 ± 0.05 m across, 6.0 ± 0.1 m below waterline"
     assert (row["along"], row["girth"], row["side"], row["frame"]) == (1.5, 2.0, None, None)
 
 
 def test_without_a_pressure_sensor_no_depth_is_given(base: BaseSurface) -> None:
     dry = replace(base, depth_known=False)
-    row = object_position(CENTER, NORMAL, SHARED, 0.0, 0.0, dry).as_json(dry)
+    row = hull_position(CENTER, NORMAL, SHARED, 0.0, 0.0, dry).as_json(dry)
     assert (row["depth"], row["depth_sigma"]) == (None, None)
     assert "waterline" not in str(row["address"])
 
 
 def test_off_the_chart_an_object_has_no_chart_coordinates(base: BaseSurface) -> None:
-    lost = object_position(np.full(3, np.nan), NORMAL, SHARED, 0.0, 0.0, base).as_json(replace(base, depth_known=False))
+    lost = hull_position(np.full(3, np.nan), NORMAL, SHARED, 0.0, 0.0, base).as_json(replace(base, depth_known=False))
     assert (lost["along"], lost["girth"], lost["side"]) == (None, None, None)

@@ -1,0 +1,150 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""README's figures are those of `evaluate` on the demo, to the digits printed, and its pictures show that run's report.
+
+Equal input gives equal bytes, so nothing is allowed for. After a change of the method, `make demo`, write the figures that this
+test names into README's table and take the pictures again (docs/figures/report_screenshot.py).
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from end_to_end.shell import SAMPLE
+from PIL import Image
+
+from hullrecon.evaluation.scoring.score import Score, score_run
+
+ROOT = Path(__file__).resolve().parents[2]
+NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)( mm| %)?")
+FACTOR = {" mm": 1000.0, " %": 1.0, "": 1.0}
+# Of each row, by the beginning of its first cell: what its numbers are, in their order, and their unit
+ROWS = {
+    "vehicle's path": [("trajectory.rigid_rmse_m", " mm")],
+    "cameras": [("cameras.rigid_rmse_m", " mm"), ("cameras.scale_error_percent", " %")],
+    "landmarks off the CAD model": [("landmarks.off_recall", ""), ("landmarks.off_precision", "")],
+    "hull as found": [("as_found.cad_model_alone_rmse_m", " mm"), ("as_found.aligned_rmse_m", " mm")],
+    "objects due, found, false": [("objects.due", ""), ("objects.found", ""), ("objects.false_reports", "")],
+    "height of an object, worst error": [("objects.height_error_worst_m", " mm")],
+    "position in x, y, z": [(f"trajectory.error_over_sigma_{axis}", "") for axis in "xyz"],
+}
+
+
+def measured_rows(readme: str) -> list[str]:
+    """Return the rows of the table below the heading Measured."""
+    section = readme.split("\n## Measured\n")[1].split("\n## ")[0]
+    return [line.strip("| ") for line in section.splitlines() if line.startswith("|")][2:]
+
+
+def differences(readme: str, figures: dict[str, float]) -> list[str]:
+    """Return a sentence for each figure of README that is not the measured one, and for each row that nothing is known of."""
+    out, left = [], set(ROWS)
+    for row in measured_rows(readme):
+        name = next((known for known in ROWS if row.startswith(known)), None)
+        if name is None:
+            out.append(f"nothing is measured for {row!r}")
+            continue
+        left.discard(name)
+        shown = NUMBER.findall(row)
+        if [unit for _, unit in shown] != [unit for _, unit in ROWS[name]]:
+            out.append(f"{row!r} should have {len(ROWS[name])} numbers with units {[unit for _, unit in ROWS[name]]}")
+            continue
+        for (text, unit), (key, _) in zip(shown, ROWS[name], strict=True):
+            decimals = len(text.partition(".")[2])
+            now = f"{FACTOR[unit] * figures[key]:.{decimals}f}"
+            if now != text:
+                out.append(f"{row!r}: {key} is {now}{unit}, not {text}{unit}")
+    return out + [f"there is no row {name!r}" for name in sorted(left)]
+
+
+def flat(score: Score) -> dict[str, float]:
+    """Return the numbers by part and name."""
+    found = {
+        f"{part}.{name}": float(value)
+        for part, values in score.items()
+        if not isinstance(values, str)
+        for name, value in values.items()
+        if isinstance(value, int | float)
+    }
+    return found | {"objects.found": round(found["objects.recall"] * found["objects.due"])}
+
+
+@pytest.fixture(scope="module")
+def screenshots() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("report_screenshot", ROOT / "docs" / "figures" / "report_screenshot.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.slow
+def test_the_figures_are_those_of_the_demo(demo_run: Path) -> None:
+    wrong = differences((ROOT / "README.md").read_text(), flat(score_run(demo_run, SAMPLE)))
+    assert wrong == [], "\n".join(wrong)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["report.png", "report_phone.png"])
+def test_the_pictures_show_the_demos_report(demo_run: Path, screenshots: ModuleType, name: str) -> None:
+    now = screenshots.summary_of((demo_run / "deliver" / "report" / "index.html").read_text())
+    with Image.open(ROOT / "docs" / "images" / name) as picture:
+        shown = picture.info.get(screenshots.KEY)
+    assert shown is not None, f"{name} does not say which report it shows: take it again (docs/figures/report_screenshot.py)"
+    assert shown == now, f"{name} shows the report of another run: take it again (docs/figures/report_screenshot.py)"
+
+
+FIGURES = {key: 0.0 for keys in ROWS.values() for key, _ in keys} | {
+    "trajectory.rigid_rmse_m": 0.00057,
+    "landmarks.off_recall": 1,
+}
+PAGE = """
+## Measured
+
+| figure | value |
+|---|---|
+| vehicle's path, after rigid alignment, RMSE | 0.6 mm |
+| cameras, after rigid alignment, RMSE; scale | 0.0 mm; 0.000 % |
+| landmarks off the CAD model: recall, precision | 1.00, 0.00 |
+| hull as found, aligned, RMSE (its CAD model alone: 0 mm) | 0.0 mm |
+| objects due, found, false | 0, 0, 0 |
+| height of an object, worst error | 0 mm |
+| position in x, y, z of the ship: error over its own sigma | 0.0, 0.0, 0.0 |
+
+## Limits
+"""
+
+
+def test_figures_are_held_to_the_digits_printed() -> None:
+    assert differences(PAGE, FIGURES) == []
+    (wrong,) = differences(PAGE.replace("0.6 mm", "0.7 mm"), FIGURES)
+    assert wrong.endswith("trajectory.rigid_rmse_m is 0.6 mm, not 0.7 mm")
+    assert differences(PAGE.replace("0.6 mm", "0.57 mm"), FIGURES) == []
+
+
+def test_a_row_that_is_missing_or_unknown_or_of_another_unit_is_named() -> None:
+    (wrong,) = differences(PAGE.replace("| height of an object, worst error | 0 mm |\n", ""), FIGURES)
+    assert "height of an object" in wrong
+    (wrong,) = differences(PAGE.replace("\n\n## Limits", "\n| speed | 3 |\n\n## Limits"), FIGURES)
+    assert wrong == "nothing is measured for 'speed | 3'"
+    assert len(differences(PAGE.replace("0.6 mm", "0.6 %"), FIGURES)) == 1
+
+
+def test_readmes_table_has_a_row_for_everything_that_is_measured() -> None:
+    rows = measured_rows((ROOT / "README.md").read_text())
+    assert [next(known for known in ROWS if row.startswith(known)) for row in rows] == list(ROWS)
+
+
+def test_a_picture_says_which_report_it_shows(screenshots: ModuleType, tmp_path: Path) -> None:
+    page = (
+        '<section id="summary" class="x"><svg><text>frame 3</text></svg><p>Two   objects &amp; more</p></section><p>later</p>'
+    )
+    assert screenshots.summary_of(page) == "Two objects & more"
+    screenshots.write_picture(Image.new("RGB", (4, 4)), tmp_path / "a.png", "Two objects ± 3")
+    with Image.open(tmp_path / "a.png") as picture:
+        assert picture.info[screenshots.KEY] == "Two objects ± 3"

@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is read of a step's artifact beyond its files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from hullrecon.steps.artifacts import AdjustArtifact
+
+
+@pytest.mark.parametrize(
+    ("summary", "sigma_m"),
+    [
+        ({"navigation_sigma": {"depth_bias_m": 0.04}, "sigmas": {"depth_m": 0.03}}, 0.05),
+        ({"navigation_sigma": {"depth_bias_m": 0.0}, "sigmas": {"depth_m": 0.03}}, None),  # zero: not known
+        ({"navigation_sigma": {"depth_bias_m": 0.04}, "sigmas": {"depth_m": None}}, None),  # no depth was measured
+        ({}, None),
+    ],
+)
+def test_the_water_surface_is_known_as_well_as_bias_and_noise_of_the_pressure_sensor(
+    tmp_path: Path, summary: dict[str, object], sigma_m: float | None
+) -> None:
+    (tmp_path / "adjust.json").write_text(json.dumps(summary))
+    found = AdjustArtifact(tmp_path).depth_sigma_m
+    assert found == (None if sigma_m is None else pytest.approx(sigma_m))
