@@ -30,8 +30,10 @@ MAX_SIGMAS_OFF = 8.0  # of the package's guess of the hull pose
 MAX_MISSED = 0.2  # share of the beams that miss the CAD model
 MIN_ON_HULL = 0.2  # share of the landmarks on its surface
 # The whitened residuals of what the path explained may grow by so much, root mean square, beyond what freed unknowns explain.
-MAX_GROWTH = {"images": 1.02, "odometry": 1.1, "attitude": 1.1}
-GROUPS = {"images": ("stereo", "mono"), "odometry": ("odometry",), "attitude": ("attitude", "tray")}
+MAX_GROWTH = {"images": 1.02, "odometry": 1.1, "attitude": 1.1, "positions": 1.1}
+GROUPS = {
+    "images": ("stereo", "mono"), "odometry": ("odometry",), "attitude": ("attitude", "tray"), "positions": ("position",),
+}  # fmt: skip
 FREED_QUANTILE = 0.999  # of the chi-square that unknowns give back which the CAD model determines in place of navigation
 
 

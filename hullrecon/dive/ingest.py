@@ -19,6 +19,7 @@ from hullrecon.dive.hull.load import read_hull
 from hullrecon.dive.images.sink import ImageSink
 from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.ping_spool import KeepImages, PingSpool, PingStorage, SpooledPing
+from hullrecon.dive.logs.positions import position_fixes
 from hullrecon.dive.logs.read_streams import LogContents, Watch, read_streams
 from hullrecon.dive.logs.readers.open import open_log
 from hullrecon.dive.logs.samples import (
@@ -27,6 +28,7 @@ from hullrecon.dive.logs.samples import (
     ImageSample,
     ImuSample,
     JointSample,
+    PositionSample,
     PressureSample,
     Sample,
 )
@@ -42,6 +44,7 @@ from hullrecon.records.sensors import (
     ImageIndex,
     ImuSamples,
     JointSamples,
+    PositionFixes,
     PressureSamples,
     SensorRecord,
     SensorRecords,
@@ -60,7 +63,8 @@ DEPTHS: tuple[type[PressureSample | DepthSample], ...] = (PressureSample, DepthS
 class IngestRequest:
     """Hold what ingest needs of dive.toml. topics: topic by sensor; joints: servo by record ("tray", "sonar_tray"); calibration
     and offset_ns by camera ("camera_top", "camera_bottom"); beams (b, 3) or None; start, end: what of the logs is used;
-    sonar_azimuth_deg: of an imaging sonar's beams; sonar_offset_ns: added to its stamps."""
+    sonar_azimuth_deg: of an imaging sonar's beams; sonar_offset_ns, position_offset_ns: added to the stamps; position_frame:
+    "enu" or "ned", of local positions; sigma_position: m, where a message has none."""
 
     logs: tuple[str, ...]
     topics: Mapping[str, str]
@@ -78,6 +82,9 @@ class IngestRequest:
     end: Instant = None
     sonar_azimuth_deg: Array | None = None
     sonar_offset_ns: int = 0
+    position_frame: str = "enu"
+    sigma_position: float = 2.0
+    position_offset_ns: int = 0
 
 
 @dataclass(kw_only=True)
@@ -245,10 +252,18 @@ def _build_records(
         samples = [replace(s, t_ns=s.t_ns + request.sonar_offset_ns) for s in spooled]
         return streams.sonar_pings(samples, remarks, request.sonar_azimuth_deg, keep_images, spool.load)
 
+    def position() -> PositionFixes | None:
+        samples = _sort_samples("position", found, PositionSample, remarks)
+        moved = [replace(s, t_ns=s.t_ns + request.position_offset_ns) for s in samples]
+        depths = built.get("pressure")
+        known = depths if isinstance(depths, PressureSamples) else None
+        return position_fixes(moved, request.sigma_position, request.position_frame, known, remarks)
+
     build("dvl", dvl)
     build("imu", imu)
     build("pressure", pressure)
     build("sonar", sonar)
+    build("position", position)
     with problems.collect():
         _check_joints(request, found, {s.name for s in found.samples["joints"] if isinstance(s, JointSample)}, remarks)
     for record in JOINT_KEYS:

@@ -31,7 +31,7 @@ class Unknowns:
     (F,) m: normal offsets of the hull from the CAD model, outward positive, at the nodes of the deviation field (empty: no
     field). intrinsics_top, intrinsics_bottom (9,): fx fy cx cy k1 k2 p1 p2 k3. link_switch (s,): one for each row of links
     under LinkKernel.SWITCH, in their order; 1 is closed, 0 open. plane (p, 3) m: each in the vehicle frame of its anchor
-    (planes.py).
+    (planes.py). world (3,): north and east of g's origin m, heading of its x axis rad; unknown where there are positions.
     """
 
     pose: Array
@@ -46,6 +46,7 @@ class Unknowns:
     intrinsics_bottom: Array = pinhole()
     link_switch: Array = floats(0)
     plane: Array = floats(0, 3)
+    world: Array = floats(3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +98,8 @@ class SparseRows:
 class Priors:
     """Priors by unknown; None: there is none. That of a held block is left out.
 
-    navigation_sigma (6,) about zero; intrinsics_sigma (9,) about the start; deviation: rows that whiten the deviation field.
+    navigation_sigma (6,) and world_sigma (3,) about zero; intrinsics_sigma (9,) about the start; deviation: rows that
+    whiten the deviation field.
     """
 
     pose: PosePriors = PosePriors()
@@ -107,6 +109,7 @@ class Priors:
     T_s_d: MotionPrior | None = None
     navigation_sigma: Array = field(default_factory=lambda: np.ones(6))
     intrinsics_sigma: Array = field(default_factory=lambda: np.ones(9))
+    world_sigma: Array = field(default_factory=lambda: np.array([1e4, 1e4, 10.0]))  # as good as none
     deviation: SparseRows = SparseRows()
 
 
@@ -168,6 +171,20 @@ class VelocityTable:
     before: Array = floats(0)
     after: Array = floats(0)
     sigma: Array = floats(0, 6)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PositionTable:
+    """Positions from outside (USBL, GPS): (predicted - measured) / sigma, north and east, m, under Huber's loss on the norm of
+    both rows (Options.huber_position). Predicted is where Unknowns.world has the antenna.
+
+    node (m,); antenna (m, 3): in the vehicle at the node; measured (m, 2): north, east; sigma (m,), of each of them.
+    """
+
+    node: Ints32 = integers(0)
+    antenna: Array = floats(0, 3)
+    measured: Array = floats(0, 2)
+    sigma: Array = floats(0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -238,7 +255,7 @@ class Problem:
     """Unknowns at their start values, priors and measurements.
 
     constant: the blocks held, any of "T_g_M", "T_s_ct", "T_ct_cb", "T_s_d", "navigation", "deviation", "intrinsics_top",
-    "intrinsics_bottom", "tray" (every pose's tray angle). sigma_px: of a pixel coordinate, but for what a row's
+    "intrinsics_bottom", "world", "tray" (every pose's tray angle). sigma_px: of a pixel coordinate, but for what a row's
     sigma_ratio says.
     """
 
@@ -261,6 +278,7 @@ class Problem:
     plane_pairs: PlanePairTable = PlanePairTable()
     plane_ranges: PlaneRangeTable = PlaneRangeTable()
     velocities: VelocityTable = VelocityTable()
+    positions: PositionTable = PositionTable()
 
     def hold(self, *blocks: str) -> Problem:
         """Return the problem with these blocks held too."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from hullrecon.native.problem import Problem, Unknowns
 from hullrecon.typing import Array, Ints, Ints32, Mask
 
-GRAPH_FACTORS = ("link", "plane", "plane_pair", "plane_range", "velocity")  # of the pose graph alone
+GRAPH_FACTORS = ("link", "plane", "plane_pair", "plane_range", "velocity", "position")  # apart in the record of a solve
 FACTORS = ("prior", "attitude", "tray", "odometry", "stereo", "mono", "range", "surface", "deviation", *GRAPH_FACTORS)
 
 
@@ -29,6 +29,7 @@ class Options:
     huber_stereo: float = 2.508  # norm of 4 rows
     huber_mono: float = 1.856  # norm of 2 rows
     huber_range: float = 1.345  # 1 row
+    huber_position: float = 1.856  # norm of 2 rows
     link_phi: float = 5.0  # of LinkKernel, in units of a link's whitened square
     max_iterations: int = 100
     function_tolerance: float = 1e-6
@@ -85,9 +86,9 @@ class Evaluation:
     residual (R,), whitened; weight (R,): square root of rho', by which the loss multiplies residual and row; factor (R,):
     index into FACTORS; table_row (R,) in the factor's table; jacobian_*: compressed rows, start (R + 1,), column, value; width:
     how many columns. Columns: poses 7 each (6 when "tray" is held), landmarks 3 each, then, where free, T_g_M, T_s_ct, T_ct_cb,
-    T_s_d 6 each, navigation 6, intrinsics_top, intrinsics_bottom 9 each, the deviation's nodes 1 each, planes 3 each, links'
-    switches 1 each; `columns` maps a block's name ("pose 0", "landmark 3", "T_g_M", "deviation 2", "plane 4", "link_switch 1")
-    to (first column, count). cost_by_factor: robustified.
+    T_s_d 6 each, navigation 6, intrinsics_top, intrinsics_bottom 9 each, world 3, the deviation's nodes 1 each, planes 3 each,
+    links' switches 1 each; `columns` maps a block's name ("pose 0", "landmark 3", "T_g_M", "deviation 2", "plane 4",
+    "link_switch 1") to (first column, count). cost_by_factor: robustified.
     """
 
     residual: Array
@@ -107,9 +108,9 @@ class Covariance:
     """Marginal covariances in tangent coordinates at the start values (give `solve`'s unknowns); zero where a block is held.
 
     pose (n, 7, 7) and pose_T_g_M (n, 7, 6): with T_g_M; landmark (L, 3, 3) and landmark_T_g_M (L, 3, 6); T_g_M, T_s_ct,
-    T_ct_cb, T_s_d, navigation (6, 6); intrinsics_top, intrinsics_bottom (9, 9); deviation (F,): variances; deviation_T_g_M
-    (F, 6). leverage_by_factor: of the factors of a kind (FACTORS) that meet no landmark, how many unknowns they determine: the
-    squares of their whitened residuals are expected to sum up to their rows less that.
+    T_ct_cb, T_s_d, navigation (6, 6); intrinsics_top, intrinsics_bottom (9, 9); world (3, 3); deviation (F,): variances;
+    deviation_T_g_M (F, 6). leverage_by_factor: of the factors of a kind (FACTORS) that meet no landmark, how many unknowns they
+    determine: the squares of their whitened residuals are expected to sum up to their rows less that.
     """
 
     pose: Array
@@ -123,6 +124,7 @@ class Covariance:
     navigation: Array
     intrinsics_top: Array
     intrinsics_bottom: Array
+    world: Array
     deviation: Array
     deviation_T_g_M: Array
     leverage_by_factor: dict[str, float]

@@ -73,7 +73,17 @@ class SonarPings:
     range_m: Array
 
 
-SensorRecord = DvlPings | ImuSamples | PressureSamples | JointSamples | SonarPings
+@dataclass(frozen=True, kw_only=True)
+class PositionFixes:
+    """Positions from outside, of GPS or USBL. north_east (n, 2) m of the first fix, north as its frame has it; sigma (n,) m of
+    either."""
+
+    t_ns: Ints
+    north_east: Array
+    sigma: Array
+
+
+SensorRecord = DvlPings | ImuSamples | PressureSamples | JointSamples | SonarPings | PositionFixes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,6 +96,7 @@ class SensorRecords:
     tray: JointSamples | None = None
     sonar_tray: JointSamples | None = None
     sonar: SonarPings | None = None
+    position: PositionFixes | None = None
 
     def by_name(self) -> dict[str, SensorRecord]:
         """Return the records that are there by their field's name, in the order of the fields."""

@@ -158,6 +158,22 @@ class Returns:
 
 
 @dataclass(frozen=True, kw_only=True)
+class PositionTies:
+    """Positions from outside at the nodes. node (m,): the nearest; antenna (m, 3) m: where the position was measured, in the
+    vehicle at the node, moved since by dead reckoning; north_east (m, 2) m of the first fix; sigma (m,) m of either; t_ns (m,).
+    """
+
+    t_ns: Ints
+    node: Ints
+    antenna: Array
+    north_east: Array
+    sigma: Array
+
+    def __len__(self) -> int:
+        return len(self.node)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Attitude:
     """Depth, roll and pitch at the nodes, as measured: node (m,), depth (m,) of the pressure sensor, roll, pitch (m,) rad,
     and one sigma of the white part of each (m, 3). tray_direction (n_nodes,): +1 or -1, the sense in which the tray last

@@ -83,9 +83,20 @@ class RefinedParameter(StepDocument, frozen=True):
     sigma: float
 
 
+class PositionFacts(StepDocument, frozen=True):
+    """Positions from outside against the adjusted path: their number, from the first to the last, their median sigma, rms of
+    their residuals in sigmas by the median, and how many are outliers."""
+
+    count: int
+    span_s: float
+    sigma_m: float
+    rms_sigmas: float
+    outliers: int
+
+
 class AdjustSummary(StepDocument, frozen=True):
     """adjust.json of adjust. intrinsics: by camera and name, empty where the calibrations were held; cad_model_refused: why the
-    CAD model was left out, None where it was not."""
+    CAD model was left out, None where it was not; positions: None where there were none from outside."""
 
     method: str = "maxmix"
     observations: int = 0
@@ -97,6 +108,7 @@ class AdjustSummary(StepDocument, frozen=True):
     navigation_sigma: SensorErrors = SensorErrors()
     intrinsics: Mapping[str, Mapping[str, RefinedParameter]] = {}
     cad_model_refused: str | None = None
+    positions: PositionFacts | None = None
 
 
 class SurfaceFacts(StepDocument, frozen=True):

@@ -73,6 +73,7 @@ def _measurements(context: Context[AdjustOptions]) -> Measurements:
         tracks=inputs.matches.tracks if inputs.matches is not None else None,
         start=inputs.links.path.path() if inputs.links is not None else None,
         planes=inputs.links.planes if inputs.links is not None else None,
+        positions=inputs.navigate.positions,
         rig=rig_priors_from_settings(settings, inputs.ingest.camera_models, context.parameters.free_dvl_position),
         cad_model=_cad_model(inputs.ingest.hull, settings.read_optional("hull", schema.Hull)),
     )

@@ -26,12 +26,12 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.links import CameraLinks, LinkedPath, NodePairs, NodeStereo, PairFeatures
 from hullrecon.records.planes import TiedPlanes
-from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples, SonarPings
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PositionFixes, PressureSamples, SonarPings
 from hullrecon.records.serialisation import from_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.tracks import Tracks
-from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Returns, Trajectory, TrajectoryErrorModel
 from hullrecon.typing import Arrays
 
 Record = TypeVar("Record")
@@ -96,6 +96,10 @@ class IngestArtifact(StepArtifact):
         return self._optional("sonar_tray.npz", JointSamples)
 
     @property
+    def position(self) -> PositionFixes | None:
+        return self._optional("position.npz", PositionFixes)
+
+    @property
     def hull(self) -> Mesh | None:
         """Return the checked CAD model in M; None where the dive has none."""
         path = self.folder / "hull.npz"
@@ -144,6 +148,11 @@ class NavigateArtifact(StepArtifact):
     def returns(self) -> Returns | None:
         """Return the DVL's returns; None where no DVL was carried."""
         return self._optional("returns.npz", Returns)
+
+    @property
+    def positions(self) -> PositionTies | None:
+        """Return the positions from outside that bound the path; None where there are none, or they tell nothing."""
+        return self._optional("positions.npz", PositionTies)
 
     @property
     def facts(self) -> Document:

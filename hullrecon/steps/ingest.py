@@ -35,6 +35,7 @@ USES = (
     "imu.frame", "imu.mount_deg",
     "pressure.density", "pressure.gravity", "pressure.atmosphere", "pressure.z_axis",
     "dvl.beams", "dvl.beam_angle_deg", "dvl.beam_azimuth_deg", "dvl.sigma_velocity",
+    "position.frame", "position.sigma_m", "position.time_offset",
     *(f"{camera.section}.{key}" for camera in Camera for key in ("calibration", "time_offset")), "hull.mesh", "hull.units",
 )  # fmt: skip
 
@@ -70,6 +71,9 @@ def request_of(settings: StageSettings) -> IngestRequest:
         start=_instant(settings, "dive.from"),
         end=_instant(settings, "dive.to"),
         sonar_offset_ns=offset_ns(settings.read_optional("sonar.time_offset", float) or 0.0),
+        position_frame=settings.read("position.frame", str),
+        sigma_position=settings.read("position.sigma_m", float),
+        position_offset_ns=offset_ns(settings.read("position.time_offset", float)),
         sonar_azimuth_deg=None if azimuth is None else np.array(azimuth, float),
     )
 

@@ -35,6 +35,7 @@ def run(context: Context[LinkOptions]) -> None:
         attitude=navigate.attitude,
         rig=rig_priors_from_settings(settings, inputs.ingest.camera_models),
         kernel=context.parameters.kernel,
+        positions=navigate.positions,
     )
     returns = navigate.returns if context.parameters.planes else None
     planar = None if returns is None else planar_graph(graph, returns, inputs.ingest.hull)
@@ -49,7 +50,8 @@ def run(context: Context[LinkOptions]) -> None:
         facts = _link_images(context, solve)
     else:
         context.out.arrays("path.npz", to_arrays(solve(no_links(), None).record()))
-    context.out.json("links.json", facts | _write_planes(context, solved[-1]))
+    facts = facts | _write_planes(context, solved[-1]) | _describe_positions(context, solved[-1])
+    context.out.json("links.json", facts)
 
 
 def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]) -> dict[str, object]:
@@ -96,6 +98,17 @@ def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[
         context.warn(f"The patches of hull that were passed again tie nothing: {solved.refusal}.")
     ties = 0 if solved.planes is None else len(solved.planes)
     return {"planes": {"patches": solved.patches, "offered": solved.offered, "ties": ties, "refusal": solved.refusal}}
+
+
+def _describe_positions(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
+    """Return the numbers of the positions from outside, and warn where they contradict navigation."""
+    fit = solved.fit_of_positions()
+    if fit is None:
+        return {}
+    sentence = fit.disagreement()
+    if sentence is not None:
+        context.warn(sentence)
+    return {"positions": fit.facts()}
 
 
 def _rig_values(settings: Mapping[str, object]) -> dict[str, object]:

@@ -21,11 +21,13 @@ from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, NavigationLogs, dead_reckon, usable_frames
+from hullrecon.navigation.dead_reckoning.positions import attach_positions
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sigmas import SIGMA_KEYS, sigmas_from_settings
 from hullrecon.navigation.stereo_odometry.pair_motion import CalibrationEffect, StereoMotion
 from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stereo_navigate
 from hullrecon.records.serialisation import to_arrays
+from hullrecon.records.trajectory import Trajectory
 from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.steps.stereo_check import find_rig_problem
@@ -145,11 +147,22 @@ def _write(context: Context[NavigateOptions], found: Navigated, source: str) -> 
         context.out.arrays(f"{name}.npz", to_arrays(getattr(found, name)))
     if len(found.returns.t_ns):
         context.out.arrays("returns.npz", to_arrays(found.returns))
-    context.out.json(
-        "navigation.json", {"source": source, "nodes": len(found.trajectory.t_ns), **found.facts, "remarks": found.remarks}
-    )
-    for sentence in found.remarks:
+    positions, sentences = _write_positions(context, found.trajectory)
+    facts = {"source": source, "nodes": len(found.trajectory.t_ns), **found.facts, **positions}
+    context.out.json("navigation.json", {**facts, "remarks": found.remarks + sentences})
+    for sentence in found.remarks + sentences:
         context.warn(sentence)
+
+
+def _write_positions(context: Context[NavigateOptions], trajectory: Trajectory) -> tuple[dict[str, object], list[str]]:
+    """Write the positions from outside where there are some that tell something, and return their numbers and sentences."""
+    fixes = InputArtifacts(context.inputs).ingest.position
+    if fixes is None:
+        return {}, []
+    attached = attach_positions(fixes, trajectory, np.array(context.settings.read("position.origin", tuple), float))
+    if attached.ties is not None:
+        context.out.arrays("positions.npz", to_arrays(attached.ties))
+    return {"positions": attached.facts()}, attached.sentences()
 
 
 STAGE = Stage(
@@ -159,6 +172,6 @@ STAGE = Stage(
     parameters=NavigateOptions,
     version=9,
     run=run,
-    uses=(*RIG_KEYS, *SIGMA_KEYS, "camera.bottom.pose_sigma", "logs"),
+    uses=(*RIG_KEYS, *SIGMA_KEYS, "camera.bottom.pose_sigma", "position.origin", "logs"),
     external=external,
 )

@@ -173,6 +173,19 @@ class Paint(Checked):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Positions(Checked):
+    """Describe the positions that USBL gives in a local frame, whose north and place are drawn from the seed."""
+
+    prefix: ClassVar[str] = "position_"
+
+    every_s: float | None = describe_field(
+        None, "Time between positions of the vehicle by USBL; none are measured if absent", "s", 0.1, 3600
+    )
+    sigma_m: float = describe_field(0.5, "White noise of such a position, north and east, one sigma", "m", 0, 100)
+    outlier_share: float = describe_field(0.0, "Share of such positions that are off by metres or tens of metres", "", 0, 1)
+
+
+@dataclass(frozen=True, kw_only=True)
 class DiveSpec(Checked):
     """Describe a dive to simulate. Every random draw comes from `seed`; those of the hull itself from `hull_seed`."""
 
@@ -192,6 +205,7 @@ class DiveSpec(Checked):
     guess: InitialHullPose = InitialHullPose()
     items: Items = Items()
     paint: Paint = Paint()
+    positions: Positions = Positions()
 
     def random(self, purpose: str) -> np.random.Generator:
         """Return a stream of its own for each purpose, so that one more draw here changes nothing there."""

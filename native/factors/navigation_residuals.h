@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Residuals of priors, depth and attitude, tray and odometry [Ozog2016 4.8-4.11].
+// Residuals of priors, depth and attitude, tray and odometry [Ozog2016 4.8-4.11], and of positions from outside.
 #pragma once
 
 #include <array>
@@ -155,7 +155,38 @@ struct Velocity {
   }
 };
 
-// Prior of plain numbers: navigation about zero, intrinsics about the start.
+// A position from outside, of USBL or GPS.
+// Rows: 2, m, north and east. Blocks: pose, world = north and east of the origin of g (m), heading of its x axis (rad). Frame:
+// world, level, z down as in g, so that a heading turns from north to east. Sign: predicted - measured. Sigma: one a row, under
+// Huber's loss.
+struct Position {
+  static constexpr int kRows = 2;
+  Vec3 antenna;  // where the position was measured, in the vehicle of the node
+  Eigen::Vector2d measured;
+
+  std::vector<int> sizes() const { return {8, 3}; }
+  bool operator()(const double* const* x, double* r, double* const* J) const {
+    const Motion pose(x[0]);
+    const Vec3 at = pose.apply(antenna);
+    const double c = std::cos(x[1][2]), s = std::sin(x[1][2]);
+    Eigen::Matrix2d turn;
+    turn << c, -s, s, c;
+    const Eigen::Vector2d turned = turn * at.head<2>();
+    Eigen::Map<Eigen::Vector2d> out(r);
+    out = turned + Eigen::Vector2d(x[1]) - measured;
+    derive<2, 8>(J, 0, [&](auto& j) {
+      j.template block<2, 2>(0, 0) = turn;
+      j.template block<2, 3>(0, 3) = -turn * (pose.rotation() * hat(antenna)).template topRows<2>();
+    });
+    derive<2, 3>(J, 1, [&](auto& j) {
+      j.template block<2, 2>(0, 0).setIdentity();
+      j.col(2) << -turned[1], turned[0];
+    });
+    return true;
+  }
+};
+
+// Prior of plain numbers: navigation and world about zero, intrinsics about the start.
 // Rows: Size, in the units of the numbers. Blocks: the numbers. Sign: x - expected. Sigma: one a row.
 template <int Size>
 struct VectorPrior {

@@ -7,7 +7,8 @@
 // cannot be evaluated and the solver refuses the step.
 //
 // Blocks: pose (8) = T_g_v and tray angle theta; motion (7); landmark (3) in g; navigation (6) = DVL scale error, heading
-// drift, roll bias, pitch bias, depth bias, tray backlash; intrinsics (9); node (1) of the deviation field.
+// drift, roll bias, pitch bias, depth bias, tray backlash; intrinsics (9); node (1) of the deviation field; world (3) = north
+// and east of g's origin, heading of its x axis.
 #pragma once
 
 #include <span>

@@ -11,8 +11,8 @@
 namespace hullrecon {
 namespace {
 
-constexpr std::array<const char*, 7> kGlobals{"T_g_M",      "T_s_ct",         "T_ct_cb",          "T_s_d",
-                                              "navigation", "intrinsics_top", "intrinsics_bottom"};
+constexpr std::array<const char*, kGlobals> kGlobalNames{"T_g_M",      "T_s_ct",         "T_ct_cb",           "T_s_d",
+                                                         "navigation", "intrinsics_top", "intrinsics_bottom", "world"};
 
 std::unique_ptr<MeshIndex> mesh(const Tables& t) {
   if (t.faces.rows() == 0 || t.surface_landmark.rows() + t.range_node.rows() == 0) return nullptr;
@@ -43,8 +43,11 @@ void Model::add_block(double* data, int size, int tangent, std::string name) {
 void Model::add_blocks() {
   const Tables& t = tables_;
   std::vector<size_t> start;
-  for (const Table<double>* table : {&t.pose, &t.landmark, &t.T_g_M, &t.T_s_ct, &t.T_ct_cb, &t.T_s_d, &t.navigation,
-                                     &t.intrinsics_top, &t.intrinsics_bottom, &t.deviation, &t.plane, &t.link_switch}) {
+  std::vector<const Table<double>*> tables{
+      &t.pose,           &t.landmark,          &t.T_g_M,     &t.T_s_ct, &t.T_ct_cb,    &t.T_s_d, &t.navigation,
+      &t.intrinsics_top, &t.intrinsics_bottom, &t.deviation, &t.plane,  &t.link_switch};
+  if (t.places_world()) tables.push_back(&t.world);
+  for (const Table<double>* table : tables) {
     start.push_back(unknowns_.size());
     unknowns_.insert(unknowns_.end(), table->data, table->data + table->rows() * table->width());
   }
@@ -55,18 +58,22 @@ void Model::add_blocks() {
   for (int64_t i = 0; i < poses(); ++i) add_block(&pose[8 * i], 8, t.held("tray") ? 6 : 7, "pose " + std::to_string(i));
   for (int64_t i = 0; i < landmarks(); ++i) add_block(&landmark_[3 * i], 3, 3, "landmark " + std::to_string(i));
   const auto tangent = [&](const char* name, int width) { return t.held(name) ? 0 : width; };
-  for (int k = 0; k < 4; ++k) add_block(&motion[7 * k], 7, tangent(kGlobals[k], 6), kGlobals[k]);
+  for (int k = 0; k < 4; ++k) add_block(&motion[7 * k], 7, tangent(kGlobalNames[k], 6), kGlobalNames[k]);
   add_block(all + start[6], 6, tangent("navigation", 6), "navigation");
   for (int k = 0; k < 2; ++k)
-    add_block(&intrinsics_[9 * k], 9, tangent(kGlobals[kTopIntrinsics + k], 9), kGlobals[kTopIntrinsics + k]);
+    add_block(&intrinsics_[9 * k], 9, tangent(kGlobalNames[kTopIntrinsics + k], 9), kGlobalNames[kTopIntrinsics + k]);
+  // A world that is held stays where it was given and is never written: norms of all unknowns are sums over the array, and
+  // three more numbers would change their last digits in problems that have none.
+  double* const world = t.places_world() ? all + start[12] : const_cast<double*>(t.world.data);
+  add_block(world, 3, t.places_world() ? 3 : 0, "world");
   for (int k = 0; k < nodes(); ++k) add_block(&deviation[k], 1, tangent("deviation", 1), "deviation " + std::to_string(k));
   for (int k = 0; k < planes(); ++k) add_block(&plane[3 * k], 3, 3, "plane " + std::to_string(k));
   for (int64_t k = 0; k < t.link_switch.rows(); ++k) add_block(&switches[k], 1, 1, "link_switch " + std::to_string(k));
 }
 
 int Model::block(const char* name) const {
-  for (int k = 0; k < 7; ++k) {
-    if (std::string(kGlobals[k]) == name) return static_cast<int>(poses() + landmarks()) + k;
+  for (int k = 0; k < kGlobals; ++k) {
+    if (std::string(kGlobalNames[k]) == name) return static_cast<int>(poses() + landmarks()) + k;
   }
   return -1;
 }
@@ -74,9 +81,10 @@ int Model::block(const char* name) const {
 void Model::number_factors() {
   const Tables& t = tables_;
   const std::array<const Table<double>*, 4> motions{&t.prior_T_g_M, &t.prior_T_s_ct, &t.prior_T_ct_cb, &t.prior_T_s_d};
-  for (int k = 0; k < 7; ++k) {
-    if (!t.held(kGlobals[k]) && (k >= 4 || motions[k]->rows() > 0)) global_priors_.push_back(k);
+  for (int k = 0; k < kWorld; ++k) {
+    if (!t.held(kGlobalNames[k]) && (k >= 4 || motions[k]->rows() > 0)) global_priors_.push_back(k);
   }
+  if (t.places_world()) global_priors_.push_back(kWorld);
   for (int64_t i = 0; i < t.range_field_index.rows(); ++i) {
     range_nodes_.add(t.range_field_index.row(i), t.range_field_weight.row(i), 4);
   }
@@ -95,20 +103,21 @@ void Model::number_factors() {
   for (int32_t i = 0; options_.method != "naive" && i < t.surface_landmark.rows(); ++i) {
     if (t.surface_weight.data[i] > 0) surface_rows_.push_back(i);
   }
-  const std::array<int64_t, 14> counts{t.prior_pose_node.rows() + static_cast<int64_t>(global_priors_.size()),
-                                       t.attitude_node.rows(),
-                                       t.tray_node.rows(),
-                                       t.odometry_first.rows(),
-                                       t.stereo_node.rows(),
-                                       t.mono_node.rows(),
-                                       t.range_node.rows(),
-                                       static_cast<int64_t>(surface_rows_.size()),
-                                       static_cast<int64_t>(field_rows_.size()),
-                                       t.link_first.rows(),
-                                       t.sighting_node.rows(),
-                                       t.pair_first.rows(),
-                                       t.plane_range_node.rows(),
-                                       t.velocity_first.rows()};
+  const std::array<int64_t, kKindNames.size()> counts{t.prior_pose_node.rows() + static_cast<int64_t>(global_priors_.size()),
+                                                      t.attitude_node.rows(),
+                                                      t.tray_node.rows(),
+                                                      t.odometry_first.rows(),
+                                                      t.stereo_node.rows(),
+                                                      t.mono_node.rows(),
+                                                      t.range_node.rows(),
+                                                      static_cast<int64_t>(surface_rows_.size()),
+                                                      static_cast<int64_t>(field_rows_.size()),
+                                                      t.link_first.rows(),
+                                                      t.sighting_node.rows(),
+                                                      t.pair_first.rows(),
+                                                      t.plane_range_node.rows(),
+                                                      t.velocity_first.rows(),
+                                                      t.position_node.rows()};
   for (size_t k = 0; k < counts.size(); ++k) first_[k + 1] = first_[k] + counts[k];
 }
 
@@ -208,6 +217,9 @@ void Model::blocks_of(int64_t factor, std::vector<int32_t>& out) const {
     }
     case Kind::Velocity:
       out = {t.velocity_first.data[i], t.velocity_second.data[i], t.velocity_third.data[i]};
+      break;
+    case Kind::Position:
+      out = {t.position_node.data[i], global + kWorld};
       break;
   }
 }

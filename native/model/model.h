@@ -34,14 +34,15 @@ enum class Kind : int8_t {
   Plane,
   PlanePair,
   PlaneRange,
-  Velocity
+  Velocity,
+  Position
 };
-constexpr std::array<const char*, 14> kKindNames{"prior", "attitude",   "tray",        "odometry",  "stereo",
+constexpr std::array<const char*, 15> kKindNames{"prior", "attitude",   "tray",        "odometry",  "stereo",
                                                  "mono",  "range",      "surface",     "deviation", "link",
-                                                 "plane", "plane_pair", "plane_range", "velocity"};
+                                                 "plane", "plane_pair", "plane_range", "velocity",  "position"};
 
 // Blocks that every factor may meet, in this order after poses and landmarks.
-enum Global { kHull, kCamera, kBottom, kDvl, kNavigation, kTopIntrinsics, kBottomIntrinsics };
+enum Global { kHull, kCamera, kBottom, kDvl, kNavigation, kTopIntrinsics, kBottomIntrinsics, kWorld, kGlobals };
 
 // One block of unknowns. tangent: its columns; 0 when held.
 struct Block {
@@ -65,7 +66,7 @@ class Model {
   Model(const Tables& tables, const Options& options);
 
   // Blocks in the order of columns: poses, landmarks, T_g_M, T_s_ct, T_ct_cb, T_s_d, navigation, intrinsics_top,
-  // intrinsics_bottom, nodes of the deviation field, planes, switches of links.
+  // intrinsics_bottom, world, nodes of the deviation field, planes, switches of links.
   const std::vector<Block>& blocks() const { return blocks_; }
 
   // Factors are numbered by kind, then by row. They are made when asked for: half a million kept would cost 300 MB.
@@ -84,7 +85,7 @@ class Model {
   int64_t columns() const { return columns_; }
   int block(const char* name) const;  // a global block by name
   bool is_landmark(int32_t block) const { return block >= poses() && block < poses() + landmarks(); }
-  int first_node() const { return static_cast<int>(poses() + landmarks() + 7); }
+  int first_node() const { return static_cast<int>(poses() + landmarks() + kGlobals); }
   int nodes() const { return static_cast<int>(tables_.deviation.rows()); }
   int first_plane() const { return first_node() + nodes(); }
   int planes() const { return static_cast<int>(tables_.plane.rows()); }
@@ -161,6 +162,7 @@ void Model::visit_prior(int64_t row, const Use& use) const {
   }
   const int k = global_priors_[row - t.prior_pose_node.rows()];
   if (k == kNavigation) return use(VectorPrior<6>{{}}, diagonal<6>(t.prior_navigation_sigma.data), Robust{});
+  if (k == kWorld) return use(VectorPrior<3>{{}}, diagonal<3>(t.prior_world_sigma.data), Robust{});
   if (k >= kTopIntrinsics) {
     VectorPrior<9> prior;
     std::copy_n(&intrinsics_start_[9 * (k - kTopIntrinsics)], 9, prior.expected.begin());
@@ -240,6 +242,9 @@ void Model::visit(int64_t factor, const Use& use) const {
       return use(plane_range(i), Scalar{1 / t.plane_range_sigma.data[i]}, Robust{options_.huber_range});
     case Kind::Velocity:
       return use(Velocity{t.velocity_before.data[i], t.velocity_after.data[i]}, diagonal<6>(t.velocity_sigma.row(i)), none);
+    case Kind::Position:
+      return use(Position{Vec3(t.position_antenna.row(i)), matrix<2, 1>(t.position_measured.row(i))},
+                 Scalar{1 / t.position_sigma.data[i]}, Robust{options_.huber_position});
   }
 }
 

@@ -44,13 +44,15 @@ struct Table {
   X(plane) X(sighting_measured) X(sighting_sqrt) X(pair_measured) X(pair_sqrt) \
   X(plane_range_offset) X(plane_range_tray_offset) X(plane_range_beam) \
   X(plane_range_measured) X(plane_range_sigma) X(velocity_before) \
-  X(velocity_after) X(velocity_sigma)
+  X(velocity_after) X(velocity_sigma) X(world) X(prior_world_sigma) \
+  X(position_antenna) X(position_measured) X(position_sigma)
 #define HULLRECON_INT_TABLES(X) \
   X(faces) X(prior_pose_node) X(attitude_node) X(tray_node) X(odometry_first) X(odometry_second) X(stereo_node) \
   X(stereo_landmark) X(mono_node) X(mono_landmark) X(mono_camera) X(range_node) X(range_field_index) X(surface_landmark) \
   X(surface_field_index) X(field_prior_start) X(field_prior_index) X(link_first) X(link_second) X(link_camera_first) \
   X(link_camera_second) X(link_scaled) X(link_kernel) X(plane_anchor) X(sighting_node) X(sighting_plane) X(pair_first) \
-  X(pair_second) X(plane_range_node) X(plane_range_plane) X(velocity_first) X(velocity_second) X(velocity_third)
+  X(pair_second) X(plane_range_node) X(plane_range_plane) X(velocity_first) X(velocity_second) X(velocity_third) \
+  X(position_node)
 // clang-format on
 
 struct Tables {
@@ -69,6 +71,9 @@ struct Tables {
   }
   double mono_sigma_px(int64_t row) const { return sigma_px * (mono_sigma_ratio.rows() ? mono_sigma_ratio.data[row] : 1.0); }
 
+  // Whether the world's place is an unknown: where no position was measured nothing depends on it.
+  bool places_world() const { return position_node.rows() > 0 && !held("world"); }
+
   bool held(const char* block) const {
     for (const auto& name : constant) {
       if (name == block) return true;
@@ -83,7 +88,7 @@ enum LinkKernel : int32_t { kNoKernel, kScaling, kSwitch, kLinkKernels };
 struct Options {
   std::string method = "maxmix", core = "schur";
   double sigma_on = 0.02, sigma_off = 1.0;
-  double huber_stereo = 2.508, huber_mono = 1.856, huber_range = 1.345;
+  double huber_stereo = 2.508, huber_mono = 1.856, huber_range = 1.345, huber_position = 1.856;
   double link_phi = 5.0;
   int max_iterations = 100;
   double function_tolerance = 1e-6, gradient_tolerance = 1e-10, parameter_tolerance = 1e-8;

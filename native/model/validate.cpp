@@ -83,6 +83,7 @@ void unknowns(const Tables& t) {
   shape(t.landmark, {t.landmark.rows(), 3});
   for (const Floats* m : {&t.T_g_M, &t.T_s_ct, &t.T_ct_cb, &t.T_s_d, &t.odometry_mount}) motion(*m);
   shape(t.navigation, {6});
+  shape(t.world, {3});
   shape(t.deviation, {t.deviation.rows()});
   for (const Floats* k : {&t.intrinsics_top, &t.intrinsics_bottom}) {
     shape(*k, {9});
@@ -91,7 +92,7 @@ void unknowns(const Tables& t) {
   shape(t.tray_origin, {3});
   shape(t.pressure_origin, {3});
   static const std::set<std::string> known{"T_g_M",     "T_s_ct",         "T_ct_cb",           "T_s_d", "navigation",
-                                           "deviation", "intrinsics_top", "intrinsics_bottom", "tray"};
+                                           "deviation", "intrinsics_top", "intrinsics_bottom", "tray",  "world"};
   for (const auto& name : t.constant) {
     if (!known.count(name)) throw InputError("there is no block of the name " + name, "constant", "");
   }
@@ -111,6 +112,8 @@ void priors(const Tables& t) {
   optional_prior(t.prior_T_s_d, t.prior_T_s_d_sqrt);
   shape(t.prior_navigation_sigma, {6});
   positive(t.prior_navigation_sigma);
+  shape(t.prior_world_sigma, {3});
+  positive(t.prior_world_sigma);
   shape(t.prior_intrinsics_sigma, {9});
   positive(t.prior_intrinsics_sigma);
 }
@@ -271,6 +274,15 @@ void velocities(const Tables& t) {
   positive(t.velocity_sigma);
 }
 
+void positions(const Tables& t) {
+  const int64_t m = t.position_node.rows();
+  shape(t.position_node, {m}), index(t.position_node, t.pose.rows());
+  shape(t.position_antenna, {m, 3});
+  shape(t.position_measured, {m, 2});
+  shape(t.position_sigma, {m});
+  positive(t.position_sigma);
+}
+
 void option(bool good, const char* name, const char* what) {
   if (!good) throw UsageError(what, name, "");
 }
@@ -290,6 +302,7 @@ void validate(const Tables& t) {
   links(t);
   planes(t);
   velocities(t);
+  positions(t);
 }
 
 void validate(const Options& o) {
@@ -301,6 +314,7 @@ void validate(const Options& o) {
   option(o.huber_stereo > 0, "huber_stereo", "it must be positive; inf switches it off");
   option(o.huber_mono > 0, "huber_mono", "it must be positive; inf switches it off");
   option(o.huber_range > 0, "huber_range", "it must be positive; inf switches it off");
+  option(o.huber_position > 0, "huber_position", "it must be positive; inf switches it off");
   option(positive(o.link_phi), "link_phi", "it must be positive");
   option(o.max_iterations >= 0, "max_iterations", "it must not be negative");
   option(o.function_tolerance >= 0, "function_tolerance", "it must not be negative");

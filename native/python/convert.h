@@ -124,6 +124,12 @@ inline void read_velocities(const TableReader& from, Tables& t) {
   from.read(t.velocity_after, "velocities.after"), from.read(t.velocity_sigma, "velocities.sigma");
 }
 
+inline void read_positions(const TableReader& from, Tables& t) {
+  from.read(t.world, "unknowns.world"), from.read(t.prior_world_sigma, "priors.world_sigma");
+  from.read(t.position_node, "positions.node"), from.read(t.position_antenna, "positions.antenna");
+  from.read(t.position_measured, "positions.measured"), from.read(t.position_sigma, "positions.sigma");
+}
+
 inline void read_hull(const TableReader& from, Tables& t) {
   from.read(t.vertices, "cad_mesh.vertices"), from.read(t.faces, "cad_mesh.faces");
   from.read(t.tray_origin, "lever_arms.tray"), from.read(t.pressure_origin, "lever_arms.pressure");
@@ -146,6 +152,7 @@ inline Tables read_tables(const py::object& problem, std::vector<py::object>& al
   read_links(from, t);
   read_planes(from, t);
   read_velocities(from, t);
+  read_positions(from, t);
   t.constant = problem.attr("constant").cast<std::vector<std::string>>();
   t.sigma_px = problem.attr("sigma_px").cast<double>();
   return t;
@@ -162,6 +169,7 @@ inline Options read_options(const py::object& options) {
   };
   read("method", o.method), read("core", o.core), read("sigma_on", o.sigma_on), read("sigma_off", o.sigma_off);
   read("huber_stereo", o.huber_stereo), read("huber_mono", o.huber_mono), read("huber_range", o.huber_range);
+  read("huber_position", o.huber_position);
   read("link_phi", o.link_phi);
   read("max_iterations", o.max_iterations), read("function_tolerance", o.function_tolerance),
       read("gradient_tolerance", o.gradient_tolerance);

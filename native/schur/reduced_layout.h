@@ -23,7 +23,7 @@ class ReducedLayout {
         first_other_(model.first_plane()),
         landmarks_end_(static_cast<int>(model.poses() + model.landmarks())) {
     if (nodes_ > 0 && model.blocks()[first_node_].tangent == 0) nodes_ = 0;
-    for (int k = 0; k < 7; ++k) {
+    for (int k = 0; k < kGlobals; ++k) {
       const int tangent = model.blocks()[landmarks_end_ + k].tangent;
       column_[k] = tangent > 0 ? border_ : -1;
       border_ += tangent;
@@ -63,7 +63,7 @@ class ReducedLayout {
 
  private:
   int poses_, nodes_, others_, planes_, pose_width_, border_ = 0, first_node_, first_other_, landmarks_end_;
-  std::array<int, 7> column_;
+  std::array<int, kGlobals> column_;
 };
 
 }  // namespace hullrecon

@@ -134,7 +134,7 @@ void Schur::plus(const std::vector<double>& from, const StepVector& step, std::v
     for (int k = 0; k < b.size; ++k) moved[k] = x[k] + delta[k];
   };
   for (int b = 0; b < layout_.blocks(); ++b) put(layout_.model_block(b), &step.reduced[offset(b)]);
-  for (int g = 0; g < 7; ++g) {
+  for (int g = 0; g < kGlobals; ++g) {
     if (layout_.column(g) >= 0) put(layout_.model_global(g), &step.reduced[offset(layout_.blocks()) + layout_.column(g)]);
   }
   for (int64_t r = 0; r < model_.landmarks(); ++r)

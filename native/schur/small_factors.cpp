@@ -14,7 +14,7 @@ SmallFactors::SmallFactors(const Model& model, const ReducedLayout& layout) : mo
   part_start_.assign(1, 0), value_start_.assign(1, 0);
   std::vector<int32_t> met(layout.blocks() + 1, 0);
   for (Kind kind : {Kind::Prior, Kind::Attitude, Kind::Tray, Kind::Odometry, Kind::Range, Kind::Deviation, Kind::Link,
-                    Kind::Plane, Kind::PlanePair, Kind::PlaneRange, Kind::Velocity}) {
+                    Kind::Plane, Kind::PlanePair, Kind::PlaneRange, Kind::Velocity, Kind::Position}) {
     const auto [first, end] = model.factors_of(kind);
     for (int64_t i = first; i < end; ++i) {
       model.blocks_of(i, blocks);

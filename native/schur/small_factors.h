@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
-// Factors that meet no landmark (priors, attitude, tray, odometry, ranges, the field's prior, links, planes, velocities),
-// linear at the last accepted point.
+// Factors that meet no landmark (priors, attitude, tray, odometry, ranges, the field's prior, links, planes, velocities,
+// positions), linear at the last accepted point.
 #pragma once
 
 #include <Eigen/Core>

@@ -86,6 +86,28 @@ TEST_CASE("a bow that points straight down has no roll, and the point is refused
   CHECK_FALSE(Attitude{Vec3::Zero(), Vec3::Zero()}(x, r, nullptr));
 }
 
+TEST_CASE("a position from outside") {
+  std::mt19937 rng(10);
+  const Vec3 antenna(-0.3, 0.15, -0.25);
+  const Blocks truth{pose_block(rng), {120.0, -45.0, 2.2}};
+  Position residual{antenna, Eigen::Vector2d::Zero()};
+  residual.measured = value(residual, truth);
+  const auto by_twin = [&](const auto* const* x, auto* r) {
+    using T = std::decay_t<decltype(x[0][0])>;
+    const V<T> at = Frame<T>::of(x[0]) * V<T>(antenna.cast<T>());
+    r[0] = cos(x[1][2]) * at[0] - sin(x[1][2]) * at[1] + x[1][0] - residual.measured[0];
+    r[1] = sin(x[1][2]) * at[0] + cos(x[1][2]) * at[1] + x[1][1] - residual.measured[1];
+  };
+  prove(residual, by_twin, truth, rng);
+}
+
+TEST_CASE("a vehicle that goes ahead on the heading of east is found farther east") {
+  const std::vector<double> ahead{3, 0, 1, 0, 0, 0, 1, 0}, east{10, 20, 0.5 * M_PI};
+  const Eigen::VectorXd r = value(Position{Vec3(0.5, 0, 0), Eigen::Vector2d(10, 20)}, {ahead, east});
+  CHECK(r[0] == doctest::Approx(0).epsilon(1e-12));
+  CHECK(r[1] == doctest::Approx(3.5));
+}
+
 TEST_CASE("the tray's angle and backlash") {
   std::mt19937 rng(3);
   const Blocks truth{pose_block(rng), {0, 0, 0, 0, 0, 0.01}};

@@ -169,6 +169,19 @@ def planes(p: Draft) -> None:
     p.velocities.sigma = np.tile(np.repeat([0.1, 0.05], 3), (3, 1))
 
 
+def positions(p: Draft) -> None:
+    """A position at most nodes, some at two, every fifth of them wrong."""
+    rng = np.random.default_rng(8)
+    m, n = 14, len(p.unknowns.pose)
+    p.positions.node, p.positions.antenna = (np.arange(m) % (n - 1)).astype(np.int32), 0.3 * rng.normal(size=(m, 3))
+    p.unknowns.world, heading = np.array([10.0, -4.0, 2.3]), 2.2
+    turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
+    at = Poses(p.unknowns.pose[p.positions.node, 3:7], p.unknowns.pose[p.positions.node, :3]).apply(p.positions.antenna)
+    p.positions.measured = np.array([9.5, -4.2]) + at[:, :2] @ turn.T + 0.05 * rng.normal(size=(m, 2))
+    p.positions.measured[::5] += 5.0
+    p.positions.sigma = rng.uniform(0.03, 0.1, m)
+
+
 def planes_seen(at: Poses, plane: np.ndarray, anchor: np.ndarray, node: np.ndarray) -> np.ndarray:
     """Planes of their anchors in the vehicle frames of nodes: the foot of each node's origin on the plane, turned about."""
     distance = np.linalg.norm(plane, axis=1, keepdims=True)
@@ -204,6 +217,10 @@ CASES: dict[str, tuple[Change, ...]] = {
     "planes": (planes,),
     "everything free, planes": (free(*BLOCKS), field, mono_beside_stereo, planes, links),
     "planes, tray held": (hold("tray"), planes, no_landmarks),
+    "positions": (positions,),
+    "everything free, positions": (free(*BLOCKS), field, mono_beside_stereo, planes, positions),
+    "positions alone": (hold("T_g_M"), positions, no_landmarks),
+    "world held": (hold("world"), positions),
     "links alone": (hold("T_g_M"), links, no_landmarks, leave("attitude", "tray")),
 }
 
@@ -233,7 +250,18 @@ def test_both_cores_come_to_one_optimum(case: str, method: str, make_survey: Sur
 
 
 @pytest.mark.parametrize(
-    "case", ["as it is", "outliers", "everything free, mono", "tray held", "no landmarks", "links", "links alone", "planes"]
+    "case",
+    [
+        "as it is",
+        "outliers",
+        "everything free, mono",
+        "tray held",
+        "no landmarks",
+        "links",
+        "links alone",
+        "planes",
+        "positions",
+    ],
 )
 def test_both_cores_take_the_same_steps(case: str, make_survey: Survey, shaken: Survey) -> None:
     schur, ceres = (r.iterations for r in both(problem(case, make_survey, shaken), Options(max_iterations=4)))

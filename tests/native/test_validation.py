@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from drafts import Draft, change, covariance, evaluate, leaves, solve
-from native.test_cores import field, links, mono_beside_stereo, planes
+from native.test_cores import field, links, mono_beside_stereo, planes, positions
 from native.twins import array_fields
 
 from hullrecon.errors import InputError, UsageError
@@ -29,6 +29,7 @@ def whole(make_survey: Survey) -> Draft:
     mono_beside_stereo(p)
     links(p)
     planes(p)
+    positions(p)
     p.priors.T_ct_cb = MotionPrior(value=p.unknowns.T_ct_cb.copy(), sqrt_information=np.eye(6))
     return p
 
@@ -157,6 +158,13 @@ REFUSALS: list[tuple[str, Callable[[np.ndarray], Any], str]] = [
     ("velocities.before", lambda x: 0 * x, "interval 0 is not positive"),
     ("velocities.after", lambda x: x[:-1], "expected"),
     ("velocities.sigma", lambda x: -x, "sigma 0 is not positive"),
+    ("unknowns.world", lambda x: x[:2], r"expected \(3, \)"),
+    ("unknowns.world", lambda x: x * np.nan, "is not finite"),
+    ("priors.world_sigma", lambda x: 0 * x, "sigma 0 is not positive"),
+    ("positions.node", lambda x: x - 1, "index -1"),
+    ("positions.antenna", lambda x: x[:, :2], "expected"),
+    ("positions.measured", lambda x: x[:-1], "expected"),
+    ("positions.sigma", lambda x: -x, "sigma 0 is not positive"),
     ("sigma_px", lambda _: -1.0, "it is not positive"),
     ("sigma_px", lambda _: np.nan, "it is not positive"),
     ("constant", lambda _: ("T_g_m",), "there is no block of the name T_g_m"),

@@ -19,6 +19,7 @@ from hullrecon.records.sensors import (
     ImageIndex,
     ImuSamples,
     JointSamples,
+    PositionFixes,
     PressureSamples,
     SensorRecords,
     SonarPings,
@@ -26,7 +27,15 @@ from hullrecon.records.sensors import (
 from hullrecon.records.solution import DeviationField, HullPose, Landmarks, Mounts, Solution
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.tracks import Tracks
-from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel, VehiclePath
+from hullrecon.records.trajectory import (
+    Attitude,
+    Odometry,
+    PositionTies,
+    Returns,
+    Trajectory,
+    TrajectoryErrorModel,
+    VehiclePath,
+)
 
 Record = TypeVar("Record")
 
@@ -39,7 +48,10 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
     JointSamples: {"t_ns": "n", "angle": "n"},
     ImageIndex: {"t_ns": "n", "file": "n", "offset": "n", "size": "n", "usable": "n"},
     SonarPings: {"t_ns": "n", "image": "n b r", "directions": "b 3", "range_m": "r"},
-    SensorRecords: {"dvl": {}, "imu": {}, "pressure": {}, "tray": {"n": "m"}, "sonar_tray": {"n": "k"}, "sonar": {}},
+    PositionFixes: {"t_ns": "n", "north_east": "n 2", "sigma": "n"},
+    SensorRecords: {
+        "dvl": {}, "imu": {}, "pressure": {}, "tray": {"n": "m"}, "sonar_tray": {"n": "k"}, "sonar": {}, "position": {},
+    },
     VehiclePath: {"poses": {"p": "n"}, "tray": "n"},
     Trajectory: {
         "t_ns": "n", "quaternion": "n 4", "translation": "n 3", "covariance": "n 6 6", "tray": "n", "image": "n 2",
@@ -53,6 +65,7 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
         "t_ns": "m", "node": "m", "quaternion": "m 4", "translation": "m 3", "tray_offset": "m", "beam": "m 3",
         "range_m": "m", "flagged": "m",
     },
+    PositionTies: {"t_ns": "m", "node": "m", "antenna": "m 3", "north_east": "m 2", "sigma": "m"},
     PlaneRanges: {
         "plane": "r", "node": "r", "quaternion": "r 4", "translation": "r 3", "tray_offset": "r", "beam": "r 3", "range_m": "r",
         "sigma_m": "r",

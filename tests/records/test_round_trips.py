@@ -113,6 +113,6 @@ def test_a_sensor_that_gave_nothing_is_told_from_one_that_was_not_carried() -> N
 def test_sensors_are_listed_by_name_in_the_order_of_the_fields(seed: int) -> None:
     records = random_record(SensorRecords, np.random.default_rng(seed), FULL)
     by_name = records.by_name()
-    order = ["dvl", "imu", "pressure", "tray", "sonar_tray", "sonar"]
+    order = ["dvl", "imu", "pressure", "tray", "sonar_tray", "sonar", "position"]
     assert list(by_name) == [name for name in order if getattr(records, name) is not None]
     assert all(record is getattr(records, name) for name, record in by_name.items())

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec.structs import replace as replace_struct
 
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.solution import Solution
@@ -15,7 +16,7 @@ from hullrecon.records.surface import DeviationSplit
 from hullrecon.report.content.frame_words import origin_in_words
 from hullrecon.report.content.headline import headline, key_figures, path_length_m, verdict, weak_sentences
 from hullrecon.report.export.summary import counts
-from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts
+from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts, PositionFacts
 from hullrecon.report.survey import Mosaic, Mosaics, Provenance, Survey
 
 
@@ -51,6 +52,16 @@ def test_dead_reckoning_is_named_as_such(bare: Survey) -> None:
 
 def test_an_adjusted_dive_names_method_and_frame(survey: Survey) -> None:
     assert "adjusted by method maxmix and given in the ship's frame (M)" in headline(survey)[1]
+
+
+def test_positions_from_outside_are_told_with_how_far_they_lie_from_the_path(survey: Survey) -> None:
+    assert survey.adjusted is not None
+    facts = PositionFacts(count=40, span_s=200.0, sigma_m=0.5, rms_sigmas=1.04, outliers=2)
+    bounded = replace(survey.adjusted, summary=replace_struct(survey.adjusted.summary, positions=facts))
+    assert line_with(replace(survey, adjusted=bounded), "from outside").endswith(
+        "bound its drift; they lie 1.0 sigmas (rms, 2 outliers apart) from the path."
+    )
+    assert not any("from outside" in line for line in headline(survey))
 
 
 def test_an_adjusted_dive_without_a_cad_model_is_in_g(survey: Survey, solution: Solution) -> None:

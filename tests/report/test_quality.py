@@ -11,7 +11,14 @@ import pytest
 
 from hullrecon.records.links import NodePairs
 from hullrecon.report.content.quality import WordTable, quality_tables
-from hullrecon.report.step_documents import AdjustSigmas, AdjustSummary, FactorResiduals, RefinedParameter, SensorErrors
+from hullrecon.report.step_documents import (
+    AdjustSigmas,
+    AdjustSummary,
+    FactorResiduals,
+    PositionFacts,
+    RefinedParameter,
+    SensorErrors,
+)
 from hullrecon.report.survey import Survey
 
 
@@ -55,6 +62,16 @@ def test_residuals_of_images_are_in_pixels(survey: Survey) -> None:
         ("DVL ranges", "764", "–", "17 mm", "–"),
     ]
     assert "residuals-px" not in tables(survey)  # no sigma of a pixel is known
+
+
+def test_residuals_of_positions_from_outside_are_in_metres(survey: Survey) -> None:
+    summary = AdjustSummary(
+        residuals_after={"position": FactorResiduals(rms=1.2, count=80, robust_sigma=1.0, share_beyond_3=0.0)},
+        positions=PositionFacts(count=40, span_s=200.0, sigma_m=0.5, rms_sigmas=1.04, outliers=0),
+    )
+    assert tables(adjusted(survey, summary))["residuals-px"].rows == [
+        ("Positions from outside, north and east", "80", "0.5 m", "0.6 m", "0.0 %")
+    ]
 
 
 def test_errors_are_given_of_sensors_that_were_carried_alone(survey: Survey) -> None:

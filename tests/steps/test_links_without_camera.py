@@ -3,6 +3,7 @@
 """links and adjust on a dive without a camera: the path stands on the patches of hull that were passed again."""
 
 import json
+import shutil
 import zipfile
 
 import numpy as np
@@ -13,6 +14,7 @@ from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config import schema
 from hullrecon.records.serialisation import to_arrays
+from hullrecon.records.trajectory import PositionTies
 from hullrecon.steps.adjust import STAGE as ADJUST
 from hullrecon.steps.artifacts import AdjustArtifact, LinksArtifact
 from hullrecon.steps.links import STAGE as LINKS
@@ -50,6 +52,20 @@ def folder(dive, tmp_path_factory):
                 with file.open(f"{member}.npy", "w") as stream:
                     np.save(stream, value)
     return root
+
+
+def positions(dive, sigma_m=0.02, every=10):
+    """Fixes at every tenth node, in a world that lies any way to g."""
+    node = np.arange(0, len(dive.trajectory.t_ns), every)
+    at, rng = dive.truth.translation[node, :2], np.random.default_rng(5)
+    turn = np.array([[np.cos(2.0), -np.sin(2.0)], [np.sin(2.0), np.cos(2.0)]])
+    return PositionTies(
+        t_ns=dive.trajectory.t_ns[node],
+        node=node,
+        antenna=np.zeros((len(node), 3)),
+        north_east=at @ turn.T + [30.0, -8.0] + sigma_m * rng.standard_normal(at.shape),
+        sigma=np.full(len(node), sigma_m),
+    )
 
 
 def run(folder, out, **links):
@@ -101,3 +117,37 @@ def test_without_them_links_and_adjust_give_what_navigation_gives(dive, folder, 
     assert error_m(dive, adjust.solution.global_from_vehicle.translation) > 0.8 * error_m(dive, dive.trajectory.translation)
     across, tied_across = (found[1].solution.track().sigma[-1, 0] for found in ((links, adjust), tied))
     assert tied_across < 0.5 * across  # x of g points into the hull
+
+
+@pytest.fixture(scope="module")
+def bounded(dive, folder, tmp_path_factory):
+    """The same dive with positions from outside and without planes."""
+    root = tmp_path_factory.mktemp("bounded")
+    shutil.copytree(folder, root / "dive")
+    np.savez(root / "dive" / "navigate" / "positions.npz", **to_arrays(positions(dive)))
+    return run(root / "dive", root, planes=False)
+
+
+def test_positions_bound_the_path_in_links_and_in_adjust_alike(dive, folder, bounded, tmp_path):
+    links, adjust = bounded
+    without, _ = run(folder, tmp_path, planes=False)
+    assert error_m(dive, links.path.pose[:, :3]) < 0.3 * error_m(dive, without.path.pose[:, :3])
+    np.testing.assert_allclose(adjust.solution.global_from_vehicle.translation, links.path.pose[:, :3], atol=2e-3)
+    sigma, free = (np.sqrt(found.path.covariance[-1, 0, 0]) for found in (links, without))
+    assert sigma < 0.3 * free
+
+
+def test_both_documents_say_how_far_positions_lie_from_the_path(dive, bounded):
+    links, adjust = bounded
+    for found in (links.facts["positions"], adjust.summary["positions"]):
+        assert found["count"] == len(positions(dive))
+        assert 0.5 < found["rms_sigmas"] < 1.5
+        assert found["outliers"] == 0
+        assert found["heading_deg"] == pytest.approx(np.degrees(2.0), abs=3 * found["heading_sigma_deg"])
+    assert adjust.summary["residuals_after"]["position"]["count"] == 2 * len(positions(dive))
+
+
+def test_without_positions_neither_document_speaks_of_them(tied):
+    links, adjust = tied
+    assert "positions" not in links.facts
+    assert "positions" not in adjust.summary

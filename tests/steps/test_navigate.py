@@ -18,9 +18,9 @@ from hullrecon.dive.config import schema
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.navigation.sigmas import sigmas_from_settings
-from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, PressureSamples
+from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, PositionFixes, PressureSamples
 from hullrecon.records.serialisation import from_arrays, to_arrays
-from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel
+from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Returns, Trajectory, TrajectoryErrorModel
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.navigate import STAGE
 
@@ -38,6 +38,7 @@ def sections() -> dict[str, object]:
         "dvl": schema.Dvl(mount_sigma=(0.01, 0.01, 0.01, 0.9, 0.9, 0.9)),
         "camera": camera,
         "sonar": None,
+        "position": schema.Position(origin=(0.5, 0.0, 0.0)),
     }
 
 
@@ -165,3 +166,28 @@ def test_mounts_and_sigmas_reach_navigation_in_radians() -> None:
     assert sigmas.mount[0] == 0.01
     assert sigmas.heading_drift_rad_s == pytest.approx(np.radians(1.0) / 3600)
     assert np.allclose(rig.tray_from_dvl.apply([[0, 0, 1.0]]), [[1, 0, 0]])
+
+
+def fixes(count: int) -> PositionFixes:
+    """Of an antenna half a metre ahead of a vehicle that goes north-east at 0.2 m/s."""
+    t = np.arange(1, count + 1, dtype=np.int64) * 3 * SECOND
+    way = 0.2 * np.asarray(t / SECOND) / np.sqrt(2)
+    return PositionFixes(t_ns=t, north_east=np.column_stack([way, way]), sigma=np.full(count, 0.05))
+
+
+def test_positions_from_outside_are_left_at_the_nodes(ingest: Path, tmp_path: Path) -> None:
+    keep(ingest, "position", fixes(6))
+    run_stage(STAGE, sections(), {"ingest": ingest}, tmp_path / "out")
+    ties = from_arrays(PositionTies, load_arrays(tmp_path / "out" / "positions.npz"))
+    np.testing.assert_allclose(ties.antenna[:, 0], 0.5, atol=0.05)  # within half a node's spacing of the vehicle's way
+    facts = json.loads((tmp_path / "out" / "navigation.json").read_text())
+    assert facts["positions"] == {"used": 6, "outside": 0, "refusal": None}
+
+
+def test_a_lone_position_is_said_to_tell_nothing(ingest: Path, tmp_path: Path) -> None:
+    keep(ingest, "position", fixes(1))
+    run_stage(STAGE, sections(), {"ingest": ingest}, tmp_path / "out")
+    assert not (tmp_path / "out" / "positions.npz").exists()
+    facts = json.loads((tmp_path / "out" / "navigation.json").read_text())
+    assert facts["positions"]["used"] == 0
+    assert "Positions from outside tell nothing of this dive: there is one alone" in facts["remarks"][-1]

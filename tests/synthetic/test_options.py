@@ -6,12 +6,22 @@ import pytest
 
 from hullrecon.errors import UsageError
 from hullrecon.synthetic.options import options, spec_from, with_options
-from hullrecon.synthetic.spec import Cameras, DeviationField, DiveSpec, InitialHullPose, Items, SensorErrors, Ship, Survey
+from hullrecon.synthetic.spec import (
+    Cameras,
+    DeviationField,
+    DiveSpec,
+    InitialHullPose,
+    Items,
+    Positions,
+    SensorErrors,
+    Ship,
+    Survey,
+)
 
 
 def test_every_described_field_is_an_option_under_a_name_of_its_own() -> None:
     names = [option.name for option in options()]
-    assert len(names) == len(set(names)) == 43
+    assert len(names) == len(set(names)) == 46
     assert {"legs", "cameras", "deviation_mean_m", "guess_along_m", "heading_drift_deg_per_hour", "seed"} <= set(names)
 
 
@@ -23,7 +33,7 @@ def test_options_carry_their_defaults_and_descriptions() -> None:
 
 
 def test_a_name_ends_in_its_unit() -> None:
-    endings = {"m": "_m", "m/s": "_m_per_s", "deg": "_deg", "deg/h": "_deg_per_hour", "px": ("_width", "_height")}
+    endings = {"m": "_m", "m/s": "_m_per_s", "deg": "_deg", "deg/h": "_deg_per_hour", "px": ("_width", "_height"), "s": "_s"}
     for option in options():
         if option.meta.unit:
             assert option.name.endswith(endings[option.meta.unit])
@@ -40,7 +50,15 @@ def test_every_number_has_bounds() -> None:
 
 def test_flat_names_reach_their_records() -> None:
     spec = spec_from(
-        seed=4, legs=2, cameras="mono", deviation_mean_m=0.01, guess_turn_deg=5.0, backlash_deg=0.1, marks=0, beam_m=12.0
+        seed=4,
+        legs=2,
+        cameras="mono",
+        deviation_mean_m=0.01,
+        guess_turn_deg=5.0,
+        backlash_deg=0.1,
+        marks=0,
+        beam_m=12.0,
+        position_every_s=2.0,
     )
     assert spec == DiveSpec(
         seed=4,
@@ -51,6 +69,7 @@ def test_flat_names_reach_their_records() -> None:
         errors=SensorErrors(backlash_deg=0.1),
         items=Items(marks=0),
         ship=Ship(beam_m=12.0),
+        positions=Positions(every_s=2.0),
     )
 
 

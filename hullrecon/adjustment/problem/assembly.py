@@ -27,6 +27,7 @@ from hullrecon.estimation.navigation_tables import (
     velocity_table,
 )
 from hullrecon.estimation.plane_tables import with_planes
+from hullrecon.estimation.position_tables import with_positions
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.tracks import Tracks
@@ -67,6 +68,7 @@ def assemble(
         velocities=velocity_table(m.odometry, m.trajectory.t_ns),
         odometry=odometry_table(_unseen_motions(m, chosen), m.trajectory.tray, m.rig.T_s_d.nominal, state.nodes),
     )
+    problem = with_positions(problem, m.positions)
     if m.tracks is not None:
         stereo, mono = _image_tables(m.tracks, state, weights.pixel_ratio, chosen)
         problem = replace(problem, stereo=stereo, mono=mono, sigma_px=weights.pixel)

@@ -14,7 +14,7 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.tracks import Tracks
-from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, VehiclePath
+from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Returns, Trajectory, VehiclePath
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Array
 
@@ -36,7 +36,7 @@ class CadModel:
 @dataclass(frozen=True, kw_only=True)
 class Measurements:
     """All that enters the adjustment. tracks None: no camera; CAD model None: no CAD; start None: dead reckoning is the path to
-    begin with; planes: what ties passes where there is no CAD model."""
+    begin with; planes: what ties passes where there is no CAD model; positions: from outside, None where there are none."""
 
     trajectory: Trajectory
     odometry: Odometry
@@ -47,6 +47,7 @@ class Measurements:
     cad_model: CadModel | None
     start: VehiclePath | None = None
     planes: TiedPlanes | None = None
+    positions: PositionTies | None = None
 
 
 def beam_ends(returns: Returns, nodes: Poses, tray_angle: Array, tray_origin: Array, T_s_d: Poses) -> tuple[Array, Array]:

@@ -19,6 +19,7 @@ from hullrecon.adjustment.results import residual_statistics
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.adjustment.results.legs import LegTies, tie_legs
 from hullrecon.adjustment.results.solution import build_solution, marginal_covariances
+from hullrecon.estimation.position_tables import fit_of_positions
 from hullrecon.geometry.poses import pose_vector
 from hullrecon.records.solution import Solution
 from hullrecon.typing import Array, Arrays
@@ -47,6 +48,8 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
     hull = adjusted.state.hull
     ties = _ties(m, adjusted)
     weak = [] if hull is None else find_weak_directions(hull_axes(marginals.T_g_M, hull.global_from_hull))
+    fit = fit_of_positions(adjusted.problem, m.positions, marginals.world, settings)
+    disagreement = None if fit is None else fit.disagreement()
     seen_with = intrinsics.summarise_intrinsics(m.rig, adjusted.rig, marginals, options)
     summary = {
         **_figures(m, adjusted, options),
@@ -58,6 +61,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
         "cad_model_refused": adjusted.refusal,
         "legs": [] if ties is None else ties.table(m.trajectory.t_ns),
         **({"intrinsics": seen_with} if seen_with else {}),
+        **({"positions": fit.facts()} if fit is not None else {}),
     }
     untied = None if ties is None else ties.describe_untied(m.trajectory.t_ns)
     return Outcome(
@@ -69,6 +73,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
             *(str(w["sentence"]) for w in weak),
             *_warnings(adjusted, solution),
             *([] if untied is None else [untied]),
+            *([] if disagreement is None else [disagreement]),
             *intrinsics.intrinsics_warnings(seen_with),
         ],
     )

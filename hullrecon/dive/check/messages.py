@@ -12,11 +12,12 @@ import numpy as np
 from hullrecon.dive.logs.readers.protocol import Loss
 from hullrecon.dive.logs.timeline import NS, describe_ends, describe_gaps, format_time, rate_hz
 from hullrecon.geometry.frames import Camera
-from hullrecon.records.sensors import DvlPings, ImageIndex, JointSamples, PressureSamples, SensorRecords
+from hullrecon.records.sensors import DvlPings, ImageIndex, JointSamples, PositionFixes, PressureSamples, SensorRecords
 from hullrecon.typing import Ints
 
 NOUNS = {
     "dvl": "ping", "imu": "reading", "pressure": "reading", "tray": "angle", "sonar_tray": "angle", "sonar": "ping",
+    "position": "position",
     Camera.TOP.key: "image", Camera.BOTTOM.key: "image",
 }  # fmt: skip
 
@@ -47,6 +48,7 @@ def describe_streams(records: SensorRecords, images: Mapping[str, ImageIndex]) -
     joints = {"tray": records.tray, "sonar_tray": records.sonar_tray}
     return [
         *out, *_describe_depth(records.pressure), *_describe_dvl(records.dvl),
+        *_describe_positions(records.position),
         *(line for name, joint in joints.items() for line in _describe_joint(name, joint)),
     ]  # fmt: skip
 
@@ -66,6 +68,16 @@ def _describe_dvl(dvl: DvlPings | None) -> list[str]:
     if np.isfinite(dvl.velocity).any():
         out.append(f"DVL speeds reach {np.nanmax(np.linalg.norm(dvl.velocity, axis=1)):.2f} m/s")
     return out
+
+
+def _describe_positions(fixes: PositionFixes | None) -> list[str]:
+    if fixes is None or not len(fixes.t_ns):
+        return []
+    north, east = np.ptp(fixes.north_east, axis=0)
+    low, high = fixes.sigma.min(), fixes.sigma.max()
+    sigma = f"sigma {low:.2g} m" if np.isclose(low, high) else f"sigmas from {low:.2g} to {high:.2g} m"
+    alone = "; one alone tells nothing of the path" if len(fixes.t_ns) == 1 else ""
+    return [f"positions from outside span {north:.1f} m north and {east:.1f} m east, {sigma}{alone}"]
 
 
 def _describe_joint(name: str, joint: JointSamples | None) -> list[str]:

@@ -130,7 +130,7 @@ def check_package(
             *(check_mount_of_attitude(loaded.config, found.records.tray) if found.attitude_is_dvls else []),
             *(check_images(loaded, found, sampled) if check_images is not None else []),
         ],
-        defaults=defaults_of(loaded),
+        defaults=defaults_of(loaded, with_positions="position" in logged | known),
     )
 
 
@@ -180,9 +180,11 @@ def _describe_stream(stream: Stream) -> dict[str, int | float]:
     return {"count": len(t), "start_ns": int(t[0]), "end_ns": int(t[-1]), "rate_hz": round(rate_hz(t), 3)}
 
 
-def defaults_of(loaded: LoadedConfig) -> dict[str, object]:
-    """Return the keys of the vehicle's sections that dive.toml leaves to their defaults, with these values."""
-    sections = {name: loaded.sections[name] for name in VEHICLE_SECTIONS}
+def defaults_of(loaded: LoadedConfig, with_positions: bool = False) -> dict[str, object]:
+    """Return the keys of the vehicle's sections that dive.toml leaves to their defaults, with these values;
+    with_positions: there are some from outside, by [position]."""
+    names = (*VEHICLE_SECTIONS, "position") if with_positions else VEHICLE_SECTIONS
+    sections = {name: loaded.sections[name] for name in names}
     return {
         f"{name}.{key}": value
         for name, section in sections.items()

@@ -22,6 +22,7 @@ SENSORS = {  # those that a key is needed for
     "camera.bottom.pose_in_top": {"camera_bottom"},
     "sonar.origin": {"sonar"},
     "sonar.mount": {"sonar"},
+    "position.origin": {"position"},
 }
 MEANING = {
     "tray.origin": f"where the tray turns, {IN_VEHICLE}",
@@ -31,6 +32,7 @@ MEANING = {
     "camera.bottom.pose_in_top": f"the lower camera in the upper one's frame, from the stereo calibration, {MOUNT}",
     "sonar.origin": f"where the sonar's servo turns, {IN_VEHICLE}",
     "sonar.mount": f"the sonar on its servo, {MOUNT}",
+    "position.origin": f"transponder of USBL or antenna of GPS, {IN_VEHICLE}",
     "hull.pose": f"first guess of the CAD model in the global frame, {MOUNT}",
 }
 

@@ -81,6 +81,12 @@ SONAR = """
 elevation_deg = 14.0             # full aperture out of the fan plane
 """
 
+POSITION = """
+[position]                       # of USBL, or of GPS at the surface: it bounds the drift of the path
+# origin = [x, y, z]             # to fill in: transponder or antenna, in the vehicle's frame
+sigma_m = 2.0                    # where the messages have no covariance
+"""
+
 AZIMUTHS = """\
 # beam_azimuth_deg = [-14.0, ..., 14.0]      # to fill in: of each beam from the middle, growing from port to starboard
 """
@@ -110,6 +116,7 @@ MARKERS = {  # the beginnings of the lines that a known mount replaces
     "dvl.mount": "# mount = [x, y, z, 0.0, 90.0, 0.0]          # to fill in: on the tray; pitch",
     "camera.top.mount": "# mount = [x, y, z, 90.0, 0.0, 90.0]         # to fill in: on the tray",
     "camera.bottom.pose_in_top": "# pose_in_top = [x, y, z, roll, pitch, yaw]  # to fill in",
+    "position.origin": "# origin = [x, y, z]             # to fill in: transponder",
     "sonar.origin": "# origin = [x, y, z]             # to fill in: where the servo turns",
     "sonar.mount": "# mount = [x, y, z, 0.0, 90.0, 0.0]          # to fill in: on its servo",
 }
@@ -149,6 +156,8 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
             text += filled if calibrated else _comment_out(filled)
     if "sonar" in guessed:
         text += SONAR + (AZIMUTHS if azimuths_to_ask_for(summary) else "")
+    if "position" in guessed:
+        text += POSITION
     mesh = _cad_model(folder)
     text += HULL.format(mesh=_quote(mesh)) if mesh else NO_HULL
     for key, (value, frame) in proposed_mounts(summary).items():

@@ -18,7 +18,8 @@ from hullrecon.dive.logs.samples import DvlSample, ImuSample, SonarSample
 from hullrecon.dive.logs.sonar_geometry import ask_for_azimuths
 from hullrecon.dive.logs.summary import COMPRESSED, LogSummary, guess_topics
 
-MOUNTS = {"dvl": "dvl.mount", "camera_top": "camera.top.mount", "sonar": "sonar.mount", "pressure": "pressure.origin"}
+MOUNTS = {"dvl": "dvl.mount", "camera_top": "camera.top.mount", "sonar": "sonar.mount", "pressure": "pressure.origin",
+          "position": "position.origin"}  # fmt: skip
 GRAVITY_FELT, UNIT = 5.0, 0.05  # m/s2; and how far a quaternion's length may be off 1
 
 

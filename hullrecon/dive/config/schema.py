@@ -86,6 +86,7 @@ class Topics(Section, frozen=True):
     camera_top: Topic = None
     camera_bottom: Topic = None
     sonar: Topic = None
+    position: Topic = None
 
 
 class Tray(Section, frozen=True):
@@ -197,6 +198,17 @@ class Sonar(Section, frozen=True):
     time_offset: TimeOffset = 0.0
 
 
+class Position(Section, frozen=True):
+    """Positions from outside, by USBL or by GPS at the surface: they bound the drift of the path, and place nothing."""
+
+    origin: Origin = (0.0, 0.0, 0.0)
+    frame: Annotated[
+        Literal["enu", "ned"], Meta(description="convention of x and y in a local frame: east and north, or north and east")
+    ] = "enu"
+    sigma_m: Annotated[Positive, Meta(description="m, of each horizontal axis, where the messages have no covariance")] = 2.0
+    time_offset: TimeOffset = 0.0
+
+
 class Hull(Section, frozen=True):
     """The CAD model of the ship, and where it roughly lies."""
 
@@ -225,4 +237,5 @@ class DiveConfig(Section, frozen=True):
     dvl: Dvl = field(default_factory=Dvl)
     camera: Cameras = field(default_factory=Cameras)
     sonar: Sonar | None = None
+    position: Position = field(default_factory=Position)
     hull: Hull | None = None

@@ -101,10 +101,25 @@ class SonarSample:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class PositionSample:
+    """place (3,): latitude, longitude deg, height m where geographic, else x, y, z m in a local frame; NaN without a fix.
+    sigma_m: of either horizontal axis, NaN where it is not given. by_satellite: by an antenna that receives above water."""
+
+    t_ns: int
+    place: Array
+    sigma_m: float
+    geographic: bool
+    by_satellite: bool = False
+
+    def __post_init__(self) -> None:
+        _require(self.place.shape == (3,))
+
+
 def _require(holds: bool) -> None:
     """Refuse fields of other shapes: a damaged definition gives them, which would fail far from here."""
     if not holds:
         raise ValueError("its values are not of the shape of such a reading")
 
 
-Sample = DvlSample | ImuSample | PressureSample | DepthSample | JointSample | ImageSample | SonarSample
+Sample = DvlSample | ImuSample | PressureSample | DepthSample | JointSample | ImageSample | SonarSample | PositionSample

@@ -23,6 +23,7 @@ from hullrecon.geometry.frames import Camera
 NAMED = {
     "dvl": ("dvl",), "imu": ("imu", "ahrs", "attitude"), "pressure": ("pressure", "depth", "bar30", "vfr_hud"),
     "joints": ("joint",), "sonar": ("sonar", "oculus", "fls"),
+    "position": ("usbl", "gps", "gnss"),
 }  # fmt: skip
 UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "cam1")
 COMPRESSED = "/compressed"

@@ -12,12 +12,7 @@ from hullrecon.dive.logs.messages.samples import COMMON_TYPES, TYPES
 from hullrecon.dive.logs.readers.protocol import Channel
 
 RANGE_TYPES = frozenset({"sensor_msgs/msg/Range"})
-POSITION_TYPES = frozenset(
-    {
-        "sensor_msgs/msg/NavSatFix", "geographic_msgs/msg/GeoPointStamped", "geographic_msgs/msg/GeoPoseStamped",
-        "geographic_msgs/msg/GeoPoseWithCovarianceStamped", "gps_common/msg/GPSFix", "gps_msgs/msg/GPSFix",
-    }
-)  # fmt: skip
+UNREAD_POSITION_TYPES = frozenset({"gps_common/msg/GPSFix", "gps_msgs/msg/GPSFix"})
 POSITION_WORDS = frozenset({"usbl", "sbl", "lbl", "gps", "gnss", "fix"})  # in the name of a topic that gives positions
 DVL_WORDS = ("dvl", "doppler", "bottom_track", "teledyne", "nortek", "linkquest", "water_linked", "waterlinked")
 COMMAND_WORDS = frozenset({"cmd", "command", "setpoint", "goal"})
@@ -33,7 +28,7 @@ ECHOES = "echoes of a sonar that turns beam by beam, which never saw a whole fan
 CLOUDS = "points of a 3-D sonar or another scanner, which no step takes; DVL and IMU, or cameras, measure the hull"
 DEPTHS = "a depth is read from sensor_msgs/FluidPressure, ds_sensor_msgs/DepthPressure or std_msgs/Float64: log one of these"
 RANGES = "ranges are taken along the beams of a DVL alone, a single beam has no mount of its own"
-POSITIONS = "no position from outside (GPS, USBL) is used, the hull's pose comes from CAD model, DVL, depth and images"
+POSITIONS = "positions from outside (GPS, USBL) of other types than are read"
 COMMANDS = "by the name a command, no measurement"
 NAMED_TYPES = {
     **dict.fromkeys(RANGE_TYPES, RANGES), **dict.fromkeys(ECHO_TYPES, ECHOES), **dict.fromkeys(CLOUD_TYPES, CLOUDS),
@@ -67,19 +62,24 @@ def unread_dvls(channels: Iterable[Channel]) -> list[str]:
 
 
 def readable_as(channel: Channel) -> list[str]:
-    """Return the sensors that a channel's messages could be read as."""
+    """Return the sensors that a channel's messages could be read as; position alone where its name says so."""
     is_decoded = channel.encoding in ENCODINGS
-    return [sensor for sensor, types in TYPES.items() if is_decoded and type_name(channel) in types]
+    sensors = [sensor for sensor, types in TYPES.items() if is_decoded and type_name(channel) in types]
+    return ["position"] if "position" in sensors and _words(channel) & POSITION_WORDS else sensors
+
+
+def _words(channel: Channel) -> set[str]:
+    return set(re.split(r"[^a-z]+", channel.topic.lower()))
 
 
 def _reason(channel: Channel) -> str:
     """Return why a topic is of no use by its type, or by its name where its type is that of no one sensor; "" otherwise."""
-    kind, words = type_name(channel), set(re.split(r"[^a-z]+", channel.topic.lower()))
+    kind, words, sensors = type_name(channel), _words(channel), readable_as(channel)
     if kind in NAMED_TYPES:
         return NAMED_TYPES[kind]
-    if BAR30 in f"{channel.topic} {kind}".lower() and not kind.startswith("sensor_msgs/") and not readable_as(channel):
+    if BAR30 in f"{channel.topic} {kind}".lower() and not kind.startswith("sensor_msgs/") and not sensors:
         return DEPTHS
-    has_own_type = bool(readable_as(channel)) and kind not in COMMON_TYPES
-    if kind in POSITION_TYPES or (words & POSITION_WORDS and not has_own_type):
+    has_own_type = bool(sensors) and kind not in COMMON_TYPES
+    if kind in UNREAD_POSITION_TYPES or (words & POSITION_WORDS and not has_own_type and sensors != ["position"]):
         return POSITIONS
     return COMMANDS if words & COMMAND_WORDS and not has_own_type else ""

@@ -22,12 +22,13 @@ from hullrecon.estimation.navigation_tables import (
     velocity_table,
 )
 from hullrecon.estimation.plane_tables import with_planes
+from hullrecon.estimation.position_tables import PositionFit, fit_of_positions, with_positions
 from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.records.links import CameraLinks, LinkedPath
 from hullrecon.records.planes import TiedPlanes
-from hullrecon.records.trajectory import Attitude, Odometry, Trajectory, VehiclePath
+from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Trajectory, VehiclePath
 from hullrecon.typing import Array, Ints, Mask
 
 REJECTED_CHI2 = 5.0  # of a link's whitened square in units of its rows: dynamic covariance scaling has all but dropped it
@@ -40,8 +41,8 @@ OPTIONS = native.Options(method="naive", max_iterations=60, function_tolerance=1
 
 @dataclass(frozen=True, kw_only=True)
 class PoseGraph:
-    """What navigation measured, the rig with its priors, what guards against wrong links (scaling, switch or none), and the
-    planes of the hull that tie passes, None where there are none."""
+    """What navigation measured, the rig with its priors, what guards against wrong links (scaling, switch or none), the
+    planes of the hull that tie passes and the positions from outside that bound the path, None where there are none."""
 
     trajectory: Trajectory
     odometry: Odometry
@@ -49,6 +50,7 @@ class PoseGraph:
     rig: Rig
     kernel: str = "scaling"
     planes: TiedPlanes | None = None
+    positions: PositionTies | None = None
 
     def solve(self, links: CameraLinks, before: GraphSolution | None = None) -> GraphSolution:
         """Return the path of least cost. before: a solution with fewer links, to begin with.
@@ -96,7 +98,7 @@ class PoseGraph:
             odometry=odometry_table(_unlinked_motions(self.odometry, links), t.tray, rig.T_s_d.nominal, path),
             links=link_table(links, len(t.t_ns), kernel),
         )
-        return with_planes(problem, self.planes)
+        return with_positions(with_planes(problem, self.planes), self.positions)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,6 +139,12 @@ class GraphSolution:
             part=part,
             part_sigma=self._sigma_of_parts(part),
         )
+
+    def fit_of_positions(self) -> PositionFit | None:
+        """Return how the positions from outside lie to the path; None where there are none."""
+        if self.graph.positions is None:
+            return None
+        return fit_of_positions(self.problem, self.graph.positions, native.covariance(self.problem, OPTIONS).world, OPTIONS)
 
     def _sigma_of_parts(self, part: Ints) -> Array:
         """Return the sigma (parts,) m of the middle of each part relative to that of the largest."""

@@ -19,7 +19,14 @@ _AXES = {
 
 def headline(survey: Survey) -> list[str]:
     """Return at most ten sentences, the most important first."""
-    lines = [_dive(survey), _position(survey), *weak_sentences(survey)[:2], _objects(survey), _deviation(survey)]
+    lines = [
+        _dive(survey),
+        _position(survey),
+        _from_outside(survey.adjusted),
+        *weak_sentences(survey)[:2],
+        _objects(survey),
+        _deviation(survey),
+    ]
     lines += [_coverage(survey.findings.coverage), _landmarks(survey.adjusted), _mosaics(survey), _rejected(survey)]
     return [line for line in lines if line][:10]
 
@@ -73,6 +80,17 @@ def _position(survey: Survey) -> str:
     why = "the CAD model was left out, see warnings" if survey.adjusted.cad_model_was_refused else "there is no CAD model"
     frame = "the ship's frame (M)" if survey.is_in_hull_frame else f"a local frame (g), as {why}"
     return f"Positions are adjusted by method {survey.method} and given in {frame}; median one sigma in x / y / z: {sigma}."
+
+
+def _from_outside(adjusted: AdjustedDive | None) -> str:
+    found = adjusted.summary.positions if adjusted is not None else None
+    if found is None:
+        return ""
+    outliers = f", {count(found.outliers, 'outlier')} apart" if found.outliers else ""
+    return (
+        f"{count(found.count, 'position')} from outside (USBL or GPS) over {duration(found.span_s)}, sigma "
+        f"{length(found.sigma_m)}, bound its drift; they lie {found.rms_sigmas:.1f} sigmas (rms{outliers}) from the path."
+    )
 
 
 def weak_sentences(survey: Survey, min_sigma_m: float = 0.05) -> list[str]:

@@ -68,6 +68,9 @@ def _residuals(survey: Survey) -> WordTable:
                  for key, name in IMAGE_FACTORS.items() if key in summary.residuals_after]  # fmt: skip
     if summary is not None and summary.sigmas.range_m is not None and "range" in summary.residuals_after:
         rows.append(_residual_row(summary.residuals_after["range"], "DVL ranges", 1000 * summary.sigmas.range_m, "mm"))
+    if summary is not None and summary.positions is not None and "position" in summary.residuals_after:
+        name = "Positions from outside, north and east"
+        rows.append(_residual_row(summary.residuals_after["position"], name, summary.positions.sigma_m, "m"))
     return WordTable(
         name="residuals-px",
         caption="Residuals after the adjustment: median-based sigma, root mean square, and how many lie beyond three sigmas",

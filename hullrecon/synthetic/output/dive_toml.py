@@ -14,7 +14,7 @@ from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.synthetic.dive import Dive
 from hullrecon.synthetic.output.calibration import cameras_of
 from hullrecon.synthetic.output.mcap_log import TOPICS
-from hullrecon.synthetic.sensors.instruments import DEPTH_SIGMA, RANGE_SIGMA, VELOCITY_SIGMA
+from hullrecon.synthetic.sensors.instruments import DEPTH_SIGMA, LEAST_POSITION_SIGMA_M, RANGE_SIGMA, VELOCITY_SIGMA
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.vehicle.rig import (
     BEAMS,
@@ -24,6 +24,7 @@ from hullrecon.synthetic.vehicle.rig import (
     SONAR_ELEVATION_DEG,
     SONAR_MOUNT,
     SONAR_ORIGIN,
+    TRANSPONDER,
     TRAY_ORIGIN,
 )
 
@@ -58,6 +59,12 @@ origin = {_row(SONAR_ORIGIN)}
 mount = {_row(SONAR_MOUNT)}
 elevation_deg = {SONAR_ELEVATION_DEG}
 """)
+    if spec.positions.every_s is not None:
+        sections.append(f"""[position]
+origin = {_row(TRANSPONDER)}
+frame = "enu"
+sigma_m = {max(LEAST_POSITION_SIGMA_M, spec.positions.sigma_m)}
+""")
     guess = initial_guess(dive)
     pose = [*guess.translation[0], *np.degrees(roll_pitch_yaw(guess.rotation)[0])]
     sections.append(f"""[hull]
@@ -73,6 +80,7 @@ frame_spacing = 0.6
 def _head(dive: Dive) -> str:
     spec = dive.spec
     carried = ["dvl", "imu", "pressure", "joints", *cameras_of(dive), *(["sonar"] if spec.sonar else [])]
+    carried += ["position"] if spec.positions.every_s is not None else []
     topics = "\n".join(f'{name} = "{TOPICS[name][0]}"' for name in carried)
     files = '["logs/dive.mcap"]' if spec.form == "mcap" else '["logs"]'
     return f"""[dive]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.synthetic.output.messages import header, make, store, vector
+from hullrecon.synthetic.output.messages import RosMessage, header, make, store, vector
 from hullrecon.synthetic.sensors import sonar
 from hullrecon.synthetic.sensors.instruments import (
     ACCELERATION_SIGMA,
@@ -30,6 +30,7 @@ TOPICS = {
     "camera_top": ("/camera/top/image_raw/compressed", "sensor_msgs/msg/CompressedImage"),
     "camera_bottom": ("/camera/bottom/image_raw/compressed", "sensor_msgs/msg/CompressedImage"),
     "sonar": ("/sonar", "marine_acoustic_msgs/msg/ProjectedSonarImage"),
+    "position": ("/usbl", "geometry_msgs/msg/PointStamped"),
 }
 LATENCY_NS = {"dvl": 33_000_000, "imu": 2_000_000, "pressure": 6_000_000, "joints": 7_000_000, "sonar": 130_000_000}
 
@@ -61,7 +62,7 @@ def _channels(writer: Any, names: set[str]) -> dict[str, int]:
     return channels
 
 
-def _dvl(streams: Streams, k: int, ns: int) -> Any:
+def _dvl(streams: Streams, k: int, ns: int) -> RosMessage:
     ranges, velocity = streams.dvl.ranges[k], streams.dvl.velocity[k]
     good = np.isfinite(ranges)
     return make(
@@ -87,7 +88,7 @@ def _dvl(streams: Streams, k: int, ns: int) -> Any:
     )
 
 
-def _imu(streams: Streams, k: int, ns: int) -> Any:
+def _imu(streams: Streams, k: int, ns: int) -> RosMessage:
     x, y, z, w = streams.imu.quaternion[k].tolist()
     return make(
         "sensor_msgs/msg/Imu",
@@ -101,23 +102,28 @@ def _imu(streams: Streams, k: int, ns: int) -> Any:
     )
 
 
-def _pressure(streams: Streams, k: int, ns: int) -> Any:
+def _pressure(streams: Streams, k: int, ns: int) -> RosMessage:
     pascal = float(streams.pressure.value[k])
     return make("sensor_msgs/msg/FluidPressure", header=header(ns, "vehicle"), fluid_pressure=pascal, variance=0.0)
 
 
-def _joints(streams: Streams, k: int, ns: int) -> Any:
+def _joints(streams: Streams, k: int, ns: int) -> RosMessage:
     none = np.zeros(0)
     names, angle = ["tray", "sonar_tray"], streams.joints.value[k]
     return make("sensor_msgs/msg/JointState", header=header(ns, ""), name=names, position=angle, velocity=none, effort=none)
 
 
-def _camera(name: str, jpeg: bytes, ns: int) -> Any:
+def _position(streams: Streams, k: int, ns: int) -> RosMessage:
+    place = vector(streams.positions.value[k], "geometry_msgs/msg/Point")
+    return make("geometry_msgs/msg/PointStamped", header=header(ns, "usbl"), point=place)
+
+
+def _camera(name: str, jpeg: bytes, ns: int) -> RosMessage:
     data = np.frombuffer(jpeg, np.uint8)
     return make("sensor_msgs/msg/CompressedImage", header=header(ns, name), format="jpeg", data=data)
 
 
-def _sonar(streams: Streams, k: int, ns: int) -> Any:
+def _sonar(streams: Streams, k: int, ns: int) -> RosMessage:
     width = np.full(sonar.BEAM_COUNT, np.radians(SONAR_ELEVATION_DEG), np.float32)
     beam = np.full(sonar.BEAM_COUNT, abs(sonar.AZIMUTH[1] - sonar.AZIMUTH[0]), np.float32)
     info = make(
@@ -145,4 +151,5 @@ MESSAGES = {
     "camera_top": lambda s, k, ns: _camera("camera_top", s.frames[k][0], ns),
     "camera_bottom": lambda s, k, ns: _camera("camera_bottom", s.frames[k][1], ns),
     "sonar": _sonar,
+    "position": _position,
 }

@@ -9,6 +9,8 @@ from typing import Any
 
 from hullrecon.dive.logs.messages.definitions import DVL, PING_INFO, PROJECTED_SONAR_IMAGE
 
+RosMessage = Any  # an instance of the class that rosbags makes for its type
+
 # Of the published one without the types that no simulated image has: logs carry this text, and are the same bytes as ever.
 SONAR_IMAGE_DATA = """
 uint32 DTYPE_UINT8=0
@@ -48,6 +50,6 @@ def header(stamp_ns: int, frame: str) -> Any:
     return make("std_msgs/msg/Header", stamp=stamp, frame_id=frame)
 
 
-def vector(xyz: Any) -> Any:
-    """Return a geometry_msgs/Vector3."""
-    return make("geometry_msgs/msg/Vector3", x=float(xyz[0]), y=float(xyz[1]), z=float(xyz[2]))
+def vector(xyz: Any, kind: str = "geometry_msgs/msg/Vector3") -> Any:
+    """Return a geometry_msgs/Vector3, or a Point."""
+    return make(kind, x=float(xyz[0]), y=float(xyz[1]), z=float(xyz[2]))

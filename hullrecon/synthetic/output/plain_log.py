@@ -25,6 +25,8 @@ def write_plain(folder: Path, streams: Streams) -> None:
     imu = np.hstack([streams.imu.quaternion, streams.imu.rates, streams.imu.force])
     write_table(folder / "imu.csv", ["qx", "qy", "qz", "qw", "wx", "wy", "wz", "ax", "ay", "az"], streams.imu.t_s, imu)
     write_table(folder / "pressure.csv", ["pascal"], streams.pressure.t_s, streams.pressure.value[:, None], "%.2f")
+    if len(streams.positions.t_s):
+        write_table(folder / "position.csv", ["x", "y", "z"], streams.positions.t_s, streams.positions.value, "%.4f")
     _joints(folder / "joints.csv", streams)
     _images(folder, streams)
     _pings(folder, streams)

@@ -11,7 +11,7 @@ import numpy as np
 from hullrecon.geometry.poses import Poses
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.vehicle.motion import Motion, ticks
-from hullrecon.synthetic.vehicle.rig import BEAMS, TRAY_ORIGIN, Rig
+from hullrecon.synthetic.vehicle.rig import BEAMS, TRANSPONDER, TRAY_ORIGIN, Rig
 from hullrecon.synthetic.world.built_hull import BuiltHull
 from hullrecon.typing import Array
 
@@ -21,6 +21,7 @@ LOST_SHARE, WILD_SHARE = 0.02, 0.005
 ROLL_PITCH_SIGMA, HEADING_SIGMA = np.radians(0.1), np.radians(0.05)
 GYRO_SIGMA, ACCELERATION_SIGMA = 0.002, 0.03
 DEPTH_SIGMA = 0.02
+LEAST_POSITION_SIGMA_M = 0.001  # that is told of positions simulated without noise
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +50,9 @@ class Series:
 
     t_s: Array
     value: Array
+
+
+NO_POSITIONS = Series(np.zeros(0), np.zeros((0, 3)))
 
 
 def dvl(spec: DiveSpec, motion: Motion, rig: Rig, hull: BuiltHull) -> Dvl:
@@ -90,6 +94,21 @@ def pressure(spec: DiveSpec, motion: Motion) -> Series:
     bias = 0.03 * random.choice([-1.0, 1.0])
     depth = motion.vehicle(t).translation[:, 2] + bias + DEPTH_SIGMA * random.standard_normal(len(t))
     return Series(t, ATMOSPHERE_PA + DENSITY * GRAVITY * depth)
+
+
+def positions(spec: DiveSpec, motion: Motion) -> Series:
+    """Return where USBL has its transponder, east, north, up (n, 3) in m, in a local frame that lies any way to g."""
+    if spec.positions.every_s is None:
+        return NO_POSITIONS
+    random = spec.random("positions")
+    heading, place = random.uniform(-np.pi, np.pi), random.uniform(-200, 200, 2)
+    t = ticks(motion, 1 / spec.positions.every_s, random, 0.7)
+    x, y, z = motion.vehicle(t).apply(np.array(TRANSPONDER)).T
+    north = place[0] + x * np.cos(heading) - y * np.sin(heading)
+    east = place[1] + x * np.sin(heading) + y * np.cos(heading)
+    at = np.stack([east, north, -z], axis=1) + spec.positions.sigma_m * random.standard_normal((len(t), 3))
+    wild = random.random(len(t)) < spec.positions.outlier_share
+    return Series(t, np.where(wild[:, None], at + random.uniform(-30, 30, at.shape), at))
 
 
 def joints(spec: DiveSpec, motion: Motion) -> Series:

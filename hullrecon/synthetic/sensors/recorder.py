@@ -60,6 +60,7 @@ class Streams:
     imu: instruments.Imu
     pressure: instruments.Series
     joints: instruments.Series
+    positions: instruments.Series = instruments.NO_POSITIONS
     cameras: tuple[str, ...]
     frame_s: Array
     frames: InTurn[tuple[bytes, ...]]
@@ -78,6 +79,7 @@ def record(dive: Dive, track: Track = without_progress) -> Streams:
         imu=instruments.imu(spec, motion),
         pressure=instruments.pressure(spec, motion),
         joints=instruments.joints(spec, motion),
+        positions=instruments.positions(spec, motion),
         cameras=cameras,
         frame_s=dive.frame_s,
         frames=InTurn(zip(*[images] * len(cameras), strict=True)),
@@ -98,6 +100,7 @@ def in_order(streams: Streams) -> Iterator[tuple[int, str, int]]:
         "joints": streams.joints.t_s,
         "pressure": streams.pressure.t_s,
         "dvl": streams.dvl.t_s,
+        "position": streams.positions.t_s,
         "sonar": streams.ping_s,
         **dict.fromkeys(streams.cameras, streams.frame_s),
     }

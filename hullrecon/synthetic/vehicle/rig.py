@@ -16,6 +16,7 @@ Six = tuple[float, float, float, float, float, float]
 
 TRAY_ORIGIN = (0.45, 0.0, 0.10)
 SONAR_ORIGIN = (0.45, 0.0, 0.25)
+TRANSPONDER = (-0.3, 0.15, -0.25)  # of USBL, in the vehicle
 DVL_MOUNT: Six = (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)
 CAMERA_MOUNT: Six = (0.0, 0.0, -0.05, 90.0, 0.0, 90.0)
 BOTTOM_IN_TOP: Six = (0.001, 0.1, -0.001, 0.15, -0.1, 0.12)

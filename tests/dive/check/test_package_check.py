@@ -81,8 +81,29 @@ def test_defaults_are_those_keys_that_nobody_gave(package):
     defaults = defaults_of(loaded)
     assert "dvl.scale_sigma" not in defaults
     assert defaults["pressure.bias_sigma_m"] == 0.1
-    assert not any(key.startswith(("hull.", "sonar.", "camera.bottom")) for key in defaults)
+    assert not any(key.startswith(("hull.", "sonar.", "camera.bottom", "position.")) for key in defaults)
     assert "camera.top.calibration" not in defaults
+
+
+def positions(kit, entry, count, step_m):
+    """Points of a USBL, each some metres east of the last."""
+    at = [kit.start_ns + k * 500_000_000 for k in range(count)]
+    points = [kit.make("geometry_msgs/msg/Point", x=step_m * k, y=0.0, z=0.0) for k in range(count)]
+    kind = "geometry_msgs/msg/PointStamped"
+    return [entry("/usbl", kind, t, kit.make(kind, header=kit.header(t), point=p)) for t, p in zip(at, points, strict=True)]
+
+
+@pytest.mark.parametrize(("count", "alone"), [(6, ""), (1, "; one alone tells nothing of the path")])
+def test_positions_are_told_with_their_number_span_and_sigma(count, alone, package, kit):
+    entries = kit.dive()
+    kit.mcap(package / "logs" / "dive.mcap", [*entries, *positions(kit, type(entries[0]), count, 2.0)])
+    found = check(package, "topics.position=/usbl", "position.sigma_m=0.5")
+    assert any(line.startswith(f"position: {count} position") for line in found.lines())
+    assert f"positions from outside span 0.0 m north and {2 * count - 2:.1f} m east, sigma 0.5 m{alone}" in found.lines()
+    assert "position.time_offset" in found.defaults
+    assert any(line.startswith("to fill in: position.origin: transponder of USBL") for line in found.lines())
+    (unused,) = check(package).document()["unused"]
+    assert "/usbl (could be position)" in unused
 
 
 def test_the_document_has_every_stream_with_its_rate(package):

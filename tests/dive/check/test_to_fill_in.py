@@ -7,7 +7,7 @@ import pytest
 from hullrecon.dive.check.to_fill_in import MEANING, configured_sensors, to_fill_in
 from hullrecon.dive.config.load import LoadedConfig, load_config
 
-EVERYTHING = {"dvl", "imu", "pressure", "camera_top", "camera_bottom", "sonar"}
+EVERYTHING = {"dvl", "imu", "pressure", "camera_top", "camera_bottom", "sonar", "position"}
 MOUNT = "[1, 2, 3, 4, 5, 6]"
 
 

@@ -326,6 +326,31 @@ def test_pings_that_an_oculus_sent_are_named_by_file_and_number(data, tmp_path):
     assert "lines 4, 5, 6 of sonar.csv cannot be read" in log.losses()[0].why
 
 
+@pytest.mark.parametrize(
+    ("table", "place", "sigma", "geographic"),
+    [
+        ("t,latitude,longitude\n1,54.3,10.1\n2,,\n", [54.3, 10.1, np.nan], np.nan, True),
+        ("t,latitude,longitude,altitude,sigma_m\n1,54.3,10.1,2,0.5\n2,,,,\n", [54.3, 10.1, 2], 0.5, True),
+        ("t,x,y\n1,3,4\n2,,\n", [3, 4, np.nan], np.nan, False),
+        ("t,x,y,z,sigma_m\n1,3,4,-5,0.2\n2,,4,,\n", [3, 4, -5], 0.2, False),
+    ],
+)
+def test_positions_are_read_by_degrees_or_by_metres(table, place, sigma, geographic, tmp_path):
+    (tmp_path / "position.csv").write_text(table)
+    (first, second), log = read(tmp_path)
+    np.testing.assert_array_equal(first.place, place)
+    np.testing.assert_array_equal(first.sigma_m, sigma)
+    assert (first.geographic, first.by_satellite) == (geographic, False)
+    assert np.isnan(second.place[0])
+    assert log.losses() == []
+
+
+def test_a_position_without_a_place_is_refused(tmp_path):
+    (tmp_path / "position.csv").write_text("t,north,east\n1,2,3\n")
+    with pytest.raises(InputError, match="columns latitude and longitude, or x and y"):
+        read(tmp_path)
+
+
 def test_a_table_of_another_name_is_named_as_not_read(tmp_path):
     (tmp_path / "pressure.csv").write_text("t,pascal\n1777887000,101325\n")
     (tmp_path / "usbl.csv").write_text("t,x,y\n")

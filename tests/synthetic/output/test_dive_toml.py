@@ -15,7 +15,7 @@ from hullrecon.geometry.poses import from_mount
 from hullrecon.synthetic.dive import Dive, simulate_dive
 from hullrecon.synthetic.options import spec_from, with_options
 from hullrecon.synthetic.output.dive_toml import dive_toml, initial_guess
-from hullrecon.synthetic.vehicle.rig import CAMERA_MOUNT
+from hullrecon.synthetic.vehicle.rig import CAMERA_MOUNT, TRANSPONDER
 
 
 def decode(text: str) -> DiveConfig:
@@ -45,6 +45,14 @@ def test_the_first_guess_is_off_by_what_was_asked_for_in_the_middle_of_the_surve
 def test_a_perfect_guess_is_the_truth(dive: Dive) -> None:
     spec = with_options(dive.spec, guess_along_m=0.0, guess_across_m=0.0, guess_turn_deg=0.0)
     np.testing.assert_allclose(initial_guess(replace(dive, spec=spec)).matrix(), dive.motion.T_g_M.matrix(), atol=1e-9)
+
+
+def test_positions_are_told_with_their_lever_arm_and_sigma(dive: Dive) -> None:
+    assert "[position]" not in dive_toml(dive)
+    config = decode(dive_toml(replace(dive, spec=with_options(dive.spec, position_every_s=5.0, position_sigma_m=0.4))))
+    assert config.topics.position == "/usbl"
+    assert config.position.origin == TRANSPONDER
+    assert (config.position.sigma_m, config.position.frame) == (0.4, "enu")
 
 
 @pytest.mark.parametrize(("cameras", "kept"), [("mono", {"top"}), ("none", set())])

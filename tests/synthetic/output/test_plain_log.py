@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -53,6 +54,14 @@ def test_a_lost_beam_is_left_empty(streams: Streams, tmp_path: Path) -> None:
     assert float(first["range_1"]) == 1.1
     assert float(second["range_2"]) == 1.6
     assert float(second["vz"]) == 0.6
+
+
+def test_positions_are_written_where_there_are_some(streams: Streams, tmp_path: Path) -> None:
+    write_plain(tmp_path, streams)
+    assert not (tmp_path / "position.csv").exists()
+    place = Series(np.array([0.5]), np.array([[12.34567, -8.0, -1.5]]))
+    write_plain(tmp_path, replace(made(), positions=place))
+    assert rows(tmp_path / "position.csv") == [{"t": "1777887000.500000000", "x": "12.3457", "y": "-8.0000", "z": "-1.5000"}]
 
 
 def test_times_keep_their_nanoseconds(streams: Streams, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from hullrecon.synthetic.options import spec_from, with_options
 from hullrecon.synthetic.sensors import instruments
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.vehicle.motion import Motion
-from hullrecon.synthetic.vehicle.rig import BEAMS, TRAY_ORIGIN
+from hullrecon.synthetic.vehicle.rig import BEAMS, TRANSPONDER, TRAY_ORIGIN
 
 
 @pytest.fixture
@@ -75,6 +75,36 @@ def test_pressure_is_that_of_the_depth_with_a_bias_of_centimetres(hovering: Moti
     depth = (series.value - 101325.0) / (1025.0 * 9.81)
     assert abs(abs(depth.mean() - 3.0) - 0.03) < 0.005
     assert depth.std() == pytest.approx(instruments.DEPTH_SIGMA, rel=0.2)
+
+
+def test_without_a_time_between_them_no_positions_are_measured(dive: Dive) -> None:
+    assert len(instruments.positions(dive.spec, dive.motion).t_s) == 0
+
+
+def test_positions_are_those_of_the_transponder_in_a_frame_that_lies_any_way(dive: Dive) -> None:
+    """Distances between them are those of the true path; z is up, and a mirrored path would not fit."""
+    spec = with_options(dive.spec, position_every_s=0.5, position_sigma_m=0.0)
+    found = instruments.positions(spec, dive.motion)
+    true = dive.motion.vehicle(found.t_s).apply(np.array(TRANSPONDER))
+    east, north, up = found.value.T
+    np.testing.assert_allclose(up, -true[:, 2])
+    there, here = np.column_stack([north, east]), true[:, :2]
+    turn, _ = Rotation.align_vectors(
+        *(np.pad(xy - xy.mean(axis=0), ((0, 0), (0, 1))) for xy in (there, here))  # level, so the turn is a heading
+    )
+    np.testing.assert_allclose(
+        turn.apply(np.pad(here - here.mean(0), ((0, 0), (0, 1))))[:, :2], there - there.mean(0), atol=1e-9
+    )
+    assert np.abs(turn.as_rotvec()[:2]).max() < 1e-6
+    assert np.diff(found.t_s) == pytest.approx(0.5, abs=0.05)
+
+
+def test_positions_have_the_noise_and_the_outliers_that_are_asked_for(hovering: Motion) -> None:
+    spec = spec_from(position_every_s=0.1, position_sigma_m=0.3, position_outlier_share=0.2)
+    at = instruments.positions(spec, hovering).value[:, :2]
+    off = np.abs(at - np.median(at, axis=0))
+    assert np.median(off) == pytest.approx(0.6745 * 0.3, rel=0.5)
+    assert (off.max(axis=1) > 1.5).mean() == pytest.approx(0.2, abs=0.06)
 
 
 def test_a_level_imu_at_rest_feels_gravity_upwards(hovering: Motion) -> None:

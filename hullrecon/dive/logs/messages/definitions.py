@@ -121,6 +121,17 @@ uint8 data_size
 uint8[] intensities
 """
 
+GEO_POINT = """
+float64 latitude
+float64 longitude
+float64 altitude
+"""
+
+GEO_POSE = """
+geographic_msgs/GeoPoint position
+geometry_msgs/Quaternion orientation
+"""
+
 BUNDLED: dict[str, str] = {
     "marine_acoustic_msgs/msg/Dvl": DVL,
     "marine_acoustic_msgs/msg/PingInfo": PING_INFO,
@@ -132,4 +143,12 @@ BUNDLED: dict[str, str] = {
     "dvl_msgs/msg/DVL": DVL_MSGS_DVL,
     "mavros_msgs/msg/VfrHud": HEAD_UP_DISPLAY,
     "acoustic_msgs/msg/SonarImage": SONAR_IMAGE,
+    "geographic_msgs/msg/GeoPoint": GEO_POINT,
+    "geographic_msgs/msg/GeoPointStamped": "std_msgs/Header header\ngeographic_msgs/GeoPoint position\n",
+    "geographic_msgs/msg/GeoPose": GEO_POSE,
+    "geographic_msgs/msg/GeoPoseStamped": "std_msgs/Header header\ngeographic_msgs/GeoPose pose\n",
+    "geographic_msgs/msg/GeoPoseWithCovariance": "geographic_msgs/GeoPose pose\nfloat64[36] covariance\n",
+    "geographic_msgs/msg/GeoPoseWithCovarianceStamped": (
+        "std_msgs/Header header\ngeographic_msgs/GeoPoseWithCovariance pose\n"
+    ),
 }

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from hullrecon.dive.logs.messages import attitude_depth, sonar, velocity
+from hullrecon.dive.logs.messages import attitude_depth, position, sonar, velocity
 from hullrecon.dive.logs.messages.decode import Fields
 from hullrecon.dive.logs.messages.pictures import encode_raw
 from hullrecon.dive.logs.readers.unpack import printable
@@ -72,6 +72,15 @@ SONAR_TYPES: dict[str, Translate] = {
     "oculus_interfaces/msg/Ping": sonar.oculus_ping,
     "oculus_sonar_driver/msg/OculusSonarRawMsg": sonar.oculus_raw,
 }
+POSITION_TYPES: dict[str, Translate] = {
+    "sensor_msgs/msg/NavSatFix": position.satellite_fix,
+    "geographic_msgs/msg/GeoPointStamped": position.geographic_point,
+    "geographic_msgs/msg/GeoPoseStamped": position.geographic_pose,
+    "geographic_msgs/msg/GeoPoseWithCovarianceStamped": position.geographic_pose_with_covariance,
+    "geometry_msgs/msg/PointStamped": position.point,
+    "geometry_msgs/msg/PoseStamped": position.pose,
+    "geometry_msgs/msg/PoseWithCovarianceStamped": position.pose_with_covariance,
+}
 IMAGE_TYPES: dict[str, Translate] = {"sensor_msgs/msg/CompressedImage": compressed_image, "sensor_msgs/msg/Image": raw_image}
 TYPES: dict[str, dict[str, Translate]] = {
     "dvl": DVL_TYPES,
@@ -81,6 +90,7 @@ TYPES: dict[str, dict[str, Translate]] = {
     "camera_top": IMAGE_TYPES,
     "camera_bottom": IMAGE_TYPES,
     "sonar": SONAR_TYPES,
+    "position": POSITION_TYPES,
 }
 WITHOUT_HEADER = frozenset(  # they take the time of logging
     {"std_msgs/msg/Float64", "std_msgs/msg/Float32", "waterlinked_a50/msg/TransducerReportStamped"}
@@ -88,7 +98,7 @@ WITHOUT_HEADER = frozenset(  # they take the time of logging
 COMMON_TYPES = frozenset(  # of so many uses that only a topic's name can tell which
     {
         "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/PoseWithCovarianceStamped", "nav_msgs/msg/Odometry",
-        "geometry_msgs/msg/TwistWithCovarianceStamped", "geometry_msgs/msg/TwistStamped",
+        "geometry_msgs/msg/TwistWithCovarianceStamped", "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/PointStamped",
         "mavros_msgs/msg/VfrHud", "mavros_msgs/msg/VFR_HUD", "std_msgs/msg/Float64", "std_msgs/msg/Float32",
     }
 )  # fmt: skip

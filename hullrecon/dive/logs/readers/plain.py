@@ -16,7 +16,16 @@ from hullrecon.dive.logs.formats.sonar_file import read_ping
 from hullrecon.dive.logs.messages.sonar import in_fan
 from hullrecon.dive.logs.readers.protocol import Channel, Loss, Message
 from hullrecon.dive.logs.readers.unpack import LONGEST_REASON, printable
-from hullrecon.dive.logs.samples import DvlSample, ImageSample, ImuSample, JointSample, PressureSample, Sample, SonarSample
+from hullrecon.dive.logs.samples import (
+    DvlSample,
+    ImageSample,
+    ImuSample,
+    JointSample,
+    PositionSample,
+    PressureSample,
+    Sample,
+    SonarSample,
+)
 from hullrecon.errors import InputError
 
 COLUMNS = {
@@ -27,6 +36,7 @@ COLUMNS = {
     "camera_top": ("t", "file"),
     "camera_bottom": ("t", "file"),
     "sonar": ("t", "file"),
+    "position": ("t",),
 }
 UNITS = {"milliseconds": 1e3, "microseconds": 1e6, "nanoseconds": 1e9}
 EARLIEST_S, LATEST_S = 3e8, 4.2e9  # 1979 and 2103: no log of a dive lies outside
@@ -124,6 +134,7 @@ class PlainLog:
             "camera_top": lambda row: self._image("camera_top", row),
             "camera_bottom": lambda row: self._image("camera_bottom", row),
             "sonar": self._sonar,
+            "position": _position,
         }
 
     def _locate(self, name: str) -> Path:
@@ -236,6 +247,16 @@ def _imu(row: Row) -> ImuSample:
         np.array([_number(row.get(name) or "", lost=True) for name in names]) for names in (RATES, ACCELERATION)
     )
     return ImuSample(_ns(row), quaternion, rates, acceleration)
+
+
+def _position(row: Row) -> PositionSample:
+    """Return a place by latitude and longitude, or by x and y east and north; an empty one is no fix."""
+    geographic = "latitude" in row
+    names = ("latitude", "longitude", "altitude") if geographic else ("x", "y", "z")
+    if not geographic and not {"x", "y"} <= row.keys():
+        raise ValueError("a position needs columns latitude and longitude, or x and y")
+    place = np.array([_number(row.get(name) or "", lost=True) for name in names])
+    return PositionSample(_ns(row), place, _number(row.get("sigma_m") or "", lost=True), geographic)
 
 
 def _window(row: Row) -> tuple[float, float] | None:

@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The table of a native.Problem that comes from positions from outside, and how far they are from the path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hullrecon import native
+from hullrecon.geometry.poses import Poses
+from hullrecon.records.trajectory import PositionTies
+from hullrecon.typing import Array
+
+ROUNDS = 50  # of the first alignment, each weighted by the residuals of the last
+OUTLIER_SIGMAS = 5.0
+DISAGREE_SIGMAS = 3.0
+MEDIAN_OF_NORM = float(np.sqrt(2 * np.log(2)))  # of two normal numbers
+
+
+def with_positions(problem: native.Problem, ties: PositionTies | None) -> native.Problem:
+    """Return the problem with positions, and where its path lies in their frame to begin with; as it is without any."""
+    if ties is None:
+        return problem
+    pose = problem.unknowns.pose
+    return replace(
+        problem,
+        unknowns=replace(problem.unknowns, world=place_path(ties, Poses(pose[:, 3:7], pose[:, :3]))),
+        positions=native.PositionTable(
+            node=ties.node.astype(np.int32), antenna=ties.antenna, measured=ties.north_east, sigma=ties.sigma
+        ),
+    )
+
+
+def place_path(ties: PositionTies, path: Poses) -> Array:
+    """Return north and east of g's origin and the heading of its x axis (3,), by which a path T_g_v lies on the positions: the
+    least sum of distances in sigmas, which outliers hardly move."""
+    at = path[ties.node].apply(ties.antenna)[:, :2]
+    weight = 1 / ties.sigma**2
+    world = np.zeros(3)
+    for _ in range(ROUNDS):
+        here, there = (np.average(x, axis=0, weights=weight) for x in (at, ties.north_east))
+        cross = (weight[:, None] * (at - here)).T @ (ties.north_east - there)
+        heading = np.arctan2(cross[0, 1] - cross[1, 0], cross[0, 0] + cross[1, 1])
+        turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
+        world = np.r_[there - turn @ here, heading]
+        away = np.linalg.norm(ties.north_east - at @ turn.T - world[:2], axis=1) / ties.sigma
+        weight = 1 / (ties.sigma**2 * np.maximum(away, 0.1))
+    return world
+
+
+@dataclass(frozen=True, kw_only=True)
+class PositionFit:
+    """How positions lie to a solved path. count; span_s: from the first to the last; sigma_m: their median; rms: of their
+    residuals in sigmas, by the median, so that outliers do not count; outliers: farther than OUTLIER_SIGMAS of that; heading,
+    heading_sigma (rad): of g's x axis in their frame."""
+
+    count: int
+    span_s: float
+    sigma_m: float
+    rms: float
+    outliers: int
+    heading: float
+    heading_sigma: float
+
+    def facts(self) -> dict[str, object]:
+        """Return the numbers for a step's document."""
+        return {
+            "count": self.count,
+            "span_s": self.span_s,
+            "sigma_m": self.sigma_m,
+            "rms_sigmas": self.rms,
+            "outliers": self.outliers,
+            "heading_deg": float(np.degrees(self.heading)),
+            "heading_sigma_deg": float(np.degrees(self.heading_sigma)),
+        }
+
+    def disagreement(self) -> str | None:
+        """Return a sentence where positions and navigation contradict each other, None where they do not."""
+        if self.rms <= DISAGREE_SIGMAS:
+            return None
+        return (
+            f"The positions from outside disagree with navigation: {self.rms:.1f} of their sigmas of {self.sigma_m:.2g} m "
+            "(rms) are left between them. Check position.origin, position.frame, position.time_offset, position.sigma_m and "
+            "imu.heading_drift_deg_per_hour."
+        )
+
+
+def fit_of_positions(
+    problem: native.Problem, ties: PositionTies | None, world_covariance: Array, options: native.Options
+) -> PositionFit | None:
+    """Return how positions lie to the path of a problem at its solution; world_covariance (3, 3): of Unknowns.world there."""
+    if ties is None:
+        return None
+    found = native.evaluate(problem, options)
+    rows = found.residual[found.factor == native.FACTORS.index("position")].reshape(-1, 2)
+    away = np.linalg.norm(rows, axis=1)
+    rms = float(np.median(away)) / MEDIAN_OF_NORM
+    return PositionFit(
+        count=len(ties),
+        span_s=float(ties.t_ns.max() - ties.t_ns.min()) * 1e-9,
+        sigma_m=float(np.median(ties.sigma)),
+        rms=rms,
+        outliers=int((away > OUTLIER_SIGMAS * max(rms, 1.0)).sum()),
+        heading=float(problem.unknowns.world[2]),
+        heading_sigma=float(np.sqrt(world_covariance[2, 2])),
+    )

@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Latitude and longitude as metres on a plane that touches the ellipsoid of WGS 84."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hullrecon.typing import Array
+
+SEMI_MAJOR_M, FLATTENING = 6378137.0, 1 / 298.257223563  # of WGS 84
+SQUARED_ECCENTRICITY = FLATTENING * (2 - FLATTENING)
+
+
+def earth_fixed(latitude_deg: Array, longitude_deg: Array) -> Array:
+    """Return points on the ellipsoid, earth-centred and earth-fixed (n, 3), m."""
+    latitude, longitude = np.radians(latitude_deg), np.radians(longitude_deg)
+    normal = SEMI_MAJOR_M / np.sqrt(1 - SQUARED_ECCENTRICITY * np.sin(latitude) ** 2)
+    across = normal * np.cos(latitude)
+    z = normal * (1 - SQUARED_ECCENTRICITY) * np.sin(latitude)
+    return np.stack([across * np.cos(longitude), across * np.sin(longitude), z], axis=-1)
+
+
+def north_east(latitude_deg: Array, longitude_deg: Array) -> Array:
+    """Return metres north and east (n, 2) of the first point, on the plane that touches the ellipsoid there."""
+    at = earth_fixed(latitude_deg, longitude_deg)
+    latitude, longitude = np.radians(latitude_deg[0]), np.radians(longitude_deg[0])
+    north = [-np.sin(latitude) * np.cos(longitude), -np.sin(latitude) * np.sin(longitude), np.cos(latitude)]
+    east = [-np.sin(longitude), np.cos(longitude), 0.0]
+    return np.asarray((at - at[0]) @ np.array([north, east]).T)

@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Attach positions from outside to the nodes of the path, and say whether they tell anything of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from hullrecon.geometry.poses import interpolate
+from hullrecon.records.sensors import PositionFixes
+from hullrecon.records.trajectory import PositionTies, Trajectory
+from hullrecon.typing import Array
+
+FARTHEST_S = 5.0  # from a node: over it, between two nodes, the path is a straight line
+ONE_PLACE = 0.99  # quantile of what fixes of one place scatter
+
+
+@dataclass(frozen=True, kw_only=True)
+class AttachedPositions:
+    """ties: None where there are too few, or all of one place; outside: fixes that no node is near to; refusal: why they tell
+    nothing, None where they do."""
+
+    ties: PositionTies | None
+    outside: int
+    refusal: str | None
+
+    def sentences(self) -> list[str]:
+        """Return what the report warns of."""
+        out = []
+        if self.outside:
+            out.append(f"{self.outside} positions from outside lie more than {FARTHEST_S:g} s from the path and are not used.")
+        if self.refusal is not None:
+            out.append(f"Positions from outside tell nothing of this dive: {self.refusal}.")
+        return out
+
+    def facts(self) -> dict[str, object]:
+        """Return numbers for navigation.json."""
+        used = 0 if self.ties is None else len(self.ties)
+        return {"used": used, "outside": self.outside, "refusal": self.refusal}
+
+
+def attach_positions(fixes: PositionFixes, trajectory: Trajectory, origin: Array) -> AttachedPositions:
+    """Return the fixes at the nodes; origin (3,): where they were measured, in the vehicle's frame."""
+    t = trajectory.t_ns
+    right = np.searchsorted(t, fixes.t_ns).clip(1, max(len(t) - 1, 1))
+    left = np.minimum(right - 1, len(t) - 1)
+    right = np.minimum(right, len(t) - 1)
+    node = np.where(np.abs(t[left] - fixes.t_ns) <= np.abs(t[right] - fixes.t_ns), left, right)
+    near = np.abs(t[node] - fixes.t_ns) <= FARTHEST_S * 1e9
+    near &= (fixes.t_ns >= t[0]) & (fixes.t_ns <= t[-1])
+    poses = trajectory.poses()
+    moved = poses[node[near]].inverse() @ interpolate(t, poses, fixes.t_ns[near])
+    ties = PositionTies(
+        t_ns=fixes.t_ns[near],
+        node=node[near],
+        antenna=moved.rotation.apply(origin) + moved.translation,
+        north_east=fixes.north_east[near],
+        sigma=fixes.sigma[near],
+    )
+    refusal = _refusal(ties)
+    return AttachedPositions(ties=ties if refusal is None else None, outside=int((~near).sum()), refusal=refusal)
+
+
+def _refusal(ties: PositionTies) -> str | None:
+    """Return why positions say nothing of a path whose heading and place are free: one is met by any, those of one place by any
+    path that stays there."""
+    if len(ties) < 2:
+        return "there is none along the path" if len(ties) == 0 else "there is one alone, and where the dive began is free"
+    weight = 1 / ties.sigma**2
+    middle = (weight[:, None] * ties.north_east).sum(axis=0) / weight.sum()
+    square = float((weight[:, None] * (ties.north_east - middle) ** 2).sum())
+    if square > chi2.ppf(ONE_PLACE, 2 * len(ties) - 2):
+        return None
+    return f"all {len(ties)} are of one place within their sigma of {np.median(ties.sigma):.2g} m, so no heading shows in them"
