@@ -41,11 +41,15 @@ void Schur::eliminate() {
       layout_.poses(), threads_,
       [&](int64_t begin, int64_t end) {
         std::vector<int64_t> place(border, -1);
-        for (int64_t i = begin; i < end; ++i) eliminate_row(static_cast<int>(i), place);
+        for (int64_t i = begin; i < end; ++i) {
+          if (images_.sees(i)) eliminate_row(static_cast<int>(i), place);
+        }
       },
       8);
   rhs_ = gradient_.reduced;
-  Border sum = chunked(layout_.poses(), kPoses, [&](int64_t i, Border& b) { reduce_row(static_cast<int>(i), b); });
+  Border sum = chunked(layout_.poses(), kPoses, [&](int64_t i, Border& b) {
+    images_.sees(i) ? reduce_row(static_cast<int>(i), b) : reduce_other(static_cast<int>(i));
+  });
   for_slabs(
       nodes, threads_,
       [&](int64_t begin, int64_t end) {

@@ -40,19 +40,8 @@ void Schur::differentiate_poses() {
   const int width = layout_.width(0);
   for_slabs(layout_.poses(), threads_, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
-      const CameraChain& chain = images_.chains()[i];
-      Mat6& own = own_[i];
-      own.setZero();
-      Twist twist = Twist::Zero();
-      for (int32_t v : images_.views_of_pose(i)) {
-        const View& view = images_.view(v);
-        const Vec3 q = at(view.landmark) - chain.origin;
-        add_times_displacement(own, 1.0, adjoint(q, view.matrix()), q);
-        twist += adjoint(q, view.gradient);
-      }
-      eliminated_.col(i) = twist;
-      Eigen::Matrix<double, 7, 1> g = chain.by_pose.transpose() * twist;
-      Eigen::Matrix<double, 7, 1> d = (own * chain.by_pose).cwiseProduct(chain.by_pose).colwise().sum().transpose();
+      Vec7 g = Vec7::Zero(), d = Vec7::Zero();
+      if (images_.sees(i)) differentiate_images(i, g, d);
       for (int32_t f : small_.of_block(static_cast<int>(i))) {
         const auto rows = small_.rows(f);
         for (const SmallFactors::Part& part : small_.parts(f)) {
@@ -65,6 +54,23 @@ void Schur::differentiate_poses() {
       diagonal_.reduced.segment(offset(static_cast<int>(i)), width) = d.head(width);
     }
   });
+}
+
+// What the images at a pose say of it; their information and gradient by its twist are kept.
+void Schur::differentiate_images(int64_t i, Vec7& gradient, Vec7& diagonal) {
+  const CameraChain& chain = images_.chains()[i];
+  Mat6& own = own_[i];
+  own.setZero();
+  Twist twist = Twist::Zero();
+  for (int32_t v : images_.views_of_pose(i)) {
+    const View& view = images_.view(v);
+    const Vec3 q = at(view.landmark) - chain.origin;
+    add_times_displacement(own, 1.0, adjoint(q, view.matrix()), q);
+    twist += adjoint(q, view.gradient);
+  }
+  eliminated_.col(i) = twist;
+  gradient = chain.by_pose.transpose() * twist;
+  diagonal = (own * chain.by_pose).cwiseProduct(chain.by_pose).colwise().sum().transpose();
 }
 
 void Schur::differentiate_nodes() {
@@ -110,7 +116,7 @@ void Schur::differentiate_others() {
 void Schur::differentiate_border() {
   const auto diagonal = [](Border& sum, int first, const auto& d) { sum.own.diagonal().segment(first, d.size()) += d; };
   const Border of_poses = chunked(layout_.poses(), kPoses, [&](int64_t i, Border& sum) {
-    if (mount_ < 0) return;
+    if (mount_ < 0 || !images_.sees(i)) return;
     const auto& by = images_.chains()[i].by_mount;
     sum.rhs.segment<6>(mount_) += by.transpose() * eliminated_.col(i);
     diagonal(sum, mount_, (own_[i] * by).cwiseProduct(by).colwise().sum().transpose());

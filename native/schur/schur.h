@@ -55,6 +55,7 @@ class Schur {
   Seconds seconds;
 
  private:
+  using Vec7 = Eigen::Matrix<double, 7, 1>;
   using Mat6 = Eigen::Matrix<double, 6, 6>;
   using Mat63 = Eigen::Matrix<double, 6, 3>;
   using Mat6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
@@ -66,6 +67,7 @@ class Schur {
 
   void differentiate_landmarks();
   void differentiate_poses();
+  void differentiate_images(int64_t pose, Vec7& gradient, Vec7& diagonal);
   void differentiate_nodes();
   void differentiate_others();
   void differentiate_border();
@@ -99,7 +101,7 @@ class Schur {
 
   // At the last accepted point.
   StepVector gradient_, diagonal_;
-  std::vector<Mat6> own_;              // of each pose: sum of E'HE
+  std::vector<Mat6> own_;              // of each pose: sum of E'HE; these and rows of X where images see a landmark
   Eigen::Matrix3Xd intrinsics_cross_;  // C of each landmark
   Eigen::MatrixXd intrinsics_own_;     // of the border, before landmarks are eliminated
   // Of the damped system.

@@ -352,7 +352,8 @@ TEST_CASE("two blocks of X meet where a landmark joins them, and nowhere else") 
   Eigen::MatrixXi got = Eigen::MatrixXi::Zero(layout.poses(), layout.blocks());
   int64_t next = 0;
   for (int i = 0; i < layout.poses(); ++i) {
-    CHECK(pattern.row(i)[0].block == i);
+    CHECK(images.sees(i) == !pattern.row(i).empty());
+    if (images.sees(i)) CHECK(pattern.row(i)[0].block == i);
     for (const auto& entry : pattern.row(i)) {
       CHECK(entry.place == next);
       next += entry.block < layout.poses() ? 36 : 6;
@@ -361,7 +362,6 @@ TEST_CASE("two blocks of X meet where a landmark joins them, and nowhere else") 
     }
   }
   CHECK(next == pattern.size());
-  for (int i = 0; i < layout.poses(); ++i) expected(i, i) = 1;
   CHECK(got == expected);
   size_t below = 0;
   for (int b = 0; b < layout.blocks(); ++b) {
@@ -371,7 +371,7 @@ TEST_CASE("two blocks of X meet where a landmark joins them, and nowhere else") 
     }
   }
   size_t above = 0;
-  for (int i = 0; i < layout.poses(); ++i) above += pattern.row(i).size() - 1;
+  for (int i = 0; i < layout.poses(); ++i) above += pattern.row(i).empty() ? 0 : pattern.row(i).size() - 1;
   CHECK(below == above);
 }
 
