@@ -42,16 +42,9 @@ void Schur::differentiate_poses() {
     for (int64_t i = begin; i < end; ++i) {
       Vec7 g = Vec7::Zero(), d = Vec7::Zero();
       if (images_.sees(i)) differentiate_images(i, g, d);
-      for (int32_t f : small_.of_block(static_cast<int>(i))) {
-        const auto rows = small_.rows(f);
-        for (const SmallFactors::Part& part : small_.parts(f)) {
-          if (part.block != i) continue;
-          g.head(width) += rows.middleCols(part.column, width).transpose() * rows.rightCols<1>();
-          d.head(width) += rows.middleCols(part.column, width).colwise().squaredNorm().transpose();
-        }
-      }
-      gradient_.reduced.segment(offset(static_cast<int>(i)), width) = g.head(width);
-      diagonal_.reduced.segment(offset(static_cast<int>(i)), width) = d.head(width);
+      const int pose = static_cast<int>(i);
+      gradient_.reduced.segment(offset(pose), width) = g.head(width) + small_.gradient(pose);
+      diagonal_.reduced.segment(offset(pose), width) = d.head(width) + small_.diagonal(pose);
     }
   });
 }
@@ -82,14 +75,8 @@ void Schur::differentiate_nodes() {
         const double by = surface_.by_node(surface_[k], static_cast<int32_t>(n));
         g += by * surface_[k].r, d += by * by;
       }
-      for (int32_t f : small_.of_block(block)) {
-        const auto rows = small_.rows(f);
-        for (const SmallFactors::Part& part : small_.parts(f)) {
-          if (part.block == block)
-            g += rows.col(part.column).dot(rows.rightCols<1>()), d += rows.col(part.column).squaredNorm();
-        }
-      }
-      gradient_.reduced[offset(block)] = g, diagonal_.reduced[offset(block)] = d;
+      gradient_.reduced[offset(block)] = g + small_.gradient(block)[0];
+      diagonal_.reduced[offset(block)] = d + small_.diagonal(block)[0];
     }
   });
 }
@@ -98,17 +85,8 @@ void Schur::differentiate_others() {
   for_slabs(layout_.others(), threads_, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) {
       const int block = layout_.other(static_cast<int>(k));
-      auto g = gradient_.reduced.segment(offset(block), layout_.width(block));
-      auto d = diagonal_.reduced.segment(offset(block), layout_.width(block));
-      g.setZero(), d.setZero();
-      for (int32_t f : small_.of_block(block)) {
-        const auto rows = small_.rows(f);
-        for (const SmallFactors::Part& part : small_.parts(f)) {
-          if (part.block != block) continue;
-          g += rows.middleCols(part.column, part.width).transpose() * rows.rightCols<1>();
-          d += rows.middleCols(part.column, part.width).colwise().squaredNorm().transpose();
-        }
-      }
+      gradient_.reduced.segment(offset(block), layout_.width(block)) = small_.gradient(block);
+      diagonal_.reduced.segment(offset(block), layout_.width(block)) = small_.diagonal(block);
     }
   });
 }
@@ -139,18 +117,9 @@ void Schur::differentiate_border() {
       for (int m = 0; m <= k; ++m) sum.own(intrinsics_in_border(k), intrinsics_in_border(m)) += own(k, m);
     }
   });
-  const Border of_small = chunked(small_.count(), kFactors, [&](int64_t f, Border& sum) {
-    const auto rows = small_.rows(f);
-    for (const SmallFactors::Part& part : small_.parts(f)) {
-      if (part.border < 0) continue;
-      const auto J = rows.middleCols(part.column, part.width);
-      sum.rhs.segment(part.border, part.width) += J.transpose() * rows.rightCols<1>();
-      diagonal(sum, part.border, J.colwise().squaredNorm().transpose());
-    }
-  });
   const int first = offset(layout_.blocks()), width = layout_.border();
-  gradient_.reduced.segment(first, width) = of_poses.rhs + of_landmarks.rhs + of_small.rhs;
-  diagonal_.reduced.segment(first, width) = (of_poses.own + of_landmarks.own + of_small.own).diagonal();
+  gradient_.reduced.segment(first, width) = of_poses.rhs + of_landmarks.rhs + small_.gradient(layout_.blocks());
+  diagonal_.reduced.segment(first, width) = (of_poses.own + of_landmarks.own).diagonal() + small_.diagonal(layout_.blocks());
   intrinsics_own_ = of_landmarks.own;
   if (hull_ >= 0) intrinsics_own_.middleRows(hull_, 6).setZero();
 }

@@ -59,8 +59,8 @@ class Schur {
   using Mat6 = Eigen::Matrix<double, 6, 6>;
   using Mat63 = Eigen::Matrix<double, 6, 3>;
   using Mat6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
-  static constexpr int64_t kPoses = 64, kLandmarks = 1024, kFactors = 1024;  // chunks of sums
-  struct Border {  // what a chunk adds to the border's own block and right side
+  static constexpr int64_t kPoses = 64, kLandmarks = 1024;  // chunks of sums
+  struct Border {                                           // what a chunk adds to the border's own block and right side
     Eigen::MatrixXd own;
     Eigen::VectorXd rhs;
   };
@@ -80,7 +80,6 @@ class Schur {
   void reduce_other(int block);
   void add_small(int block, Eigen::MatrixXd& own, Eigen::MatrixXd& border);
   void reduce_landmark_border(int64_t rank, Border& sum) const;
-  void add_small_border(int64_t f, Border& sum) const;
   void back_substitute(StepVector& step) const;
 
   Vec3 at(int64_t rank) const { return images_.at(rank); }
