@@ -52,7 +52,8 @@ class TaskPool {
   }
 
  private:
-  // own: the group waited for, whose tasks go first; else the oldest, which is the largest.
+  // own: the group waited for, whose tasks go first; else those of the newest. A group's own go in the order of add(), so that
+  // what is begun is ended before more is begun: results that wait for it take memory.
   template <class Done>
   void work(const Group* own, const Done& done) {
     std::unique_lock lock(mutex_);
@@ -60,7 +61,8 @@ class TaskPool {
       changed_.wait(lock, [&] { return done() || !tasks_.empty(); });
       if (done()) return;
       auto at = std::find_if(tasks_.begin(), tasks_.end(), [&](const auto& t) { return t.first == own; });
-      if (at == tasks_.end()) at = tasks_.begin();
+      if (at == tasks_.end())
+        at = std::find_if(tasks_.begin(), tasks_.end(), [&](const auto& t) { return t.first == tasks_.back().first; });
       auto [group, task] = std::move(*at);
       tasks_.erase(at);
       lock.unlock();

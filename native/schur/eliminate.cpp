@@ -8,31 +8,6 @@
 #include "schur/schur.h"
 
 namespace hullrecon {
-namespace {
-
-// to += a' b, columns of kRows numbers (0: of `rows`); to: by columns, `stride` apart. For products too small for a library.
-template <int kRows>
-void add_product_of(double* to, int64_t stride, const double* a, int a_columns, const double* b, int b_columns, int64_t rows) {
-  const int64_t n = kRows > 0 ? kRows : rows;
-  for (int c = 0; c < b_columns; ++c) {
-    for (int r = 0; r < a_columns; ++r) {
-      double sum = 0;
-      for (int64_t k = 0; k < n; ++k) sum += a[r * n + k] * b[c * n + k];
-      to[c * stride + r] += sum;
-    }
-  }
-}
-
-void add_product(double* to, int64_t stride, const double* a, int a_columns, const double* b, int b_columns, int64_t rows) {
-  const auto of = rows == 1   ? add_product_of<1>
-                  : rows == 3 ? add_product_of<3>
-                  : rows == 5 ? add_product_of<5>
-                  : rows == 6 ? add_product_of<6>
-                              : add_product_of<0>;
-  of(to, stride, a, a_columns, b, b_columns, rows);
-}
-
-}  // namespace
 
 void Schur::eliminate() {
   reduced_->clear();
@@ -41,11 +16,15 @@ void Schur::eliminate() {
       layout_.poses(), threads_,
       [&](int64_t begin, int64_t end) {
         std::vector<int64_t> place(border, -1);
-        for (int64_t i = begin; i < end; ++i) eliminate_row(static_cast<int>(i), place);
+        for (int64_t i = begin; i < end; ++i) {
+          if (images_.sees(i)) eliminate_row(static_cast<int>(i), place);
+        }
       },
       8);
   rhs_ = gradient_.reduced;
-  Border sum = chunked(layout_.poses(), kPoses, [&](int64_t i, Border& b) { reduce_row(static_cast<int>(i), b); });
+  Border sum = chunked(layout_.poses(), kPoses, [&](int64_t i, Border& b) {
+    images_.sees(i) ? reduce_row(static_cast<int>(i), b) : reduce_other(static_cast<int>(i));
+  });
   for_slabs(
       nodes, threads_,
       [&](int64_t begin, int64_t end) {
@@ -58,8 +37,7 @@ void Schur::eliminate() {
   });
   const Border of_landmarks =
       chunked(model_.landmarks(), kLandmarks, [&](int64_t r, Border& b) { reduce_landmark_border(r, b); });
-  const Border of_small = chunked(small_.count(), kFactors, [&](int64_t f, Border& b) { add_small_border(f, b); });
-  reduced_->add_own(border, intrinsics_own_ + sum.own + of_landmarks.own + of_small.own);
+  reduced_->add_own(border, intrinsics_own_ + sum.own + of_landmarks.own + small_.information().at(border, border));
   rhs_.segment(offset(border), layout_.border()) += sum.rhs + of_landmarks.rhs;
 }
 
@@ -148,28 +126,17 @@ void Schur::reduce_row(int i, Border& sum) {
   reduced_->add_border(i, border);
 }
 
-// The small factors of a block: its own square, the blocks after it, the border.
+// What small factors say of a block: its own square, the blocks after it, the border.
 void Schur::add_small(int block, Eigen::MatrixXd& own, Eigen::MatrixXd& border) {
-  for (int32_t f : small_.of_block(block)) {
-    const auto rows = small_.rows(f);
-    const auto parts = small_.parts(f);
-    const auto mine = std::find_if(parts.begin(), parts.end(), [&](const auto& part) { return part.block == block; });
-    const int64_t m = rows.rows();
-    const double* const J = rows.data() + mine->column * m;
-    for (const SmallFactors::Part& part : parts) {
-      const double* const other = rows.data() + part.column * m;
-      if (part.border >= 0) {
-        add_product(border.data() + part.border, border.rows(), other, part.width, J, mine->width, m);
-      } else if (part.block == block) {
-        add_product(own.data(), own.rows(), J, mine->width, J, mine->width, m);
-      } else if (part.block > block) {
-        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 7> product(mine->width, part.width);
-        product.setZero();
-        add_product(product.data(), mine->width, J, mine->width, other, part.width, m);
-        reduced_->add(block, part.block, product);
-      }
+  small_.information().visit_column(block, [&](int row, const auto& m) {
+    if (row == block) {
+      own += m;
+    } else if (row == layout_.blocks()) {
+      border += m;
+    } else {
+      reduced_->add(row, block, m);
     }
-  }
+  });
 }
 
 // Row of a node (12): with later nodes and the border. row: of all nodes, zero between calls.
@@ -237,18 +204,6 @@ void Schur::reduce_landmark_border(int64_t rank, Border& sum) const {
     }
     for (int d = 0; d <= c; ++d) sum.own(at, intrinsics_in_border(d)) -= kc.dot(intrinsics_of(rank).col(d));
     sum.rhs[at] -= gain_.col(rank).dot(intrinsics_of(rank).col(c));
-  }
-}
-
-void Schur::add_small_border(int64_t f, Border& sum) const {
-  const auto rows = small_.rows(f);
-  const int64_t m = rows.rows();
-  for (const SmallFactors::Part& a : small_.parts(f)) {
-    for (const SmallFactors::Part& b : small_.parts(f)) {
-      if (a.border < b.border || b.border < 0) continue;
-      add_product(&sum.own(a.border, b.border), sum.own.rows(), rows.data() + a.column * m, a.width, rows.data() + b.column * m,
-                  b.width, m);
-    }
   }
 }
 

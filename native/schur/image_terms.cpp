@@ -93,7 +93,8 @@ struct ImageTerms::Cameras {
   }
 };
 
-ImageTerms::ImageTerms(const Model& model) : model_(model), intrinsics_(model), chain_(model.poses()) {
+ImageTerms::ImageTerms(const Model& model)
+    : model_(model), intrinsics_(model), chain_(model.landmarks() > 0 ? model.poses() : 0) {
   observation_.resize(model.tables().stereo_node.rows() + model.tables().mono_node.rows());
   sort_landmarks();
   sort_views();
@@ -155,7 +156,7 @@ void ImageTerms::sort_views() {
 void ImageTerms::place_cameras() {
   const Motion mount(model_.blocks()[model_.block("T_s_ct")].data);
   const Vec3 tray(model_.tables().tray_origin.data);
-  for_slabs(model_.poses(), model_.options().threads, [&](int64_t begin, int64_t end) {
+  for_slabs(static_cast<int64_t>(chain_.size()), model_.options().threads, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) chain_[i] = CameraChain(model_.blocks()[i].data, mount, tray);
   });
 }

@@ -63,7 +63,8 @@ class ImageTerms {
   std::span<const int32_t> views_of_pose(int64_t pose) const {
     return {of_pose_.data() + of_pose_start_[pose], static_cast<size_t>(of_pose_start_[pose + 1] - of_pose_start_[pose])};
   }
-  const std::vector<CameraChain>& chains() const { return chain_; }  // of each pose
+  bool sees(int64_t pose) const { return of_pose_start_[pose + 1] > of_pose_start_[pose]; }
+  const std::vector<CameraChain>& chains() const { return chain_; }  // of each pose; none where there are no landmarks
   const FreeIntrinsics& intrinsics() const { return intrinsics_; }
 
   void place_cameras();  // at the model's unknowns

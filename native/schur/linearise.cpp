@@ -40,31 +40,30 @@ void Schur::differentiate_poses() {
   const int width = layout_.width(0);
   for_slabs(layout_.poses(), threads_, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
-      const CameraChain& chain = images_.chains()[i];
-      Mat6& own = own_[i];
-      own.setZero();
-      Twist twist = Twist::Zero();
-      for (int32_t v : images_.views_of_pose(i)) {
-        const View& view = images_.view(v);
-        const Vec3 q = at(view.landmark) - chain.origin;
-        add_times_displacement(own, 1.0, adjoint(q, view.matrix()), q);
-        twist += adjoint(q, view.gradient);
-      }
-      eliminated_.col(i) = twist;
-      Eigen::Matrix<double, 7, 1> g = chain.by_pose.transpose() * twist;
-      Eigen::Matrix<double, 7, 1> d = (own * chain.by_pose).cwiseProduct(chain.by_pose).colwise().sum().transpose();
-      for (int32_t f : small_.of_block(static_cast<int>(i))) {
-        const auto rows = small_.rows(f);
-        for (const SmallFactors::Part& part : small_.parts(f)) {
-          if (part.block != i) continue;
-          g.head(width) += rows.middleCols(part.column, width).transpose() * rows.rightCols<1>();
-          d.head(width) += rows.middleCols(part.column, width).colwise().squaredNorm().transpose();
-        }
-      }
-      gradient_.reduced.segment(offset(static_cast<int>(i)), width) = g.head(width);
-      diagonal_.reduced.segment(offset(static_cast<int>(i)), width) = d.head(width);
+      Vec7 g = Vec7::Zero(), d = Vec7::Zero();
+      if (images_.sees(i)) differentiate_images(i, g, d);
+      const int pose = static_cast<int>(i);
+      gradient_.reduced.segment(offset(pose), width) = g.head(width) + small_.gradient(pose);
+      diagonal_.reduced.segment(offset(pose), width) = d.head(width) + small_.diagonal(pose);
     }
   });
+}
+
+// What the images at a pose say of it; their information and gradient by its twist are kept.
+void Schur::differentiate_images(int64_t i, Vec7& gradient, Vec7& diagonal) {
+  const CameraChain& chain = images_.chains()[i];
+  Mat6& own = own_[i];
+  own.setZero();
+  Twist twist = Twist::Zero();
+  for (int32_t v : images_.views_of_pose(i)) {
+    const View& view = images_.view(v);
+    const Vec3 q = at(view.landmark) - chain.origin;
+    add_times_displacement(own, 1.0, adjoint(q, view.matrix()), q);
+    twist += adjoint(q, view.gradient);
+  }
+  eliminated_.col(i) = twist;
+  gradient = chain.by_pose.transpose() * twist;
+  diagonal = (own * chain.by_pose).cwiseProduct(chain.by_pose).colwise().sum().transpose();
 }
 
 void Schur::differentiate_nodes() {
@@ -76,14 +75,8 @@ void Schur::differentiate_nodes() {
         const double by = surface_.by_node(surface_[k], static_cast<int32_t>(n));
         g += by * surface_[k].r, d += by * by;
       }
-      for (int32_t f : small_.of_block(block)) {
-        const auto rows = small_.rows(f);
-        for (const SmallFactors::Part& part : small_.parts(f)) {
-          if (part.block == block)
-            g += rows.col(part.column).dot(rows.rightCols<1>()), d += rows.col(part.column).squaredNorm();
-        }
-      }
-      gradient_.reduced[offset(block)] = g, diagonal_.reduced[offset(block)] = d;
+      gradient_.reduced[offset(block)] = g + small_.gradient(block)[0];
+      diagonal_.reduced[offset(block)] = d + small_.diagonal(block)[0];
     }
   });
 }
@@ -92,17 +85,8 @@ void Schur::differentiate_others() {
   for_slabs(layout_.others(), threads_, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) {
       const int block = layout_.other(static_cast<int>(k));
-      auto g = gradient_.reduced.segment(offset(block), layout_.width(block));
-      auto d = diagonal_.reduced.segment(offset(block), layout_.width(block));
-      g.setZero(), d.setZero();
-      for (int32_t f : small_.of_block(block)) {
-        const auto rows = small_.rows(f);
-        for (const SmallFactors::Part& part : small_.parts(f)) {
-          if (part.block != block) continue;
-          g += rows.middleCols(part.column, part.width).transpose() * rows.rightCols<1>();
-          d += rows.middleCols(part.column, part.width).colwise().squaredNorm().transpose();
-        }
-      }
+      gradient_.reduced.segment(offset(block), layout_.width(block)) = small_.gradient(block);
+      diagonal_.reduced.segment(offset(block), layout_.width(block)) = small_.diagonal(block);
     }
   });
 }
@@ -110,7 +94,7 @@ void Schur::differentiate_others() {
 void Schur::differentiate_border() {
   const auto diagonal = [](Border& sum, int first, const auto& d) { sum.own.diagonal().segment(first, d.size()) += d; };
   const Border of_poses = chunked(layout_.poses(), kPoses, [&](int64_t i, Border& sum) {
-    if (mount_ < 0) return;
+    if (mount_ < 0 || !images_.sees(i)) return;
     const auto& by = images_.chains()[i].by_mount;
     sum.rhs.segment<6>(mount_) += by.transpose() * eliminated_.col(i);
     diagonal(sum, mount_, (own_[i] * by).cwiseProduct(by).colwise().sum().transpose());
@@ -133,18 +117,9 @@ void Schur::differentiate_border() {
       for (int m = 0; m <= k; ++m) sum.own(intrinsics_in_border(k), intrinsics_in_border(m)) += own(k, m);
     }
   });
-  const Border of_small = chunked(small_.count(), kFactors, [&](int64_t f, Border& sum) {
-    const auto rows = small_.rows(f);
-    for (const SmallFactors::Part& part : small_.parts(f)) {
-      if (part.border < 0) continue;
-      const auto J = rows.middleCols(part.column, part.width);
-      sum.rhs.segment(part.border, part.width) += J.transpose() * rows.rightCols<1>();
-      diagonal(sum, part.border, J.colwise().squaredNorm().transpose());
-    }
-  });
   const int first = offset(layout_.blocks()), width = layout_.border();
-  gradient_.reduced.segment(first, width) = of_poses.rhs + of_landmarks.rhs + of_small.rhs;
-  diagonal_.reduced.segment(first, width) = (of_poses.own + of_landmarks.own + of_small.own).diagonal();
+  gradient_.reduced.segment(first, width) = of_poses.rhs + of_landmarks.rhs + small_.gradient(layout_.blocks());
+  diagonal_.reduced.segment(first, width) = (of_poses.own + of_landmarks.own).diagonal() + small_.diagonal(layout_.blocks());
   intrinsics_own_ = of_landmarks.own;
   if (hull_ >= 0) intrinsics_own_.middleRows(hull_, 6).setZero();
 }

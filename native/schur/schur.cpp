@@ -34,7 +34,7 @@ Schur::Schur(Model& model)
       intrinsics_(images_.intrinsics().width()),
       hull_(layout_.column(kHull)),
       mount_(layout_.column(kCamera)) {
-  const int64_t landmarks = model.landmarks(), poses = model.poses();
+  const int64_t landmarks = model.landmarks(), poses = static_cast<int64_t>(images_.chains().size());
   x_.resize(pattern_.size());
   own_.resize(poses), with_hull_.resize(poses), eliminated_.resize(6, poses);
   with_intrinsics_.assign(poses, Mat6X(6, intrinsics_));
@@ -88,6 +88,8 @@ bool Schur::invert(const StepVector& damping) {
 
 // The landmarks' steps from those of the rest (14).
 void Schur::back_substitute(StepVector& step) const {
+  step.landmark.resize(3 * model_.landmarks());
+  if (model_.landmarks() == 0) return;
   const int border = offset(layout_.blocks()), width = layout_.width(0);
   const Twist hull = hull_ >= 0 ? Twist(step.reduced.segment<6>(border + hull_)) : Twist(Twist::Zero());
   const Twist mount = mount_ >= 0 ? Twist(step.reduced.segment<6>(border + mount_)) : Twist(Twist::Zero());
@@ -98,7 +100,6 @@ void Schur::back_substitute(StepVector& step) const {
     const CameraChain& chain = images_.chains()[i];
     twist.col(i) = chain.by_mount * mount + chain.by_pose.leftCols(width) * step.reduced.segment(offset(i), width);
   }
-  step.landmark.resize(3 * model_.landmarks());
   for_slabs(model_.landmarks(), threads_, [&](int64_t begin, int64_t end) {
     for (int64_t r = begin; r < end; ++r) {
       const Vec3 landmark = at(r);

@@ -55,17 +55,19 @@ class Schur {
   Seconds seconds;
 
  private:
+  using Vec7 = Eigen::Matrix<double, 7, 1>;
   using Mat6 = Eigen::Matrix<double, 6, 6>;
   using Mat63 = Eigen::Matrix<double, 6, 3>;
   using Mat6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
-  static constexpr int64_t kPoses = 64, kLandmarks = 1024, kFactors = 1024;  // chunks of sums
-  struct Border {  // what a chunk adds to the border's own block and right side
+  static constexpr int64_t kPoses = 64, kLandmarks = 1024;  // chunks of sums
+  struct Border {                                           // what a chunk adds to the border's own block and right side
     Eigen::MatrixXd own;
     Eigen::VectorXd rhs;
   };
 
   void differentiate_landmarks();
   void differentiate_poses();
+  void differentiate_images(int64_t pose, Vec7& gradient, Vec7& diagonal);
   void differentiate_nodes();
   void differentiate_others();
   void differentiate_border();
@@ -78,7 +80,6 @@ class Schur {
   void reduce_other(int block);
   void add_small(int block, Eigen::MatrixXd& own, Eigen::MatrixXd& border);
   void reduce_landmark_border(int64_t rank, Border& sum) const;
-  void add_small_border(int64_t f, Border& sum) const;
   void back_substitute(StepVector& step) const;
 
   Vec3 at(int64_t rank) const { return images_.at(rank); }
@@ -99,7 +100,7 @@ class Schur {
 
   // At the last accepted point.
   StepVector gradient_, diagonal_;
-  std::vector<Mat6> own_;              // of each pose: sum of E'HE
+  std::vector<Mat6> own_;              // of each pose: sum of E'HE; these and rows of X where images see a landmark
   Eigen::Matrix3Xd intrinsics_cross_;  // C of each landmark
   Eigen::MatrixXd intrinsics_own_;     // of the border, before landmarks are eliminated
   // Of the damped system.

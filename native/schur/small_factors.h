@@ -1,13 +1,15 @@
 // SPDX-FileCopyrightText: 2026 the hullrecon authors
 // SPDX-License-Identifier: Apache-2.0
 // Factors that meet no landmark (priors, attitude, tray, odometry, ranges, the field's prior, links, planes, velocities,
-// positions), linear at the last accepted point.
+// positions), linear at the last accepted point. Their derivatives are summed to information a chunk of factors at a time and
+// not kept: links would take twice the memory.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
 #include "schur/reduced_layout.h"
+#include "sparse/block_matrix.h"
 
 namespace hullrecon {
 
@@ -25,29 +27,40 @@ class SmallFactors {
     int column;        // its first in the rows
     int border;        // of a global: its first column in the border; else -1
   };
-  using Rows = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>>;
   int64_t count() const { return static_cast<int64_t>(factor_.size()); }
   std::span<const Part> parts(int64_t f) const {
     return {&part_[part_start_[f]], static_cast<size_t>(part_start_[f + 1] - part_start_[f])};
-  }
-  // Whitened and robustified; the last column is the residual.
-  Rows rows(int64_t f) const {
-    const auto n = value_start_[f + 1] - value_start_[f];
-    return Rows(&value_[value_start_[f]], rows_[f], n / rows_[f]);
   }
   std::span<const int32_t> of_block(int block) const {
     return {of_block_.data() + of_block_start_[block],
             static_cast<size_t>(of_block_start_[block + 1] - of_block_start_[block])};
   }
 
+  // Sums over all factors, whitened and robustified, of J'J and J'r: by blocks of the layout, the border the last.
+  const BlockMatrix& information() const { return information_; }
+  auto gradient(int block) const { return gradient_.segment(information_.offset(block), information_.width(block)); }
+  auto diagonal(int block) const { return information_.at(block, block).diagonal(); }
+
  private:
+  struct Scratch {  // what evaluating a factor needs, kept from one to the next
+    std::vector<int32_t> blocks;
+    std::vector<const double*> x;
+    std::vector<double> raw;
+    std::vector<double*> J;
+    std::vector<int> sizes;
+  };
+  void lay_out(const ReducedLayout& layout);
+  void evaluate(int64_t f, double* rows, Scratch& scratch) const;
+  void add(int64_t f, const double* rows, int owner, int owners);
+
   const Model& model_;
   std::vector<int64_t> factor_;  // its number in the model
   std::vector<int8_t> rows_;
-  std::vector<int64_t> part_start_, value_start_;
+  std::vector<int64_t> part_start_, value_start_;  // of its derivatives' first number, were all kept
   std::vector<Part> part_;
-  std::vector<double> value_;
   std::vector<int32_t> of_block_start_, of_block_;
+  BlockMatrix information_{{}, {}};
+  Eigen::VectorXd gradient_;
 };
 
 }  // namespace hullrecon

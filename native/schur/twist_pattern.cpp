@@ -65,7 +65,7 @@ void TwistPattern::lay_out(std::vector<Neighbours>& neighbours) {
   for (int b = 0; b < blocks; ++b) {
     const Neighbours met = std::move(neighbours[b]);
     if (b < poses) {
-      append(b, 36);
+      if (images_.sees(b)) append(b, 36);
       for (int32_t other : met.by_landmarks) {
         if (other < b) continue;
         append(other, other < poses ? 36 : 6);
@@ -81,7 +81,9 @@ void TwistPattern::lay_out(std::vector<Neighbours>& neighbours) {
   column_.resize(column_start_.back());
   std::vector<int64_t> at(column_start_);
   for (int b = 0; b < poses; ++b) {
-    for (const Entry& entry : row(b).subspan(1)) column_[at[entry.block]++] = {b, entry.place};
+    for (const Entry& entry : row(b)) {
+      if (entry.block != b) column_[at[entry.block]++] = {b, entry.place};
+    }
   }
 }
 

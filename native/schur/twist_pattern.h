@@ -24,7 +24,7 @@ class TwistPattern {
     int32_t block;  // its column, or in below() its row
     int64_t place;  // of its first number
   };
-  // Row of a pose, the diagonal first.
+  // Row of a pose, the diagonal first; of one that sees no landmark empty.
   std::span<const Entry> row(int pose) const {
     return {row_.data() + row_start_[pose], static_cast<size_t>(row_start_[pose + 1] - row_start_[pose])};
   }

@@ -27,6 +27,7 @@ class BlockMatrix {
   }
 
   using Map = Eigen::Map<Eigen::MatrixXd>;
+  using ConstMap = Eigen::Map<const Eigen::MatrixXd>;
   int size() const { return offset_.back(); }
   int blocks() const { return static_cast<int>(width_.size()); }
   int width(int block) const { return width_[block]; }
@@ -38,10 +39,13 @@ class BlockMatrix {
     const auto at = std::lower_bound(row_.begin() + start_[column], end, row) - row_.begin();
     return Map(value_.data() + place_[at], width_[row], width_[column]);
   }
+  ConstMap at(int row, int column) const {
+    const Map m = const_cast<BlockMatrix&>(*this).lower(row, column);
+    return ConstMap(m.data(), m.rows(), m.cols());
+  }
   // Either half, by value.
   Eigen::MatrixXd get(int row, int column) const {
-    auto& self = const_cast<BlockMatrix&>(*this);
-    return row >= column ? Eigen::MatrixXd(self.lower(row, column)) : Eigen::MatrixXd(self.lower(column, row).transpose());
+    return row >= column ? Eigen::MatrixXd(at(row, column)) : Eigen::MatrixXd(at(column, row).transpose());
   }
   template <class Product>
   void add(int row, int column, const Product& m) {
@@ -50,6 +54,14 @@ class BlockMatrix {
     } else {
       lower(column, row) += m.transpose();
     }
+  }
+
+  void clear() { std::fill(value_.begin(), value_.end(), 0.0); }
+  // visit(row, block) down a column of blocks, the diagonal first.
+  template <class Visit>
+  void visit_column(int column, const Visit& visit) const {
+    for (int64_t k = start_[column]; k < start_[column + 1]; ++k)
+      visit(row_[k], ConstMap(value_.data() + place_[k], width_[row_[k]], width_[column]));
   }
 
   // visit(scalar row, scalar column, value&) down each scalar column of the lower half, diagonal first.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <utility>
 
 namespace hullrecon {
@@ -31,6 +32,8 @@ FrontTree::FrontTree(const std::vector<int>& width, const std::vector<int64_t>& 
   lay_out(rows);
   find_runs();
   count_work();
+  find_children();
+  find_order();
 }
 
 // The block rows below each column's own in the factor: its own, and those that its children in the elimination tree meet.
@@ -124,10 +127,34 @@ void FrontTree::count_work() {
   }
 }
 
-std::vector<int> FrontTree::children(int front) const {
-  std::vector<int> out;
-  for (int c = front - 1; c >= front - fronts_[front].descendants; c -= fronts_[c].descendants + 1) out.push_back(c);
-  return out;
+void FrontTree::find_children() {
+  child_start_.assign(fronts_.size() + 1, 0), child_.resize(fronts_.size() - 1);
+  for (const Front& f : fronts_) {
+    if (f.parent >= 0) ++child_start_[f.parent + 1];
+  }
+  std::partial_sum(child_start_.begin(), child_start_.end(), child_start_.begin());
+  std::vector<int32_t> next(child_start_.begin(), child_start_.end() - 1);
+  for (size_t f = 0; f + 1 < fronts_.size(); ++f) child_[next[fronts_[f].parent]++] = static_cast<int32_t>(f);
+}
+
+// Of two children that goes first which needs more memory beyond what it leaves; this is the order of least memory [Liu1992].
+void FrontTree::find_order() {
+  std::vector<double> most(fronts_.size());  // numbers that wait at a time in the subtree, what the front leaves counted in
+  const auto leaves = [&](int f) { return double(fronts_[f].below()) * fronts_[f].below(); };
+  for (int f = 0; f < static_cast<int>(fronts_.size()); ++f) {
+    const std::span<int32_t> own{child_.data() + child_start_[f], children(f).size()};
+    std::stable_sort(own.begin(), own.end(), [&](int a, int b) { return most[a] - leaves(a) > most[b] - leaves(b); });
+    double waits = 0;
+    for (int child : own) most[f] = std::max(most[f], waits + most[child]), waits += leaves(child);
+    most[f] = std::max(most[f], waits + leaves(f));
+  }
+  order_.resize(fronts_.size());
+  fronts_.back().turn = static_cast<int32_t>(fronts_.size()) - 1;
+  for (int f = fronts_.back().turn; f >= 0; --f) {
+    order_[fronts_[f].turn] = f;
+    int32_t turn = fronts_[f].turn - fronts_[f].descendants;
+    for (int child : children(f)) turn += fronts_[child].descendants, fronts_[child].turn = turn++;
+  }
 }
 
 FrontTree::EntryPosition FrontTree::position(int row, int column) const {

@@ -16,7 +16,8 @@ struct Front {
   int32_t parent = -1;         // -1: the root
   int32_t size = 0;            // its columns, in scalars
   int32_t height = 0;          // those and the rows below
-  int32_t descendants = 0;     // the fronts of its subtree are those just before it
+  int32_t descendants = 0;     // the fronts of its subtree are those just before it, in number and in turn
+  int32_t turn = 0;            // its place in FrontTree::order()
   int64_t value = 0;           // of its panel's first scalar
   int64_t rows = 0, runs = 0;  // ends of its own in FrontTree; they begin where those of the front before end
   double work = 0;             // of its subtree, multiplications
@@ -43,7 +44,11 @@ class FrontTree {
   const std::vector<Front>& fronts() const { return fronts_; }
   std::span<const FrontRow> rows(int front) const { return part(rows_, front, &Front::rows); }
   std::span<const Run> runs(int front) const { return part(runs_, front, &Front::runs); }
-  std::vector<int> children(int front) const;  // last first
+  std::span<const int32_t> children(int front) const {  // in order()
+    return {child_.data() + child_start_[front], static_cast<size_t>(child_start_[front + 1] - child_start_[front])};
+  }
+  // All fronts, children before parents, so that least of what fronts leave to their parents waits at a time [Liu1992].
+  std::span<const int32_t> order() const { return order_; }
   // Of block (row, column), row at or below column: its front and its first scalar, from the top left of the front's panel.
   struct EntryPosition {
     int front, row, column;
@@ -64,12 +69,15 @@ class FrontTree {
   void lay_out(const Rows& rows);
   void find_runs();
   void count_work();
+  void find_children();
+  void find_order();
 
   std::vector<int> offset_;  // one more than blocks
   std::vector<int> front_of_;
   std::vector<Front> fronts_;
   std::vector<FrontRow> rows_;
   std::vector<Run> runs_;
+  std::vector<int32_t> child_start_, child_, order_;
 };
 
 }  // namespace hullrecon

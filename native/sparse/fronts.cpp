@@ -21,7 +21,7 @@ namespace hullrecon {
 namespace {
 
 constexpr int kTile = 128;      // columns that one call of the library takes, one task of the pool
-constexpr double kGrains = 16;  // so many pieces of work for each thread, at least
+constexpr double kGrains = 64;  // pieces of work for each thread, at least; during one others may run ahead, and wait
 
 // to := keep * to - rows rows', the first `width` columns of its lower half. rows: (height, depth).
 void subtract_product(double keep, double* to, int to_stride, const double* rows, int stride, int height, int width,
@@ -80,7 +80,7 @@ template <class Visit>
 void Fronts::climb(int front, const Visit& visit) {
   const Front& f = tree_.fronts()[front];
   if (f.work < grain_) {
-    for (int below = front - f.descendants; below < front; ++below) visit(below);
+    for (int below : tree_.order().subspan(f.turn - f.descendants, f.descendants)) visit(below);
   } else {
     TaskPool::Group subtrees;
     for (int child : tree_.children(front)) pool_.add(subtrees, [&, child] { climb(child, visit); });
@@ -95,7 +95,7 @@ void Fronts::descend(int front, const Visit& visit) {
   const Front& f = tree_.fronts()[front];
   visit(front);
   if (f.work < grain_) {
-    for (int below = front - 1; below >= front - f.descendants; --below) visit(below);
+    for (int turn = f.turn - 1; turn >= f.turn - f.descendants; --turn) visit(tree_.order()[turn]);
     return;
   }
   TaskPool::Group subtrees;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Block matrices, the tree of fronts and the reduced system against dense twins.
 #include <Eigen/Dense>
+#include <cmath>
 #include <random>
 #include <set>
 
@@ -149,6 +150,56 @@ TEST_CASE("fronts partition the columns, and each stands with its rows in its pa
   }
   CHECK(columns == system.size());
   CHECK(tree.offset(next) == system.size());
+}
+
+namespace {
+
+// Numbers that wait at most for a parent to take them, in the order of these fronts.
+double most_waiting(const FrontTree& tree, const std::vector<int32_t>& order) {
+  double now = 0, most = 0;
+  const auto leaves = [&](int f) { return std::pow(tree.fronts()[f].below(), 2); };
+  for (int f : order) {
+    now += leaves(f), most = std::max(most, now);
+    for (int child : tree.children(f)) now -= leaves(child);
+  }
+  return most;
+}
+
+// All orders in which subtrees are visited one after another, each front after its children.
+std::vector<std::vector<int32_t>> postorders(const FrontTree& tree, int front) {
+  std::vector<std::vector<int32_t>> out;
+  std::vector<int32_t> children(tree.children(front).begin(), tree.children(front).end());
+  std::sort(children.begin(), children.end());
+  do {
+    std::vector<std::vector<int32_t>> begun{{}};
+    for (int child : children) {
+      std::vector<std::vector<int32_t>> longer;
+      for (const auto& first : begun) {
+        for (const auto& next : postorders(tree, child)) {
+          longer.push_back(first);
+          longer.back().insert(longer.back().end(), next.begin(), next.end());
+        }
+      }
+      begun = longer;
+    }
+    for (auto& order : begun) order.push_back(front), out.push_back(order);
+  } while (std::next_permutation(children.begin(), children.end()));
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("fronts take their turns so that least waits: no postorder of the tree is better") {
+  for (unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+    const Graph graph(16, 14, seed);
+    const ReducedSystem system(graph.width, 6, graph.start(), graph.list(), 1);
+    const FrontTree& tree = system.tree();
+    const std::vector<int32_t> order(tree.order().begin(), tree.order().end());
+    const auto all = postorders(tree, static_cast<int>(tree.fronts().size()) - 1);
+    CHECK(std::find(all.begin(), all.end(), order) != all.end());
+    for (const auto& other : all) CHECK(most_waiting(tree, order) <= most_waiting(tree, other));
+    for (size_t k = 0; k < order.size(); ++k) CHECK(tree.fronts()[order[k]].turn == static_cast<int32_t>(k));
+  }
 }
 
 TEST_CASE("the pattern of the fronts holds every entry of the dense factor") {

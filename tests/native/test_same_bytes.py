@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from benchmarks import pose_graph
 from benchmarks.problems import make
 from benchmarks.survey import Size
 from hullrecon.native import Options, solve
+from hullrecon.navigation.pose_graph.graph import OPTIONS
 
 
 @pytest.mark.slow
@@ -24,3 +28,13 @@ def test_half_a_million_observations_give_the_same_bytes_for_one_and_two_threads
         np.testing.assert_array_equal(getattr(one.iterations, name), getattr(two.iterations, name), err_msg=name)
     for name in ("label", "distance", "ray_hit"):
         assert getattr(one, name).tobytes() == getattr(two, name).tobytes(), name
+
+
+def test_a_pose_graph_of_many_chunks_of_links_gives_the_same_bytes_for_any_number_of_threads() -> None:
+    problem, _ = pose_graph.make(2 * pose_graph.LEG_NODES)
+    one, *others = (solve(problem, replace(OPTIONS, threads=threads, max_iterations=2)) for threads in (1, 2, 3))
+    assert one.iterations.accepted.sum() > 1
+    for other in others:
+        assert one.unknowns.pose.tobytes() == other.unknowns.pose.tobytes()
+        assert one.unknowns.plane.tobytes() == other.unknowns.plane.tobytes()
+        np.testing.assert_array_equal(one.iterations.cost, other.iterations.cost)

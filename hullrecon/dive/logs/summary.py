@@ -81,7 +81,7 @@ class LogSummary:
     def why_nothing(self) -> str:
         """Return a sentence for a log that holds no message at all, with what its reader had to say."""
         sentences = "; ".join([*self.remarks, *self.lost][:MOST_REMARKS])
-        return f"nothing could be read of the log{f': {sentences}' if said else ''}"
+        return f"nothing could be read of the log{f': {sentences}' if sentences else ''}"
 
     def needs(self) -> list[str]:
         """Return what the topics lack for a run; [] for nothing."""

@@ -211,7 +211,7 @@ def test_what_readers_say_of_several_files_is_told_with_the_file(tmp_path):
 
 
 def test_a_log_without_a_dvl_that_is_read_names_the_one_that_is_not():
-    note = TopicNote(Channel("/teledyne/ensemble", "teledyne_navigator/Ensemble", "ros1"), count=3)
+    note = TopicNote(channel=Channel("/teledyne/ensemble", "teledyne_navigator/Ensemble", "ros1"), count=3)
     (line,) = LogSummary(kind="ROS 1 bag", topics=[note]).needs()
     assert line.startswith(
         "missing: a DVL with an IMU, or two cameras; /teledyne/ensemble (teledyne_navigator/Ensemble) is a DVL's"
