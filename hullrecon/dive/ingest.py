@@ -14,6 +14,7 @@ from typing import BinaryIO, TypeVar
 from hullrecon.dive.check import messages
 from hullrecon.dive.config.calibration import read_camera
 from hullrecon.dive.hull.load import read_hull
+from hullrecon.dive.images.logged_calibrations import LoggedCalibrations
 from hullrecon.dive.images.sink import ImageSink
 from hullrecon.dive.logs import streams
 from hullrecon.dive.logs.ping_spool import KeepImages, PingSpool, PingStorage, SpooledPing
@@ -56,8 +57,9 @@ DEPTHS: tuple[type[PressureSample | DepthSample], ...] = (PressureSample, DepthS
 @dataclass(frozen=True, kw_only=True)
 class IngestRequest:
     """Hold what ingest needs of dive.toml. topics: topic by sensor; joints: servo by record ("tray", "sonar_tray"); calibration
-    and offset_ns by camera ("camera_top", "camera_bottom"); beams (b, 3) or None; start, end: what of the logs is used;
-    sonar_azimuth_deg: of an imaging sonar's beams; sonar_offset_ns: added to its stamps."""
+    and offset_ns by camera ("camera_top", "camera_bottom"); uncalibrated: the cameras whose calibration the logs have to hold;
+    beams (b, 3) or None; start, end: what of the logs is used; sonar_azimuth_deg: of an imaging sonar's beams;
+    sonar_offset_ns: added to its stamps."""
 
     logs: tuple[str, ...]
     topics: Mapping[str, str]
@@ -71,6 +73,7 @@ class IngestRequest:
     offset_ns: Mapping[str, int]
     mesh: str | None
     units: str
+    uncalibrated: tuple[str, ...] = ()
     start: Instant = None
     end: Instant = None
     sonar_azimuth_deg: Array | None = None
@@ -119,6 +122,9 @@ def ingest(
     for name, path in request.calibration.items():
         with problems.gather():
             out.cameras[name] = read_camera(package / path)
+    topics = {} if all(log.gives_samples for log in logs) else request.topics
+    logged = LoggedCalibrations({name: topics.get(name) for name in request.uncalibrated})
+    out.cameras |= logged.find(logs, problems)
     if request.mesh is not None:
         with problems.gather():
             out.hull = read_hull(package / request.mesh, request.units, out.hull_messages)
@@ -131,18 +137,19 @@ def ingest(
         if sample.camera in sinks:
             sinks[sample.camera].take(sample, logged_ns)
 
-    topics = {} if all(log.gives_samples for log in logs) else request.topics
     sensors = {topic: [sensor for sensor, named in topics.items() if named == topic] for topic in topics.values()}
     window = None
     with problems.gather():
         window = time_window(request.start, request.end, logs)
     spool = PingSpool(None if pings is None else pings.spool)
-    found = read_streams(logs, sensors, take_image, watch, problems, window, spool.keep)
+    found = read_streams(logs, sensors, take_image, lambda m: logged.watch(watch(m)), problems, window, spool.keep)
     _check_topics(topics, found, problems)
-    out.remarks += found.remarks
+    logged.check_constant(problems)
+    out.remarks += [*found.remarks, *logged.remarks(out.cameras)]
     out.lost = messages.describe_losses(found.losses)
     out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
-    out.unused = describe_unused((c for c in found.counts if c.encoding != "sample"), set(topics.values()))
+    chosen = {*topics.values(), *logged.topics.values()}
+    out.unused = describe_unused((c for c in found.counts if c.encoding != "sample"), chosen)
     out.records = _build_records(out, request, found, problems, spool, streams.leave_black if pings is None else pings.keep)
     for name, sink in sinks.items():
         with problems.gather():

@@ -37,6 +37,7 @@ USES = (
     "dvl.beams", "dvl.beam_angle_deg", "dvl.beam_azimuth_deg", "dvl.sigma_velocity",
     *(f"{camera.section}.{key}" for camera in Camera for key in ("calibration", "time_offset")), "hull.mesh", "hull.units",
 )  # fmt: skip
+CARRIED = "time_offset"  # a key that a camera's section always has: None where the dive has no such camera
 
 
 class IngestOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -65,6 +66,7 @@ def request_of(settings: StageSettings) -> IngestRequest:
         sigma_velocity=settings.read("dvl.sigma_velocity", float),
         calibration=_drop_empty({c.key: settings.read_optional(f"{c.section}.calibration", str) for c in Camera}),
         offset_ns={c.key: offset_ns(settings.read_optional(f"{c.section}.time_offset", float) or 0.0) for c in Camera},
+        uncalibrated=tuple(c.key for c in Camera if _needs_logged_calibration(settings, c)),
         mesh=settings.read_optional("hull.mesh", str),
         units=settings.read_optional("hull.units", str) or "m",
         start=_instant(settings, "dive.from"),
@@ -72,6 +74,11 @@ def request_of(settings: StageSettings) -> IngestRequest:
         sonar_offset_ns=offset_ns(settings.read_optional("sonar.time_offset", float) or 0.0),
         sonar_azimuth_deg=None if azimuth is None else np.array(azimuth, float),
     )
+
+
+def _needs_logged_calibration(settings: StageSettings, camera: Camera) -> bool:
+    """Return whether a camera was carried whose calibration dive.toml leaves to the log."""
+    return settings[f"{camera.section}.{CARRIED}"] is not None and settings[f"{camera.section}.calibration"] is None
 
 
 def _instant(settings: StageSettings, name: str) -> Instant:

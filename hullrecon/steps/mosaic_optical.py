@@ -22,7 +22,7 @@ REMEDY = "check the alignment of the dive with its surface, or set mosaic-optica
 
 def applies(settings: Mapping[str, object]) -> str | None:
     """Return None where a camera was carried, else why there is no such mosaic."""
-    return None if settings["camera.top.calibration"] is not None else "no camera was carried"
+    return None if settings["camera.top.time_offset"] is not None else "no camera was carried"
 
 
 def run(context: Context[OpticalOptions]) -> None:
@@ -66,7 +66,7 @@ STAGE = Stage(
     version=5,
     run=run,
     fails_alone=True,
-    uses=("camera.top.calibration", *CAMERA_KEYS, "logs", "hull.frame_spacing"),
+    uses=("camera.top.time_offset", *CAMERA_KEYS, "logs", "hull.frame_spacing"),
     external=external,
     applies=applies,
 )

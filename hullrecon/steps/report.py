@@ -265,6 +265,6 @@ STAGE = Stage(
     parameters=ReportOptions,
     version=9,
     run=run,
-    uses=("dive", "logs", "hull", "camera.top.calibration", *RIG_KEYS),
+    uses=("dive", "logs", "hull", "camera.top.time_offset", *RIG_KEYS),
     external=files_of_package,
 )

@@ -136,7 +136,7 @@ def check_package(
 def _images_not_logged(config: DiveConfig, known: Set[str]) -> list[str]:
     """Return a sentence where dive.toml has a camera that leads, and the logs no image of it."""
     top = config.camera.top
-    if top is None or top.calibration is None or Camera.TOP.key in known:
+    if top is None or Camera.TOP.key in known:
         return []
     return [f"no image of camera.top was logged: {WITHOUT_CAMERAS}"]
 
@@ -158,6 +158,7 @@ def _leave_out_missing(package: Path, request: IngestRequest) -> tuple[IngestReq
         request,
         logs=tuple(name for name in request.logs if _exists(package / name)),
         calibration={name: file for name, file in request.calibration.items() if _exists(package / file)},
+        uncalibrated=request.uncalibrated if all(_exists(package / name) for name in request.logs) else (),
         mesh=request.mesh if request.mesh is not None and _exists(package / request.mesh) else None,
     )
     lone = not left.logs and len(missing_files) == 1  # of a single log its reader says what is wrong

@@ -44,7 +44,8 @@ def to_fill_in(loaded: LoadedConfig, sensors: Set[str]) -> list[str]:
             value = ", ".join(f"{v:g}" for v in default)
             out.append(f"to fill in: {key}: {meaning}; until then [{value}] is used")
     return out + [
-        f"to fill in: {c.section}.calibration: the camera_info YAML of {c.key}; until then its images are not used"
+        f"to fill in: {c.section}.calibration: the camera_info YAML of {c.key}, or [{c.section}] alone where the log has its "
+        "CameraInfo; until then its images are not used"
         for c in Camera
         if c.key in sensors and loaded.value(c.section) is None
     ]

@@ -11,12 +11,19 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.logs.dvl_beams import ask_for_beams
 from hullrecon.dive.logs.messages.decode import ENCODINGS, type_name
-from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, calibration_yaml, frame_tree, mount_of, vehicle_from
+from hullrecon.dive.logs.messages.descriptions import (
+    CAMERA_INFO,
+    calibration_yaml,
+    frame_tree,
+    lies_beside,
+    mount_of,
+    vehicle_from,
+)
 from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER
 from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.samples import DvlSample, ImuSample, SonarSample
 from hullrecon.dive.logs.sonar_geometry import ask_for_azimuths
-from hullrecon.dive.logs.summary import COMPRESSED, LogSummary, guess_topics
+from hullrecon.dive.logs.summary import LogSummary, guess_topics
 
 MOUNTS = {"dvl": "dvl.mount", "camera_top": "camera.top.mount", "sonar": "sonar.mount", "pressure": "pressure.origin"}
 GRAVITY_FELT, UNIT = 5.0, 0.05  # m/s2; and how far a quaternion's length may be off 1
@@ -83,9 +90,8 @@ def missing_calibrations(summary: LogSummary, folder: Path) -> dict[str, str]:
         topic = guess_topics(summary.topics).get(camera)
         if topic is None or find_calibration(folder, camera) is not None:
             continue
-        where = topic.removesuffix(COMPRESSED).rpartition("/")[0]
         infos = [t for t in summary.topics if type_name(t.channel) == CAMERA_INFO and t.first is not None]
-        beside = [t for t in infos if t.channel.topic.rpartition("/")[0] == where]
+        beside = [t for t in infos if lies_beside(t.channel.topic, topic)]
         text = calibration_yaml(beside[0].first, beside[0].channel.topic) if beside else None
         if text is not None:
             out[f"calibration/{camera}.yaml"] = text

@@ -29,7 +29,13 @@ Six = tuple[float, float, float, float, float, float]
 Origin = Annotated[Three, Meta(description="m, in the vehicle's frame")]
 MountSigma = Annotated[Six, Meta(description="m and deg, sigma of x, y, z and of a small rotation vector, in the parent frame")]
 FileName = Annotated[str, Meta(pattern=ONE_LINE, min_length=1, max_length=1000)]
-Calibration = Annotated[FileName, Meta(description="camera_info YAML of the camera, relative to dive.toml")]
+Calibration = Annotated[
+    FileName | None,
+    Meta(
+        description="camera_info YAML of the camera, relative to dive.toml; absent: the CameraInfo that was logged beside its "
+        "images"
+    ),
+]
 TimeOffset = Annotated[Offset, Meta(description="s, added to the stamps")]
 TopicName = Annotated[str, Meta(pattern=ONE_LINE, max_length=1000)]
 Hour = Annotated[datetime, Meta(tz=True)]
@@ -151,7 +157,7 @@ class Dvl(Section, frozen=True):
 class CameraTop(Section, frozen=True):
     """The first camera."""
 
-    calibration: Calibration
+    calibration: Calibration = None
     mount: Annotated[Six, Meta(description="m and deg, T_s_ct: the camera on the tray")] = (0.0, 0.0, 0.0, 90.0, 0.0, 90.0)
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
     time_offset: TimeOffset = 0.0
@@ -161,7 +167,7 @@ class CameraTop(Section, frozen=True):
 class CameraBottom(Section, frozen=True):
     """The second camera of a stereo rig."""
 
-    calibration: Calibration
+    calibration: Calibration = None
     pose_in_top: Annotated[Six, Meta(description="m and deg, T_ct_cb: the camera in the top camera's frame")] = (
         0.0, 0.1, 0.0, 0.0, 0.0, 0.0,
     )  # fmt: skip

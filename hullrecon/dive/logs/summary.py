@@ -11,7 +11,7 @@ import numpy as np
 
 from hullrecon.dive.check import messages
 from hullrecon.dive.logs.messages.decode import ENCODINGS, Fields, decode, type_name
-from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, TRANSFORMS
+from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, COMPRESSED, TRANSFORMS
 from hullrecon.dive.logs.messages.samples import COMMON_TYPES, IMAGE_TYPES, TYPES
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
@@ -25,7 +25,6 @@ NAMED = {
     "joints": ("joint",), "sonar": ("sonar", "oculus", "fls"),
 }  # fmt: skip
 UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "cam1")
-COMPRESSED = "/compressed"
 DIFFERENTIAL, LOWEST_ABSOLUTE_PA = ("diff", "gauge", "relative"), 80e3  # the lowest air pressure at any sea is 87 kPa
 WITHOUT_CAMERAS = "take [camera.top] and [camera.bottom] out of dive.toml (a lone camera is the top one)"
 UNIT = 0.05  # how far the length of an attitude's quaternion may be off 1

@@ -42,7 +42,10 @@ def test_a_key_of_a_sensor_that_was_not_logged_is_not_asked_for(tmp_path):
 def test_a_camera_without_a_section_needs_a_calibration(tmp_path, camera):
     lines = to_fill_in(load(tmp_path), {camera})
     section = camera.replace("_", ".")
-    assert f"to fill in: {section}.calibration: the camera_info YAML of {camera}; until then its images are not used" in lines
+    (line,) = [
+        line for line in lines if line.startswith(f"to fill in: {section}.calibration: the camera_info YAML of {camera}")
+    ]
+    assert f"[{section}] alone where the log has its CameraInfo; until then its images are not used" in line
 
 
 def test_sensors_are_those_of_the_topics(tmp_path):
