@@ -14,6 +14,7 @@ from hullrecon.detection.coverage import SonarSurvey, summarise_coverage
 from hullrecon.detection.find_structures import find_structures
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews, views_of_top_camera
+from hullrecon.dive.config.schema import HullRegion
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.address import AddressSigma
 from hullrecon.geometry.charts.chart import Chart
@@ -50,7 +51,8 @@ def run(context: Context[DetectOptions]) -> None:
     else:
         context.warn("as_found is absent: there is neither a camera nor a CAD model")
     context.out.json("objects.json", {"objects": structures.objects})
-    context.out.json("coverage.json", summarise_coverage(base, views, _sonar_survey(context, inputs, solution)))
+    regions = _regions(context, base)
+    context.out.json("coverage.json", summarise_coverage(base, views, _sonar_survey(context, inputs, solution), regions))
     context.out.json("detect.json", structures.facts)
 
 
@@ -95,6 +97,15 @@ def _sonar_survey(context: Context[DetectOptions], inputs: InputArtifacts, solut
     return SonarSurvey(pings=pings, poses=poses, half_elevation_rad=math.radians(elevation_deg) / 2)
 
 
+def _regions(context: Context[DetectOptions], base: BaseSurface) -> tuple[HullRegion, ...]:
+    """Return the regions of dive.toml; none, and a warning, where no hull was found for them."""
+    regions: tuple[HullRegion, ...] = context.settings.read_optional("hull.region", tuple) or ()
+    if regions and base.cad_model is None:
+        context.warn("coverage is not counted by hull.region: the CAD model was refused, and regions are parts of it")
+        return ()
+    return regions
+
+
 STAGE = Stage(
     name="detect",
     summary="find structures and remesh the hull as found",
@@ -103,5 +114,5 @@ STAGE = Stage(
     version=6,
     run=run,
     fails_alone=True,
-    uses=(*CAMERA_KEYS, "hull.frame_spacing", *SONAR_KEYS, "sonar.joint", "sonar.elevation_deg"),
+    uses=(*CAMERA_KEYS, "hull.frame_spacing", "hull.region", *SONAR_KEYS, "sonar.joint", "sonar.elevation_deg"),
 )

@@ -13,6 +13,7 @@ import numpy as np
 from msgspec import Struct
 
 from hullrecon.dive.check.consistency_checks import check_consistency, describe_start_offset
+from hullrecon.dive.check.hull_regions import describe_regions
 from hullrecon.dive.check.messages import Stream
 from hullrecon.dive.check.sampled_images import SampledImages
 from hullrecon.dive.check.to_fill_in import to_fill_in
@@ -38,7 +39,8 @@ CheckImages = Callable[[LoadedConfig, IngestResult, Mapping[str, SampledImages]]
 class PackageCheck:
     """What `check` reports about a package. missing_files: those that dive.toml names and that are not there, with their keys;
     unusable: what is there but cannot be used, and what to do; needs: sensors without which nothing can be computed; missing:
-    what the absence of sensors means; warnings: contradictions; defaults: values by key that nobody gave."""
+    what the absence of sensors means; warnings: contradictions; regions: how much hull each of dive.toml holds; defaults:
+    values by key that nobody gave."""
 
     name: str
     vessel: str
@@ -49,6 +51,7 @@ class PackageCheck:
     missing: list[str]
     to_fill_in: list[str]
     warnings: list[str]
+    regions: list[str]
     defaults: dict[str, object]
 
     @property
@@ -76,7 +79,7 @@ class PackageCheck:
         defaults = ", ".join(f"{key} = {_toml(value)}" for key, value in sorted(self.defaults.items()))
         return [
             f"{self.name}: {self.vessel}" if self.vessel else self.name,
-            *findings["spans"], *describe_start_offset(self.found.records, self.found.images), *findings["hull"],
+            *findings["spans"], *describe_start_offset(self.found.records, self.found.images), *findings["hull"], *self.regions,
             *(f"missing: {file}" for file in self.missing_files), *(f"not usable: {line}" for line in self.unusable),
             *(f"lost: {line}" for line in findings["lost"]), *(f"note: {line}" for line in findings["remarks"]),
             *(f"note: {line}" for line in self.found.unused), *self.missing,
@@ -91,7 +94,7 @@ class PackageCheck:
             "name": self.name, "vessel": self.vessel,
             "streams": {name: _describe_stream(stream) for name, stream in streams.items() if len(stream.t_ns)},
             **self.found.findings(), "missing_files": self.missing_files, "unusable": self.unusable, "missing": self.missing,
-            "to_fill_in": self.to_fill_in, "suspicious": self.warnings, "topics": self.found.counts,
+            "to_fill_in": self.to_fill_in, "suspicious": self.warnings, "regions": self.regions, "topics": self.found.counts,
             "unused": self.found.unused,
             "offset": describe_start_offset(self.found.records, self.found.images), "defaults": self.defaults,
             "run_is_possible": self.run_is_possible, "verdict": self.verdict,
@@ -116,6 +119,7 @@ def check_package(
     named = {sensor for sensor, topic in request.topics.items() if topic in found.counts}
     logged = named | (TYPES.keys() & found.counts.keys())
     known = present | logged if problems.found else present  # of what cannot be used it is said why
+    regions, empty_regions = describe_regions(() if loaded.config.hull is None else loaded.config.hull.region or (), found.hull)
     return PackageCheck(
         name=loaded.config.dive.name,
         vessel=loaded.config.dive.vessel,
@@ -128,7 +132,9 @@ def check_package(
         warnings=[
             *check_consistency(loaded.config, found.records, found.images),
             *(check_images(loaded, found, sampled) if check_images is not None else []),
+            *empty_regions,
         ],
+        regions=regions,
         defaults=defaults_of(loaded),
     )
 

@@ -202,6 +202,22 @@ class Sonar(Section, frozen=True):
     time_offset: TimeOffset = 0.0
 
 
+Limits = tuple[Offset, Offset]
+
+
+class HullRegion(Section, frozen=True):
+    """A part of the hull that coverage is counted against, one `[[hull.region]]` each; at least one pair of limits is given."""
+
+    name: Annotated[str, Meta(pattern=ONE_LINE, min_length=1, max_length=100, description="for the report; each its own")]
+    along: Annotated[
+        Limits | None, Meta(description="m, from and to, forward as in the deliverables; absent: the whole length")
+    ] = None
+    girth: Annotated[
+        Limits | None,
+        Meta(description="m, from and to, of arc from the keel, port positive and starboard negative; absent: the whole girth"),
+    ] = None
+
+
 class Hull(Section, frozen=True):
     """The CAD model of the ship, and where it roughly lies."""
 
@@ -216,6 +232,10 @@ class Hull(Section, frozen=True):
     deviation_length: Annotated[
         tuple[Positive, Positive], Meta(description="m, along and over the girth: how far the deviation stays alike")
     ] = (3.0, 1.5)
+    region: Annotated[
+        Annotated[tuple[HullRegion, ...], Meta(max_length=100)] | None,
+        Meta(description="parts of the hull that coverage is counted against"),
+    ] = None
 
 
 class DiveConfig(Section, frozen=True):
