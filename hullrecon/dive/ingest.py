@@ -17,6 +17,7 @@ from hullrecon.dive.hull.load import read_hull
 from hullrecon.dive.images.logged_calibrations import LoggedCalibrations
 from hullrecon.dive.images.sink import ImageSink
 from hullrecon.dive.logs import streams
+from hullrecon.dive.logs.fixed_frames import FixedSensor, FrameListener, is_static
 from hullrecon.dive.logs.ping_spool import KeepImages, PingSpool, PingStorage, SpooledPing
 from hullrecon.dive.logs.read_streams import LogContents, Watch, read_streams
 from hullrecon.dive.logs.readers.open import open_log
@@ -92,6 +93,7 @@ class IngestResult:
     lost: list[str] = field(default_factory=list)
     hull_messages: list[str] = field(default_factory=list)
     unused: list[str] = field(default_factory=list)  # topics that dive.toml does not name, and why a run does not use them
+    sensors: dict[str, FixedSensor] = field(default_factory=dict)  # those that tf_static leads to
     remarks: list[str] = field(default_factory=list)
 
     def findings(self) -> dict[str, list[str]]:
@@ -141,14 +143,18 @@ def ingest(
     window = None
     with problems.gather():
         window = time_window(request.start, request.end, logs)
+    frames = FrameListener(topics)
     spool = PingSpool(None if pings is None else pings.spool)
-    found = read_streams(logs, sensors, take_image, lambda m: logged.watch(watch(m)), problems, window, spool.keep)
+    found = read_streams(
+        logs, sensors, take_image, lambda m: frames.watch(logged.watch(watch(m))), problems, window, spool.keep
+    )
     _check_topics(topics, found, problems)
     logged.check_constant(problems)
+    out.sensors = frames.sensors(request.joints)
     out.remarks += [*found.remarks, *logged.remarks(out.cameras)]
     out.lost = messages.describe_losses(found.losses)
     out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
-    chosen = {*topics.values(), *logged.topics.values()}
+    chosen = {*topics.values(), *logged.topics.values(), *(c.topic for c in found.counts if out.sensors and is_static(c))}
     out.unused = describe_unused((c for c in found.counts if c.encoding != "sample"), chosen)
     out.records = _build_records(out, request, found, problems, spool, streams.leave_black if pings is None else pings.keep)
     for name, sink in sinks.items():

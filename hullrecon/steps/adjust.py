@@ -64,7 +64,8 @@ def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[
 
 
 def _measurements(context: Context[AdjustOptions]) -> Measurements:
-    inputs, settings = InputArtifacts(context.inputs), context.settings
+    inputs = InputArtifacts(context.inputs)
+    settings = inputs.mounted(context.settings)
     return Measurements(
         trajectory=inputs.navigate.trajectory,
         odometry=inputs.navigate.odometry,

@@ -29,7 +29,8 @@ CAMERA_KEYS = ("tray.origin",)  # of the rig: the mounts are the adjusted ones
 
 
 def run(context: Context[DetectOptions]) -> None:
-    inputs, settings = InputArtifacts(context.inputs), context.settings
+    inputs = InputArtifacts(context.inputs)
+    settings = inputs.mounted(context.settings)
     solution, surface = _solution(inputs), inputs.surface
     base = BaseSurface(
         cad_model=inputs.ingest.hull if solution.hull_pose is not None else None,
@@ -76,14 +77,15 @@ def _views(context: Context[DetectOptions], inputs: InputArtifacts, solution: So
     index = inputs.ingest.image_index(Camera.TOP)
     if index is None or Camera.TOP not in inputs.camera_models:
         return None
-    rig = rig_from_settings({key: context.settings[key] for key in CAMERA_KEYS}, inputs.camera_models)
+    settings = inputs.mounted(context.settings)
+    rig = rig_from_settings({key: settings[key] for key in CAMERA_KEYS}, inputs.camera_models)
     positions = solution.result_from_global().apply(solution.landmarks.position)
     return views_of_top_camera(rig.with_mounts(solution.mounts), solution.track(), index.t_ns, positions)
 
 
 def _sonar_survey(context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution) -> SonarSurvey | None:
     """Return the pings and where they were taken; None where no sonar was carried or its servo was not logged."""
-    settings, pings = context.settings, inputs.ingest.sonar
+    settings, pings = inputs.mounted(context.settings), inputs.ingest.sonar
     elevation_deg = settings.read_optional("sonar.elevation_deg", float)
     if elevation_deg is None or pings is None:
         return None

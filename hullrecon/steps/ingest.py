@@ -26,7 +26,7 @@ from hullrecon.dive.package_files import log_files
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import SonarPings
 from hullrecon.records.serialisation import to_arrays
-from hullrecon.steps.artifacts import SONAR_IMAGES
+from hullrecon.steps.artifacts import MOUNTS, SONAR_IMAGES
 from hullrecon.typing import Array
 
 USES = (
@@ -146,6 +146,8 @@ def _write(context: Context[IngestOptions], found: IngestResult) -> None:
         context.out.arrays(f"images_{name}.npz", to_arrays(index))
     cameras = {name.removeprefix("camera_"): asdict(camera) for name, camera in found.cameras.items() if name in found.images}
     context.out.json("cameras.json", cameras)
+    if found.sensors:
+        context.out.json(MOUNTS, {sensor: asdict(fixed) for sensor, fixed in found.sensors.items()})
     if found.hull is not None:
         context.out.arrays("hull.npz", {"vertices": found.hull.vertices, "faces": found.hull.faces})
     context.out.json("findings.json", found.findings())
@@ -161,7 +163,7 @@ STAGE = Stage(
     summary="read the logs, the calibration and the CAD model",
     inputs=(),
     parameters=IngestOptions,
-    version=6,
+    version=7,
     run=run,
     uses=USES,
     external=external,

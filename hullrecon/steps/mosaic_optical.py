@@ -45,7 +45,8 @@ def run(context: Context[OpticalOptions]) -> None:
 
 def _usable_images(context: Context[OpticalOptions], artifacts: InputArtifacts, inputs: MosaicInputs) -> list[CameraImages]:
     """Return the cameras with their usable images and where each was taken. Raises StageError where there is none."""
-    rig = rig_from_settings({key: context.settings[key] for key in CAMERA_KEYS}, artifacts.camera_models)
+    settings = artifacts.mounted(context.settings)
+    rig = rig_from_settings({key: settings[key] for key in CAMERA_KEYS}, artifacts.camera_models)
     rig = rig if inputs.mounts is None else rig.with_mounts(inputs.mounts)
     cameras = []
     for camera in rig.cameras:

@@ -23,7 +23,8 @@ DVL_KEYS = ("tray.origin", "dvl.mount")  # of the rig, what places the DVL's bea
 
 
 def run(context: Context[SurfaceOptions]) -> None:
-    inputs, settings = InputArtifacts(context.inputs), context.settings
+    inputs = InputArtifacts(context.inputs)
+    settings = inputs.mounted(context.settings)
     adjust, cad_model = inputs.adjust, inputs.ingest.hull
     if adjust is not None and adjust.solution.hull_pose is None:
         cad_model = None  # there is none, or the adjustment refused it

@@ -26,7 +26,11 @@ BeamAzimuths = Annotated[
 ]
 Three = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
-Origin = Annotated[Three, Meta(description="m, in the vehicle's frame")]
+FROM_LOG: Literal["tf_static"] = "tf_static"  # of a mount: to be taken from the log (mounts.py)
+MountNumbers = Six | Literal["tf_static"]
+Origin = Annotated[
+    Three | Literal["tf_static"], Meta(description="m, in the vehicle's frame; by the log's tf_static, else 0, 0, 0")
+]
 MountSigma = Annotated[Six, Meta(description="m and deg, sigma of x, y, z and of a small rotation vector, in the parent frame")]
 FileName = Annotated[str, Meta(pattern=ONE_LINE, min_length=1, max_length=1000)]
 Calibration = Annotated[
@@ -104,7 +108,7 @@ class Tray(Section, frozen=True):
             description="name of the tray's joint in the joint messages; empty: nothing turns",
         ),
     ] = "tray"
-    origin: Origin = (0.0, 0.0, 0.0)
+    origin: Origin = FROM_LOG
     sigma_deg: Annotated[Positive, Meta(description="deg, sigma of the servo's angle, its backlash included")] = 0.8
 
 
@@ -127,7 +131,7 @@ class Imu(Section, frozen=True):
 class Pressure(Section, frozen=True):
     """Depth, from absolute pressure or as logged."""
 
-    origin: Origin = (0.0, 0.0, 0.0)
+    origin: Origin = FROM_LOG
     z_axis: Annotated[
         Literal["up", "down"] | None,
         Meta(description="sign of logged depths and poses; absent: as their type has it (poses up, REP 103, depths down)"),
@@ -142,7 +146,9 @@ class Pressure(Section, frozen=True):
 class Dvl(Section, frozen=True):
     """Velocity and ranges along the beams."""
 
-    mount: Annotated[Six, Meta(description="m and deg, T_s_d: the DVL on the tray")] = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
+    mount: Annotated[
+        MountNumbers, Meta(description="m and deg, T_s_d: the DVL on the tray; by the log's tf_static, else 0, 0, 0, 0, 90, 0")
+    ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
     sigma_velocity: Annotated[Positive, Meta(description="m/s, of each axis, where the messages have no covariance")] = 0.003
     sigma_range: Annotated[Positive, Meta(description="m, white sigma of a range")] = 0.01
@@ -158,7 +164,10 @@ class CameraTop(Section, frozen=True):
     """The first camera."""
 
     calibration: Calibration = None
-    mount: Annotated[Six, Meta(description="m and deg, T_s_ct: the camera on the tray")] = (0.0, 0.0, 0.0, 90.0, 0.0, 90.0)
+    mount: Annotated[
+        MountNumbers,
+        Meta(description="m and deg, T_s_ct: the camera on the tray; by the log's tf_static, else 0, 0, 0, 90, 0, 90"),
+    ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
     time_offset: TimeOffset = 0.0
     sigma_px: Annotated[Positive, Meta(description="px, sigma of a feature before residuals tell it")] = 1.0
@@ -168,9 +177,13 @@ class CameraBottom(Section, frozen=True):
     """The second camera of a stereo rig."""
 
     calibration: Calibration = None
-    pose_in_top: Annotated[Six, Meta(description="m and deg, T_ct_cb: the camera in the top camera's frame")] = (
-        0.0, 0.1, 0.0, 0.0, 0.0, 0.0,
-    )  # fmt: skip
+    pose_in_top: Annotated[
+        MountNumbers,
+        Meta(
+            description="m and deg, T_ct_cb: the camera in the top camera's frame; by the log's tf_static, else 0, 0.1, 0, 0, "
+            "0, 0"
+        ),
+    ] = FROM_LOG
     pose_sigma: Annotated[Six, Meta(description="m and deg, as mount_sigma; all zero: calibrated, held")] = (
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
     )  # fmt: skip
@@ -188,8 +201,11 @@ class Sonar(Section, frozen=True):
     """An imaging sonar."""
 
     joint: Annotated[TopicName | None, Meta(description="name of the joint of its own servo; absent: fixed")] = None
-    origin: Origin = (0.0, 0.0, 0.0)
-    mount: Annotated[Six, Meta(description="m and deg, frame of that servo to sonar")] = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
+    origin: Origin = FROM_LOG
+    mount: Annotated[
+        MountNumbers,
+        Meta(description="m and deg, frame of that servo to sonar; by the log's tf_static, else 0, 0, 0, 0, 90, 0"),
+    ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
     elevation_deg: Annotated[Positive, Meta(description="deg, full aperture out of the plane of the fan")] = 14.0
     beam_azimuth_deg: Annotated[

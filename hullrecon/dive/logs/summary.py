@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hullrecon.dive.check import messages
+from hullrecon.dive.logs.fixed_frames import MOST_FRAME_MESSAGES, is_static
 from hullrecon.dive.logs.messages.decode import ENCODINGS, Fields, decode, type_name
-from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, COMPRESSED, TRANSFORMS
+from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, COMPRESSED
 from hullrecon.dive.logs.messages.samples import COMMON_TYPES, IMAGE_TYPES, TYPES
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
@@ -28,7 +29,6 @@ UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "c
 DIFFERENTIAL, LOWEST_ABSOLUTE_PA = ("diff", "gauge", "relative"), 80e3  # the lowest air pressure at any sea is 87 kPa
 WITHOUT_CAMERAS = "take [camera.top] and [camera.bottom] out of dive.toml (a lone camera is the top one)"
 UNIT = 0.05  # how far the length of an attitude's quaternion may be off 1
-MOST_FRAME_MESSAGES = 64
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
 
 
@@ -98,7 +98,7 @@ def summarise_log(log: Log) -> LogSummary:
         if note is None:
             first = _first(message) if len(notes) < MOST_DECODED else None
             note = notes[message.channel] = TopicNote(message.channel, first, [], 0, message.t_ns, message.t_ns)
-        if _is_static(note.channel) and note.count < MOST_FRAME_MESSAGES and isinstance(message.data, bytes):
+        if is_static(note.channel) and note.count < MOST_FRAME_MESSAGES and isinstance(message.data, bytes):
             note.frames += _decode(message.channel, message.data)
         note.count += 1
         note.start_ns, note.end_ns = min(note.start_ns, message.t_ns), max(note.end_ns, message.t_ns)
@@ -224,10 +224,6 @@ def _without_imu(dvl: bool, stereo: bool) -> str:
 
 def _fits(note: TopicNote, types: Mapping[str, object]) -> bool:
     return note.channel.encoding in ENCODINGS and type_name(note.channel) in types
-
-
-def _is_static(channel: Channel) -> bool:
-    return channel.encoding in ENCODINGS and type_name(channel) in TRANSFORMS and channel.topic.endswith("tf_static")
 
 
 def _decode(channel: Channel, data: bytes) -> list[Fields]:

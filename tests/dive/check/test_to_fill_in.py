@@ -25,7 +25,7 @@ def test_every_key_that_the_sensors_need_is_asked_for_with_its_meaning_and_defau
     lines = to_fill_in(load(tmp_path, text), EVERYTHING)
     assert keys(lines) == set(MEANING)
     (line,) = [line for line in lines if "pressure.origin" in line]
-    assert line.endswith("until then [0, 0, 0] is used")
+    assert line.endswith("until then what the log's tf_static says, else [0, 0, 0] is used")
     assert "x forward, y starboard, z down" in line
 
 

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -38,17 +39,37 @@ def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
     return tree
 
 
-def vehicle_from(frame: str, tree: Tree) -> Poses | None:
-    """Return T_v_frame, the vehicle's axes forward, starboard, down, by the way up to base_link; None where there is no way."""
+@dataclass(frozen=True, kw_only=True)
+class WayUp:
+    """Where a frame is. vehicle: T_v_frame, None where no way leads there; servo: its pose in the first frame of a servo on the
+    way, None without one; vehicle_from_servo: that of the servo's frame."""
+
+    vehicle: Poses | None
+    servo: Poses | None = None
+    vehicle_from_servo: Poses | None = None
+
+
+def way_up(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> WayUp:
+    """Return where a frame is by the way up to base_link; the vehicle's axes are forward, starboard, down. servos: names of
+    frames that a servo turns."""
     pose, at = identity(), _frame(frame)
+    servo = above = None
     for _ in range(DEEPEST):
+        if servo is None and at.rpartition("/")[2] in servos:
+            servo, above = pose, identity()
         if at.rpartition("/")[2] in BASE_FRAMES:
-            return FRD_FROM_FLU @ pose
+            turning = None if above is None else FRD_FROM_FLU @ above
+            return WayUp(vehicle=FRD_FROM_FLU @ pose, servo=servo, vehicle_from_servo=turning)
         if at not in tree:
-            return None
+            break
         at, step = tree[at]
-        pose = step @ pose
-    return None
+        pose, above = step @ pose, None if above is None else step @ above
+    return WayUp(vehicle=None, servo=servo)
+
+
+def vehicle_from(frame: str, tree: Tree) -> Poses | None:
+    """Return T_v_frame by the way up to base_link; None where there is no way."""
+    return way_up(frame, tree).vehicle
 
 
 def mount_of(pose: Poses) -> list[float]:
