@@ -4,22 +4,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from hullrecon.dive.check.messages import count_noun
-from hullrecon.dive.config.schema import HullRegion
+from hullrecon.dive.config.schema import Hull
 from hullrecon.errors import InputError
 from hullrecon.geometry.charts.chart import chart_for_hull
 from hullrecon.geometry.charts.region import chart_limits, region_cells
 from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.geometry.poses import from_mount, up_in
 
 
-def describe_regions(regions: Sequence[HullRegion], mesh: Mesh | None) -> tuple[list[str], list[str]]:
+def describe_regions(hull: Hull | None, mesh: Mesh | None) -> tuple[list[str], list[str]]:
     """Return a sentence for each region with its area, and one for each that holds no hull; none without a CAD model."""
-    if not regions or mesh is None:
+    regions = () if hull is None else hull.region or ()
+    if not regions or hull is None or mesh is None:
         return [], []
     try:
-        chart = chart_for_hull(mesh)
+        chart = chart_for_hull(mesh, up_in(from_mount(hull.pose)))
     except InputError as error:
         return [], [f"{count_noun(len(regions), 'hull.region')} cannot be counted: {error.what}"]
     areas = {region: float(region_cells(chart, mesh, region.along, region.girth).area.sum()) for region in regions}

@@ -124,7 +124,7 @@ def check_package(
     named = {sensor for sensor, topic in request.topics.items() if topic in found.counts}
     logged = named | (TYPES.keys() & found.counts.keys())
     known = present | logged if problems.found else present  # of what cannot be used it is said why
-    regions, empty_regions = describe_regions(() if loaded.config.hull is None else loaded.config.hull.region or (), found.hull)
+    regions, empty_regions = describe_regions(loaded.config.hull, found.hull)
     return PackageCheck(
         name=loaded.config.dive.name,
         vessel=loaded.config.dive.vessel,
