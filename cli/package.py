@@ -51,7 +51,7 @@ def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
         write_file(folder / name, text.encode())
     write_file(path, fill_template(found, logs, folder).encode())
     outside = [] if allow_outside else [path for path in logs if not lies_inside(path, folder)]
-    unknown = to_fill_in(load_config(folder), guess_topics(found.topics).keys())
+    unknown = to_fill_in(load_config(folder), guess_topics(found.topics).keys(), frozenset())
     unknown += [f"outside the package: {p}; put it there, or give --allow-outside to check and run" for p in outside]
     unknown += questions(found)
     unknown += [f"to see to: {name} is the log's CameraInfo; it has to be that of the camera in water" for name in calibrations]

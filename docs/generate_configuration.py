@@ -84,8 +84,9 @@ def _tables(kind: type[msgspec.Struct], name: str) -> Iterator[Table]:
     if own:
         yield Table(name=name, about=" ".join((kind.__doc__ or "").split()), keys=own)
     for field, inner in sections:
-        if isinstance(inner, types.StructType):
-            yield from _tables(inner.cls, f"{name}.{field.encode_name}".lstrip("."))
+        below = inner.item_type if isinstance(inner, types.VarTupleType) else inner
+        if isinstance(below, types.StructType):
+            yield from _tables(below.cls, f"{name}.{field.encode_name}".lstrip("."))
 
 
 def _struct(kind: type) -> types.StructType:
@@ -139,7 +140,7 @@ def _kind(kind: types.Type) -> str:
 
 def _plural(kind: types.Type) -> str:
     inner, _ = _inner(kind)
-    words = {types.StrType: "texts", types.FloatType: "numbers"}
+    words = {types.StrType: "texts", types.FloatType: "numbers", types.StructType: "tables, below"}
     return f"{len(inner.item_types)} numbers each" if isinstance(inner, types.TupleType) else words[type(inner)]
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
@@ -116,10 +117,10 @@ def rig_from_settings(settings: Mapping[str, object], camera_models: Mapping[Cam
     """Return the rig of a dive from the values of dive.toml by dotted key (RIG_KEYS), None or absent where not carried."""
 
     def mount(key: str) -> Poses | None:
-        return None if settings.get(key) is None else from_mount(_numbers(settings[key]))
+        return None if settings.get(key) is None else from_mount(numbers_of(settings[key]))
 
     def origin(key: str) -> Array | None:
-        return None if settings.get(key) is None else np.array(_numbers(settings[key]))
+        return None if settings.get(key) is None else np.array(numbers_of(settings[key]))
 
     def or_zero(value: Array | None) -> Array:
         return np.zeros(3) if value is None else value
@@ -135,9 +136,3 @@ def rig_from_settings(settings: Mapping[str, object], camera_models: Mapping[Cam
         sonar_joint_from_sonar=mount("sonar.mount"),
         camera_models=camera_models or {},
     )
-
-
-def _numbers(value: object) -> tuple[float, ...]:
-    if not isinstance(value, (tuple, list)):
-        raise TypeError(f"a list of numbers is expected, not {value!r}")
-    return tuple(float(v) for v in value)

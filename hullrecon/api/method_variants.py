@@ -123,13 +123,16 @@ def _read_solution(variant: MethodVariant, workspace: Workspace) -> SolvedVarian
 
 
 def read_dead_reckoning(dive: DiveRun) -> DeadReckoning:
-    """Return the dead-reckoned dive, the rig as configured. Raises InputError where navigate left nothing."""
+    """Return the dead-reckoned dive, the rig as configured or logged. Raises InputError where navigate left nothing."""
+    from hullrecon.artifacts.graph.stage_settings import StageSettings
     from hullrecon.evaluation.comparison.comparison import DeadReckoning
     from hullrecon.rig import RIG_KEYS, rig_from_settings
-    from hullrecon.steps.artifacts import NavigateArtifact
+    from hullrecon.steps.artifacts import InputArtifacts
 
-    artifact = NavigateArtifact(dive.workspace.artifact("navigate"))
-    rig = rig_from_settings({key: _setting(dive.chain.sections, key) for key in RIG_KEYS}, {})
+    artifacts = InputArtifacts({name: dive.workspace.artifact(name) for name in ("ingest", "navigate")})
+    artifact = artifacts.navigate
+    given = StageSettings("navigate", {key: _setting(dive.chain.sections, key) for key in RIG_KEYS})
+    rig = rig_from_settings(artifacts.mounted(given), {})
     return DeadReckoning(trajectory=artifact.trajectory, returns=artifact.returns, rig=rig)
 
 

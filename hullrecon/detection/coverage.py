@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,9 @@ from hullrecon.detection.as_found.mesh import refine_near
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.hull_position import hull_position
 from hullrecon.detection.views import GRAZING, CameraViews, Visibility, find_visibility
+from hullrecon.dive.config.schema import HullRegion
 from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.charts.region import region_cells
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas, vertex_normals
 from hullrecon.geometry.neighbours import Around, nearest
@@ -51,10 +53,16 @@ class SonarSurvey:
     half_elevation_rad: float
 
 
-def summarise_coverage(base: BaseSurface, views: CameraViews | None, sonar: SonarSurvey | None, track: VehicleTrack) -> Facts:
+def summarise_coverage(
+    base: BaseSurface,
+    views: CameraViews | None,
+    sonar: SonarSurvey | None,
+    track: VehicleTrack,
+    regions: Sequence[HullRegion] = (),
+) -> Facts:
     """Return coverage.json: areas of the base surface that each sensor saw, and holes in what the camera (else the DVL) saw.
 
-    track: the path that it was seen from.
+    track: the path that it was seen from; regions: of the CAD model, whose own coverage is added where there are any.
     """
     surveyed = base.surveyed.vertices
     patches, scene = hull_patches(refine_near(base.mesh, surveyed[::7], PATCH_M, PATCHES_REACH_M)), Scene(base.mesh)
@@ -72,6 +80,8 @@ def summarise_coverage(base: BaseSurface, views: CameraViews | None, sonar: Sona
         report["sonar"] = {"pings": len(sonar.poses), **area_facts(patches, by_sonar)}
     report["holes"] = find_holes(patches, seen, base.chart, lambda center: locate_hole(center, base, track))
     report["min_hole_m2"] = MIN_HOLE_M2
+    if regions:
+        report["regions"] = [_region_facts(region, base, views, sonar, scene) for region in regions]
     return report
 
 
@@ -83,6 +93,29 @@ def locate_hole(center: Array, base: BaseSurface, track: VehicleTrack) -> Facts:
     normal = toward / max(float(np.linalg.norm(toward)), 1e-9)
     covariance = track.covariance[near : near + 1, :3, :3]
     return hull_position(center, normal, covariance, 0.0, CELL_M / np.sqrt(12), base).as_json(base)
+
+
+def _region_facts(
+    region: HullRegion, base: BaseSurface, views: CameraViews | None, sonar: SonarSurvey | None, scene: Scene
+) -> Facts:
+    """Return the area of a region of the CAD model, and how much of it each sensor saw; None for one that was not carried."""
+    cells = region_cells(base.chart, base.mesh, region.along, region.girth)
+    patches = HullPatches(mesh=Mesh(cells.middle, np.zeros((0, 3), np.int32)), normal=cells.normal, area=cells.area)
+    seen: dict[str, Mask | None] = {"camera": None, "dvl": None, "sonar": None}
+    if views is not None:
+        seen["camera"] = find_visibility(views, cells.middle, cells.normal, scene).views > 0
+    if base.from_dvl:
+        seen["dvl"] = covered_by_surface(patches, base.surveyed.vertices[base.surveyed.support > 0], DVL_REACH_M)
+    if sonar is not None:
+        seen["sonar"] = visible_to_sonar(patches, sonar, scene)
+    whole = float(cells.area.sum())
+    facts: Facts = {
+        name: None
+        if which is None
+        else {"area_m2": _area(patches, which), "share": round(float(cells.area[which].sum()) / whole, 4) if whole else 0.0}
+        for name, which in seen.items()
+    }
+    return {"name": region.name, "along": region.along, "girth": region.girth, "area_m2": round(whole, 4), **facts}
 
 
 def hull_patches(mesh: Mesh) -> HullPatches:

@@ -16,8 +16,10 @@ import numpy as np
 from hullrecon.dive.check import messages
 from hullrecon.dive.config.calibration import read_camera
 from hullrecon.dive.hull.load import read_hull
+from hullrecon.dive.images.logged_calibrations import LoggedCalibrations
 from hullrecon.dive.images.sink import ImageSink
 from hullrecon.dive.logs import streams
+from hullrecon.dive.logs.fixed_frames import FixedSensor, FrameListener, is_static
 from hullrecon.dive.logs.ping_spool import KeepImages, PingSpool, PingStorage, SpooledPing
 from hullrecon.dive.logs.positions import position_fixes
 from hullrecon.dive.logs.read_streams import LogContents, Watch, read_streams
@@ -62,9 +64,10 @@ DEPTHS: tuple[type[PressureSample | DepthSample], ...] = (PressureSample, DepthS
 @dataclass(frozen=True, kw_only=True)
 class IngestRequest:
     """Hold what ingest needs of dive.toml. topics: topic by sensor; joints: servo by record ("tray", "sonar_tray"); calibration
-    and offset_ns by camera ("camera_top", "camera_bottom"); beams (b, 3) or None; start, end: what of the logs is used;
-    sonar_azimuth_deg: of an imaging sonar's beams; sonar_offset_ns, position_offset_ns: added to the stamps; position_frame:
-    "enu" or "ned", of local positions; sigma_position: m, where a message has none."""
+    and offset_ns by camera ("camera_top", "camera_bottom"); uncalibrated: the cameras whose calibration the logs have to hold;
+    beams (b, 3) or None; start, end: what of the logs is used; sonar_azimuth_deg: of an imaging sonar's beams; sonar_offset_ns,
+    position_offset_ns: added to the stamps; position_frame: "enu" or "ned", of local positions; sigma_position: m, where a
+    message has none."""
 
     logs: tuple[str, ...]
     topics: Mapping[str, str]
@@ -78,6 +81,7 @@ class IngestRequest:
     offset_ns: Mapping[str, int]
     mesh: str | None
     units: str
+    uncalibrated: tuple[str, ...] = ()
     start: Instant = None
     end: Instant = None
     sonar_azimuth_deg: Array | None = None
@@ -99,6 +103,7 @@ class IngestResult:
     lost: list[str] = field(default_factory=list)
     hull_messages: list[str] = field(default_factory=list)
     unused: list[str] = field(default_factory=list)  # topics that dive.toml does not name, and why a run does not use them
+    sensors: dict[str, FixedSensor] = field(default_factory=dict)  # those that tf_static leads to
     remarks: list[str] = field(default_factory=list)
     unread_dvls: list[str] = field(default_factory=list)  # topics that are a DVL's by their names, of types that are not read
     attitude_is_dvls: bool = False  # by the DVL's own sensors, as no IMU was logged
@@ -131,6 +136,9 @@ def ingest(
     for name, path in request.calibration.items():
         with problems.collect():
             out.cameras[name] = read_camera(package / path)
+    topics = {} if all(log.gives_samples for log in logs) else request.topics
+    logged = LoggedCalibrations({name: topics.get(name) for name in request.uncalibrated})
+    out.cameras |= logged.find(logs, problems)
     if request.mesh is not None:
         with problems.collect():
             out.hull = read_hull(package / request.mesh, request.units, out.hull_messages)
@@ -143,19 +151,24 @@ def ingest(
         if sample.camera in sinks:
             sinks[sample.camera].take(sample, logged_ns)
 
-    topics = {} if all(log.gives_samples for log in logs) else request.topics
     sensors = {topic: [sensor for sensor, named in topics.items() if named == topic] for topic in topics.values()}
     window = None
     with problems.collect():
         window = time_window(request.start, request.end, logs)
+    frames = FrameListener(topics)
     spool = PingSpool(None if pings is None else pings.spool)
-    found = read_streams(logs, sensors, take_image, watch, problems, window, spool.keep)
+    found = read_streams(
+        logs, sensors, take_image, lambda m: frames.watch(logged.watch(watch(m))), problems, window, spool.keep
+    )
     _check_topics(topics, found, problems)
-    out.remarks += found.remarks
+    logged.check_constant(problems)
+    out.sensors = frames.sensors(request.joints)
+    out.remarks += [*found.remarks, *logged.remarks(out.cameras)]
     out.lost = messages.describe_losses(found.losses)
     out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
     messages_of = [channel for channel in found.counts if channel.encoding != "sample"]
-    out.unused = describe_unused(messages_of, set(topics.values()))
+    chosen = {*topics.values(), *logged.topics.values(), *(c.topic for c in found.counts if out.sensors and is_static(c))}
+    out.unused = describe_unused(messages_of, chosen)
     out.unread_dvls = unread_dvls(messages_of)
     out.records = _build_records(out, request, found, problems, spool, streams.leave_black if pings is None else pings.keep)
     for name, sink in sinks.items():

@@ -11,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 
 from hullrecon.dive.config import schema
+from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.geometry import poses
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.frames import Camera
@@ -79,13 +80,13 @@ def rig_priors_from_settings(
     sigma = [dvl.scale_sigma, imu.heading_drift_deg_per_hour * degree / 3600, imu.bias_sigma_deg * degree]
     sigma += [imu.bias_sigma_deg * degree, pressure.bias_sigma_m, tray.sigma_deg * degree]
     return Rig(
-        tray_origin=np.array(tray.origin),
+        tray_origin=np.array(numbers_of(tray.origin)),
         tray_sigma=tray.sigma_deg * degree,
-        pressure_origin=np.array(pressure.origin),
-        T_s_d=mount_prior(dvl.mount, dvl_sigma),
+        pressure_origin=np.array(numbers_of(pressure.origin)),
+        T_s_d=mount_prior(numbers_of(dvl.mount), dvl_sigma),
         dvl_position_sigma=held,
-        T_s_ct=mount_prior(top.mount, top.mount_sigma) if top else None,
-        T_ct_cb=mount_prior(bottom.pose_in_top, bottom.pose_sigma) if bottom and top else None,
+        T_s_ct=mount_prior(numbers_of(top.mount), top.mount_sigma) if top else None,
+        T_ct_cb=mount_prior(numbers_of(bottom.pose_in_top), bottom.pose_sigma) if bottom and top else None,
         top=cameras.get(Camera.TOP),
         bottom=cameras.get(Camera.BOTTOM),
         sigma_px=top.sigma_px if top else 1.0,

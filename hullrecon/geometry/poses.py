@@ -90,6 +90,11 @@ def from_rpy(translation: ArrayLike, roll_pitch_yaw_rad: ArrayLike) -> Poses:
     return Poses(Rotation.from_euler("xyz", rpy).as_quat(), np.atleast_2d(np.asarray(translation, float)).copy())
 
 
+def up_in(global_from_frame: Poses) -> Array:
+    """Return up (3,) in a frame of which a batch of one gives the pose in g, whose z is down."""
+    return np.asarray(global_from_frame.rotation.inv().apply([0.0, 0.0, -1.0])[0])
+
+
 def from_mount(mount: ArrayLike) -> Poses:
     """Return one pose of dive.toml's six numbers: x, y, z in metres, roll, pitch, yaw in degrees."""
     m = np.asarray(mount, float)

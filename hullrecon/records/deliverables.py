@@ -84,6 +84,28 @@ class CoverageHole(PositionMembers):
 
 
 @dataclass(frozen=True, kw_only=True)
+class RegionShare:
+    """What one sensor saw of a region: m2, and the share of the region's hull."""
+
+    area_m2: float
+    share: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class RegionCoverage:
+    """A region of dive.toml: its limits in m (None: none), the hull in it in m2, and what each sensor saw of it, None for one
+    that was not carried."""
+
+    name: str
+    along: tuple[float, float] | None
+    girth: tuple[float, float] | None
+    area_m2: float
+    camera: RegionShare | None = None
+    sonar: RegionShare | None = None
+    dvl: RegionShare | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Coverage:
     """coverage.json; None for a sensor that was not carried. min_hole_m2: smaller holes are not listed."""
 
@@ -92,3 +114,4 @@ class Coverage:
     dvl: SensorCoverage | None = None
     holes: Sequence[CoverageHole] = field(default_factory=tuple)
     min_hole_m2: float = 0.03
+    regions: Sequence[RegionCoverage] = field(default_factory=tuple)

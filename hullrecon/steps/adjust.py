@@ -64,7 +64,8 @@ def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[
 
 
 def _measurements(context: Context[AdjustOptions]) -> Measurements:
-    inputs, settings = InputArtifacts(context.inputs), context.settings
+    inputs = InputArtifacts(context.inputs)
+    settings = inputs.mounted(context.settings)
     return Measurements(
         trajectory=inputs.navigate.trajectory,
         odometry=inputs.navigate.odometry,
@@ -84,10 +85,11 @@ def _cad_model(mesh: Mesh | None, hull: schema.Hull | None) -> CadModel | None:
     if hull is None or mesh is None:
         return None
     sigma = np.array(hull.pose_sigma) * np.r_[np.ones(3), np.full(3, np.pi / 180)]
+    guess = poses.from_mount(hull.pose)
     return CadModel(
         mesh=mesh,
-        chart=chart_for_hull(mesh),
-        guess=poses.from_mount(hull.pose),
+        chart=chart_for_hull(mesh, poses.up_in(guess)),
+        guess=guess,
         guess_sigma=np.maximum(sigma, 1e-6),
         deviation_sigma=hull.deviation_sigma,
         deviation_length=hull.deviation_length,

@@ -15,10 +15,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import TypeVar
 
+import msgspec
 import numpy as np
 
 from hullrecon.artifacts.graph.stage import load_arrays
+from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.dive.config.mounts import DEFAULTS, ChosenMount, choose_mounts, with_value
 from hullrecon.dive.images.store import ImageStore
+from hullrecon.dive.logs.fixed_frames import FixedSensor
 from hullrecon.errors import InputError
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.chart import Chart, chart_from_arrays
@@ -36,6 +40,7 @@ from hullrecon.typing import Arrays
 
 Record = TypeVar("Record")
 Document = Mapping[str, object]
+MOUNTS = "mounts.json"
 SONAR_IMAGES = "sonar_image.npy"
 
 
@@ -116,6 +121,11 @@ class IngestArtifact(StepArtifact):
     def camera_models(self) -> dict[Camera, CameraModel]:
         """Return the calibrations as read; empty where no camera was carried."""
         return read_camera_models(self.folder / "cameras.json")
+
+    @property
+    def sensors(self) -> dict[str, FixedSensor]:
+        """Return the sensors that the log's tf_static leads to; empty where it has none."""
+        return msgspec.convert(self._document(MOUNTS), dict[str, FixedSensor])
 
     def image_index(self, camera: Camera) -> ImageIndex | None:
         return self._optional(f"images_{camera.key}.npz", ImageIndex)
@@ -322,6 +332,21 @@ class InputArtifacts:
     def detect(self) -> DetectArtifact | None:
         return DetectArtifact(self.inputs["detect"]) if "detect" in self.inputs else None
 
+    def mounts(self, settings: Mapping[str, object]) -> dict[str, ChosenMount]:
+        """Return the lever arms and mounts that these settings leave to the log."""
+        declared = dict(settings)  # without a fault where the step declares no such key
+        return choose_mounts({key: _value(declared, key) for key in DEFAULTS}, self.ingest.sensors)
+
+    def mounted(self, settings: StageSettings) -> StageSettings:
+        """Return the settings with the lever arms and mounts in place that they leave to the log."""
+        values: dict[str, object] = dict(settings)
+        for key, mount in self.mounts(settings).items():
+            section, _, name = key.rpartition(".")
+            if section in values:
+                values[section] = with_value(values[section], name, mount.value)
+            values[key] = mount.value
+        return settings.replaced(values)
+
     @property
     def camera_models(self) -> dict[Camera, CameraModel]:
         """Return the calibrations as refined by adjust, else as read."""
@@ -333,6 +358,12 @@ def _number(document: Document, section: str, name: str) -> float | None:
     members = document.get(section)
     value = members.get(name) if isinstance(members, dict) else None
     return float(value) if isinstance(value, int | float) else None
+
+
+def _value(settings: Mapping[str, object], key: str) -> object:
+    """Return the value of a dotted key, which a step declares alone or with its section; None where it declares neither."""
+    section, _, name = key.rpartition(".")
+    return settings[key] if key in settings else getattr(settings.get(section), name, None)
 
 
 def read_camera_models(path: Path) -> dict[Camera, CameraModel]:

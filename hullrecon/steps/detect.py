@@ -14,6 +14,7 @@ from hullrecon.detection.coverage import SonarSurvey, summarise_coverage
 from hullrecon.detection.find_structures import find_structures
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews, views_of_top_camera
+from hullrecon.dive.config.schema import HullRegion
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.address import AddressSigma
 from hullrecon.geometry.charts.chart import Chart
@@ -28,7 +29,8 @@ CAMERA_KEYS = ("tray.origin",)  # of the rig: the mounts are the adjusted ones
 
 
 def run(context: Context[DetectOptions]) -> None:
-    inputs, settings = InputArtifacts(context.inputs), context.settings
+    inputs = InputArtifacts(context.inputs)
+    settings = inputs.mounted(context.settings)
     adjusted, surface = _adjusted(inputs), inputs.surface
     solution = adjusted.solution
     depth_sigma_m = adjusted.depth_sigma_m if solution.hull_pose is not None else None
@@ -53,8 +55,8 @@ def run(context: Context[DetectOptions]) -> None:
     else:
         context.warn("as_found is absent: there is neither a camera nor a CAD model")
     context.out.json("objects.json", {"objects": structures.objects})
-    sonar = _sonar_survey(context, inputs, solution)
-    context.out.json("coverage.json", summarise_coverage(base, views, sonar, solution.track()))
+    sonar, regions = _sonar_survey(context, inputs, solution), _regions(context, base)
+    context.out.json("coverage.json", summarise_coverage(base, views, sonar, solution.track(), regions))
     context.out.json("detect.json", structures.facts)
 
 
@@ -81,14 +83,15 @@ def _views(context: Context[DetectOptions], inputs: InputArtifacts, solution: So
     index = inputs.ingest.image_index(Camera.TOP)
     if index is None or Camera.TOP not in inputs.camera_models:
         return None
-    rig = rig_from_settings({key: context.settings[key] for key in CAMERA_KEYS}, inputs.camera_models)
+    settings = inputs.mounted(context.settings)
+    rig = rig_from_settings({key: settings[key] for key in CAMERA_KEYS}, inputs.camera_models)
     positions = solution.result_from_global().apply(solution.landmarks.position)
     return views_of_top_camera(rig.with_mounts(solution.mounts), solution.track(), index.t_ns, positions)
 
 
 def _sonar_survey(context: Context[DetectOptions], inputs: InputArtifacts, solution: Solution) -> SonarSurvey | None:
     """Return the pings and where they were taken; None where no sonar was carried or its servo was not logged."""
-    settings, pings = context.settings, inputs.ingest.sonar
+    settings, pings = inputs.mounted(context.settings), inputs.ingest.sonar
     elevation_deg = settings.read_optional("sonar.elevation_deg", float)
     if elevation_deg is None or pings is None:
         return None
@@ -102,6 +105,15 @@ def _sonar_survey(context: Context[DetectOptions], inputs: InputArtifacts, solut
     return SonarSurvey(pings=pings, poses=poses, half_elevation_rad=math.radians(elevation_deg) / 2)
 
 
+def _regions(context: Context[DetectOptions], base: BaseSurface) -> tuple[HullRegion, ...]:
+    """Return the regions of dive.toml; none, and a warning, where no hull was found for them."""
+    regions: tuple[HullRegion, ...] = context.settings.read_optional("hull.region", tuple) or ()
+    if regions and base.cad_model is None:
+        context.warn("coverage is not counted by hull.region: the CAD model was refused, and regions are parts of it")
+        return ()
+    return regions
+
+
 STAGE = Stage(
     name="detect",
     summary="find structures and remesh the hull as found",
@@ -110,5 +122,5 @@ STAGE = Stage(
     version=7,
     run=run,
     fails_alone=True,
-    uses=(*CAMERA_KEYS, "hull.frame_spacing", *SONAR_KEYS, "sonar.joint", "sonar.elevation_deg"),
+    uses=(*CAMERA_KEYS, "hull.frame_spacing", "hull.region", *SONAR_KEYS, "sonar.joint", "sonar.elevation_deg"),
 )

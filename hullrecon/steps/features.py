@@ -47,7 +47,7 @@ class Extract:
 
 def applies(settings: Mapping[str, object]) -> str | None:
     """Return why a dive cannot have this step; None where it can."""
-    return None if settings["camera.top.calibration"] is not None else "no camera was carried"
+    return None if settings["camera.top.time_offset"] is not None else "no camera was carried"
 
 
 def external(settings: StageSettings, package: Path) -> list[Path]:
@@ -124,7 +124,7 @@ STAGE = Stage(
     parameters=FeatureOptions,
     version=3,
     run=run,
-    uses=("camera.top.calibration", "logs", "matches.harris_share"),
+    uses=("camera.top.time_offset", "logs", "matches.harris_share"),
     external=external,
     applies=applies,
 )

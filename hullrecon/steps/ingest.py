@@ -26,7 +26,7 @@ from hullrecon.dive.package_files import log_files
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import SonarPings
 from hullrecon.records.serialisation import to_arrays
-from hullrecon.steps.artifacts import SONAR_IMAGES
+from hullrecon.steps.artifacts import MOUNTS, SONAR_IMAGES
 from hullrecon.typing import Array
 
 USES = (
@@ -38,6 +38,7 @@ USES = (
     "position.frame", "position.sigma_m", "position.time_offset",
     *(f"{camera.section}.{key}" for camera in Camera for key in ("calibration", "time_offset")), "hull.mesh", "hull.units",
 )  # fmt: skip
+CARRIED = "time_offset"  # a key that a camera's section always has: None where the dive has no such camera
 
 
 class IngestOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -66,6 +67,7 @@ def request_of(settings: StageSettings) -> IngestRequest:
         sigma_velocity=settings.read("dvl.sigma_velocity", float),
         calibration=_drop_empty({c.key: settings.read_optional(f"{c.section}.calibration", str) for c in Camera}),
         offset_ns={c.key: offset_ns(settings.read_optional(f"{c.section}.time_offset", float) or 0.0) for c in Camera},
+        uncalibrated=tuple(c.key for c in Camera if _needs_logged_calibration(settings, c)),
         mesh=settings.read_optional("hull.mesh", str),
         units=settings.read_optional("hull.units", str) or "m",
         start=_instant(settings, "dive.from"),
@@ -76,6 +78,11 @@ def request_of(settings: StageSettings) -> IngestRequest:
         position_offset_ns=offset_ns(settings.read("position.time_offset", float)),
         sonar_azimuth_deg=None if azimuth is None else np.array(azimuth, float),
     )
+
+
+def _needs_logged_calibration(settings: StageSettings, camera: Camera) -> bool:
+    """Return whether a camera was carried whose calibration dive.toml leaves to the log."""
+    return settings[f"{camera.section}.{CARRIED}"] is not None and settings[f"{camera.section}.calibration"] is None
 
 
 def _instant(settings: StageSettings, name: str) -> Instant:
@@ -143,6 +150,8 @@ def _write(context: Context[IngestOptions], found: IngestResult) -> None:
         context.out.arrays(f"images_{name}.npz", to_arrays(index))
     cameras = {name.removeprefix("camera_"): asdict(camera) for name, camera in found.cameras.items() if name in found.images}
     context.out.json("cameras.json", cameras)
+    if found.sensors:
+        context.out.json(MOUNTS, {sensor: asdict(fixed) for sensor, fixed in found.sensors.items()})
     if found.hull is not None:
         context.out.arrays("hull.npz", {"vertices": found.hull.vertices, "faces": found.hull.faces})
     context.out.json("findings.json", found.findings())

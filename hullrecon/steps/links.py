@@ -27,7 +27,8 @@ from hullrecon.vision.stereo.camera_rig import CameraRig
 
 def run(context: Context[LinkOptions]) -> None:
     """Leave what pairs of images have in common, which patches of the hull were passed again, and the path that this ties."""
-    inputs, settings = InputArtifacts(context.inputs), context.settings
+    inputs = InputArtifacts(context.inputs)
+    settings = inputs.mounted(context.settings)
     navigate = inputs.navigate
     graph = PoseGraph(
         trajectory=navigate.trajectory,
@@ -56,7 +57,8 @@ def run(context: Context[LinkOptions]) -> None:
 
 def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]) -> dict[str, object]:
     """Write what the images tie, and return its numbers."""
-    inputs, settings = InputArtifacts(context.inputs), context.settings
+    inputs = InputArtifacts(context.inputs)
+    settings = inputs.mounted(context.settings)
     rig = rig_from_settings(_rig_values(settings), inputs.ingest.camera_models)
     worker = MatchWorker(
         features=context.inputs["features"], rig=CameraRig(rig), options=settings.read("matches", MatchOptions)

@@ -26,7 +26,7 @@ def applies(settings: Mapping[str, object]) -> str | None:
 def run(context: Context[MatchOptions]) -> None:
     """Leave tracks.npz, pairs.npz and pairs.json."""
     inputs = InputArtifacts(context.inputs)
-    rig = rig_from_settings(context.settings, inputs.ingest.camera_models)
+    rig = rig_from_settings(inputs.mounted(context.settings), inputs.ingest.camera_models)
     worker = MatchWorker(features=context.inputs["features"], rig=CameraRig(rig), options=context.parameters)
     links = inputs.links
     if links is None:

@@ -22,7 +22,7 @@ REMEDY = "check the alignment of the dive with its surface, or set mosaic-optica
 
 def applies(settings: Mapping[str, object]) -> str | None:
     """Return None where a camera was carried, else why there is no such mosaic."""
-    return None if settings["camera.top.calibration"] is not None else "no camera was carried"
+    return None if settings["camera.top.time_offset"] is not None else "no camera was carried"
 
 
 def run(context: Context[OpticalOptions]) -> None:
@@ -45,7 +45,8 @@ def run(context: Context[OpticalOptions]) -> None:
 
 def _usable_images(context: Context[OpticalOptions], artifacts: InputArtifacts, inputs: MosaicInputs) -> list[CameraImages]:
     """Return the cameras with their usable images and where each was taken. Raises StageError where there is none."""
-    rig = rig_from_settings({key: context.settings[key] for key in CAMERA_KEYS}, artifacts.camera_models)
+    settings = artifacts.mounted(context.settings)
+    rig = rig_from_settings({key: settings[key] for key in CAMERA_KEYS}, artifacts.camera_models)
     rig = rig if inputs.mounts is None else rig.with_mounts(inputs.mounts)
     cameras = []
     for camera in rig.cameras:
@@ -66,7 +67,7 @@ STAGE = Stage(
     version=5,
     run=run,
     fails_alone=True,
-    uses=("camera.top.calibration", *CAMERA_KEYS, "logs", "hull.frame_spacing"),
+    uses=("camera.top.time_offset", *CAMERA_KEYS, "logs", "hull.frame_spacing"),
     external=external,
     applies=applies,
 )

@@ -34,7 +34,8 @@ def applies(settings: Mapping[str, object]) -> str | None:
 
 
 def run(context: Context[SonarOptions]) -> None:
-    options, settings, artifacts = context.parameters, context.settings, InputArtifacts(context.inputs)
+    options, artifacts = context.parameters, InputArtifacts(context.inputs)
+    settings = artifacts.mounted(context.settings)
     pings = _pings(artifacts)
     inputs = read_mosaic_inputs(artifacts, options.reach_m)
     rig = rig_from_settings({key: settings[key] for key in SONAR_KEYS})

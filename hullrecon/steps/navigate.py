@@ -14,6 +14,7 @@ import numpy as np
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.check.messages import Stream
+from hullrecon.dive.config.mounts import describe_mounts
 from hullrecon.dive.config.schema import Logs
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.dive.package_files import named_images
@@ -29,7 +30,7 @@ from hullrecon.navigation.stereo_odometry.stereo_path import Aids, Frames, stere
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import Trajectory
 from hullrecon.rig import RIG_KEYS, rig_from_settings
-from hullrecon.steps.artifacts import InputArtifacts
+from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.steps.stereo_check import find_rig_problem
 from hullrecon.vision.odometry import OdometryFrame, StereoOdometer, stereo_odometer
 from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
@@ -68,6 +69,8 @@ def external(settings: StageSettings, package: Path) -> list[Path]:
 def run(context: Context[NavigateOptions]) -> None:
     """Leave trajectory, error model, odometry, attitude, returns and navigation.json."""
     ingest = InputArtifacts(context.inputs).ingest
+    for line in describe_mounts(InputArtifacts(context.inputs).mounts(context.settings)):
+        context.warn(line)
     _refuse_wrong_rig(context)
     if ingest.dvl is not None:
         _write(context, _by_dvl(context), "dvl")
@@ -81,9 +84,15 @@ def run(context: Context[NavigateOptions]) -> None:
         )
 
 
+def _ingest_and_settings(context: Context[NavigateOptions]) -> tuple[IngestArtifact, StageSettings]:
+    """Return what ingest left, and the settings with the mounts that the log gives."""
+    inputs = InputArtifacts(context.inputs)
+    return inputs.ingest, inputs.mounted(context.settings)
+
+
 def _refuse_wrong_rig(context: Context[NavigateOptions]) -> None:
     """Raise InputError where a few pairs of images contradict the calibration or the stamps, before hours are spent on them."""
-    ingest, settings = InputArtifacts(context.inputs).ingest, context.settings
+    ingest, settings = _ingest_and_settings(context)
     index = {camera: found for camera in Camera if (found := ingest.image_index(camera)) is not None}
     rig = rig_from_settings(settings, ingest.camera_models)
     if len(index) < len(Camera):
@@ -96,7 +105,7 @@ def _refuse_wrong_rig(context: Context[NavigateOptions]) -> None:
 
 
 def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
-    ingest, settings = InputArtifacts(context.inputs).ingest, context.settings
+    ingest, settings = _ingest_and_settings(context)
     dvl, imu = _unless_empty(ingest.dvl), _unless_empty(ingest.imu)
     if dvl is None:
         raise StageError("the DVL's log is empty", where="navigate", remedy="check the topic and the span of the log")
@@ -115,7 +124,7 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
 
 
 def _by_stereo(context: Context[NavigateOptions]) -> Navigated:
-    ingest, settings, options = InputArtifacts(context.inputs).ingest, context.settings, context.parameters
+    (ingest, settings), options = _ingest_and_settings(context), context.parameters
     rig = rig_from_settings(settings, ingest.camera_models)
     rig_sigma = np.array(settings.read("camera.bottom.pose_sigma", tuple), float) * [1, 1, 1, *np.radians([1, 1, 1])]
     odometer = stereo_odometer(rig, options.stereo_features, options.stereo_inliers, float(rig_sigma[3:].max()))
@@ -156,10 +165,12 @@ def _write(context: Context[NavigateOptions], found: Navigated, source: str) -> 
 
 def _write_positions(context: Context[NavigateOptions], trajectory: Trajectory) -> tuple[dict[str, object], list[str]]:
     """Write the positions from outside where there are some that tell something, and return their numbers and sentences."""
-    fixes = InputArtifacts(context.inputs).ingest.position
+    inputs = InputArtifacts(context.inputs)
+    fixes = inputs.ingest.position
     if fixes is None:
         return {}, []
-    attached = attach_positions(fixes, trajectory, np.array(context.settings.read("position.origin", tuple), float))
+    lever = np.array(inputs.mounted(context.settings).read("position.origin", tuple), float)
+    attached = attach_positions(fixes, trajectory, lever)
     if attached.ties is not None:
         context.out.arrays("positions.npz", to_arrays(attached.ties))
     return {"positions": attached.facts()}, attached.sentences()

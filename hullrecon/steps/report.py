@@ -84,7 +84,7 @@ def read_survey(context: Context[ReportOptions]) -> Survey:
     artifacts = InputArtifacts(context.inputs)
     adjusted = _adjusted(artifacts.adjust) if artifacts.adjust is not None else None
     solution = adjusted.solution if adjusted is not None else None
-    rig = rig_from_settings(context.settings, artifacts.camera_models)
+    rig = rig_from_settings(artifacts.mounted(context.settings), artifacts.camera_models)
     mosaics = {name: _mosaic(context.inputs[step]) for step, name in MOSAICS.items() if step in context.inputs}
     facts = artifacts.detect.facts if artifacts.detect is not None else {}
     detect = msgspec.convert({**facts, "objects": _reason(facts)}, DetectFacts)
@@ -266,6 +266,6 @@ STAGE = Stage(
     parameters=ReportOptions,
     version=10,
     run=run,
-    uses=("dive", "logs", "hull", "camera.top.calibration", *RIG_KEYS),
+    uses=("dive", "logs", "hull", "camera.top.time_offset", *RIG_KEYS),
     external=files_of_package,
 )

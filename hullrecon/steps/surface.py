@@ -9,7 +9,7 @@ import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.graph.stage_settings import StageSettings
-from hullrecon.geometry.poses import from_mount
+from hullrecon.geometry.poses import from_mount, up_in
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import rig_from_settings
@@ -23,7 +23,8 @@ DVL_KEYS = ("tray.origin", "dvl.mount")  # of the rig, what places the DVL's bea
 
 
 def run(context: Context[SurfaceOptions]) -> None:
-    inputs, settings = InputArtifacts(context.inputs), context.settings
+    inputs = InputArtifacts(context.inputs)
+    settings = inputs.mounted(context.settings)
     adjust, cad_model = inputs.adjust, inputs.ingest.hull
     if adjust is not None and adjust.solution.hull_pose is None:
         cad_model = None  # there is none, or the adjustment refused it
@@ -32,8 +33,10 @@ def run(context: Context[SurfaceOptions]) -> None:
         track, source = adjust.solution.track(), "adjusted"
     else:
         track, source = _dead_reckoned_track(inputs, settings)
+    pose = settings.read_optional("hull.pose", tuple)
+    up = (0.0, 0.0, 1.0) if pose is None else up_in(from_mount(pose))
     survey = SurfaceInputs(
-        hull=UnknownHull() if cad_model is None else CadHull(mesh=cad_model),
+        hull=UnknownHull() if cad_model is None else CadHull(mesh=cad_model, up=up),
         track=track,
         rig=rig if adjust is None else rig.with_mounts(adjust.solution.mounts),
         returns=inputs.navigate.returns,

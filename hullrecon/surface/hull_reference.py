@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,13 +26,14 @@ class Comparison:
 
 @dataclass(frozen=True, kw_only=True)
 class CadHull:
-    """A hull with a CAD model, in M."""
+    """A hull with a CAD model, in M; up (3,): roughly up there."""
 
     mesh: Mesh
+    up: Sequence[float] | Array = (0.0, 0.0, 1.0)
 
     def chart(self, points: Array, sensors: Array) -> Chart:
         """Return the ship's own chart; it depends on neither the points nor the sensors."""
-        return chart_for_hull(self.mesh)
+        return chart_for_hull(self.mesh, self.up)
 
     def on_hull(self, label: Ints) -> Mask:
         """Return which landmarks (n,) were labelled as lying on the CAD model's surface."""

@@ -48,7 +48,7 @@ def test_lengths_stay_metres_and_angles_become_radians():
 
 
 def test_an_error_that_is_said_not_to_exist_keeps_a_sigma_that_can_be_divided_by():
-    rig = rig_of(pressure=Pressure(bias_sigma_m=0.0), dvl=Dvl(scale_sigma=0.0))
+    rig = rig_of(pressure=Pressure(origin=(0, 0, 0), bias_sigma_m=0.0), dvl=Dvl(mount=(0, 0, 0, 0, 90, 0), scale_sigma=0.0))
     assert rig.navigation_sigma[0] == rig.navigation_sigma[4] == 1e-9
 
 

@@ -141,3 +141,8 @@ def test_interpolation_of_one_pose_holds_it() -> None:
     one = poses.from_mount([1.0, 2.0, 3.0, 10.0, 0.0, 0.0])
     found = poses.interpolate(np.array([5]), one, np.array([0, 5, 9]))
     np.testing.assert_array_equal(found.translation, np.tile([1.0, 2.0, 3.0], (3, 1)))
+
+
+def test_up_is_told_in_any_frame_by_its_pose_in_g() -> None:
+    assert np.allclose(poses.up_in(poses.from_mount([1, 2, 3, 180, 0, 40])), [0, 0, 1])
+    assert np.allclose(poses.up_in(poses.from_mount([0, 0, 0, -90, 0, 0])), [0, 1, 0])

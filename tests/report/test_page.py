@@ -13,7 +13,14 @@ import numpy as np
 
 from hullrecon.dive.config.schema import Dive
 from hullrecon.geometry.frames import Camera
-from hullrecon.records.deliverables import Coverage, RejectedRegion, ReportedObject, SensorCoverage
+from hullrecon.records.deliverables import (
+    Coverage,
+    RegionCoverage,
+    RegionShare,
+    RejectedRegion,
+    ReportedObject,
+    SensorCoverage,
+)
 from hullrecon.report.content.frame_words import frame_in_words
 from hullrecon.report.content.headline import headline, weak_sentences
 from hullrecon.report.content.object_card import object_rows
@@ -23,6 +30,7 @@ from hullrecon.report.content.page_context import coverage_rows, page_context
 from hullrecon.report.deliver import FileEntry
 from hullrecon.report.export.summary import counts, summary_document
 from hullrecon.report.figures.all_plots import draw_all_plots
+from hullrecon.report.pdf.render import render_html
 from hullrecon.report.step_documents import LogFindings, MosaicFacts
 from hullrecon.report.survey import Mosaic, Mosaics, Survey
 
@@ -246,6 +254,18 @@ def test_no_page_denies_holes_beside_a_mosaic_with_gaps(survey: Survey) -> None:
     gappy = Mosaic(facts=MosaicFacts(gap_area_m2=0.4), preview=gray_png(), has_mesh=False)
     torn = replace(whole, mosaics=Mosaics(optical=gappy))
     assert "the mosaics have gaps that their captions name" in page_of(torn).text
+
+
+def test_coverage_by_region_is_a_table_where_dive_toml_has_regions(survey: Survey) -> None:
+    """On the page and in print; without regions neither has a word of them."""
+    share = RegionShare(area_m2=2.0, share=0.25)
+    bow = RegionCoverage(name="<bow>", along=(30.0, 34.0), girth=(0.0, 2.0), area_m2=8.0, camera=share)
+    coverage = replace(survey.findings.coverage, regions=(bow,))
+    counted = replace(survey, findings=replace(survey.findings, coverage=coverage))
+    for render in (render_page, render_html):
+        text = Reader(render(page_context(counted, [], FILES, object_crops(counted)))).text
+        assert all(words in text for words in ("Coverage by region", "<bow>", "30 to 34 m", "2.0 m² (25 %)", "not carried"))
+        assert "by region" not in Reader(render(page_context(survey, [], FILES, object_crops(survey)))).text
 
 
 def test_rejected_observations_are_counted_out_of_all(survey: Survey) -> None:

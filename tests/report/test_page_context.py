@@ -12,7 +12,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hullrecon.records.deliverables import Coverage, CoverageHole, ReportedObject, SensorCoverage
+from hullrecon.records.deliverables import (
+    Coverage,
+    CoverageHole,
+    RegionCoverage,
+    RegionShare,
+    ReportedObject,
+    SensorCoverage,
+)
 from hullrecon.report.content.object_card import card_context
 from hullrecon.report.content.object_images import object_crops
 from hullrecon.report.content.page_context import (
@@ -24,6 +31,7 @@ from hullrecon.report.content.page_context import (
     mark_of,
     mosaic_context,
     percentile_text,
+    region_rows,
 )
 from hullrecon.report.figures.plan_view import SigmaEllipse
 from hullrecon.report.figures.survey_map import chart_view
@@ -157,3 +165,12 @@ def test_frames_are_numbered_on_the_ship_alone(survey: Survey, bare: Survey) -> 
     assert ">fr " not in off_ship
     assert "on the hull's chart" in unescape(on_ship)
     assert "on the survey's own plane" in unescape(off_ship)
+
+
+def test_regions_are_rows_of_limits_and_of_what_each_sensor_saw() -> None:
+    share = RegionShare(area_m2=2.04, share=0.255)
+    region = RegionCoverage(name="bow", along=(30.0, 34.5), girth=None, area_m2=8.0, camera=share, dvl=None, sonar=share)
+    assert region_rows(Coverage(regions=(region,))) == [
+        ("bow", "30 to 34.5 m", "whole", "8.0 m²", "2.0 m² (26 %)", "2.0 m² (26 %)", "not carried")
+    ]
+    assert region_rows(Coverage()) == region_rows(None) == []

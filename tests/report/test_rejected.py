@@ -83,3 +83,10 @@ def test_options_are_listed_once_by_section_and_key() -> None:
 
 def test_nested_options_have_dotted_names_and_absent_sections_no_row() -> None:
     assert settings_rows([step("x", {"hull": None, "camera": {"top": {"mount": 1}}})]) == [("camera.top.mount", "1")]
+
+
+def test_a_table_among_the_settings_is_a_line_of_words() -> None:
+    regions = [{"name": "bow", "along": [1.0, 2.0], "girth": None}]
+    assert settings_rows([step("x", {"hull": {"region": regions}})]) == [
+        ("hull.region", "name bow along 1.0, 2.0 girth not set")
+    ]

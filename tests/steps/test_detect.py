@@ -89,6 +89,7 @@ class EarlierSteps:
         self.landmarks = _landmarks(np.random.default_rng(3))
         self.solution, self.surface = _solution(self.landmarks), _dvl_surface()
         self.hull, self.camera, self.sonar, self.dvl, self.pressure = True, True, False, True, True
+        self.regions: tuple[schema.HullRegion, ...] | None = None
 
     def without_cad_model(self) -> None:
         self.hull = False
@@ -109,7 +110,8 @@ class EarlierSteps:
         if self.hull:
             mesh = _wall()
             np.savez(ingest / "hull.npz", vertices=mesh.vertices, faces=mesh.faces)
-            sections["hull"] = schema.Hull(mesh="hull.stl", frame_spacing=0.5)
+        if self.hull or self.regions:
+            sections["hull"] = schema.Hull(mesh="hull.stl", frame_spacing=0.5, region=self.regions)
         if self.camera:
             (ingest / "cameras.json").write_text(json.dumps({"top": asdict(CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5))}))
             n = len(self.solution.t_ns)
@@ -299,3 +301,42 @@ def test_two_runs_give_the_same_bytes(earlier: EarlierSteps, tmp_path: Path) -> 
     first, second = earlier.run(), EarlierSteps(tmp_path / "again").run()
     for name in ("as_found.npz", "objects.json", "coverage.json", "detect.json"):
         assert (first / name).read_bytes() == (second / name).read_bytes()
+
+
+def test_coverage_is_counted_against_the_regions_of_dive_toml(earlier: EarlierSteps) -> None:
+    earlier.sonar = True
+    whole = schema.HullRegion(name="whole", along=(0.0, 4.0), girth=(0.0, 2.0))
+    middle = schema.HullRegion(name="middle", along=(1.5, 2.5), girth=(0.8, 1.2))
+    above = schema.HullRegion(name="above", girth=(1.8, 2.0))
+    earlier.regions = (whole, middle, above)
+    facts = _json(earlier.run(), "coverage.json")
+    found = {region["name"]: region for region in facts["regions"]}
+    assert list(found) == ["whole", "middle", "above"]
+    assert found["middle"]["along"] == [1.5, 2.5]
+    assert found["above"]["along"] is None
+    assert [r["area_m2"] for r in found.values()] == pytest.approx([8.0, 0.4, 0.8], rel=0.06)  # rims: half a cell or none
+    for sensor in ("camera", "dvl", "sonar"):
+        seen = found["whole"][sensor]
+        assert seen["area_m2"] == pytest.approx(facts[sensor]["area_m2"], rel=0.15)  # whose patches are wider
+        assert seen["share"] == pytest.approx(seen["area_m2"] / 8, abs=1e-4)
+    assert (found["middle"]["camera"]["share"], found["above"]["camera"]["share"]) == (1.0, 0.0)
+
+
+def test_sensors_that_were_not_carried_saw_no_share_of_a_region(earlier: EarlierSteps) -> None:
+    earlier.without_camera()
+    earlier.regions = (schema.HullRegion(name="all", along=(0.0, 4.0)),)
+    (region,) = _json(earlier.run(), "coverage.json")["regions"]
+    assert (region["camera"], region["sonar"]) == (None, None)
+    assert region["dvl"]["share"] > 0.3
+
+
+def test_where_the_cad_model_was_refused_its_regions_are_not_counted(earlier: EarlierSteps) -> None:
+    earlier.without_cad_model()
+    earlier.hull, earlier.regions = False, (schema.HullRegion(name="all", along=(0.0, 4.0)),)
+    out = earlier.run()
+    assert "regions" not in _json(out, "coverage.json")
+    assert any("hull.region" in line for line in _json(out, "manifest.json")["warnings"])
+
+
+def test_without_regions_coverage_says_nothing_of_them(earlier: EarlierSteps) -> None:
+    assert "regions" not in _json(earlier.run(), "coverage.json")

@@ -14,11 +14,12 @@ from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.artifacts.storage.hashing import HashCache
 from hullrecon.dive.config.load import load_config
+from hullrecon.dive.config.schema import FROM_LOG, Dvl
 from hullrecon.dive.images.store import ImageStore
 from hullrecon.errors import InputError
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.serialisation import from_arrays
-from hullrecon.steps.artifacts import IngestArtifact
+from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.steps.ingest import STAGE, USES, external, request_of
 
 TOML = """
@@ -225,3 +226,18 @@ def test_a_pipe_in_place_of_a_log_is_refused_before_anybody_waits_for_it(tmp_pat
     (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["dive.mcap"]\n')
     with pytest.raises(InputError, match=r"dive\.mcap is a pipe"):
         files_of(tmp_path)
+
+
+def test_mounts_that_dive_toml_leaves_out_are_those_that_ingest_found_in_the_log(tmp_path):
+    """Where a step declares the key alone, and where it declares its whole section."""
+    folder = tmp_path / "ingest"
+    folder.mkdir()
+    inputs = InputArtifacts({"ingest": folder})
+    settings = StageSettings("x", {"dvl": Dvl(), "tray.origin": FROM_LOG, "pressure.origin": (1.0, 2.0, 3.0)})
+    assert inputs.mounted(settings).read("dvl", Dvl).mount == (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
+    sensor = {"frame": "d", "pose": [0.5, 0, 0.2, 0, 80, 0], "on_servo": False, "servo_origin": [0.4, 0, 0.1]}
+    (folder / "mounts.json").write_text(json.dumps({"dvl": sensor}))
+    found = inputs.mounted(settings)
+    assert found.read("dvl", Dvl).mount == pytest.approx((0.1, 0.0, 0.1, 0.0, 80.0, 0.0))
+    assert (found["tray.origin"], found["pressure.origin"]) == ((0.4, 0.0, 0.1), (1.0, 2.0, 3.0))
+    assert set(found) == set(settings)

@@ -169,10 +169,10 @@ def test_a_sonar_that_sees_nothing_of_the_surface_says_how_far_it_reached(passed
 
 
 def test_steps_apply_only_where_their_sensor_was_carried() -> None:
-    carried = {"camera.top.calibration": "top.yaml", "sonar.mount": Sonar().mount, "topics": Topics(sonar="/s")}
+    carried = {"camera.top.time_offset": 0.0, "sonar.mount": Sonar().mount, "topics": Topics(sonar="/s")}
     assert mosaic_optical.applies(carried) is None
     assert mosaic_sonar.applies(carried) is None
-    assert mosaic_optical.applies({"camera.top.calibration": None}) == "no camera was carried"
+    assert mosaic_optical.applies({"camera.top.time_offset": None}) == "no camera was carried"
     assert mosaic_sonar.applies({"sonar.mount": None, "topics": Topics()}) == "no imaging sonar was carried"
 
 

@@ -22,6 +22,7 @@ from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, Position
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Returns, Trajectory, TrajectoryErrorModel
 from hullrecon.rig import rig_from_settings
+from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.steps.navigate import STAGE
 
 SECOND = 10**9
@@ -158,8 +159,8 @@ def test_without_a_dvl_the_stereo_cameras_give_the_path(ingest: Path, tmp_path: 
     assert json.loads((out / "navigation.json").read_text())["source"] == "stereo"
 
 
-def test_mounts_and_sigmas_reach_navigation_in_radians() -> None:
-    settings = settings_for(STAGE, sections())
+def test_mounts_and_sigmas_reach_navigation_in_radians(tmp_path: Path) -> None:
+    settings = InputArtifacts({"ingest": tmp_path}).mounted(settings_for(STAGE, sections()))
     rig, sigmas = rig_from_settings(settings), sigmas_from_settings(settings)
     assert rig.tray_origin.tolist() == [0.4, 0.0, 0.1]
     assert sigmas.mount[3] == pytest.approx(np.radians(0.9))

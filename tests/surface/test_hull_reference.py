@@ -7,6 +7,7 @@ import pytest
 
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.surface.hull_reference import CadHull, UnknownHull
+from tests.geometry.conftest import barge
 
 SLAB = Mesh(  # the square z = 1, its outside up
     np.array([[0.0, 0, 1], [4, 0, 1], [4, 4, 1], [0, 4, 1]]), np.array([[0, 1, 2], [0, 2, 3]], np.int32)
@@ -47,3 +48,12 @@ def test_without_a_cad_model_offsets_are_from_a_plane(asked: str, in_force: str)
     comparison = UnknownHull().comparison(asked, poses_are_adjusted=True)
     assert comparison.reference == in_force
     assert comparison.note is None
+
+
+def test_the_chart_of_a_model_stands_upright_whichever_axis_of_its_file_is_up() -> None:
+    mesh = barge()
+    turned = Mesh(mesh.vertices @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), mesh.faces)  # y is up
+    place = np.array([[5.0, 1.0, 3.0 - np.sqrt(8.0)]])
+    upright, lying = CadHull(mesh=mesh).chart(place, place), CadHull(mesh=turned, up=(0.1, 0.9, 0.0)).chart(place, place)
+    found = lying.to_chart(place @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]))
+    np.testing.assert_allclose(found, upright.to_chart(place), atol=1e-6)

@@ -30,6 +30,10 @@ class StageSettings(Mapping[str, object]):
     def __len__(self) -> int:
         return len(self._sections)
 
+    def replaced(self, values: Mapping[str, object]) -> StageSettings:
+        """Return settings with other values of some of the names that the step declared."""
+        return StageSettings(self._stage, {name: values.get(name, value) for name, value in self._sections.items()})
+
     def read(self, name: str, kind: type[Value]) -> Value:
         """Return a value that must be there. Raises TypeError where it is absent or of another type."""
         value = self[name]

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.dive.check.messages import Stream
+from hullrecon.dive.config.mounts import numbers_of
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.dive.logs.timeline import NS
 from hullrecon.geometry.frames import Camera
@@ -130,12 +131,12 @@ def _check_mounts(config: DiveConfig) -> list[str]:
     out = []
     top, bottom = config.camera.top, config.camera.bottom
     if top is not None:
-        looks = [from_mount(m).rotation.apply([0.0, 0.0, 1.0])[0] for m in (config.dvl.mount, top.mount)]
+        looks = [from_mount(numbers_of(m)).rotation.apply([0.0, 0.0, 1.0])[0] for m in (config.dvl.mount, top.mount)]
         apart = float(np.degrees(np.arccos(np.clip(looks[0] @ looks[1], -1, 1))))
         if apart > APART_DEG:
             out.append(f"camera.top looks {apart:.0f} degrees away from where the DVL looks: is one of the mounts wrong?")
     if bottom is not None:
-        baseline = float(np.linalg.norm(bottom.pose_in_top[:3]))
+        baseline = float(np.linalg.norm(numbers_of(bottom.pose_in_top)[:3]))
         if not 0.01 <= baseline <= 2.0:
             out.append(f"the cameras are {baseline:.3f} m apart: is camera.bottom.pose_in_top in metres?")
     return out
@@ -146,7 +147,7 @@ def _global_from_dvl(config: DiveConfig, dvl: DvlPings, imu: ImuSamples, tray: J
     nearest = _nearest(imu.t_ns, dvl.t_ns)
     angle = np.interp(dvl.t_ns, tray.t_ns, tray.angle) if tray is not None and len(tray.t_ns) else np.zeros(len(dvl.t_ns))
     vehicle_from_tray = Rotation.from_euler("y", angle[:, None])
-    return Rotation.from_quat(imu.quaternion[nearest]) * vehicle_from_tray * from_mount(config.dvl.mount).rotation
+    return Rotation.from_quat(imu.quaternion[nearest]) * vehicle_from_tray * from_mount(numbers_of(config.dvl.mount)).rotation
 
 
 def _nearest(t_ns: Ints, wanted_ns: Ints) -> Ints:

@@ -13,10 +13,12 @@ import numpy as np
 from msgspec import Struct
 
 from hullrecon.dive.check.consistency_checks import check_consistency, check_mount_of_attitude, describe_start_offset
+from hullrecon.dive.check.hull_regions import describe_regions
 from hullrecon.dive.check.messages import Stream
 from hullrecon.dive.check.sampled_images import SampledImages
 from hullrecon.dive.check.to_fill_in import to_fill_in
 from hullrecon.dive.config.load import LoadedConfig
+from hullrecon.dive.config.mounts import DEFAULTS, choose_mounts, describe_mounts, filled_in
 from hullrecon.dive.config.schema import DiveConfig
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest
 from hullrecon.dive.logs.messages.samples import TYPES
@@ -38,7 +40,8 @@ CheckImages = Callable[[LoadedConfig, IngestResult, Mapping[str, SampledImages]]
 class PackageCheck:
     """What `check` reports about a package. missing_files: those that dive.toml names and that are not there, with their keys;
     unusable: what is there but cannot be used, and what to do; needs: sensors without which nothing can be computed; missing:
-    what the absence of sensors means; warnings: contradictions; defaults: values by key that nobody gave."""
+    what the absence of sensors means; warnings: contradictions; regions: how much hull each of dive.toml holds; mounts: those
+    that the log gave; defaults: values by key that nobody gave."""
 
     name: str
     vessel: str
@@ -49,6 +52,8 @@ class PackageCheck:
     missing: list[str]
     to_fill_in: list[str]
     warnings: list[str]
+    regions: list[str]
+    mounts: list[str]
     defaults: dict[str, object]
 
     @property
@@ -76,10 +81,10 @@ class PackageCheck:
         defaults = ", ".join(f"{key} = {_toml(value)}" for key, value in sorted(self.defaults.items()))
         return [
             f"{self.name}: {self.vessel}" if self.vessel else self.name,
-            *findings["spans"], *describe_start_offset(self.found.records, self.found.images), *findings["hull"],
+            *findings["spans"], *describe_start_offset(self.found.records, self.found.images), *findings["hull"], *self.regions,
             *(f"missing: {file}" for file in self.missing_files), *(f"not usable: {line}" for line in self.unusable),
-            *(f"lost: {line}" for line in findings["lost"]), *(f"note: {line}" for line in findings["remarks"]),
-            *(f"note: {line}" for line in self.found.unused), *self.missing,
+            *(f"lost: {line}" for line in findings["lost"]),
+            *(f"note: {line}" for line in (*findings["remarks"], *self.mounts, *self.found.unused)), *self.missing,
             *self.to_fill_in, *(f"warning: {line}" for line in self.warnings), f"defaults used: {defaults}",
             f"verdict: {self.verdict}",
         ]  # fmt: skip
@@ -91,8 +96,8 @@ class PackageCheck:
             "name": self.name, "vessel": self.vessel,
             "streams": {name: _describe_stream(stream) for name, stream in streams.items() if len(stream.t_ns)},
             **self.found.findings(), "missing_files": self.missing_files, "unusable": self.unusable, "missing": self.missing,
-            "to_fill_in": self.to_fill_in, "warnings": self.warnings, "topics": self.found.counts,
-            "unused": self.found.unused,
+            "to_fill_in": self.to_fill_in, "warnings": self.warnings, "regions": self.regions, "mounts": self.mounts,
+            "topics": self.found.counts, "unused": self.found.unused,
             "offset": describe_start_offset(self.found.records, self.found.images), "defaults": self.defaults,
             "run_is_possible": self.run_is_possible, "verdict": self.verdict,
         }  # fmt: skip
@@ -111,11 +116,15 @@ def check_package(
     sampled: dict[str, SampledImages] = {}
     problems = Problems(go_on=True)
     found = ingest(loaded.package, request, lambda camera: sampled.setdefault(camera, SampledImages()), watch, problems)
+    mounts = choose_mounts({key: loaded.value(key) for key in DEFAULTS}, found.sensors)
+    taken = {key: mount for key, mount in mounts.items() if mount.source}
+    loaded = filled_in(loaded, mounts)
     streams: Mapping[str, Stream] = {**found.records.by_name(), **found.images}
     present = {"joints" if name == "tray" else name for name, stream in streams.items() if len(stream.t_ns)}
     named = {sensor for sensor, topic in request.topics.items() if topic in found.counts}
     logged = named | (TYPES.keys() & found.counts.keys())
     known = present | logged if problems.found else present  # of what cannot be used it is said why
+    regions, empty_regions = describe_regions(loaded.config.hull, found.hull)
     return PackageCheck(
         name=loaded.config.dive.name,
         vessel=loaded.config.dive.vessel,
@@ -124,20 +133,27 @@ def check_package(
         unusable=[*_lost_velocities(found.records.dvl, found.images), *(error.line() for error in problems.found)],
         needs=[*needs(known, found.unread_dvls), *_images_not_logged(loaded.config, known)],
         missing=missing(known, hull=request.mesh is not None or loaded.config.hull is not None),
-        to_fill_in=to_fill_in(loaded, logged),
+        to_fill_in=to_fill_in(loaded, logged, taken.keys()),
         warnings=[
             *check_consistency(loaded.config, found.records, found.images),
             *(check_mount_of_attitude(loaded.config, found.records.tray) if found.attitude_is_dvls else []),
             *(check_images(loaded, found, sampled) if check_images is not None else []),
+            *empty_regions,
         ],
-        defaults=defaults_of(loaded, with_positions="position" in logged | known),
+        regions=regions,
+        mounts=describe_mounts(taken),
+        defaults={
+            key: value
+            for key, value in defaults_of(loaded, with_positions="position" in logged | known).items()
+            if key not in taken
+        },
     )
 
 
 def _images_not_logged(config: DiveConfig, known: Set[str]) -> list[str]:
     """Return a sentence where dive.toml has a camera that leads, and the logs no image of it."""
     top = config.camera.top
-    if top is None or top.calibration is None or Camera.TOP.key in known:
+    if top is None or Camera.TOP.key in known:
         return []
     return [f"no image of camera.top was logged: {WITHOUT_CAMERAS}"]
 
@@ -161,6 +177,7 @@ def _leave_out_missing(package: Path, request: IngestRequest) -> tuple[IngestReq
         request,
         logs=tuple(name for name in request.logs if _exists(package / name)),
         calibration={name: file for name, file in request.calibration.items() if _exists(package / file)},
+        uncalibrated=request.uncalibrated if all(_exists(package / name) for name in request.logs) else (),
         mesh=request.mesh if request.mesh is not None and _exists(package / request.mesh) else None,
     )
     lone = not left.logs and len(missing_files) == 1  # of a single log its reader says what is wrong

@@ -8,6 +8,7 @@ from collections.abc import Set
 from pathlib import Path
 
 from hullrecon.dive.config.load import LoadedConfig
+from hullrecon.dive.config.mounts import DEFAULTS
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.geometry.frames import Camera
 
@@ -37,16 +38,22 @@ MEANING = {
 }
 
 
-def to_fill_in(loaded: LoadedConfig, sensors: Set[str]) -> list[str]:
-    """Return a sentence for each key that the logged sensors need and dive.toml leaves to a default, with that default."""
+def to_fill_in(loaded: LoadedConfig, sensors: Set[str], logged: Set[str] | None = None) -> list[str]:
+    """Return a sentence for each key that the logged sensors need and dive.toml leaves to a default, with that default.
+
+    logged: keys that the log's tf_static fills in; None where it was not looked for.
+    """
     out = []
     for key, meaning in MEANING.items():
-        default = loaded.value(key)
-        if isinstance(default, tuple) and sensors & SENSORS.get(key, sensors) and key not in loaded.given:
-            value = ", ".join(f"{v:g}" for v in default)
-            out.append(f"to fill in: {key}: {meaning}; until then [{value}] is used")
+        value = loaded.value(key)
+        if value is not None and sensors & SENSORS.get(key, sensors) and key not in loaded.given | (logged or set()):
+            default = DEFAULTS.get(key, value)
+            shown = ", ".join(f"{v:g}" for v in default) if isinstance(default, tuple) else str(default)
+            until = "what the log's tf_static says, else " if logged is None and key in DEFAULTS else ""
+            out.append(f"to fill in: {key}: {meaning}; until then {until}[{shown}] is used")
     return out + [
-        f"to fill in: {c.section}.calibration: the camera_info YAML of {c.key}; until then its images are not used"
+        f"to fill in: {c.section}.calibration: the camera_info YAML of {c.key}, or [{c.section}] alone where the log has its "
+        "CameraInfo; until then its images are not used"
         for c in Camera
         if c.key in sensors and loaded.value(c.section) is None
     ]

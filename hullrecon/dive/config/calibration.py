@@ -21,17 +21,21 @@ PINHOLE = ("plumb_bob", "none", "rational_polynomial", "")
 
 def read_camera(path: Path) -> CameraModel:
     """Return a pinhole with plumb_bob distortion. Raises InputError that names the key for anything else."""
-    data = read_yaml(path)
-    width, height = (_whole(data, key, path) for key in ("image_width", "image_height"))
+    return camera_of(read_yaml(path), str(path))
+
+
+def camera_of(data: Mapping[str, object], where: str) -> CameraModel:
+    """Return the camera of the keys of such a YAML; where: what an InputError names as their place."""
+    width, height = (_whole(data, key, where) for key in ("image_width", "image_height"))
     if not fits((width, height)):
-        raise InputError(f"images of {width} x {height} pixels are too large to be read", where=str(path))
-    matrix = _numbers(data, "camera_matrix", 9, path)
+        raise InputError(f"images of {width} x {height} pixels are too large to be read", where=where)
+    matrix = _numbers(data, "camera_matrix", 9, where)
     fx, fy, cx, cy = matrix[0], matrix[4], matrix[2], matrix[5]
     if not (0 < fx < 1e6 and 0 < fy < 1e6):
-        raise InputError(f"camera_matrix has focal lengths {fx:g} and {fy:g}", where=str(path))
+        raise InputError(f"camera_matrix has focal lengths {fx:g} and {fy:g}", where=where)
     if abs(matrix[1]) > 1e-6 * fx:
-        raise InputError(f"camera_matrix has a skew of {matrix[1]:g}, which is not modelled", where=str(path))
-    k1, k2, p1, p2, k3 = _distortion(data, path)
+        raise InputError(f"camera_matrix has a skew of {matrix[1]:g}, which is not modelled", where=where)
+    k1, k2, p1, p2, k3 = _distortion(data, where)
     return CameraModel(width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3)
 
 
@@ -53,20 +57,20 @@ def read_yaml(path: Path) -> Mapping[str, object]:
     return data
 
 
-def _distortion(data: Mapping[str, object], path: Path) -> list[float]:
+def _distortion(data: Mapping[str, object], where: str) -> list[float]:
     model = data.get("distortion_model", "plumb_bob")
     if model not in PINHOLE:
         shown = shorten(model) if isinstance(model, str) else show_value(model)
-        raise InputError(f"the distortion model {shown} is not read", where=str(path), remedy="calibrate with plumb_bob")
+        raise InputError(f"the distortion model {shown} is not read", where=where, remedy="calibrate with plumb_bob")
     if "distortion_coefficients" not in data:
         return [0.0] * 5
-    values = _numbers(data, "distortion_coefficients", None, path)
+    values = _numbers(data, "distortion_coefficients", None, where)
     if any(values[5:]):
-        raise InputError("more than five distortion coefficients", where=str(path), remedy="calibrate with plumb_bob")
+        raise InputError("more than five distortion coefficients", where=where, remedy="calibrate with plumb_bob")
     return (values + [0.0] * 5)[:5]
 
 
-def _numbers(data: Mapping[str, object], key: str, count: int | None, path: Path) -> list[float]:
+def _numbers(data: Mapping[str, object], key: str, count: int | None, where: str) -> list[float]:
     """Return the `data` of a matrix, or the list itself. Raises InputError unless they are so many finite numbers."""
     found = data.get(key)
     found = found.get("data") if isinstance(found, Mapping) else found
@@ -75,14 +79,14 @@ def _numbers(data: Mapping[str, object], key: str, count: int | None, path: Path
     except (TypeError, ValueError, OverflowError):
         values = None
     if values is None:
-        raise InputError(f"{key} holds no numbers", where=str(path)) from None
+        raise InputError(f"{key} holds no numbers", where=where) from None
     if (count is not None and len(values) != count) or not np.isfinite(values).all():
-        raise InputError(f"{key} is not {count or 'some'} finite numbers", where=str(path))
+        raise InputError(f"{key} is not {count or 'some'} finite numbers", where=where)
     return values
 
 
-def _whole(data: Mapping[str, object], key: str, path: Path) -> int:
+def _whole(data: Mapping[str, object], key: str, where: str) -> int:
     value = data.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or not 0 < value < 100_000:
-        raise InputError(f"{key} is {show_value(value)}, not a number of pixels", where=str(path))
+        raise InputError(f"{key} is {show_value(value)}, not a number of pixels", where=where)
     return value

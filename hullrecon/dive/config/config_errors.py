@@ -72,18 +72,27 @@ def known_keys(kind: type, prefix: str = "") -> Iterator[str]:
     for field in msgspec.structs.fields(kind):
         dotted = _join([prefix, field.encode_name])
         yield dotted
-        for part in (field.type, *get_args(field.type)):
-            if isinstance(part, type) and issubclass(part, Struct):
-                yield from known_keys(part, dotted)
+        for part in _structs_in(field.type):
+            yield from known_keys(part, dotted)
+
+
+def _structs_in(kind: object) -> Iterator[type[Struct]]:
+    """Yield the structs of a type: itself, one that may be absent, those of a list."""
+    if isinstance(kind, type) and issubclass(kind, Struct):
+        yield kind
+    for part in get_args(kind):
+        yield from _structs_in(part)
 
 
 def _unknown(key: str, section: str, kind: type, prefix: str, more: Sequence[str], file: str) -> UsageError:
     dotted = _join([section, key])
     known = [*known_keys(kind, prefix), *more]
+    section = re.sub(r"\[\d+\]", "", section)  # of a table in a list
+    alike = _join([section, key])[:200]
     beside = [name for name in known if name.rpartition(".")[0] == section]
+    nearest = [name for name in beside if name.startswith(alike)] or difflib.get_close_matches(alike, beside, 1, 0.75)
+    nearest = nearest or _same_last_name(key, known) or difflib.get_close_matches(alike, beside or known, 1, 0.0)
     dotted = dotted[:200]
-    nearest = [name for name in beside if name.startswith(dotted)] or difflib.get_close_matches(dotted, beside, 1, 0.75)
-    nearest = nearest or _same_last_name(key, known) or difflib.get_close_matches(dotted, beside or known, 1, 0.0)
     return UsageError(
         f"unknown key {shorten(dotted)}", where=file, remedy=f"the nearest known key is {nearest[0]}" if nearest else ""
     )

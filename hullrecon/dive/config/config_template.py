@@ -160,9 +160,9 @@ def fill_template(summary: LogSummary, logs: Sequence[Path], folder: Path) -> st
         text += POSITION
     mesh = _cad_model(folder)
     text += HULL.format(mesh=_quote(mesh)) if mesh else NO_HULL
-    for key, (value, frame) in proposed_mounts(summary).items():
-        values, name = ", ".join(f"{v:g}" for v in value), key.rpartition(".")[2]
-        line = f"{name} = [{values}]  # by {frame}; see that it is right"
+    for key, mount in proposed_mounts(summary, {"tray": tray}).items():
+        values, name = ", ".join(f"{v:g}" for v in mount.value), key.rpartition(".")[2]
+        line = f"{name} = [{values}]  # by {mount.source}; see that it is right"
         text = "".join(
             old.partition(MARKERS[key])[0] + line + "\n" if MARKERS[key] in old else old
             for old in text.splitlines(keepends=True)

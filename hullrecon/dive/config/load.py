@@ -17,7 +17,7 @@ import msgspec
 from msgspec import Struct, structs
 
 from hullrecon.dive.config.config_errors import explain_error, refuse_deep, refuse_not_finite, shorten
-from hullrecon.dive.config.schema import DiveConfig, Dvl, Topics
+from hullrecon.dive.config.schema import DiveConfig, Dvl, HullRegion, Topics
 from hullrecon.dive.files import MIB, read_text
 from hullrecon.errors import InputError, UsageError
 
@@ -144,6 +144,7 @@ def _check_whole(config: DiveConfig) -> None:
     if any(abs(length - 1) > 0.02 for length in lengths):
         raise UsageError("dvl.beams are not unit vectors", where=FILE, remedy="give each beam as x, y, z of length 1")
     _check_tilt(config.dvl)
+    _check_regions(() if config.hull is None else config.hull.region or ())
 
 
 def _check_topics(topics: Topics) -> None:
@@ -158,6 +159,21 @@ def _check_topics(topics: Topics) -> None:
             what = f"topics.{sensor} and topics.{others[0]} are both {topic}"
             raise UsageError(what, where=FILE, remedy="give each sensor its own topic")
         others.append(sensor)
+
+
+def _check_regions(regions: Sequence[HullRegion]) -> None:
+    """Each region has a name of its own, and limits that hold something."""
+    names = [region.name for region in regions]
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise UsageError(f"hull.region names {shorten(twice[0])} twice", where=FILE, remedy="give each region its own name")
+    for region in regions:
+        what = f"hull.region {shorten(region.name)}"
+        if region.along is None and region.girth is None:
+            raise UsageError(f"{what} has no limits", where=FILE, remedy="give along = [from, to], girth = [from, to] or both")
+        for key, limits in (("along", region.along), ("girth", region.girth)):
+            if limits is not None and not limits[0] < limits[1]:
+                raise UsageError(f"{what}: {key} ends before it begins", where=FILE, remedy="give the lower limit first")
 
 
 def _check_tilt(dvl: Dvl) -> None:

@@ -4,22 +4,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from hullrecon.dive.config.mounts import DEFAULTS, ChosenMount, choose_mounts
+from hullrecon.dive.config.schema import FROM_LOG
 from hullrecon.dive.logs.dvl_beams import ask_for_beams
+from hullrecon.dive.logs.fixed_frames import fixed_sensors, frame_of
 from hullrecon.dive.logs.messages.decode import ENCODINGS, type_name
-from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, calibration_yaml, frame_tree, mount_of, vehicle_from
+from hullrecon.dive.logs.messages.descriptions import (
+    CAMERA_INFO,
+    calibration_yaml,
+    frame_tree,
+    lies_beside,
+)
 from hullrecon.dive.logs.messages.samples import TYPES, WITHOUT_HEADER
-from hullrecon.dive.logs.readers.unpack import printable
 from hullrecon.dive.logs.samples import DvlSample, ImuSample, SonarSample
 from hullrecon.dive.logs.sonar_geometry import ask_for_azimuths
-from hullrecon.dive.logs.summary import COMPRESSED, LogSummary, guess_topics
+from hullrecon.dive.logs.summary import LogSummary, guess_topics
 
-MOUNTS = {"dvl": "dvl.mount", "camera_top": "camera.top.mount", "sonar": "sonar.mount", "pressure": "pressure.origin",
-          "position": "position.origin"}  # fmt: skip
 GRAVITY_FELT, UNIT = 5.0, 0.05  # m/s2; and how far a quaternion's length may be off 1
 
 
@@ -84,47 +91,29 @@ def missing_calibrations(summary: LogSummary, folder: Path) -> dict[str, str]:
         topic = guess_topics(summary.topics).get(camera)
         if topic is None or find_calibration(folder, camera) is not None:
             continue
-        where = topic.removesuffix(COMPRESSED).rpartition("/")[0]
         infos = [t for t in summary.topics if type_name(t.channel) == CAMERA_INFO and t.first is not None]
-        beside = [t for t in infos if t.channel.topic.rpartition("/")[0] == where]
+        beside = [t for t in infos if lies_beside(t.channel.topic, topic)]
         text = calibration_yaml(beside[0].first, beside[0].channel.topic) if beside else None
         if text is not None:
             out[f"calibration/{camera}.yaml"] = text
     return out
 
 
-def _frame_of(message: object) -> str | None:
-    """Return the frame of a message's header, None where the log's own definition of the type gives it none."""
-    frame = getattr(getattr(message, "header", None), "frame_id", None)
-    return None if frame is None else str(frame)
+def proposed_mounts(summary: LogSummary, joints: Mapping[str, str] = MappingProxyType({})) -> dict[str, ChosenMount]:
+    """Return values for keys of dive.toml, and the frames they come from, where tf_static leads from base_link to a sensor.
 
-
-def proposed_mounts(summary: LogSummary) -> dict[str, tuple[list[float], str]]:
-    """Return values for keys of dive.toml, and the frames they come from, where tf_static leads from base_link to a sensor."""
-    tree = frame_tree(message for note in summary.topics for message in note.frames)
-    guessed = guess_topics(summary.topics)
+    joints: names of the servos ("tray", "sonar_tray").
+    """
     frames = {
         sensor: frame
-        for sensor, topic in guessed.items()
+        for sensor, topic in guess_topics(summary.topics).items()
         for note in summary.topics
         if note.channel.topic == topic and note.channel.encoding in ENCODINGS and note.first is not None
-        and type_name(note.channel) not in WITHOUT_HEADER and (frame := _frame_of(note.first)) is not None
+        and type_name(note.channel) not in WITHOUT_HEADER and (frame := frame_of(note.first)) is not None
     }  # fmt: skip
-    poses = {sensor: vehicle_from(frame, tree) for sensor, frame in frames.items()}
-    out: dict[str, tuple[list[float], str]] = {}
-    for sensor, key in MOUNTS.items():
-        pose = poses.get(sensor)
-        if pose is not None:
-            value = mount_of(pose)
-            out[key] = (value[:3] if key.endswith("origin") else value, f"tf_static, frame {printable(frames[sensor])}")
-    top, bottom = poses.get("camera_top"), poses.get("camera_bottom")
-    if top is not None and bottom is not None:
-        out["camera.bottom.pose_in_top"] = (mount_of(top.inverse() @ bottom), "tf_static")
-    if out.keys() & {"dvl.mount", "camera.top.mount"}:
-        out["tray.origin"] = ([0.0, 0.0, 0.0], "tf_static: what is fixed there turns with no tray")
-    if "sonar.mount" in out:
-        out["sonar.origin"] = ([0.0, 0.0, 0.0], "tf_static")
-    return out
+    tree = frame_tree(message for note in summary.topics for message in note.frames)
+    found = choose_mounts(dict.fromkeys(DEFAULTS, FROM_LOG), fixed_sensors(tree, frames, joints))
+    return {key: mount for key, mount in found.items() if mount.source}
 
 
 def find_calibration(folder: Path, camera: str) -> str | None:

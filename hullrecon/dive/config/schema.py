@@ -26,10 +26,20 @@ BeamAzimuths = Annotated[
 ]
 Three = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
-Origin = Annotated[Three, Meta(description="m, in the vehicle's frame")]
+FROM_LOG: Literal["tf_static"] = "tf_static"  # of a mount: to be taken from the log (mounts.py)
+MountNumbers = Six | Literal["tf_static"]
+Origin = Annotated[
+    Three | Literal["tf_static"], Meta(description="m, in the vehicle's frame; by the log's tf_static, else 0, 0, 0")
+]
 MountSigma = Annotated[Six, Meta(description="m and deg, sigma of x, y, z and of a small rotation vector, in the parent frame")]
 FileName = Annotated[str, Meta(pattern=ONE_LINE, min_length=1, max_length=1000)]
-Calibration = Annotated[FileName, Meta(description="camera_info YAML of the camera, relative to dive.toml")]
+Calibration = Annotated[
+    FileName | None,
+    Meta(
+        description="camera_info YAML of the camera, relative to dive.toml; absent: the CameraInfo that was logged beside its "
+        "images"
+    ),
+]
 TimeOffset = Annotated[Offset, Meta(description="s, added to the stamps")]
 TopicName = Annotated[str, Meta(pattern=ONE_LINE, max_length=1000)]
 Hour = Annotated[datetime, Meta(tz=True)]
@@ -100,7 +110,7 @@ class Tray(Section, frozen=True):
             description="name of the tray's joint in the joint messages; empty: nothing turns",
         ),
     ] = "tray"
-    origin: Origin = (0.0, 0.0, 0.0)
+    origin: Origin = FROM_LOG
     sigma_deg: Annotated[Positive, Meta(description="deg, sigma of the servo's angle, its backlash included")] = 0.8
 
 
@@ -123,7 +133,7 @@ class Imu(Section, frozen=True):
 class Pressure(Section, frozen=True):
     """Depth, from absolute pressure or as logged."""
 
-    origin: Origin = (0.0, 0.0, 0.0)
+    origin: Origin = FROM_LOG
     z_axis: Annotated[
         Literal["up", "down"] | None,
         Meta(description="sign of logged depths and poses; absent: as their type has it (poses up, REP 103, depths down)"),
@@ -138,7 +148,9 @@ class Pressure(Section, frozen=True):
 class Dvl(Section, frozen=True):
     """Velocity and ranges along the beams."""
 
-    mount: Annotated[Six, Meta(description="m and deg, T_s_d: the DVL on the tray")] = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
+    mount: Annotated[
+        MountNumbers, Meta(description="m and deg, T_s_d: the DVL on the tray; by the log's tf_static, else 0, 0, 0, 0, 90, 0")
+    ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
     sigma_velocity: Annotated[Positive, Meta(description="m/s, of each axis, where the messages have no covariance")] = 0.003
     sigma_range: Annotated[Positive, Meta(description="m, white sigma of a range")] = 0.01
@@ -153,8 +165,11 @@ class Dvl(Section, frozen=True):
 class CameraTop(Section, frozen=True):
     """The first camera."""
 
-    calibration: Calibration
-    mount: Annotated[Six, Meta(description="m and deg, T_s_ct: the camera on the tray")] = (0.0, 0.0, 0.0, 90.0, 0.0, 90.0)
+    calibration: Calibration = None
+    mount: Annotated[
+        MountNumbers,
+        Meta(description="m and deg, T_s_ct: the camera on the tray; by the log's tf_static, else 0, 0, 0, 90, 0, 90"),
+    ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
     time_offset: TimeOffset = 0.0
     sigma_px: Annotated[Positive, Meta(description="px, sigma of a feature before residuals tell it")] = 1.0
@@ -163,10 +178,14 @@ class CameraTop(Section, frozen=True):
 class CameraBottom(Section, frozen=True):
     """The second camera of a stereo rig."""
 
-    calibration: Calibration
-    pose_in_top: Annotated[Six, Meta(description="m and deg, T_ct_cb: the camera in the top camera's frame")] = (
-        0.0, 0.1, 0.0, 0.0, 0.0, 0.0,
-    )  # fmt: skip
+    calibration: Calibration = None
+    pose_in_top: Annotated[
+        MountNumbers,
+        Meta(
+            description="m and deg, T_ct_cb: the camera in the top camera's frame; by the log's tf_static, else 0, 0.1, 0, 0, "
+            "0, 0"
+        ),
+    ] = FROM_LOG
     pose_sigma: Annotated[Six, Meta(description="m and deg, as mount_sigma; all zero: calibrated, held")] = (
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
     )  # fmt: skip
@@ -184,8 +203,11 @@ class Sonar(Section, frozen=True):
     """An imaging sonar."""
 
     joint: Annotated[TopicName | None, Meta(description="name of the joint of its own servo; absent: fixed")] = None
-    origin: Origin = (0.0, 0.0, 0.0)
-    mount: Annotated[Six, Meta(description="m and deg, frame of that servo to sonar")] = (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
+    origin: Origin = FROM_LOG
+    mount: Annotated[
+        MountNumbers,
+        Meta(description="m and deg, frame of that servo to sonar; by the log's tf_static, else 0, 0, 0, 0, 90, 0"),
+    ] = FROM_LOG
     mount_sigma: MountSigma = (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)
     elevation_deg: Annotated[Positive, Meta(description="deg, full aperture out of the plane of the fan")] = 14.0
     beam_azimuth_deg: Annotated[
@@ -201,12 +223,28 @@ class Sonar(Section, frozen=True):
 class Position(Section, frozen=True):
     """Positions from outside, by USBL or by GPS at the surface: they bound the drift of the path, and place nothing."""
 
-    origin: Origin = (0.0, 0.0, 0.0)
+    origin: Origin = FROM_LOG
     frame: Annotated[
         Literal["enu", "ned"], Meta(description="convention of x and y in a local frame: east and north, or north and east")
     ] = "enu"
     sigma_m: Annotated[Positive, Meta(description="m, of each horizontal axis, where the messages have no covariance")] = 2.0
     time_offset: TimeOffset = 0.0
+
+
+Limits = tuple[Offset, Offset]
+
+
+class HullRegion(Section, frozen=True):
+    """A part of the hull that coverage is counted against, one `[[hull.region]]` each; at least one pair of limits is given."""
+
+    name: Annotated[str, Meta(pattern=ONE_LINE, min_length=1, max_length=100, description="for the report; each its own")]
+    along: Annotated[
+        Limits | None, Meta(description="m, from and to, forward as in the deliverables; absent: the whole length")
+    ] = None
+    girth: Annotated[
+        Limits | None,
+        Meta(description="m, from and to, of arc from the keel, port positive and starboard negative; absent: the whole girth"),
+    ] = None
 
 
 class Hull(Section, frozen=True):
@@ -223,6 +261,10 @@ class Hull(Section, frozen=True):
     deviation_length: Annotated[
         tuple[Positive, Positive], Meta(description="m, along and over the girth: how far the deviation stays alike")
     ] = (3.0, 1.5)
+    region: Annotated[
+        Annotated[tuple[HullRegion, ...], Meta(max_length=100)] | None,
+        Meta(description="parts of the hull that coverage is counted against"),
+    ] = None
 
 
 class DiveConfig(Section, frozen=True):

@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hullrecon.dive.check import messages
+from hullrecon.dive.logs.fixed_frames import MOST_FRAME_MESSAGES, is_static
 from hullrecon.dive.logs.messages.decode import ENCODINGS, Fields, decode, type_name
-from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, TRANSFORMS
+from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, COMPRESSED
 from hullrecon.dive.logs.messages.samples import COMMON_TYPES, IMAGE_TYPES, TYPES
 from hullrecon.dive.logs.readers.protocol import Channel, Log, Message
 from hullrecon.dive.logs.readers.unpack import DamagedError, printable
@@ -26,13 +27,11 @@ NAMED = {
     "position": ("usbl", "gps", "gnss"),
 }  # fmt: skip
 UPPER, LOWER = ("top", "upper", "left", "cam0"), ("bottom", "lower", "right", "cam1")
-COMPRESSED = "/compressed"
 DIFFERENTIAL, LOWEST_ABSOLUTE_PA = ("diff", "gauge", "relative"), 80e3  # the lowest air pressure at any sea is 87 kPa
 WITHOUT_CAMERAS = "take [camera.top] and [camera.bottom] out of dive.toml (a lone camera is the top one)"
 A_RUN_NEEDS = "a run needs a DVL with an IMU, or two cameras"
 MOST_REMARKS = 2  # sentences of a reader in one line
 UNIT = 0.05  # how far the length of an attitude's quaternion may be off 1
-MOST_FRAME_MESSAGES = 64
 MOST_DECODED = 256  # channels whose first message is looked at: each definition is compiled
 
 
@@ -110,7 +109,7 @@ def summarise_log(log: Log) -> LogSummary:
             note = notes[message.channel] = TopicNote(
                 channel=message.channel, first=first, frames=[], count=0, start_ns=message.t_ns, end_ns=message.t_ns
             )
-        if _is_static(note.channel) and note.count < MOST_FRAME_MESSAGES and isinstance(message.data, bytes):
+        if is_static(note.channel) and note.count < MOST_FRAME_MESSAGES and isinstance(message.data, bytes):
             note.frames += _decode(message.channel, message.data)
         note.count += 1
         note.start_ns, note.end_ns = min(note.start_ns, message.t_ns), max(note.end_ns, message.t_ns)
@@ -245,10 +244,6 @@ def _without_imu(dvl: bool, stereo: bool) -> str:
 
 def _fits(note: TopicNote, types: Mapping[str, object]) -> bool:
     return note.channel.encoding in ENCODINGS and type_name(note.channel) in types
-
-
-def _is_static(channel: Channel) -> bool:
-    return channel.encoding in ENCODINGS and type_name(channel) in TRANSFORMS and channel.topic.endswith("tf_static")
 
 
 def _decode(channel: Channel, data: bytes) -> list[Fields]:

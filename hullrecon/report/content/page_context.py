@@ -12,7 +12,7 @@ import numpy as np
 from hullrecon import __version__
 from hullrecon.geometry.charts.axis_chart import AxisChart
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.records.deliverables import Coverage, CoverageHole, ReportedObject
+from hullrecon.records.deliverables import Coverage, CoverageHole, RegionShare, ReportedObject
 from hullrecon.report.content.deviation import deviation_figures, deviation_rows
 from hullrecon.report.content.frame_words import frame_in_words, origin_in_words
 from hullrecon.report.content.headline import headline, key_figures, verdict, weak_sentences
@@ -87,6 +87,7 @@ def page_context(
         "mosaics": [mosaic_context(name, m) for name, m in mosaics.items()],
         "cards": [card_context(o, survey, photos.get(o.id)) for o in survey.findings.objects or ()],
         "coverage": coverage_rows(coverage),
+        "regions": region_rows(coverage),
         "min_hole": f"{coverage.min_hole_m2:g} m²" if coverage is not None else "",
         "gaps": any(m.facts.gap_area_m2 > 0 for m in mosaics.values()),
         "holes": [hole_text(hole) for hole in coverage.holes] if coverage is not None else [],
@@ -193,6 +194,21 @@ def coverage_rows(coverage: Coverage | None) -> list[tuple[str, str]]:
         )
         rows += [(f"{text}, {name}", percentile_text(p, factor, unit)) for text, p, factor, unit in spreads if p]
     return rows
+
+
+def region_rows(coverage: Coverage | None) -> list[tuple[str, ...]]:
+    """Return a row of words for each region: name, limits, hull in it, and what camera, sonar and DVL saw of it."""
+
+    def limits(pair: tuple[float, float] | None) -> str:
+        return "whole" if pair is None else f"{pair[0]:g} to {pair[1]:g} m"
+
+    def seen(share: RegionShare | None) -> str:
+        return "not carried" if share is None else f"{share.area_m2:.1f} m² ({100 * share.share:.0f} %)"
+
+    return [
+        (r.name, limits(r.along), limits(r.girth), f"{r.area_m2:.1f} m²", seen(r.camera), seen(r.sonar), seen(r.dvl))
+        for r in (coverage.regions if coverage is not None else ())
+    ]
 
 
 def percentile_text(percentiles: Mapping[str, float], factor: float, unit: str) -> str:

@@ -62,4 +62,6 @@ def _flatten(values: Mapping[str, object], above: str = "") -> list[tuple[str, o
 
 
 def _value(value: object) -> str:
-    return ", ".join(map(str, value)) if isinstance(value, list | tuple) else "not set" if value is None else str(value)
+    if isinstance(value, Mapping):
+        return " ".join(f"{key} {_value(member)}" for key, member in value.items())
+    return ", ".join(map(_value, value)) if isinstance(value, list | tuple) else "not set" if value is None else str(value)

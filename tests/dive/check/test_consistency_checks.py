@@ -16,7 +16,7 @@ JANUS = tilted_beams(30.0, (180.0, 0.0, 90.0, -90.0))
 
 
 def config(**more) -> DiveConfig:
-    return DiveConfig(dive=Dive(name="x"), logs=Logs(files=("l",)), **more)
+    return DiveConfig(dive=Dive(name="x"), logs=Logs(files=("l",)), **{"dvl": Dvl(mount=(0, 0, 0, 0, 90, 0)), **more})
 
 
 def dive(depth=3.0, mount_pitch_deg=90.0, turn: Rotation | None = None, acceleration=(0.0, 0.0, -9.81)):
@@ -119,7 +119,9 @@ def test_a_camera_that_looks_away_from_the_dvl_is_named():
 @pytest.mark.parametrize(("metres", "told"), [(100.0, "100.000"), (0.0, "0.000")])
 def test_a_baseline_in_millimetres_or_of_nothing_is_named(metres, told):
     bottom = CameraBottom(calibration="c", pose_in_top=(0, metres, 0, 0, 0, 0))
-    found = check_consistency(config(camera=Cameras(top=CameraTop(calibration="c"), bottom=bottom)), SensorRecords(), {})
+    found = check_consistency(
+        config(camera=Cameras(top=CameraTop(calibration="c", mount=(0, 0, 0, 90, 0, 90)), bottom=bottom)), SensorRecords(), {}
+    )
     assert f"the cameras are {told} m apart" in found[0]
 
 

@@ -25,7 +25,7 @@ def test_every_key_that_the_sensors_need_is_asked_for_with_its_meaning_and_defau
     lines = to_fill_in(load(tmp_path, text), EVERYTHING)
     assert keys(lines) == set(MEANING)
     (line,) = [line for line in lines if "pressure.origin" in line]
-    assert line.endswith("until then [0, 0, 0] is used")
+    assert line.endswith("until then what the log's tf_static says, else [0, 0, 0] is used")
     assert "x forward, y starboard, z down" in line
 
 
@@ -42,7 +42,10 @@ def test_a_key_of_a_sensor_that_was_not_logged_is_not_asked_for(tmp_path):
 def test_a_camera_without_a_section_needs_a_calibration(tmp_path, camera):
     lines = to_fill_in(load(tmp_path), {camera})
     section = camera.replace("_", ".")
-    assert f"to fill in: {section}.calibration: the camera_info YAML of {camera}; until then its images are not used" in lines
+    (line,) = [
+        line for line in lines if line.startswith(f"to fill in: {section}.calibration: the camera_info YAML of {camera}")
+    ]
+    assert f"[{section}] alone where the log has its CameraInfo; until then its images are not used" in line
 
 
 def test_sensors_are_those_of_the_topics(tmp_path):

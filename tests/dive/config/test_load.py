@@ -236,3 +236,38 @@ def test_a_name_that_could_leave_its_folder_is_refused_in_one_line(package, name
 
 def test_a_name_of_a_hundred_letters_is_taken(package):
     assert load_config(package, {}, [f'dive.name="{"x" * 100}"']).config.dive.name == "x" * 100
+
+
+HULL = '[hull]\nmesh = "h.stl"\n'
+
+
+def with_regions(package: Path, *regions: str) -> Path:
+    (package / "dive.toml").write_text(PLAIN + HULL + "".join(f"[[hull.region]]\n{region}\n" for region in regions))
+    return package
+
+
+def test_regions_of_the_hull_have_a_name_and_limits(package):
+    with_regions(package, 'name = "bow, port"\nalong = [30, 40.5]\ngirth = [0, 4]', 'name = "keel"\ngirth = [-0.5, 0.5]')
+    bow, keel = load_config(package).config.hull.region
+    assert (bow.name, bow.along, bow.girth) == ("bow, port", (30.0, 40.5), (0.0, 4.0))
+    assert (keel.along, keel.girth) == (None, (-0.5, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("regions", "words"),
+    [
+        (['name = "a"\nalong = [1, 2]', 'name = "a"\nalong = [2, 3]'], "hull.region names a twice"),
+        (['name = "a"'], "hull.region a has no limits"),
+        (['name = "a"\nalong = [2, 1]'], "hull.region a: along ends before it begins"),
+        (['name = "a"\ngirth = [1, 1]'], "hull.region a: girth ends before it begins"),
+        (['name = "a"\nalong = [1]'], "hull.region[0].along"),
+        (['along = [1, 2]'], "hull.region[0].name is missing"),
+        (['name = "a\\u001b[2J"\nalong = [1, 2]'], "hull.region[0].name"),
+        (['name = ""\nalong = [1, 2]'], "hull.region[0].name"),
+        (['name = "a"\nalong_m = [1, 2]'], "hull.region[0].along_m (dive.toml): the nearest known key is hull.region.along"),
+        (['name = "a"\nalong = [1, nan]'], "hull.region[0].along[1] = nan"),
+    ],
+)  # fmt: skip
+def test_a_region_that_holds_nothing_or_has_no_name_of_its_own_is_refused(package, regions, words):
+    with_regions(package, *regions)
+    assert words in refusal(package)

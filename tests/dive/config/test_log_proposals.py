@@ -9,6 +9,7 @@ from benchmarks.fuzz.seed_aris import aris_file
 from hullrecon.dive.config.config_template import fill_template
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.config.log_proposals import imu_frame, missing_calibrations, proposed_mounts, questions
+from hullrecon.dive.config.mounts import ChosenMount
 from hullrecon.dive.logs.readers.ad2cp.log import Ad2cpLog
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.pd0 import Pd0Log
@@ -104,8 +105,8 @@ def test_mounts_are_proposed_from_the_fixed_frames_of_the_log(kit, tmp_path):
     ]
     summary = summary_of(kit, tmp_path / "x.mcap", entries_of(kit, more))  # the kit's messages are in the frame "x"
     found = proposed_mounts(summary)
-    assert found["dvl.mount"] == ([0.4, -0.2, 0.0, 180.0, 0.0, 0.0], "tf_static, frame x")
-    assert found["pressure.origin"][0] == [0.4, -0.2, 0.0]
+    assert found["dvl.mount"] == ChosenMount(value=(0.4, -0.2, 0.0, 180.0, 0.0, 0.0), source="tf_static, frame x")
+    assert found["pressure.origin"].value == (0.4, -0.2, 0.0)
     loaded = written(summary, tmp_path)
     assert loaded.config.dvl.mount == (0.4, -0.2, 0.0, 180.0, 0.0, 0.0)
     assert {"dvl.mount", "pressure.origin", "tray.origin"} <= loaded.given

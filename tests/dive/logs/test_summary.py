@@ -179,7 +179,7 @@ def test_what_no_log_tells_is_asked_for_and_not_written(kit, tmp_path, calibrati
     lines = to_fill_in(load_config(tmp_path), {"dvl", "imu", "pressure", "camera_top"})
     keys = [line.split(": ")[1] for line in lines]
     assert keys == ["tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount"]
-    assert lines[1].endswith("until then [0, 0, 0] is used")
+    assert lines[1].endswith("until then what the log's tf_static says, else [0, 0, 0] is used")
 
 
 def test_what_is_given_or_not_carried_is_not_asked_for(package):

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read what a log says of its sensors themselves: CameraInfo, and the fixed frames of tf_static. `init` proposes it."""
+"""Read what a log says of its sensors themselves: CameraInfo, and the fixed frames of tf_static."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -14,6 +15,7 @@ from hullrecon.dive.logs.messages.vectors import vector
 from hullrecon.geometry.poses import Poses, identity
 
 CAMERA_INFO, TRANSFORMS = "sensor_msgs/msg/CameraInfo", ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
+COMPRESSED = "/compressed"  # what image_transport adds to a topic's name
 BASE_FRAMES = ("base_link", "base_footprint")  # REP 105: on the vehicle, x forward, y to port, z up
 FRD_FROM_FLU = Poses(Rotation.from_euler("x", 180, degrees=True).as_quat()[None], np.zeros((1, 3)))
 MOST_FRAMES, DEEPEST = 1000, 20
@@ -37,17 +39,37 @@ def frame_tree(messages: Iterable[Fields]) -> dict[str, tuple[str, Poses]]:
     return tree
 
 
-def vehicle_from(frame: str, tree: Tree) -> Poses | None:
-    """Return T_v_frame, the vehicle's axes forward, starboard, down, by the way up to base_link; None where there is no way."""
+@dataclass(frozen=True, kw_only=True)
+class WayUp:
+    """Where a frame is. vehicle: T_v_frame, None where no way leads there; servo: its pose in the first frame of a servo on the
+    way, None without one; vehicle_from_servo: that of the servo's frame."""
+
+    vehicle: Poses | None
+    servo: Poses | None = None
+    vehicle_from_servo: Poses | None = None
+
+
+def way_up(frame: str, tree: Tree, servos: Set[str] = frozenset()) -> WayUp:
+    """Return where a frame is by the way up to base_link; the vehicle's axes are forward, starboard, down. servos: names of
+    frames that a servo turns."""
     pose, at = identity(), _frame(frame)
+    servo = above = None
     for _ in range(DEEPEST):
+        if servo is None and at.rpartition("/")[2] in servos:
+            servo, above = pose, identity()
         if at.rpartition("/")[2] in BASE_FRAMES:
-            return FRD_FROM_FLU @ pose
+            turning = None if above is None else FRD_FROM_FLU @ above
+            return WayUp(vehicle=FRD_FROM_FLU @ pose, servo=servo, vehicle_from_servo=turning)
         if at not in tree:
-            return None
+            break
         at, step = tree[at]
-        pose = step @ pose
-    return None
+        pose, above = step @ pose, None if above is None else step @ above
+    return WayUp(vehicle=None, servo=servo)
+
+
+def vehicle_from(frame: str, tree: Tree) -> Poses | None:
+    """Return T_v_frame by the way up to base_link; None where there is no way."""
+    return way_up(frame, tree).vehicle
 
 
 def mount_of(pose: Poses) -> list[float]:
@@ -62,20 +84,37 @@ def mount_of(pose: Poses) -> list[float]:
     return [round(float(v), 4) + 0.0 for v in values]
 
 
+def lies_beside(topic: str, images: str) -> bool:
+    """Return whether a topic of CameraInfo is in the namespace of that topic of images, as image_transport puts it."""
+    return topic.rpartition("/")[0] == images.removesuffix(COMPRESSED).rpartition("/")[0]
+
+
+def calibration_keys(info: Fields) -> dict[str, object]:
+    """Return a CameraInfo of ROS 1 or 2 as the keys of the YAML of ROS's camera_calibration."""
+    fields = info.__dataclass_fields__
+    return {
+        "image_width": int(info.width),
+        "image_height": int(info.height),
+        "camera_matrix": [float(v) for v in (info.k if "k" in fields else info.K)],
+        "distortion_model": str(info.distortion_model),
+        "distortion_coefficients": [float(v) for v in (info.d if "d" in fields else info.D)],
+    }
+
+
 def calibration_yaml(info: Fields, topic: str) -> str | None:
     """Return the YAML of ROS's camera_calibration for a CameraInfo; None where that is not filled in."""
-    matrix = [float(v) for v in (info.k if "k" in info.__dataclass_fields__ else info.K)]
-    distortion = [float(v) for v in (info.d if "d" in info.__dataclass_fields__ else info.D)]
-    if not (info.width and info.height and np.isfinite(matrix + distortion).all() and matrix[0] > 0 and matrix[4] > 0):
+    keys = calibration_keys(info)
+    matrix, distortion = np.array(keys["camera_matrix"]), np.array(keys["distortion_coefficients"])
+    if not (info.width and info.height and np.isfinite([*matrix, *distortion]).all() and matrix[0] > 0 and matrix[4] > 0):
         return None
     return "\n".join(
         [
             f"# From the CameraInfo on {topic}. It has to be the calibration in water: see that it is.",
             f"image_width: {int(info.width)}",
             f"image_height: {int(info.height)}",
-            f"camera_matrix: {{rows: 3, cols: 3, data: {matrix}}}",
+            f"camera_matrix: {{rows: 3, cols: 3, data: {matrix.tolist()}}}",
             f"distortion_model: {info.distortion_model if str(info.distortion_model).isidentifier() else 'plumb_bob'}",
-            f"distortion_coefficients: {{rows: 1, cols: {len(distortion)}, data: {distortion}}}",
+            f"distortion_coefficients: {{rows: 1, cols: {len(distortion)}, data: {distortion.tolist()}}}",
             "",
         ]
     )

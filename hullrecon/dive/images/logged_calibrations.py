@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Take the calibration of a camera from the CameraInfo that was logged beside its images, where dive.toml leaves it out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from hullrecon.dive.config.calibration import camera_of
+from hullrecon.dive.logs.messages.decode import ENCODINGS, decode, type_name
+from hullrecon.dive.logs.messages.descriptions import CAMERA_INFO, calibration_keys, lies_beside
+from hullrecon.dive.logs.readers.protocol import Log, Message
+from hullrecon.dive.logs.readers.unpack import DamagedError
+from hullrecon.dive.problems import Problems
+from hullrecon.errors import InputError
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
+
+REMEDY = "give the YAML of the camera in water"
+RECTIFIED = "rect"  # in the name of a topic of image_proc
+
+Keys = Mapping[str, object]
+
+
+class LoggedCalibrations:
+    """The calibrations that a log holds, of the cameras ("camera_top") whose image topics are given; None where none is named.
+    topics: those of the CameraInfo by camera, once found."""
+
+    def __init__(self, image_topics: Mapping[str, str | None]) -> None:
+        self._image_topics = image_topics
+        self._keys: dict[str, Keys] = {}
+        self._changes: dict[str, str] = {}  # by camera, the topic of a CameraInfo that says something else
+        self.topics: dict[str, str] = {}
+
+    def find(self, logs: Sequence[Log], problems: Problems) -> dict[str, CameraModel]:
+        """Return the cameras by the first CameraInfo beside their images; logs are read as far as the last of these.
+
+        Raises InputError for a camera that has none, or one that is not filled in, unless `problems` takes it.
+        """
+        for log in logs:
+            if len(self._keys) == len(self._image_topics):
+                break
+            with problems.gather():
+                self._look_for_first(log.messages())
+        found: dict[str, CameraModel] = {}
+        for camera in self._image_topics:
+            with problems.gather():
+                found[camera] = self._camera(camera)
+        return found
+
+    def watch(self, messages: Iterable[Message]) -> Iterator[Message]:
+        """Yield the messages on, and note where a CameraInfo says something else than the first one."""
+        for message in messages:
+            for camera, keys in self._read(message):
+                if repr(keys) != repr(self._keys.get(camera, keys)):  # NaN is unlike itself
+                    self._changes.setdefault(camera, message.channel.topic)
+            yield message
+
+    def check_constant(self, problems: Problems) -> None:
+        """Raise InputError where a calibration did not stay the same, unless `problems` takes it."""
+        for camera, topic in self._changes.items():
+            first = self.topics[camera]
+            what = "changes within the log" if topic == first else f"is another than that on {topic}"
+            with problems.gather():
+                raise InputError(f"the CameraInfo on {first} {what}", where=_key(camera), remedy=REMEDY)
+
+    def remarks(self, cameras: Mapping[str, CameraModel]) -> list[str]:
+        """Return a sentence for each camera that is calibrated by the log."""
+        return [
+            f"{camera}: its calibration is the CameraInfo on {topic}; see that it is that of the camera in water"
+            for camera, topic in self.topics.items()
+            if camera in cameras
+        ]
+
+    def _look_for_first(self, messages: Iterable[Message]) -> None:
+        for message in messages:
+            for camera, keys in self._read(message):
+                if camera not in self._keys:
+                    self._keys[camera], self.topics[camera] = keys, message.channel.topic
+            if len(self._keys) == len(self._image_topics):
+                return
+
+    def _read(self, message: Message) -> Iterator[tuple[str, Keys]]:
+        """Yield the cameras whose CameraInfo the message is, with what it says; none where it cannot be decoded."""
+        channel = message.channel
+        if channel.encoding not in ENCODINGS or type_name(channel) != CAMERA_INFO or not isinstance(message.data, bytes):
+            return
+        cameras = [c for c, images in self._image_topics.items() if images and lies_beside(channel.topic, images)]
+        if not cameras:
+            return
+        try:
+            keys = calibration_keys(decode(channel, message.data))
+        except (DamagedError, AttributeError, TypeError, ValueError):  # the log's own definition may leave fields out
+            return
+        yield from ((camera, keys) for camera in cameras)
+
+    def _camera(self, camera: str) -> CameraModel:
+        images, keys, topic = self._image_topics[camera], self._keys.get(camera), self.topics.get(camera)
+        if keys is None or topic is None or images is None:
+            what = f"{_key(camera)} is missing" + (f", and no CameraInfo was logged beside {images}" if images else "")
+            raise InputError(what, where="dive.toml", remedy=REMEDY)
+        shared = [other for other, known in self.topics.items() if known == topic and other != camera]
+        if shared:
+            raise InputError(f"{topic} lies beside the images of {camera} and {shared[0]}", where=_key(camera), remedy=REMEDY)
+        if RECTIFIED in images.rpartition("/image")[2]:
+            raise InputError(f"{images} is rectified, and {topic} describes what was before", where=_key(camera), remedy=REMEDY)
+        matrix = keys["camera_matrix"]
+        if isinstance(matrix, list) and not any(matrix):
+            raise InputError(f"the CameraInfo on {topic} has no calibration: K is zero", where=_key(camera), remedy=REMEDY)
+        return camera_of(keys, f"{topic}, for {_key(camera)}")
+
+
+def _key(camera: str) -> str:
+    return f"{Camera(camera.removeprefix('camera_')).section}.calibration"

@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A part of the hull between limits of its chart, as small cells whose areas can be summed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.geometry.charts.chart import Chart
+from hullrecon.geometry.meshes.mesh import Mesh
+from hullrecon.typing import Array, Mask
+
+CELL_M = 0.05
+MOST_CELLS = 200_000  # of larger parts the cells are wider
+
+LOOK = 400  # places along and in girth at which it is seen where the chart ends
+
+Limits = tuple[float, float] | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class RegionCells:
+    """The middles (n, 3) of n cells on the surface, m in the frame of the chart, outward normals (n, 3) and areas (n,) m2."""
+
+    middle: Array
+    normal: Array
+    area: Array
+
+
+def region_cells(chart: Chart, mesh: Mesh, along: Limits, girth: Limits) -> RegionCells:
+    """Return the surface within limits (low, high) of the chart, m; None: as far as the mesh reaches.
+
+    There are no cells where there is no surface.
+    """
+    given = np.array([(-np.inf, np.inf) if limits is None else limits for limits in (along, girth)])
+    reach = chart_limits(chart, mesh)
+    low, high = np.maximum(given[:, 0], reach[:, 0]), np.minimum(given[:, 1], reach[:, 1])
+    width = np.maximum(high - low, 0.0)
+    size = np.ceil(width / max(CELL_M, float(np.sqrt(width.prod() / MOST_CELLS)))).astype(int)
+    ticks = [np.linspace(low[k], max(low[k], high[k]), size[k] + 1) for k in range(2)]
+    corner = _grid(ticks[0], ticks[1])
+    middle = _grid((ticks[0][1:] + ticks[0][:-1]) / 2, (ticks[1][1:] + ticks[1][:-1]) / 2)
+    points, normals = chart.from_chart(middle.reshape(-1, 2))
+    area = _areas(chart.from_chart(corner.reshape(-1, 2))[0].reshape(*corner.shape[:2], 3)).ravel()
+    area = np.where(np.isfinite(area), area, width.prod() / max(1, size.prod()))  # at a rim, a corner lies beyond it
+    on = _near(points, mesh)
+    return RegionCells(middle=points[on], normal=normals[on], area=area[on])
+
+
+def chart_limits(chart: Chart, mesh: Mesh) -> Array:
+    """Return how far the chart of a mesh reaches along and in girth, (2, 2) rows of low and high, m; zeros where it has no
+    place. What is narrower than a LOOK-th of the mesh's size at its ends is left out."""
+    if not len(mesh.vertices):
+        return np.zeros((2, 2))
+    farthest, around = np.linalg.norm(mesh.vertices, axis=1).max(), 2 * np.linalg.norm(np.ptp(mesh.vertices, axis=0))
+    limits = np.array([[-farthest, farthest], [-around, around]])
+    for _ in range(2):  # the second time closer, where the first one saw a hull
+        step = np.diff(limits) / (LOOK - 1)
+        at = _grid(*(np.linspace(low, high, LOOK) for low, high in limits)).reshape(-1, 2)
+        at = at[_near(chart.from_chart(at)[0], mesh)]
+        if not len(at):
+            return np.zeros((2, 2))
+        limits = np.stack([at.min(axis=0), at.max(axis=0)], axis=1) + step * [-1, 1]
+    return np.asarray(limits)
+
+
+def _near(points: Array, mesh: Mesh) -> Mask:
+    """Return which points (n, 3) are there and lie where the mesh does: a plane as chart goes on without end."""
+    low, high = mesh.vertices.min(axis=0) - CELL_M, mesh.vertices.max(axis=0) + CELL_M
+    return np.asarray(((points >= low) & (points <= high)).all(axis=1))
+
+
+def _grid(along: Array, girth: Array) -> Array:
+    return np.stack(np.meshgrid(along, girth, indexing="ij"), axis=-1)
+
+
+def _areas(corner: Array) -> Array:
+    """Return the areas (a, g) of the quadrilaterals between corners (a + 1, g + 1, 3)."""
+    diagonals = corner[1:, 1:] - corner[:-1, :-1], corner[1:, :-1] - corner[:-1, 1:]
+    return np.asarray(np.linalg.norm(np.cross(*diagonals), axis=-1) / 2)

@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Lever arms and mounts that dive.toml leaves to the log."""
+
+import numpy as np
+import pytest
+
+from hullrecon.dive.config.load import load_config
+from hullrecon.dive.config.mounts import DEFAULTS, choose_mounts, describe_mounts, filled_in, numbers_of
+from hullrecon.dive.config.schema import FROM_LOG
+from hullrecon.dive.logs.fixed_frames import FixedSensor
+
+LEFT = dict.fromkeys(DEFAULTS, FROM_LOG)
+ORIGIN = (0.45, 0.0, 0.1)
+DVL = FixedSensor(frame="d", pose=(0.45, 0.0, 0.18, 0.0, 90.0, 0.0), servo_origin=ORIGIN)
+
+
+def values(mounts):
+    return {key: mount.value for key, mount in mounts.items()}
+
+
+def test_without_tf_static_the_defaults_stand():
+    chosen = choose_mounts(LEFT, {})
+    assert values(chosen) == DEFAULTS
+    assert describe_mounts(chosen) == []
+
+
+def test_a_mount_is_counted_from_where_the_servo_on_its_way_turns():
+    chosen = choose_mounts(LEFT, {"dvl": DVL})
+    assert chosen["tray.origin"].value == ORIGIN
+    assert chosen["dvl.mount"].value == (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)
+    assert describe_mounts(chosen) == [
+        "tray.origin = [0.45, 0, 0.1] by tf_static, on the way to d",
+        "dvl.mount = [0, 0, 0.08, 0, 90, 0] by tf_static, frame d",
+    ]
+
+
+def test_what_dive_toml_gives_goes_before_the_log_and_mounts_are_counted_from_it():
+    chosen = choose_mounts({**LEFT, "tray.origin": (0.4, 0.0, 0.0)}, {"dvl": DVL})
+    assert "tray.origin" not in chosen
+    assert chosen["dvl.mount"].value == (0.05, 0.0, 0.18, 0.0, 90.0, 0.0)
+    assert "dvl.mount" not in choose_mounts({**LEFT, "dvl.mount": (0.0,) * 6}, {"dvl": DVL})
+
+
+def test_what_has_no_servo_on_its_way_turns_with_none():
+    fixed = FixedSensor(frame="d", pose=(1.0, 0.0, 0.0, 0.0, 90.0, 0.0))
+    chosen = choose_mounts(LEFT, {"dvl": fixed})
+    assert (chosen["tray.origin"].value, chosen["dvl.mount"].value) == ((0.0, 0.0, 0.0), fixed.pose)
+    assert "turns with no servo" in chosen["tray.origin"].source
+
+
+def test_of_a_sensor_on_a_servo_that_the_log_moves_the_servos_place_stays_to_be_filled_in():
+    chosen = choose_mounts(LEFT, {"dvl": FixedSensor(frame="d", pose=(0.0, 0.0, 0.08, 0.0, 90.0, 0.0), on_servo=True)})
+    assert chosen["dvl.mount"].value == (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)
+    assert (chosen["tray.origin"].value, chosen["tray.origin"].source) == ((0.0, 0.0, 0.0), "")
+
+
+def test_the_lower_camera_is_placed_in_the_upper_one():
+    top = FixedSensor(frame="t", pose=(0.4, 0.0, 0.0, 90.0, 0.0, 90.0))
+    bottom = FixedSensor(frame="b", pose=(0.4, 0.0, 0.1, 90.0, 0.0, 90.0))
+    chosen = choose_mounts(LEFT, {"camera_top": top, "camera_bottom": bottom})
+    np.testing.assert_allclose(chosen["camera.bottom.pose_in_top"].value, [0.0, 0.1, 0.0, 0.0, 0.0, 0.0], atol=1e-9)
+    assert choose_mounts(LEFT, {"camera_bottom": bottom})["camera.bottom.pose_in_top"].source == ""
+
+
+def test_a_configuration_is_filled_in_where_its_sections_are_there(tmp_path):
+    (tmp_path / "dive.toml").write_text('[dive]\nname = "x"\n[logs]\nfiles = ["l"]\n[camera.top]\n[dvl]\nscale_sigma = 0.1\n')
+    loaded = load_config(tmp_path)
+    assert loaded.value("dvl.mount") == FROM_LOG
+    mounts = choose_mounts({key: loaded.value(key) for key in DEFAULTS}, {"dvl": DVL})
+    assert not any(key.startswith(("sonar", "camera.bottom")) for key in mounts)
+    filled = filled_in(loaded, mounts)
+    assert filled.value("dvl.mount") == filled.config.dvl.mount == (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)
+    assert filled.config.camera.top.mount == filled.value("camera.top.mount") == DEFAULTS["camera.top.mount"]
+    assert (filled.config.dvl.scale_sigma, filled.config.sonar, filled.given) == (0.1, None, loaded.given)
+
+
+def test_a_mount_that_is_left_to_the_log_is_no_numbers():
+    with pytest.raises(TypeError, match="tf_static"):
+        numbers_of(FROM_LOG)

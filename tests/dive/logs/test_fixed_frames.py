@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where tf_static has the sensors, on the vehicle and on a servo."""
+
+import numpy as np
+import pytest
+
+from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.dive.check.package_check import check_package
+from hullrecon.dive.config.load import load_config
+from hullrecon.dive.logs.fixed_frames import FixedSensor, fixed_sensors
+from hullrecon.dive.logs.messages.descriptions import frame_tree
+from hullrecon.steps.ingest import USES, request_of
+from tests.dive.config.test_log_proposals import entries_of, static
+
+JOINTS = {"tray": "tray", "sonar_tray": "other"}
+FLIPPED = (0.4, -0.2, 0.0, 180.0, 0.0, 0.0)  # two steps of the kit's `static`: axes forward, port, up in the vehicle's
+
+
+def sensors(kit, *steps, frames=None, joints=JOINTS):
+    tree = frame_tree(static(kit, *step) for step in steps)
+    return fixed_sensors(tree, frames or {"dvl": "x"}, joints)
+
+
+def test_a_sensor_is_placed_on_the_vehicle(kit):
+    found = sensors(kit, ("base_link", "rig", 0.3), ("rig", "x", 0.1))
+    assert found == {"dvl": FixedSensor(frame="x", pose=FLIPPED)}
+
+
+@pytest.mark.parametrize("name", ["tray", "tray_link", "robot/tray_frame"])
+def test_the_frame_of_the_servo_on_its_way_says_where_that_turns(kit, name):
+    (found,) = sensors(kit, ("base_link", name, 0.3), (name, "x", 0.1)).values()
+    assert (found.pose, found.servo_origin, found.on_servo) == (FLIPPED, (0.3, -0.1, 0.0), False)
+
+
+def test_where_the_log_moves_the_servo_the_sensor_is_placed_on_it(kit):
+    (found,) = sensors(kit, ("tray_link", "x", 0.1)).values()
+    assert (found.pose, found.servo_origin, found.on_servo) == ((0.1, -0.1, 0.0, 180.0, 0.0, 0.0), None, True)
+
+
+def test_a_frame_of_another_servo_says_nothing(kit):
+    assert sensors(kit, ("other_link", "x", 0.1)) == {}
+    assert sensors(kit, ("tray_link", "x", 0.1), joints={}) == {}
+    assert sensors(kit, ("other_link", "x", 0.1), frames={"sonar": "x"})["sonar"].on_servo
+
+
+def check(package, *overrides):
+    loaded = load_config(package, {}, overrides)
+    return check_package(loaded, request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES})))
+
+
+def log_with_frames(package, kit, *steps):
+    more = [("/tf_static", "tf2_msgs/msg/TFMessage", kit.start_ns + k, static(kit, *step)) for k, step in enumerate(steps)]
+    kit.mcap(package / "logs" / "dive.mcap", entries_of(kit, more))
+
+
+def test_check_says_which_mounts_are_the_logs_and_asks_for_the_others(package, kit):
+    log_with_frames(package, kit, ("base_link", "tray_link", 0.3), ("tray_link", "x", 0.1))
+    found = check(package, "dvl.mount=[0, 0, 0.08, 0, 90, 0]")
+    assert found.mounts == [
+        "tray.origin = [0.3, -0.1, 0] by tf_static, on the way to x",
+        "pressure.origin = [0.4, -0.2, 0] by tf_static, frame x",
+        "camera.top.mount = [0.1, -0.1, 0, 180, 0, 0] by tf_static, frame x",
+    ]
+    assert {f"note: {line}" for line in found.mounts} <= set(found.lines())
+    assert found.to_fill_in == []
+    assert not any("tf_static" in line for line in found.found.unused)
+    assert not found.defaults.keys() & {"tray.origin", "pressure.origin", "dvl.mount", "camera.top.mount"}
+
+
+def test_without_a_way_to_the_vehicle_the_defaults_are_used_and_named(package, kit):
+    log_with_frames(package, kit, ("odom", "x", 0.1))
+    found = check(package)
+    assert found.mounts == []
+    assert len(found.to_fill_in) == 4
+    assert found.defaults["dvl.mount"] == (0.0, 0.0, 0.0, 0.0, 90.0, 0.0)
+    assert any("tf_static" in line for line in found.found.unused)
+
+
+def test_the_mounts_of_the_log_are_looked_at_as_those_of_dive_toml_are(package, kit):
+    """The camera's frame looks up there, the DVL forward."""
+    log_with_frames(package, kit, ("base_link", "x", 0.1))
+    assert any("camera.top looks 90 degrees away" in line for line in check(package, "dvl.mount=[0,0,0,0,90,0]").warnings)
+    assert np.isfinite(check(package).found.records.dvl.ranges).all()
