@@ -18,7 +18,7 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 LABEL_BOUNDARY_M = 0.04  # a landmark farther off the CAD model does not lie on it
-LABEL_UNCLEAR_M = 0.01  # nearer to the boundary than this, either word is right
+LABEL_UNCLEAR_M = 0.02  # nearer to the boundary than this, either word is right, as `evaluate` has it
 DVL_REACH_M = (0.2, 0.4)  # from where a beam met the hull
 MEASURED_M = 0.06  # from a vertex of the measured surface
 SEEN_WITHIN_M = 4.0  # of what the camera saw lies what the sonar saw
