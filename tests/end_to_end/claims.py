@@ -241,15 +241,16 @@ def weak_direction_errors(run, package):
 
 
 def surface_errors(run, hull, name):
-    """Distances over sigma (n,) of a surface's or cloud's supported points to the steel that they are of, away from edges of
-    structures; where the sigma says how far one lies off along the normal, or along any axis."""
+    """Distances over sigma (n,) of a surface's or cloud's supported points to the steel that they are of; without those beyond
+    the rim of the true steel."""
     vertex = read_ply(run / "deliver" / name)[0]
     keep = np.isfinite(vertex["sigma"])
     if "support" in vertex.dtype.names:
         keep &= vertex["support"] > 0
     points = hull.lay(np.stack([vertex[k] for k in "xyz"], axis=1)[keep])
     foot, _ = hull.built.closest(points)
-    return np.linalg.norm(points - foot, axis=1) / vertex["sigma"][keep]
+    known = hull.rim.query(foot)[0] > 0.02  # as wide as the truth's faces
+    return (np.linalg.norm(points - foot, axis=1) / vertex["sigma"][keep])[known]
 
 
 def sensor_errors(run, package):

@@ -6,9 +6,11 @@ import csv
 import json
 import tomllib
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import open3d as o3d
+from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation, Slerp
 
 
@@ -17,6 +19,11 @@ class Steel:
 
     def __init__(self, path):
         mesh = o3d.io.read_triangle_mesh(str(path))
+        faces = np.asarray(mesh.triangles)
+        self.vertices, self.edges = (
+            np.asarray(mesh.vertices),
+            np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])),
+        )
         self.bounds = np.array([mesh.get_min_bound(), mesh.get_max_bound()])
         self.scene = o3d.t.geometry.RaycastingScene()
         self.scene.add_triangles(o3d.t.geometry.TriangleMesh.from_legacy(mesh))
@@ -50,6 +57,12 @@ class TrueHull:
 
     def lay(self, points):
         return points @ self.rotation.T + self.shift
+
+    @cached_property
+    def rim(self):
+        """The corners along the edge of the true steel, to be asked for the nearest one."""
+        edges, times = np.unique(self.built.edges, axis=0, return_counts=True)
+        return cKDTree(self.built.vertices[np.unique(edges[times == 1])])
 
     def lay_back(self, points):
         """Points (n, 3) of the ship in the frame of the run."""
