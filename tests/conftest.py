@@ -34,14 +34,30 @@ def _signals_end_with_their_test() -> Iterator[None]:
 @pytest.fixture(scope="session")
 def demo_run(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
     """The folder of a whole run over sample_data/demo, made once for all workers of a session: to be read, not changed."""
-    from end_to_end.shell import SAMPLE, Shell
+    from end_to_end.shell import SAMPLE
+
+    return _run_once(SAMPLE, tmp_path_factory, worker_id)
+
+
+@pytest.fixture(scope="session")
+def dive_a_run(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
+    """The folder of a whole run over the evaluation data's simulated dive, made once for all workers of a session: to be read,
+    not changed. The test is skipped where the data are not there."""
+    from datasets import dataset
+
+    return _run_once(dataset("dive-a"), tmp_path_factory, worker_id)
+
+
+def _run_once(package: Path, tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
+    """Run the chain over a package unless a worker of this session has; workers that ask for the same run wait for it."""
+    from end_to_end.shell import Shell
 
     base = tmp_path_factory.getbasetemp()
-    folder = (base if worker_id == "master" else base.parent) / "demo"
+    folder = (base if worker_id == "master" else base.parent) / package.name
     folder.mkdir(exist_ok=True)
     with (folder / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not (folder / "done").exists():
-            Shell(folder)("run", SAMPLE, "--runs", "out", "--jobs", 2)
+            Shell(folder)("run", package, "--runs", "out", "--jobs", 2)
             (folder / "done").touch()
-    return folder / "out" / "demo"
+    return folder / "out" / package.name

@@ -123,14 +123,14 @@ def hull_patches(mesh: Mesh) -> HullPatches:
 
 
 def camera_facts(hull: HullPatches, seen: Visibility, focal_px: float, images: int) -> Facts:
-    """Return area, metres per pixel on the surface and incidence, each at its best view."""
+    """Return area, metres per pixel on the surface and incidence, each at its best view; percentiles are of the area seen."""
     which = seen.views > 0
     gsd = seen.distance[which] / focal_px
     incidence = np.degrees(np.arccos(np.clip(seen.cosine[which], -1, 1)))
     return {
         "images": images, "area_m2": _area(hull, which), "area_twice_m2": _area(hull, seen.views > 1),
-        "gsd_m": _percentiles(gsd), "incidence_deg": _percentiles(incidence),
-        "views": _percentiles(seen.views[which].astype(np.float64)),
+        "gsd_m": _percentiles(gsd, hull.area[which]), "incidence_deg": _percentiles(incidence, hull.area[which]),
+        "views": _percentiles(seen.views[which].astype(np.float64), hull.area[which]),
     }  # fmt: skip
 
 
@@ -234,7 +234,10 @@ def _area(hull: HullPatches, which: Mask) -> float:
     return round(float(hull.area[which].sum()), 4)
 
 
-def _percentiles(values: Array) -> Facts | None:
+def _percentiles(values: Array, area: Array) -> Facts | None:
+    """Return the values that 5, 50 and 95 % of the area do not exceed; None without a value."""
     if not len(values):
         return None
-    return {f"p{p:02d}": float(f"{np.percentile(values, p):.5g}") for p in (5, 50, 95)}
+    order = np.argsort(values)
+    share = np.cumsum(area[order]) / area.sum()
+    return {f"p{p:02d}": float(f"{values[order][np.searchsorted(share, p / 100)]:.5g}") for p in (5, 50, 95)}

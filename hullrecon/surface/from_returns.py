@@ -121,7 +121,7 @@ def _find_landmarks(survey: SurfaceInputs, options: SurfaceOptions) -> _Landmark
     good &= np.einsum("nii->n", np.nan_to_num(landmarks.covariance, nan=-1.0)) > 0
     good &= survey.hull.on_hull(landmarks.label)
     points = survey.solution.result_from_global().apply(landmarks.position[good])
-    inlier = statistical_inliers(points, options.outlier_neighbours, 2 * options.outlier_sigmas)
+    inlier = statistical_inliers(points, options.outlier_neighbours, options.outlier_sigmas)
     return _LandmarkPoints(points=points[inlier], covariance=landmarks.covariance[good][inlier])
 
 

@@ -39,12 +39,10 @@ def dive(evaluation_data):
 
 
 @pytest.fixture(scope="module")
-def figures(dive, tmp_path_factory):
+def figures(dive, dive_a_run):
     """The run's figures against truth, and its deliverables."""
-    shell = Shell(tmp_path_factory.mktemp("dive-a"))
-    shell("run", dive, "--runs", "out", "--jobs", 2)
-    answer = json.loads(shell("evaluate", "out/dive-a", dive, "--json").stdout)
-    return answer.get("figures", answer), shell.folder / "out" / "dive-a" / "deliver"
+    answer = json.loads(Shell(dive_a_run.parent)("evaluate", dive_a_run, dive, "--json").stdout)
+    return answer.get("figures", answer), dive_a_run / "deliver"
 
 
 def test_every_deliverable_is_there(figures):

@@ -7,9 +7,12 @@ import json
 import re
 import tomllib
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import open3d as o3d
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation, Slerp
 
 
 class Steel:
@@ -17,6 +20,12 @@ class Steel:
 
     def __init__(self, path):
         mesh = o3d.io.read_triangle_mesh(str(path))
+        faces = np.asarray(mesh.triangles)
+        self.vertices, self.edges = (
+            np.asarray(mesh.vertices),
+            np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])),
+        )
+        self.bounds = np.array([mesh.get_min_bound(), mesh.get_max_bound()])
         self.scene = o3d.t.geometry.RaycastingScene()
         self.scene.add_triangles(o3d.t.geometry.TriangleMesh.from_legacy(mesh))
 
@@ -49,6 +58,42 @@ class TrueHull:
 
     def lay(self, points):
         return points @ self.rotation.T + self.shift
+
+    @cached_property
+    def rim(self):
+        """The corners along the edge of the true steel, to be asked for the nearest one."""
+        edges, times = np.unique(self.built.edges, axis=0, return_counts=True)
+        return cKDTree(self.built.vertices[np.unique(edges[times == 1])])
+
+    def lay_back(self, points):
+        """Points (n, 3) of the ship in the frame of the run."""
+        return (points - self.shift) @ self.rotation
+
+    def chart(self, points, step_m=0.1):
+        """Along and girth (n, 2) of the ship's points: girth is the arc from the keel on the section of the CAD model."""
+        foot, _ = self.cad.closest(points)
+        out = np.column_stack([points[:, 0], np.zeros(len(points))])
+        number = np.round(foot[:, 0] / step_m).astype(int)
+        for k in np.unique(number):
+            arc, at = self.section(k * step_m if (number == k).sum() > 1 else foot[number == k, 0][0])
+            distance = np.linalg.norm(foot[number == k, None, 1:] - at, axis=2)
+            out[number == k, 1] = arc[distance.argmin(axis=1)]
+        return out
+
+    def section(self, x):
+        """Arc lengths (n,) from the keel, port positive, and the points (n, 2), y and z, of the CAD model's section at x."""
+        z = np.linspace(*self.cad.bounds[:, 2], 4000)[:-1] + 1e-4
+        arcs, places = [], []
+        for side in (1, -1):
+            origin = np.column_stack([np.full(len(z), x), np.full(len(z), 2 * side * self.cad.bounds[1, 1]), z])
+            y = origin[:, 1] - side * self.cad.along(origin, np.array([0.0, -side, 0]))
+            met = np.isfinite(y)
+            line = np.column_stack([y, z])[met]
+            keel = np.column_stack([np.linspace(0, line[0, 0], 200)[:-1], np.full(199, line[0, 1])])
+            line = np.vstack([keel, line])
+            arcs.append(side * np.append(0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))))
+            places.append(line)
+        return np.concatenate(arcs), np.concatenate(places)
 
     def deviation(self, points):
         """Signed distance (n,) of the steel nearest to points (n, 3) of the run from the CAD model."""
@@ -85,25 +130,50 @@ def read_table(path):
     return {re.sub(r"_(m|m2|m3|rad|s)$", "", name): [row[name] for row in rows] for name in rows[0]}
 
 
+def read_numbers(path, name):
+    return np.array([float(text or "nan") for text in read_table(path)[name]])
+
+
+@dataclass
+class Path:
+    """Poses over time: t (n,) s, position (n, 3) m, attitude (n)."""
+
+    t: np.ndarray
+    position: np.ndarray
+    attitude: Rotation
+
+    def at(self, t):
+        """Position (n, 3) and attitude at times, held at both ends."""
+        t = np.clip(t, self.t[0], self.t[-1])
+        position = np.stack([np.interp(t, self.t, self.position[:, k]) for k in range(3)], axis=1)
+        return position, Slerp(self.t, self.attitude)(t)
+
+
+def read_poses(path):
+    """The path of a table with columns t x y z qx qy qz qw."""
+    table = read_table(path)
+    position, quaternion = (np.array([table[k] for k in names], float).T for names in ("xyz", ("qx", "qy", "qz", "qw")))
+    return Path(np.array(table["t"], float), position, Rotation.from_quat(quaternion))
+
+
 def read_ply(path):
-    """Vertices as a structured array, and triangles (m, 3), of a binary file."""
+    """Vertices as a structured array, and triangles (m, 3), of a binary file; none of a cloud."""
     kinds = {"float": "<f4", "double": "<f8", "uchar": "u1", "int": "<i4"}
     head, body = path.read_bytes().split(b"end_header\n", 1)
     lines = [line.split() for line in head.decode().splitlines()]
     count = {line[1]: int(line[2]) for line in lines if line[0] == "element"}
     dtype = [(line[2], kinds[line[1]]) for line in lines if line[0] == "property" and line[1] != "list"]
     vertices = np.frombuffer(body, dtype, count["vertex"])
+    if not count.get("face"):
+        return vertices, np.zeros((0, 3), int)
     return vertices, np.frombuffer(body[vertices.nbytes :], [("n", "u1"), ("v", "<i4", 3)])["v"]
 
 
 def true_hull(deliver, package):
     """The truth of a package beside what `deliver` holds."""
     truth = package / "truth"
-    ours, real = read_table(deliver / "trajectory.csv"), read_table(truth / "poses.csv")
-    t, true_t = (np.array(table["t"], float) for table in (ours, real))
-    path = np.array([ours[k] for k in "xyz"], float).T
-    want = np.array([np.interp(t, true_t, np.array(real[k], float)) for k in "xyz"]).T
-    rotation, shift = rigid(path, want)
+    ours = read_poses(deliver / "trajectory.csv")
+    rotation, shift = rigid(ours.position, read_poses(truth / "poses.csv").at(ours.t)[0])
     objects = json.loads((truth / "objects.json").read_text())
     hull = tomllib.loads((package / "dive.toml").read_text()).get("hull", {}).get("mesh", "hull.stl")
     return TrueHull(

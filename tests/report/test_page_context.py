@@ -112,7 +112,7 @@ def test_a_card_without_a_picture_has_none(survey: Survey, found: ReportedObject
 
 def test_every_measured_number_of_a_card_has_its_sigma(survey: Survey, found: ReportedObject) -> None:
     rows = dict(card_context(found, survey, None)["rows"])  # type: ignore[call-overload]
-    counted = ("Seen in", "False-alarm probability, anywhere in the survey")
+    counted = ("More than half of its top seen in", "False-alarm probability, anywhere in the survey")
     assert all("±" in text for name, text in rows.items() if name not in counted)
     assert rows["Largest distance to the CAD model"] == "0.10 ± 0.02 m"
     assert rows["Along, girth"] == "1.0 ± 0.3 m, −1.20 ± 0.02 m"

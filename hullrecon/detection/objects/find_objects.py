@@ -187,7 +187,7 @@ def _rejection_reason(
     checks = (
         (abs(region.height) < least, f"only {abs(region.height):.3f} m off the hull around it, of {least:.3f} m needed there"),
         (core < options.min_area_m2, f"only {1e4 * core:.0f} cm2 above half its height"),
-        (on < options.min_landmarks, f"only {on} landmarks"),
+        (on < options.min_landmarks, f"only {on} landmark{'' if on == 1 else 's'}"),
         (agree < options.min_agreement, f"only {100 * agree:.0f} % of its landmarks agree"),
         (min(seen, shapes) < options.min_views, f"only {min(seen, shapes)} images show it"),
         (evidence.chance > options.max_p_value, f"bare hull does so with probability {evidence.chance:.2g}"),

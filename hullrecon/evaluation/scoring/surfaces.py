@@ -24,6 +24,8 @@ def score_surface(cloud: PointCloud, truth: Truth, motion: Poses, min_support: i
     motion: the rigid motion that takes our trajectory onto the true one; figures named aligned_ are after it.
     """
     keep = truth.near(cloud.points, 0.25)
+    for points in (cloud.points, motion.apply(cloud.points)):
+        keep &= ~truth.beyond(truth.built.closest(points).foot)
     if "support" in cloud.fields:
         keep &= np.asarray(cloud.fields["support"], np.int64) >= min_support
     if not keep.any():

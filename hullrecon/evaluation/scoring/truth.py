@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 import numpy as np
 
+from hullrecon.dive.hull.mirrors import find_boundary
 from hullrecon.errors import InputError
 from hullrecon.evaluation.scoring.deliverables import poses_in, read_table
 from hullrecon.geometry.meshes.casting import Scene
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 Document = TypeVar("Document")
 Point = tuple[float, float, float]
+RIM_M = 0.02  # as wide as the faces of a simulated true surface
 
 
 class MotionEntry(msgspec.Struct, frozen=True, kw_only=True):
@@ -104,6 +106,17 @@ class Truth:
     def near(self, points: Array, reach_m: float) -> Mask:
         """Return which points (n, 3) lie that close to a vertex of the true surface: elsewhere nothing is known of it."""
         distance, _ = self._vertices.query(points, distance_upper_bound=reach_m)
+        return np.asarray(np.isfinite(distance))
+
+    @cached_property
+    def _rim(self) -> cKDTree:
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.built_mesh.vertices[np.unique(find_boundary(self.built_mesh.faces))].reshape(-1, 3))
+
+    def beyond(self, feet: Array) -> Mask:
+        """Return which closest points (n, 3) lie on the rim of the true surface: what they belong to may lie beyond it."""
+        distance, _ = self._rim.query(feet, distance_upper_bound=RIM_M)
         return np.asarray(np.isfinite(distance))
 
     def vehicle_at(self, t_s: Array) -> Poses:

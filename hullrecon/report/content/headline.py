@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.records.deliverables import Coverage, SensorCoverage
+from hullrecon.records.deliverables import SensorCoverage
 from hullrecon.report.content.deviation import deviation_figures
 from hullrecon.report.content.phrases import count, duration, join, length, lengths, signed_range, with_sigma
 from hullrecon.report.survey import AdjustedDive, Survey
@@ -27,7 +27,7 @@ def headline(survey: Survey) -> list[str]:
         _objects(survey),
         _deviation(survey),
     ]
-    lines += [_coverage(survey.findings.coverage), _landmarks(survey.adjusted), _mosaics(survey), _rejected(survey)]
+    lines += [_coverage(survey), _landmarks(survey.adjusted), _mosaics(survey), _rejected(survey)]
     return [line for line in lines if line][:10]
 
 
@@ -45,7 +45,7 @@ def key_figures(survey: Survey) -> list[tuple[str, str, str]]:
     seen = coverage.camera if coverage is not None else None
     rows = [] if found is None else [("Objects" if len(found) != 1 else "Object", str(len(found)), "on the hull")]
     if seen is not None and seen.area_m2:
-        rows.append(("Hull seen", f"{seen.area_m2:.1f} m²", "by camera"))
+        rows.append((seen_words(survey), f"{seen.area_m2:.1f} m²", "by camera"))
     if survey.surfaces.chart is not None:
         along, girth = survey.track.sigma_on_chart(survey.surfaces.chart)
         if np.isfinite(along + girth):
@@ -132,7 +132,13 @@ def _deviation(survey: Survey) -> str:
     )
 
 
-def _coverage(coverage: Coverage | None) -> str:
+def seen_words(survey: Survey) -> str:
+    """Return of what areas seen are counted: without a CAD model nothing is known of the hull beyond the measured surface."""
+    return "Hull seen" if survey.is_in_hull_frame else "Measured surface seen"
+
+
+def _coverage(survey: Survey) -> str:
+    coverage = survey.findings.coverage
     if coverage is None:
         return ""
     sensors: tuple[tuple[str, SensorCoverage | None], ...] = (
@@ -141,7 +147,7 @@ def _coverage(coverage: Coverage | None) -> str:
     parts = [f"{seen.area_m2:.1f} m² by {name}" for name, seen in sensors if seen is not None and seen.area_m2]
     holes = f"{count(len(coverage.holes), 'hole')} of more than {coverage.min_hole_m2:g} m² in the coverage"
     gaps = f"; {holes}" if coverage.holes else ""
-    return f"Hull seen: {join(parts)}{gaps}." if parts else ""
+    return f"{seen_words(survey)}: {join(parts)}{gaps}." if parts else ""
 
 
 def _landmarks(adjusted: AdjustedDive | None) -> str:

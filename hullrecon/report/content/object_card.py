@@ -46,7 +46,7 @@ def card_context(found: ReportedObject, survey: Survey, crop: Crop | None) -> Ca
     center = ", ".join(with_sigma(c, s, "").strip() for c, s in zip(found.center, sigmas, strict=True))
     rows += [
         ("Centre (x, y, z)", f"{center} m in {survey.track.frame}"),
-        ("Seen in", count(found.views, "view")),
+        ("More than half of its top seen in", count(found.views, "view")),
         ("False-alarm probability, anywhere in the survey", probability(found.p_value)),
     ]
     return {

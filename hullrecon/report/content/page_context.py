@@ -15,7 +15,7 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.deliverables import Coverage, CoverageHole, RegionShare, ReportedObject
 from hullrecon.report.content.deviation import deviation_figures, deviation_rows
 from hullrecon.report.content.frame_words import frame_in_words, origin_in_words
-from hullrecon.report.content.headline import headline, key_figures, verdict, weak_sentences
+from hullrecon.report.content.headline import headline, key_figures, seen_words, verdict, weak_sentences
 from hullrecon.report.content.object_card import card_context, object_rows
 from hullrecon.report.content.object_images import Crop, jpeg_uri
 from hullrecon.report.content.page_data import image_id, image_uri, page_data, script_json
@@ -54,7 +54,8 @@ def page_context(
     data = {**page_data(survey, view, layers, ellipses), "scene": scene and scene.document}
     quality, mosaics = quality_tables(survey), survey.mosaics.named()
     has = {
-        "deviation": survey.is_in_hull_frame, "view": data["scene"], "mosaics": mosaics, "coverage": coverage_rows(coverage),
+        "deviation": survey.is_in_hull_frame, "view": data["scene"], "mosaics": mosaics,
+        "coverage": coverage_rows(coverage),
         "appendix": plots, "plan": view is not None, "objects": survey.findings.objects is not None, "quality": quality,
     }  # fmt: skip
     absent = {name for name, there in has.items() if not there}
@@ -86,7 +87,7 @@ def page_context(
         "deviation_map": deviation_map(survey, view) if view else None,
         "mosaics": [mosaic_context(name, m) for name, m in mosaics.items()],
         "cards": [card_context(o, survey, photos.get(o.id)) for o in survey.findings.objects or ()],
-        "coverage": coverage_rows(coverage),
+        "coverage": coverage_rows(coverage, seen_words(survey)),
         "regions": region_rows(coverage),
         "min_hole": f"{coverage.min_hole_m2:g} m²" if coverage is not None else "",
         "gaps": any(m.facts.gap_area_m2 > 0 for m in mosaics.values()),
@@ -134,6 +135,7 @@ def draw_plan(survey: Survey, view: ChartView) -> str:
         path_sigma=survey.track.sigma_on_chart(view.chart),
         marks=marks,
         ground=ground_png(view.found, view.extent) if view.found is not None else None,
+        across=across,
         frame_spacing_m=survey.facts.hull.frame_spacing if survey.facts.hull and survey.is_in_hull_frame else None,
     )
     return plan_svg(plan, title)
@@ -177,16 +179,16 @@ def mosaic_context(name: str, mosaic: Mosaic) -> PageContext:
     return {"name": name.title(), "src": src, "caption": mosaic.facts.caption, "stem": name, "has_mesh": mosaic.has_mesh}
 
 
-def coverage_rows(coverage: Coverage | None) -> list[tuple[str, str]]:
-    """Return areas and percentiles of coverage.json, in words."""
+def coverage_rows(coverage: Coverage | None, what: str = "Hull seen") -> list[tuple[str, str]]:
+    """Return areas and percentiles of coverage.json, in words; what: of what areas are counted."""
     rows: list[tuple[str, str]] = []
     if coverage is None:
         return rows
     for name, seen in (("camera", coverage.camera), ("sonar", coverage.sonar), ("DVL", coverage.dvl)):
         if seen is None:
             continue
-        areas = (("seen by", seen.area_m2), ("seen at least twice by", seen.area_twice_m2))
-        rows += [(f"Hull {text} {name}", f"{area:.1f} m²") for text, area in areas if area is not None]
+        areas = (("by", seen.area_m2), ("at least twice by", seen.area_twice_m2))
+        rows += [(f"{what} {text} {name}", f"{area:.1f} m²") for text, area in areas if area is not None]
         spreads = (
             ("Ground sample distance", seen.gsd_m, 1000.0, " mm"),
             ("Incidence angle of the best view", seen.incidence_deg, 1.0, "°"),

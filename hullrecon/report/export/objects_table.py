@@ -50,7 +50,7 @@ _BEFORE = (
     ("deviation", "m", "largest signed distance to the CAD model"),
     ("area", "m2", "of the part above a quarter of the height"),
     ("volume", "m3", "of the same part, negative for a recess"),
-    ("views", "", "images that show it"),
+    ("views", "", "images that show more than half of its top"),
     ("p_value", "", "probability that bare hull looks so anywhere in the survey"),
 )
 _ADDED = (

@@ -47,7 +47,8 @@ class Mark:
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """path (n, 2) chart coordinates of the vehicle, NaN rows break the line; path_sigma: along and girth, metres."""
+    """path (n, 2) chart coordinates of the vehicle, NaN rows break the line; path_sigma: along and girth, metres; across:
+    what the second coordinate is called."""
 
     extent: Extent
     path: Array
@@ -55,6 +56,7 @@ class Plan:
     marks: Sequence[Mark]
     ground: bytes | None = None
     frame_spacing_m: float | None = None
+    across: str = "girth"
 
 
 def plan_svg(plan: Plan, title: str) -> str:
@@ -181,7 +183,9 @@ def _sigma_bar(plan: Plan, scale: float, height: float) -> str:
         return ""
     y, right = TOP + height + 58, LEFT + WIDTH
     reach = min(along * scale, WIDTH / 3)
-    text = f"one sigma of the vehicle: {along:.3f} m along, {girth:.3f} m in girth"
+    text = (
+        f"one sigma of the vehicle: {along:.3f} m along, {girth:.3f} m {'in girth' if plan.across == 'girth' else plan.across}"
+    )
     return (
         f'<path d="M{right - 2 * reach:.1f} {y - 5:.1f}v10m0 -5h{2 * reach:.1f}m0 -5v10" class="bar sigma-bar"/>'
         f'<text x="{right:.1f}" y="{y + 22:.1f}" class="tick end">{text}</text>'
