@@ -40,11 +40,11 @@ class LoggedCalibrations:
         for log in logs:
             if len(self._keys) == len(self._image_topics):
                 break
-            with problems.gather():
+            with problems.collect():
                 self._look_for_first(log.messages())
         found: dict[str, CameraModel] = {}
         for camera in self._image_topics:
-            with problems.gather():
+            with problems.collect():
                 found[camera] = self._camera(camera)
         return found
 
@@ -61,7 +61,7 @@ class LoggedCalibrations:
         for camera, topic in self._changes.items():
             first = self.topics[camera]
             what = "changes within the log" if topic == first else f"is another than that on {topic}"
-            with problems.gather():
+            with problems.collect():
                 raise InputError(f"the CameraInfo on {first} {what}", where=_key(camera), remedy=REMEDY)
 
     def remarks(self, cameras: Mapping[str, CameraModel]) -> list[str]:
