@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from hullrecon.detection.as_found.mesh import refine_near
 from hullrecon.detection.base_surface import BaseSurface
@@ -22,6 +23,7 @@ from hullrecon.geometry.meshes.mesh import Mesh, vertex_areas, vertex_normals
 from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.geometry.poses import Poses
 from hullrecon.records.sensors import SonarPings
+from hullrecon.records.solution import HullPose
 from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.typing import Array, Ints, Mask
 
@@ -76,8 +78,7 @@ def summarise_coverage(
         report["camera"] = camera_facts(patches, by_camera, views.camera.fx, len(views))
         seen = by_camera.views > 0
     if sonar is not None:
-        by_sonar = visible_to_sonar(patches, sonar, scene)
-        report["sonar"] = {"pings": len(sonar.poses), **area_facts(patches, by_sonar)}
+        report["sonar"] = sonar_facts(patches, sonar, scene, base.hull_pose)
     report["holes"] = find_holes(patches, seen, base.chart, lambda center: locate_hole(center, base, track))
     report["min_hole_m2"] = MIN_HOLE_M2
     if regions:
@@ -164,6 +165,31 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
         clear &= scene.cast(center, ray / length[:, None]) > length - 0.02
         seen[rows[clear]] = True
     return seen
+
+
+def sonar_facts(hull: HullPatches, sonar: SonarSurvey, scene: Scene, hull_pose: HullPose | None) -> Facts:
+    """Return pings and area. Where the hull lies in the dive's frame decides where a fan meets it, at a grazing angle far away:
+    the area's sigma is what the six errors of the hull pose, one sigma each way along their axes, change of it."""
+    facts = {"pings": len(sonar.poses), **area_facts(hull, visible_to_sonar(hull, sonar, scene))}
+    if hull_pose is None:
+        return facts
+
+    def area_if(error: Array) -> float:
+        moved = replace(sonar, poses=_with_hull_displaced(sonar.poses, hull_pose, error))
+        return _area(hull, visible_to_sonar(hull, moved, scene))
+
+    variance, axes = np.linalg.eigh(hull_pose.covariance)
+    errors = (axes * np.sqrt(np.maximum(variance, 0.0))).T
+    changes = [(area_if(error) - area_if(-error)) / 2 for error in errors]
+    return {**facts, "area_sigma_m2": round(float(np.linalg.norm(changes)), 4)}
+
+
+def _with_hull_displaced(poses: Poses, hull_pose: HullPose, error: Array) -> Poses:
+    """Return poses of M as they are in M if the hull lies off by an error (6,) as in the covariance of its pose."""
+    back = Rotation.from_rotvec(-error[3:])
+    shift = hull_pose.global_from_hull.rotation.inv().apply(error[:3]).reshape(3)
+    moved = back.apply(poses.translation - hull_pose.survey_center - shift) + hull_pose.survey_center
+    return Poses((back * poses.rotation).as_quat(), moved)
 
 
 def area_facts(hull: HullPatches, seen: Mask) -> Facts:

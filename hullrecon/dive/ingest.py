@@ -164,24 +164,34 @@ def ingest(
     logged.check_constant(problems)
     out.sensors = frames.sensors(request.joints)
     out.remarks += [*found.remarks, *logged.remarks(out.cameras)]
-    out.lost = messages.describe_losses(found.losses)
-    out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
-    messages_of = [channel for channel in found.counts if channel.encoding != "sample"]
-    chosen = {*topics.values(), *logged.topics.values(), *(c.topic for c in found.counts if out.sensors and is_static(c))}
-    out.unused = describe_unused(messages_of, chosen)
-    out.unread_dvls = unread_dvls(messages_of)
+    _note_contents(out, found, {*topics.values(), *logged.topics.values()})
     out.records = _build_records(out, request, found, problems, spool, streams.leave_black if pings is None else pings.keep)
     for name, sink in sinks.items():
         with problems.collect():
             index = sink.finish(out.remarks)
             if index is not None:
                 out.images[name] = index
+    _check_found(out, request, window if found.outside else None, problems)
+    return out
+
+
+def _note_contents(out: IngestResult, found: LogContents, chosen: set[str]) -> None:
+    """Note what was lost, what each topic holds, and why those that are not among the chosen ones are not used."""
+    out.lost = messages.describe_losses(found.losses)
+    out.counts = {channel.topic: count for channel, count in sorted(found.counts.items(), key=lambda c: c[0].topic)}
+    messages_of = [channel for channel in found.counts if channel.encoding != "sample"]
+    out.unused = describe_unused(messages_of, chosen | {c.topic for c in found.counts if out.sensors and is_static(c)})
+    out.unread_dvls = unread_dvls(messages_of)
+
+
+def _check_found(out: IngestResult, request: IngestRequest, window: TimeWindow | None, problems: Problems) -> None:
+    """Raise InputError, or hand it to `problems`, where these are several dives, or nothing was read; window: see
+    `_nothing_read`."""
     with problems.collect():
         _check_silence(out)
     if not out.records.by_name() and not out.images and not problems.found:
         with problems.collect():
-            raise _nothing_read(request, window if found.outside else None)
-    return out
+            raise _nothing_read(request, window)
 
 
 def _nothing_read(request: IngestRequest, window: TimeWindow | None) -> InputError:

@@ -65,10 +65,11 @@ class RejectedRegion(PositionMembers):
 
 @dataclass(frozen=True, kw_only=True)
 class SensorCoverage:
-    """What one sensor saw: areas in m2; percentiles by name (p05, p50, p95) of the ground sample distance (m), of the incidence
-    of the best view (degrees) and of the views."""
+    """What one sensor saw: areas in m2, area_sigma_m2 None where it is not known; percentiles by name (p05, p50, p95) of the
+    ground sample distance (m), of the incidence of the best view (degrees) and of the views."""
 
     area_m2: float | None = None
+    area_sigma_m2: float | None = None
     area_twice_m2: float | None = None
     gsd_m: Mapping[str, float] | None = None
     incidence_deg: Mapping[str, float] | None = None

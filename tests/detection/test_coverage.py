@@ -20,6 +20,7 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.poses import Poses, from_mount, from_rpy
 from hullrecon.records.sensors import SonarPings
+from hullrecon.records.solution import HullPose
 from hullrecon.records.surface import Surface
 from hullrecon.records.trajectory import VehicleTrack
 
@@ -97,6 +98,29 @@ def test_beyond_its_range_and_from_behind_the_sonar_sees_nothing(hull, wall) -> 
     assert not coverage.visible_to_sonar(hull, _survey(_sonar_at(2.0, 5.0)), Scene(wall)).any()
     behind = Poses(from_rpy([0, 0, 0], [0, 0, 0]).quaternion, np.array([[2.0, 2.0, -1.0]]))
     assert not coverage.visible_to_sonar(hull, _survey(behind), Scene(wall)).any()
+
+
+def test_the_area_seen_by_the_sonar_is_as_uncertain_as_the_hulls_pose_makes_it(hull, wall) -> None:
+    """A fan that looks past the wall's edge: half a metre off sideways, the strip seen is a quarter of its width off."""
+    survey, still = _survey(_sonar_at(0.0, 4.0)), np.diag(np.full(6, 1e-12))
+    hull_pose = HullPose(global_from_hull=from_rpy([0, 0, 0], [0, 0, 0]), covariance=still, survey_center=np.zeros(3))
+    certain = coverage.sonar_facts(hull, survey, Scene(wall), hull_pose)
+    assert certain["area_sigma_m2"] < 0.02
+    assert "area_sigma_m2" not in coverage.sonar_facts(hull, survey, Scene(wall), None)
+    sideways = replace(hull_pose, covariance=np.diag([0.25, 0, 0, 0, 0, 0]))
+    left, right = (coverage.visible_to_sonar(hull, _survey(_sonar_at(x, 4.0)), Scene(wall)) @ hull.area for x in (-0.5, 0.5))
+    found = coverage.sonar_facts(hull, survey, Scene(wall), sideways)
+    assert found["area_sigma_m2"] == pytest.approx((right - left) / 2, abs=0.03)
+    assert found["area_sigma_m2"] > 0.1
+    assert found["area_m2"] == certain["area_m2"]
+
+
+def test_a_hull_that_turns_about_the_surveys_middle_carries_the_sonar_around_it() -> None:
+    hull_pose = HullPose(
+        global_from_hull=from_rpy([180, 0, 0], [0, 0, 0]), covariance=np.eye(6), survey_center=np.array([2.0, 0, 0])
+    )
+    moved = coverage._with_hull_displaced(_sonar_at(3.0, 0.0), hull_pose, np.array([0, 0, 0, 0, 0, np.pi / 2]))
+    np.testing.assert_allclose(moved.translation, [[2.0, -1.0, 1.0]], atol=1e-12)
 
 
 def _address(point: np.ndarray) -> dict[str, Any]:

@@ -258,6 +258,14 @@ def _area_of(dive, said, sensor, area):
     return _area(dive, said, area, sensor)
 
 
+def _uncertain_area(dive, _, area, sigma, sensor):
+    return beyond(f"area seen by {sensor}", area, sigma, dive.seen_area(sensor))
+
+
+def _uncertain_area_of(dive, said, sensor, area, sigma):
+    return _uncertain_area(dive, said, area, sigma, sensor)
+
+
 def _area_twice(dive, _, area):
     return unlike("area seen twice", area, dive.seen_twice, AREA_SHARE * dive.seen_twice)
 
@@ -471,8 +479,10 @@ TABLE = (
     (r"(\d+) degenerate faces? (?:was|were) removed", _degenerate),
     (r"(\d+) duplicate faces? (?:was|were) removed", _duplicate),
     (r"the mesh is not watertight: (\d+) boundary edges?", _boundary),
+    (rf"{WITH_SIGMA} m² by (sonar)", _uncertain_area),
     (rf"{N} m² by (camera|sonar|DVL)", _area),
     (rf"^(?:Hull|Measured surface) seen by (camera|sonar|DVL) \| {N} m²$", _area_of),
+    (rf"^Hull seen by (sonar) \| {WITH_SIGMA} m²$", _uncertain_area_of),
     (rf"^(?:Hull|Measured surface) seen at least twice by camera \| {N} m²$", _area_twice),
     (rf"^Ground sample distance, camera \| {N} mm \(5th to 95th percentile {N} to {N} mm\)$", _percentiles("gsd", 0.02, 0.0)),
     (

@@ -162,7 +162,7 @@ def _check_topics(topics: Topics) -> None:
 
 
 def _check_regions(regions: Sequence[HullRegion]) -> None:
-    """Each region has a name of its own, and limits that hold something."""
+    """Check that each region has a name of its own, and limits that hold something."""
     names = [region.name for region in regions]
     twice = [name for name in names if names.count(name) > 1]
     if twice:

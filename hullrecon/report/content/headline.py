@@ -8,7 +8,7 @@ import numpy as np
 
 from hullrecon.records.deliverables import SensorCoverage
 from hullrecon.report.content.deviation import deviation_figures
-from hullrecon.report.content.phrases import count, duration, join, length, lengths, signed_range, with_sigma
+from hullrecon.report.content.phrases import area_words, count, duration, join, length, lengths, signed_range, with_sigma
 from hullrecon.report.survey import AdjustedDive, Survey
 
 _AXES = {
@@ -144,7 +144,11 @@ def _coverage(survey: Survey) -> str:
     sensors: tuple[tuple[str, SensorCoverage | None], ...] = (
         ("camera", coverage.camera), ("sonar", coverage.sonar), ("DVL", coverage.dvl)
     )  # fmt: skip
-    parts = [f"{seen.area_m2:.1f} m² by {name}" for name, seen in sensors if seen is not None and seen.area_m2]
+    parts = [
+        f"{area_words(seen.area_m2, seen.area_sigma_m2)} by {name}"
+        for name, seen in sensors
+        if seen is not None and seen.area_m2
+    ]
     holes = f"{count(len(coverage.holes), 'hole')} of more than {coverage.min_hole_m2:g} m² in the coverage"
     gaps = f"; {holes}" if coverage.holes else ""
     return f"{seen_words(survey)}: {join(parts)}{gaps}." if parts else ""

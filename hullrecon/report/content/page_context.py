@@ -19,7 +19,7 @@ from hullrecon.report.content.headline import headline, key_figures, seen_words,
 from hullrecon.report.content.object_card import card_context, object_rows
 from hullrecon.report.content.object_images import Crop, jpeg_uri
 from hullrecon.report.content.page_data import image_id, image_uri, page_data, script_json
-from hullrecon.report.content.phrases import count, length, with_sigma
+from hullrecon.report.content.phrases import area_words, count, length, with_sigma
 from hullrecon.report.content.quality import quality_tables
 from hullrecon.report.content.rejected import rejected_groups, settings_rows
 from hullrecon.report.figures.chart_map import form_png, ground_png
@@ -87,11 +87,8 @@ def page_context(
         "deviation_map": deviation_map(survey, view) if view else None,
         "mosaics": [mosaic_context(name, m) for name, m in mosaics.items()],
         "cards": [card_context(o, survey, photos.get(o.id)) for o in survey.findings.objects or ()],
-        "coverage": coverage_rows(coverage, seen_words(survey)),
-        "regions": region_rows(coverage),
-        "min_hole": f"{coverage.min_hole_m2:g} m²" if coverage is not None else "",
         "gaps": any(m.facts.gap_area_m2 > 0 for m in mosaics.values()),
-        "holes": [hole_text(hole) for hole in coverage.holes] if coverage is not None else [],
+        **_coverage_context(survey),
         "plots": {p.name: {"title": p.title, "alt": p.alt, "src": png_uri(p.png), "csv": f"plots/{p.name}.csv"} for p in plots},
         "rejected": rejected_groups(survey),
         "settings": settings_rows(survey.provenance.steps),
@@ -101,6 +98,17 @@ def page_context(
         "data": script_json(data),
         "has_scene": data["scene"] is not None,
         "version": __version__,
+    }
+
+
+def _coverage_context(survey: Survey) -> PageContext:
+    """Return the template's variables of what was seen of the hull."""
+    coverage = survey.findings.coverage
+    return {
+        "coverage": coverage_rows(coverage, seen_words(survey)),
+        "regions": region_rows(coverage),
+        "min_hole": f"{coverage.min_hole_m2:g} m²" if coverage is not None else "",
+        "holes": [hole_text(hole) for hole in coverage.holes] if coverage is not None else [],
     }
 
 
@@ -187,8 +195,8 @@ def coverage_rows(coverage: Coverage | None, what: str = "Hull seen") -> list[tu
     for name, seen in (("camera", coverage.camera), ("sonar", coverage.sonar), ("DVL", coverage.dvl)):
         if seen is None:
             continue
-        areas = (("by", seen.area_m2), ("at least twice by", seen.area_twice_m2))
-        rows += [(f"{what} {text} {name}", f"{area:.1f} m²") for text, area in areas if area is not None]
+        areas = (("by", seen.area_m2, seen.area_sigma_m2), ("at least twice by", seen.area_twice_m2, None))
+        rows += [(f"{what} {text} {name}", area_words(area, sigma)) for text, area, sigma in areas if area is not None]
         spreads = (
             ("Ground sample distance", seen.gsd_m, 1000.0, " mm"),
             ("Incidence angle of the best view", seen.incidence_deg, 1.0, "°"),

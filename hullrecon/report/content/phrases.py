@@ -31,6 +31,11 @@ def with_sigma(value: float, sigma: float | None, unit: str) -> str:
     return f"{with_minus(f'{value:.{shown}f}')} ± {sigma:.{shown}f} {unit}"
 
 
+def area_words(area_m2: float, sigma_m2: float | None = None) -> str:
+    """Return a text like 5.9 ± 0.2 m², the value alone without a sigma."""
+    return f"{area_m2:.1f}{f' ± {max(sigma_m2, 0.1):.1f}' if sigma_m2 is not None else ''} m²"
+
+
 def error_with_sigma(error: float, sigma: float, unit: str) -> str:
     """Return an error with its sign, like −0.12 ± 0.03°; the unit brings its own space. A sigma of zero is not known."""
     shown = min(4, decimals(sigma)) if sigma > 0 else 2
