@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""README's figures are those of `evaluate` on the demo, to the digits printed, and its pictures show that run's report.
+"""README's figures are those of `evaluate` on the demo, to the last digit printed, and its pictures show that run's report.
 
-Equal input gives equal bytes, so nothing is allowed for. After a change of the method, `make demo`, write the figures that this
-test names into README's table and take the pictures again (docs/figures/report_screenshot.py).
+Equal input gives equal bytes on one machine; on another processor BLAS rounds otherwise, so a figure may be one off in its last
+digit. After a change of the method, `make demo`, write the figures that this test names into README's table and take the
+pictures again (docs/figures/report_screenshot.py).
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from hullrecon.evaluation.scoring.score import Score, score_run
 
 ROOT = Path(__file__).resolve().parents[2]
 NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)( mm| %)?")
+PLAIN_NUMBER = re.compile(r"\d[\d,]*(?:\.\d+)?")
 FACTOR = {" mm": 1000.0, " %": 1.0, "": 1.0}
 # Of each row, by the beginning of its first cell: what its numbers are, in their order, and their unit
 ROWS = {
@@ -56,9 +58,22 @@ def differences(readme: str, figures: dict[str, float]) -> list[str]:
         for (text, unit), (key, _) in zip(shown, ROWS[name], strict=True):
             decimals = len(text.partition(".")[2])
             now = f"{FACTOR[unit] * figures[key]:.{decimals}f}"
-            if now != text:
+            if not is_alike(now, text):
                 out.append(f"{row!r}: {key} is {now}{unit}, not {text}{unit}")
     return out + [f"there is no row {name!r}" for name in sorted(left)]
+
+
+def is_alike(now: str, text: str) -> bool:
+    """Tell whether texts differ in nothing but numbers that are one off in their last digit."""
+    if PLAIN_NUMBER.sub("#", now) != PLAIN_NUMBER.sub("#", text):
+        return False
+    pairs = zip(PLAIN_NUMBER.findall(now), PLAIN_NUMBER.findall(text), strict=True)
+    return all(abs(round(float(a.replace(",", "")) - float(b.replace(",", "")), 9)) <= last_digit(b) for a, b in pairs)
+
+
+def last_digit(text: str) -> float:
+    """Return what one in the last digit of a number is worth."""
+    return 10.0 ** -len(text.partition(".")[2])
 
 
 def flat(score: Score) -> dict[str, float]:
@@ -96,7 +111,7 @@ def test_the_pictures_show_the_demos_report(demo_run: Path, screenshots: ModuleT
     with Image.open(ROOT / "docs" / "images" / name) as picture:
         shown = picture.info.get(screenshots.KEY)
     assert shown is not None, f"{name} does not say which report it shows: take it again (docs/figures/report_screenshot.py)"
-    assert shown == now, f"{name} shows the report of another run: take it again (docs/figures/report_screenshot.py)"
+    assert is_alike(now, shown), f"{name} shows the report of another run: take it again (docs/figures/report_screenshot.py)"
 
 
 FIGURES = {key: 0.0 for keys in ROWS.values() for key, _ in keys} | {
@@ -122,9 +137,16 @@ PAGE = """
 
 def test_figures_are_held_to_the_digits_printed() -> None:
     assert differences(PAGE, FIGURES) == []
-    (wrong,) = differences(PAGE.replace("0.6 mm", "0.7 mm"), FIGURES)
-    assert wrong.endswith("trajectory.rigid_rmse_m is 0.6 mm, not 0.7 mm")
+    assert differences(PAGE.replace("0.6 mm", "0.7 mm"), FIGURES) == []
+    (wrong,) = differences(PAGE.replace("0.6 mm", "0.8 mm"), FIGURES)
+    assert wrong.endswith("trajectory.rigid_rmse_m is 0.6 mm, not 0.8 mm")
     assert differences(PAGE.replace("0.6 mm", "0.57 mm"), FIGURES) == []
+
+
+def test_words_are_alike_to_one_in_the_last_digit_of_their_numbers() -> None:
+    assert is_alike("14,873 landmarks, 97.3 %", "14,874 landmarks, 97.2 %")
+    assert not is_alike("14,873 landmarks, 97.3 %", "14,873 landmarks, 97.5 %")
+    assert not is_alike("6 mm inside", "6 mm outside")
 
 
 def test_a_row_that_is_missing_or_unknown_or_of_another_unit_is_named() -> None:
