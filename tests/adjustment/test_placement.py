@@ -164,7 +164,7 @@ def test_a_solution_with_few_landmarks_on_the_model_is_not_believed():
 def test_a_solution_on_a_good_model_is_believed():
     assert reason_against(round_with(hit=100, on_hull=90), OPTIONS) is None
     growth = residual_growth(solved().adjusted.problem, native.Options())
-    assert set(growth) == set(MAX_GROWTH)
+    assert set(growth) == set(MAX_GROWTH) - {"positions"}  # of a dive without positions from outside
     for name, ratio in growth.items():
         assert 0.99 < ratio < MAX_GROWTH[name], name
 

@@ -262,9 +262,10 @@ def surface_errors(run, hull, name):
     return (np.linalg.norm(points - foot, axis=1) / vertex["sigma"][keep])[known]
 
 
-def sensor_errors(run, package):
-    """Errors over sigma of the sensors' errors that the page's table of the calibration names."""
-    truth = true_sensor_errors(run, package)
+def sensor_errors(run, package, **simulated):
+    """Errors over sigma of the sensors' errors that the page's table of the calibration names; simulated: what
+    `true_sensor_errors` takes, where it is not the simulator's default."""
+    truth = true_sensor_errors(run, package, **simulated)
     page = html.unescape((run / "deliver" / "report" / "index.html").read_text())
     rows = re.findall(r'<tr><th scope="row">([^<]*)</th><td>([−+][\d.]+) ± ([\d.]+)[ °]', page)
     return {name: (float(value.replace("−", "-")) - truth[name]) / float(sigma) for name, value, sigma in rows if name in truth}

@@ -392,11 +392,13 @@ def _observations(dive, _, rejected, of):
     )
 
 
-def _not_reported(dive, _, *numbers):
+def _not_reported(dive, _, height, sigma, address):
     """No structure that is due stands where a region was examined and refused."""
-    at = np.array([value(c) for c in numbers[-3:]])
-    near = dive.nearest_structure_m(at)
-    return [] if near > 0.15 else [f"a structure {near:.2f} m from {at} is called none"]
+    known = [r for r in dive.regions_refused if r["address"] == address and unlike("", height, r["height"]) == []]
+    if not known:
+        return [f"no region was refused at {address}"]
+    near = min(dive.nearest_structure_m(np.array(r["center"])) for r in known)
+    return [] if near > 0.15 else [f"a structure {near:.2f} m from {address} is called none"]
 
 
 def _title(dive, _, number, title):
@@ -444,11 +446,12 @@ TABLE = (
     (rf"known to {LENGTH} along the (?:hull|plane) and {LENGTH} (?:in girth|across it) \(one sigma, median\)", _vehicle_place),
     (rf"^± {LENGTH} ± {LENGTH} (?:in girth|across), one sigma", _vehicle_place),
     (rf"one sigma of the vehicle: {N} m along, {N} m (?:in girth|across)", _vehicle_place_m),
-    (rf"A pixel's place on the hull is known to {N} mm \(one sigma\)", _pixels_place),
+    (rf"A pixel's position on the hull is known to {N} mm \(one sigma\)", _pixels_place),
     (rf"(\d+) objects? found on the hull \(([^)]*)\); the largest, no\. (\d+), has a height of {WITH_SIGMA} m", _objects),
     (r"^(\d+) on the hull$", _count_of_objects),
     (r"hull seen, (\d+) objects?", _count_of_objects),
     (r"(\d+) of (\d+) shown", _shown),
+    (rf"^(?:only|bare hull does so with probability) [^(]*\(height {WITH_SIGMA} m, (.*)\)$", _not_reported),
     (rf"{ADDRESS}, {N} m²$", _hole),
     (r"(\d+) holes? of more than (0\.\d+) m² in the coverage", _holes),
     (r"^Holes of more than (0\.\d+) m²$", _some_hole),
@@ -512,14 +515,6 @@ TABLE = (
     (rf"{N} of {N} DVL ranges rejected as outliers", _ranges_rejected),
     (r"^([a-z ]+): (\d+) pairs?$", _pairs_failed),
     (rf"{N} of {N} image observations rejected as outliers", _observations),
-    (
-        rf"only (?:\d+ landmarks?|{NUMBER} cm2 above half its height|\d+ % of its landmarks agree|\d+ images show it) "
-        rf"\(height {N} m at {N}, {N}, {N}\)",
-        _not_reported,
-    ),
-    (rf"only {N} m off the hull around it, of {N} m needed there \(height {N} m at {N}, {N}, {N}\)", _not_reported),
-    (rf"bare hull does so with probability [\d.e−-]+ \(height {N} m at {N}, {N}, {N}\)", _not_reported),
-    (rf"\(height ({NUMBER}) m at {N}, {N}, {N}\)", _not_reported),
     # numbers that say nothing of the dive: percentiles' names, dimensions, scale bars, ticks of an axis, marks on the plan
     (r"5th to 95th percentile|Beyond 3 sigmas|\b3-D\b", _true),
     (r"(?<=\| )-?\d+(?:\.\d+)? m(?= \||$)", _true),

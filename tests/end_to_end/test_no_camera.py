@@ -49,4 +49,5 @@ def test_the_path_is_better_than_without_them_and_within_its_sigmas(shell):
 
 def test_the_heading_drift_that_the_page_names_is_the_one_simulated(shell):
     run = shell.folder / "with" / "simulated"
-    assert abs(claims.sensor_errors(run, shell.folder / "dive", drift_deg_per_hour=400)["Drift of the heading"]) < 3
+    errors = claims.sensor_errors(run, shell.folder / "dive", drift_deg_per_hour=400)
+    assert abs(errors["Drift of the heading"]) < 3

@@ -133,6 +133,11 @@ class TrueDive:
         laid = self.hull.lay(np.array(center)[None])[0]
         return min((o for o in self.hull.objects if o["height"]), key=lambda o: np.linalg.norm(laid - o["center"]))
 
+    @cached_property
+    def regions_refused(self):
+        """What detect looked at and did not report."""
+        return json.loads((self.run / "detect" / "detect.json").read_text())["not_reported"]
+
     def nearest_structure_m(self, at):
         laid = self.hull.lay(at[None])[0]
         due = [o for o in self.hull.objects if abs(o["height"]) >= DUE_HEIGHT_M and o["views"] >= DUE_VIEWS]
