@@ -168,8 +168,8 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
 
 
 def sonar_facts(hull: HullPatches, sonar: SonarSurvey, scene: Scene, hull_pose: HullPose | None) -> Facts:
-    """Return pings and area. Where the hull lies in the dive's frame decides where a fan meets it, at a grazing angle far away:
-    the area's sigma is what the six errors of the hull pose, one sigma each way along their axes, change of it."""
+    """Return pings and area, with a CAD model the area's sigma as well: a fan meets the hull at a grazing angle, so the area
+    depends on the hull pose. The sigma is by central differences of one sigma along the axes of the pose's covariance."""
     facts = {"pings": len(sonar.poses), **area_facts(hull, visible_to_sonar(hull, sonar, scene))}
     if hull_pose is None:
         return facts
