@@ -181,11 +181,14 @@ def test_the_sentences_say_what_the_files_say(dive):
     coverage = claims.document(run, "coverage.json")
     page = claims.page_text(run)
     for sensor, name in (("camera", "camera"), ("sonar", "sonar"), ("dvl", "DVL")):
-        area = (coverage[sensor] or {}).get("area_m2")
+        seen = coverage[sensor] or {}
+        area, sigma = seen.get("area_m2"), seen.get("area_sigma_m2")
         assert (f"m² by {name}" in text) == bool(area)
+        assert sensor != "sonar" or not area or sigma > 0
         if area:
-            assert f"{area:.1f} m² by {name}" in text
-            assert f"seen by {name} {area:.1f} m²" in page
+            words = f"{area:.1f} m²" if sigma is None else f"{area:.1f} ± {max(sigma, 0.1):.1f} m²"
+            assert f"{words} by {name}" in text
+            assert f"seen by {name} {words}" in page
     if counts.get("objects"):
         assert f"{counts['objects']} object" in text
     if summary["deviation"]:
