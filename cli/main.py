@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The program: its group of commands, the exit code, and shell completion."""
+"""The program: its group of commands, and the exit code."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ from collections.abc import Sequence
 from importlib import import_module
 
 import click
-from click.shell_completion import get_completion_class
 
 from hullrecon import __version__
 from hullrecon.artifacts.execution.interruption import listen
 
-from .commands import COMMANDS, SECTIONS
+from .command_table import COMMANDS, SECTIONS
 from .error_reporting import exit_code_of
 from .printing import write_out_what_cannot_be_encoded
 from .state import CallState, add_common_options, common_options, configure_logging
@@ -33,7 +32,7 @@ class LazyGroup(click.Group):
         entry = COMMANDS.get(cmd_name)
         if entry is None:
             return None
-        module = import_module(f".{entry.module}", __package__)
+        module = import_module(f".commands.{entry.module}", __package__)
         command: click.Command = module.command(cmd_name) if entry.module == "steps" else getattr(module, entry.name)
         add_common_options(command)
         return command
@@ -72,17 +71,6 @@ def cli(context: click.Context) -> None:
 
 
 cli.params += common_options()
-
-
-@click.command()
-@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
-@click.pass_context
-def completion(context: click.Context, shell: str) -> None:
-    """Print the completion script, e.g. eval "$(hullrecon completion bash)" in ~/.bashrc."""
-    root = context.find_root()
-    kind = get_completion_class(shell)
-    assert kind is not None
-    click.echo(kind(root.command, {}, "hullrecon", "_HULLRECON_COMPLETE").source())
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

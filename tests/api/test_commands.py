@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from hullrecon_cli import score
+from hullrecon_cli.commands import score
 from msgspec import Struct
 
 from hullrecon.api import commands as api_commands

@@ -77,7 +77,7 @@ class Answer(Struct):
 @pytest.fixture
 def toy_stages(monkeypatch: pytest.MonkeyPatch) -> tuple[Stage, ...]:
     monkeypatch.setattr("hullrecon.steps.chain.stages", lambda: STAGES)
-    monkeypatch.setattr("hullrecon_cli.steps.find_stage", lambda name: next(s for s in STAGES if s.name == name))
+    monkeypatch.setattr("hullrecon_cli.commands.steps.find_stage", lambda name: next(s for s in STAGES if s.name == name))
     return STAGES
 
 

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from hullrecon_cli.commands import COMMANDS, STEPS
+from hullrecon_cli.command_table import COMMANDS, STEPS
 from hullrecon_cli.main import cli, main
 
 from hullrecon.steps.chain import NAMES, stages

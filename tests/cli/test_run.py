@@ -236,7 +236,7 @@ def test_the_end_of_a_step_is_printed_once(program, package: Path, runs: Path) -
 
 
 def test_the_findings_are_those_at_the_head_of_the_report(tmp_path: Path) -> None:
-    from hullrecon_cli.run import delivery_lines
+    from hullrecon_cli.commands.run import delivery_lines
 
     assert delivery_lines(tmp_path / "absent") == []
     (tmp_path / "report").mkdir()

@@ -8,7 +8,7 @@ import json
 from pathlib import Path
 
 import pytest
-from hullrecon_cli.steps import command, fields, unwrap_type
+from hullrecon_cli.commands.steps import command, fields, unwrap_type
 from msgspec import inspect as types
 
 from hullrecon.steps.chain import stages

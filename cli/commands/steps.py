@@ -13,7 +13,7 @@ from msgspec import inspect as types
 from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.steps.chain import stage as find_stage
 
-from .dives import FOLDER, open_dive
+from ..dives import FOLDER, open_dive
 from .run import RunOptions, execute, run_options
 
 _BOUNDS = {"ge": "at least", "gt": "above", "le": "at most", "lt": "below", "multiple_of": "a multiple of"}

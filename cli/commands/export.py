@@ -9,8 +9,8 @@ from pathlib import Path
 
 import click
 
-from .dives import FOLDER
-from .state import add_common_options, state_of
+from ..dives import FOLDER
+from ..state import add_common_options, state_of
 
 
 @click.group(invoke_without_command=True)

@@ -12,8 +12,8 @@ import click
 
 from hullrecon.errors import HullreconError, InputError, UsageError
 
-from .dives import CONFIGURATION, FOLDER, allow_outside_option, name_overrides, set_option
-from .state import state_of
+from ..dives import CONFIGURATION, FOLDER, allow_outside_option, name_overrides, set_option
+from ..state import state_of
 
 
 @click.command()

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Entry:
-    """A command: its module below this package, its name there, and one line about it."""
+    """A command: its module below commands/, its name there, and one line about it."""
 
     module: str
     name: str
@@ -29,7 +29,9 @@ STEPS = {
     "ingest": Entry("steps", "ingest", "read the logs, the calibration and the CAD model"),
     "navigate": Entry("steps", "navigate", "compute the dead-reckoned trajectory"),
     "features": Entry("steps", "features", "find features in every image"),
-    "links": Entry("steps", "links", "link images in rounds, tie passes by the hull, and straighten the path with them"),
+    "links": Entry(
+        "steps", "links", "link images in rounds, tie passes by the hull, and straighten the path with them"
+    ),
     "matches": Entry("steps", "matches", "join matches of linked images to feature tracks"),
     "adjust": Entry("steps", "adjust", "adjust images, DVL ranges and the CAD model together"),
     "surface": Entry("steps", "surface", "make a surface of the DVL's returns"),
@@ -45,7 +47,7 @@ AROUND = {
     "export": Entry("export", "export", "results in forms for other programs: undistorted images for COLMAP"),
     "compare-methods": Entry("score", "compare_methods", "naive, geva and maxmix on a simulated dive, in one table"),
     "figures": Entry("score", "figures", "the sources' figures on a simulated dive, as pictures and tables"),
-    "completion": Entry("main", "completion", "the shell's completion script"),
+    "completion": Entry("completion", "completion", "the shell's completion script"),
 }
 SECTIONS = {"A dive": ON_A_DIVE, "Steps of the chain": STEPS, "Around it": AROUND}
 COMMANDS = {**ON_A_DIVE, **STEPS, **AROUND}

@@ -11,8 +11,8 @@ import click
 
 from hullrecon.artifacts.execution.progress import choose_progress
 
-from .dives import FOLDER, allow_outside_option, open_dive, runs_option, set_option
-from .state import state_of
+from ..dives import FOLDER, allow_outside_option, open_dive, runs_option, set_option
+from ..state import state_of
 
 _JOBS = click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="worker processes inside a step")
 

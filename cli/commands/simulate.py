@@ -11,8 +11,8 @@ import click
 
 from hullrecon.synthetic.options import Option, options, spec_from
 
-from .dives import FOLDER
-from .state import state_of
+from ..dives import FOLDER
+from ..state import state_of
 
 
 def _with_options(command: Callable[..., None]) -> Callable[..., None]:

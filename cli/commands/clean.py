@@ -11,10 +11,10 @@ import click
 
 from hullrecon.errors import UsageError
 
-from .dives import FOLDER, find_workspace, runs_option
-from .printing import printable
+from ..dives import FOLDER, find_workspace, runs_option
+from ..printing import printable
+from ..state import state_of
 from .run import refuse_unknown
-from .state import state_of
 
 
 @click.command()

@@ -23,8 +23,8 @@ from hullrecon.artifacts.graph.plan import StepStatus, assess_chain
 from hullrecon.artifacts.storage.delivery import PUBLISHED, delivered_records
 from hullrecon.errors import HullreconError, StorageError
 
-from .dives import FOLDER, Command, allow_outside_option, open_dive, runs_option, set_option
-from .state import state_of
+from ..dives import FOLDER, Command, allow_outside_option, open_dive, runs_option, set_option
+from ..state import state_of
 
 log = logging.getLogger("hullrecon.cli")
 SCHEDULER_HELP = (

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import click
 
-from .dives import FOLDER
-from .state import state_of
+from ..dives import FOLDER
+from ..state import state_of
 
 
 @click.command()
