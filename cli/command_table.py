@@ -29,9 +29,7 @@ STEPS = {
     "ingest": Entry("steps", "ingest", "read the logs, the calibration and the CAD model"),
     "navigate": Entry("steps", "navigate", "compute the dead-reckoned trajectory"),
     "features": Entry("steps", "features", "find features in every image"),
-    "links": Entry(
-        "steps", "links", "link images in rounds, tie passes by the hull, and straighten the path with them"
-    ),
+    "links": Entry("steps", "links", "link images in rounds, tie passes by the hull, and straighten the path with them"),
     "matches": Entry("steps", "matches", "join matches of linked images to feature tracks"),
     "adjust": Entry("steps", "adjust", "adjust images, DVL ranges and the CAD model together"),
     "surface": Entry("steps", "surface", "make a surface of the DVL's returns"),
