@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
+from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
 from hullrecon.detection.as_found.record import as_found_surface
 from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.objects.find_objects import find_objects
@@ -121,6 +122,31 @@ def test_a_structure_on_which_landmarks_disagree_is_not_reported(scenery, found)
     objects, rejected = _objects(mixed, found)
     assert [round(o.height, 2) for o in objects] == [-0.05]
     assert "agree" in rejected[0].reason
+
+
+def test_landmarks_on_the_hull_at_the_foot_of_the_edge_are_not_those_of_the_structure(scenery, found) -> None:
+    on_disc = np.flatnonzero(np.hypot(scenery.measured.foot[:, 0] - 1.2, scenery.measured.foot[:, 2] - 1.0) < 0.1)
+    angle = np.linspace(0, 2 * np.pi, 2 * len(on_disc))
+    ring = scenery.measured.take(np.resize(on_disc, len(angle)))
+    foot = np.stack([1.2 + 0.132 * np.cos(angle), np.full(len(angle), 2.0), 1.0 + 0.132 * np.sin(angle)], axis=1)
+    joined = {f.name: np.concatenate([getattr(scenery.measured, f.name), getattr(ring, f.name)]) for f in fields(ring)}
+    joined["foot"] = np.concatenate([scenery.measured.foot, foot])
+    beside = replace(
+        scenery, measured=SurfaceLandmarks(**joined), height=np.concatenate([scenery.height, np.zeros(len(angle))])
+    )
+    assert [round(o.height, 2) for o in _objects(beside, found)[0]] == [0.10, -0.05]
+
+
+@pytest.mark.parametrize(("radius_m", "reported"), [(0.03, True), (0.012, False)])
+def test_enough_views_must_show_as_much_of_a_structure_as_a_height_is_read_from(
+    radius_m: float, reported: bool, scenery, found
+) -> None:
+    """A disc of 28 cm2 holds the 8 cm2 of a top, one of 5 cm2 does not."""
+    off = np.hypot(found.base.vertices[:, 0] - 1.2, found.base.vertices[:, 2] - 1.0)
+    shown = replace(found, shapes=np.where((off > radius_m) & (off < 0.2), 0, found.shapes))
+    objects, rejected = _objects(scenery, shown)
+    assert (0.10 in [round(o.height, 2) for o in objects]) == reported
+    assert any("images show it" in item.reason for item in rejected) != reported
 
 
 def test_objects_are_plain_values_for_json(scenery, found) -> None:

@@ -25,7 +25,7 @@ from hullrecon.geometry.neighbours import Around, nearest
 from hullrecon.typing import Array, Ints, Mask
 
 IMAGES = 6  # named with each object
-NEAR_M = 0.02  # a landmark so near to a structure's vertices lies on it, or on the hull at the foot of its edge
+NEAR_M = 0.02  # a landmark whose foot is farther from every vertex lies where the hull was not meshed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,29 +73,37 @@ class _RegionEvidence:
 
 @dataclass(frozen=True, kw_only=True)
 class _Landmarks:
-    """Of a dive, with their heights (n,) m above the hull, and where their feet lie."""
+    """Of a dive, with their heights (n,) m above the hull, where their feet lie, and where the vertices of the base do."""
 
     measured: SurfaceLandmarks
     height: Array
     around: Around
+    vertices: Around
+
+    def at(self, found: HullAsFound, vertices: Ints) -> tuple[Ints, Ints]:
+        """Return the landmarks whose foot is nearer to one of these vertices than to all others, and that vertex of each.
+
+        Those on the hull at the foot of a structure's edge are not among those of the structure.
+        """
+        where = found.base.vertices[vertices]
+        near, candidates = self.around.ball(where, NEAR_M), self.vertices.ball(where, 2 * NEAR_M)
+        distance, row = nearest(found.base.vertices[candidates], self.measured.foot[near], 1, NEAR_M)
+        known = np.isfinite(distance[:, 0])
+        near, vertex = near[known], candidates[row[known, 0]]
+        on = np.isin(vertex, vertices)
+        return near[on], vertex[on]
 
     def on(self, found: HullAsFound, region: Region, vertices: Ints) -> tuple[Mask, Array, Array]:
-        """Return those near these vertices of a region: whether each stands off the hull as the region does (n,), its height
+        """Return those on these vertices of a region: whether each stands off the hull as the region does (n,), its height
         over the surface there (n,), and its own sigma (n,), m."""
-        at = found.base.vertices[vertices]
-        near = self.around.ball(at, NEAR_M)
-        distance, row = nearest(at, self.measured.foot[near], 1, NEAR_M)
-        on = np.isfinite(distance[:, 0])
-        height, surface = self.height[near[on]], found.height[vertices[row[on, 0]]]
+        rows, vertex = self.at(found, vertices)
+        height, surface = self.height[rows], found.height[vertex]
         stands = region.side * (height - region.level) > 0.5 * np.abs(surface - region.level)
-        return stands, height - surface, self.measured.sigma[near[on]]
+        return stands, height - surface, self.measured.sigma[rows]
 
     def covariances(self, found: HullAsFound, region: Region) -> Array:
         """Return those (n, 3, 3) of the landmarks on a region that stand off the hull as it does."""
-        at = found.base.vertices[region.core]
-        near = self.around.ball(at, NEAR_M)
-        on = near[np.isfinite(nearest(at, self.measured.foot[near], 1, NEAR_M)[0][:, 0])]
-        return self.measured.covariance[on[self.on(found, region, region.core)[0]]]
+        return self.measured.covariance[self.at(found, region.core)[0][self.on(found, region, region.core)[0]]]
 
     def nearest_covariance(self, point: Array) -> Array:
         """Return that (1, 3, 3) of the landmark nearest to a point (3,)."""
@@ -135,7 +143,7 @@ def find_objects(
     area = vertex_areas(found.base)
     rough = roughness(found)
     scene, around = Scene(found.mesh), Around(found.base.vertices)
-    landmarks = _Landmarks(measured=measured, height=height, around=Around(measured.foot))
+    landmarks = _Landmarks(measured=measured, height=height, around=Around(measured.foot), vertices=around)
     objects, rejected = [], []
     for region in find_regions(found, options):
         evidence = _collect_evidence(found, region, area, rough, landmarks, _seen_by(found, region, views, scene))
@@ -181,7 +189,7 @@ def _rejection_reason(
 ) -> str:
     """Return why the region is not an object, or nothing. supporting: landmarks that agree, and their share."""
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
-    shapes = int(np.percentile(found.shapes[region.core], 75))
+    shapes = _showing(found, region, area)
     core = float(area[region.core].sum())
     least = options.min_height_m + float(np.median(found.facet[region.core]))
     checks = (
@@ -193,6 +201,13 @@ def _rejection_reason(
         (evidence.chance > options.max_p_value, f"bare hull does so with probability {evidence.chance:.2g}"),
     )
     return next((reason for failed, reason in checks if failed), "")
+
+
+def _showing(found: HullAsFound, region: Region, area: Array) -> int:
+    """Return how many views have shapes on as much of the region as a height is read from, counted where most do."""
+    order = region.core[np.argsort(-found.shapes[region.core], kind="stable")]
+    enough = np.flatnonzero(np.cumsum(area[order]) >= TOP_M2)
+    return int(found.shapes[order[enough[0]]]) if len(enough) else 0
 
 
 def _supporting_landmarks(found: HullAsFound, region: Region, landmarks: _Landmarks) -> tuple[int, float]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the hull as found stands off the hull: regions of the mesh, each a evidence for one object."""
+"""Where the hull as found stands off the hull: regions of the mesh, each evidence of one object."""
 
 from __future__ import annotations
 
