@@ -8,14 +8,22 @@ from itertools import pairwise
 
 import pytest
 from end_to_end import seabed
+from end_to_end.shell import Shell
 
 pytestmark = pytest.mark.slow
 
 
-def test_all_sixteen_pairs_join_in_one_trajectory_and_make_a_mosaic(evaluation_data, shell, tmp_path):
-    seabed.write(evaluation_data / "stereo-haltbrekken", tmp_path / "seabed")
-    shell("run", tmp_path / "seabed", "--runs", "out", "--jobs", 2)
-    deliver = shell.folder / "out" / "seabed" / "deliver"
+@pytest.fixture(scope="module")
+def run(evaluation_data, tmp_path_factory):
+    """The folder of a whole run, to be read."""
+    shell = Shell(tmp_path_factory.mktemp("seabed"))
+    seabed.write(evaluation_data / "stereo-haltbrekken", shell.folder / "seabed")
+    shell("run", shell.folder / "seabed", "--runs", "out", "--jobs", 2)
+    return shell.folder / "out" / "seabed"
+
+
+def test_all_sixteen_pairs_join_in_one_trajectory_and_make_a_mosaic(run):
+    deliver = run / "deliver"
     with (deliver / "trajectory.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 16
@@ -26,13 +34,11 @@ def test_all_sixteen_pairs_join_in_one_trajectory_and_make_a_mosaic(evaluation_d
     assert json.loads((deliver / "summary.json").read_text())["frame"] == "g"
 
 
-def test_the_model_holds_all_images_on_a_rigid_baseline(evaluation_data, shell, tmp_path):
+def test_the_model_holds_all_images_on_a_rigid_baseline(run):
     import numpy as np
     import pycolmap
 
-    seabed.write(evaluation_data / "stereo-haltbrekken", tmp_path / "seabed")
-    shell("run", tmp_path / "seabed", "--runs", "out", "--to", "adjust", "--jobs", 2)
-    model = pycolmap.Reconstruction(str(shell.folder / "out" / "seabed" / "adjust" / "colmap"))
+    model = pycolmap.Reconstruction(str(run / "adjust" / "colmap"))
     centres = {image.name: image.projection_center() for image in model.images.values()}
     assert len(centres) == 32
     tops = sorted(name for name in centres if name.startswith("camera_top"))
