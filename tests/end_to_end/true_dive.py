@@ -12,15 +12,14 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from end_to_end import claims
-from end_to_end.true_hull import read_ply, true_hull
-from end_to_end.true_views import true_views
+from end_to_end.true_hull import Steel, read_ply, true_hull
+from end_to_end.true_views import pieces, pieces_below, true_views
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
 LABEL_BOUNDARY_M = 0.04  # a landmark farther off the CAD model does not lie on it
 LABEL_UNCLEAR_M = 0.02  # nearer to the boundary than this, either word is right, as `evaluate` has it
 DVL_REACH_M = (0.2, 0.4)  # from where a beam met the hull
-MEASURED_M = 0.06  # from a vertex of the measured surface
 SEEN_WITHIN_M = 4.0  # of what the camera saw lies what the sonar saw
 DUE_HEIGHT_M, DUE_VIEWS = 0.08, 6  # of a structure that must be found
 
@@ -192,12 +191,17 @@ class TrueDive:
 
     @cached_property
     def views(self):
-        name = "as_found.ply" if (self.run / "deliver" / "as_found.ply").exists() else "surface.ply"
-        vertex, _ = read_ply(self.run / "deliver" / name)
+        return true_views(self.package, self._steel())
+
+    def _steel(self):
+        """Pieces of hull around what was measured; without a CAD model nothing is known beyond the measured surface."""
+        mesh, deliver = self.package / "hull.stl", self.run / "deliver"
+        if not self.in_ship_frame:
+            surface = Steel(deliver / "surface.ply", self.hull.lay)
+            return pieces_below(mesh, surface, surface.vertices)
+        vertex, _ = read_ply(deliver / "as_found.ply")
         points = self.hull.lay(np.stack([vertex[k] for k in "xyz"], axis=1))
-        if not self.in_ship_frame:  # nothing is known of the hull beyond the measured surface
-            return true_views(self.package, points, MEASURED_M)
-        return true_views(self.package, points[vertex["support"] > 0][::20], SEEN_WITHIN_M)
+        return pieces(mesh, points[vertex["support"] > 0][::20], SEEN_WITHIN_M)
 
     def seen_area(self, sensor):
         area = self.views.steel.area

@@ -16,11 +16,12 @@ from scipy.spatial.transform import Rotation, Slerp
 
 
 class Steel:
-    """Distances to a triangle mesh."""
+    """Distances to a triangle mesh; lay: what moves its vertices (n, 3) first."""
 
-    def __init__(self, path):
+    def __init__(self, path, lay=np.asarray):
         mesh = o3d.io.read_triangle_mesh(str(path))
         faces = np.asarray(mesh.triangles)
+        mesh.vertices = o3d.utility.Vector3dVector(lay(np.asarray(mesh.vertices)))
         self.vertices, self.edges = (
             np.asarray(mesh.vertices),
             np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])),
