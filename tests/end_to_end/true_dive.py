@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from end_to_end import claims
-from end_to_end.true_hull import Steel, read_ply, true_hull
+from end_to_end.true_hull import Steel, read_ply, read_poses, true_hull
 from end_to_end.true_views import pieces, pieces_below, true_views
 from scipy import ndimage
 from scipy.spatial import cKDTree
@@ -84,6 +84,16 @@ class TrueDive:
     @property
     def node_times(self):
         return self.path.t
+
+    @cached_property
+    def measured_times(self):
+        """Times (n,) s at which the dive can have a pose: of the top camera's images, of the DVL's pings without a camera."""
+        table = "images_camera_top" if self.images else "dvl"
+        return np.load(self.run / "ingest" / f"{table}.npz")["t_ns"] * 1e-9
+
+    @property
+    def pose_times(self):
+        return read_poses(self.run / "deliver" / "trajectory.csv").t
 
     @property
     def true_path_m(self):
@@ -203,20 +213,33 @@ class TrueDive:
         points = self.hull.lay(np.stack([vertex[k] for k in "xyz"], axis=1))
         return pieces(mesh, points[vertex["support"] > 0][::20], SEEN_WITHIN_M)
 
-    def seen_area(self, sensor):
-        area = self.views.steel.area
-        if sensor == "camera":
-            return area[self.views.by_camera[0] > 0].sum()
-        if sensor == "sonar":
-            return area[self.views.by_sonar(np.load(self.run / "ingest" / "sonar.npz"))].sum()
-        raise KeyError(sensor)
+    @cached_property
+    def _seen_by(self):
+        """Which pieces (n,) of hull camera and sonar saw, as far as they were carried."""
+        seen = {"camera": self.views.by_camera[0] > 0} if self.images else {}
+        pings = self.run / "ingest" / "sonar.npz"
+        return seen | ({"sonar": self.views.by_sonar(np.load(pings))} if pings.exists() else {})
 
-    @property
-    def seen_by_dvl(self):
-        """Least and most area that its beams saw: what lies between them is seen as far as a surface can be laid over it."""
+    def carried(self, sensor):
+        return sensor in self._seen_by if sensor != "DVL" else (self.run / "ingest" / "dvl.npz").exists()
+
+    def seen_area(self, sensor, on=slice(None)):
+        return self.views.steel.area[on][self._seen_by[sensor][on]].sum()
+
+    @cached_property
+    def _from_beam_ends(self):
+        """Distance (n,) m of each piece of hull to where a beam of the DVL met it."""
         ends = cKDTree(self.views.beam_ends(np.load(self.run / "ingest" / "dvl.npz")))
-        near = ends.query(self.views.steel.middle)[0]
-        return [self.views.steel.area[near < reach].sum() for reach in DVL_REACH_M]
+        return ends.query(self.views.steel.middle)[0]
+
+    def seen_by_dvl(self, on=slice(None)):
+        """Least and most area that its beams saw: what lies between them is seen as far as a surface can be laid over it."""
+        return [self.views.steel.area[on][self._from_beam_ends[on] < reach].sum() for reach in DVL_REACH_M]
+
+    def within(self, along, girth):
+        """Which pieces (n,) lie within limits (low, high) of the map."""
+        low, high = np.array([along, girth]).T
+        return ((self.on_map >= low) & (self.on_map <= high)).all(axis=1)
 
     @property
     def seen_twice(self):
@@ -235,12 +258,14 @@ class TrueDive:
 
     def holes(self, least_m2):
         """Areas, m2, of the parts larger than that which no camera saw inside the outline of what was seen."""
-        return [area for area in self._holes if area >= least_m2]
+        return [area for area in self._holes(self._seen_by["camera"]) if area >= least_m2]
 
-    @cached_property
-    def _holes(self):
+    def holes_of_dvl(self, least_m2):
+        """The same of what no beam saw, as far as a surface can be laid, farthest first: fewest holes and most."""
+        return [[area for area in self._holes(self._from_beam_ends < reach) if area >= least_m2] for reach in DVL_REACH_M[::-1]]
+
+    def _holes(self, seen):
         cell, rim = 0.1, 6  # gaps of up to twelve cells at the rim count, as the report says it counts them
-        seen = self.views.by_camera[0] > 0 if self.images else np.ones(len(self.views.steel.area), bool)
         at = np.floor((self.on_map - self.on_map.min(axis=0)) / cell).astype(int) + rim
         image, hull = np.zeros((2, *(at.max(axis=0) + 1 + rim)), bool)
         hull[tuple(at.T)] = True
@@ -252,8 +277,8 @@ class TrueDive:
 
     @cached_property
     def seen_extent(self):
-        """Lowest and highest along and girth of what the camera saw (of all that was surveyed without one)."""
-        seen = self.views.by_camera[0] > 0 if self.images else slice(None)
+        """Lowest and highest along and girth of what the camera saw, the DVL's beams without one."""
+        seen = self._seen_by["camera"] if self.images else self._from_beam_ends < DVL_REACH_M[0]
         return self.on_map[seen].min(axis=0), self.on_map[seen].max(axis=0)
 
     def pixel_m(self, name):

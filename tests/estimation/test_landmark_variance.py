@@ -64,7 +64,7 @@ def test_no_landmark_shares_nothing() -> None:
 
 
 def test_a_depth_that_nothing_measured_is_common_to_normals_that_lean_differently() -> None:
-    """Ten metres along z, as without a pressure sensor: a normal that leans by a degree takes 17 cm of it, its neighbour none."""
+    """Ten metres along z, as without a pressure sensor: a normal that leans by a degree takes 17 cm of it."""
     position, normal = wall()
     normal = normal + np.random.default_rng(5).normal(0, 0.02, (N, 1)) * [0, 0, 1]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
