@@ -299,16 +299,23 @@ class TrueDive:
         return np.load(self.run / "ingest" / f"images_camera_{camera}.npz")["t_ns"]
 
     def overlaps(self, across):
-        pairs = np.load(self.run / "links" / "pairs.npz")
-        rows = pairs["across"] == across
-        joined = rows & (pairs["reason"] == 0) & ~pairs["rejected"]
-        nodes = np.stack([pairs["first"][joined], pairs["second"][joined]], axis=1)
-        overlap = self.views.overlaps(self.node_times[nodes])
-        return int(rows.sum()), int(joined.sum()), 100 * np.percentile(overlap, (5, 50, 95)) if len(overlap) else (0, 0, 0)
+        """Pairs of images compared and matched, and the 5th, 50th and 95th percentile of the matched ones' overlap, percent."""
+        return self._overlaps[across]
+
+    @cached_property
+    def _overlaps(self):
+        pairs, out = np.load(self.run / "links" / "pairs.npz"), {}
+        for across in (False, True):
+            rows = pairs["across"] == across
+            joined = rows & (pairs["reason"] == 0) & ~pairs["rejected"]
+            nodes = np.stack([pairs["first"][joined], pairs["second"][joined]], axis=1)
+            overlap = self.views.overlaps(self.node_times[nodes]) if len(nodes) else np.zeros(1)
+            out[across] = int(rows.sum()), int(joined.sum()), 100 * np.percentile(overlap, (5, 50, 95))
+        return out
 
     @property
     def pairs_without_pose(self):
-        return sum(self.overlaps(across)[0] - self.overlaps(across)[1] for across in (False, True))
+        return sum(compared - joined for compared, joined, _ in self._overlaps.values())
 
     @cached_property
     def adjust(self):

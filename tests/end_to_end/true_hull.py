@@ -77,8 +77,7 @@ class TrueHull:
         number = np.round(foot[:, 0] / step_m).astype(int)
         for k in np.unique(number):
             arc, at = self.section(k * step_m if (number == k).sum() > 1 else foot[number == k, 0][0])
-            distance = np.linalg.norm(foot[number == k, None, 1:] - at, axis=2)
-            out[number == k, 1] = arc[distance.argmin(axis=1)]
+            out[number == k, 1] = arc[cKDTree(at).query(foot[number == k, 1:])[1]]
         return out
 
     def section(self, x):

@@ -190,15 +190,18 @@ class TrueViews:
             [cv2.undistortPoints(pixel[:, None], self.lens.matrix, self.lens.distortion)[:, 0], np.ones(grid**2)]
         )
         ray /= np.linalg.norm(ray, axis=1, keepdims=True)
-        shares = [self._share(ray, *pair) for one in t for pair in (one, one[::-1])]
+        centers, turns = self.cameras(t.ravel())
+        poses = list(zip(centers, turns.as_matrix(), strict=True))
+        shares = [self._share(ray, poses[k], poses[k ^ 1]) for k in range(t.size)]
         return np.reshape(shares, (-1, 2)).min(axis=1)
 
     def _share(self, ray, source, target):
-        (center, there), turn = self.cameras(np.array([source, target]))
-        way = turn[0].apply(ray)
+        """How many rays (n, 3) of one camera meet steel that another's image shows; position (3,) and axes (3, 3) of each."""
+        (center, turn), (there, turn_there) = source, target
+        way = ray @ turn.T
         away = self.hull.along(np.broadcast_to(center, way.shape), way)
         foot = center + np.where(np.isfinite(away), away, 0.0)[:, None] * way
-        return np.mean(self.lens.shows(turn[1].inv().apply(foot - there)) & np.isfinite(away))
+        return np.mean(self.lens.shows((foot - there) @ turn_there) & np.isfinite(away))
 
     def _seen(self, center, grazing, shows):
         """Rows of the pieces that face a place, that it shows and nothing hides, with distance and cosine of incidence."""
