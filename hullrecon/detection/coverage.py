@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from hullrecon.detection.as_found.mesh import refine_near
 from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.detection.hull_error import HullError, area_sigma
 from hullrecon.detection.hull_position import hull_position
 from hullrecon.detection.views import GRAZING, CameraViews, Visibility, find_visibility
 from hullrecon.dive.config.schema import HullRegion
@@ -28,12 +28,14 @@ from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, Any]
+Look = Callable[[HullError], Mask]  # which patches a sensor saw if the hull lies off
 CELL_M = 0.1
 PATCH_M = 0.12  # edges of the patches on which coverage is summed
 PATCHES_REACH_M = 2.0  # from what the survey saw; beyond, the CAD model's own faces are the patches
 DVL_REACH_M = 0.08  # from a vertex of the DVL's surface, whose edges are 0.1 m
 BRIDGE_CELLS = 6  # gaps of up to twice as many cells at the rim of the surveyed area count as holes; inside it, any
 MIN_HOLE_M2 = 0.03
+MIN_HOLE_BY_DVL_M2 = 0.16  # its returns lie decimetres apart, its surface ends 0.4 m from one: less is a notch of the rim
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +66,8 @@ def summarise_coverage(
 ) -> Facts:
     """Return coverage.json: areas of the base surface that each sensor saw, and holes in what the camera (else the DVL) saw.
 
-    track: the path that it was seen from; regions: of the CAD model, whose own coverage is added where there are any.
+    track: the path that it was seen from; regions: of the CAD model, whose own coverage is added where there are any (none
+    without a CAD model).
     """
     surveyed = base.surveyed.vertices
     patches, scene = hull_patches(refine_near(base.mesh, surveyed[::7], PATCH_M, PATCHES_REACH_M)), Scene(base.mesh)
@@ -72,17 +75,17 @@ def summarise_coverage(
     report: Facts = {"frame": str(base.frame), "dvl": None, "camera": None, "sonar": None}
     if base.from_dvl:
         report["dvl"] = area_facts(patches, by_dvl)
-    seen = by_dvl
+    seen, min_hole_m2 = by_dvl, MIN_HOLE_BY_DVL_M2
     if views is not None:
         by_camera = find_visibility(views, patches.mesh.vertices, patches.normal, scene)
         report["camera"] = camera_facts(patches, by_camera, views.camera.fx, len(views))
-        seen = by_camera.views > 0
+        seen, min_hole_m2 = by_camera.views > 0, MIN_HOLE_M2
     if sonar is not None:
         report["sonar"] = sonar_facts(patches, sonar, scene, base.hull_pose)
-    report["holes"] = find_holes(patches, seen, base.chart, lambda center: locate_hole(center, base, track))
-    report["min_hole_m2"] = MIN_HOLE_M2
-    if regions:
-        report["regions"] = [_region_facts(region, base, views, sonar, scene) for region in regions]
+    report["holes"] = find_holes(patches, seen, base.chart, lambda center: locate_hole(center, base, track), min_hole_m2)
+    report["min_hole_m2"] = min_hole_m2
+    if regions and base.hull_pose is not None:
+        report["regions"] = [region_facts(region, base, views, sonar, scene, base.hull_pose) for region in regions]
     return report
 
 
@@ -96,27 +99,41 @@ def locate_hole(center: Array, base: BaseSurface, track: VehicleTrack) -> Facts:
     return hull_position(center, normal, covariance, 0.0, CELL_M / np.sqrt(12), base).as_json(base)
 
 
-def _region_facts(
-    region: HullRegion, base: BaseSurface, views: CameraViews | None, sonar: SonarSurvey | None, scene: Scene
+def region_facts(
+    region: HullRegion,
+    base: BaseSurface,
+    views: CameraViews | None,
+    sonar: SonarSurvey | None,
+    scene: Scene,
+    hull_pose: HullPose,
 ) -> Facts:
-    """Return the area of a region of the CAD model, and how much of it each sensor saw; None for one that was not carried."""
+    """Return the area of a region of the CAD model, and how much of it each sensor saw, with sigmas; None for one that was not
+    carried. Its limits are on the ship: how much of the survey lies within them depends on the hull pose."""
     cells = region_cells(base.chart, base.mesh, region.along, region.girth)
     patches = HullPatches(mesh=Mesh(cells.middle, np.zeros((0, 3), np.int32)), normal=cells.normal, area=cells.area)
-    seen: dict[str, Mask | None] = {"camera": None, "dvl": None, "sonar": None}
+    surveyed = base.surveyed.vertices[base.surveyed.support > 0]
+    seen: dict[str, Look | None] = {"camera": None, "dvl": None, "sonar": None}
     if views is not None:
-        seen["camera"] = find_visibility(views, cells.middle, cells.normal, scene).views > 0
+        seen["camera"] = lambda off: (
+            find_visibility(replace(views, T_x_c=off.poses(views.T_x_c)), cells.middle, cells.normal, scene).views > 0
+        )
     if base.from_dvl:
-        seen["dvl"] = covered_by_surface(patches, base.surveyed.vertices[base.surveyed.support > 0], DVL_REACH_M)
+        # Laid on the CAD model: a hull that lies off along its normal was seen as well as before
+        seen["dvl"] = lambda off: covered_by_surface(patches, scene.closest(off.points(surveyed)).foot, DVL_REACH_M)
     if sonar is not None:
-        seen["sonar"] = visible_to_sonar(patches, sonar, scene)
-    whole = float(cells.area.sum())
-    facts: Facts = {
-        name: None
-        if which is None
-        else {"area_m2": _area(patches, which), "share": round(float(cells.area[which].sum()) / whole, 4) if whole else 0.0}
-        for name, which in seen.items()
-    }
-    return {"name": region.name, "along": region.along, "girth": region.girth, "area_m2": round(whole, 4), **facts}
+        seen["sonar"] = lambda off: visible_to_sonar(patches, replace(sonar, poses=off.poses(sonar.poses)), scene)
+    shares = {name: None if look is None else _share(patches, look, hull_pose) for name, look in seen.items()}
+    whole = round(float(cells.area.sum()), 4)
+    return {"name": region.name, "along": region.along, "girth": region.girth, "area_m2": whole, **shares}
+
+
+def _share(region: HullPatches, look: Look, hull_pose: HullPose) -> Facts:
+    """Return the area of a region that was seen, m2, and its share of the whole, each with its sigma."""
+    whole = float(region.area.sum())
+    area = _area(region, look(HullError(hull_pose=hull_pose, error=np.zeros(6))))
+    sigma = area_sigma(lambda off: _area(region, look(off)), hull_pose)
+    share, share_sigma = (round(value / whole, 4) if whole else 0.0 for value in (area, sigma))
+    return {"area_m2": area, "area_sigma_m2": sigma, "share": min(share, 1.0), "share_sigma": share_sigma}
 
 
 def hull_patches(mesh: Mesh) -> HullPatches:
@@ -169,36 +186,26 @@ def visible_to_sonar(hull: HullPatches, sonar: SonarSurvey, scene: Scene) -> Mas
 
 def sonar_facts(hull: HullPatches, sonar: SonarSurvey, scene: Scene, hull_pose: HullPose | None) -> Facts:
     """Return pings and area, with a CAD model the area's sigma as well: a fan meets the hull at a grazing angle, so the area
-    depends on the hull pose. The sigma is by central differences of one sigma along the axes of the pose's covariance."""
+    depends on the hull pose."""
     facts = {"pings": len(sonar.poses), **area_facts(hull, visible_to_sonar(hull, sonar, scene))}
     if hull_pose is None:
         return facts
 
-    def area_if(error: Array) -> float:
-        moved = replace(sonar, poses=_with_hull_displaced(sonar.poses, hull_pose, error))
-        return _area(hull, visible_to_sonar(hull, moved, scene))
+    def area_if(off: HullError) -> float:
+        return _area(hull, visible_to_sonar(hull, replace(sonar, poses=off.poses(sonar.poses)), scene))
 
-    variance, axes = np.linalg.eigh(hull_pose.covariance)
-    errors = (axes * np.sqrt(np.maximum(variance, 0.0))).T
-    changes = [(area_if(error) - area_if(-error)) / 2 for error in errors]
-    return {**facts, "area_sigma_m2": round(float(np.linalg.norm(changes)), 4)}
-
-
-def _with_hull_displaced(poses: Poses, hull_pose: HullPose, error: Array) -> Poses:
-    """Return poses of M as they are in M if the hull lies off by an error (6,) as in the covariance of its pose."""
-    back = Rotation.from_rotvec(-error[3:])
-    shift = hull_pose.global_from_hull.rotation.inv().apply(error[:3]).reshape(3)
-    moved = back.apply(poses.translation - hull_pose.survey_center - shift) + hull_pose.survey_center
-    return Poses((back * poses.rotation).as_quat(), moved)
+    return {**facts, "area_sigma_m2": area_sigma(area_if, hull_pose)}
 
 
 def area_facts(hull: HullPatches, seen: Mask) -> Facts:
     return {"area_m2": _area(hull, seen)}
 
 
-def find_holes(hull: HullPatches, seen: Mask, chart: Chart, locate: Callable[[Array], Facts]) -> list[Facts]:
-    """Return the parts of the chart inside the surveyed area that were not seen, the largest first: center, area, and what
-    `locate` says of the center (3,), its address among it.
+def find_holes(
+    hull: HullPatches, seen: Mask, chart: Chart, locate: Callable[[Array], Facts], min_hole_m2: float = MIN_HOLE_M2
+) -> list[Facts]:
+    """Return the parts of the chart inside the surveyed area that were not seen, of at least `min_hole_m2`, the largest first:
+    center, area, and what `locate` says of the center (3,), its address among it.
 
     Without a CAD model there is no patch where there was nothing to see; such parts are holes as well. What lies off the hull
     is none.
@@ -212,7 +219,7 @@ def find_holes(hull: HullPatches, seen: Mask, chart: Chart, locate: Callable[[Ar
     surveyed = ndimage.binary_fill_holes(ndimage.binary_closing(cells.seen, disc))
     label, count = ndimage.label(surveyed & ~cells.seen & cells.on_hull)
     found = [_hole_facts(cells, np.argwhere(label == k), chart, locate) for k in range(1, count + 1)]
-    large = [hole for hole in found if hole["area_m2"] >= MIN_HOLE_M2]
+    large = [hole for hole in found if hole["area_m2"] >= min_hole_m2]
     return sorted(large, key=lambda hole: (-hole["area_m2"], hole["address"]))
 
 

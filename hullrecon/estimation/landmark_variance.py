@@ -33,36 +33,55 @@ def variance_along_normals(
     hull_pose: whose error the covariances hold as a sum, None where they hold none; it moves all landmarks as one, and is no
     noise of theirs however large it is.
     """
-    whole = np.einsum("ni,nij,nj->n", normal, covariance, normal)
-    by_pose = _pose_variance(position, normal, whole, hull_pose)
-    shared = shared_variance(position, whole - by_pose)
+    rest = covariance - _pose_covariance(position, normal, covariance, hull_pose)
+    whole, alone = along_normals(normal, covariance), along_normals(normal, rest)
+    shared = shared_variance(position, normal, rest)
     return VarianceAlongNormals(
-        own=np.maximum(whole - by_pose - shared, 0.0) + MIN_SIGMA_M**2,
-        common=by_pose + shared,
+        own=np.maximum(alone - shared, 0.0) + MIN_SIGMA_M**2,
+        common=whole - alone + shared,
     )
+
+
+def along_normals(normal: Array, covariance: Array) -> Array:
+    """Return the variances (n,) of points with covariances (n, 3, 3) along normals (n, 3)."""
+    return np.asarray(np.einsum("ni,nij,nj->n", normal, covariance, normal))
 
 
 def pose_jacobian(points: Array, normals: Array, hull_pose: HullPose) -> Array:
     """Return how points (n, 3) in M move along normals (n, 3) with an error of T_g_M: (n, 6), translation in g, rotation
     perturbed on the right about the survey's middle."""
+    return np.asarray(np.einsum("ni,nij->nj", normals, _motion_by_pose(points, hull_pose)))
+
+
+def _motion_by_pose(points: Array, hull_pose: HullPose) -> Array:
+    """Return how points (n, 3) in M move with an error of T_g_M: (n, 3, 6)."""
     to_hull = hull_pose.global_from_hull.rotation.as_matrix()[0].T
-    turn = np.einsum("ni,nij->nj", normals, cross_matrix(points - hull_pose.survey_center))
-    return np.concatenate([-normals @ to_hull, turn], axis=1)
+    shift = np.broadcast_to(-to_hull, (len(points), 3, 3))
+    return np.concatenate([shift, cross_matrix(points - hull_pose.survey_center)], axis=2)
 
 
-def shared_variance(position: Array, variance: Array, neighbours: int = 32) -> Array:
-    """Return the part of each variance (n,) that neighbours have in common: hardly more than the best of them has."""
+def shared_variance(position: Array, normal: Array, covariance: Array, neighbours: int = 32) -> Array:
+    """Return the part (n,) of the variances of points (n, 3) along normals (n, 3) that neighbours have in common: hardly more
+    than the best of them has along the same normal. Along its own, which leans otherwise, it has another part of what moves
+    all: where no depth was measured, of tens of metres.
+    """
     if not len(position):
-        return variance
+        return np.zeros(0)
     _, row = nearest(position, position, min(neighbours, len(position)))
-    return np.maximum(np.sort(variance[row], axis=1)[:, min(1, row.shape[1] - 1)] - MIN_SIGMA_M**2, 0.0).clip(max=variance)
+    least = np.full((2, len(position)), np.inf)
+    for neighbour in row.T:
+        least = np.sort([*least, along_normals(normal, covariance[neighbour])], axis=0)[:2]
+    best = least[min(1, row.shape[1] - 1)]
+    return np.asarray(np.maximum(best - MIN_SIGMA_M**2, 0.0).clip(max=along_normals(normal, covariance)))
 
 
-def _pose_variance(position: Array, normal: Array, variance: Array, hull_pose: HullPose | None) -> Array:
-    """Return the part of variances (n,) along normals (n, 3) that comes from the hull's pose; zero where it is no part of them
-    (as published they hold its correlations too)."""
+def _pose_covariance(position: Array, normal: Array, covariance: Array, hull_pose: HullPose | None) -> Array:
+    """Return the part of covariances (n, 3, 3) that comes from the hull's pose; zero where it is no part of them (as published
+    they hold its correlations too)."""
+    nothing = np.zeros_like(covariance)
     if hull_pose is None:
-        return np.zeros(len(variance))
-    by_pose = pose_jacobian(position, normal, hull_pose)
-    found = np.einsum("ni,ij,nj->n", by_pose, hull_pose.covariance, by_pose)
-    return found if (found <= variance * (1 + 1e-6)).all() else np.zeros(len(variance))
+        return nothing
+    motion = _motion_by_pose(position, hull_pose)
+    found = np.asarray(motion @ hull_pose.covariance @ motion.transpose(0, 2, 1))
+    held = along_normals(normal, found) <= along_normals(normal, covariance) * (1 + 1e-6)
+    return found if held.all() else nothing

@@ -86,10 +86,12 @@ class CoverageHole(PositionMembers):
 
 @dataclass(frozen=True, kw_only=True)
 class RegionShare:
-    """What one sensor saw of a region: m2, and the share of the region's hull."""
+    """What one sensor saw of a region: m2, and the share of the region's hull, each with one sigma."""
 
     area_m2: float
+    area_sigma_m2: float
     share: float
+    share_sigma: float
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,6 +14,7 @@ from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh, face_cross_products
 from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.neighbours import count_within, nearest
+from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.surface import Surface
 from hullrecon.surface.gaussian import fit_robust, maximise_likelihood
 from hullrecon.surface.kernels import Kernel
@@ -25,6 +26,7 @@ from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, object]
 MIN_FACING = 0.2  # cosine between the chart's normal and the datum's below which a height places nothing
+STRUCTURE_SIGMAS = 3.0  # off a smooth surface beyond which an observation is of a structure
 LIKELIHOOD_POINTS = 400  # observations that the marginal likelihood looks at: a step of the search takes some 10 ms
 
 
@@ -76,7 +78,7 @@ def _by_gaussian_process(
     kernel, scale = Kernel(options.kernel, (options.length_along_m, options.length_girth_m), options.offset_sigma_m), 1.0
     middle = float(np.median(seen.offset))
     if options.fit:
-        few = _sample(seen)
+        few = _on_smooth_hull(kernel, _sample(seen), middle)
         limit = (4 * options.cell_m, 60.0)
         kernel, scale = maximise_likelihood(kernel, few.at, few.offset - middle, few.noise, limit)
     result = fit_robust(kernel, seen.at, seen.offset - middle, seen.noise * scale)
@@ -104,12 +106,19 @@ def _heights_to_offsets(height: Array, sigma: Array, at: Array, chart: Chart, da
     return (height - datum.to_chart(base)[:, 2]) / lean, sigma / lean
 
 
+def _on_smooth_hull(kernel: Kernel, seen: Observations, middle: float) -> Observations:
+    """Return the observations within three sigmas of a smooth surface by this kernel: the likelihood, which knows no outliers,
+    would take what stands off the hull for noise and flatten the hull."""
+    off = seen.offset - middle - fit_robust(kernel, seen.at, seen.offset - middle, seen.noise).mean(seen.at)
+    return seen.take(np.abs(off) <= STRUCTURE_SIGMAS * np.maximum(robust_sigma(off), seen.noise))
+
+
 def _sample(seen: Observations) -> Observations:
     """Return half of them as a compact part around the middle, where short lengths show, half spread evenly, where long do."""
     far = np.linalg.norm((seen.at - np.median(seen.at, axis=0)) / np.maximum(np.std(seen.at, axis=0), 1e-9), axis=1)
     spread = np.linspace(0, len(far) - 1, LIKELIHOOD_POINTS // 2).astype(np.int64)
     part = np.union1d(np.argsort(far, kind="stable")[: LIKELIHOOD_POINTS // 2], spread)
-    return Observations(at=seen.at[part], offset=seen.offset[part], noise=seen.noise[part], count=seen.count[part])
+    return seen.take(part)
 
 
 def _lift_to_space(mesh: Mesh, offset: Array, sigma: Array, support: Ints, chart: Chart) -> Surface:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,6 +19,9 @@ class Observations:
     offset: Array
     noise: Array
     count: Ints
+
+    def take(self, which: Mask | Ints) -> Observations:
+        return Observations(at=self.at[which], offset=self.offset[which], noise=self.noise[which], count=self.count[which])
 
 
 def cell_means(at: Array, offset: Array, noise: Array, cell_m: float) -> Observations:

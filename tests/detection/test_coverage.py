@@ -115,14 +115,6 @@ def test_the_area_seen_by_the_sonar_is_as_uncertain_as_the_hulls_pose_makes_it(h
     assert found["area_m2"] == certain["area_m2"]
 
 
-def test_a_hull_that_turns_about_the_surveys_middle_carries_the_sonar_around_it() -> None:
-    hull_pose = HullPose(
-        global_from_hull=from_rpy([180, 0, 0], [0, 0, 0]), covariance=np.eye(6), survey_center=np.array([2.0, 0, 0])
-    )
-    moved = coverage._with_hull_displaced(_sonar_at(3.0, 0.0), hull_pose, np.array([0, 0, 0, 0, 0, np.pi / 2]))
-    np.testing.assert_allclose(moved.translation, [[2.0, -1.0, 1.0]], atol=1e-12)
-
-
 def _address(point: np.ndarray) -> dict[str, Any]:
     return {"address": f"x {point[0]:.1f}"}
 
@@ -143,6 +135,22 @@ def test_the_largest_hole_comes_first_and_specks_are_left_out(hull, scenery) -> 
     for at, half in ((1.2, 0.2), (2.4, 0.3), (3.2, 0.04)):
         seen &= np.maximum(np.abs(x - at), np.abs(z - 1.0)) > half
     assert [hole["address"] for hole in coverage.find_holes(hull, seen, scenery.chart, _address)] == ["x 2.4", "x 1.2"]
+
+
+def test_a_notch_in_the_rim_of_the_dvls_surface_is_no_hole(base: BaseSurface, hull) -> None:
+    """Its surface ends 0.4 m from a return, wherever that lies; a camera's image has an edge of its own."""
+    x, _, z = base.surveyed.vertices.T
+    for half, holes in ((0.15, 0), (0.4, 1)):
+        measured = refine(base.mesh, 0.06)[0]
+        x, _, z = measured.vertices.T
+        on = np.maximum(np.abs(x - 2.0), np.abs(z - 1.0)) > half
+        n = len(x)
+        surveyed = Surface(
+            vertices=measured.vertices, faces=measured.faces, deviation=np.zeros(n), sigma=np.ones(n), support=on.astype(int)
+        )
+        found = coverage.summarise_coverage(replace(base, surveyed=surveyed), None, None, _track((0.3, 0.3)))
+        assert found["min_hole_m2"] == 0.16
+        assert len(found["holes"]) == holes
 
 
 def test_what_lies_outside_the_survey_is_no_hole(hull, scenery) -> None:

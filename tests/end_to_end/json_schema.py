@@ -47,6 +47,7 @@ KEYWORDS = {
     "maxItems": _when(list, lambda v, w: len(v) > w),
     "pattern": _when(str, lambda v, w: not re.search(w, v)),
     "oneOf": lambda v, w: [] if sum(not violations(v, one) for one in w) == 1 else [f"{v!r} is not one of {w}"],
+    "anyOf": lambda v, w: [] if any(not violations(v, one) for one in w) else [f"{v!r} is none of {w}"],
     "contentEncoding": lambda v, w: [] if w == "base64" and base64.b64decode(v, validate=True) is not None else [f"no {w}"],
     "properties": lambda v, w: [],
     "items": lambda v, w: [],

@@ -51,11 +51,17 @@ def too_sure(what, sigma, error, unit=1.0, most=3.0):
 # What was done
 
 
+SAME_TIME_S = 1e-4  # a time of some 1e9 s in double precision, printed to microseconds
+
+
 def _dive(dive, _, minutes, seconds, path, poses, images, cameras):
-    t = dive.node_times
+    """A pose stands where something was measured: an image where there is a camera, and no image is left out."""
+    t, at = dive.measured_times, dive.pose_times
     out = unlike("duration", _seconds(minutes, seconds), t[-1] - t[0])
     out += unlike("path", path, dive.true_path_m, 0.02 * dive.true_path_m)
-    out += unlike("poses", poses, len(t))
+    out += unlike("poses", poses, len(t) if dive.images else len(at))
+    apart = np.abs(at[:, None] - t).min(axis=1)
+    out += [] if apart.max() < SAME_TIME_S else [f"a pose stands {apart.max():.3f} s from all that was measured"]
     if images is None:
         return out + (["images without a camera"] if dive.images else [])
     return out + unlike("images", images, sum(dive.images)) + unlike("cameras", cameras, len(dive.images))
@@ -248,10 +254,28 @@ AREA_SHARE = 0.03  # of the rim of an area, summed over pieces of a decimetre
 
 def _area(dive, _, area, sensor):
     if sensor == "DVL":
-        least, most = dive.seen_by_dvl
+        least, most = dive.seen_by_dvl()
         return [] if least <= value(area) <= most else [f"area seen by DVL: said {area}, true {least:.1f} to {most:.1f}"]
     true = dive.seen_area(sensor)
     return unlike(f"area seen by {sensor}", area, true, AREA_SHARE * true)
+
+
+def _region(dive, _, along_low, along_high, girth_low, girth_high, area, *seen):
+    """Of each sensor its area and share with sigmas, in the order of the table's columns."""
+    on = dive.within((value(along_low), value(along_high)), (value(girth_low), value(girth_high)))
+    whole = dive.views.steel.area[on].sum()
+    out = unlike("area of a region", area, whole, AREA_SHARE * whole)
+    for k, sensor in enumerate(("camera", "sonar", "DVL")):
+        said, sigma, share, share_sigma = seen[4 * k : 4 * k + 4]
+        if said is None:
+            out += [f"{sensor} was carried"] if dive.carried(sensor) else []
+            continue
+        least, most = dive.seen_by_dvl(on) if sensor == "DVL" else [dive.seen_area(sensor, on)] * 2
+        for what, number, its_sigma, unit in (("area", said, sigma, 1.0), ("share", share, share_sigma, 100 / whole)):
+            true = np.clip(value(number), unit * least, unit * most)
+            allowed = 3 * (value(its_sigma) + half_digit(its_sigma)) + AREA_SHARE * unit * most
+            out += unlike(f"{what} of a region seen by {sensor}", number, true, allowed)
+    return out
 
 
 def _area_of(dive, said, sensor, area):
@@ -280,22 +304,30 @@ def _percentiles(name, share, least):
     return judge
 
 
+def _hole_numbers(dive, least):
+    """Between which numbers of holes of at least that size there truly are."""
+    if dive.images:
+        return [len(dive.holes(least))] * 2
+    return [len(holes) for holes in dive.holes_of_dvl(least)]
+
+
 def _holes(dive, _, count, least):
-    return unlike("holes", count, len(dive.holes(value(least))))
+    fewest, most = _hole_numbers(dive, value(least))
+    return [] if fewest <= int(count) <= most else [f"holes: said {count}, true {fewest} to {most}"]
 
 
 def _some_hole(dive, _, least):
-    return [] if dive.holes(value(least)) else [f"no hole is larger than {least} m²"]
+    return [] if _hole_numbers(dive, value(least))[1] else [f"no hole is larger than {least} m²"]
 
 
 def _hole(dive, _, *numbers):
     """The hole that is nearest in size is of that size."""
-    area = numbers[-1]
-    return unlike("hole", area, min(dive.holes(0.0), key=lambda hole: abs(hole - value(area)), default=0.0), 0.02)
+    area, holes = numbers[-1], dive.holes(0.0) if dive.images else [hole for few in dive.holes_of_dvl(0.0) for hole in few]
+    return unlike("hole", area, min(holes, key=lambda hole: abs(hole - value(area)), default=0.0), 0.02)
 
 
 def _no_hole(dive, _, least):
-    hole = max(dive.holes(0.0), default=0.0)
+    hole = max(dive.holes(0.0) if dive.images else dive.holes_of_dvl(0.0)[0], default=0.0)
     return [] if hole < value(least) + 0.01 else [f"no hole of more than {least} said, true {hole:.3f}"]
 
 
@@ -432,6 +464,7 @@ ADDRESS = (
     rf"(?:frames? ({NUMBER}(?: to {NUMBER})?) \()?{METRES} (?:from AP|along)\)?, (?:(port|starboard|keel)(?:, |\b))?"
     rf"(?:{METRES} (?:girth from keel|across))?(?:, {METRES} (?:below|above) waterline)?"
 )
+SEEN = rf"(?:{WITH_SIGMA} m² \({WITH_SIGMA} %\)|not carried)"
 TIME = r"(?:(\d+) min )?(\d+) s"
 TABLE = (
     # what a pattern covers is gone for those after it
@@ -486,6 +519,7 @@ TABLE = (
     (rf"{N} m² by (camera|sonar|DVL)", _area),
     (rf"^(?:Hull|Measured surface) seen by (camera|sonar|DVL) \| {N} m²$", _area_of),
     (rf"^Hull seen by (sonar) \| {WITH_SIGMA} m²$", _uncertain_area_of),
+    (rf"^[^|]+ \| {N} to {N} m \| {N} to {N} m \| {N} m² \| {SEEN} \| {SEEN} \| {SEEN}$", _region),
     (rf"^(?:Hull|Measured surface) seen at least twice by camera \| {N} m²$", _area_twice),
     (rf"^Ground sample distance, camera \| {N} mm \(5th to 95th percentile {N} to {N} mm\)$", _percentiles("gsd", 0.02, 0.0)),
     (

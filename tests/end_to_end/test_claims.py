@@ -31,7 +31,18 @@ IN_SHIP_FRAME = ("demo", "dive-a", "no DVL", "mono", "no camera")
 IN_G = ("no CAD model", "images alone")
 WITH_CAMERA = ("demo", "dive-a", "no CAD model", "no DVL", "images alone", "mono")
 ALL = (*WITH_CAMERA, "no camera")
-WITH_STATEMENTS = ("demo", "dive-a", "no CAD model", "no DVL", "mono")  # whose sentences have truths in sentences.py
+WITH_REGIONS = "mono"
+REGIONS = """
+[[hull.region]]
+name = "after part"
+along = [30.0, 32.6]
+girth = [4.5, 8.0]
+
+[[hull.region]]
+name = "frames 55 to 60"
+along = [33.0, 36.0]
+girth = [4.0, 6.4]
+"""
 
 
 def leave_out(package, sensors):
@@ -59,6 +70,9 @@ def dives(tmp_path_factory, request):
         if name in SHARED:
             return request.getfixturevalue(SHARED[name][0]), SHARED[name][1]
         package = simulated(SIMULATED.get(name, "stereo"))
+        if name == WITH_REGIONS:
+            path = package / "dive.toml"
+            path.write_text(path.read_text() + REGIONS)
         if name in WITHOUT:
             package = shutil.copytree(package, shell.folder / name.replace(" ", "_"))
             leave_out(package, WITHOUT[name])
@@ -142,11 +156,22 @@ def test_as_many_points_lie_within_one_two_and_three_sigmas_of_the_steel_as_shou
     assert (np.array(shares) > (0.65, 0.93, 0.98)).all(), shares  # of normal errors 0.683, 0.954, 0.997
 
 
-@on(*WITH_STATEMENTS)
+@on(*ALL)
 def test_every_number_of_the_page_and_of_the_runs_last_lines_is_true(true):
     said = statements(true.page) + [Statement(line, "summary", None) for line in true.summary["summary"]]
     complaints = {complaint for found in said for complaint in untrue(true, found)}
     assert complaints == set()
+
+
+def test_a_regions_share_that_is_off_by_more_than_three_sigmas_is_no_truth(dives):
+    said = "after part | 30 to 32.6 m | 4.5 to 8 m | 9.1 m² | {} ± 0.7 m² ({} ± 7 %) | not carried | not carried"
+    true = dives(WITH_REGIONS)
+    area = true.seen_area("camera", on := true.within((30, 32.6), (4.5, 8)))
+    share = 100 * area / true.views.steel.area[on].sum()
+    for off, wrong in ((0.0, set()), (3.0, {"area", "share"})):
+        words = said.format(f"{area + off:.1f}", f"{share + 10 * off:.0f}")
+        found = {complaint.split(" of a region")[0] for complaint in untrue(true, Statement(words, "coverage", None))}
+        assert found == wrong | {"sonar was carried", "DVL was carried"}
 
 
 def test_a_number_that_no_pattern_covers_is_no_truth(dives):

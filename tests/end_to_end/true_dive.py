@@ -12,15 +12,14 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from end_to_end import claims
-from end_to_end.true_hull import read_ply, true_hull
-from end_to_end.true_views import true_views
+from end_to_end.true_hull import Steel, read_ply, read_poses, true_hull
+from end_to_end.true_views import pieces, pieces_below, true_views
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
 LABEL_BOUNDARY_M = 0.04  # a landmark farther off the CAD model does not lie on it
 LABEL_UNCLEAR_M = 0.02  # nearer to the boundary than this, either word is right, as `evaluate` has it
 DVL_REACH_M = (0.2, 0.4)  # from where a beam met the hull
-MEASURED_M = 0.06  # from a vertex of the measured surface
 SEEN_WITHIN_M = 4.0  # of what the camera saw lies what the sonar saw
 DUE_HEIGHT_M, DUE_VIEWS = 0.08, 6  # of a structure that must be found
 
@@ -85,6 +84,16 @@ class TrueDive:
     @property
     def node_times(self):
         return self.path.t
+
+    @cached_property
+    def measured_times(self):
+        """Times (n,) s at which the dive can have a pose: of the top camera's images, of the DVL's pings without a camera."""
+        table = "images_camera_top" if self.images else "dvl"
+        return np.load(self.run / "ingest" / f"{table}.npz")["t_ns"] * 1e-9
+
+    @property
+    def pose_times(self):
+        return read_poses(self.run / "deliver" / "trajectory.csv").t
 
     @property
     def true_path_m(self):
@@ -192,27 +201,45 @@ class TrueDive:
 
     @cached_property
     def views(self):
-        name = "as_found.ply" if (self.run / "deliver" / "as_found.ply").exists() else "surface.ply"
-        vertex, _ = read_ply(self.run / "deliver" / name)
+        return true_views(self.package, self._steel())
+
+    def _steel(self):
+        """Pieces of hull around what was measured; without a CAD model nothing is known beyond the measured surface."""
+        mesh, deliver = self.package / "hull.stl", self.run / "deliver"
+        if not self.in_ship_frame:
+            surface = Steel(deliver / "surface.ply", self.hull.lay)
+            return pieces_below(mesh, surface, surface.vertices)
+        vertex, _ = read_ply(deliver / "as_found.ply")
         points = self.hull.lay(np.stack([vertex[k] for k in "xyz"], axis=1))
-        if not self.in_ship_frame:  # nothing is known of the hull beyond the measured surface
-            return true_views(self.package, points, MEASURED_M)
-        return true_views(self.package, points[vertex["support"] > 0][::20], SEEN_WITHIN_M)
+        return pieces(mesh, points[vertex["support"] > 0][::20], SEEN_WITHIN_M)
 
-    def seen_area(self, sensor):
-        area = self.views.steel.area
-        if sensor == "camera":
-            return area[self.views.by_camera[0] > 0].sum()
-        if sensor == "sonar":
-            return area[self.views.by_sonar(np.load(self.run / "ingest" / "sonar.npz"))].sum()
-        raise KeyError(sensor)
+    @cached_property
+    def _seen_by(self):
+        """Which pieces (n,) of hull camera and sonar saw, as far as they were carried."""
+        seen = {"camera": self.views.by_camera[0] > 0} if self.images else {}
+        pings = self.run / "ingest" / "sonar.npz"
+        return seen | ({"sonar": self.views.by_sonar(np.load(pings))} if pings.exists() else {})
 
-    @property
-    def seen_by_dvl(self):
-        """Least and most area that its beams saw: what lies between them is seen as far as a surface can be laid over it."""
+    def carried(self, sensor):
+        return sensor in self._seen_by if sensor != "DVL" else (self.run / "ingest" / "dvl.npz").exists()
+
+    def seen_area(self, sensor, on=slice(None)):
+        return self.views.steel.area[on][self._seen_by[sensor][on]].sum()
+
+    @cached_property
+    def _from_beam_ends(self):
+        """Distance (n,) m of each piece of hull to where a beam of the DVL met it."""
         ends = cKDTree(self.views.beam_ends(np.load(self.run / "ingest" / "dvl.npz")))
-        near = ends.query(self.views.steel.middle)[0]
-        return [self.views.steel.area[near < reach].sum() for reach in DVL_REACH_M]
+        return ends.query(self.views.steel.middle)[0]
+
+    def seen_by_dvl(self, on=slice(None)):
+        """Least and most area that its beams saw: what lies between them is seen as far as a surface can be laid over it."""
+        return [self.views.steel.area[on][self._from_beam_ends[on] < reach].sum() for reach in DVL_REACH_M]
+
+    def within(self, along, girth):
+        """Which pieces (n,) lie within limits (low, high) of the map."""
+        low, high = np.array([along, girth]).T
+        return ((self.on_map >= low) & (self.on_map <= high)).all(axis=1)
 
     @property
     def seen_twice(self):
@@ -231,12 +258,14 @@ class TrueDive:
 
     def holes(self, least_m2):
         """Areas, m2, of the parts larger than that which no camera saw inside the outline of what was seen."""
-        return [area for area in self._holes if area >= least_m2]
+        return [area for area in self._holes(self._seen_by["camera"]) if area >= least_m2]
 
-    @cached_property
-    def _holes(self):
+    def holes_of_dvl(self, least_m2):
+        """The same of what no beam saw, as far as a surface can be laid, farthest first: fewest holes and most."""
+        return [[area for area in self._holes(self._from_beam_ends < reach) if area >= least_m2] for reach in DVL_REACH_M[::-1]]
+
+    def _holes(self, seen):
         cell, rim = 0.1, 6  # gaps of up to twelve cells at the rim count, as the report says it counts them
-        seen = self.views.by_camera[0] > 0 if self.images else np.ones(len(self.views.steel.area), bool)
         at = np.floor((self.on_map - self.on_map.min(axis=0)) / cell).astype(int) + rim
         image, hull = np.zeros((2, *(at.max(axis=0) + 1 + rim)), bool)
         hull[tuple(at.T)] = True
@@ -248,8 +277,8 @@ class TrueDive:
 
     @cached_property
     def seen_extent(self):
-        """Lowest and highest along and girth of what the camera saw (of all that was surveyed without one)."""
-        seen = self.views.by_camera[0] > 0 if self.images else slice(None)
+        """Lowest and highest along and girth of what the camera saw, the DVL's beams without one."""
+        seen = self._seen_by["camera"] if self.images else self._from_beam_ends < DVL_REACH_M[0]
         return self.on_map[seen].min(axis=0), self.on_map[seen].max(axis=0)
 
     def pixel_m(self, name):
@@ -270,16 +299,23 @@ class TrueDive:
         return np.load(self.run / "ingest" / f"images_camera_{camera}.npz")["t_ns"]
 
     def overlaps(self, across):
-        pairs = np.load(self.run / "links" / "pairs.npz")
-        rows = pairs["across"] == across
-        joined = rows & (pairs["reason"] == 0) & ~pairs["rejected"]
-        nodes = np.stack([pairs["first"][joined], pairs["second"][joined]], axis=1)
-        overlap = self.views.overlaps(self.node_times[nodes])
-        return int(rows.sum()), int(joined.sum()), 100 * np.percentile(overlap, (5, 50, 95)) if len(overlap) else (0, 0, 0)
+        """Pairs of images compared and matched, and the 5th, 50th and 95th percentile of the matched ones' overlap, percent."""
+        return self._overlaps[across]
+
+    @cached_property
+    def _overlaps(self):
+        pairs, out = np.load(self.run / "links" / "pairs.npz"), {}
+        for across in (False, True):
+            rows = pairs["across"] == across
+            joined = rows & (pairs["reason"] == 0) & ~pairs["rejected"]
+            nodes = np.stack([pairs["first"][joined], pairs["second"][joined]], axis=1)
+            overlap = self.views.overlaps(self.node_times[nodes]) if len(nodes) else np.zeros(1)
+            out[across] = int(rows.sum()), int(joined.sum()), 100 * np.percentile(overlap, (5, 50, 95))
+        return out
 
     @property
     def pairs_without_pose(self):
-        return sum(self.overlaps(across)[0] - self.overlaps(across)[1] for across in (False, True))
+        return sum(compared - joined for compared, joined, _ in self._overlaps.values())
 
     @cached_property
     def adjust(self):

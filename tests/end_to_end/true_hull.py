@@ -16,11 +16,12 @@ from scipy.spatial.transform import Rotation, Slerp
 
 
 class Steel:
-    """Distances to a triangle mesh."""
+    """Distances to a triangle mesh; lay: what moves its vertices (n, 3) first."""
 
-    def __init__(self, path):
+    def __init__(self, path, lay=np.asarray):
         mesh = o3d.io.read_triangle_mesh(str(path))
         faces = np.asarray(mesh.triangles)
+        mesh.vertices = o3d.utility.Vector3dVector(lay(np.asarray(mesh.vertices)))
         self.vertices, self.edges = (
             np.asarray(mesh.vertices),
             np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])),
@@ -76,8 +77,7 @@ class TrueHull:
         number = np.round(foot[:, 0] / step_m).astype(int)
         for k in np.unique(number):
             arc, at = self.section(k * step_m if (number == k).sum() > 1 else foot[number == k, 0][0])
-            distance = np.linalg.norm(foot[number == k, None, 1:] - at, axis=2)
-            out[number == k, 1] = arc[distance.argmin(axis=1)]
+            out[number == k, 1] = arc[cKDTree(at).query(foot[number == k, 1:])[1]]
         return out
 
     def section(self, x):

@@ -18,6 +18,8 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 EDGE_M = 0.14  # of the pieces on which areas are summed
+EDGE_OF_MEASURED_M = 0.07  # of those of a measured surface, whose parts are narrow
+PROJECTED_M = 0.2  # as far along the normal a measured surface is looked for above and below the steel
 GRAZING = 0.2  # cosine of the incidence beyond which steel shows nothing to a camera
 SONAR_GRAZING = 0.05
 FARTHEST_M = 12.0
@@ -32,19 +34,26 @@ class Steelwork:
     area: np.ndarray
 
 
-def pieces(mesh_path, near, reach_m):
+def pieces(mesh_path, near, reach_m, edge_m=EDGE_M):
     """The hull of a mesh within reach of points (m, 3), in pieces."""
     triangle = trimesh.load(mesh_path, force="mesh").triangles
     low, high = near.min(axis=0) - reach_m, near.max(axis=0) + reach_m
     triangle = triangle[((triangle.max(axis=1) > low) & (triangle.min(axis=1) < high)).all(axis=1)]
     vertices, faces = trimesh.remesh.subdivide_to_size(
-        triangle.reshape(-1, 3), np.arange(3 * len(triangle)).reshape(-1, 3), EDGE_M
+        triangle.reshape(-1, 3), np.arange(3 * len(triangle)).reshape(-1, 3), edge_m
     )
     corner = vertices[faces]
     middle, cross = corner.mean(axis=1), np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     length = np.linalg.norm(cross, axis=1)
     keep = (length > 1e-12) & np.isfinite(cKDTree(near).query(middle, distance_upper_bound=reach_m)[0])
     return Steelwork(middle[keep], cross[keep] / length[keep, None], length[keep] / 2)
+
+
+def pieces_below(mesh_path, surface, near):
+    """The hull of a mesh over which a surface lies that was measured, in pieces; near (m, 3): the surface's corners."""
+    steel = pieces(mesh_path, near, PROJECTED_M, EDGE_OF_MEASURED_M)
+    over = surface.along(steel.middle + PROJECTED_M * steel.normal, -steel.normal) < 2 * PROJECTED_M
+    return Steelwork(steel.middle[over], steel.normal[over], steel.area[over])
 
 
 @dataclass
@@ -78,13 +87,12 @@ def read_lens(path):
 
 @dataclass
 class TrueViews:
-    """A dive as it truly was; near (m, 3): points of the ship around which its hull counts."""
+    """A dive as it truly was; steel: the pieces of hull that count."""
 
     package: object
     path: Path
     hull: Steel
-    near: np.ndarray
-    reach_m: float
+    steel: Steelwork
 
     @cached_property
     def mounts(self):
@@ -93,11 +101,6 @@ class TrueViews:
     @cached_property
     def settings(self):
         return tomllib.loads((self.package / "dive.toml").read_text())
-
-    @cached_property
-    def steel(self):
-        """Pieces of the hull around what was surveyed."""
-        return pieces(self.package / "hull.stl", self.near, self.reach_m)
 
     @cached_property
     def _servos(self):
@@ -187,15 +190,18 @@ class TrueViews:
             [cv2.undistortPoints(pixel[:, None], self.lens.matrix, self.lens.distortion)[:, 0], np.ones(grid**2)]
         )
         ray /= np.linalg.norm(ray, axis=1, keepdims=True)
-        shares = [self._share(ray, *pair) for one in t for pair in (one, one[::-1])]
+        centers, turns = self.cameras(t.ravel())
+        poses = list(zip(centers, turns.as_matrix(), strict=True))
+        shares = [self._share(ray, poses[k], poses[k ^ 1]) for k in range(t.size)]
         return np.reshape(shares, (-1, 2)).min(axis=1)
 
     def _share(self, ray, source, target):
-        (center, there), turn = self.cameras(np.array([source, target]))
-        way = turn[0].apply(ray)
+        """How many rays (n, 3) of one camera meet steel that another's image shows; position (3,) and axes (3, 3) of each."""
+        (center, turn), (there, turn_there) = source, target
+        way = ray @ turn.T
         away = self.hull.along(np.broadcast_to(center, way.shape), way)
         foot = center + np.where(np.isfinite(away), away, 0.0)[:, None] * way
-        return np.mean(self.lens.shows(turn[1].inv().apply(foot - there)) & np.isfinite(away))
+        return np.mean(self.lens.shows((foot - there) @ turn_there) & np.isfinite(away))
 
     def _seen(self, center, grazing, shows):
         """Rows of the pieces that face a place, that it shows and nothing hides, with distance and cosine of incidence."""
@@ -209,6 +215,6 @@ class TrueViews:
         return rows, away[rows], cosine[rows]
 
 
-def true_views(package, near, reach_m):
-    """The truth of a package; near (m, 3): points of the ship around which its hull counts, as far as reach_m."""
-    return TrueViews(package, read_poses(package / "truth" / "poses.csv"), Steel(package / "hull.stl"), near, reach_m)
+def true_views(package, steel):
+    """The truth of a package; steel: the pieces of its hull that count."""
+    return TrueViews(package, read_poses(package / "truth" / "poses.csv"), Steel(package / "hull.stl"), steel)

@@ -60,4 +60,15 @@ def test_covariances_that_do_not_hold_the_pose_keep_what_they_have() -> None:
 
 
 def test_no_landmark_shares_nothing() -> None:
-    assert shared_variance(np.zeros((0, 3)), np.zeros(0)).shape == (0,)
+    assert shared_variance(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3, 3))).shape == (0,)
+
+
+def test_a_depth_that_nothing_measured_is_common_to_normals_that_lean_differently() -> None:
+    """Ten metres along z, as without a pressure sensor: a normal that leans by a degree takes 17 cm of it."""
+    position, normal = wall()
+    normal = normal + np.random.default_rng(5).normal(0, 0.02, (N, 1)) * [0, 0, 1]
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    covariance = np.tile(np.diag([0.002**2, 0.002**2, 10.0**2]), (N, 1, 1))
+    found = variance_along_normals(position, normal, covariance, None)
+    np.testing.assert_array_less(found.own, 2 * 0.002**2)
+    assert np.sqrt(found.common.max()) > 0.4

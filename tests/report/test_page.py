@@ -258,13 +258,15 @@ def test_no_page_denies_holes_beside_a_mosaic_with_gaps(survey: Survey) -> None:
 
 def test_coverage_by_region_is_a_table_where_dive_toml_has_regions(survey: Survey) -> None:
     """On the page and in print; without regions neither has a word of them."""
-    share = RegionShare(area_m2=2.0, share=0.25)
+    share = RegionShare(area_m2=2.0, area_sigma_m2=0.01, share=0.25, share_sigma=0.001)
     bow = RegionCoverage(name="<bow>", along=(30.0, 34.0), girth=(0.0, 2.0), area_m2=8.0, camera=share)
     coverage = replace(survey.findings.coverage, regions=(bow,))
     counted = replace(survey, findings=replace(survey.findings, coverage=coverage))
     for render in (render_page, render_html):
         text = Reader(render(page_context(counted, [], FILES, object_crops(counted)))).text
-        assert all(words in text for words in ("Coverage by region", "<bow>", "30 to 34 m", "2.0 m² (25 %)", "not carried"))
+        assert all(
+            words in text for words in ("Coverage by region", "<bow>", "30 to 34 m", "2.0 ± 0.1 m² (25 ± 1 %)", "not carried")
+        )
         assert "by region" not in Reader(render(page_context(survey, [], FILES, object_crops(survey)))).text
 
 

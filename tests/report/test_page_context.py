@@ -168,9 +168,9 @@ def test_frames_are_numbered_on_the_ship_alone(survey: Survey, bare: Survey) -> 
 
 
 def test_regions_are_rows_of_limits_and_of_what_each_sensor_saw() -> None:
-    share = RegionShare(area_m2=2.04, share=0.255)
+    share = RegionShare(area_m2=2.04, area_sigma_m2=0.21, share=0.255, share_sigma=0.026)
     region = RegionCoverage(name="bow", along=(30.0, 34.5), girth=None, area_m2=8.0, camera=share, dvl=None, sonar=share)
     assert region_rows(Coverage(regions=(region,))) == [
-        ("bow", "30 to 34.5 m", "whole", "8.0 m²", "2.0 m² (26 %)", "2.0 m² (26 %)", "not carried")
+        ("bow", "30 to 34.5 m", "whole", "8.0 m²", "2.0 ± 0.2 m² (26 ± 3 %)", "2.0 ± 0.2 m² (26 ± 3 %)", "not carried")
     ]
     assert region_rows(Coverage()) == region_rows(None) == []

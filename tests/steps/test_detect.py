@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from end_to_end.json_schema import violations
 from scipy.spatial.transform import Rotation
 
 from hullrecon.artifacts.execution.runner import run_stage
@@ -27,6 +28,7 @@ from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.steps.detect import STAGE
 
 OFF, HEIGHT = -0.010, 0.09  # the wall is 1 cm behind its CAD model and carries a disc 9 cm high
+SCHEMA = Path(__file__).resolve().parents[2] / "hullrecon" / "report" / "schemas" / "coverage.schema.json"
 T_g_M = from_mount([5, 7, 3, 180, 0, 0])
 CHART = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
 
@@ -320,6 +322,25 @@ def test_coverage_is_counted_against_the_regions_of_dive_toml(earlier: EarlierSt
         assert seen["area_m2"] == pytest.approx(facts[sensor]["area_m2"], rel=0.15)  # whose patches are wider
         assert seen["share"] == pytest.approx(seen["area_m2"] / 8, abs=1e-4)
     assert (found["middle"]["camera"]["share"], found["above"]["camera"]["share"]) == (1.0, 0.0)
+
+
+def test_the_share_of_a_region_is_as_uncertain_as_the_place_of_its_limits_on_the_survey(earlier: EarlierSteps) -> None:
+    """The DVL's surface is a strip a metre high, and 8 cm more above and below: a decimetre along is a tenth of that."""
+    earlier.sonar = True
+    earlier.regions = (schema.HullRegion(name="all", along=(-1.0, 5.0)), schema.HullRegion(name="half", along=(0.0, 2.0)))
+    hull_pose = earlier.solution.hull_pose
+    assert hull_pose is not None
+    sigma = np.append(np.full(3, 0.1), np.full(3, 1e-4))
+    earlier.solution = replace(earlier.solution, hull_pose=replace(hull_pose, covariance=np.diag(sigma**2)))
+    facts = _json(earlier.run(), "coverage.json")
+    found = {region["name"]: region for region in facts["regions"]}
+    assert found["half"]["dvl"]["area_sigma_m2"] == pytest.approx(0.116, rel=0.15)
+    assert found["all"]["dvl"]["area_sigma_m2"] < 0.02  # cells of 5 cm, of which the rim holds one more or less
+    for sensor in ("camera", "dvl", "sonar"):
+        half = found["half"][sensor]
+        assert half["area_sigma_m2"] > 0.05
+        assert half["share_sigma"] == pytest.approx(half["area_sigma_m2"] / found["half"]["area_m2"], abs=1e-4)
+    assert violations(facts["regions"], json.loads(SCHEMA.read_text())["properties"]["regions"]) == []
 
 
 def test_sensors_that_were_not_carried_saw_no_share_of_a_region(earlier: EarlierSteps) -> None:

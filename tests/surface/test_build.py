@@ -43,6 +43,20 @@ def test_sigma_covers_the_error_and_holds_the_shared_part(wall: PlaneChart, rng:
     assert np.mean(np.abs(y - 2 - _bump(x, z))[inside] < 1.96 * surface.sigma[inside]) > 0.9
 
 
+def test_what_stands_off_the_hull_does_not_flatten_it(wall: PlaneChart, rng: np.random.Generator) -> None:
+    """Two structures of 12 cm, as of a survey by landmarks, for the likelihood is that of noise without outliers."""
+    cloud = _cloud(rng)
+    points = cloud.point.copy()
+    on = np.min([np.hypot(points[:, 0] - x, points[:, 2] - z) for x, z in ((1.2, 1), (3.5, 1.8))], axis=0)
+    points[on < 0.25, 1] += 0.12
+    surface, facts = build_surface(replace(cloud, point=points), wall, SurfaceOptions())
+    assert 0.5 < facts["noise_scale"] < 1.5
+    x, y, z = surface.vertices.T
+    away = np.min([np.hypot(x - a, z - b) for a, b in ((1.2, 1), (3.5, 1.8))], axis=0) > 0.6
+    inside = (x > 0) & (x < 5) & (z > 0) & (z < 3) & away
+    assert np.sqrt(np.mean((y - 2 - _bump(x, z))[inside] ** 2)) < 0.004
+
+
 def test_no_edge_is_long_and_faces_look_outward(wall: PlaneChart, rng: np.random.Generator) -> None:
     surface, _ = build_surface(_cloud(rng), wall, SurfaceOptions(max_edge_m=0.1))
     corner = surface.vertices[surface.faces]

@@ -27,11 +27,15 @@ def differences(made: Recipe, now: Recipe) -> list[str]:
 
 
 def _options(made: Mapping[str, Json], now: Mapping[str, Json]) -> Iterator[str]:
-    """Yield a sentence for each changed option; one for a whole section that came or went."""
+    """Yield a sentence for each changed option; one for a whole section that came or went, or that the step reads no longer."""
     for section in sorted({*made, *now}):
         before, after = made.get(section, _ABSENT), now.get(section, _ABSENT)
         if isinstance(before, dict) and isinstance(after, dict):
             yield from _changed_options(flatten(before, f"{section}."), flatten(after, f"{section}."))
+        elif after is _ABSENT:
+            yield f"{section} is no longer read, it was {_as_text(before)}"
+        elif before is _ABSENT:
+            yield f"{section} is read now, it is {_as_text(after)}"
         elif before != after:
             yield f"{section} changed from {_as_text(before)} to {_as_text(after)}"
 
@@ -71,6 +75,6 @@ def _verb(before: bool, after: bool) -> str:
 
 def _as_text(value: object) -> str:
     """Return a whole section as the word for it, any other value as in JSON."""
-    if value is _ABSENT or value is None:
+    if value is None:
         return "none"
     return "a section" if isinstance(value, dict) else json.dumps(value, ensure_ascii=False)

@@ -213,7 +213,10 @@ def region_rows(coverage: Coverage | None) -> list[tuple[str, ...]]:
         return "whole" if pair is None else f"{pair[0]:g} to {pair[1]:g} m"
 
     def seen(share: RegionShare | None) -> str:
-        return "not carried" if share is None else f"{share.area_m2:.1f} m² ({100 * share.share:.0f} %)"
+        if share is None:
+            return "not carried"
+        percent = f"{100 * share.share:.0f} ± {max(100 * share.share_sigma, 1):.0f} %"
+        return f"{area_words(share.area_m2, share.area_sigma_m2)} ({percent})"
 
     return [
         (r.name, limits(r.along), limits(r.girth), f"{r.area_m2:.1f} m²", seen(r.camera), seen(r.sonar), seen(r.dvl))

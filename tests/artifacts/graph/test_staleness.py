@@ -51,6 +51,12 @@ def with_option(section: str, value: Any) -> Recipe:
         ),
         (with_option("sonar", {"elevation_deg": 14.0}), ["sonar changed from none to a section"]),
         (with_option("camera.top", None), ["camera.top changed from a section to none"]),
+        (
+            changed(settings={name: value for name, value in MADE.settings.items() if name not in ("logs", "sonar")}),
+            ['logs is no longer read, it was ["a"]', "sonar is no longer read, it was none"],
+        ),
+        (with_option("dvl.mount", [0.5]), ["dvl.mount is read now, it is [0.5]"]),
+        (with_option("tray", None), ["tray is read now, it is none"]),
         (with_option("logs", ["b"]), ['logs changed from ["a"] to ["b"]']),
         (changed(inputs={"features": "f2", "navigate": "n1"}), ["input features changed"]),
         (changed(inputs={"features": "f1"}), ["input navigate is gone"]),
