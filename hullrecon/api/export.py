@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hullrecon.api.finished_run import finished_steps, workspace_of
 from hullrecon.artifacts.execution.executor import choose_executor
 from hullrecon.artifacts.execution.progress import Progress, Silent
 from hullrecon.dive.images.store import ImageStore
@@ -20,6 +19,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.undistortion import Undistortion
 from hullrecon.new_folder import new_folder
 from hullrecon.steps.artifacts import IngestArtifact
+from hullrecon.steps.finished_run import finished_steps, workspace_of
 
 if TYPE_CHECKING:
     from hullrecon.adjustment.results.undistorted_model import ImageNames, UndistortedModel

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hullrecon.change.difference import Difference, changed_regions, difference
+from hullrecon.change.difference import Difference, changed_regions, difference, smallest_change
 from hullrecon.change.moves import surface_moves
 from hullrecon.change.objects import ObjectComparison, compare_objects
 from hullrecon.change.offset import estimate_offset
@@ -65,9 +65,7 @@ def compare_surveys(
         area_both=_area(found.both, options),
         area_first=_area(np.isfinite(before.height), options),
         area_second=_area(np.isfinite(after.height), options),
-        detectable_m=float(np.median(np.maximum(options.min_change_m, 3 * found.sigma[found.both])))
-        if found.both.any()
-        else np.nan,
+        detectable_m=smallest_change(found, places, options),
         places=places,
     )
 

@@ -13,6 +13,8 @@ from hullrecon.change.relief import Relief, local_median
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.typing import Array, Mask
 
+CELL_SIGMAS = 3.0  # by which a cell of a region must have changed
+RING_CELLS = 8  # of the hull around a structure count as independent, at most
 TOP_SHARE = 0.8  # of the largest change: what reaches so much is its top
 
 
@@ -88,7 +90,7 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
     """Return the regions that changed by more than both surveys' errors explain at any of so many places."""
     from scipy import ndimage
 
-    threshold = np.maximum(options.min_change_m, 3 * found.sigma)
+    threshold = np.maximum(options.min_change_m, CELL_SIGMAS * found.sigma)
     near = np.ones((3, 3), bool)
     regions: list[ChangedRegion] = []
     for side in (1.0, -1.0):
@@ -125,7 +127,7 @@ def measure(
     heights = [np.nan, np.nan]
     if ring.any():
         level = float(np.median(found.local[ring]))
-        spread = robust_sigma(found.local[ring]) / np.sqrt(min(8, int(ring.sum())))
+        spread = robust_sigma(found.local[ring]) / np.sqrt(min(RING_CELLS, int(ring.sum())))
         reliefs = (found.first.height, found.second.height)
         heights = [float(np.median(height[top]) - np.median(height[ring])) for height in reliefs]
     change = float(np.median(found.local[top])) - level
@@ -134,6 +136,15 @@ def measure(
         cells=cells, top=top, change=change, sigma=sigma, before=heights[0], after=heights[1],
         p_value=corrected_p_value(change, sigma, places),
     )  # fmt: skip
+
+
+def smallest_change(found: Difference, places: int, options: ChangeOptions) -> float:
+    """Return the median over the cells that both surveys saw of the smallest change of a structure's height, m, that would be
+    reported there; NaN without such cells. A structure stands in hull that is as rough as the rest."""
+    sigma = found.sigma[found.both] * np.sqrt(1 + 1 / RING_CELLS)
+    if not len(sigma):
+        return float("nan")
+    return float(np.median(np.maximum(options.min_change_m, significant_sigmas(places, options) * sigma)))
 
 
 def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOptions) -> Mask:
@@ -153,3 +164,12 @@ def corrected_p_value(value: float, sigma: float, places: int) -> float:
 
     one = np.log(2.0) + float(log_ndtr(-abs(value) / max(sigma, 1e-9)))
     return float(-np.expm1(max(1, places) * np.log1p(-min(np.exp(one), 1 - 1e-16))))
+
+
+def significant_sigmas(places: int, options: ChangeOptions) -> float:
+    """Return how many sigmas a structure must change by to be reported, at any of so many places: the inverse of (72), and what
+    a cell needs to be part of a region."""
+    from scipy.special import ndtri
+
+    one = -np.expm1(np.log1p(-options.max_p_value) / max(1, places))
+    return max(CELL_SIGMAS, float(-ndtri(one / 2)))

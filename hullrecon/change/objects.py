@@ -163,7 +163,14 @@ def _describe_change(
         status = "new"
     else:
         status = "gone"
-    return _row(status, region, one, other, on)
+    row = _row(status, region, one, other, on)
+    return _with_whole_height(row) if status in ("new", "gone") else row
+
+
+def _with_whole_height(row: ObjectChange) -> ObjectChange:
+    """Return what came or went with its whole height as change: the median over the top of a dome is less."""
+    change, sigma = row.height_after - row.height_before, np.hypot(row.height_before_sigma, row.height_after_sigma)
+    return replace(row, change=change, change_sigma=float(sigma)) if np.isfinite(change + sigma) else row
 
 
 def _stood_in_both(before: float, after: float) -> bool:
@@ -212,9 +219,8 @@ def _row(
     status: Status, region: ChangedRegion | None, one: _MovedObject | None, other: _MovedObject | None, on: ObjectComparison
 ) -> ObjectChange:
     moved = other if other is not None else one
-    heights = [np.nan if p is None else p.found.height for p in (one, other)]
-    if region is not None:
-        heights = [h if np.isfinite(h) else r for h, r in zip(heights, (region.before, region.after), strict=True)]
+    surface = (np.nan, np.nan) if region is None else (region.before, region.after)
+    before, after = (_height(p, height, region) for p, height in zip((one, other), surface, strict=True))
     if moved is None:
         assert region is not None
         at = on.lattice.points()[region.top].mean(axis=0)
@@ -228,14 +234,25 @@ def _row(
         center=center,
         along_girth=at,
         outline=outline,
-        height_before=heights[0],
-        height_after=heights[1],
+        height_before=before[0],
+        height_after=after[0],
+        height_before_sigma=before[1],
+        height_after_sigma=after[1],
         change=np.nan if region is None else region.change,
         change_sigma=np.nan if region is None else region.sigma,
         p_value=np.nan if region is None else region.p_value,
         area=np.nan if region is None else float(region.cells.sum() * on.options.cell_m**2),
         sigma=_position_sigma(center, moved, on),
     )
+
+
+def _height(moved: _MovedObject | None, surface: float, region: ChangedRegion | None) -> tuple[float, float]:
+    """Return a height and its sigma, m: as the survey lists its object; of one that it does not list, that of its surface,
+    which is known no worse than the change."""
+    if moved is not None and moved.found.height_sigma is not None:
+        return moved.found.height, moved.found.height_sigma
+    sigma = np.nan if region is None or not np.isfinite(surface) else region.sigma
+    return (surface if moved is None else moved.found.height), sigma
 
 
 def _position_sigma(center: Array, moved: _MovedObject | None, on: ObjectComparison) -> Array:

@@ -54,8 +54,9 @@ class SurveyOffset:
 class ObjectChange:
     """One object of either survey, or a place where the surface changed as an object does. first_id, second_id: in the
     surveys' objects.json. center (3,) in the first survey's M; outline (k, 2) along and girth there, m. height_before,
-    height_after: above the hull around it, NaN where not seen; change, its sigma, m; p_value: probability that nothing changed
-    and any place looks so; area m2 of what changed. sigma (3,) m: of the place, along, in girth, along the normal."""
+    height_after: above the hull around it, NaN where not seen, with their sigmas, m; change, its sigma, m; p_value: probability
+    that nothing changed and any place looks so; area m2 of what changed. sigma (3,) m: of the place, along, in girth, along the
+    normal."""
 
     status: Status
     first_id: int | None
@@ -65,6 +66,8 @@ class ObjectChange:
     outline: Array
     height_before: float
     height_after: float
+    height_before_sigma: float
+    height_after_sigma: float
     change: float
     change_sigma: float
     p_value: float

@@ -42,6 +42,12 @@ Record = TypeVar("Record")
 Document = Mapping[str, object]
 MOUNTS = "mounts.json"
 SONAR_IMAGES = "sonar_image.npy"
+# What two dives of one hull are compared by, a step's files each, in the order of the chain
+HULL_SURVEY_FILES = {
+    "ingest": ("hull.npz",), "adjust": ("solution.npz",), "surface": ("chart.npz",),
+    "detect": ("as_found.npz", "deviation.npz", "objects.json"),
+}  # fmt: skip
+CHANGE_CHAPTER, CHANGE_MAP = "chapter.json", "change.png"
 
 
 @dataclass(frozen=True)
@@ -298,6 +304,24 @@ class DetectArtifact(StepArtifact):
         return self._document("detect.json")
 
 
+class ChangeArtifact(StepArtifact):
+    """What changed since an earlier dive."""
+
+    @property
+    def chapter(self) -> Document:
+        return self._document(CHANGE_CHAPTER)
+
+    @property
+    def map(self) -> bytes:
+        """Return the map of what changed, a PNG."""
+        return (self.folder / CHANGE_MAP).read_bytes()
+
+    @property
+    def delivered(self) -> tuple[Path, ...]:
+        """Return the files that are delivered as they are."""
+        return tuple(path for path in sorted(self.folder.glob("change.*")))
+
+
 @dataclass(frozen=True)
 class InputArtifacts:
     """The artifacts that a step was handed; None for an optional one that this dive has not."""
@@ -331,6 +355,10 @@ class InputArtifacts:
     @property
     def detect(self) -> DetectArtifact | None:
         return DetectArtifact(self.inputs["detect"]) if "detect" in self.inputs else None
+
+    @property
+    def change(self) -> ChangeArtifact | None:
+        return ChangeArtifact(self.inputs["change"]) if "change" in self.inputs else None
 
     def mounts(self, settings: Mapping[str, object]) -> dict[str, ChosenMount]:
         """Return the lever arms and mounts that these settings leave to the log."""

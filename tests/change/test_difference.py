@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.change.difference import changed_regions, corrected_p_value, difference, measure, top_of, well_seen
+from hullrecon.change.difference import (
+    changed_regions,
+    corrected_p_value,
+    difference,
+    measure,
+    significant_sigmas,
+    smallest_change,
+    top_of,
+    well_seen,
+)
 from hullrecon.change.options import ChangeOptions
 from hullrecon.change.relief import Relief
 
@@ -114,3 +123,27 @@ def test_probability_grows_with_the_places_looked_at() -> None:
 def test_probability_of_what_is_certain_is_tiny_and_never_negative() -> None:
     assert 0 <= corrected_p_value(1.0, 0.001, 10_000) < 1e-100
     assert corrected_p_value(0.0, 0.01, 10) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("places", [1, 100, 10_000])
+def test_a_change_of_so_many_sigmas_has_the_largest_probability_that_is_reported(places: int) -> None:
+    least = significant_sigmas(places, OPTIONS)
+    p_value = corrected_p_value(least, 1.0, places)
+    assert p_value == pytest.approx(OPTIONS.max_p_value, rel=1e-6) or (least == 3.0 and p_value < OPTIONS.max_p_value)
+
+
+@pytest.mark.parametrize(("share", "reported"), [(0.8, 0), (1.2, 1)])
+def test_a_structure_a_fifth_above_the_smallest_change_is_reported_and_one_below_it_is_not(share: float, reported: int) -> None:
+    least = smallest_change(difference(relief(sigma=0.005), relief(seed=1, sigma=0.005), OPTIONS), 1000, OPTIONS)
+    assert least > OPTIONS.min_change_m
+    box = relief((50, 40, 10, share * least), seed=1, sigma=0.005)
+    assert len(regions(relief(sigma=0.005), box)) == reported
+
+
+def test_where_both_surveys_know_the_hull_well_the_smallest_change_is_the_one_asked_for() -> None:
+    found = difference(relief(noise=1e-4, sigma=5e-4), relief(noise=1e-4, seed=1, sigma=5e-4), OPTIONS)
+    assert smallest_change(found, 1000, OPTIONS) == OPTIONS.min_change_m
+
+
+def test_where_no_cell_was_seen_by_both_there_is_no_smallest_change() -> None:
+    assert np.isnan(smallest_change(difference(relief(), relief(views=0), OPTIONS), 1, OPTIONS))

@@ -63,6 +63,23 @@ def test_a_recess_that_got_deeper_has_grown() -> None:
     assert row.change == pytest.approx(-0.04, abs=0.005)
 
 
+def test_what_came_or_went_changed_by_its_whole_height_with_the_sigma_of_its_object() -> None:
+    dome = survey(ADDED[2:], NONE)
+    (new,), (gone,) = rows_of(survey((), NONE), dome), rows_of(dome, survey((), NONE))
+    for row, sign in ((new, 1), (gone, -1)):
+        assert row.change == pytest.approx(row.height_after - row.height_before) == pytest.approx(0.1 * sign, abs=0.004)
+        assert row.change_sigma == pytest.approx(np.hypot(row.height_before_sigma, row.height_after_sigma))
+    assert new.height_after_sigma == gone.height_before_sigma == 0.008
+    assert 0 < new.height_before_sigma < 0.008
+
+
+def test_a_structure_that_no_dive_lists_has_the_sigma_of_its_surface() -> None:
+    (row,) = rows_of(survey((), NONE), survey(ADDED[1:2], NONE, listed=()))
+    assert (row.status, row.second_id) == ("new", None)
+    assert row.height_after == pytest.approx(0.09, abs=0.005)
+    assert 0.002 < row.height_after_sigma == row.height_before_sigma < 0.006
+
+
 def test_a_structure_in_the_place_of_another_is_not_the_same(before) -> None:
     moved = replace(BEFORE[3], along_m=32.4)
     rows = rows_of(before, survey((*BEFORE[:3], moved), NONE))

@@ -16,17 +16,22 @@ from hullrecon.report.change.table import change_csv
 
 
 def change_files(change: HullChange, outside: OutsideMap, t_ns: int) -> dict[str, bytes]:
-    """Return the bytes of each file by its name; t_ns: time of the second dive's last pose. change.json is the last: where it
-    lies, all do."""
-    layers, png = change_layers(change, outside), change_png(change, outside)
+    """Return the bytes of document, table, layers and map by their names; t_ns: time of the second dive's last pose."""
+    layers = change_layers(change, outside)
     return {
         "change.csv": change_csv(change).encode(),
         "change.geojson": _json(change_geojson(layers, outside)),
         "change.gpkg": change_gpkg(layers, outside, t_ns),
-        "change.png": png,
-        "change.html": change_page(change, png).encode(),
+        "change.png": change_png(change, outside),
         "change.json": _json(change_document(change, outside)),
     }
+
+
+def comparison_files(change: HullChange, outside: OutsideMap, t_ns: int) -> dict[str, bytes]:
+    """Return the same files and a page of them; change.json is the last: where it lies, all do."""
+    files = change_files(change, outside, t_ns)
+    document = files.pop("change.json")
+    return {**files, "change.html": change_page(change, files["change.png"]).encode(), "change.json": document}
 
 
 def _json(value: object) -> bytes:

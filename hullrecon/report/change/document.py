@@ -70,6 +70,8 @@ def object_document(row: ObjectChange) -> dict[str, object]:
         "sigma_normal": _number(row.sigma[2]),
         "height_before": _number(row.height_before),
         "height_after": _number(row.height_after),
+        "height_before_sigma": _number(row.height_before_sigma),
+        "height_after_sigma": _number(row.height_after_sigma),
         "change": _number(row.change),
         "change_sigma": _number(row.change_sigma),
         "p_value": None if not math.isfinite(row.p_value) else float(f"{row.p_value:.3g}"),

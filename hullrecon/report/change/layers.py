@@ -15,7 +15,8 @@ from hullrecon.typing import Array
 
 FIELDS: dict[str, type] = {
     "status": str, "first_id": int, "second_id": int, "along": float, "girth": float, "sigma_along": float,
-    "sigma_girth": float, "height_before": float, "height_after": float, "change": float, "change_sigma": float,
+    "sigma_girth": float, "height_before": float, "height_before_sigma": float,
+    "height_after": float, "height_after_sigma": float, "change": float, "change_sigma": float,
     "p_value": float, "area": float, "address": str,
 }  # fmt: skip
 LEAST_M = 0.05  # half the side of the square that stands for a place without an outline

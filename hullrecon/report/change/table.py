@@ -12,8 +12,9 @@ from hullrecon.report.export.csv_export import csv_text
 COLUMNS = {
     "status": "status", "first_id": "first_id", "second_id": "second_id", "along_m": "along", "girth_m": "girth",
     "sigma_along_m": "sigma_along", "sigma_girth_m": "sigma_girth", "height_before_m": "height_before",
-    "height_after_m": "height_after", "change_m": "change", "change_sigma_m": "change_sigma", "p_value": "p_value",
-    "area_m2": "area", "address": "address",
+    "height_before_sigma_m": "height_before_sigma", "height_after_m": "height_after",
+    "height_after_sigma_m": "height_after_sigma", "change_m": "change", "change_sigma_m": "change_sigma",
+    "p_value": "p_value", "area_m2": "area", "address": "address",
 }  # fmt: skip
 MOVED = "surface moved"
 

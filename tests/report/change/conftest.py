@@ -22,6 +22,7 @@ def object_change(status, first, second, along, before, after, *, outline=True, 
     return ObjectChange(
         status=status, first_id=first, second_id=second, center=np.array([along, 4.5, 2.0]), along_girth=at,
         outline=at + SQUARE if outline else np.zeros((0, 2)), height_before=before, height_after=after,
+        height_before_sigma=0.003, height_after_sigma=0.004 if np.isfinite(after) else np.nan,
         change=after - before if change is None else change, change_sigma=0.004 if known else np.nan,
         p_value=1e-9 if known else np.nan, area=0.04 if known else np.nan, sigma=np.array([0.2, 0.05, 0.02]),
         address=f"frame {along / 0.6:.0f}, port",

@@ -17,7 +17,7 @@ from report.change.conftest import T_NS, hull_change
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.records.change import HullChange
-from hullrecon.report.change.deliver import change_files
+from hullrecon.report.change.deliver import change_files, comparison_files
 from hullrecon.report.change.layers import change_layers
 from hullrecon.report.change.table import COLUMNS
 
@@ -43,9 +43,15 @@ def described() -> list[str]:
     return [row.split("|")[1].strip().strip("`") for row in re.findall(r"^\|.*\|$", section[1], re.MULTILINE)[2:]]
 
 
-def test_all_files_are_there_and_the_document_last(files: dict[str, bytes]) -> None:
-    assert list(files) == ["change.csv", "change.geojson", "change.gpkg", "change.png", "change.html", "change.json"]
+def test_all_files_are_there(files: dict[str, bytes]) -> None:
+    assert sorted(files) == ["change.csv", "change.geojson", "change.gpkg", "change.json", "change.png"]
     assert all(files.values())
+
+
+def test_a_comparison_by_itself_has_a_page_too_and_the_document_is_last(change: HullChange, outside: OutsideMap, files) -> None:
+    alone = comparison_files(change, outside, T_NS)
+    assert list(alone) == ["change.csv", "change.geojson", "change.gpkg", "change.png", "change.html", "change.json"]
+    assert {name: data for name, data in alone.items() if name != "change.html"} == files
 
 
 def test_the_same_comparison_gives_the_same_bytes(files: dict[str, bytes], change: HullChange, outside: OutsideMap) -> None:
