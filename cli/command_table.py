@@ -36,6 +36,7 @@ STEPS = {
     "detect": Entry("steps", "detect", "find structures and remesh the hull as found"),
     "mosaic-optical": Entry("steps", "mosaic-optical", "blend the images on the hull's surface"),
     "mosaic-sonar": Entry("steps", "mosaic-sonar", "blend the sonar's pings on the hull's surface"),
+    "change": Entry("steps", "change", "say what changed since an earlier dive of the hull"),
     "report": Entry("steps", "report", "write the deliverables and the report"),
 }
 AROUND = {

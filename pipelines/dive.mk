@@ -24,12 +24,13 @@ endif
 override PACKAGE := $(value PACKAGE)
 PACKAGE_QUOTED := '$(subst ','\'',$(PACKAGE))'
 
-# "dive=NAME" and the steps that this dive has, as hullrecon reads dive.toml; a name has letters, digits, '.', '_' and '-' only.
+# "dive=NAME", "rerun=change" and the steps that this dive has, as hullrecon reads dive.toml; a name has letters, digits, '.', '_' and '-' only.
 FOUND := $(shell $(HULLRECON) --json status $(PACKAGE_QUOTED) --runs $(RUNS) | awk -F'"' \
-	'/^ "dive":/ {print "dive=" $$4} /^   "name":/ {name = $$4} /^   "state":/ && $$4 != "skipped" {print name}')
+	'/^ "dive":/ {print "dive=" $$4} /^   "name":/ {name = $$4} /^   "state":/ && $$4 != "skipped" {print name} \
+	/^   "state":/ && $$4 == "out of date" && name == "change" {print "rerun=change"}')
 NAME := $(patsubst dive=%,%,$(filter dive=%,$(FOUND)))
 RUN := $(RUNS)/$(NAME)
-STEPS := $(filter-out dive=%,$(FOUND))
+STEPS := $(filter-out dive=% rerun=%,$(FOUND))
 ifeq ($(and $(NAME),$(STEPS)),)
 $(error $(PACKAGE) is no dive package that can be run)
 endif
@@ -44,7 +45,8 @@ $(call manifests,$(STEPS)): $(RUN)/%/manifest.json:
 	@$(HULLRECON) --quiet $* $(PACKAGE_QUOTED) --runs $(RUNS) --wait $(WAIT_S)
 	@touch -c $@
 
-# A step whose manifest is older than dive.toml has to be looked at, ingest also if any other file of the package is newer.
+# A step whose manifest is older than dive.toml has to be looked at, ingest also if any other file of the package is newer, change
+# where it is out of date: what else it takes is the run of an earlier dive, which make does not see.
 OLDER := $(foreach step,$(STEPS),$(shell [ $(PACKAGE_QUOTED)/dive.toml -nt $(RUN)/$(step)/manifest.json ] && echo $(step)))
 NEWER := $(shell find $(PACKAGE_QUOTED) -type f ! -path '*/truth/*' -newer $(RUN)/ingest/manifest.json 2>/dev/null | head -n 1)
 ifneq ($(OLDER),)
@@ -52,6 +54,9 @@ $(call manifests,$(OLDER)): changed
 endif
 ifneq ($(NEWER),)
 $(call manifests,ingest): changed
+endif
+ifneq ($(filter rerun=change,$(FOUND)),)
+$(call manifests,change): changed
 endif
 changed:
 
@@ -62,5 +67,6 @@ $(call manifests,matches): $(call manifests,ingest navigate features links)
 $(call manifests,adjust): $(call manifests,ingest navigate links matches)
 $(call manifests,surface): $(call manifests,ingest navigate adjust)
 $(call manifests,detect): $(call manifests,ingest adjust surface)
+$(call manifests,change): $(call manifests,ingest adjust surface detect)
 $(call manifests,mosaic-optical mosaic-sonar): $(call manifests,ingest navigate adjust surface detect)
 $(call manifests,report): $(call manifests,$(filter-out report,$(STEPS)))

@@ -93,6 +93,9 @@ def _named_files(loaded: LoadedConfig) -> Iterator[tuple[str, Path]]:
     logo = logo_of(loaded)
     if logo is not None:
         yield "report.logo", package / logo
+    earlier = earlier_dive_of(loaded)
+    if earlier is not None:
+        yield from _files_of_run("change.earlier", package / earlier)
     for name in config.logs.files:
         yield from _files_of_log("logs.files", package / name, package)
 
@@ -101,6 +104,19 @@ def logo_of(loaded: LoadedConfig) -> str | None:
     """Return the file that [report] names as logo; None where it names none, or the chain has no such section."""
     logo: object = getattr(loaded.sections.get("report"), "logo", None)
     return logo if isinstance(logo, str) else None
+
+
+def earlier_dive_of(loaded: LoadedConfig) -> str | None:
+    """Return the run that [change] names; None where it names none, or the chain has no such section."""
+    earlier: object = getattr(loaded.sections.get("change"), "earlier", None)
+    return earlier if isinstance(earlier, str) else None
+
+
+def _files_of_run(key: str, run: Path) -> Iterator[tuple[str, Path]]:
+    """Yield the folder of a run, and then what the folders of its steps hold."""
+    yield key, run
+    if _is_folder(run):
+        yield from ((key, file) for file in sorted(run.glob("*/*")))
 
 
 def _files_of_log(key: str, log: Path, package: Path) -> Iterator[tuple[str, Path]]:

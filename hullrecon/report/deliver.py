@@ -114,8 +114,8 @@ def _write_schemas(writer: DeliverableWriter) -> None:
     """Write the schema of each document that is delivered, summary.json's among them."""
     schemas = resources.files("hullrecon.report") / SCHEMAS
     for name in sorted({*writer.entries, "summary.json"}):
-        schema = schemas / f"{name.removesuffix('.json')}.schema.json"
-        if name.endswith(".json") and "/" not in name and schema.is_file():
+        schema = schemas / f"{Path(name).stem}.schema.json"
+        if name.endswith(".json") and schema.is_file():
             writer.write(f"{SCHEMAS}/{schema.name}", schema.read_bytes())
 
 

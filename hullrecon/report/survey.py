@@ -21,6 +21,7 @@ from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit, Surface
 from hullrecon.records.trajectory import Returns, Trajectory, VehicleTrack
 from hullrecon.report.about import AboutInspection
+from hullrecon.report.change.chapter import ChangeChapter
 from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts, NavigationFacts, PairFacts
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Arrays, Pixels
@@ -130,6 +131,14 @@ class Mosaics:
 
 
 @dataclass(frozen=True, kw_only=True)
+class EarlierComparison:
+    """What changed since an earlier dive of the hull: the texts, and the map (PNG bytes)."""
+
+    chapter: ChangeChapter
+    map: bytes
+
+
+@dataclass(frozen=True, kw_only=True)
 class StepRun:
     """One step as its manifest has it: name, version, resolved settings by section, hashes of its inputs, warnings, and the run
     block, which differs between equal runs."""
@@ -167,6 +176,7 @@ class Survey:
     surfaces: Surfaces = field(default_factory=Surfaces)
     findings: Findings = field(default_factory=Findings)
     mosaics: Mosaics = field(default_factory=Mosaics)
+    change: EarlierComparison | None = None
     provenance: Provenance = field(default_factory=Provenance)
 
     @property

@@ -11,7 +11,7 @@ from hullrecon.artifacts.graph.stage import Stage
 
 NAMES = (
     "ingest", "navigate", "features", "links", "matches", "adjust", "surface", "detect",
-    "mosaic-optical", "mosaic-sonar", "report",
+    "mosaic-optical", "mosaic-sonar", "change", "report",
 )  # fmt: skip
 
 

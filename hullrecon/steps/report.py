@@ -18,6 +18,7 @@ from hullrecon.geometry.charts.outside_map import outside_map
 from hullrecon.records.deliverables import Coverage, ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.report.about import AboutInspection, read_logo
+from hullrecon.report.change.chapter import ChangeChapter
 from hullrecon.report.content.missing_deliverables import OF_OBJECTS, Carried, missing_deliverables
 from hullrecon.report.deliver import deliver
 from hullrecon.report.export.trajectory import track_of
@@ -35,6 +36,7 @@ from hullrecon.report.survey import (
     AdjustedDive,
     DiveFacts,
     Document,
+    EarlierComparison,
     Findings,
     Mosaic,
     Mosaics,
@@ -47,7 +49,10 @@ from hullrecon.rig import RIG_KEYS, SensorRig, rig_from_settings
 from hullrecon.steps.artifacts import AdjustArtifact, DetectArtifact, InputArtifacts
 from hullrecon.steps.features import external
 
-CHAIN = ("ingest", "navigate", "features", "links", "matches", "adjust", "surface", "detect", "mosaic-optical", "mosaic-sonar")
+CHAIN = (
+    "ingest", "navigate", "features", "links", "matches", "adjust", "surface", "detect", "mosaic-optical",
+    "mosaic-sonar", "change",
+)  # fmt: skip
 MOSAICS = {"mosaic-optical": "optical", "mosaic-sonar": "sonar"}
 DELIVERED = {"ortho.tif": "ortho_{}.tif", "ortho.png": "ortho_{}.png", "mosaic.glb": "mosaic_{}.glb",
              "variance.tif": "variance_{}.tif", "views.tif": "views_{}.tif"}  # fmt: skip
@@ -97,6 +102,7 @@ def read_survey(context: Context[ReportOptions]) -> Survey:
         surfaces=_surfaces(context, artifacts, track.frame),
         findings=_findings(artifacts.detect, detect),
         mosaics=Mosaics(optical=mosaics.get("optical"), sonar=mosaics.get("sonar")),
+        change=_change(artifacts),
         provenance=Provenance(
             steps=tuple(_step_run(context.inputs[name], name) for name in CHAIN if name in context.inputs),
             missing=_missing(context, rig, solution, detect, mosaics),
@@ -206,6 +212,13 @@ def _mosaic(folder: Path) -> Mosaic | None:
     )
 
 
+def _change(artifacts: InputArtifacts) -> EarlierComparison | None:
+    found = artifacts.change
+    if found is None:
+        return None
+    return EarlierComparison(chapter=msgspec.convert(found.chapter, ChangeChapter), map=found.map)
+
+
 def _missing(
     context: Context[ReportOptions], rig: SensorRig, solution: Solution | None, detect: DetectFacts,
     mosaics: dict[str, Mosaic | None],
@@ -214,6 +227,7 @@ def _missing(
         camera=rig.tray_from_camera is not None,
         sonar=context.settings["sonar.mount"] is not None,
         cad_model=context.settings["hull"] is not None,
+        earlier_dive=context.settings["change.earlier"] is not None,
     )
     missing = missing_deliverables(carried, context.inputs, solution, context.failures)
     if detect.objects is not None:
@@ -240,7 +254,8 @@ def _copies(context: Context[ReportOptions]) -> dict[str, Path]:
         for name in SURFACE_RASTERS if step in context.inputs else ():
             if (context.inputs[step] / name).exists():
                 copies[name] = context.inputs[step] / name
-    return copies
+    change = InputArtifacts(context.inputs).change
+    return copies | {f"change/{file.name}": file for file in (change.delivered if change is not None else ())}
 
 
 def _step_run(folder: Path, name: str) -> StepRun:
@@ -264,8 +279,8 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=CHAIN[2:],
     parameters=ReportOptions,
-    version=10,
+    version=11,
     run=run,
-    uses=("dive", "logs", "hull", "camera.top.time_offset", *RIG_KEYS),
+    uses=("dive", "logs", "hull", "camera.top.time_offset", "change.earlier", *RIG_KEYS),
     external=files_of_package,
 )

@@ -9,6 +9,7 @@ import pytest
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.package_files import check_files, check_log, lies_inside, log_files
 from hullrecon.errors import InputError
+from hullrecon.steps.change import EarlierDive
 from hullrecon.steps.report import ReportOptions
 
 TOML = """[dive]
@@ -94,6 +95,30 @@ def test_a_logo_outside_is_refused_too(package):
         check_files(loaded)
     check_files(loaded, allow_outside=True)
     check_files(load_config(package, {"report": ReportOptions}, ["report.logo=logos/own.png"]))
+
+
+@pytest.mark.parametrize("earlier", ["../other", "{other}", "../not-there", "runs"])
+def test_an_earlier_dive_outside_is_refused_unless_the_user_allows_or_names_it(package, earlier):
+    (package / "runs").symlink_to(package.parent / "other")
+    given = f"change.earlier={earlier.format(other=package.parent / 'other')}"
+    loaded = load_config(package, {"change": EarlierDive}, [given])
+    with pytest.raises(InputError, match=r"change\.earlier names a file outside the package: .*--allow-outside"):
+        check_files(loaded)
+    check_files(loaded, allow_outside=True)
+    check_files(loaded, trusted_keys=["change.earlier"])
+
+
+def test_an_earlier_dive_inside_is_taken_unless_one_of_its_files_leads_out(package):
+    (package / "runs" / "may" / "detect").mkdir(parents=True)
+    loaded = load_config(package, {"change": EarlierDive}, ["change.earlier=runs/may"])
+    check_files(loaded)
+    (package / "runs" / "may" / "detect" / "as_found.npz").symlink_to(package.parent / "other" / "secret.bag")
+    with pytest.raises(InputError, match=r"change\.earlier names a file outside .*as_found\.npz \(a link to"):
+        check_files(loaded)
+    (package / "runs" / "may" / "detect" / "as_found.npz").unlink()
+    os.mkfifo(package / "runs" / "may" / "detect" / "as_found.npz")
+    with pytest.raises(InputError, match=r"change\.earlier names a FIFO"):
+        check_files(loaded, allow_outside=True)
 
 
 def test_a_file_that_leaves_the_package_and_comes_back_lies_in_it(package):

@@ -42,11 +42,13 @@ def toy(name: str, inputs: list[str], optional: list[str], needs_camera: bool) -
         return "there is no camera" if settings["camera.top"] is None else None
 
     def files(settings: Any, source: Path) -> list[Path]:
+        if name == "change":  # as the run of an earlier dive, outside the package
+            return [file for file in [source.absolute().parent / "earlier.txt"] if file.exists()]
         return [source / file for file in settings["logs"].files]
 
     return Stage(
         name, name, tuple(inputs), Options, 1, run, ("camera.top", "logs"), tuple(optional),
-        files if name == "ingest" else None, no_camera if needs_camera else None,
+        files if name in ("ingest", "change") else None, no_camera if needs_camera else None,
     )  # fmt: skip
 
 

@@ -117,6 +117,17 @@ def test_a_new_file_of_the_package_makes_ingest_look_again(make_dive, make_packa
     assert make_dive(package, "-q").returncode == 0
 
 
+def test_an_earlier_dive_that_was_rerun_makes_change_look_again(make_dive, make_package, trace: Path, tmp_path: Path) -> None:
+    package = make_package(tmp_path / "package", "kestrel")
+    make_dive(package)
+    ran = trace.read_text().split()
+    (tmp_path / "earlier.txt").write_text("another run")
+    assert make_dive(package, "-q").returncode == 1
+    assert make_dive(package).returncode == 0
+    assert trace.read_text().split()[len(ran) :] == ["change", "report"]
+    assert make_dive(package, "-q").returncode == 0
+
+
 def test_a_folder_of_runs_with_spaces_is_refused_by_its_name(make_dive, make_package, tmp_path: Path) -> None:
     answer = make_dive(make_package(tmp_path / "package", "kestrel"), f"RUNS={tmp_path}/all runs")
     assert answer.returncode == 2

@@ -17,6 +17,7 @@ from hullrecon.dive.check.hull_regions import describe_regions
 from hullrecon.dive.check.messages import Stream
 from hullrecon.dive.check.sampled_images import SampledImages
 from hullrecon.dive.check.to_fill_in import to_fill_in
+from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.mounts import DEFAULTS, choose_mounts, describe_mounts, filled_in
 from hullrecon.dive.config.schema import DiveConfig
@@ -25,7 +26,7 @@ from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import Watch
 from hullrecon.dive.logs.summary import WITHOUT_CAMERAS, missing, needs
 from hullrecon.dive.logs.timeline import rate_hz
-from hullrecon.dive.package_files import logo_of
+from hullrecon.dive.package_files import earlier_dive_of, logo_of
 from hullrecon.dive.problems import Problems
 from hullrecon.geometry.frames import Camera
 from hullrecon.records.sensors import DvlPings, ImageIndex
@@ -139,6 +140,7 @@ def check_package(
             *(check_mount_of_attitude(loaded.config, found.records.tray) if found.attitude_is_dvls else []),
             *(check_images(loaded, found, sampled) if check_images is not None else []),
             *empty_regions,
+            *_no_earlier_dive(loaded),
         ],
         regions=regions,
         mounts=describe_mounts(taken),
@@ -148,6 +150,14 @@ def check_package(
             if key not in taken
         },
     )
+
+
+def _no_earlier_dive(loaded: LoadedConfig) -> list[str]:
+    """Return a sentence where the earlier dive that dive.toml names is not there: a run goes without the chapter on change."""
+    earlier = earlier_dive_of(loaded)
+    if earlier is None or (loaded.package / earlier).is_dir():
+        return []
+    return [f"change.earlier names no folder: {shorten(earlier, 100)}; the report will not say what changed"]
 
 
 def _images_not_logged(config: DiveConfig, known: Set[str]) -> list[str]:

@@ -25,6 +25,7 @@ def headline(survey: Survey) -> list[str]:
         _from_outside(survey.adjusted),
         *weak_sentences(survey)[:2],
         _objects(survey),
+        _change(survey),
         _deviation(survey),
     ]
     lines += [_coverage(survey), _landmarks(survey.adjusted), _mosaics(survey), _rejected(survey)]
@@ -120,6 +121,11 @@ def _objects(survey: Survey) -> str:
     size = with_sigma(highest.height, highest.height_sigma, "m")
     found = f"{count(len(objects), 'object')} found on the hull ({join(kinds)})"
     return f"{found}; the largest, no. {highest.id}, has a height of {size}."
+
+
+def _change(survey: Survey) -> str:
+    chapter = survey.change.chapter if survey.change is not None else None
+    return f"Change since {chapter.first}: {chapter.outcome}." if chapter is not None else ""
 
 
 def _deviation(survey: Survey) -> str:

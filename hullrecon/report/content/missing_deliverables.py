@@ -20,16 +20,18 @@ _BY_STEP = {
         "ortho_optical.tif", "ortho_optical.png", "mosaic_optical.glb", "variance_optical.tif", "views_optical.tif",
     ),
     "mosaic-sonar": ("ortho_sonar.tif", "ortho_sonar.png", "mosaic_sonar.glb", "variance_sonar.tif", "views_sonar.tif"),
+    "change": ("change/",),
 }  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
 class Carried:
-    """What a dive has: a camera, an imaging sonar, a CAD model."""
+    """What a dive has: a camera, an imaging sonar, a CAD model, the name of an earlier dive to be compared with."""
 
     camera: bool
     sonar: bool
     cad_model: bool
+    earlier_dive: bool = False
 
 
 def missing_deliverables(
@@ -47,7 +49,8 @@ def missing_deliverables(
             dict.fromkeys(("alignment.json", *OF_DEVIATION), "the CAD model does not fit the survey and was left out")
         )
     for step, names in _BY_STEP.items():
-        reason = "" if step in steps else failures.get(step) or _reason(step, carried)
+        asked = step != "change" or carried.earlier_dive
+        reason = "" if step in steps or not asked else failures.get(step) or _reason(step, carried)
         if reason:
             reasons.update(dict.fromkeys(names, reason))
     if carried.camera and solution is not None and not len(solution.landmarks):
@@ -62,4 +65,6 @@ def _reason(step: str, carried: Carried) -> str:
         return "no camera was carried"
     if not carried.sonar and step == "mosaic-sonar":
         return "no imaging sonar was carried"
+    if not carried.cad_model and step == "change":
+        return "no CAD model was given, and two dives are compared on their hull's CAD model"
     return f"the step {step} left no result"

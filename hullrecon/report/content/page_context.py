@@ -33,7 +33,7 @@ from hullrecon.typing import Array, Pixels
 
 PageContext = Mapping[str, object]
 SECTIONS = (
-    ("plan", "Map of the hull"), ("view", "The hull in 3-D"), ("objects", "Objects on the hull"),
+    ("plan", "Map of the hull"), ("view", "The hull in 3-D"), ("objects", "Objects on the hull"), ("change", "Change"),
     ("deviation", "Deviation from the CAD model"), ("mosaics", "Mosaics"), ("coverage", "Coverage"),
     ("position", "Position uncertainty"), ("quality", "Quality of the data"), ("rejected", "Rejected data and warnings"),
     ("record", "Record"), ("appendix", "Appendix: plots"),
@@ -55,11 +55,11 @@ def page_context(
     quality, mosaics = quality_tables(survey), survey.mosaics.named()
     has = {
         "deviation": survey.is_in_hull_frame, "view": data["scene"], "mosaics": mosaics,
-        "coverage": coverage_rows(coverage),
+        "coverage": coverage_rows(coverage), "change": survey.change,
         "appendix": plots, "plan": view is not None, "objects": survey.findings.objects is not None, "quality": quality,
     }  # fmt: skip
     absent = {name for name, there in has.items() if not there}
-    sections = [(name, title) for name, title in SECTIONS if name not in absent]
+    sections = [(name, title + _since(survey) * (name == "change")) for name, title in SECTIONS if name not in absent]
     return {
         "sections": sections,
         "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
@@ -89,6 +89,7 @@ def page_context(
         "cards": [card_context(o, survey, photos.get(o.id)) for o in survey.findings.objects or ()],
         "gaps": any(m.facts.gap_area_m2 > 0 for m in mosaics.values()),
         **_coverage_context(survey),
+        **_change_context(survey),
         "plots": {p.name: {"title": p.title, "alt": p.alt, "src": png_uri(p.png), "csv": f"plots/{p.name}.csv"} for p in plots},
         "rejected": rejected_groups(survey),
         "settings": settings_rows(survey.provenance.steps),
@@ -99,6 +100,17 @@ def page_context(
         "has_scene": data["scene"] is not None,
         "version": __version__,
     }
+
+
+def _change_context(survey: Survey) -> PageContext:
+    """Return the template's variables of what changed since an earlier dive; None where it was not compared with one."""
+    found = survey.change
+    return {"change": found and found.chapter, "change_map": found and png_uri(found.map)}
+
+
+def _since(survey: Survey) -> str:
+    """Return from which dive change is counted, the end of a section's title."""
+    return f" since {survey.change.chapter.first}" if survey.change is not None else ""
 
 
 def _coverage_context(survey: Survey) -> PageContext:

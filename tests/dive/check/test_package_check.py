@@ -10,6 +10,7 @@ from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.check.package_check import check_package, defaults_of
 from hullrecon.dive.config.load import load_config
 from hullrecon.dive.logs.summary import missing, needs
+from hullrecon.steps.change import EarlierDive
 from hullrecon.steps.ingest import USES, request_of
 from hullrecon.steps.report import ReportOptions
 from tests.dive.readers.test_pd0 import ensemble_bytes
@@ -278,6 +279,16 @@ def test_a_logo_that_is_not_there_is_missed(package):
     assert check_package(loaded, request).missing_files == ["logo.png (report.logo)"]
     (package / "logo.png").write_bytes(b"")
     assert check_package(loaded, request).missing_files == []
+
+
+def test_an_earlier_dive_that_is_not_there_is_warned_of_and_hinders_no_run(package):
+    loaded = load_config(package, {"change": EarlierDive}, ["change.earlier=runs/may"])
+    request = request_of(StageSettings("ingest", {name: loaded.value(name) for name in USES}))
+    found = check_package(loaded, request)
+    assert "change.earlier names no folder: runs/may; the report will not say what changed" in found.warnings
+    assert found.run_is_possible
+    (package / "runs" / "may").mkdir(parents=True)
+    assert not any("change.earlier" in line for line in check_package(loaded, request).warnings)
 
 
 def test_a_dvl_of_a_type_that_is_not_read_is_named_in_the_verdict(package, kit):
