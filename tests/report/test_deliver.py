@@ -128,6 +128,13 @@ def test_files_of_the_steps_are_delivered_by_their_name(bare: Survey, folder: Fo
     assert "../colmap/points3D.bin" in (folder.root / "deliver" / "report" / "index.html").read_text()
 
 
+def test_what_changed_is_delivered_with_the_schema_of_its_document(bare: Survey, folder: Folder, tmp_path: Path) -> None:
+    (tmp_path / "change.json").write_text("{}")
+    copies = Provenance(copies={"change/change.json": tmp_path / "change.json"})
+    deliver(replace(bare, provenance=copies), folder)
+    assert {"change/change.json", "schemas/change.schema.json"} <= delivered(folder)
+
+
 def test_without_a_cad_model_no_alignment_is_delivered(survey: Survey, solution: Solution, folder: Folder) -> None:
     assert survey.adjusted is not None
     free = replace(solution, hull_pose=None)

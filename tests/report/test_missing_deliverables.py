@@ -65,3 +65,13 @@ def test_without_a_cad_model_the_rasters_of_the_deviation_are_named() -> None:
     assert reasons["objects.gpkg"] == "the step detect left no result"
     with_cad = missing_deliverables(Carried(camera=True, sonar=True, cad_model=True), ("adjust",), None)
     assert "form.tif" not in with_cad
+
+
+def test_a_comparison_is_missed_only_where_an_earlier_dive_is_named(solution: Solution) -> None:
+    failures = {"change": "no comparison with an earlier dive: this is no run"}
+    named = replace(ALL, earlier_dive=True)
+    assert missing_deliverables(ALL, CHAIN, solution) == {}
+    assert missing_deliverables(named, CHAIN, solution, failures) == {"change/": failures["change"]}
+    assert missing_deliverables(named, (*CHAIN, "change"), solution) == {}
+    without_cad = missing_deliverables(replace(named, cad_model=False), CHAIN, replace(solution, hull_pose=None))
+    assert without_cad["change/"] == "no CAD model was given, and two dives are compared on their hull's CAD model"

@@ -35,7 +35,8 @@ class ChangeRow:
 class ChangeChapter:
     """The texts. first, second: names of the dives; outcome: the verdict without them; lines: a sentence a change; moves:
     stretches of bare hull that moved, with the chance of each that nothing did; offset: how the dives lie beside each other;
-    area_first, area_second, area_both: m² that each saw and that both looked at; detectable: a length; places: how many."""
+    area_first, area_second, area_both: of the map that each covers and that both looked at, m²; detectable: a length; places:
+    how many."""
 
     first: str
     second: str
