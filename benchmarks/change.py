@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from hullrecon.api.change import diff
+from hullrecon.api.change import RunComparison, diff
 from hullrecon.api.commands import run_dive
 from hullrecon.geometry.poses import Poses, from_matrix
 from hullrecon.records.change import HullChange, HullSurvey
@@ -48,7 +48,7 @@ def simulate(folder: Path, seed: int, options: dict[str, Any]) -> tuple[Path, Pa
 
 def true_changes(first: Path, second: Path) -> Truth:
     """Return what truly changed, by status: centers in M and the change of height, m."""
-    before, after = (_structures(package) for package in (first, second))
+    before, after = (structures(package) for package in (first, second))
     out: Truth = {"new": [], "gone": [], "grown": []}
     for place, height in before:
         match = [h for p, h in after if np.linalg.norm(p - place) < 0.1]
@@ -60,7 +60,8 @@ def true_changes(first: Path, second: Path) -> Truth:
     return out
 
 
-def _structures(package: Path) -> list[tuple[np.ndarray, float]]:
+def structures(package: Path) -> list[tuple[np.ndarray, float]]:
+    """Return center in M and height, m, of what stands on the hull of a package, or is sunken into it."""
     rows = json.loads((package / "truth" / "objects.json").read_text())["objects"]
     return [(np.array(row["center"]), row["height"]) for row in rows if not row["painted"]]
 
@@ -94,13 +95,16 @@ def reported_from_true(survey: HullSurvey, package: Path) -> Poses:
     return survey.hull_pose.global_from_hull.inverse() @ from_matrix(np.array(stated))
 
 
+def run_both(folder: Path, seed: int, options: dict[str, Any]) -> RunComparison:
+    """Return what changed between one hull's two dives, run where they have not been."""
+    packages = simulate(folder, seed, options)
+    first, second = (run_dive(package, folder / "runs", last_step="detect").workspace.root for package in packages)
+    return diff(first, second)
+
+
 def compare(folder: Path, seed: int, options: dict[str, Any]) -> dict[str, Any]:
     """Return the figures of one hull's two dives, run where they have not been."""
-    packages = simulate(folder, seed, options)
-    for package in packages:
-        run_dive(package, folder / "runs", last_step="detect")
-    runs = [folder / "runs" / package.name for package in packages]
-    result = diff(*runs)
+    result, packages = run_both(folder, seed, options), simulate(folder, seed, options)
     return {"seed": seed, **score(result.change, true_changes(*packages), reported_from_true(result.first.survey, packages[0]))}
 
 
