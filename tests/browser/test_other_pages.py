@@ -17,7 +17,7 @@ from report.change.conftest import MOVE, hull_change, object_change
 from benchmarks.chromium import NARROW, WIDE, visit
 from hullrecon.api.fleet.index_page import FleetIndex
 from hullrecon.geometry.charts.outside_map import OutsideMap
-from hullrecon.report.change.deliver import change_files
+from hullrecon.report.change.deliver import comparison_files
 
 pytestmark = pytest.mark.slow
 SIZES = pytest.mark.parametrize("size", [WIDE, NARROW], ids=["wide", "narrow"])
@@ -40,7 +40,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         object_change("unchanged", 2, 3, 31.8, 0.12, 0.121),
     ]
     change = folder / "change.html"
-    files = change_files(hull_change(objects, [MOVE]), OutsideMap(x_sign=-1, y_sign=1, frame="M"), 1_780_000_000_000_000_000)
+    outside = OutsideMap(x_sign=-1, y_sign=1, frame="M")
+    files = comparison_files(hull_change(objects, [MOVE]), outside, 1_780_000_000_000_000_000)
     change.write_bytes(files["change.html"])
     return {"fleet": folder / "index.html", "change": change}
 
