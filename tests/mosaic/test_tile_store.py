@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 
 from hullrecon.mosaic.blend import Tile
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.output.compressed_tiles import CompressedTiles
-from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
+from hullrecon.mosaic.output.tile_store import TileStore, in_threads, make_tiles
 
 GRID = TexelGrid(west=30.0, north=6.0, step_m=0.01, height=100, width=150)
 
@@ -65,3 +67,31 @@ def test_a_tile_of_another_shape_is_refused() -> None:
     tiles = CompressedTiles((4, 4), "uint8")
     with pytest.raises(ValueError, match="shape"):
         tiles.add(np.zeros((4, 5), np.uint8))
+
+
+def test_as_many_tiles_are_made_at_once_as_there_are_cores_and_kept_in_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.sched_getaffinity", lambda process: {0, 1, 2})
+    together = threading.Barrier(3)
+
+    def make(window: Window) -> Tile:
+        together.wait(timeout=30)  # no tile ends before three have begun
+        return ramp(window)
+
+    windows = list(GRID.tiles(64))
+    made = list(in_threads(make, windows))
+    assert len(windows) == 6
+    for tile, window in zip(made, windows, strict=True):
+        np.testing.assert_array_equal(tile.value, ramp(window).value)
+
+
+def test_a_tile_that_fails_ends_the_making(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.sched_getaffinity", lambda process: {0})
+    begun = []
+
+    def make(window: Window) -> Tile:
+        begun.append(window)
+        raise ValueError("no picture")
+
+    with pytest.raises(ValueError, match="no picture"):
+        list(in_threads(make, list(GRID.tiles(64))))
+    assert len(begun) == 1

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import os
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +17,7 @@ from hullrecon.mosaic.blend import Tile
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.output.compressed_tiles import CompressedTiles
 
+MAX_AT_A_TIME = 8  # tiles; one takes some 100 MB while it is made
 VARIANCE_STEP = 0.25  # squared gray levels; finer is noise, and compresses badly
 
 
@@ -65,10 +68,28 @@ class TileStore:
         return [float((np.searchsorted(share, p / 100) + 1) * VARIANCE_STEP) for p in percent]
 
 
+def in_threads(make: Callable[[Window], Tile], windows: Sequence[Window]) -> Iterator[Tile]:
+    """Yield the tiles in the order of the windows, as many begun ahead as there are threads."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    count = min(MAX_AT_A_TIME, len(os.sched_getaffinity(0)))
+    with ThreadPoolExecutor(count) as pool:
+        begun = deque(pool.submit(make, window) for window in windows[:count])
+        try:
+            for window in windows[count:]:
+                yield begun.popleft().result()
+                begun.append(pool.submit(make, window))
+            while begun:
+                yield begun.popleft().result()
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
 def make_tiles(
     grid: TexelGrid, channels: int, size: int, max_pixels: int, make: Callable[[Window], Tile], progress: Any
 ) -> TileStore:
-    """Make every tile in turn; only one is in memory uncompressed. The small copy is reduced to max_pixels a side, or as
+    """Make every tile, as many at a time as there are cores, up to MAX_AT_A_TIME; no more are in memory uncompressed, and the
+    result does not depend on it. make is called from several threads. The small copy is reduced to max_pixels a side, or as
     often as `size` can be halved."""
     reduction = 1
     while max(grid.width, grid.height) / reduction > max_pixels and size % (2 * reduction) == 0:
@@ -86,6 +107,7 @@ def make_tiles(
         variance=CompressedTiles((size, size), "float32"),
         counts=CompressedTiles((size, size), "uint8"),
     )
-    for window in progress(list(grid.tiles(size))):
-        store.add(window, make(window))
+    windows = list(grid.tiles(size))
+    for window, tile in zip(progress(windows), in_threads(make, windows), strict=True):
+        store.add(window, tile)
     return store
