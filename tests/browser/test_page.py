@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+import json
+import math
+from itertools import combinations
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -17,6 +20,7 @@ from benchmarks.chromium import NARROW, WIDE, Visit, visit
 
 pytestmark = pytest.mark.slow
 HEAVIEST = 60_000_000
+DATA = '<script type="application/json" id="report-data">'
 
 
 def weight(seen: Visit) -> int:
@@ -87,6 +91,34 @@ def test_a_click_on_an_object_of_the_map_opens_its_card(page: Visit) -> None:
     assert card.locator("h3").inner_text().startswith("1 ·")
     page.page.keyboard.press("Escape")
     assert not card.is_visible()
+
+
+@pytest.mark.parametrize("size", [WIDE, NARROW], ids=["wide", "narrow"])
+def test_numbers_of_objects_side_by_side_stand_apart_and_can_be_touched(
+    chromium: Browser, report: Path, tmp_path: Path, size: tuple[int, int]
+) -> None:
+    """All objects within 3 cm of the first: each number keeps 24 pixels to itself (WCAG 2.5.8)."""
+    beside = tmp_path / "index.html"
+    beside.write_text(with_objects_side_by_side(report.read_text(), step_m=0.01))
+    with visit(chromium, beside, size) as seen:
+        numbers = seen.page.locator("#map .map-number")
+        boxes = [numbers.nth(k).bounding_box() for k in range(numbers.count())]
+        assert len(boxes) >= 4
+        middles = [(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2) for box in boxes if box]
+        assert min(math.dist(a, b) for a, b in combinations(middles, 2)) >= 24
+        assert not violations(seen)
+        assert seen.messages == []
+
+
+def with_objects_side_by_side(page: str, step_m: float) -> str:
+    """Return the page with its objects moved beside the first on the map, a step between each and the next."""
+    head, start, rest = page.partition(DATA)
+    text, end, tail = rest.partition("</script>")
+    data = json.loads(text)
+    x, y = data["objects"][0]["at"]
+    for number, found in enumerate(data["objects"]):
+        found["at"] = [x + number * step_m, y]
+    return head + start + json.dumps(data).replace("<", "\\u003c") + end + tail
 
 
 def test_a_click_in_the_table_opens_the_card(page: Visit) -> None:

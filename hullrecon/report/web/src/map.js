@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as L from "leaflet/dist/leaflet-src.esm.js";
 import { showCoordinates } from "./map_coordinates.js";
+import { spreadNumbers } from "./map_numbers.js";
 import { makePanel } from "./map_panel.js";
 import { pictureUri } from "./pictures.js";
 
 const CLOSEST_PX_PER_M = 4000; // four screen pixels for a pixel of the finest mosaic
+const APART_PX = 28; // between the middles of two objects' numbers, of 26 px: neighbours are told apart and can be touched
 const LINK_COLOURS = { "along the track": "#1f5f99", "between legs": "#c8541b" };
 
 /**
@@ -27,7 +29,11 @@ export function mountMap(element, data, cards) {
     onMark: (name, shown) => (shown ? marks[name].layer.addTo(map) : marks[name].layer.remove()),
   });
   showCoordinates(map, data.map, pictures);
-  const thin = () => element.classList.toggle("dense", crowded(map, data));
+  const thin = () => {
+    const dense = crowded(map, data);
+    element.classList.toggle("dense", dense);
+    spreadNumbers(map, marks.objects?.placed ?? [], dense ? 0 : APART_PX);
+  };
   map.on("zoomend", thin);
   thin();
 
@@ -108,16 +114,20 @@ function makeMarks(data, cards) {
   if (data.objects.length) {
     const numbers = L.layerGroup();
     const byId = new Map();
+    const placed = [];
     for (const found of data.objects.filter((object) => object.at)) {
       const open = () => cards.open(found.id);
       if (found.outline.length > 2) {
         L.polygon(found.outline.map(latLng), { color: "#c8541b", weight: 2, fillOpacity: 0.12 }).on("click", open).addTo(numbers);
       }
       const marker = number(found).on("click", open).on("keypress", (event) => event.originalEvent.key === "Enter" && open());
+      const leader = L.polyline([], { color: "#b3470f", weight: 1.5, interactive: false });
       byId.set(String(found.id), marker);
+      placed.push({ marker, leader, at: latLng(found.at) });
+      leader.addTo(numbers);
       marker.addTo(numbers);
     }
-    marks.objects = { title: "Objects with their outlines", colour: "#c8541b", layer: numbers, shown: true, byId };
+    marks.objects = { title: "Objects with their outlines", colour: "#c8541b", layer: numbers, shown: true, byId, placed };
     const rings = data.objects.filter((object) => object.ellipse.length).map((object) => object.ellipse.map(latLng));
     if (rings.length) {
       const style = { color: "#c8541b", weight: 1.5, dashArray: "5 4", fillOpacity: 0.06, interactive: false };
