@@ -28,6 +28,7 @@ def crowded_report(run: Path, package: Path, out: Path, count: int) -> Path:
     """Write the report of a run as if it had found `count` objects, copies of its own; return its page."""
     from hullrecon.artifacts.execution.runner import run_stage
     from hullrecon.dive.config.load import load_config
+    from hullrecon.steps.chain import stages
     from hullrecon.steps.report import STAGE
 
     detect = out / "detect"
@@ -38,8 +39,8 @@ def crowded_report(run: Path, package: Path, out: Path, count: int) -> Path:
     found = json.loads((run / "detect" / "objects.json").read_text())["objects"]
     (detect / "objects.json").write_text(json.dumps({"objects": [_copy(found[k % len(found)], k) for k in range(count)]}))
     inputs = {name: run / name for name in (*STAGE.inputs, *STAGE.optional) if (run / name).is_dir()} | {"detect": detect}
-    config = load_config(package).config
-    sections = {name.split(".")[0]: getattr(config, name.split(".")[0]) for name in STAGE.uses}
+    config = load_config(package, {stage.name: stage.parameters for stage in stages()})
+    sections = {section: config.value(section) for section in {name.split(".")[0] for name in STAGE.uses}}
     return run_stage(STAGE, sections, inputs, out / "report", source=package) / "deliver" / "report" / "index.html"
 
 

@@ -24,6 +24,9 @@ from hullrecon.typing import Array
 
 Report = Callable[[str], None]
 LEAST_MAX_PX = 2.0  # in rounds before the last, whose path may still be off
+# Damping holds what many measurements share, a single camera's scale and the bends of a long path, far more than it holds the
+# steps: with Ceres' 1e4 such a mode hardly moves while each iteration's gain falls below the tolerance.
+INITIAL_RADIUS = 1e8
 NO_STRUCTURE_M = 0.5  # off the hull: a mismatch, not something that stands on it
 log = logging.getLogger(__name__)
 
@@ -148,6 +151,7 @@ def _solve(problem: native.Problem, options: AdjustOptions, final: bool) -> nati
         sigma_off=options.off_hull_sigma_m,
         max_iterations=options.max_iterations,
         function_tolerance=options.function_tolerance if final else 10 * options.function_tolerance,
+        initial_radius=INITIAL_RADIUS,
         threads=options.threads,
     )
     return solve(problem, settings)

@@ -18,7 +18,7 @@ ON_PAPER_ALONE = (  # numbers of lines, pages and objects, and what stands in th
 )  # fmt: skip
 ON_THE_PAGE_ALONE = (  # what can be done there only, the run's times, which differ between equal runs, and numbers of sections
     r"\d+ of \d+ shown", r"objects of section \d+", r"^Object \d+ in an image of", r"this report's own not counted",
-    r"^\d+ (?:s|MB|min \d+ s)$", r"^\d+ [A-Z][A-Za-z -]+$",
+    r"^[\d,]+ (?:s|MB|min \d+ s)$", r"^\d+ [A-Z][A-Za-z -]+$",
 )  # fmt: skip
 
 
