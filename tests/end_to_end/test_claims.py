@@ -218,8 +218,9 @@ def test_the_sentences_say_what_the_files_say(dive):
         assert f"{counts['objects']} object" in text
     if summary["deviation"]:
         said = summary["deviation"]
-        side = "outside" if said["offset_m"] > 0 else "inside"
-        words = f"{1000 * abs(said['offset_m']):.0f} mm {side} it (one sigma {1000 * said['offset_sigma_m']:.0f} mm"
+        offset = f"{1000 * abs(said['offset_m']):.0f} mm"
+        side = "from" if offset == "0 mm" else "outside" if said["offset_m"] > 0 else "inside"
+        words = f"{offset} {side} it (one sigma {1000 * said['offset_sigma_m']:.0f} mm"
         assert words in text
         assert f"{words}" in page
 
