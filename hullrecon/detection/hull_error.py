@@ -17,19 +17,19 @@ from hullrecon.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class HullError:
-    """The hull lies off its pose by an error (6,), as in the pose's covariance: what is known of the dive lies elsewhere."""
+    """An error (6,) of the hull pose, as in its covariance, and what becomes of the dive's points and poses in M under it."""
 
     hull_pose: HullPose
     error: Array
 
     def points(self, points: Array) -> Array:
-        """Return points (n, 3) of the dive in M as they are then."""
+        """Return where points (n, 3) of the dive lie in M if the hull pose is off by the error."""
         center = self.hull_pose.survey_center
         shift = self.hull_pose.global_from_hull.rotation.inv().apply(self.error[:3]).reshape(3)
         return np.asarray(self._turn().apply(points - center - shift) + center)
 
     def poses(self, poses: Poses) -> Poses:
-        """Return poses (n) of the dive in M as they are then."""
+        """Return poses (n) of the dive in M if the hull pose is off by the error."""
         return Poses((self._turn() * poses.rotation).as_quat(), self.points(poses.translation))
 
     def _turn(self) -> Rotation:
@@ -37,8 +37,8 @@ class HullError:
 
 
 def area_sigma(area_if: Callable[[HullError], float], hull_pose: HullPose) -> float:
-    """Return one sigma, m2, of an area that is `area_if` the hull lies off: by central differences of one sigma along the axes
-    of the covariance."""
+    """Return one sigma, m2, of an area that is `area_if(error)` under an error of the hull pose: by central differences of one
+    sigma along the axes of the covariance."""
     variance, axes = np.linalg.eigh(hull_pose.covariance)
     changes = []
     for error in (axes * np.sqrt(np.maximum(variance, 0.0))).T:

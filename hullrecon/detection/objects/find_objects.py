@@ -97,13 +97,18 @@ class _Landmarks:
         """Return those on these vertices of a region: whether each stands off the hull as the region does (n,), its height
         over the surface there (n,), and its own sigma (n,), m."""
         rows, vertex = self.at(found, vertices)
-        height, surface = self.height[rows], found.height[vertex]
-        stands = region.side * (height - region.level) > 0.5 * np.abs(surface - region.level)
-        return stands, height - surface, self.measured.sigma[rows]
+        stands = self.stand(found, region, rows, vertex)
+        return stands, self.height[rows] - found.height[vertex], self.measured.sigma[rows]
+
+    def stand(self, found: HullAsFound, region: Region, rows: Ints, vertex: Ints) -> Mask:
+        """Return whether these landmarks, each on its vertex (n,), stand off the hull as the region does there (n,)."""
+        above = region.side * (self.height[rows] - region.level)
+        return np.asarray(above > 0.5 * np.abs(found.height[vertex] - region.level))
 
     def covariances(self, found: HullAsFound, region: Region) -> Array:
         """Return those (n, 3, 3) of the landmarks on a region that stand off the hull as it does."""
-        return self.measured.covariance[self.at(found, region.core)[0][self.on(found, region, region.core)[0]]]
+        rows, vertex = self.at(found, region.core)
+        return self.measured.covariance[rows[self.stand(found, region, rows, vertex)]]
 
     def nearest_covariance(self, point: Array) -> Array:
         """Return that (1, 3, 3) of the landmark nearest to a point (3,)."""
