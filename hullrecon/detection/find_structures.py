@@ -62,8 +62,7 @@ def find_structures(
     background = _choose_background(base, field, measured, options)
     found = estimate_hull_as_found(base.mesh, measured, background, views, options)
     # Structures: regions that stand off and are certain
-    height = measured.offset - background.at(measured.foot)[0]
-    objects, rejected = find_objects(found, measured, height, views, base, options)
+    objects, rejected = find_objects(found, measured, views, base, options)
     rows: list[Facts] = [{"id": k + 1, **item.as_json()} for k, item in enumerate(objects)]
     facts: Facts = {
         "reference": base.description,

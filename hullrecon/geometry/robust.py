@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The spread of values some of which are wild."""
+"""The spread of values some of which are wild, and quantiles of values that weigh unequally."""
 
 from __future__ import annotations
 
@@ -17,3 +17,11 @@ def robust_sigma(values: Array, about: float | None = None) -> float:
     if not len(values):
         return float("nan")
     return float(NORMAL_MAD * np.median(np.abs(values - (np.median(values) if about is None else about))))
+
+
+def weighted_quantile(values: Array, weight: Array, share: float) -> float:
+    """Return the value below which that share of the weight lies."""
+    order = np.argsort(values, kind="stable")
+    total = np.cumsum(weight[order])
+    at = np.searchsorted(total, share * total[-1])
+    return float(values[order][min(int(at), len(values) - 1)])

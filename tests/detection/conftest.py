@@ -55,7 +55,6 @@ class Scenery:
     background: Background
     views: CameraViews
     chart: PlaneChart
-    height: np.ndarray
 
 
 DISC, RECESS, STAIN, OFF = (1.2, 1.0), (2.2, 1.0), (3.0, 1.0), -0.012
@@ -99,7 +98,7 @@ def scenery() -> Scenery:
     )
     chart = PlaneChart(np.array([0.0, 2.0, 0.0]), np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]))
     views = views_along(np.arange(0.5, 3.6, 0.25))
-    return Scenery(wall_mesh(), measured, background, views, chart, measured.offset - OFF)
+    return Scenery(wall_mesh(), measured, background, views, chart)
 
 
 @pytest.fixture(scope="session")

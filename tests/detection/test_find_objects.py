@@ -14,6 +14,8 @@ from hullrecon.detection.objects.find_objects import find_objects
 from hullrecon.detection.options import DetectOptions
 from hullrecon.geometry.poses import identity
 
+WALL_OFFSET_M = -0.012  # of the wall from its CAD model
+
 
 def _objects(scenery, found, with_cad_model: bool = True, **options):
     surveyed = as_found_surface(found, scenery.measured)
@@ -24,7 +26,7 @@ def _objects(scenery, found, with_cad_model: bool = True, **options):
         result_from_global=identity(),
         frame_spacing_m=None,
     )
-    return find_objects(found, scenery.measured, scenery.height, scenery.views, base, DetectOptions(**options))
+    return find_objects(found, scenery.measured, scenery.views, base, DetectOptions(**options))
 
 
 def test_the_disc_and_the_recess_are_reported_once_and_nothing_else(scenery, found) -> None:
@@ -82,8 +84,8 @@ def test_a_top_rougher_than_its_landmarks_are_uncertain_is_less_certain(scenery,
     (even, _), _ = _objects(scenery, found)
     at = scenery.measured.foot
     top = np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.12
-    rough = scenery.height + np.where(top, np.random.default_rng(1).normal(0, 0.01, len(at)), 0.0)
-    (uneven, _), _ = _objects(replace(scenery, height=rough), found)
+    rough = scenery.measured.offset + np.where(top, np.random.default_rng(1).normal(0, 0.01, len(at)), 0.0)
+    (uneven, _), _ = _objects(replace(scenery, measured=replace(scenery.measured, offset=rough)), found)
     assert uneven.height == even.height
     assert uneven.height_sigma == pytest.approx(np.hypot(0.01, even.height_sigma), rel=0.25)
 
@@ -118,8 +120,8 @@ def test_on_a_coarsely_drawn_curve_a_structure_must_stand_out_from_the_facets(sc
 def test_a_structure_on_which_landmarks_disagree_is_not_reported(scenery, found) -> None:
     at = scenery.measured.foot
     half = (np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.13) & (np.random.default_rng(0).random(len(at)) < 0.5)
-    mixed = replace(scenery, height=np.where(half, 0.0, scenery.height))
-    objects, rejected = _objects(mixed, found)
+    mixed = replace(scenery.measured, offset=np.where(half, WALL_OFFSET_M, scenery.measured.offset))
+    objects, rejected = _objects(replace(scenery, measured=mixed), found)
     assert [round(o.height, 2) for o in objects] == [-0.05]
     assert "agree" in rejected[0].reason
 
@@ -131,9 +133,8 @@ def test_landmarks_on_the_hull_at_the_foot_of_the_edge_are_not_those_of_the_stru
     foot = np.stack([1.2 + 0.132 * np.cos(angle), np.full(len(angle), 2.0), 1.0 + 0.132 * np.sin(angle)], axis=1)
     joined = {f.name: np.concatenate([getattr(scenery.measured, f.name), getattr(ring, f.name)]) for f in fields(ring)}
     joined["foot"] = np.concatenate([scenery.measured.foot, foot])
-    beside = replace(
-        scenery, measured=SurfaceLandmarks(**joined), height=np.concatenate([scenery.height, np.zeros(len(angle))])
-    )
+    joined["offset"] = np.concatenate([scenery.measured.offset, np.full(len(angle), WALL_OFFSET_M)])
+    beside = replace(scenery, measured=SurfaceLandmarks(**joined))
     assert [round(o.height, 2) for o in _objects(beside, found)[0]] == [0.10, -0.05]
 
 

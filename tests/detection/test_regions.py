@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hullrecon.detection.objects.regions import find_regions, weighted_quantile
+from hullrecon.detection.objects.regions import find_regions
 from hullrecon.detection.options import DetectOptions
 
 OPTIONS = DetectOptions()
@@ -25,12 +25,24 @@ def test_the_footprint_is_the_structure_and_the_ring_is_hull(found, height_at) -
         at = found.base.vertices
         assert np.mean(height_at(*at[region.core][:, [0, 2]].T) != 0) > 0.9
         assert (height_at(*at[region.ring][:, [0, 2]].T) == 0).all()
-        assert abs(region.level) < 0.002
+        assert np.abs(region.hull.offset(at[region.core]) + 0.012).max() < 0.002
 
 
 def test_heights_count_from_the_hull_around_not_from_the_cad_model(found) -> None:
     lifted = replace(found, height=found.height + 0.015)
     assert find_regions(lifted, OPTIONS)[0].height == pytest.approx(find_regions(found, OPTIONS)[0].height, abs=0.002)
+
+
+def test_heights_count_from_the_hull_beneath_where_the_background_was_drawn_outward_there(found) -> None:
+    """Landmarks on the flanks of what rises gently are hull to the deviation field."""
+    x, z = found.base.vertices[:, [0, 2]].T
+    lump = 0.14 * np.exp(-0.5 * (np.hypot(x - 1.2, z - 1.0) / 0.09) ** 2)
+    drawn = 0.015 * np.exp(-0.5 * (np.hypot(x - 1.2, z - 1.0) / 0.25) ** 2)
+    bulging = replace(found, height=lump - drawn, hull=found.hull + drawn, measured=np.ones_like(found.measured))
+    region = find_regions(bulging, OPTIONS)[0]
+    top_8_cm2 = 0.14 * np.exp(-0.5 * (0.016 / 0.09) ** 2)
+    assert region.height == pytest.approx(top_8_cm2, abs=0.003)  # 13 mm less above what was drawn outward
+    assert np.abs(region.rise(bulging, region.core) - lump[region.core]).max() < 0.004
 
 
 def test_unmeasured_heights_make_no_region(found) -> None:
@@ -87,10 +99,3 @@ def test_a_cone_is_blunt_and_a_disc_is_not(found) -> None:
     assert disc.bluntness < 0.001
     # 8 and 24 cm2 are circles of 16 and 28 mm: the cone falls by 0.5 of that
     assert cone.bluntness == pytest.approx(0.5 * (0.0276 - 0.0160), abs=0.003)
-
-
-def test_the_quantile_counts_area() -> None:
-    values, weight = np.array([3.0, 1.0, 2.0]), np.array([1.0, 8.0, 1.0])
-    assert weighted_quantile(values, weight, 0.5) == 1.0
-    assert weighted_quantile(values, weight, 0.85) == 2.0
-    assert weighted_quantile(values, weight, 1.0) == 3.0

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hullrecon.geometry.robust import robust_sigma
+from hullrecon.geometry.robust import robust_sigma, weighted_quantile
 
 NORMAL = np.random.default_rng(1).normal(5.0, 0.2, 20_000)
 
@@ -51,3 +51,10 @@ def test_nearly_half_of_the_values_may_be_as_wild_as_they_like(seed: int, wild: 
 def test_about_their_median_is_what_it_does_by_itself(values: list[int]) -> None:
     array = np.array(values, float)
     assert robust_sigma(array, about=float(np.median(array))) == robust_sigma(array)
+
+
+def test_the_quantile_counts_area() -> None:
+    values, weight = np.array([3.0, 1.0, 2.0]), np.array([1.0, 8.0, 1.0])
+    assert weighted_quantile(values, weight, 0.5) == 1.0
+    assert weighted_quantile(values, weight, 0.85) == 2.0
+    assert weighted_quantile(values, weight, 1.0) == 3.0

@@ -14,7 +14,7 @@ from hullrecon.detection.base_surface import BaseSurface
 from hullrecon.detection.hull_position import MIDDLE_SHARE, hull_position
 from hullrecon.detection.objects.open_edge import find_open_edge
 from hullrecon.detection.objects.outline import outline
-from hullrecon.detection.objects.regions import TOP_M2, Region, find_regions, weighted_quantile
+from hullrecon.detection.objects.regions import TOP_M2, Region, find_regions
 from hullrecon.detection.objects.significance import height_sigma, p_value, relief_left, roughness
 from hullrecon.detection.objects.size import hidden_extent, measure_size
 from hullrecon.detection.options import DetectOptions
@@ -22,6 +22,7 @@ from hullrecon.detection.views import CameraViews, rows_in_image, visible_rows
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
+from hullrecon.geometry.robust import weighted_quantile
 from hullrecon.typing import Array, Ints, Mask
 
 IMAGES = 6  # named with each object
@@ -73,10 +74,9 @@ class _RegionEvidence:
 
 @dataclass(frozen=True, kw_only=True)
 class _Landmarks:
-    """Of a dive, with their heights (n,) m above the hull, where their feet lie, and where the vertices of the base do."""
+    """Of a dive, where their feet lie, and where the vertices of the base do."""
 
     measured: SurfaceLandmarks
-    height: Array
     around: Around
     vertices: Around
 
@@ -98,12 +98,12 @@ class _Landmarks:
         over the surface there (n,), and its own sigma (n,), m."""
         rows, vertex = self.at(found, vertices)
         stands = self.stand(found, region, rows, vertex)
-        return stands, self.height[rows] - found.height[vertex], self.measured.sigma[rows]
+        return stands, self.measured.offset[rows] - found.deviation[vertex], self.measured.sigma[rows]
 
     def stand(self, found: HullAsFound, region: Region, rows: Ints, vertex: Ints) -> Mask:
         """Return whether these landmarks, each on its vertex (n,), stand off the hull as the region does there (n,)."""
-        above = region.side * (self.height[rows] - region.level)
-        return np.asarray(above > 0.5 * np.abs(found.height[vertex] - region.level))
+        above = region.rise_of(self.measured.foot[rows], self.measured.offset[rows])
+        return np.asarray(above > 0.5 * np.abs(region.rise(found, vertex)))
 
     def covariances(self, found: HullAsFound, region: Region) -> Array:
         """Return those (n, 3, 3) of the landmarks on a region that stand off the hull as it does."""
@@ -136,19 +136,18 @@ class UnreportedRegion:
 def find_objects(
     found: HullAsFound,
     measured: SurfaceLandmarks,
-    height: Array,
     views: CameraViews,
     base: BaseSurface,
     options: DetectOptions,
 ) -> tuple[list[HullObject], list[UnreportedRegion]]:
     """Return the objects, the highest first, and the regions that were not certain enough.
 
-    measured with its heights (m,) above the hull are the landmarks.
+    measured: the landmarks.
     """
     area = vertex_areas(found.base)
     rough = roughness(found)
     scene, around = Scene(found.mesh), Around(found.base.vertices)
-    landmarks = _Landmarks(measured=measured, height=height, around=Around(measured.foot), vertices=around)
+    landmarks = _Landmarks(measured=measured, around=Around(measured.foot), vertices=around)
     objects, rejected = [], []
     for region in find_regions(found, options):
         evidence = _collect_evidence(found, region, area, rough, landmarks, _seen_by(found, region, views, scene))
@@ -245,8 +244,7 @@ def _seen_by(found: HullAsFound, region: Region, views: CameraViews, scene: Scen
 
 def _top_rows(found: HullAsFound, region: Region) -> Ints:
     """Return the vertices of the core above four fifths of the height."""
-    above = region.side * (found.height[region.core] - region.level)
-    top = region.core[above >= 0.8 * abs(region.height)]
+    top = region.core[region.rise(found, region.core) >= 0.8 * abs(region.height)]
     return top if len(top) else region.core
 
 
@@ -290,8 +288,8 @@ def _object(
 
 def _top(found: HullAsFound, region: Region, center: int) -> Array:
     """Return the center's foot on the base, lifted to the region's height."""
-    lift = found.hull[center] + region.level + region.height
-    return np.asarray(found.base.vertices[center] + found.normal[center] * lift)
+    foot = found.base.vertices[center]
+    return np.asarray(foot + found.normal[center] * (region.hull.offset(foot[None])[0] + region.height))
 
 
 def _round(values: Array) -> list[float]:

@@ -46,5 +46,5 @@ def find_open_edge(found: HullAsFound, region: Region, area: Array, around: Arou
     return OpenEdge(
         share=float(area[gap].sum() / area[near[band]].sum()),
         beyond=hidden[np.isfinite(nearest(at[gap], at[hidden], 1, reach)[0][:, 0])],
-        height=float(np.mean(found.height[foot[beside]]) - region.level),
+        height=region.side * float(np.mean(region.rise(found, foot[beside]))),
     )

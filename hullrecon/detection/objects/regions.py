@@ -10,33 +10,44 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.detection.as_found.hull_as_found import HullAsFound
+from hullrecon.detection.objects.hull_around import HullAround, fit_hull_around
 from hullrecon.detection.objects.shapes import dbscan
 from hullrecon.detection.options import DetectOptions
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.geometry.neighbours import Around, nearest
+from hullrecon.geometry.robust import weighted_quantile
 from hullrecon.typing import Array, Ints, Mask
 
 TOP_M2 = 0.0008  # the top is what so much of the footprint reaches: a lump's peak is not averaged away, one vertex is no peak
 SPECK = 0.3  # of the least area: smaller regions are noise, not candidates
-FOOT_SHARE = 0.25  # of the height, where the footprint ends
+FOOT_SHARE, CORE_SHARE = 0.25, 0.5  # of the height, where the footprint and its core end
 SADDLE_STEP = 1.2  # from one level at which a saddle is looked for to the next
 RING_GAP_M = 0.04  # the ring of hull begins so far from the footprint, beyond what edges blur
+RING_WIDTH, RING_WIDTHS_M = 0.75, (0.12, 0.35)  # of the root of the footprint's area, within these limits
 MIN_RING = 10  # vertices; fewer do not say where the hull around lies
 
 
 @dataclass(frozen=True, kw_only=True)
 class Region:
     """One structure. side +1 raised, -1 sunken; foot, core, ring: vertices of the footprint, of its part above half height, and
-    of the hull around it; level m, the hull around it; height m above that, signed; bluntness m, how much lower it is where
-    three times as much of the footprint reaches."""
+    of the hull around it; hull: that beneath it; height m above that, signed; bluntness m, how much lower it is where three
+    times as much of the footprint reaches."""
 
     side: float
     foot: Ints
     core: Ints
     ring: Ints
-    level: float
+    hull: HullAround
     height: float
     bluntness: float
+
+    def rise(self, found: HullAsFound, vertices: Ints) -> Array:
+        """Return how far vertices (n,) of the hull as found stand off the hull around the structure, m, its side positive."""
+        return self.rise_of(found.base.vertices[vertices], found.deviation[vertices])
+
+    def rise_of(self, feet: Array, offset: Array) -> Array:
+        """Return the same of points, by their feet (n, 3) on the base and their offsets (n,) m from it."""
+        return self.side * (offset - self.hull.offset(feet))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,33 +109,26 @@ def _is_peak(relief: _Relief, rows: Ints, side: float, level: float) -> bool:
 def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region | None:
     """Return the region, None where no hull was measured around it to count from. foreign: its neighbours' vertices."""
     found, area, base = relief.found, relief.area, relief.found.base.vertices
-    width = float(np.clip(0.5 * np.sqrt(area[seed].sum()), 0.08, 0.25))
+    width = float(np.clip(RING_WIDTH * np.sqrt(area[seed].sum()), *RING_WIDTHS_M))
     near = relief.around.ball(base[seed], RING_GAP_M + width)
     distance = nearest(base[seed], base[near], 1)[0][:, 0]
     ring = near[(distance > RING_GAP_M) & (distance < RING_GAP_M + width) & found.measured[near] & ~relief.off[near]]
     if len(ring) < MIN_RING:
         return None
-    level = weighted_quantile(found.height[ring], area[ring], 0.5)
-    above = side * (found.height - level)
-    height, shoulder = (_height_of_top(above[seed], area[seed], top) for top in (TOP_M2, 3 * TOP_M2))
+    normal = np.average(found.normal[seed], axis=0, weights=np.maximum(area[seed], 1e-12))
+    # Structures may rise gently: the farther from where it stands off, the more a vertex is hull
+    clear = (distance[np.isin(near, ring)] - RING_GAP_M) / width
+    hull = fit_hull_around(base[ring], found.deviation[ring], area[ring] * clear**2, normal)
+    above = side * (found.deviation[near] - hull.offset(base[near]))
+    within = np.isin(near, seed)
+    height, shoulder = (_height_of_top(above[within], area[near[within]], top) for top in (TOP_M2, 3 * TOP_M2))
     own = (distance <= relief.options.cluster_reach_m) & found.measured[near] & ~np.isin(near, foreign)
-    foot = near[own & (above[near] >= FOOT_SHARE * height)]
-    core = foot[above[foot] >= 0.5 * height]
-    return (
-        Region(side=side, foot=foot, core=core, ring=ring, level=level, height=side * height, bluntness=height - shoulder)
-        if len(core)
-        else None
-    )
+    foot, core = (near[own & (above >= share * height)] for share in (FOOT_SHARE, CORE_SHARE))
+    if not len(core):
+        return None
+    return Region(side=side, foot=foot, core=core, ring=ring, hull=hull, height=side * height, bluntness=height - shoulder)
 
 
 def _height_of_top(height: Array, area: Array, top_m2: float) -> float:
     """Return the height that so much of the area reaches, half of it at most."""
     return weighted_quantile(height, area, 1 - min(0.5, top_m2 / area.sum()))
-
-
-def weighted_quantile(values: Array, weight: Array, share: float) -> float:
-    """Return the value below which that share of the weight lies."""
-    order = np.argsort(values, kind="stable")
-    total = np.cumsum(weight[order])
-    at = np.searchsorted(total, share * total[-1])
-    return float(values[order][min(int(at), len(values) - 1)])

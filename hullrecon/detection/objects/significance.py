@@ -19,12 +19,11 @@ def roughness(found: HullAsFound) -> float:
 
 
 def height_sigma(found: HullAsFound, region: Region) -> float:
-    """Return one sigma of a region's height: of a vertex at its top and of the ring's level. Neighbouring vertices share
-    landmarks, so
-    the top counts as one vertex and the ring as one for each of its eight sides at most."""
+    """Return one sigma of a region's height: of a vertex at its top and of the hull beneath it. Neighbouring vertices share
+    landmarks, so the top counts as one vertex."""
     top = float(np.median(found.sigma[region.core]))
-    level = robust_sigma(found.height[region.ring]) / np.sqrt(min(8, len(region.ring)))
-    return float(np.hypot(top, level))
+    hull = float(np.median(region.hull.sigma(found.base.vertices[region.core])))
+    return float(np.hypot(top, hull))
 
 
 def relief_left(over_m: Array, sigma_m: Array) -> float:

@@ -42,7 +42,7 @@ def measure_size(
     longer, hidden = hidden_extent(found, region, open_edge, normal, chart), UNIFORM * float(area[open_edge.beyond].sum())
     edge = float(np.sqrt(2) * EDGE_SIGMA_M)  # of two opposite edges, each on its own
     edge_area = SHARED_EDGE * 2 * float(np.sqrt(np.pi * size)) * EDGE_SIGMA_M
-    volume = float(((found.height[foot] - region.level) * area[foot]).sum())
+    volume = region.side * float((region.rise(found, foot) * area[foot]).sum())
     volume_sigma = np.linalg.norm([size * height_sigma, 0.6 * region.height * edge_area, hidden * open_edge.height])
     return ObjectSize(
         extent=[round(float(v), 5) for v in extent],
