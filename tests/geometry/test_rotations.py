@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.rotations import cross_matrix, roll_pitch_yaw
+from hullrecon.geometry.rotations import cross, cross_matrix, roll_pitch_yaw
 
 
 def test_a_cross_matrix_multiplies_as_the_cross_product_does_in_any_batch() -> None:
@@ -11,6 +11,13 @@ def test_a_cross_matrix_multiplies_as_the_cross_product_does_in_any_batch() -> N
     v, w = rng.normal(size=(2, 4, 5, 3))
     np.testing.assert_allclose(np.einsum("...ij,...j->...i", cross_matrix(v), w), np.cross(v, w), atol=1e-15)
     np.testing.assert_allclose(cross_matrix(v[0, 0]) @ w[0, 0], np.cross(v[0, 0], w[0, 0]), atol=1e-15)
+
+
+def test_the_cross_product_is_that_of_numpy_in_any_batch() -> None:
+    v, w = np.random.default_rng(1).normal(size=(2, 4, 5, 3))
+    np.testing.assert_array_equal(cross(v, w), np.cross(v, w))
+    np.testing.assert_array_equal(cross(v[:, :1], w), np.cross(v[:, :1], w))
+    np.testing.assert_array_equal(cross(v[0, 0], w[0, 0]), np.cross(v[0, 0], w[0, 0]))
 
 
 def test_a_cross_matrix_is_skew() -> None:

@@ -122,7 +122,7 @@ def test_the_derivatives_are_those_of_numeric_differences():
     bottom = TOP_FROM_BOTTOM.inverse().matrix()[0]
     points = wall()
     at = lambda motion, x: stereo_adjustment._linearise(motion, x, first, second, bottom)  # noqa: E731
-    _, by_point, by_motion, _ = at(MOTION, points)
+    _, by_point, by_motion = at(MOTION, points)
     for k in range(6):
         step = 1e-6 * np.eye(6)[k]
         ahead, behind = (at(stereo_adjustment._apply_step(MOTION, s), points)[0] for s in (step, -step))

@@ -36,7 +36,7 @@ class HullAround:
     def sigma(self, points: Array) -> Array:
         """Return one sigma (n,) m of that."""
         terms = self._terms(points)
-        return np.sqrt(np.einsum("ni,ij,nj->n", terms, self.covariance, terms))
+        return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", terms, self.covariance, terms)))
 
     def _terms(self, points: Array) -> Array:
         return _terms((points - self.middle) @ self.axes.T)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.geometry.rotations import cross, cross_matrix
 from hullrecon.typing import Array
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.stereo_adjustment import correlation_inflation
@@ -112,7 +112,7 @@ def noise_share(motion: Array, first: Array, second: Array) -> Array:
     turned, basis = a @ motion[:3, :3].T, tangent_basis(motion[:3, 3])
     by_first = basis.T @ cross_matrix(b) @ motion[:3, :2]
     by_second = (basis.T @ cross_matrix(turned))[:, :, :2]
-    both = np.concatenate([by_first, by_second], axis=2) / _line_length(motion, a, b)[:, None, None]
+    both = np.concatenate([by_first, by_second], axis=2) / _line_length(*_epipolar_lines(motion, a, b))[:, None, None]
     return np.asarray(both @ both.swapaxes(1, 2))
 
 
@@ -142,27 +142,30 @@ def _without_direction(information: Array) -> Array:
 def tangent_basis(direction: Array) -> Array:
     """Return two unit vectors (3, 2) across a unit vector (3,) and across each other."""
     helper = np.eye(3)[int(np.argmin(np.abs(direction)))]
-    u = np.cross(direction, helper)
+    u = cross(direction, helper)
     u /= np.linalg.norm(u)
-    return np.stack([u, np.cross(direction, u)], axis=1)
+    return np.stack([u, cross(direction, u)], axis=1)
 
 
 def linearise(motion: Array, first: Array, second: Array) -> tuple[Array, Array]:
     """Return signed Sampson distances (n,) and their derivatives (n, 5), the distance's own denominator held."""
-    essential = essential_of(motion)
     a, b = (np.hstack([xy, np.ones((len(xy), 1))]) for xy in (first, second))
-    line_second, line_first = a @ essential.T, b @ essential
-    scale = _line_length(motion, a, b)
-    by_turn = np.cross(a, line_first)  # x2' E [w]x x1 = w . (x1 x E' x2)
-    by_direction = np.cross(a @ motion[:3, :3].T, b) @ tangent_basis(motion[:3, 3])  # x2 . (d x R x1) = d . (R x1 x x2)
+    line_second, line_first = _epipolar_lines(motion, a, b)
+    scale = _line_length(line_second, line_first)
+    by_turn = cross(a, line_first)  # x2' E [w]x x1 = w . (x1 x E' x2)
+    by_direction = cross(a @ motion[:3, :3].T, b) @ tangent_basis(motion[:3, 3])  # x2 . (d x R x1) = d . (R x1 x x2)
     residual = (b * line_second).sum(axis=1) / scale
     return residual, np.hstack([by_turn, by_direction]) / scale[:, None]
 
 
-def _line_length(motion: Array, a: Array, b: Array) -> Array:
-    """Return the (n,) length of both epipolar lines' normals together, the denominator of the Sampson distance."""
+def _epipolar_lines(motion: Array, a: Array, b: Array) -> tuple[Array, Array]:
+    """Return the epipolar lines (n, 3) of the points a (n, 3) in the second image, and of b (n, 3) in the first."""
     essential = essential_of(motion)
-    line_second, line_first = a @ essential.T, b @ essential
+    return a @ essential.T, b @ essential
+
+
+def _line_length(line_second: Array, line_first: Array) -> Array:
+    """Return the (n,) length of both epipolar lines' normals together, the denominator of the Sampson distance."""
     squared = (line_second[:, :2] ** 2).sum(axis=1) + (line_first[:, :2] ** 2).sum(axis=1)
     return np.asarray(np.sqrt(np.maximum(squared, 1e-18)))
 

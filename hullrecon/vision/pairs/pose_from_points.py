@@ -7,13 +7,13 @@ Residuals live in ideal coordinates; tolerances arrive divided by the focal leng
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.rigid_fit import fit_rigid
-from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.geometry.rotations import cross
 from hullrecon.typing import Array, Mask
 
 BLOCK = 128  # hypotheses at a time
@@ -60,7 +60,8 @@ def ransac(
 
 def _share(motion: Array, views: list[ObservedPoints], tolerance: float) -> float:
     seen = sum(int(np.isfinite(s.xy[:, 0]).sum()) for s in views)
-    return sum(int(m.sum()) for m in _inliers(motion, views, tolerance)) / max(seen, 1)
+    good = sum(int((squared_errors(motion[None], s)[0][np.isfinite(s.xy[:, 0])] < tolerance**2).sum()) for s in views)
+    return good / max(seen, 1)
 
 
 def _trials(share: float) -> float:
@@ -74,8 +75,8 @@ def squared_errors(motions: Array, view: ObservedPoints) -> Array:
     total = view.camera_from_node @ way
     moved = view.points @ total[:, :3, :3].swapaxes(1, 2) + total[:, None, :3, 3]
     ahead = moved[..., 2] > 1e-6
-    gap = moved[..., :2] / np.where(ahead, moved[..., 2], 1.0)[..., None] - view.xy
-    squared = np.where(ahead, (gap * gap).sum(axis=-1), np.inf)
+    across, down = (moved[..., k] / np.where(ahead, moved[..., 2], 1.0) - view.xy[:, k] for k in range(2))
+    squared = np.where(ahead, across * across + down * down, np.inf)
     return np.where(np.isnan(view.xy[:, 0]), 0.0, squared)
 
 
@@ -86,24 +87,85 @@ def refine(motion: Array, views: list[ObservedPoints], tolerance: float, iterati
     Inliers are chosen again in the first half of the iterations, then held. The covariance takes its scale from the residuals.
     """
     damping = 1e-6  # not geometry.pose_solver: a change of the inliers changes the cost, by which that would refuse the step
-    masks = _inliers(motion, views, tolerance)
+    seen = _stack(views)
+    rows = seen.take(_inlier_rows(motion, seen, tolerance))
+    normal, gradient, cost = _normal(motion, rows)
     for k in range(iterations):
-        if k < iterations // 2:
-            masks = _inliers(motion, views, tolerance)
-        normal, gradient, cost = _normal(motion, views, masks)
+        if 0 < k < iterations // 2:
+            rows = seen.take(_inlier_rows(motion, seen, tolerance))
+            normal, gradient, cost = _normal(motion, rows)
         step = -np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-12), gradient)
         trial = _apply_step(motion, np.asarray(step))
-        better = _normal(trial, views, masks)[2] <= cost
-        motion, damping = (trial, damping * 0.1) if better else (motion, damping * 100)
+        after = _normal(trial, rows)
+        better = after[2] <= cost
+        if better:
+            motion, (normal, gradient, cost) = trial, after
+        damping *= 0.1 if better else 100
         if better and np.abs(step).max() < 1e-9:
             break
-    normal, _, cost = _normal(motion, views, masks)
-    freedom = max(1, 2 * int(sum(m.sum() for m in masks)) - 6)
+    freedom = max(1, 2 * len(rows.points) - 6)
     return motion, np.asarray(np.linalg.pinv(normal, hermitian=True) * (cost / freedom))
 
 
-def _inliers(motion: Array, views: list[ObservedPoints], tolerance: float) -> list[Mask]:
-    return [(squared_errors(motion[None], s)[0] < tolerance**2) & np.isfinite(s.xy[:, 0]) for s in views]
+@dataclass(frozen=True, kw_only=True)
+class _Rows:
+    """What several views saw, one row an observation, those of views that carry points forward first: points (m, 3), xy (m, 2),
+    turn (m, 3, 3) and shift (m, 3) of the camera from its node, by_depth (m, 3): the points' error along their rays for a unit
+    of error in the image, backward (m,)."""
+
+    points: Array
+    xy: Array
+    turn: Array
+    shift: Array
+    by_depth: Array
+    backward: Mask
+
+    def take(self, which: Mask) -> _Rows:
+        return _Rows(**{f.name: getattr(self, f.name)[which] for f in fields(self)})
+
+    def carry(self, motion: Array) -> Array:
+        """Return the points (m, 3) in the nodes that saw them."""
+        rotation, translation, split = motion[:3, :3], motion[:3, 3], self.split
+        return np.concatenate([self.points[:split] @ rotation.T + translation, (self.points[split:] - translation) @ rotation])
+
+    @property
+    def split(self) -> int:
+        """The first row of a view that carries points backward."""
+        return int(len(self.backward) - self.backward.sum())
+
+
+def _stack(views: list[ObservedPoints]) -> _Rows:
+    """Return what the views saw as rows.
+
+    A triangulated depth is off by z^2 sqrt(2) / b for each unit of error in the image; unweighted, that bends wide pairs.
+    """
+    parts = []
+    for view in sorted(views, key=lambda view: view.backward):
+        points, xy = (values[np.isfinite(view.xy[:, 0])] for values in (view.points, view.xy))
+        parts.append(
+            _Rows(
+                points=points,
+                xy=xy,
+                turn=np.broadcast_to(view.camera_from_node[:3, :3], (len(points), 3, 3)),
+                shift=np.broadcast_to(view.camera_from_node[:3, 3], (len(points), 3)),
+                by_depth=points * (np.sqrt(2) / view.baseline_m * points[:, 2:]),
+                backward=np.full(len(points), view.backward),
+            )
+        )
+    return _Rows(**{f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(_Rows)})
+
+
+def _inlier_rows(motion: Array, rows: _Rows, tolerance: float) -> Mask:
+    image, depth = _project(rows.carry(motion), rows)
+    gap = image - rows.xy
+    return np.asarray(((gap * gap).sum(axis=1) < tolerance**2) & np.isfinite(depth))
+
+
+def _project(moved: Array, rows: _Rows) -> tuple[Array, Array]:
+    """Return where the cameras see points (m, 3) of their nodes (m, 2), and their depths (m,), inf behind the camera."""
+    seen = np.einsum("nij,nj->ni", rows.turn, moved) + rows.shift
+    depth = np.where(seen[:, 2] > 1e-6, seen[:, 2], np.inf)
+    return seen[:, :2] / depth[:, None], depth
 
 
 def _apply_step(motion: Array, step: Array) -> Array:
@@ -113,51 +175,40 @@ def _apply_step(motion: Array, step: Array) -> Array:
     return out
 
 
-def _normal(motion: Array, views: list[ObservedPoints], masks: list[Mask]) -> tuple[Array, Array, float]:
+def _normal(motion: Array, rows: _Rows) -> tuple[Array, Array, float]:
     """Return normal matrix (6, 6), gradient (6,) and summed squared error."""
-    normal, gradient, cost = np.zeros((6, 6)), np.zeros(6), 0.0
-    for view, mask in zip(views, masks, strict=True):
-        residual, jacobian = _linearise(motion, view, mask)
-        flat = jacobian.reshape(-1, 6)
-        normal += flat.T @ flat
-        gradient += flat.T @ residual.ravel()
-        cost += float((residual * residual).sum())
-    return normal, gradient, cost
+    residual, jacobian = _linearise(motion, rows)
+    flat, left = jacobian.reshape(-1, 6), residual.ravel()
+    return np.asarray(flat.T @ flat), np.asarray(flat.T @ left), float(left @ left)
 
 
-def _linearise(motion: Array, view: ObservedPoints, mask: Mask) -> tuple[Array, Array]:
-    """Return whitened residuals (n, 2) and Jacobian (n, 2, 6) of the masked rows."""
-    rotation, translation = motion[:3, :3], motion[:3, 3]
-    points = view.points[mask]
-    if view.backward:
-        moved = (points - translation) @ rotation  # R^T (X - t): by t it is -R^T, by w on the right it is [Y]x
-        by_t, by_w = np.broadcast_to(-rotation.T, (len(points), 3, 3)), cross_matrix(moved)
-    else:
-        moved = points @ rotation.T + translation
-        by_t, by_w = np.broadcast_to(np.eye(3), (len(points), 3, 3)), -rotation @ cross_matrix(points)
-    turn = view.camera_from_node[:3, :3]
-    seen = moved @ turn.T + view.camera_from_node[:3, 3]
-    z = np.where(seen[:, 2] > 1e-6, seen[:, 2], np.inf)
-    image = seen[:, :2] / z[:, None]
-    by_point = np.zeros((len(points), 2, 3))
-    by_point[:, 0, 0] = by_point[:, 1, 1] = 1 / z
-    by_point[:, :, 2] = -image / z[:, None]
-    by_moved = by_point @ turn
-    whiten = _whitening(by_moved, rotation.T if view.backward else rotation, points, view.baseline_m)
-    residual = np.einsum("nij,nj->ni", whiten, image - view.xy[mask])
-    return residual, whiten @ by_moved @ np.concatenate([by_t, by_w], axis=2)
+def _linearise(motion: Array, rows: _Rows) -> tuple[Array, Array]:
+    """Return whitened residuals (m, 2) and Jacobian (m, 2, 6).
 
-
-def _whitening(by_moved: Array, rotation: Array, points: Array, baseline_m: float) -> Array:
-    """Return (n, 2, 2): inverse root of I + u u^T: a pixel's own error, and u, that of the point's depth as seen in the image.
-
-    A triangulated depth is off by z^2 sqrt(2) / b for each unit of error in the image; unweighted, that bends wide pairs.
+    By t the image moves as by the point carried forward, by -R^T of it backward; by w on the right as p x b R forward, b x Y
+    backward, where b (2, 3) is the derivative by the point carried, p the point and Y = R^T (p - t).
     """
-    along = points / points[:, 2:] @ rotation.T * (np.sqrt(2) / baseline_m * points[:, 2:] ** 2)
-    u = np.einsum("nij,nj->ni", by_moved, along)
+    rotation, split = motion[:3, :3], rows.split
+    moved = rows.carry(motion)
+    image, depth = _project(moved, rows)
+    by_moved = (rows.turn[:, :2] - image[:, :, None] * rows.turn[:, 2:]) / depth[:, None, None]
+    by_point = np.concatenate([by_moved[:split] @ rotation, by_moved[split:] @ rotation.T])
+    jacobian = np.empty((len(moved), 2, 6))
+    jacobian[:split, :, :3], jacobian[split:, :, :3] = by_moved[:split], -by_point[split:]
+    jacobian[:split, :, 3:] = cross(rows.points[:split, None], by_point[:split])
+    jacobian[split:, :, 3:] = cross(by_moved[split:], moved[split:, None])
+    by_depth = np.einsum("nij,nj->ni", by_point, rows.by_depth)
+    residual = image - rows.xy
+    return _whiten(residual[:, :, None], by_depth)[:, :, 0], _whiten(jacobian, by_depth)
+
+
+def _whiten(values: Array, u: Array) -> Array:
+    """Return values (n, 2, k) times the inverse root of I + u u^T: a pixel's own error, and u (n, 2), that of the point's depth
+    as seen in the image."""
     square = np.maximum((u * u).sum(axis=1), 1e-12)
     shrink = (1 - 1 / np.sqrt(1 + square)) / square
-    return np.asarray(np.eye(2) - shrink[:, None, None] * u[:, :, None] * u[:, None, :])
+    along = np.einsum("ni,nik->nk", u, values) * shrink[:, None]
+    return np.asarray(values - u[:, :, None] * along[:, None, :])
 
 
 def hide_unknown_points(view: ObservedPoints) -> ObservedPoints:

@@ -9,12 +9,12 @@ motion. Counted as eight, as if triangulated points were known, the covariance i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.geometry.rotations import cross
 from hullrecon.typing import Array, Ints, Mask
 
 ITERATIONS = 3
@@ -91,16 +91,29 @@ def adjust_stereo_motion(
     return AdjustedMotion(
         second_from_first=motion,
         covariance=covariance,
-        calibration=_calibration_evidence(system, good, inverse, variance * inflation),
+        calibration=_calibration_evidence(
+            system[good],
+            _linearise_calibration(motion, points, first, second, bottom_from_top)[good],
+            inverse,
+            variance * inflation,
+        ),
     )
 
 
-def _calibration_evidence(system: _ReducedSystem, good: Mask, inverse: Array, variance: float) -> CalibrationEvidence:
-    cross = system.by_calibration[good].sum(axis=0)
+def _calibration_evidence(
+    system: _ReducedSystem, by_calibration: Array, inverse: Array, variance: float
+) -> CalibrationEvidence:
+    """Return what m features say of the calibration; by_calibration (m, 8, 12): derivative of their residuals by it."""
+    turned = by_calibration.swapaxes(1, 2)
+    of_point = turned @ system.by_point
+    carried = of_point @ system.point_inverse
+    with_motion = (turned @ system.by_motion - carried @ system.point_by_motion.swapaxes(1, 2)).sum(axis=0).T
+    own = (turned @ by_calibration - carried @ of_point.swapaxes(1, 2)).sum(axis=0)
+    gradient = np.einsum("mri,mr->i", by_calibration, system.residual) - np.einsum("mij,mj->i", carried, system.point_gradient)
     return CalibrationEvidence(
-        by_calibration=-inverse @ cross,
-        information=(system.calibration_information[good].sum(axis=0) - cross.T @ inverse @ cross) / variance,
-        gradient=(system.calibration_gradient[good] - system.gradient[good] @ inverse @ cross).sum(axis=0) / variance,
+        by_calibration=-inverse @ with_motion,
+        information=(own - with_motion.T @ inverse @ with_motion) / variance,
+        gradient=(gradient - system.gradient.sum(axis=0) @ inverse @ with_motion) / variance,
     )
 
 
@@ -138,20 +151,23 @@ def image_cells(xy: Array, size: float) -> Ints:
 
 @dataclass(frozen=True, kw_only=True)
 class _ReducedSystem:
-    """Of m features, their points eliminated: information (m, 6, 6), gradient (m, 6), by_calibration (m, 6, 12) between motion
-    and calibration, calibration_information (m, 12, 12), calibration_gradient (m, 12); cost (m,), the sum of squares at the
-    best points; freedom (m,); what brings the points along with a step of the motion."""
+    """Of m features, their points eliminated: information (m, 6, 6), gradient (m, 6); cost (m,), the sum of squares at the best
+    points; freedom (m,); what brings the points along with a step of the motion; and what was reduced: residual (m, 8) with its
+    derivatives by the point (m, 8, 3) and the motion (m, 8, 6)."""
 
     information: Array
     gradient: Array
-    by_calibration: Array
-    calibration_information: Array
-    calibration_gradient: Array
     cost: Array
     freedom: Ints
     point_inverse: Array
     point_gradient: Array
     point_by_motion: Array
+    residual: Array
+    by_point: Array
+    by_motion: Array
+
+    def __getitem__(self, rows: Mask) -> _ReducedSystem:
+        return _ReducedSystem(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
 
     def point_step(self, step: Array) -> Array:
         """Return how far the points (m, 3) move when the motion does by (6,)."""
@@ -162,68 +178,84 @@ class _ReducedSystem:
 def _reduce(
     motion: Array, points: Array, first: NodeObservations, second: NodeObservations, bottom_from_top: Array
 ) -> _ReducedSystem:
-    residual, by_point, by_motion, by_calibration = _linearise(motion, points, first, second, bottom_from_top)
-    turned = by_point.swapaxes(1, 2)
-    own = turned @ by_point
+    residual, by_point, by_motion = _linearise(motion, points, first, second, bottom_from_top)
+    own = by_point.swapaxes(1, 2) @ by_point
     inverse = np.linalg.inv(own + POINT_DAMPING * np.trace(own, axis1=1, axis2=2)[:, None, None] * np.eye(3))
     gradient = np.einsum("mri,mr->mi", by_point, residual)
-    cross = by_motion.swapaxes(1, 2) @ by_point
-    carried = cross @ inverse
-    of_calibration = turned @ by_calibration
+    there = by_motion[:, 4:]  # the first node's residuals do not move
+    of_motion = there.swapaxes(1, 2) @ by_point[:, 4:]
+    carried = of_motion @ inverse
     return _ReducedSystem(
-        information=by_motion.swapaxes(1, 2) @ by_motion - carried @ cross.swapaxes(1, 2),
-        gradient=np.einsum("mri,mr->mi", by_motion, residual) - np.einsum("mij,mj->mi", carried, gradient),
-        by_calibration=by_motion.swapaxes(1, 2) @ by_calibration - carried @ of_calibration,
-        calibration_information=by_calibration.swapaxes(1, 2) @ by_calibration
-        - of_calibration.swapaxes(1, 2) @ inverse @ of_calibration,
-        calibration_gradient=np.einsum("mri,mr->mi", by_calibration, residual)
-        - np.einsum("mji,mjk,mk->mi", of_calibration, inverse, gradient),
+        information=there.swapaxes(1, 2) @ there - carried @ of_motion.swapaxes(1, 2),
+        gradient=np.einsum("mri,mr->mi", there, residual[:, 4:]) - np.einsum("mij,mj->mi", carried, gradient),
         cost=(residual**2).sum(axis=1) - np.einsum("mi,mij,mj->m", gradient, inverse, gradient),
         freedom=np.asarray((by_point != 0).any(axis=2).sum(axis=1) - 3),
         point_inverse=inverse,
         point_gradient=gradient,
-        point_by_motion=cross,
+        point_by_motion=of_motion,
+        residual=residual,
+        by_point=by_point,
+        by_motion=by_motion,
     )
 
 
 def _linearise(
     motion: Array, points: Array, first: NodeObservations, second: NodeObservations, bottom_from_top: Array
-) -> tuple[Array, Array, Array, Array]:
-    """Return residuals (m, 8) and their derivatives by the points (m, 8, 3), the motion (m, 8, 6) and the calibration
-    (m, 8, 12); rows that were not seen are zero."""
+) -> tuple[Array, Array, Array]:
+    """Return residuals (m, 8) and their derivatives by the points (m, 8, 3) and the motion (m, 8, 6); rows that were not seen
+    are zero."""
     count, turn = len(points), motion[:3, :3]
-    there = points @ turn.T + motion[:3, 3]
-    residual, by_point = np.zeros((count, 4, 2)), np.zeros((count, 4, 2, 3))
-    by_motion, by_calibration = np.zeros((count, 4, 2, 6)), np.zeros((count, 4, 2, RIG + DISPARITY))
-    views = (
-        (points, np.eye(4), first.lead), (points, bottom_from_top, first.other),
-        (there, np.eye(4), second.lead), (there, bottom_from_top, second.other),
-    )  # fmt: skip
-    for k, (seen_from_lead, camera, xy) in enumerate(views):
-        seen = seen_from_lead @ camera[:3, :3].T + camera[:3, 3]
-        depth = np.where(seen[:, 2] > 1e-6, seen[:, 2], np.nan)
-        image = seen[:, :2] / depth[:, None]
-        by_seen = np.zeros((count, 2, 3))
-        by_seen[:, 0, 0] = by_seen[:, 1, 1] = 1 / depth
-        by_seen[:, :, 2] = -image / depth[:, None]
-        by_lead = by_seen @ camera[:3, :3]
+    residual, by_point = np.empty((count, 4, 2)), np.empty((count, 4, 2, 3))
+    by_motion = np.zeros((count, 4, 2, 6))
+    for k, (seen_from_lead, camera, xy) in enumerate(_views(motion, points, first, second, bottom_from_top)):
+        image, by_lead = _project(seen_from_lead, camera)
         residual[:, k] = image - xy
         by_point[:, k] = by_lead if k < 2 else by_lead @ turn
         if k >= 2:
             by_motion[:, k, :, :3] = by_lead
-            by_motion[:, k, :, 3:] = -by_lead @ (turn @ cross_matrix(points))
-        if k % 2:
-            by_calibration[:, k, :, :3] = -by_lead
-            by_calibration[:, k, :, 3:RIG] = by_lead @ cross_matrix(seen_from_lead + camera[:3, :3].T @ camera[:3, 3])
-            along = np.einsum("mij,mj->mi", by_lead, seen_from_lead)  # where a point goes that is nearer or farther
-            along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
-            by_calibration[:, k, :, RIG:] = along[:, :, None] * _disparity_field(views[k - 1][2])[:, None]
+            by_motion[:, k, :, 3:] = cross(points[:, None], by_point[:, k])
     hidden = ~np.isfinite(residual)
-    residual[hidden] = 0
-    for derivative in (by_point, by_motion, by_calibration):
-        derivative[hidden] = 0
-    return (residual.reshape(count, 8), by_point.reshape(count, 8, 3), by_motion.reshape(count, 8, 6),
-            by_calibration.reshape(count, 8, RIG + DISPARITY))  # fmt: skip
+    residual[hidden], by_point[hidden], by_motion[hidden] = 0, 0, 0
+    return residual.reshape(count, 8), by_point.reshape(count, 8, 3), by_motion.reshape(count, 8, 6)
+
+
+def _linearise_calibration(
+    motion: Array, points: Array, first: NodeObservations, second: NodeObservations, bottom_from_top: Array
+) -> Array:
+    """Return the derivative (m, 8, 12) of the residuals by the calibration; rows that were not seen are zero."""
+    count = len(points)
+    out = np.zeros((count, 4, 2, RIG + DISPARITY))
+    views = _views(motion, points, first, second, bottom_from_top)
+    for k in (1, 3):
+        seen_from_lead, camera, xy = views[k]
+        image, by_lead = _project(seen_from_lead, camera)
+        out[:, k, :, :3] = -by_lead
+        out[:, k, :, 3:RIG] = cross(by_lead, (seen_from_lead + camera[:3, :3].T @ camera[:3, 3])[:, None])
+        along = np.einsum("mij,mj->mi", by_lead, seen_from_lead)  # where a point goes that is nearer or farther
+        along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
+        out[:, k, :, RIG:] = along[:, :, None] * _disparity_field(views[k - 1][2])[:, None]
+        out[:, k][~np.isfinite(image - xy)] = 0
+    return out.reshape(count, 8, RIG + DISPARITY)
+
+
+def _views(
+    motion: Array, points: Array, first: NodeObservations, second: NodeObservations, bottom_from_top: Array
+) -> tuple[tuple[Array, Array, Array], ...]:
+    """Return of each camera of each node: the points in the node's leading one, its pose from that, what it saw."""
+    there = points @ motion[:3, :3].T + motion[:3, 3]
+    return (
+        (points, np.eye(4), first.lead), (points, bottom_from_top, first.other),
+        (there, np.eye(4), second.lead), (there, bottom_from_top, second.other),
+    )  # fmt: skip
+
+
+def _project(seen_from_lead: Array, camera: Array) -> tuple[Array, Array]:
+    """Return the image (m, 2) of points (m, 3) of the leading camera in another, NaN behind it, with its derivative."""
+    turn = camera[:3, :3]
+    seen = seen_from_lead @ turn.T + camera[:3, 3]
+    depth = np.where(seen[:, 2] > 1e-6, seen[:, 2], np.nan)
+    image = seen[:, :2] / depth[:, None]
+    return image, (turn[:2] - image[:, :, None] * turn[2]) / depth[:, None, None]
 
 
 def _disparity_field(xy: Array) -> Array:
