@@ -52,6 +52,10 @@ class HullAsFound:
         """(n,) m from the base, outward positive."""
         return self.hull + self.height
 
+    def deviation_at(self, vertices: Ints) -> Array:
+        """Return the same of some vertices (n,)."""
+        return np.asarray(self.hull[vertices] + self.height[vertices])
+
 
 def estimate_hull_as_found(
     base: Mesh, measured: SurfaceLandmarks, background: Background, views: CameraViews, options: DetectOptions

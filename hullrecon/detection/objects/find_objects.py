@@ -98,7 +98,7 @@ class _Landmarks:
         over the surface there (n,), and its own sigma (n,), m."""
         rows, vertex = self.at(found, vertices)
         stands = self.stand(found, region, rows, vertex)
-        return stands, self.measured.offset[rows] - found.deviation[vertex], self.measured.sigma[rows]
+        return stands, self.measured.offset[rows] - found.deviation_at(vertex), self.measured.sigma[rows]
 
     def stand(self, found: HullAsFound, region: Region, rows: Ints, vertex: Ints) -> Mask:
         """Return whether these landmarks, each on its vertex (n,), stand off the hull as the region does there (n,)."""
@@ -261,7 +261,7 @@ def _object(
     foot, core = region.foot, region.core
     normal = np.average(found.normal[core], axis=0, weights=np.maximum(area[core], 1e-12))
     normal /= np.linalg.norm(normal)
-    deviation = region.side * weighted_quantile(region.side * found.deviation[core], area[core], 0.98)
+    deviation = region.side * weighted_quantile(region.side * found.deviation_at(core), area[core], 0.98)
     open_edge = find_open_edge(found, region, area, around)
     size = measure_size(found, region, open_edge, area, evidence.sigma, normal, base.chart)
     middle_sigma = np.hypot(

@@ -43,7 +43,7 @@ class Region:
 
     def rise(self, found: HullAsFound, vertices: Ints) -> Array:
         """Return how far vertices (n,) of the hull as found stand off the hull around the structure, m, its side positive."""
-        return self.rise_of(found.base.vertices[vertices], found.deviation[vertices])
+        return self.rise_of(found.base.vertices[vertices], found.deviation_at(vertices))
 
     def rise_of(self, feet: Array, offset: Array) -> Array:
         """Return the same of points, by their feet (n, 3) on the base and their offsets (n,) m from it."""
@@ -118,8 +118,8 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
     normal = np.average(found.normal[seed], axis=0, weights=np.maximum(area[seed], 1e-12))
     # Structures may rise gently: the farther from where it stands off, the more a vertex is hull
     clear = (distance[np.isin(near, ring)] - RING_GAP_M) / width
-    hull = fit_hull_around(base[ring], found.deviation[ring], area[ring] * clear**2, normal)
-    above = side * (found.deviation[near] - hull.offset(base[near]))
+    hull = fit_hull_around(base[ring], found.deviation_at(ring), area[ring] * clear**2, normal)
+    above = side * (found.deviation_at(near) - hull.offset(base[near]))
     within = np.isin(near, seed)
     height, shoulder = (_height_of_top(above[within], area[near[within]], top) for top in (TOP_M2, 3 * TOP_M2))
     own = (distance <= relief.options.cluster_reach_m) & found.measured[near] & ~np.isin(near, foreign)
