@@ -21,7 +21,7 @@ from hullrecon.native import MeshIndex
 ALONG = np.array([1.0, 0.0, 0.0])
 
 
-def profiled(fullness, span=(2.0, 11.0), sigma=0.02):
+def profiled(fullness, span=(2.0, 11.0), sigma=0.02, start_off_m=0.0):
     mesh = side(fullness)
     points = thin_points(TRUTH.apply(survey(mesh, np.random.default_rng(4), span)), 0.3, 600)
     model = cad_model(mesh, TRUTH, 0 * ERROR)
@@ -31,7 +31,8 @@ def profiled(fullness, span=(2.0, 11.0), sigma=0.02):
     known = cad_error.CadError(sigma=sigma, length=model.deviation_length, noise=0.01, offset=0.0)
     factor = cho_factor(cad_error.distance_covariance(known, model, TRUTH.inverse().apply(points)), lower=True)
     cost = HullPoseCost(points=points, cad_model=model, center=center, index=index, factor=factor)
-    return profile(Valley(cost=cost, direction=ALONG), TRUTH, reach=3.0), center
+    start = perturb_pose(TRUTH, center, np.r_[start_off_m, 0, 0, 0, 0, 0])
+    return profile(Valley(cost=cost, direction=ALONG), start, reach=3.0), center
 
 
 def test_a_cylinder_leaves_the_prior_s_sigma_along_itself():
@@ -65,6 +66,13 @@ def test_the_tangent_follows_the_valley():
     moved = perturb_pose(found.global_from_hull, center, 0.1 * found.tangent)
     shift = found.global_from_hull.inverse().apply(moved.apply(center[None]))[0] - center
     assert shift[0] == pytest.approx(0.1, rel=0.1)
+
+
+def test_the_tangent_does_not_depend_on_where_the_search_starts():
+    """Between two fits alone it does: each ends somewhere in a flat valley, or at a facet's edge."""
+    tangents = np.array([profiled(1.0, start_off_m=off)[0].tangent for off in np.linspace(0, 0.15, 7)])
+    assert np.ptp(tangents[:, :3], axis=0).max() < 0.02
+    assert np.ptp(tangents[:, 3:], axis=0).max() < 0.004
 
 
 def test_where_the_valley_is_a_parabola_the_profiles_sigma_is_the_hessians():

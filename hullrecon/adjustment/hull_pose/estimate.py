@@ -23,7 +23,7 @@ from hullrecon.adjustment.problem.measurements import CadModel, Measurements, be
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry.poses import Poses
-from hullrecon.typing import Array, CholeskyFactor, Ints32
+from hullrecon.typing import Array, CholeskyFactor, Ints, Ints32
 
 ALONG = np.array([1.0, 0.0, 0.0])
 MAX_PASSES = 3
@@ -56,21 +56,31 @@ def collect_hull_points(m: Measurements, state: State, chosen: Selection, label:
 
 
 def thin_over_surface(points: Array, pose: Poses, cad_model: CadModel) -> Array:
-    """Return of points (n, 3) in g one a cell of the CAD model's surface, the one at the median of its distances; cells are
-    grown until at most MAX_POINTS are left.
+    """Return of points (n, 3) in g one a cell of the CAD model's surface, the mean of the half of them whose distances lie in
+    the middle; cells are grown until at most MAX_POINTS are left.
 
     Cells in space would give a few points that stand beside the surface cells of their own, and as much weight as all those
-    that are right."""
-    at = pose.inverse().apply(points)
-    nearest = _index(cad_model).closest(at)
-    foot, cell_m = at - nearest.distance[:, None] * nearest.gradient, CELL_M
+    that are right. Cells of M would hold other points wherever a first pose lies along the hull: they are cells of g."""
+    nearest = _index(cad_model).closest(pose.inverse().apply(points))
+    foot, cell_m = points - nearest.distance[:, None] * pose.rotation.apply(nearest.gradient), CELL_M
     while True:
         _, owner = np.unique(np.floor(foot / cell_m).astype(np.int64), axis=0, return_inverse=True)
         count = np.bincount(owner)
         if len(count) <= MAX_POINTS:
-            by_distance = np.lexsort((nearest.distance, owner))
-            return np.asarray(points[by_distance[np.cumsum(count) - count + (count - 1) // 2]])
+            return _middle_half_means(points, nearest.distance, owner, count)
         cell_m *= 1.25
+
+
+def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints) -> Array:
+    """Return of each cell the mean (c, 3) of the points whose distances are neither in its lowest nor in its highest quarter.
+
+    One point of each, the median, would be another one by the last digit of the path, with a noise of its own."""
+    order = np.lexsort((distance, owner))
+    rank = np.arange(len(order)) - np.repeat(np.cumsum(count) - count, count)
+    size = count[owner[order]]
+    middle = order[(rank >= size // 4) & (rank < size - size // 4)]
+    kept = np.bincount(owner[middle])
+    return np.stack([np.bincount(owner[middle], points[middle, k]) / kept for k in range(3)], axis=1)
 
 
 def fit_hull_pose(points: Array, pose: Poses, cad_model: CadModel, center: Array) -> tuple[HullPoseEvidence, Poses]:

@@ -48,14 +48,16 @@ class Valley:
 def profile(v: Valley, start: Poses, reach: float, count: int = 41) -> Profile:
     """Return the posterior of a shift along the valley within +-`reach` metres of `start` (T_g_M)."""
     steps = np.linspace(-reach, reach, count)
-    cost = np.array([cost for _, cost in _walk(v, start, steps)])
+    walked = _walk(v, start, steps)
+    cost = np.array([cost for _, cost in walked])
     weight = np.exp(-(cost - cost.min()))
     weight /= weight.sum()
     mean = float(weight @ steps)
     sigma = float(np.sqrt(weight @ (steps - mean) ** 2))
     here, _ = _fit(v, _shift(v, start, mean))
-    ahead, _ = _fit(v, _shift(v, here, 0.5 * sigma))
-    tangent = _between(here, ahead, v.cost.center) / max(0.5 * sigma, 1e-6)
+    # By all steps as they weigh: a single fit ends a centimetre from its minimum in a flat valley, or at a facet's edge.
+    moved = np.array([_between(here, pose, v.cost.center) for pose, _ in walked])
+    tangent = (weight * (steps - mean)) @ moved / max(sigma**2, 1e-12)
     return Profile(
         direction=v.direction,
         step=steps,
