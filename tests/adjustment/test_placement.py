@@ -21,6 +21,7 @@ from adjustment.simulated_dive import (
 from adjustment.solved_dives import solved
 
 from hullrecon import native
+from hullrecon.adjustment import placement
 from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.placement import MAX_GROWTH, reason_against, register_cad_model, residual_growth
@@ -148,9 +149,12 @@ def test_with_neither_ranges_nor_a_camera_there_is_nothing_to_lay_onto_it():
 # what follows from it
 
 
-def round_with(hit, on_hull, problem=None):
+def round_with(hit, on_hull, problem=None, stated_over_found=1.0):
+    """stated_over_found: of the sigma of the tray's angle, that of the package over that of the round."""
     result = SimpleNamespace(ray_hit=np.arange(100) < hit, label=(np.arange(100) < on_hull).astype(int))
-    return SimpleNamespace(result=result, problem=problem or solved().adjusted.problem)
+    rig, weights = SimpleNamespace(tray_sigma=0.01 * stated_over_found), SimpleNamespace(tray=0.01)
+    after = SimpleNamespace(measured=SimpleNamespace(rig=rig))
+    return SimpleNamespace(result=result, problem=problem or solved().adjusted.problem, weights=weights, after=after)
 
 
 def test_a_solution_whose_beams_miss_the_model_is_not_believed():
@@ -192,6 +196,14 @@ def test_residuals_may_grow_where_a_right_model_determines_what_had_followed_the
     assert growth["attitude"] < MAX_GROWTH["attitude"]
     squares = native.evaluate(tied).cost_by_factor
     assert 2 * (squares["attitude"] + squares["tray"]) < 4 * len(tied.tray.node)  # no more than their four readings a node
+
+
+@pytest.mark.parametrize(("stated_over_found", "believed"), [(10.0, True), (0.1, False)])
+def test_attitude_may_grow_within_the_sigmas_that_the_package_states(stated_over_found, believed, monkeypatch):
+    """With one camera the sigma of the tray that a round finds follows the noise, and a right model is no worse than stated."""
+    monkeypatch.setattr(placement, "residual_growth", lambda *_: {"images": 1.0, "odometry": 1.0, "attitude": 1.3})
+    reason = reason_against(round_with(100, 90, stated_over_found=stated_over_found), OPTIONS)
+    assert reason == (None if believed else "laid onto it, the residuals grow: attitude by 30 %")
 
 
 def test_growth_is_taken_as_it_is_where_something_is_not_determined(monkeypatch):
