@@ -8,10 +8,11 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from adjustment.scenes import TRUTH, cad_model, side
+from scipy.stats import chi2
 
 from hullrecon.adjustment.hull_pose import estimate
 from hullrecon.adjustment.hull_pose.cad_error import matern32
-from hullrecon.adjustment.hull_pose.form import CHANCE, Form, compare_form
+from hullrecon.adjustment.hull_pose.form import CHANCE, DOUBT, Form, compare_form
 from hullrecon.adjustment.hull_pose.registration import thin_points
 from hullrecon.adjustment.placement import form_against
 from hullrecon.geometry.meshes.mesh import Mesh
@@ -116,11 +117,25 @@ def test_each_reason_names_what_speaks():
     assert refused(replace(AGREES, deviation=5.0, plane=12.0)) is not None  # unless a plane leaves hardly more
 
 
-def test_the_chance_of_refusing_a_right_model_is_the_tail_of_chi_square():
+def test_the_chances_of_doubting_and_refusing_a_right_model_are_the_tail_of_chi_square():
     random = np.random.default_rng(5)
     draws = (random.standard_normal((20000, 12)) ** 2).mean(axis=1)
-    refusals = np.mean([Form(patterns=12, deviation=float(d), plane=40.0).contradicts for d in draws])
-    assert refusals == pytest.approx(CHANCE, abs=8e-4)
+    plain = [Form(patterns=12, deviation=float(d), plane=1.0) for d in draws]  # confirmed by nothing
+    assert np.mean([form.contradicts for form in plain]) == pytest.approx(DOUBT, abs=2.5e-3)
+    assert np.mean([form.is_of_another_hull for form in plain]) == pytest.approx(CHANCE, abs=8e-4)
+
+
+def test_a_model_is_doubted_before_it_is_refused():
+    """Even where a plane explains as much."""
+
+    def with_chance(chance):
+        return replace(AGREES, deviation=float(chi2.isf(chance, AGREES.patterns)) / AGREES.patterns)
+
+    doubted, refusable = with_chance(5e-3), with_chance(5e-4)
+    assert doubted.contradicts
+    assert refused(replace(doubted, plane=1.0)) is None
+    assert refused(replace(refusable, plane=1.0)) is not None
+    assert not with_chance(0.02).contradicts
 
 
 def test_without_a_resolved_pattern_nothing_is_said():

@@ -24,6 +24,7 @@ from hullrecon.typing import Array, Mask
 
 MISTAKEN = 2.0  # times the CAD model may be worse than its package says (docs/adr/0010)
 CHANCE = 1e-3  # at which a CAD model that is as good as its package says is refused
+DOUBT = 1e-2  # at which it is doubted: the sigmas are widened, which costs less than a place that is another ship's
 OUTSIDE_SIGMAS = 3.0  # farther out stand structures and growth; nothing stands in the steel
 MIN_POINTS = 30
 PASSES = 4  # of leaving out what stands outside what was fitted without it
@@ -45,12 +46,12 @@ class Form:
     @property
     def contradicts(self) -> bool:
         """Whether the hull leaves the CAD model by more than chance and its stated error explain."""
-        return self._beyond(1.0)
+        return self._beyond(1.0, DOUBT)
 
     @property
     def is_of_another_hull(self) -> bool:
         """Whether it does so by more than a package may be mistaken, or has no more of the CAD model's form than a plane."""
-        return self.contradicts and (self._beyond(MISTAKEN) or not self.confirms)
+        return self._beyond(1.0, CHANCE) and (self._beyond(MISTAKEN, CHANCE) or not self.confirms)
 
     @property
     def fits_better_stretched(self) -> bool:
@@ -68,9 +69,9 @@ class Form:
         """Whether those odds are beyond chance."""
         return self.log_odds > -float(np.log(CHANCE))
 
-    def _beyond(self, times: float) -> bool:
-        """Return whether the deviation is beyond chance for so many times the stated error."""
-        return self.patterns > 0 and self.deviation * self.patterns > times**2 * float(chi2.isf(CHANCE, self.patterns))
+    def _beyond(self, times: float, chance: float) -> bool:
+        """Return whether the deviation is beyond that chance for so many times the stated error."""
+        return self.patterns > 0 and self.deviation * self.patterns > times**2 * float(chi2.isf(chance, self.patterns))
 
 
 def compare_form(evidence: HullPoseEvidence, pose: Poses) -> Form:
