@@ -3,8 +3,9 @@
 """README's figures are those of `evaluate` on the demo, to the last digit printed, and its pictures show that run's report.
 
 Equal input gives equal bytes on one machine; on another processor BLAS rounds otherwise, so a figure may be one off in its last
-digit. After a change of the method, `make demo`, write the figures that this test names into README's table and take the
-pictures again (docs/figures/report_screenshot.py).
+digit, and a count of thousands by a thousandth. Where on the hull the patch lies differs by a tenth of its sigma (three kernels of
+OpenBLAS: sigmas by up to 9 %, the hull as found by 6 %). After a change of the method, `make demo`, write the figures that this
+test names into README's table and take the pictures again (docs/figures/report_screenshot.py).
 """
 
 from __future__ import annotations
@@ -23,6 +24,9 @@ from hullrecon.evaluation.scoring.score import Score, score_run
 ROOT = Path(__file__).resolve().parents[2]
 NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)( mm| %)?")
 PLAIN_NUMBER = re.compile(r"\d[\d,]*(?:\.\d+)?")
+PLACE_SHARE = 0.15  # by which sigmas and figures that depend on where the patch lies may differ between processors
+# What is said of the place is within its sigma, and which of two directions is the weaker may change
+WITHIN_SIGMA = re.compile(r"; as a whole the patch lies[^.]*|The (?:heading|heel|trim) of the hull is uncertain[^.]*\.[^.]*\.")
 FACTOR = {" mm": 1000.0, " %": 1.0, "": 1.0}
 # Of each row, by the beginning of its first cell: what its numbers are, in their order, and their unit
 ROWS = {
@@ -32,7 +36,7 @@ ROWS = {
     "hull as found": [("as_found.cad_model_alone_rmse_m", " mm"), ("as_found.aligned_rmse_m", " mm")],
     "objects due, found, false": [("objects.due", ""), ("objects.found", ""), ("objects.false_reports", "")],
     "height of an object, worst error": [("objects.height_error_worst_m", " mm")],
-    "position in x, y, z": [(f"trajectory.error_over_sigma_{axis}", "") for axis in "xyz"],
+    "position in x, y and z": [("trajectory.largest_error_over_sigma", "")],
 }
 
 
@@ -58,17 +62,30 @@ def differences(readme: str, figures: dict[str, float]) -> list[str]:
         for (text, unit), (key, _) in zip(shown, ROWS[name], strict=True):
             decimals = len(text.partition(".")[2])
             now = f"{FACTOR[unit] * figures[key]:.{decimals}f}"
-            if not is_alike(now, text):
+            if "below" in row:
+                held = figures[key] < float(text)
+            else:
+                held = is_alike(now, text, PLACE_SHARE if key.startswith("as_found.") else 1e-3)
+            if not held:
                 out.append(f"{row!r}: {key} is {now}{unit}, not {text}{unit}")
     return out + [f"there is no row {name!r}" for name in sorted(left)]
 
 
-def is_alike(now: str, text: str) -> bool:
-    """Tell whether texts differ in nothing but numbers that are one off in their last digit."""
+def is_alike(now: str, text: str, share: float = 1e-3) -> bool:
+    """Tell whether texts differ in nothing but numbers that are one off in their last digit, or off by that share."""
     if PLAIN_NUMBER.sub("#", now) != PLAIN_NUMBER.sub("#", text):
         return False
     pairs = zip(PLAIN_NUMBER.findall(now), PLAIN_NUMBER.findall(text), strict=True)
-    return all(abs(round(float(a.replace(",", "")) - float(b.replace(",", "")), 9)) <= last_digit(b) for a, b in pairs)
+    numbers = [(float(a.replace(",", "")), float(b.replace(",", "")), last_digit(b)) for a, b in pairs]
+    return all(abs(round(a - b, 9)) <= max(digit, share * b) for a, b, digit in numbers)
+
+
+def says_the_same(now: str, shown: str) -> bool:
+    """Tell whether summaries of a report are alike, sentence by sentence; those with a sigma to a share of their numbers."""
+    here, there = (WITHIN_SIGMA.sub("", text).split(". ") for text in (now, shown))
+    return len(here) == len(there) and all(
+        is_alike(a, b, PLACE_SHARE if "sigma" in b else 1e-3) for a, b in zip(here, there, strict=True)
+    )
 
 
 def last_digit(text: str) -> float:
@@ -85,7 +102,9 @@ def flat(score: Score) -> dict[str, float]:
         for name, value in values.items()
         if isinstance(value, int | float)
     }
-    return found | {"objects.found": round(found["objects.recall"] * found["objects.due"])}
+    largest = max(found[f"trajectory.error_over_sigma_{axis}"] for axis in "xyz")
+    due = round(found["objects.recall"] * found["objects.due"])
+    return found | {"objects.found": due, "trajectory.largest_error_over_sigma": largest}
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +130,9 @@ def test_the_pictures_show_the_demos_report(demo_run: Path, screenshots: ModuleT
     with Image.open(ROOT / "docs" / "images" / name) as picture:
         shown = picture.info.get(screenshots.KEY)
     assert shown is not None, f"{name} does not say which report it shows: take it again (docs/figures/report_screenshot.py)"
-    assert is_alike(now, shown), f"{name} shows the report of another run: take it again (docs/figures/report_screenshot.py)"
+    assert says_the_same(now, shown), (
+        f"{name} shows the report of another run: take it again (docs/figures/report_screenshot.py)"
+    )
 
 
 FIGURES = {key: 0.0 for keys in ROWS.values() for key, _ in keys} | {
@@ -129,7 +150,7 @@ PAGE = """
 | hull as found, aligned, RMSE (its CAD model alone: 0 mm) | 0.0 mm |
 | objects due, found, false | 0, 0, 0 |
 | height of an object, worst error | 0 mm |
-| position in x, y, z of the ship: error over its own sigma | 0.0, 0.0, 0.0 |
+| position in x, y and z of the ship: error over its own sigma | below 1 |
 
 ## Limits
 """
@@ -144,9 +165,24 @@ def test_figures_are_held_to_the_digits_printed() -> None:
 
 
 def test_words_are_alike_to_one_in_the_last_digit_of_their_numbers() -> None:
-    assert is_alike("14,873 landmarks, 97.3 %", "14,874 landmarks, 97.2 %")
+    assert is_alike("14,873 landmarks, 97.3 %", "14,881 landmarks, 97.2 %")
+    assert not is_alike("14,873 landmarks, 97.3 %", "14,893 landmarks, 97.3 %")
     assert not is_alike("14,873 landmarks, 97.3 %", "14,873 landmarks, 97.5 %")
     assert not is_alike("6 mm inside", "6 mm outside")
+
+
+def test_a_limit_holds_below_it() -> None:
+    (wrong,) = differences(PAGE, FIGURES | {"trajectory.largest_error_over_sigma": 1.1})
+    assert wrong.endswith("largest_error_over_sigma is 1, not 1")
+
+
+def test_a_summary_may_differ_by_a_share_of_its_sigmas_and_by_nothing_else() -> None:
+    text = "Hull seen: 8.3 m². Known to 0.34 m (one sigma). The heel of the hull is uncertain by 0.7 degrees (one sigma). End."
+    assert says_the_same(text.replace("0.34", "0.37"), text)
+    assert says_the_same(text.replace("The heel", "The trim"), text)
+    assert not says_the_same(text.replace("0.34", "0.44"), text)
+    assert not says_the_same(text.replace("8.3", "8.5"), text)
+    assert not says_the_same(text.replace("Known", "Found"), text)
 
 
 def test_a_row_that_is_missing_or_unknown_or_of_another_unit_is_named() -> None:
