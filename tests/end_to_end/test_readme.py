@@ -3,8 +3,8 @@
 """README's figures are those of `evaluate` on the demo, to the last digit printed, and its pictures show that run's report.
 
 Equal input gives equal bytes on one machine; on another processor BLAS rounds otherwise, so a figure may be one off in its last
-digit, and a count of thousands by a thousandth. Where on the hull the patch lies differs by a tenth of its sigma (three kernels of
-OpenBLAS: sigmas by up to 9 %, the hull as found by 6 %). After a change of the method, `make demo`, write the figures that this
+digit, and a count of thousands by a thousandth. Where on the hull the patch lies differs by a tenth of its sigma (three kernels
+of OpenBLAS: sigmas by up to 9 %, the hull as found by 6 %). After a change of the method, `make demo`, write the figures that this
 test names into README's table and take the pictures again (docs/figures/report_screenshot.py).
 """
 
