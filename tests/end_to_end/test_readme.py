@@ -4,8 +4,8 @@
 
 Equal input gives equal bytes on one machine; on another processor BLAS rounds otherwise, so a figure may be one off in its last
 digit, and a count of thousands by a thousandth. Where on the hull the patch lies differs by a tenth of its sigma (three kernels
-of OpenBLAS: sigmas by up to 9 %, the hull as found by 6 %). After a change of the method, `make demo`, write the figures that this
-test names into README's table and take the pictures again (docs/figures/report_screenshot.py).
+of OpenBLAS: sigmas by up to 9 %, the hull as found by 6 %). After a change of the method, `make demo`, write the figures that
+this test names into README's table and take the pictures again (docs/figures/report_screenshot.py).
 """
 
 from __future__ import annotations
