@@ -112,12 +112,13 @@ def _region(relief: _Relief, seed: Ints, foreign: Ints, side: float) -> Region |
     width = float(np.clip(RING_WIDTH * np.sqrt(area[seed].sum()), *RING_WIDTHS_M))
     near = relief.around.ball(base[seed], RING_GAP_M + width)
     distance = nearest(base[seed], base[near], 1)[0][:, 0]
-    ring = near[(distance > RING_GAP_M) & (distance < RING_GAP_M + width) & found.measured[near] & ~relief.off[near]]
+    bare = (distance > RING_GAP_M) & (distance < RING_GAP_M + width) & found.measured[near] & ~relief.off[near]
+    ring = near[bare]
     if len(ring) < MIN_RING:
         return None
     normal = np.average(found.normal[seed], axis=0, weights=np.maximum(area[seed], 1e-12))
     # Structures may rise gently: the farther from where it stands off, the more a vertex is hull
-    clear = (distance[np.isin(near, ring)] - RING_GAP_M) / width
+    clear = (distance[bare] - RING_GAP_M) / width
     hull = fit_hull_around(base[ring], found.deviation_at(ring), area[ring] * clear**2, normal)
     above = side * (found.deviation_at(near) - hull.offset(base[near]))
     within = np.isin(near, seed)
