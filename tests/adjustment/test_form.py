@@ -12,7 +12,7 @@ from scipy.stats import chi2
 
 from hullrecon.adjustment.hull_pose import estimate
 from hullrecon.adjustment.hull_pose.cad_error import matern32
-from hullrecon.adjustment.hull_pose.form import CHANCE, DOUBT, Form, compare_form
+from hullrecon.adjustment.hull_pose.form import CHANCE, WIDENING, Form, compare_form
 from hullrecon.adjustment.hull_pose.registration import thin_points
 from hullrecon.adjustment.placement import form_against
 from hullrecon.geometry.meshes.mesh import Mesh
@@ -121,7 +121,7 @@ def test_the_chances_of_doubting_and_refusing_a_right_model_are_the_tail_of_chi_
     random = np.random.default_rng(5)
     draws = (random.standard_normal((20000, 12)) ** 2).mean(axis=1)
     plain = [Form(patterns=12, deviation=float(d), plane=1.0) for d in draws]  # confirmed by nothing
-    assert np.mean([form.contradicts for form in plain]) == pytest.approx(DOUBT, abs=2.5e-3)
+    assert np.mean([form.contradicts for form in plain]) == pytest.approx(WIDENING, abs=2.5e-3)
     assert np.mean([form.is_of_another_hull for form in plain]) == pytest.approx(CHANCE, abs=8e-4)
 
 

@@ -24,7 +24,7 @@ from hullrecon.typing import Array, Mask
 
 MISTAKEN = 2.0  # times the CAD model may be worse than its package says (docs/adr/0010)
 CHANCE = 1e-3  # at which a CAD model that is as good as its package says is refused
-DOUBT = 1e-2  # at which it is doubted: the sigmas are widened, which costs less than a place that is another ship's
+WIDENING = 1e-2  # at which its sigmas are widened, which costs less than a place that is another ship's
 OUTSIDE_SIGMAS = 3.0  # farther out stand structures and growth; nothing stands in the steel
 MIN_POINTS = 30
 PASSES = 4  # of leaving out what stands outside what was fitted without it
@@ -46,7 +46,7 @@ class Form:
     @property
     def contradicts(self) -> bool:
         """Whether the hull leaves the CAD model by more than chance and its stated error explain."""
-        return self._beyond(1.0, DOUBT)
+        return self._beyond(1.0, WIDENING)
 
     @property
     def is_of_another_hull(self) -> bool:
