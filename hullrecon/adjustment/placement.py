@@ -132,13 +132,13 @@ def _squares(problem: native.Problem, settings: native.Options) -> dict[str, flo
 def _freed_squares(free: native.Covariance, tied: native.Covariance) -> dict[str, float]:
     """Return what the squares of each group may grow by because it determines fewer unknowns than before: a chi-square with as
     many degrees of freedom. Images determine all landmarks either way; nothing is allowed to them."""
-    from scipy.stats import chi2
+    from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a second to load
 
     def determined(marginals: native.Covariance, factors: tuple[str, ...]) -> float:
         return sum(marginals.leverage_by_factor[factor] for factor in factors)
 
     fewer = {name: determined(free, factors) - determined(tied, factors) for name, factors in GROUPS.items()}
-    return {name: float(chi2.ppf(FREED_QUANTILE, count)) if count > 0 else 0.0 for name, count in fewer.items()}
+    return {name: float(chdtri(count, 1 - FREED_QUANTILE)) if count > 0 else 0.0 for name, count in fewer.items()}
 
 
 def _hull_state(found: registration.Registration, points: Array, options: AdjustOptions) -> HullState:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a second to load
 
 from hullrecon import native
 from hullrecon.adjustment.hull_pose import cad_error, registration
@@ -56,7 +56,7 @@ class Form:
     @property
     def fits_better_stretched(self) -> bool:
         """Whether the CAD model has other proportions or another scale than the hull, beyond chance."""
-        return self.stretch > float(chi2.isf(CHANCE, min(3, self.patterns) or 1))
+        return self.stretch > float(chdtri(min(3, self.patterns) or 1, CHANCE))
 
     @property
     def log_odds(self) -> float:
@@ -71,7 +71,7 @@ class Form:
 
     def _beyond(self, times: float, chance: float) -> bool:
         """Return whether the deviation is beyond that chance for so many times the stated error."""
-        return self.patterns > 0 and self.deviation * self.patterns > times**2 * float(chi2.isf(chance, self.patterns))
+        return self.patterns > 0 and self.deviation * self.patterns > times**2 * float(chdtri(self.patterns, chance))
 
 
 def compare_form(evidence: HullPoseEvidence, pose: Poses) -> Form:

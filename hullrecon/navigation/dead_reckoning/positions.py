@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri  # not scipy.stats, which takes a quarter of a second to load
 
 from hullrecon.geometry.poses import interpolate
 from hullrecon.records.sensors import PositionFixes
@@ -72,6 +72,6 @@ def _refusal(ties: PositionTies) -> str | None:
     weight = 1 / ties.sigma**2
     middle = (weight[:, None] * ties.north_east).sum(axis=0) / weight.sum()
     square = float((weight[:, None] * (ties.north_east - middle) ** 2).sum())
-    if square > chi2.ppf(ONE_PLACE, 2 * len(ties) - 2):
+    if square > chdtri(2 * len(ties) - 2, 1 - ONE_PLACE):
         return None
     return f"all {len(ties)} are of one place within their sigma of {np.median(ties.sigma):.2g} m, so no heading shows in them"

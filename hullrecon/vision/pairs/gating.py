@@ -51,12 +51,14 @@ def transfer(motion: Motion, xy: Array, depth_m: Array, depth_sigma_m: Array, pi
             shifted = centre.copy()
             shifted[:, axis] += sign * pixel_sigma
             moved.append(_project(here, shifted * depth_m[:, None]))
-    points = np.concatenate(moved)  # (18, n, 2), each of weight 1 / 18; the centre has weight 0
-    mean = points.mean(axis=0)
-    gap = points - mean
-    covariance = (gap[..., :, None] * gap[..., None, :]).mean(axis=0)
-    covariance[:, [0, 1], [0, 1]] += pixel_sigma**2  # that of the feature in the second image
-    return mean, covariance
+    points = np.concatenate(moved, axis=1)  # (2, 18, n), each of weight 1 / 18; the centre has weight 0
+    mean = points.mean(axis=1)
+    across, down = points - mean[:, None]
+    covariance = np.empty((len(xy), 2, 2))
+    covariance[:, 0, 0] = (across * across).mean(axis=0) + pixel_sigma**2  # that of the feature in the second image
+    covariance[:, 1, 1] = (down * down).mean(axis=0) + pixel_sigma**2
+    covariance[:, 0, 1] = covariance[:, 1, 0] = (across * down).mean(axis=0)
+    return mean.T, covariance
 
 
 def _motion_points(motion: Motion) -> Array:
@@ -71,7 +73,8 @@ def _motion_points(motion: Motion) -> Array:
 
 
 def _project(motions: Array, points: Array) -> Array:
-    """Return ideal coordinates (s, n, 2) of points (n, 3) under each of the motions (s, 4, 4)."""
-    seen = points @ motions[:, :3, :3].swapaxes(1, 2) + motions[:, None, :3, 3]
-    depth = np.where(seen[..., 2:] > 1e-6, seen[..., 2:], np.nan)
-    return np.asarray(seen[..., :2] / depth)
+    """Return ideal coordinates (2, s, n) of points (n, 3) under each of the motions (s, 4, 4)."""
+    seen = (motions[:, :3, :3].swapaxes(0, 1).reshape(-1, 3) @ points.T).reshape(3, len(motions), len(points))
+    seen += motions[:, :3, 3].T[:, :, None]
+    depth = np.where(seen[2] > 1e-6, seen[2], np.nan)
+    return np.asarray(seen[:2] / depth)

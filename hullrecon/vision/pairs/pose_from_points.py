@@ -17,6 +17,7 @@ from hullrecon.geometry.rotations import cross
 from hullrecon.typing import Array, Mask
 
 BLOCK = 128  # hypotheses at a time
+SMALLEST_STEP = 1e-7  # m, rad: a ten thousandth of what a pair tells at best
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,12 +89,15 @@ def refine(motion: Array, views: list[ObservedPoints], tolerance: float, iterati
     """
     damping = 1e-6  # not geometry.pose_solver: a change of the inliers changes the cost, by which that would refuse the step
     seen = _stack(views)
-    rows = seen.take(_inlier_rows(motion, seen, tolerance))
+    inlier = _inlier_rows(motion, seen, tolerance)
+    rows = seen.take(inlier)
     normal, gradient, cost = _normal(motion, rows)
     for k in range(iterations):
         if 0 < k < iterations // 2:
-            rows = seen.take(_inlier_rows(motion, seen, tolerance))
-            normal, gradient, cost = _normal(motion, rows)
+            before, inlier = inlier, _inlier_rows(motion, seen, tolerance)
+            if not np.array_equal(before, inlier):
+                rows = seen.take(inlier)
+                normal, gradient, cost = _normal(motion, rows)
         step = -np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-12), gradient)
         trial = _apply_step(motion, np.asarray(step))
         after = _normal(trial, rows)
@@ -101,7 +105,7 @@ def refine(motion: Array, views: list[ObservedPoints], tolerance: float, iterati
         if better:
             motion, (normal, gradient, cost) = trial, after
         damping *= 0.1 if better else 100
-        if better and np.abs(step).max() < 1e-9:
+        if better and np.abs(step).max() < SMALLEST_STEP:
             break
     freedom = max(1, 2 * len(rows.points) - 6)
     return motion, np.asarray(np.linalg.pinv(normal, hermitian=True) * (cost / freedom))

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri  # not scipy.stats, which takes a quarter of a second to load
 
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.rotations import cross_matrix
@@ -135,7 +135,7 @@ def _overlap_probability(
     relative, covariance = scene_in_target(track, source, target, depth)
     values, vectors = np.linalg.eigh(covariance[:, :2, :2])
     root = vectors * np.sqrt(np.maximum(values, 0))[:, None]
-    quantile = norm.ppf((np.arange(QUANTILES) + 0.5) / QUANTILES)
+    quantile = ndtri((np.arange(QUANTILES) + 0.5) / QUANTILES)
     drawn = np.stack(np.meshgrid(quantile, quantile), axis=-1).reshape(-1, 2)
     shift = np.einsum("mij,qj->mqi", root, drawn) / depth[:, None, None]
     image = _ideal_in_target(relative, depth, camera, GRID)
