@@ -37,6 +37,7 @@ class Rig:
 
     dvl_position_sigma (3,): of the DVL's position on the tray where it is held (zero where it is an unknown). Images, ranges
     and odometry resolve where camera and DVL are to each other; a shift of both on the tray is seen by nothing, so one is held.
+    density_sigma: of the water's density, relative: an error that all depths share in proportion.
     navigation_sigma (6,): prior sigmas of DVL scale, heading drift rad/s, roll and pitch bias, depth bias, tray backlash.
     """
 
@@ -51,6 +52,7 @@ class Rig:
     bottom: CameraModel | None
     sigma_px: float
     sigma_range: float
+    density_sigma: float
     navigation_sigma: Array
 
 
@@ -91,6 +93,7 @@ def rig_priors_from_settings(
         bottom=cameras.get(Camera.BOTTOM),
         sigma_px=top.sigma_px if top else 1.0,
         sigma_range=dvl.sigma_range,
+        density_sigma=pressure.density_sigma / pressure.density,
         navigation_sigma=np.maximum(sigma, 1e-9),
     )
 

@@ -44,6 +44,7 @@ def scene():
         bottom=CAMERA,
         sigma_px=1.0,
         sigma_range=0.01,
+        density_sigma=0.002,
         navigation_sigma=np.ones(6),
     )
     tray = np.full(n, 0.05)

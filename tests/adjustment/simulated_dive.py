@@ -352,6 +352,7 @@ def _rig(stereo, camera, mount_error):
         bottom=CAMERA if stereo and camera else None,
         sigma_px=1.0,
         sigma_range=2 * RANGE_NOISE_M,
+        density_sigma=0.002,
         navigation_sigma=NAVIGATION_SIGMA,
     )
 

@@ -103,9 +103,15 @@ def test_depths_get_the_sigma_of_their_residuals(depth_weight) -> None:
     assert depth_weight(np.full(400, 3.0), noise_m=0.004) == pytest.approx(0.004 / GIVEN_M, rel=0.1)
 
 
-def test_many_depths_do_not_tell_the_scale_better_than_the_waters_density_is_known(depth_weight) -> None:
+def test_many_depths_do_not_tell_the_scale_better_than_the_waters_density_is_known(scene, depth_weight) -> None:
     depth = np.linspace(2.0, 3.0, 400)
-    assert depth_weight(depth, noise_m=0.0) == pytest.approx(0.002 * 20 * np.std(depth) / GIVEN_M)
+    assert depth_weight(depth, noise_m=0.0) == pytest.approx(scene.rig.density_sigma * 20 * np.std(depth) / GIVEN_M)
+
+
+def test_where_the_density_was_measured_many_depths_tell_more(scene, depth_weight, monkeypatch) -> None:
+    depth, sigma = np.linspace(1.0, 5.0, 400), 3e-4
+    monkeypatch.setattr(scene, "rig", replace(scene.rig, density_sigma=sigma))
+    assert depth_weight(depth, noise_m=0.0) == pytest.approx(sigma * 20 * np.std(depth) / GIVEN_M)
 
 
 def test_depths_that_were_not_measured_do_not_count(scene) -> None:

@@ -47,6 +47,12 @@ def test_lengths_stay_metres_and_angles_become_radians():
     np.testing.assert_allclose(rig.navigation_sigma, wanted)
 
 
+def test_the_densitys_sigma_becomes_a_share_of_the_density():
+    assert rig_of().density_sigma == pytest.approx(2.05 / 1025)
+    fresh = Pressure(origin=(0, 0, 0), density=998.0, density_sigma=0.3)
+    assert rig_of(pressure=fresh).density_sigma == pytest.approx(0.3 / 998.0)
+
+
 def test_an_error_that_is_said_not_to_exist_keeps_a_sigma_that_can_be_divided_by():
     rig = rig_of(pressure=Pressure(origin=(0, 0, 0), bias_sigma_m=0.0), dvl=Dvl(mount=(0, 0, 0, 0, 90, 0), scale_sigma=0.0))
     assert rig.navigation_sigma[0] == rig.navigation_sigma[4] == 1e-9

@@ -101,6 +101,7 @@ def rig() -> Rig:
         bottom=None,
         sigma_px=1.0,
         sigma_range=0.01,
+        density_sigma=0.002,
         navigation_sigma=NAVIGATION_SIGMA,
     )
 

@@ -113,6 +113,7 @@ def rig(navigation_sigma: np.ndarray) -> Rig:
         bottom=None,
         sigma_px=1.0,
         sigma_range=RANGE_SIGMA_M,
+        density_sigma=0.002,
         navigation_sigma=navigation_sigma,
     )
 

@@ -17,7 +17,6 @@ from hullrecon.adjustment.problem.triangulation import camera_poses, reprojectio
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.typing import Array, Ints
 
-DENSITY_SIGMA = 0.002  # relative, of sea water where it was not measured
 LEAST_LENGTHS = 100  # residuals from which a sigma is estimated
 RESPONSE_GROUPS = 12
 UNKNOWN_DEPTH_M = 1.0  # sigma beyond which no pressure was logged
@@ -129,7 +128,7 @@ def _depth_weight(m: Measurements, state: State) -> float:
     z = state.nodes[m.attitude.node[rows]].apply(m.rig.pressure_origin)[:, 2]
     given = float(np.median(m.attitude.sigma[rows, 0]))
     white = robust_sigma(z - m.attitude.depth[rows])
-    shared = DENSITY_SIGMA * np.sqrt(len(z)) * float(np.std(z))
+    shared = m.rig.density_sigma * np.sqrt(len(z)) * float(np.std(z))
     return float(np.clip(max(white, shared, 1e-3) / given, 0.0, 1.0))
 
 

@@ -51,6 +51,7 @@ heading_drift_deg_per_hour = 1.0
 [pressure]
 # origin = [x, y, z]             # to fill in: the sensor, in the vehicle's frame
 density = 1025.0                 # kg/m3; fresh water has 1000
+# density_sigma = 0.3            # kg/m3, where density was measured: it tells one camera's scale; 2.05 if left out
 gravity = 9.81
 atmosphere = 101325.0            # Pa on the day of the dive
 

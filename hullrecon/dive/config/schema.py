@@ -139,6 +139,10 @@ class Pressure(Section, frozen=True):
         Meta(description="sign of logged depths and poses; absent: as their type has it (poses up, REP 103, depths down)"),
     ] = None
     density: Annotated[Positive, Meta(description="kg/m3, of the water")] = 1025.0
+    density_sigma: Annotated[
+        NotNegative,
+        Meta(description="kg/m3, sigma of the density, be it `density` or what logged depths were made with; smaller where it was measured"),
+    ] = 2.05
     gravity: Annotated[Positive, Meta(description="m/s2, of gravity")] = 9.81
     atmosphere: Annotated[NotNegative, Meta(description="Pa, pressure at the water's surface")] = 101325.0
     sigma_m: Annotated[Positive, Meta(description="m, white sigma of a depth")] = 0.02
