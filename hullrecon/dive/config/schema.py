@@ -141,7 +141,7 @@ class Pressure(Section, frozen=True):
     density: Annotated[Positive, Meta(description="kg/m3, of the water")] = 1025.0
     density_sigma: Annotated[
         NotNegative,
-        Meta(description="kg/m3, sigma of the density, be it `density` or what logged depths were made with; smaller where it was measured"),
+        Meta(description="kg/m3, sigma of the density, also of the one behind logged depths; smaller where it was measured"),
     ] = 2.05
     gravity: Annotated[Positive, Meta(description="m/s2, of gravity")] = 9.81
     atmosphere: Annotated[NotNegative, Meta(description="Pa, pressure at the water's surface")] = 101325.0
