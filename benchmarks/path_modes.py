@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What limits the shape of a path: python -m benchmarks.path_modes PACKAGE RUN
 
-Adjusts a simulated dive again from what RUN (its folder of results, up to the step matches) holds, its CAD model left out, and
-prints as JSON how well the measurements tell the slow shapes of the path: its scale, and its bend across either way and over
-its length. Of each the sigma from the information of all factors, landmarks and all other unknowns eliminated; the true error;
-both as the rms that they give the path (mm, after rigid alignment); and each kind of factor's share of the information.
-No better path is to be had from these measurements than these sigmas say.
+Adjusts a simulated dive with a CAD model again from what RUN (its folder of results, up to the step matches) holds, that model
+left out, and prints as JSON how well the measurements tell the slow shapes of the path: its scale, and bends with one and with
+two turns across its longest axis, along the hull and off it. Of each it prints the sigma by the information of all factors,
+landmarks and all other unknowns eliminated; the true error; and each kind of factor's share of the information. Sigma and error
+are the rms in mm that they give the path after rigid alignment.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.evaluation.scoring.truth import read_truth
 from hullrecon.geometry.rigid_fit import fit_rigid
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Mask
 
 DAMPING = 1e-9  # of information: what nothing determines stays finite
 ITERATIONS = 60
@@ -91,7 +91,8 @@ def how_well_known(problem: native.Problem, settings: native.Options, modes: lis
     return out
 
 
-def _landmark_columns(columns: dict[str, tuple[int, int]], width: int) -> Array:
+def _landmark_columns(columns: dict[str, tuple[int, int]], width: int) -> Mask:
+    """Return which columns (width,) of the Jacobian are coordinates of landmarks."""
     out = np.zeros(width, bool)
     for name, (start, count) in columns.items():
         if name.startswith("landmark "):
@@ -117,8 +118,8 @@ def figures(package: Path, run: Path) -> dict[str, object]:
     settings = _settings(options)
     solved = native.solve(adjusted.problem, settings).unknowns
     problem, positions = adjusted.problem.started_from(solved), solved.pose[:, :3]
-    true = _laid_onto(_true_positions(package, measured.trajectory.t_ns), positions)
-    error = positions - true
+    true = read_truth(package).vehicle_at(measured.trajectory.t_ns / 1e9).translation
+    error = positions - fit_rigid(true, positions).apply(true)
     modes = modes_of(positions)
     return {
         "nodes": len(positions),
@@ -135,15 +136,6 @@ def _settings(options: AdjustOptions) -> native.Options:
         method=options.method, sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m,
         max_iterations=ITERATIONS, function_tolerance=1e-9, initial_radius=1e8, threads=2,
     )  # fmt: skip
-
-
-def _true_positions(package: Path, t_ns: Ints) -> Array:
-    return read_truth(package).vehicle_at(t_ns / 1e9).translation
-
-
-def _laid_onto(positions: Array, onto: Array) -> Array:
-    """Return positions (n, 3) moved rigidly to where they fit best."""
-    return fit_rigid(positions, onto).apply(positions)
 
 
 def main() -> None:

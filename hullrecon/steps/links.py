@@ -125,7 +125,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=9,
+    version=10,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )

@@ -17,7 +17,7 @@ from hullrecon.geometry.rotations import cross
 from hullrecon.typing import Array, Mask
 
 BLOCK = 128  # hypotheses at a time
-SMALLEST_STEP = 1e-7  # m, rad: a ten thousandth of what a pair tells at best
+SMALLEST_STEP = 1e-7  # m, rad: far below what a pair tells
 
 
 @dataclass(frozen=True, kw_only=True)
