@@ -213,9 +213,14 @@ def form_against(form: Form, sigmas_off: float) -> str | None:
             f"its proportions or its scale are not the hull's: stretched along its axes it fits the surveyed part better, by a "
             f"chi-square of {form.stretch:.0f} with three degrees of freedom"
         )
-    if sigmas_off > registration.GUESS_SIGMAS and not form.confirms:
+    if sigmas_off <= registration.GUESS_SIGMAS:
+        return None
+    far = f"it fits {sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma says"
+    if not form.confirms:
+        return f"{far}, and the surveyed part of the hull is too plain to tell that it is this one"
+    if form.is_worse_than_stated:
         return (
-            f"it fits {sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma says, and the surveyed part of "
-            "the hull is too plain to tell that it is this one"
+            f"{far}, and there the hull leaves it by {np.sqrt(form.deviation):.1f} times hull.deviation_sigma over metres: a "
+            "package may be mistaken in one of the two, but both point to another ship"
         )
     return None

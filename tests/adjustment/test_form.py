@@ -89,6 +89,16 @@ def test_a_plain_side_far_from_the_guess_is_refused():
     assert "too plain to tell that it is this one" in refused(replace(AGREES, plane=1.0), sigmas_off=4.0)
 
 
+def test_a_package_is_mistaken_in_the_place_or_in_the_error_but_not_in_both():
+    worse = replace(AGREES, deviation=5.0)
+    assert worse.is_worse_than_stated
+    assert refused(worse, sigmas_off=3.0) is None
+    assert refused(AGREES, sigmas_off=6.0) is None
+    why = refused(worse, sigmas_off=6.0)
+    assert "6.0 times farther from hull.pose" in why
+    assert "2.2 times hull.deviation_sigma" in why
+
+
 def test_another_ship_s_side_is_refused():
     x, y, z = CURVED.vertices.T
     other = Mesh(np.c_[x, y - 0.02 * (x - 7) ** 2 + 0.12 * (z - 2.5) ** 2, z], CURVED.faces)

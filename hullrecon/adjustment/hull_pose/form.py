@@ -49,9 +49,14 @@ class Form:
         return self._beyond(1.0, WIDENING)
 
     @property
+    def is_worse_than_stated(self) -> bool:
+        """Whether it does so beyond the chance at which a CAD model is refused."""
+        return self._beyond(1.0, CHANCE)
+
+    @property
     def is_of_another_hull(self) -> bool:
         """Whether it does so by more than a package may be mistaken, or has no more of the CAD model's form than a plane."""
-        return self._beyond(1.0, CHANCE) and (self._beyond(MISTAKEN, CHANCE) or not self.confirms)
+        return self.is_worse_than_stated and (self._beyond(MISTAKEN, CHANCE) or not self.confirms)
 
     @property
     def fits_better_stretched(self) -> bool:
