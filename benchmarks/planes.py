@@ -19,21 +19,17 @@ from pathlib import Path
 
 import numpy as np
 
-from hullrecon.adjustment.hull_pose.registration import register
-from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.api.commands import run_dive
+from hullrecon.api.method_variants import read_dead_reckoning
+from hullrecon.api.path_figures import lay_onto_cad_model
+from hullrecon.evaluation.comparison.comparison import DeadReckoning
 from hullrecon.evaluation.figures.distance_to_cad import ReturnsOnHull, distance_to_cad_model
 from hullrecon.evaluation.scoring.deliverables import TimedPoses
 from hullrecon.evaluation.scoring.trajectory import hull_from_start
 from hullrecon.evaluation.scoring.truth import Truth, read_truth
-from hullrecon.geometry.charts.chart import chart_for_hull
-from hullrecon.geometry.meshes.casting import Scene
-from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.poses import Poses, from_matrix
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.records.links import LinkedPath
-from hullrecon.rig import rig_from_settings
-from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact, NavigateArtifact
+from hullrecon.steps.artifacts import IngestArtifact, LinksArtifact
 from hullrecon.synthetic.options import spec_from
 from hullrecon.synthetic.output.package import write_package
 from hullrecon.typing import Ints
@@ -64,12 +60,11 @@ def without_cad_model(package: Path) -> Path:
     return bare
 
 
-def solve(package: Path, runs: Path, planes: bool) -> tuple[LinkedPath, NavigateArtifact]:
-    """Return the path of the step links, and what navigation left."""
+def solve(package: Path, runs: Path, planes: bool) -> tuple[LinkedPath, DeadReckoning]:
+    """Return the path of the step links, and what it started from."""
     name = "with" if planes else "without"
     dive = run_dive(package, runs / name, last_step="links", overrides=[f"links.planes={str(planes).lower()}"])
-    artifact = dive.workspace.artifact
-    return LinksArtifact(artifact("links")).path, NavigateArtifact(artifact("navigate"))
+    return LinksArtifact(dive.workspace.artifact("links")).path, read_dead_reckoning(dive)
 
 
 def score(path: LinkedPath, t_ns: Ints, truth: Truth) -> dict[str, float]:
@@ -89,19 +84,6 @@ def score(path: LinkedPath, t_ns: Ints, truth: Truth) -> dict[str, float]:
     }  # fmt: skip
 
 
-def lay_onto_cad_model(path: LinkedPath, navigate: NavigateArtifact, mesh: Mesh | None, guess: Poses) -> ReturnsOnHull:
-    """Return the returns on a path, registered to the CAD model from where it truly lies."""
-    returns = navigate.returns
-    if returns is None or mesh is None:
-        raise ValueError("the dive has no DVL, or no CAD model")
-    rig = rig_from_settings({"tray.origin": (0.45, 0.0, 0.1), "dvl.mount": (0.0, 0.0, 0.08, 0.0, 90.0, 0.0)})
-    points = rig.dvl_points(returns, path.path()).points[~returns.flagged]
-    sigma = np.r_[1.0, 1.0, 0.3, np.radians([1.0, 1.0, 5.0])]
-    model = CadModel(mesh, chart_for_hull(mesh), guess, sigma, 0.02, (3.0, 1.5))
-    in_hull = register(points, model, 0.01).global_from_hull.inverse().apply(points)
-    return ReturnsOnHull(points=in_hull, distance=Scene(mesh).closest(in_hull).distance)
-
-
 def main() -> int:
     """Print the figures of all dives; write the picture of the last."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -115,14 +97,15 @@ def main() -> int:
     for number in range(1, chosen.dives + 1):
         package = simulate(chosen.folder, number)
         truth, bare = read_truth(package), without_cad_model(package)
-        global_from_hull = from_matrix(json.loads((package / "truth" / "alignment.json").read_text())["T_g_M"]["matrix"])
         rows[package.name] = {}
         for planes, name in ((False, "without planes"), (True, "with planes")):
-            path, navigate = solve(bare, chosen.folder / "runs", planes)
-            rows[package.name][name] = score(path, navigate.trajectory.t_ns, truth)
+            path, start = solve(bare, chosen.folder / "runs", planes)
+            rows[package.name][name] = score(path, start.trajectory.t_ns, truth)
             if number == chosen.dives:
                 ingest = run_dive(package, chosen.folder / "cad", last_step="ingest").workspace.artifact("ingest")
-                on_hull[name] = lay_onto_cad_model(path, navigate, IngestArtifact(ingest).hull, global_from_hull)
+                mesh = IngestArtifact(ingest).hull
+                assert mesh is not None
+                on_hull[name] = lay_onto_cad_model(path.path(), start, mesh, truth.global_from_hull)
     ratio = {name: row["with planes"]["rigid_m"] / row["without planes"]["rigid_m"] for name, row in rows.items()}
     text = json.dumps({"dives": rows, "ratio": ratio, "median_ratio": statistics.median(ratio.values())}, indent=1)
     print(text)

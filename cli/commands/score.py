@@ -60,8 +60,10 @@ def figures(package: Path, runs: Path, overrides: tuple[str, ...], jobs: int, al
     """Draw the sources' figures on one simulated dive: pictures and their tables, in RUNS/<dive>/compare/figures.
 
     Cross-sections of the three methods, labels by iteration, cost by iteration and by time, the DVL's residuals before and
-    after, the height of a structure. Solves what `compare-methods` has not solved, and runs the chain up to `detect`,
-    whose heights are the ones delivered.
+    after, the height of a structure; the sigma along the path and its links, two-view models (one camera), DVL returns on the
+    CAD model with planes and without, the sonar mosaic's variance by source of poses; and, of scenes made for it, when a
+    homography explains two images, search ellipses, a sphere mapped by planes. Solves what `compare-methods` has not solved,
+    runs the chain up to `detect`, whose heights are the ones delivered, and with one camera `links` twice more.
     """
     from hullrecon.api.commands import draw_figures
 

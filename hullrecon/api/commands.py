@@ -110,9 +110,10 @@ def compare_methods(dive: DiveRun, *, jobs: int = 1, progress: Progress | None =
 def draw_figures(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = None) -> tuple[Path, list[PublishedFigure]]:
     """Draw the sources' figures on a simulated dive; return their folder (RUNS/<dive>/compare/figures) and the figures.
 
-    Solves what `compare_methods` has not solved, and runs the chain up to `detect`, whose heights are the ones delivered.
-    Raises InputError when the package holds no truth.
+    Solves what `compare_methods` has not solved, runs the chain up to `detect`, whose heights are the ones delivered, and with
+    one camera `links` for each two-view model. Raises InputError when the package holds no truth.
     """
+    from hullrecon.api.path_figures import draw_path_figures
     from hullrecon.evaluation.figures.figures import draw_figures as draw
     from hullrecon.evaluation.scoring.truth import read_truth
 
@@ -120,7 +121,9 @@ def draw_figures(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = No
     with _run_context(dive, jobs, progress) as run_context:
         solve_all(dive, run_context)
         find_objects(dive, run_context)
-    figures = draw(read_solutions(dive), read_dead_reckoning(dive), truth, read_objects(dive))
+        start = read_dead_reckoning(dive)
+        figures = draw(read_solutions(dive), start, truth, read_objects(dive))
+        figures += draw_path_figures(dive, start, truth, run_context)
     folder = dive.workspace.root / COMPARE_FOLDER / "figures"
     out = ArtifactWriter(folder)
     for figure in figures:

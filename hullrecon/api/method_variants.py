@@ -72,7 +72,7 @@ def solve_all(dive: DiveRun, run_context: RunContext) -> None:
     run_chain(before, dive.workspace, run_context)
     with dive.workspace.lock():
         for variant in variants():
-            _solve(variant.chain(whole), dive.workspace, variant.workspace(dive), run_context)
+            build_step("adjust", variant.chain(whole), dive.workspace, variant.workspace(dive), run_context)
         run_context.hashes.save()
 
 
@@ -82,8 +82,9 @@ def find_objects(dive: DiveRun, run_context: RunContext) -> None:
         run_chain(dive.chain.up_to("detect"), dive.workspace, run_context)
 
 
-def _solve(chain: Chain, upstream: Workspace, target: Workspace, run_context: RunContext) -> None:
-    stage = next(s for s in chain.stages if s.name == "adjust")
+def build_step(name: str, chain: Chain, upstream: Workspace, target: Workspace, run_context: RunContext) -> None:
+    """Bring one step of a chain up to date in another workspace than that of the steps before it."""
+    stage = next(s for s in chain.stages if s.name == name)
     job = make_job(
         stage, chain.sections, inputs_of(stage, chain, upstream, chain.skip_reasons()), chain.package, run_context.hashes
     )

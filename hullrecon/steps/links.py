@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.schema import Tray
 from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settings
 from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph
@@ -28,17 +29,8 @@ from hullrecon.vision.stereo.camera_rig import CameraRig
 def run(context: Context[LinkOptions]) -> None:
     """Leave what pairs of images have in common, which patches of the hull were passed again, and the path that this ties."""
     inputs = InputArtifacts(context.inputs)
-    settings = inputs.mounted(context.settings)
-    navigate = inputs.navigate
-    graph = PoseGraph(
-        trajectory=navigate.trajectory,
-        odometry=navigate.odometry,
-        attitude=navigate.attitude,
-        rig=rig_priors_from_settings(settings, inputs.ingest.camera_models),
-        kernel=context.parameters.kernel,
-        positions=navigate.positions,
-    )
-    returns = navigate.returns if context.parameters.planes else None
+    graph = pose_graph(inputs, inputs.mounted(context.settings), context.parameters.kernel)
+    returns = inputs.navigate.returns if context.parameters.planes else None
     planar = None if returns is None else planar_graph(graph, returns, inputs.ingest.hull)
     solved: list[GraphSolution] = []  # one a round; the last is delivered
 
@@ -53,6 +45,19 @@ def run(context: Context[LinkOptions]) -> None:
         context.out.arrays("path.npz", to_arrays(solve(no_links(), None).record()))
     facts = facts | _write_planes(context, solved[-1]) | _describe_positions(context, solved[-1])
     context.out.json("links.json", facts)
+
+
+def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str) -> PoseGraph:
+    """Return the pose graph of a dive without links; settings: with the mounts in place that the log tells."""
+    navigate = inputs.navigate
+    return PoseGraph(
+        trajectory=navigate.trajectory,
+        odometry=navigate.odometry,
+        attitude=navigate.attitude,
+        rig=rig_priors_from_settings(settings, inputs.ingest.camera_models),
+        kernel=kernel,
+        positions=navigate.positions,
+    )
 
 
 def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]) -> dict[str, object]:

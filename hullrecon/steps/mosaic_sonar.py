@@ -5,17 +5,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import BinaryIO
 
 import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage
+from hullrecon.artifacts.graph.stage_settings import StageSettings
 from hullrecon.dive.config.schema import Topics
 from hullrecon.errors import StageError
-from hullrecon.geometry.poses import from_mount
+from hullrecon.geometry.poses import Poses, from_mount
+from hullrecon.mosaic.mosaic_surface import MosaicSurface
 from hullrecon.mosaic.options import SonarOptions
 from hullrecon.mosaic.position_sigma import PingUncertainty, median_position_sigma
-from hullrecon.mosaic.sonar import sonar_mosaic
+from hullrecon.mosaic.sonar import Progress, SonarMosaic, sonar_mosaic
 from hullrecon.records.sensors import SonarPings
+from hullrecon.records.trajectory import VehicleTrack
 from hullrecon.rig import rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
 from hullrecon.steps.mosaics import read_mosaic_inputs, write_mosaic
@@ -34,20 +38,13 @@ def applies(settings: Mapping[str, object]) -> str | None:
 
 
 def run(context: Context[SonarOptions]) -> None:
-    options, artifacts = context.parameters, InputArtifacts(context.inputs)
+    artifacts = InputArtifacts(context.inputs)
     settings = artifacts.mounted(context.settings)
     pings = _pings(artifacts)
-    inputs = read_mosaic_inputs(artifacts, options.reach_m)
-    rig = rig_from_settings({key: settings[key] for key in SONAR_KEYS})
-    joint = settings.read_optional("sonar.joint", str)
-    poses = sonar_poses(rig, inputs.track, pings.t_ns, joint, artifacts.ingest.sonar_joint)
-    elevation_rad = np.radians(settings.read("sonar.elevation_deg", float))
-    try:
-        with context.out.scratch() as scratch:
-            mosaic = sonar_mosaic(inputs.surface, pings, poses, elevation_rad, options, context.progress, scratch)
-    except ValueError as error:
-        remedy = f"check the mount of the sonar, and whether its {pings.range_m.max():.1f} m reach the surface that was found"
-        raise StageError(f"no sonar mosaic: {error}", where="mosaic-sonar", remedy=remedy) from error
+    inputs = read_mosaic_inputs(artifacts, context.parameters.reach_m)
+    poses = ping_poses(artifacts, settings, inputs.track)
+    with context.out.scratch() as scratch:
+        mosaic = blend_pings(inputs.surface, pings, poses, settings, context.progress, scratch)
     nodes_ns, mount_sigma = inputs.track.t_ns, np.array(settings.read("sonar.mount_sigma", tuple))
     uncertainty = PingUncertainty(
         sonar=poses,
@@ -65,6 +62,29 @@ def run(context: Context[SonarOptions]) -> None:
         else ["returns left as they were"],
     }
     write_mosaic(context, inputs, mosaic.store, "Sonar mosaic", facts)
+
+
+def ping_poses(artifacts: InputArtifacts, settings: StageSettings, track: VehicleTrack) -> Poses:
+    """Return T_x_o (n) at the pings in the track's frame; settings: with the mounts in place that the log tells.
+
+    Raises StageError where there is no ping, or the sonar's servo was not logged."""
+    rig = rig_from_settings({key: settings[key] for key in SONAR_KEYS})
+    joint = settings.read_optional("sonar.joint", str)
+    return sonar_poses(rig, track, _pings(artifacts).t_ns, joint, artifacts.ingest.sonar_joint)
+
+
+def blend_pings(
+    surface: MosaicSurface, pings: SonarPings, poses: Poses, settings: StageSettings, progress: Progress, scratch: BinaryIO
+) -> SonarMosaic:
+    """Return the mosaic of posed pings on a surface; scratch: an empty file. Raises StageError where no ping meets it."""
+    elevation_rad = np.radians(settings.read("sonar.elevation_deg", float))
+    try:
+        return sonar_mosaic(
+            surface, pings, poses, elevation_rad, settings.read("mosaic-sonar", SonarOptions), progress, scratch
+        )
+    except ValueError as error:
+        remedy = f"check the mount of the sonar, and whether its {pings.range_m.max():.1f} m reach the surface that was found"
+        raise StageError(f"no sonar mosaic: {error}", where="mosaic-sonar", remedy=remedy) from error
 
 
 def _pings(artifacts: InputArtifacts) -> SonarPings:

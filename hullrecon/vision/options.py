@@ -12,6 +12,7 @@ from hullrecon.dive.config.schema import Positive, Section
 
 Share = Annotated[float, Meta(ge=0, le=1)]
 Count = Annotated[int, Meta(ge=1)]
+TwoViewModel = Literal["automatic", "essential", "homography"]
 
 
 class MatchOptions(Section, frozen=True):
@@ -57,6 +58,11 @@ class MatchOptions(Section, frozen=True):
             description="share, of the matches of two images that may be Harris corners with Zernike moments; 0 is SIFT alone",
         ),
     ] = 0.0
+
+    two_view_model: Annotated[
+        TwoViewModel,
+        Meta(description="what explains two images of one camera: the likelier of both, essential matrix, or homography alone"),
+    ] = "automatic"
 
     seeds: Annotated[
         Count, Meta(description="features that look for the motion near navigation's; the guided search takes all")

@@ -35,6 +35,11 @@ def test_a_flat_wall_is_a_homography_and_a_rough_one_is_not():
     assert two_view.fit(*scene(0.2), 2 / FOCAL).model == "essential"
 
 
+def test_a_model_that_is_asked_for_is_taken_whatever_fits_better():
+    assert two_view.fit(*scene(0.0), 2 / FOCAL, "essential").model == "essential"
+    assert two_view.fit(*scene(0.2), 2 / FOCAL, "homography").model == "homography"
+
+
 def test_the_true_motion_has_no_sampson_error():
     first, second = scene(0.2, sigma_px=0.0)
     np.testing.assert_allclose(two_view.sampson_squared(two_view.essential_of(MOTION), first, second), 0, atol=1e-20)

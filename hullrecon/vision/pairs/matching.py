@@ -205,14 +205,14 @@ class PairMatcher:
     ) -> PairMatch:
         """Match by two-view geometry alone; the motion's length is navigation's."""
         xy = first.xy[seeds.first], second.xy[seeds.second]
-        found = two_view.fit(*xy, self.options.verify_px / self.rig.focal_px(Camera.TOP))
+        tolerance = self.options.verify_px / self.rig.focal_px(Camera.TOP)
+        found = two_view.fit(*xy, tolerance, self.options.two_view_model)
         possible = [] if found is None else two_view.motions_of(found, *xy)
         if found is None or found.inlier.sum() < self.options.min_inliers or not possible:
             return failed_match(len(seeds), Reason.FEW_INLIERS)
         inlier = found.inlier
         motion = mono_inliers.choose(possible, (xy[0][inlier], xy[1][inlier]), prior, first.normal)
-        limit = (self.options.verify_px / self.rig.focal_px(Camera.TOP)) ** 2
-        inlier = inlier & (two_view.sampson_squared(two_view.essential_of(motion.second_from_first), *xy) < limit)
+        inlier = inlier & (two_view.sampson_squared(two_view.essential_of(motion.second_from_first), *xy) < tolerance**2)
         if inlier.sum() < self.options.min_inliers:
             return failed_match(len(seeds), Reason.FEW_INLIERS)
         kept = Putative(first=seeds.first[inlier], second=seeds.second[inlier], distance=seeds.distance[inlier])

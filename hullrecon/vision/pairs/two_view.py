@@ -12,6 +12,7 @@ import numpy as np
 
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array, Mask
+from hullrecon.vision.options import TwoViewModel
 
 
 @dataclass(frozen=True)
@@ -32,9 +33,9 @@ class PossibleMotion:
     normal: Array | None = None
 
 
-def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
-    """Return the better of both models by RANSAC on ideal coordinates (n, 2), scored on all matches; None when fewer than 8
-    or neither fits."""
+def fit(first: Array, second: Array, tolerance: float, model: TwoViewModel = "automatic") -> TwoView | None:
+    """Return the better of both models by RANSAC on ideal coordinates (n, 2), scored on all matches, or the one asked for; None
+    when fewer than 8 or neither fits."""
     import cv2
 
     if len(first) < 8:
@@ -49,7 +50,7 @@ def fit(first: Array, second: Array, tolerance: float) -> TwoView | None:
     sigma = 0.5 * tolerance
     gic_e = criterion(errors[0] / sigma**2, dimension=3, parameters=5)
     gic_h = criterion(errors[1] / sigma**2, dimension=2, parameters=8)
-    if gic_h < gic_e:
+    if model == "homography" or (model == "automatic" and gic_h < gic_e):
         return TwoView("homography", homography, errors[1] < tolerance**2)
     return TwoView("essential", essential[:3], errors[0] < tolerance**2)
 

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the figures of a path say of a dive with one camera is what its run and its truth say."""
+
+import csv
+
+import numpy as np
+import pytest
+from end_to_end.shell import Shell
+
+from hullrecon.api.dive_run import open_dive
+from hullrecon.api.method_variants import read_dead_reckoning
+from hullrecon.api.path_figures import draw_path_figures
+from hullrecon.artifacts.execution.executor import choose_executor
+from hullrecon.artifacts.execution.progress import Silent
+from hullrecon.artifacts.execution.runner import RunContext
+from hullrecon.evaluation.scoring.truth import read_truth
+from hullrecon.geometry.rigid_fit import fit_rigid
+from hullrecon.steps.artifacts import LinksArtifact
+
+pytestmark = pytest.mark.slow
+DIVE = (
+    "--cameras", "mono", "--legs", 2, "--leg-length-m", 2.5, "--image-width", 400, "--image-height", 320,
+    "--structures", 1, "--marks", 0, "--barnacles", 0, "--heading-drift-deg-per-hour", 400, "--seed", 6,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    """The dive, and its figures by name."""
+    shell = Shell(tmp_path_factory.mktemp("path_figures"))
+    shell("simulate", "dive", *DIVE)
+    shell("run", "dive", "--runs", "runs", "--to", "detect")
+    dive = open_dive(shell.folder / "dive", shell.folder / "runs", ())
+    with choose_executor(1) as executor:
+        figures = draw_path_figures(
+            dive,
+            read_dead_reckoning(dive),
+            read_truth(dive.chain.package),
+            RunContext(dive.workspace.hashes(), executor, Silent()),
+        )
+    return dive, {figure.name: figure for figure in figures}
+
+
+def rows(figure):
+    return list(csv.DictReader(figure.csv.splitlines()))
+
+
+def test_all_that_such_a_dive_can_show_is_drawn(drawn):
+    assert set(drawn[1]) >= {"sigma_along_path", "links_on_hull", "two_view_models", "sonar_variance"}
+
+
+def test_links_make_the_path_better_known_than_dead_reckoning(drawn):
+    last = rows(drawn[1]["sigma_along_path"])[-1]
+    assert 0 < float(last["with_links_m"]) < 0.5 * float(last["dead_reckoned_m"])
+
+
+def test_every_pair_that_the_run_joined_is_a_link_of_the_figure(drawn):
+    dive, figures = drawn
+    joined = [(int(r["first"]), int(r["second"])) for r in rows(figures["links_on_hull"]) if r["joined"] == "1"]
+    pairs = LinksArtifact(dive.workspace.artifact("links")).pairs
+    assert joined == list(zip(pairs.first[pairs.joined].tolist(), pairs.second[pairs.joined].tolist(), strict=True))
+    assert joined
+
+
+def test_the_path_of_the_chosen_models_is_the_one_of_the_run_and_its_error_is_true(drawn):
+    dive, figures = drawn
+    by_model = {r["model"]: r for r in rows(figures["two_view_models"])}
+    assert list(by_model) == ["essential matrix alone", "homography alone", "chosen by the criterion"]
+    start, truth = read_dead_reckoning(dive).trajectory, read_truth(dive.chain.package)
+    at = LinksArtifact(dive.workspace.artifact("links")).path.pose[:, :3]
+    true = truth.vehicle_at(start.t_ns / 1e9).translation
+    error = fit_rigid(at, true).apply(at) - true
+    chosen = float(by_model["chosen by the criterion"]["rigid_rms_m"])
+    assert chosen == pytest.approx(np.sqrt(np.mean(np.sum(error**2, axis=1))), abs=2e-5)
+    assert chosen < 0.01
+    assert not (dive.workspace.root / "compare" / "links-automatic").exists()
+    assert (dive.workspace.root / "compare" / "links-essential" / "links" / "path.npz").exists()
+
+
+def test_the_variance_of_the_sonar_mosaic_is_compared_for_all_sources_of_poses(drawn):
+    table = rows(drawn[1]["sonar_variance"])
+    names = [name for name in table[0] if name.startswith("share_")]
+    assert names[0] == "share_dead_reckoned"
+    assert names[-2:] == ["share_with_links", "share_adjusted"]
+    assert all(float(table[0][name]) == 1.0 for name in names)
