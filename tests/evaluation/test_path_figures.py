@@ -112,3 +112,30 @@ def test_each_model_has_its_pairs_and_errors(track: VehicleTrack, truth: Truth) 
     assert rows["essential"][0] == 7
     assert rows["essential"][1] > rows["essential"][2] > 0.05
     assert "automatic" in figure.caption
+
+
+def test_a_path_that_nothing_ties_is_drawn_without_a_link(track: VehicleTrack, truth: Truth) -> None:
+    none = np.zeros(0, np.int64)
+    empty = NodePairs(
+        first=none, second=none, across=none.astype(bool), overlap=np.zeros(0), round=none, putative=none, reason=none,
+        rejected=none.astype(bool),
+    )  # fmt: skip
+    figure = links_on_hull(drifted(track, 0.3), track, empty, truth)
+    assert "0 between neighbours, 0 across legs" in figure.caption
+    assert figure.csv.splitlines() == ["first,second,across,joined,rejected"]
+
+
+def test_every_figure_is_a_picture_and_the_same_dive_gives_the_same_bytes(track: VehicleTrack, truth: Truth) -> None:
+    def draw() -> list[bytes]:
+        off = drifted(track, 0.3)
+        paths = {"automatic": LinkedBy(track=track, joined=12)}
+        figures = (
+            sigma_along_path({"dead reckoned": off}),
+            links_on_hull(off, track, pairs(), truth),
+            two_view_models(paths, truth),
+        )
+        return [figure.png for figure in figures]
+
+    first = draw()
+    assert all(png[:4] == b"\x89PNG" for png in first)
+    assert draw() == first
