@@ -15,6 +15,8 @@ from hullrecon.typing import Array, Mask
 
 Model = Literal["essential", "homography"]
 
+ESSENTIAL, HOMOGRAPHY = (3, 5), (2, 8)  # dimension of the manifold of matches, parameters [KimEustice2009 III-B]
+
 
 @dataclass(frozen=True)
 class TwoView:
@@ -77,8 +79,8 @@ def fit_both(first: Array, second: Array, tolerance: float) -> BothModels | None
         return None
     errors = sampson_squared(essential[:3], first, second), homography_squared(homography, first, second)
     sigma = 0.5 * tolerance
-    gic_e = criterion(errors[0] / sigma**2, dimension=3, parameters=5)
-    gic_h = criterion(errors[1] / sigma**2, dimension=2, parameters=8)
+    gic_e = criterion(errors[0] / sigma**2, *ESSENTIAL)
+    gic_h = criterion(errors[1] / sigma**2, *HOMOGRAPHY)
     return BothModels(
         essential=ScoredModel("essential", essential[:3], errors[0], gic_e),
         homography=ScoredModel("homography", homography, errors[1], gic_h),

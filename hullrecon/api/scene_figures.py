@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""The sources' figures of scenes that need no dive: choice of model by relief, search ellipses, the map of a sphere."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hullrecon.evaluation.figures.figure_style import PublishedFigure
+from hullrecon.evaluation.figures.gic_by_relief import CriterionTrials, gic_by_relief
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.poses import exp
+from hullrecon.typing import Array
+from hullrecon.vision.pairs import two_view
+
+CAMERA = CameraModel(width=1360, height=1024, fx=1200.0, fy=1200.0, cx=679.5, cy=511.5)
+PIXEL_SIGMA = 1.0
+PIXEL_IDEAL = PIXEL_SIGMA / CAMERA.fx  # in ideal coordinates
+DISTANCE_M, BASELINE_M = 1.5, 0.3
+SECOND_FROM_FIRST = exp([[-BASELINE_M, 0.0, 0.0, *np.radians([1.0, -2.0, 0.5])]])
+
+PEAKS_M = np.array([0, 5, 10, 20, 30, 50, 100, 200, 400]) * 1e-3
+PEAKS_SIZE_M = np.array([1.0, 0.7])
+PEAKS_POINTS, PEAKS_TRIALS = 100, 25
+
+
+def draw_scene_figures() -> list[PublishedFigure]:
+    """Draw [KimEustice2009 Fig. 2]."""
+    return [gic_by_relief(criterion_trials())]
+
+
+def criterion_trials() -> dict[str, CriterionTrials]:
+    """Return the criteria of both models of noisy views of MATLAB's peaks, by how an outlier counts: in full, as
+    [KimEustice2009 III-B] has it, and capped, as two_view has it."""
+    rng = np.random.default_rng(0)
+    full, capped = np.empty((2, 2, len(PEAKS_M), PEAKS_TRIALS))
+    for k, peak_m in enumerate(PEAKS_M):
+        for trial in range(PEAKS_TRIALS):
+            both = two_view.fit_both(*_views_of_peaks(rng, float(peak_m)), 2 * PIXEL_IDEAL)
+            if both is None:
+                raise AssertionError("neither model fits a hundred matches without outliers")
+            for of, (found, size) in enumerate(((both.homography, two_view.HOMOGRAPHY), (both.essential, two_view.ESSENTIAL))):
+                penalty = two_view.criterion(np.zeros(PEAKS_POINTS), *size)
+                full[of, k, trial] = found.squared_error.sum() / PIXEL_IDEAL**2 + penalty
+                capped[of, k, trial] = found.criterion
+    return {
+        "as published": CriterionTrials(peak_m=PEAKS_M, homography=full[0], essential=full[1]),
+        "outliers capped (the software)": CriterionTrials(peak_m=PEAKS_M, homography=capped[0], essential=capped[1]),
+    }
+
+
+def _views_of_peaks(rng: np.random.Generator, peak_m: float) -> tuple[Array, Array]:
+    """Return points of the surface (n, 2) in ideal coordinates of two cameras, with pixel noise.
+
+    The middle of the surface lies DISTANCE_M ahead of the middle of both cameras; its peaks rise towards them."""
+    across = PEAKS_SIZE_M * rng.uniform(-0.5, 0.5, (PEAKS_POINTS, 2))
+    height = peak_m * peaks(*(6 * across / PEAKS_SIZE_M).T)
+    points = np.column_stack([across + np.array([0.5 * BASELINE_M, 0.0]), DISTANCE_M - height])
+    noise = PIXEL_IDEAL * rng.standard_normal((2, PEAKS_POINTS, 2))
+    there = SECOND_FROM_FIRST.apply(points)
+    return points[:, :2] / points[:, 2:] + noise[0], there[:, :2] / there[:, 2:] + noise[1]
+
+
+def peaks(x: Array, y: Array) -> Array:
+    """Return MATLAB's function of that name for x and y from -3 to 3, scaled so that its highest peak is 1; its deepest
+    hollow is -0.81."""
+    first = 3 * (1 - x) ** 2 * np.exp(-(x**2) - (y + 1) ** 2)
+    middle = 10 * (x / 5 - x**3 - y**5) * np.exp(-(x**2) - y**2)
+    last = np.exp(-((x + 1) ** 2) - y**2) / 3
+    return np.asarray((first - middle - last) / 8.1062)
