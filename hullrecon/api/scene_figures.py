@@ -8,25 +8,38 @@ import numpy as np
 
 from hullrecon.evaluation.figures.figure_style import PublishedFigure
 from hullrecon.evaluation.figures.gic_by_relief import CriterionTrials, gic_by_relief
+from hullrecon.evaluation.figures.search_ellipses import TransferredPoints, search_ellipses
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import exp
 from hullrecon.typing import Array
 from hullrecon.vision.pairs import two_view
+from hullrecon.vision.pairs.gating import Motion, transfer
 
 CAMERA = CameraModel(width=1360, height=1024, fx=1200.0, fy=1200.0, cx=679.5, cy=511.5)
 PIXEL_SIGMA = 1.0
 PIXEL_IDEAL = PIXEL_SIGMA / CAMERA.fx  # in ideal coordinates
 DISTANCE_M, BASELINE_M = 1.5, 0.3
-SECOND_FROM_FIRST = exp([[-BASELINE_M, 0.0, 0.0, *np.radians([1.0, -2.0, 0.5])]])
+SECOND_FROM_FIRST = exp([[-BASELINE_M, 0.0, 0.0, *np.radians([1.0, 5.0, 0.5])]])
 
 PEAKS_M = np.array([0, 5, 10, 20, 30, 50, 100, 200, 400]) * 1e-3
 PEAKS_SIZE_M = np.array([1.0, 0.7])
 PEAKS_POINTS, PEAKS_TRIALS = 100, 25
 
+POSE_SIGMAS = {
+    "1 cm and 0.5°": (0.01, 0.5),
+    "5 cm and 2°": (0.05, 2.0),
+    "15 cm and 6°": (0.15, 6.0),
+}  # m, degrees about each axis
+DEPTH_SIGMA_M = 0.05
+SAMPLES = 3000
+
 
 def draw_scene_figures() -> list[PublishedFigure]:
-    """Draw [KimEustice2009 Fig. 2]."""
-    return [gic_by_relief(criterion_trials())]
+    """Draw [KimEustice2009 Fig. 2; Ozog2016 Fig. D.4]."""
+    return [
+        gic_by_relief(criterion_trials()),
+        search_ellipses(transferred_points(), (CAMERA.width, CAMERA.height)),
+    ]
 
 
 def criterion_trials() -> dict[str, CriterionTrials]:
@@ -68,3 +81,34 @@ def peaks(x: Array, y: Array) -> Array:
     middle = 10 * (x / 5 - x**3 - y**5) * np.exp(-(x**2) - y**2)
     last = np.exp(-((x + 1) ** 2) - y**2) / 3
     return np.asarray((first - middle - last) / 8.1062)
+
+
+def transferred_points() -> dict[str, TransferredPoints]:
+    """Return a 4 x 4 grid of pixels of a scene DISTANCE_M away, transferred to the second camera by PCCS and, by drawing pose,
+    depth and both images' noise, sample by sample; by the pose's sigmas."""
+    rng = np.random.default_rng(0)
+    columns, rows = np.meshgrid((np.arange(4) + 0.5) * CAMERA.width / 4, (np.arange(4) + 0.5) * CAMERA.height / 4)
+    xy = CAMERA.undistort(np.column_stack([columns.ravel(), rows.ravel()]))
+    depth, depth_sigma = np.full(len(xy), DISTANCE_M), np.full(len(xy), DEPTH_SIGMA_M)
+    found = {}
+    for name, (sigma_m, sigma_deg) in POSE_SIGMAS.items():
+        sigma = np.repeat([sigma_m, np.radians(sigma_deg)], 3)
+        motion = Motion(SECOND_FROM_FIRST.matrix()[0], np.diag(sigma**2))
+        mean, covariance = transfer(motion, xy, depth, depth_sigma, PIXEL_IDEAL)
+        found[name] = TransferredPoints(
+            mean=CAMERA.distort(mean),
+            covariance=CAMERA.fx**2 * covariance,
+            samples=np.stack([_sampled(rng, point, sigma) for point in xy]),
+        )
+    return found
+
+
+def _sampled(rng: np.random.Generator, xy: Array, sigma: Array) -> Array:
+    """Return where a point xy (2,) of the first image comes to lie in the second, px (SAMPLES, 2). sigma (6,): of the motion's
+    translation, in the second camera's axes, and of its rotation, on the right of it."""
+    errors = sigma * rng.standard_normal((SAMPLES, 6))
+    seen = xy + PIXEL_IDEAL * rng.standard_normal((SAMPLES, 2))
+    depth = DISTANCE_M + DEPTH_SIGMA_M * rng.standard_normal((SAMPLES, 1))
+    turn = exp(np.hstack([np.zeros((SAMPLES, 3)), errors[:, 3:]]))
+    there = SECOND_FROM_FIRST.apply(turn.apply(depth * np.hstack([seen, np.ones((SAMPLES, 1))]))) + errors[:, :3]
+    return CAMERA.project(there) + PIXEL_SIGMA * rng.standard_normal((SAMPLES, 2))
