@@ -6,11 +6,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from hullrecon import native
 from hullrecon.evaluation.figures.figure_style import PublishedFigure
 from hullrecon.evaluation.figures.gic_by_relief import CriterionTrials, gic_by_relief
 from hullrecon.evaluation.figures.search_ellipses import TransferredPoints, search_ellipses
+from hullrecon.evaluation.figures.sphere import MappedSphere, SphereSurvey, sphere
 from hullrecon.geometry.cameras import CameraModel
-from hullrecon.geometry.poses import exp
+from hullrecon.geometry.poses import exp, pose_from_vector
+from hullrecon.navigation.planes.planar_graph import PlanarGraph
+from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph
+from hullrecon.records.links import no_links
+from hullrecon.rig import SensorRig
+from hullrecon.synthetic.ellipsoid_dive import POLE_DEPTH_M, EllipsoidDive, spiral_around_a_sphere
 from hullrecon.typing import Array
 from hullrecon.vision.pairs import two_view
 from hullrecon.vision.pairs.gating import Motion, transfer
@@ -33,12 +40,16 @@ POSE_SIGMAS = {
 DEPTH_SIGMA_M = 0.05
 SAMPLES = 3000
 
+SPHERE_M, SPHERE_TURNS, SPHERE_DRIFT = 10.0, 2.0, 20.0  # radius, turns around it, drift of the heading in degrees an hour
+CHARACTERISTIC_M = (4.0, 6.0, 10.0, 14.0, 20.0)
+
 
 def draw_scene_figures() -> list[PublishedFigure]:
-    """Draw [KimEustice2009 Fig. 2; Ozog2016 Fig. D.4]."""
+    """Draw [KimEustice2009 Fig. 2; Ozog2016 Figs D.4, C.1, C.2], computed anew."""
     return [
         gic_by_relief(criterion_trials()),
         search_ellipses(transferred_points(), (CAMERA.width, CAMERA.height)),
+        sphere(sphere_survey()),
     ]
 
 
@@ -112,3 +123,33 @@ def _sampled(rng: np.random.Generator, xy: Array, sigma: Array) -> Array:
     turn = exp(np.hstack([np.zeros((SAMPLES, 3)), errors[:, 3:]]))
     there = SECOND_FROM_FIRST.apply(turn.apply(depth * np.hstack([seen, np.ones((SAMPLES, 1))]))) + errors[:, :3]
     return CAMERA.project(there) + PIXEL_SIGMA * rng.standard_normal((SAMPLES, 2))
+
+
+def sphere_survey() -> SphereSurvey:
+    """Return a spiral around a sphere, as the pose graph has it without planes and with them, by characteristic radius."""
+    dive = spiral_around_a_sphere(5, radius_m=SPHERE_M, turns=SPHERE_TURNS, drift_deg_per_hour=SPHERE_DRIFT)
+    graph = PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig)
+    planes = {}
+    for radius in CHARACTERISTIC_M:
+        curvature = np.array([1.0, 0.3, 1.0]) / radius  # azimuth, twist, elevation
+        solved = PlanarGraph(graph=graph, returns=dive.returns, curvature=curvature).solve(no_links())
+        planes[radius] = _mapped(dive, solved)
+    return SphereSurvey(
+        radius_m=SPHERE_M,
+        middle=np.array([SPHERE_M, 0.0, POLE_DEPTH_M]),
+        truth=dive.truth.translation,
+        reckoned=_mapped(dive, graph.solve(no_links())),
+        planes=planes,
+    )
+
+
+def _mapped(dive: EllipsoidDive, solved: GraphSolution) -> MappedSphere:
+    """Return the path with its sigma, and where its beams end with the DVL's mount as it was found."""
+    found = pose_from_vector(solved.problem.unknowns.T_s_d)
+    sensors = SensorRig(tray_origin=dive.rig.tray_origin, pressure_origin=dive.rig.pressure_origin, tray_from_dvl=found)
+    position = native.covariance(solved.problem, OPTIONS).pose[:, :3, :3]
+    return MappedSphere(
+        path=solved.path.poses.translation,
+        sigma=np.sqrt(np.trace(position, axis1=1, axis2=2)),
+        points=sensors.dvl_points(dive.returns, solved.path).points,
+    )
