@@ -54,7 +54,7 @@ def gic_by_relief(scorings: Mapping[str, CriterionTrials]) -> PublishedFigure:
     figure, axes = new_canvas(4.2 * (len(scorings) + 1), 3.8, 1, len(scorings) + 1)
     *panels, shares = axes[0]
     table = ["scoring,peak_m,trials,homography_mean,homography_sigma,essential_mean,essential_sigma,share_homography"]
-    for axis, (name, trials), colour_of in zip(panels, scorings.items(), (INK, GREEN), strict=True):
+    for axis, (name, trials), colour_of in zip(panels, scorings.items(), (INK, GREEN)[: len(scorings)], strict=True):
         peak_mm, share, crossing = 1e3 * trials.peak_m, trials.share_of_homography(), trials.crossing_m()
         _draw_criteria(axis, trials)
         axis.set_title(name, fontsize=9)

@@ -77,7 +77,7 @@ def _draw_points(axis: Axes, points: TransferredPoints, image_px: tuple[int, int
     for k, (samples, outline) in enumerate(zip(points.samples[:, :MOST_DRAWN], points.outlines(), strict=True)):
         shade = palette[(k + 2 * (k // 4)) % 4]
         labels = ("samples", "99 % ellipse") if k == 0 else (None, None)
-        axis.scatter(*samples.T, s=1.6, color=shade, alpha=0.45, linewidths=0, label=labels[0])
+        axis.scatter(samples[:, 0], samples[:, 1], s=1.6, color=shade, alpha=0.45, linewidths=0, label=labels[0])
         axis.plot(*outline.T, color=shade, linewidth=1.2, label=labels[1])
     axis.add_patch(border)
     axis.set_aspect("equal", adjustable="datalim")
