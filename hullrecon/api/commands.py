@@ -114,6 +114,7 @@ def draw_figures(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = No
     one camera `links` for each two-view model. Raises InputError when the package holds no truth.
     """
     from hullrecon.api.path_figures import draw_path_figures
+    from hullrecon.api.scene_figures import draw_scene_figures
     from hullrecon.evaluation.figures.figures import draw_figures as draw
     from hullrecon.evaluation.scoring.truth import read_truth
 
@@ -123,7 +124,7 @@ def draw_figures(dive: DiveRun, *, jobs: int = 1, progress: Progress | None = No
         find_objects(dive, run_context)
         start = read_dead_reckoning(dive)
         figures = draw(read_solutions(dive), start, truth, read_objects(dive))
-        figures += draw_path_figures(dive, start, truth, run_context)
+        figures += [*draw_path_figures(dive, start, truth, run_context), *draw_scene_figures()]
     folder = dive.workspace.root / COMPARE_FOLDER / "figures"
     out = ArtifactWriter(folder)
     for figure in figures:

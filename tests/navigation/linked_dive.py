@@ -17,14 +17,14 @@ from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry.poses import Poses, from_mount, identity
 from hullrecon.records.links import CameraLinks
 from hullrecon.records.trajectory import Attitude, Odometry, Trajectory
+from hullrecon.synthetic.ellipsoid_dive import ATTITUDE_SIGMA, TRAY_ORIGIN_M
+from hullrecon.synthetic.vehicle.odometry import measured_steps, reckoned
 
 STEP_S, STEP_M, APART_M = 2.0, 0.5, 0.6
 STEP_SIGMA = np.r_[np.full(3, 3e-3), np.full(3, 5e-4)]  # m, rad of odometry a step
 LINK_SIGMA = np.r_[np.full(3, 3e-3), np.full(3, 1e-3)]
-ATTITUDE_SIGMA = np.array([0.01, 1e-3, 1e-3])  # m, rad, rad
 NAVIGATION_SIGMA = np.array([0.01, 1e-3, 2e-3, 2e-3, 0.02, 1e-3])  # scale, drift rad/s, roll, pitch, depth m, backlash
 DVL_TURN_SIGMA = np.radians(0.3)
-TRAY_ORIGIN_M = np.array([0.4, 0.0, 0.1])
 TRAY_FROM_TOP, TOP_FROM_BOTTOM = from_mount([0.03, 0.05, -0.05, 90, 0, 90]), from_mount([0.0, 0.1, 0.0, 0.5, -0.3, 0.2])
 
 
@@ -64,7 +64,7 @@ def simulate(seed: int, per_leg: int = 30, drift: float | None = None) -> Linked
     truth = true_path(per_leg)
     navigation = NAVIGATION_SIGMA * rng.standard_normal(6)
     navigation[1] = navigation[1] if drift is None else drift
-    odometry = measured_steps(rng, truth, navigation, DVL_TURN_SIGMA * rng.standard_normal(3))
+    odometry = measured_steps(rng, truth, navigation, DVL_TURN_SIGMA * rng.standard_normal(3), STEP_S, STEP_SIGMA)
     roll_pitch = Rotation.from_matrix(truth[:, :3, :3]).as_euler("xyz")[:, :2] + navigation[2:4]
     measured = np.column_stack([truth[:, 2, 3] + navigation[4], roll_pitch]) + ATTITUDE_SIGMA * rng.standard_normal(
         (len(truth), 3)
@@ -80,7 +80,7 @@ def simulate(seed: int, per_leg: int = 30, drift: float | None = None) -> Linked
     )
     return LinkedDive(
         global_from_vehicle=truth,
-        trajectory=reckoned(truth, odometry),
+        trajectory=reckoned(truth[0], odometry, STEP_S),
         odometry=odometry,
         attitude=attitude,
         rig=rig(),
@@ -114,55 +114,6 @@ def true_path(per_leg: int) -> np.ndarray:
     place = np.column_stack([0.05 * np.sin(0.3 * k), along, 3.0 + APART_M * back + 0.05 * np.sin(0.2 * k)])
     turn = np.column_stack([0.03 * np.sin(0.2 * k), 0.02 * np.cos(0.3 * k), 0.1 * np.sin(0.1 * k)])
     return matrices(place, Rotation.from_euler("xyz", turn))
-
-
-def measured_steps(
-    rng: np.random.Generator,
-    truth: np.ndarray,
-    navigation: np.ndarray,
-    mount: np.ndarray,
-    step_s: float = STEP_S,
-    step_sigma: np.ndarray = STEP_SIGMA,
-) -> Odometry:
-    """Steps with a wrong scale, a drifting heading and a mount turned by mount (3,) rad, besides white noise."""
-    first, second = np.arange(len(truth) - 1), np.arange(1, len(truth))
-    step = np.linalg.inv(truth[first]) @ truth[second]
-    t, m = step[:, :3, 3], len(first)
-    by_navigation, by_mount, by_tray = np.zeros((m, 6, 2)), np.zeros((m, 6, 3)), np.zeros((m, 6))
-    by_navigation[:, :3, 0] = t
-    by_navigation[:, :3, 1] = 0.5 * step_s * np.cross(truth[first, 2, :3], t)
-    by_navigation[:, 3:, 1] = step_s * truth[second, 2, :3]
-    by_mount[:, :3] = np.cross(t[:, None], np.eye(3))  # what a small turn of the mount does: turn x t
-    by_tray[:, :3] = np.cross([0.0, 1.0, 0.0], t)
-    error = by_navigation @ navigation[:2] + by_mount @ mount + step_sigma * rng.standard_normal((m, 6))
-    turn = Rotation.from_matrix(step[:, :3, :3]) * Rotation.from_rotvec(-error[:, 3:])
-    return Odometry(
-        first=first,
-        second=second,
-        quaternion=turn.as_quat(),
-        translation=t - error[:, :3],
-        covariance=np.tile(np.diag(step_sigma**2), (m, 1, 1)),
-        by_navigation=by_navigation,
-        by_mount=by_mount,
-        by_tray=by_tray,
-        from_images=np.zeros(m, bool),
-    )
-
-
-def reckoned(truth: np.ndarray, odometry: Odometry) -> Trajectory:
-    """Step by step from the true first pose."""
-    track = [truth[0]]
-    for step in matrices(odometry.translation, Rotation.from_quat(odometry.quaternion)):
-        track.append(track[-1] @ step)
-    found, n = poses(np.array(track)), len(truth)
-    return Trajectory(
-        t_ns=(STEP_S * 1e9 * np.arange(n)).astype(np.int64),
-        quaternion=found.quaternion,
-        translation=found.translation,
-        covariance=np.tile(np.eye(6), (n, 1, 1)),
-        tray=np.zeros(n),
-        image=np.tile(np.arange(n)[:, None], (1, 2)),
-    )
 
 
 def neighbours(per_leg: int = 30, reach: int = 2) -> np.ndarray:

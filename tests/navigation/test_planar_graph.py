@@ -8,33 +8,34 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from navigation.linked_dive import reckoned
-from navigation.planar_dive import PlanarDive, aligned, simulate, spiral_around_a_sphere
+from navigation.planar_dive import aligned, simulate
 
 from hullrecon import native
 from hullrecon.geometry.poses import tray_poses
 from hullrecon.navigation.planes.planar_graph import PlanarGraph, PlanarSolution, planar_graph
 from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph
 from hullrecon.records.links import CameraLinks, no_links
+from hullrecon.synthetic.ellipsoid_dive import STEP_S, EllipsoidDive, spiral_around_a_sphere
+from hullrecon.synthetic.vehicle.odometry import reckoned
 
 
-def graph(dive: PlanarDive) -> PoseGraph:
+def graph(dive: EllipsoidDive) -> PoseGraph:
     return PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig)
 
 
-def solve(dive: PlanarDive) -> tuple[GraphSolution, PlanarSolution]:
+def solve(dive: EllipsoidDive) -> tuple[GraphSolution, PlanarSolution]:
     """Without planes and with them."""
     alone = graph(dive)
     return alone.solve(no_links()), planar_graph(alone, dive.returns, None).solve(no_links())
 
 
-def rms_m(dive: PlanarDive, solved: GraphSolution) -> float:
+def rms_m(dive: EllipsoidDive, solved: GraphSolution) -> float:
     error = aligned(solved.path.poses.translation, dive.truth.translation)
     return float(np.sqrt(np.mean(np.sum(error**2, axis=1))))
 
 
 @pytest.fixture(scope="module")
-def drifting() -> tuple[PlanarDive, GraphSolution, PlanarSolution]:
+def drifting() -> tuple[EllipsoidDive, GraphSolution, PlanarSolution]:
     dive = simulate(2, drift_deg_per_hour=100.0, legs=3)
     return dive, *solve(dive)
 
@@ -78,7 +79,7 @@ def test_they_never_make_a_path_worse(seed: int, kind: dict, drift: float) -> No
     assert rms_m(dive, planar) <= 1.05 * rms_m(dive, alone)
 
 
-def with_outage(dive: PlanarDive, off_m: float, sigma_m: float) -> PlanarDive:
+def with_outage(dive: EllipsoidDive, off_m: float, sigma_m: float) -> EllipsoidDive:
     """The dive with one step in its middle that nothing measured, of a minute more: off along the hull."""
     step = len(dive.odometry) // 2
     odometry = dive.odometry
@@ -87,7 +88,7 @@ def with_outage(dive: PlanarDive, off_m: float, sigma_m: float) -> PlanarDive:
     covariance[step, [0, 1, 2], [0, 1, 2]] = sigma_m**2
     odometry = replace(odometry, translation=translation, covariance=covariance)
     later = 60 * 10**9 * (np.arange(len(dive.truth)) > step)
-    trajectory = reckoned(dive.truth.matrix(), odometry)
+    trajectory = reckoned(dive.truth.matrix()[0], odometry, STEP_S)
     return replace(
         dive,
         odometry=odometry,
@@ -168,7 +169,7 @@ def sphere_error_m(at: np.ndarray, radius: float) -> float:
     return float(np.std(np.linalg.norm(at - solution[:3], axis=1)))
 
 
-def exact_links(dive: PlanarDive) -> CameraLinks:
+def exact_links(dive: EllipsoidDive) -> CameraLinks:
     n = len(dive.truth)
     k = np.arange(n // 2 - 2)
     pairs = np.vstack([np.c_[np.arange(n - 1), np.arange(1, n)], np.c_[k, n - 1 - k]])

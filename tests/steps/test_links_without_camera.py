@@ -8,7 +8,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from navigation.planar_dive import TRAY_ORIGIN_M, aligned, simulate
+from navigation.planar_dive import aligned, simulate
 
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.artifacts.execution.runner import run_stage
@@ -18,6 +18,7 @@ from hullrecon.records.trajectory import PositionTies
 from hullrecon.steps.adjust import STAGE as ADJUST
 from hullrecon.steps.artifacts import AdjustArtifact, LinksArtifact
 from hullrecon.steps.links import STAGE as LINKS
+from hullrecon.synthetic.ellipsoid_dive import TRAY_ORIGIN_M
 from hullrecon.vision.options import LinkOptions, MatchOptions
 
 

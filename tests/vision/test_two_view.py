@@ -35,6 +35,16 @@ def test_a_flat_wall_is_a_homography_and_a_rough_one_is_not():
     assert two_view.fit(*scene(0.2), 2 / FOCAL).model == "essential"
 
 
+@pytest.mark.parametrize("relief_m", [0.0, 0.2])
+def test_the_model_of_the_smaller_criterion_is_chosen(relief_m):
+    first, second = scene(relief_m)
+    both, found = two_view.fit_both(first, second, 2 / FOCAL), two_view.fit(first, second, 2 / FOCAL)
+    better = min((both.essential, both.homography), key=lambda scored: scored.criterion)
+    assert found.model == better.model
+    np.testing.assert_array_equal(found.matrix, better.matrix)
+    np.testing.assert_array_equal(found.inlier, better.squared_error < (2 / FOCAL) ** 2)
+
+
 def test_a_model_that_is_asked_for_is_taken_whatever_fits_better():
     assert two_view.fit(*scene(0.0), 2 / FOCAL, "essential").model == "essential"
     assert two_view.fit(*scene(0.2), 2 / FOCAL, "homography").model == "homography"

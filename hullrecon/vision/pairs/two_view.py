@@ -14,14 +14,37 @@ from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.typing import Array, Mask
 from hullrecon.vision.options import TwoViewModel
 
+Model = Literal["essential", "homography"]
+
+ESSENTIAL, HOMOGRAPHY = (3, 5), (2, 8)  # dimension of the manifold of matches, parameters [KimEustice2009 III-B]
+
 
 @dataclass(frozen=True)
 class TwoView:
     """model: which one explains the matches better. matrix (3, 3) in ideal coordinates, second from first; inlier (n,)."""
 
-    model: Literal["essential", "homography"]
+    model: Model
     matrix: Array
     inlier: Mask
+
+
+@dataclass(frozen=True)
+class ScoredModel:
+    """One model of the matches. matrix (3, 3) as in TwoView; squared_error (n,) in ideal coordinates; criterion: its geometric
+    information criterion."""
+
+    model: Model
+    matrix: Array
+    squared_error: Array
+    criterion: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class BothModels:
+    """Both models of the same matches; that of the smaller criterion explains them better."""
+
+    essential: ScoredModel
+    homography: ScoredModel
 
 
 @dataclass(frozen=True)
@@ -36,6 +59,16 @@ class PossibleMotion:
 def fit(first: Array, second: Array, tolerance: float, model: TwoViewModel = "automatic") -> TwoView | None:
     """Return the better of both models by RANSAC on ideal coordinates (n, 2), scored on all matches, or the one asked for; None
     when fewer than 8 or neither fits."""
+    both = fit_both(first, second, tolerance)
+    if both is None:
+        return None
+    flat = both.homography.criterion < both.essential.criterion if model == "automatic" else model == "homography"
+    taken = both.homography if flat else both.essential
+    return TwoView(taken.model, taken.matrix, taken.squared_error < tolerance**2)
+
+
+def fit_both(first: Array, second: Array, tolerance: float) -> BothModels | None:
+    """Return both models with their scores; arguments and None as `fit` has them."""
     import cv2
 
     if len(first) < 8:
@@ -48,11 +81,12 @@ def fit(first: Array, second: Array, tolerance: float, model: TwoViewModel = "au
         return None
     errors = sampson_squared(essential[:3], first, second), homography_squared(homography, first, second)
     sigma = 0.5 * tolerance
-    gic_e = criterion(errors[0] / sigma**2, dimension=3, parameters=5)
-    gic_h = criterion(errors[1] / sigma**2, dimension=2, parameters=8)
-    if model == "homography" or (model == "automatic" and gic_h < gic_e):
-        return TwoView("homography", homography, errors[1] < tolerance**2)
-    return TwoView("essential", essential[:3], errors[0] < tolerance**2)
+    gic_e = criterion(errors[0] / sigma**2, *ESSENTIAL)
+    gic_h = criterion(errors[1] / sigma**2, *HOMOGRAPHY)
+    return BothModels(
+        essential=ScoredModel("essential", essential[:3], errors[0], gic_e),
+        homography=ScoredModel("homography", homography, errors[1], gic_h),
+    )
 
 
 def criterion(whitened_squared: Array, dimension: int, parameters: int) -> float:

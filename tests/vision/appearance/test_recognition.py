@@ -9,17 +9,18 @@ import numpy as np
 import pytest
 from navigation.linked_dive import (
     NAVIGATION_SIGMA,
+    STEP_S,
+    STEP_SIGMA,
     TOP_FROM_BOTTOM,
     TRAY_FROM_TOP,
     TRAY_ORIGIN_M,
-    measured_steps,
-    reckoned,
     simulate,
 )
 from vision.scene import camera_rig
 from vision.test_link_images import CAMERA, SEEN, KnowingMatcher, error_model, overlap, path_error_m
 
 from hullrecon.navigation.pose_graph.graph import PoseGraph
+from hullrecon.synthetic.vehicle.odometry import measured_steps, reckoned
 from hullrecon.vision.appearance.recognition import Recognition, bears_out, reject_others
 from hullrecon.vision.compared_pairs import ComparedPairs, NavigatedDive
 from hullrecon.vision.features.extraction import Features, root_sift
@@ -41,7 +42,7 @@ def dive_with_outage(off_m=OFF_M, blank=BLANK):
     whole = simulate(11, 30, drift=1e-4)
     keep = np.setdiff1d(np.arange(60), blank)
     truth, gap = whole.global_from_vehicle[keep], blank.start - 1
-    steps = measured_steps(rng, truth, 0.1 * NAVIGATION_SIGMA, np.zeros(3))
+    steps = measured_steps(rng, truth, 0.1 * NAVIGATION_SIGMA, np.zeros(3), STEP_S, STEP_SIGMA)
     translation, covariance = steps.translation.copy(), steps.covariance.copy()
     translation[gap] += off_m
     covariance[gap, :3, :3] += OUTAGE_SIGMA_M**2 * np.eye(3) * (np.linalg.norm(off_m) > 0)
@@ -51,7 +52,7 @@ def dive_with_outage(off_m=OFF_M, blank=BLANK):
         whole,
         global_from_vehicle=truth,
         odometry=steps,
-        trajectory=replace(reckoned(truth, steps), t_ns=whole.trajectory.t_ns[keep]),
+        trajectory=replace(reckoned(truth[0], steps, STEP_S), t_ns=whole.trajectory.t_ns[keep]),
         attitude=replace(whole.attitude, node=np.arange(len(keep)), **attitude),
     )
 

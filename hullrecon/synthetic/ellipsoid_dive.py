@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A dive before an ellipsoid at the level of poses and beams: DVL, attitude and depth of a path, without logs and images.
+
+The near pole of the ellipsoid is the origin, 3 m deep; its near side faces -x, y runs along it. Every error is drawn from the
+sigma that the rig states. One ping a pose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hullrecon.estimation.rig_priors import Mount, Rig
+from hullrecon.geometry.poses import Poses, exp, from_rpy, identity
+from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory
+from hullrecon.synthetic.vehicle.odometry import measured_steps, reckoned
+from hullrecon.typing import Array
+
+STEP_M, STEP_S = 0.12, 0.4
+STANDOFF_M = 1.2
+POLE_DEPTH_M = 3.0
+STEP_SIGMA = np.repeat([0.001, 0.0002], 3)  # m, rad
+ATTITUDE_SIGMA = np.array([0.01, 1e-3, 1e-3])  # depth m, roll and pitch rad
+MOUNT_SIGMA = np.radians(0.2)
+RANGE_SIGMA_M = 0.01
+TRAY_ORIGIN_M = np.array([0.4, 0.0, 0.1])
+BEAMS = np.array([[0.75**0.5, 0.5, 0], [0.75**0.5, -0.5, 0], [0.75**0.5, 0, 0.5], [0.75**0.5, 0, -0.5]])
+
+
+@dataclass(frozen=True, kw_only=True)
+class EllipsoidDive:
+    """The truth, T_g_v (n) with the tray at zero, and what navigation made of it."""
+
+    truth: Poses
+    trajectory: Trajectory
+    odometry: Odometry
+    attitude: Attitude
+    returns: Returns
+    rig: Rig
+
+
+def spiral_around_a_sphere(seed: int, *, radius_m: float, turns: float, drift_deg_per_hour: float) -> EllipsoidDive:
+    """Return a dive around a sphere [Ozog2016 C], half a metre deeper each turn, facing its middle."""
+    rng = np.random.default_rng(seed)
+    reach = radius_m + STANDOFF_M
+    turned = np.arange(0, 2 * np.pi * turns, STEP_M / reach)
+    down = 0.5 * turned / (2 * np.pi) - 0.25 * turns
+    out = np.column_stack([-np.cos(turned), -np.sin(turned)]) * np.sqrt(reach**2 - down**2)[:, None]
+    wobble = np.radians(0.6) * np.sin(np.outer(np.arange(len(turned)), [0.11, 0.17, 0.07]))
+    rpy = wobble + np.c_[np.zeros((len(turned), 2)), turned]
+    truth = from_rpy(np.column_stack([out + np.r_[radius_m, 0], down + POLE_DEPTH_M]), rpy)
+    return measured_dive(rng, truth, drift_deg_per_hour, np.full(3, radius_m))
+
+
+def measured_dive(
+    rng: np.random.Generator,
+    truth: Poses,
+    drift_deg_per_hour: float,
+    semi_axes_m: Array,
+    nearer_m: Array | float = 0.0,
+    bumps_m: float = 0.0,
+) -> EllipsoidDive:
+    """Return what the instruments make of a path T_g_v (n) before an ellipsoid of semi-axes (3,) across, along and down.
+
+    drift_deg_per_hour: of the heading. nearer_m (n,): by how much the surface that a pose sees lies nearer along x, as where
+    something hangs before the hull; bumps_m: of a surface that is rough, as rock is.
+    """
+    sigma = np.r_[0.003, np.radians(abs(drift_deg_per_hour)) / 3600, 1e-3, 1e-3, 0.02, 1e-9]
+    navigation = sigma * rng.standard_normal(6)
+    navigation[1] = np.radians(drift_deg_per_hour) / 3600
+    turn = MOUNT_SIGMA * rng.standard_normal(3)
+    matrices = truth.matrix()
+    odometry = measured_steps(rng, matrices, navigation, turn, STEP_S, STEP_SIGMA)
+    odometry = replace(odometry, by_tray=np.zeros((len(truth) - 1, 6)))
+    attitude = _attitude(rng, truth, navigation)
+    mount = exp(np.r_[np.zeros(3), turn])
+    return EllipsoidDive(
+        truth=truth,
+        trajectory=reckoned(matrices[0], odometry, STEP_S),
+        odometry=odometry,
+        attitude=attitude,
+        returns=_ranges(rng, truth, mount, semi_axes_m, np.broadcast_to(nearer_m, len(truth)), bumps_m),
+        rig=_rig(sigma),
+    )
+
+
+def _attitude(rng: np.random.Generator, truth: Poses, navigation: Array) -> Attitude:
+    """Return depth, roll and pitch at each pose, off by the biases and by white noise."""
+    n = len(truth)
+    roll_pitch = truth.rotation.as_euler("xyz")[:, :2] - navigation[2:4]
+    measured = np.column_stack([truth.translation[:, 2] + navigation[4], roll_pitch])
+    measured += ATTITUDE_SIGMA * rng.standard_normal(measured.shape)
+    return Attitude(
+        node=np.arange(n),
+        depth=measured[:, 0],
+        roll=measured[:, 1],
+        pitch=measured[:, 2],
+        sigma=np.tile(ATTITUDE_SIGMA, (n, 1)),
+        tray_direction=np.ones(n),
+        tray_sigma=np.zeros(n),
+    )
+
+
+def _rig(navigation_sigma: Array) -> Rig:
+    """Return the rig: the DVL's turn is known to MOUNT_SIGMA, its place is known, and there is no camera."""
+    turn = np.diag(1 / np.r_[np.full(3, 1e-6), np.full(3, MOUNT_SIGMA)])
+    return Rig(
+        tray_origin=TRAY_ORIGIN_M,
+        tray_sigma=1e-4,
+        pressure_origin=np.zeros(3),
+        T_s_d=Mount(identity(1), turn),
+        dvl_position_sigma=np.zeros(3),
+        T_s_ct=None,
+        T_ct_cb=None,
+        top=None,
+        bottom=None,
+        sigma_px=1.0,
+        sigma_range=RANGE_SIGMA_M,
+        density_sigma=0.002,
+        navigation_sigma=navigation_sigma,
+    )
+
+
+def _ranges(rng: np.random.Generator, truth: Poses, mount: Poses, axes: Array, nearer_m: Array, bumps_m: float) -> Returns:
+    """Return where each beam meets the ellipsoid."""
+    n = len(truth)
+    tray = Poses(np.array([[0, 0, 0, 1.0]]), TRAY_ORIGIN_M[None])
+    dvl = truth @ tray @ mount
+    node = np.repeat(np.arange(n), 4)
+    beam = np.tile(BEAMS, (n, 1))
+    along = dvl.rotation[node].apply(beam)
+    middle = np.c_[axes[0] - nearer_m[node], np.zeros(4 * n), np.full(4 * n, POLE_DEPTH_M)]
+    start = (dvl.translation[node] - middle) / axes
+    a, b, c = np.sum((along / axes) ** 2, 1), np.sum(along / axes * start, 1), np.sum(start**2, 1) - 1
+    range_m = (-b - np.sqrt(b**2 - a * c)) / a
+    end = dvl.translation[node] + range_m[:, None] * along
+    range_m += bumps_m * np.sin(4 * end[:, 1] + 1) * np.sin(5 * end[:, 2])
+    return Returns(
+        t_ns=(STEP_S * 1e9 * node).astype(np.int64),
+        node=node,
+        quaternion=np.tile([0, 0, 0, 1.0], (4 * n, 1)),
+        translation=np.zeros((4 * n, 3)),
+        tray_offset=np.zeros(4 * n),
+        beam=beam,
+        range_m=range_m + RANGE_SIGMA_M * rng.standard_normal(4 * n),
+        flagged=np.zeros(4 * n, bool),
+    )
