@@ -36,5 +36,8 @@ def with_planes(problem: native.Problem, planes: TiedPlanes | None) -> native.Pr
             second=planes.second.astype(np.int32),
             measured=planes.difference,
             sqrt_information=planes.information,
+            point=planes.point,
+            place=planes.place,
+            by_place=planes.by_place,
         ),
     )

@@ -38,16 +38,21 @@ class PlaneSightingTable:
 @dataclass(frozen=True, kw_only=True)
 class PlanePairTable:
     """Pairs of planes on one smooth surface, piecewise planar [Ozog2016 eq. 2.3]: sqrt_information @ (second - first -
-    measured), both in the vehicle frame of the first's anchor.
+    measured - by_place @ (y - place)), both in the vehicle frame of the first's anchor.
 
     first, second (m,): planes, different; measured (m, 3) m: the difference that the curvature between them makes, zeros where
-    it is left to sqrt_information (m, 3, 3). `curvature_difference` and `curvature_information` give both from radii.
+    it is left to sqrt_information (m, 3, 3). `curvature_difference` and `curvature_information` give both from radii. That
+    difference is of a second plane whose point (m, 3) m, in the vehicle frame of its anchor, lies at place (m, 3) m in that of
+    the first's; by_place (m, 3, 3): by how much it changes with where the point lies, y; zeros where it does not.
     """
 
     first: Ints32 = integers(0)
     second: Ints32 = integers(0)
     measured: Array = floats(0, 3)
     sqrt_information: Array = floats(0, 3, 3)
+    point: Array = floats(0, 3)
+    place: Array = floats(0, 3)
+    by_place: Array = floats(0, 3, 3)
 
 
 @dataclass(frozen=True, kw_only=True)

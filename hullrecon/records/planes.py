@@ -31,7 +31,9 @@ class TiedPlanes:
 
     anchor (p,); plane (p, 3) m: unit normal towards the vehicle times its distance from the vehicle's origin. first, second
     (m,): planes of two passes; difference (m, 3) m: second less first, in the vehicle frame of the first's anchor, as the
-    curvature between them makes it; information (m, 3, 3): square root of that of the difference.
+    curvature between them makes it; information (m, 3, 3): square root of that of the difference. point (m, 3) m: the middle of
+    the second's patch in the vehicle frame of its anchor; place (m, 3) m: where it lay in that of the first's anchor;
+    by_place (m, 3, 3): of the difference by that place.
     """
 
     anchor: Ints
@@ -41,6 +43,9 @@ class TiedPlanes:
     second: Ints
     difference: Array
     information: Array
+    point: Array
+    place: Array
+    by_place: Array
 
     def __len__(self) -> int:
         """Return the number of ties."""

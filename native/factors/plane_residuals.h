@@ -78,11 +78,15 @@ struct PlaneSighting {
 
 // Two planes of one smooth surface, piecewise planar [Ozog2016 2.3].
 // Rows: 3, m. Blocks: first plane, second plane and, unless they share it, the anchor of the first and that of the second.
-// Frame: vehicle of the first's anchor. Sign: second as seen there - first - measured, what the curvature between them makes.
-// Sigma: full square root of the information, from the characteristic curvature.
+// Frame: vehicle of the first's anchor. Sign: second as seen there - first - (measured + by_place (y - place)), what the
+// curvature between them makes of a second one whose point lies at y: a curved surface turns on the way to it, so that the
+// difference would else hold the second where it was when it was measured. Sigma: full square root of the information, from
+// the characteristic curvature.
 struct PlanePair {
   static constexpr int kRows = 3;
   Vec3 measured;
+  Vec3 point, place;  // of the second, in its anchor; where that lay in the first's anchor when `measured` was taken
+  Mat3 by_place;
   bool one_anchor;
 
   std::vector<int> sizes() const { return one_anchor ? std::vector{3, 3} : std::vector{3, 3, 8, 8}; }
@@ -94,9 +98,24 @@ struct PlanePair {
     const Eigen::Matrix<double, 3, 4> by = seen.by_both();
     derive<3, 3>(J, 0, [](auto& j) { j = -Mat3::Identity(); });
     derive<3, 3>(J, 1, [&](auto& j) { j = by * seen.by_plane; });
-    if (one_anchor) return true;
-    derive<3, 8>(J, 2, [&](auto& j) { j.template leftCols<6>() = by * seen.by_node; });
-    derive<3, 8>(J, 3, [&](auto& j) { j.template leftCols<6>() = by * seen.by_anchor; });
+    if (one_anchor) {
+      out -= by_place * (point - place);
+      return true;
+    }
+    const Motion node(x[2]), anchor(x[3]);
+    const Mat3 node_from_global = node.rotation().transpose(), node_from_anchor = (node.q.conjugate() * anchor.q).toRotationMatrix();
+    const Vec3 y = node_from_global * (anchor.t - node.t) + node_from_anchor * point;
+    out -= by_place * (y - place);
+    derive<3, 8>(J, 2, [&](auto& j) {
+      j.template leftCols<6>() = by * seen.by_node;
+      j.template leftCols<3>() += by_place * node_from_global;
+      j.template middleCols<3>(3) -= by_place * hat(y);
+    });
+    derive<3, 8>(J, 3, [&](auto& j) {
+      j.template leftCols<6>() = by * seen.by_anchor;
+      j.template leftCols<3>() -= by_place * node_from_global;
+      j.template middleCols<3>(3) += by_place * node_from_anchor * hat(point);
+    });
     return true;
   }
 };

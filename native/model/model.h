@@ -235,7 +235,8 @@ void Model::visit(int64_t factor, const Use& use) const {
                                t.sighting_node.data[i] == t.plane_anchor.data[t.sighting_plane.data[i]]},
                  Full<3>{matrix<3, 3>(t.sighting_sqrt.row(i))}, none);
     case Kind::PlanePair:
-      return use(PlanePair{Vec3(t.pair_measured.row(i)),
+      return use(PlanePair{Vec3(t.pair_measured.row(i)), Vec3(t.pair_point.row(i)), Vec3(t.pair_place.row(i)),
+                           matrix<3, 3>(t.pair_by_place.row(i)),
                            t.plane_anchor.data[t.pair_first.data[i]] == t.plane_anchor.data[t.pair_second.data[i]]},
                  Full<3>{matrix<3, 3>(t.pair_sqrt.row(i))}, none);
     case Kind::PlaneRange:

@@ -41,7 +41,7 @@ struct Table {
   X(range_tray_offset) X(range_beam) X(range_measured) X(range_sigma) \
   X(range_field_weight) X(surface_weight) X(surface_field_weight) \
   X(field_prior_value) X(link_switch) X(link_measured) X(link_sqrt) \
-  X(plane) X(sighting_measured) X(sighting_sqrt) X(pair_measured) X(pair_sqrt) \
+  X(plane) X(sighting_measured) X(sighting_sqrt) X(pair_measured) X(pair_sqrt) X(pair_point) X(pair_place) X(pair_by_place) \
   X(plane_range_offset) X(plane_range_tray_offset) X(plane_range_beam) \
   X(plane_range_measured) X(plane_range_sigma) X(velocity_before) \
   X(velocity_after) X(velocity_sigma) X(world) X(prior_world_sigma) \

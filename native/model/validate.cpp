@@ -244,6 +244,7 @@ void planes(const Tables& t) {
   }
   shape(t.pair_measured, {m, 3});
   shape(t.pair_sqrt, {m, 3, 3});
+  shape(t.pair_point, {m, 3}), shape(t.pair_place, {m, 3}), shape(t.pair_by_place, {m, 3, 3});
   shape(t.plane_range_node, {r}), index(t.plane_range_node, n);
   shape(t.plane_range_plane, {r}), index(t.plane_range_plane, p);
   shape(t.plane_range_offset, {r, 7});

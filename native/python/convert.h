@@ -112,6 +112,8 @@ inline void read_planes(const TableReader& from, Tables& t) {
   from.read(t.sighting_measured, "plane_sightings.measured"), from.read(t.sighting_sqrt, "plane_sightings.sqrt_information");
   from.read(t.pair_first, "plane_pairs.first"), from.read(t.pair_second, "plane_pairs.second");
   from.read(t.pair_measured, "plane_pairs.measured"), from.read(t.pair_sqrt, "plane_pairs.sqrt_information");
+  from.read(t.pair_point, "plane_pairs.point"), from.read(t.pair_place, "plane_pairs.place");
+  from.read(t.pair_by_place, "plane_pairs.by_place");
   from.read(t.plane_range_node, "plane_ranges.node"), from.read(t.plane_range_plane, "plane_ranges.plane");
   from.read(t.plane_range_offset, "plane_ranges.offset"), from.read(t.plane_range_tray_offset, "plane_ranges.tray_offset");
   from.read(t.plane_range_beam, "plane_ranges.beam"), from.read(t.plane_range_measured, "plane_ranges.measured");

@@ -182,19 +182,23 @@ TEST_CASE("a plane seen from a pose") {
 TEST_CASE("two planes of one surface") {
   std::mt19937 rng(26);
   Blocks truth{{-1.2, 0.3, 0.4}, {-1.0, 0.2, 0.5}, pose_block(rng), pose_block(rng)};
-  PlanePair residual{Vec3::Zero(), false};
+  Mat3 by_place;
+  by_place << 0.3, -0.1, 0.05, 0.2, 0.4, -0.2, -0.1, 0.15, 0.25;
+  PlanePair residual{Vec3::Zero(), Vec3(1.1, -0.3, 0.2), Vec3(0.9, 0.4, -0.1), by_place, false};
   residual.measured = value(residual, truth);
   const auto by_twin = [&](const auto* const* x, auto* r) {
     using T = std::decay_t<decltype(x[0][0])>;
     const V<T> pi = seen(x[1], Frame<T>::of(x[3]).inverse() * Frame<T>::of(x[2]));
-    for (int k = 0; k < 3; ++k) r[k] = pi[k] - x[0][k] - residual.measured[k];
+    const V<T> y = (Frame<T>::of(x[2]).inverse() * Frame<T>::of(x[3])) * V<T>(residual.point.cast<T>());
+    const V<T> moved = residual.by_place.cast<T>() * V<T>(y - residual.place.cast<T>());
+    for (int k = 0; k < 3; ++k) r[k] = pi[k] - x[0][k] - residual.measured[k] - moved[k];
   };
   prove(residual, by_twin, truth, rng);
-  const PlanePair one{Vec3(0.2, -0.1, 0.1), true};
+  const PlanePair one{Vec3(0.2, -0.1, 0.1), Vec3(1, 2, 3), Vec3(3, 2, 1), by_place, true};
   prove(
       one,
       [&](const auto* const* x, auto* r) {
-        for (int k = 0; k < 3; ++k) r[k] = x[1][k] - x[0][k] - one.measured[k];
+        for (int k = 0; k < 3; ++k) r[k] = x[1][k] - x[0][k] - one.measured[k] - (by_place * (one.point - one.place))[k];
       },
       {truth[0], truth[1]}, rng);
 }

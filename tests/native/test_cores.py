@@ -156,6 +156,9 @@ def planes(p: Draft) -> None:
     p.plane_pairs.first, p.plane_pairs.second = np.array([0, 1, 2, 4], np.int32), np.array([1, 2, 3, 0], np.int32)
     p.plane_pairs.measured = 0.05 * rng.normal(size=(4, 3))
     p.plane_pairs.sqrt_information = 10 * np.eye(3) + rng.normal(size=(4, 3, 3))
+    by_place = np.random.default_rng(9)  # apart, so that what follows is drawn as before
+    p.plane_pairs.point, p.plane_pairs.place = by_place.normal(size=(2, 4, 3))
+    p.plane_pairs.by_place = 0.2 * by_place.normal(size=(4, 3, 3))
     m = 12
     p.plane_ranges.node, p.plane_ranges.plane = (rng.integers(0, k, m).astype(np.int32) for k in (n, count))
     offset = exp(0.02 * rng.normal(size=(m, 6)))

@@ -57,8 +57,12 @@ def test_two_parallel_walls_differ_by_the_step_between_them(empty: Empty) -> Non
     p.unknowns.plane, p.planes.anchor = np.array([[-2, 0, 0.0], [-1.2, 0, 0]]), np.arange(2, dtype=np.int32)
     p.plane_pairs.first, p.plane_pairs.second = np.zeros(1, np.int32), np.ones(1, np.int32)
     p.plane_pairs.measured, p.plane_pairs.sqrt_information = np.array([[0.1, 0, 0]]), 2 * np.eye(3)[None]
+    p.plane_pairs.point, p.plane_pairs.place = np.array([[1.2, 0.3, 0]]), np.array([[1.7, 0.1, 0]])
+    p.plane_pairs.by_place = np.zeros((1, 3, 3))
     # the second stands 1.7 m from the first node
     np.testing.assert_allclose(residuals(p, "plane_pair"), [2 * (-1.7 + 2 - 0.1), 0, 0], atol=1e-12)
+    p.plane_pairs.by_place[0, 2, 1] = 0.5  # its point lies 0.2 m farther along than it was
+    np.testing.assert_allclose(residuals(p, "plane_pair"), [2 * (-1.7 + 2 - 0.1), 0, -2 * 0.5 * 0.2], atol=1e-12)
 
 
 def test_a_beam_meets_a_wall_where_the_corrected_formula_says(empty: Empty) -> None:
@@ -96,7 +100,9 @@ def test_every_row_equals_its_twin(make_survey: Survey, shaken: Survey) -> None:
     np.testing.assert_allclose(residuals(p, "plane"), expected, atol=1e-10)
     t = p.plane_pairs
     seen = planes_seen(at, p.unknowns.plane[t.second], p.planes.anchor[t.second], p.planes.anchor[t.first])
-    expected = np.einsum("kij,kj->ki", t.sqrt_information, seen - p.unknowns.plane[t.first] - t.measured).ravel()
+    anchors = at[p.planes.anchor[t.first]].inverse() @ at[p.planes.anchor[t.second]]
+    by_curvature = t.measured + np.einsum("kij,kj->ki", t.by_place, anchors.apply(t.point) - t.place)
+    expected = np.einsum("kij,kj->ki", t.sqrt_information, seen - p.unknowns.plane[t.first] - by_curvature).ravel()
     np.testing.assert_allclose(residuals(p, "plane_pair"), expected, atol=1e-10)
     t = p.plane_ranges
     mount = Poses(p.unknowns.T_s_d[None, 3:], p.unknowns.T_s_d[None, :3])
@@ -263,10 +269,12 @@ def test_pairs_by_curvature_tie_a_spiral_around_a_sphere() -> None:
     gap = np.linalg.norm(at.translation[:, None] - at.translation[None], axis=2)
     first, second = np.nonzero(np.triu((gap < 2.0) & (np.abs(np.subtract.outer(np.arange(n), np.arange(n))) > 20)))
     p.plane_pairs.first, p.plane_pairs.second = first.astype(np.int32), second.astype(np.int32)
+    p.plane_pairs.point = p.plane_pairs.place = np.zeros((len(first), 3))
+    p.plane_pairs.by_place = np.zeros((len(first), 3, 3))
     errors = {}
     for radius in (4.0, 8.0, 20.0, None):
         if radius is None:
-            for name in ("first", "second", "measured", "sqrt_information"):
+            for name in ("first", "second", "measured", "sqrt_information", "point", "place", "by_place"):
                 setattr(p.plane_pairs, name, getattr(p.plane_pairs, name)[:0])
         else:
             moved = (at[first].inverse() @ at[second]).translation

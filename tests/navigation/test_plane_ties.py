@@ -152,25 +152,49 @@ def test_a_rough_hull_is_weighed_by_what_it_shows(patches: Patches, path: Vehicl
 def test_the_difference_of_two_planes_is_that_of_the_true_ones(patches: Patches, path: VehiclePath) -> None:
     """Within the sigmas that its information claims, and those of the fits."""
     pairs = compare_patches(patches, *propose_ties(patches, path), path)
-    difference, root = difference_of_planes(patches, pairs, pairs.noise + pairs.fit)
+    found = difference_of_planes(patches, pairs, pairs.noise + pairs.fit)
     anchors = path.poses[patches.anchor]
     motion = anchors[pairs.first].inverse() @ anchors[pairs.second]
     normal = motion.rotation.apply(patches.axes[pairs.second][:, :, 2])
     distance = -np.sum(normal * motion.apply(patches.center[pairs.second]), axis=1)
     seen = distance[:, None] * normal - patches.plane[pairs.first]
-    square = np.sum(np.einsum("mij,mj->mi", root, seen - difference) ** 2, axis=1)
+    square = np.sum(np.einsum("mij,mj->mi", found.information, seen - found.difference) ** 2, axis=1)
     assert 0.3 < square.mean() / 3 < 1.5
 
 
 def test_its_information_is_that_of_height_and_slopes(patches: Patches, path: VehiclePath) -> None:
     pairs = compare_patches(patches, *propose_ties(patches, path), path)
-    difference, root = difference_of_planes(patches, pairs, pairs.noise)
-    by = np.zeros((len(pairs), 3, 3))
+    found = difference_of_planes(patches, pairs, pairs.noise)
+    root, by = found.information, np.zeros((len(pairs), 3, 3))
     for k in range(3):
         expected = pairs.expected + 1e-6 * np.eye(3)[k]
-        by[:, :, k] = (difference_of_planes(patches, replace(pairs, expected=expected), pairs.noise)[0] - difference) / 1e-6
+        raised = difference_of_planes(patches, replace(pairs, expected=expected), pairs.noise)
+        by[:, :, k] = (raised.difference - found.difference) / 1e-6
     whole = np.linalg.inv(root.swapaxes(1, 2) @ root)
     np.testing.assert_allclose(whole, by @ pairs.noise @ by.swapaxes(1, 2), atol=1e-4 * np.abs(whole).max())
+
+
+def test_it_changes_with_the_place_as_its_derivative_says(patches: Patches, path: VehiclePath) -> None:
+    """The second patch slid along each axis of the vehicle of the first."""
+    first, second = propose_ties(patches, path)
+    pairs = compare_patches(patches, first, second, path)
+    found = difference_of_planes(patches, pairs, pairs.noise)
+    away = path.poses[patches.anchor[first]].inverse() @ path.poses[patches.anchor[second]]
+    np.testing.assert_allclose(pairs.place, away.apply(patches.center[second]))
+    into_second = away.rotation.inv().as_matrix()
+    for k in range(3):
+        there = []
+        for step in (1e-4, -1e-4):
+            center = patches.center.copy()
+            slid = []
+            for row, patch in enumerate(second):  # each pair alone: a patch may be the second of several
+                center[patch] += step * into_second[row, :, k]
+                one = replace(patches, center=center)
+                moved = compare_patches(one, first[[row]], second[[row]], path)
+                slid.append(difference_of_planes(one, moved, moved.noise).difference[0])
+                center[patch] = patches.center[patch]
+            there.append(np.array(slid))
+        np.testing.assert_allclose(found.by_place[:, :, k], (there[0] - there[1]) / 2e-4, atol=1e-5)
 
 
 def test_a_patch_in_many_pairs_says_less_in_each(patches: Patches, path: VehiclePath, dive: EllipsoidDive) -> None:

@@ -104,6 +104,23 @@ def test_without_stereo_points_there_is_no_motion():
     assert adjust((first, second)) is None
 
 
+def test_a_point_behind_every_camera_says_nothing():
+    """As a wrong stereo match gives, or a step that takes it there: it ended the run, for its information is nil."""
+    first, second = both_nodes()
+    without = adjust((first[1:], second[1:]))
+    first.point[0] = second.point[0] = [0.1, 0.2, -1.3]
+    found = adjust((first, second))
+    np.testing.assert_allclose(found.second_from_first, without.second_from_first, atol=1e-12)
+    np.testing.assert_allclose(found.covariance, without.covariance, rtol=1e-9)
+
+
+def test_where_points_lie_behind_every_camera_there_is_no_motion():
+    first, second = both_nodes()
+    for node in (first, second):
+        node.point[:, 2] *= -1
+    assert adjust((first, second)) is None
+
+
 @pytest.mark.parametrize("axis", range(6))
 def test_an_error_of_the_rig_moves_the_motion_as_its_derivative_says(axis):
     step = np.zeros(6)

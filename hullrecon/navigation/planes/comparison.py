@@ -23,15 +23,18 @@ MIN_DISTANCE_M = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class PatchPairs:
-    """m pairs of patches on a path. first, second (m,). position (m, 2) m: of the second's centre in the first's axes. expected
-    (m, 3): (height m, slopes) of the hull there, over the first's plane carried on by the mean of both curvatures; gap (m, 3):
-    those of the second less these. noise (m, 3, 3): of the gap by curvature and roughness of the hull; fit (m, 3, 3): by the
-    fits of the two planes."""
+    """m pairs of patches on a path. first, second (m,). place (m, 3) m: of the second's centre in the vehicle frame of the
+    first's anchor; position (m, 2) m: in the first's axes. expected (m, 3): (height m, slopes) of the hull there, over the
+    first's plane carried on by the mean of both curvatures, and by_position (m, 3, 2): its derivative; gap (m, 3): those of the
+    second less these. noise (m, 3, 3): of the gap by curvature and roughness of the hull; fit (m, 3, 3): by the fits of the two
+    planes."""
 
     first: Ints
     second: Ints
+    place: Array
     position: Array
     expected: Array
+    by_position: Array
     gap: Array
     noise: Array
     fit: Array
@@ -52,14 +55,16 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
     """Return the pairs (m,) compared on a path T_g_v."""
     motion = path.poses[patches.anchor[first]].inverse() @ path.poses[patches.anchor[second]]
     position, expected, gap, turn = _gap(patches, first, second, motion)
+    turned_k = _turn_curvature(turn)
+    other = np.einsum("mij,mj->mi", turned_k, patches.curvature[second])
     carried = _carried(position)
     by_height, by_slopes = _by_curvature(position)
     first_by_k = np.concatenate([by_height[:, None] / 3, 0.5 * by_slopes], axis=1)
     second_by_k = np.concatenate([by_height[:, None] / 6, 0.5 * by_slopes], axis=1)
-    turned, turned_k = _turn_plane(turn), _turn_curvature(turn)
+    turned = _turn_plane(turn)
     m_first = carried @ patches.by_curvature[first] + first_by_k
     m_second = turned @ patches.by_curvature[second] - second_by_k @ turned_k
-    change = np.einsum("mij,mj->mi", turned_k, patches.curvature[second]) - patches.curvature[first]
+    change = other - patches.curvature[first]
     by_change = second_by_k * (MEAN_OFF * change)[:, None, :]
     noise = (
         m_first @ patches.curvature_covariance[first] @ m_first.swapaxes(1, 2)
@@ -69,7 +74,17 @@ def compare_patches(patches: Patches, first: Ints, second: Ints, path: VehiclePa
     )
     fit = carried @ patches.plane_covariance[first] @ carried.swapaxes(1, 2)
     fit = fit + turned @ patches.plane_covariance[second] @ turned.swapaxes(1, 2)
-    return PatchPairs(first=first, second=second, position=position, expected=expected, gap=gap, noise=noise, fit=fit)
+    return PatchPairs(
+        first=first,
+        second=second,
+        place=motion.apply(patches.center[second]),
+        position=position,
+        expected=expected,
+        by_position=_by_position(position, patches.curvature[first], other),
+        gap=gap,
+        noise=noise,
+        fit=fit,
+    )
 
 
 def _roughness(position: Array, change: Array) -> Array:
@@ -146,6 +161,17 @@ def _by_curvature(position: Array) -> tuple[Array, Array]:
     return np.stack([a**2, 2 * a * e, e**2], axis=1), slopes
 
 
+def _by_position(position: Array, own: Array, other: Array) -> Array:
+    """Return the derivative (m, 3, 2) of expected height and slopes by the place, between curvatures own and other (m, 3)."""
+    by_height = 2 * np.einsum("mij,mj->mi", _matrix(own / 3 + other / 6), position)
+    return np.concatenate([by_height[:, None], _matrix(0.5 * (own + other))], axis=1)
+
+
+def _matrix(curvature: Array) -> Array:
+    """Return (K_aa, K_ae, K_ee) (m, 3) as matrices (m, 2, 2)."""
+    return np.asarray(curvature[:, [0, 1, 1, 2]].reshape(-1, 2, 2))
+
+
 def _carried(position: Array) -> Array:
     """Return the derivative (m, 3, 3) of a plane's (height, slopes) at places by those at its centre."""
     out = np.tile(np.eye(3), (len(position), 1, 1))
@@ -166,9 +192,18 @@ def _turn_curvature(turn: Array) -> Array:
     return np.asarray(np.stack([np.stack(row, axis=1) for row in rows], axis=1))
 
 
-def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> tuple[Array, Array]:
-    """Return difference (m, 3) m and the square root of its information (m, 3, 3), as TiedPlanes has them: the plane to be
-    expected at the second's centre less the first's. noise (m, 3, 3): of the gaps."""
+@dataclass(frozen=True, kw_only=True)
+class PlaneDifference:
+    """What TiedPlanes has of pairs: difference (m, 3) m, the square root of its information (m, 3, 3), and by_place
+    (m, 3, 3)."""
+
+    difference: Array
+    information: Array
+    by_place: Array
+
+
+def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> PlaneDifference:
+    """Return the plane to be expected at the second's centre less the first's. noise (m, 3, 3): of the gaps."""
     axes, slopes = patches.axes[pairs.first], pairs.expected[:, 1:]
     length = np.sqrt(1 + np.sum(slopes**2, axis=1))[:, None, None]
     in_patch = np.concatenate([-slopes, np.ones((len(pairs), 1))], axis=1)[:, :, None] / length
@@ -185,4 +220,10 @@ def difference_of_planes(patches: Patches, pairs: PatchPairs, noise: Array) -> t
     by_height = -normal * in_patch[:, 2]
     by_gap = np.concatenate([by_height[:, :, None], by_slopes], axis=2)
     whole = by_gap @ noise @ by_gap.swapaxes(1, 2)
-    return difference, np.asarray(np.linalg.inv(np.linalg.cholesky(whole)))
+    # by the place: height and slopes change on the way, and the point that the plane passes through is another one
+    by_position = by_gap @ pairs.by_position - normal[:, :, None] * np.einsum("mi,mij->mj", normal, axes[:, :, :2])[:, None, :]
+    return PlaneDifference(
+        difference=difference,
+        information=np.asarray(np.linalg.inv(np.linalg.cholesky(whole))),
+        by_place=by_position @ axes[:, :, :2].swapaxes(1, 2),
+    )

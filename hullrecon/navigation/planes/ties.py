@@ -104,15 +104,18 @@ def tie_planes(patches: Patches, pairs: PatchPairs, returns: Returns) -> TiedPla
     number[used] = np.arange(len(used))
     degree = np.bincount(np.concatenate([pairs.first, pairs.second]), minlength=len(patches))
     shared = np.maximum(0.5 * (degree[pairs.first] + degree[pairs.second]), 1.0)
-    difference, information = difference_of_planes(patches, pairs, pairs.noise * shared[:, None, None])
+    found = difference_of_planes(patches, pairs, pairs.noise * shared[:, None, None])
     return TiedPlanes(
         anchor=patches.anchor[used],
         plane=patches.plane[used],
         ranges=_ranges(patches, used, returns),
         first=number[pairs.first],
         second=number[pairs.second],
-        difference=difference,
-        information=information,
+        difference=found.difference,
+        information=found.information,
+        point=patches.center[pairs.second],
+        place=pairs.place,
+        by_place=found.by_place,
     )
 
 

@@ -18,6 +18,7 @@ from hullrecon.geometry.rotations import cross
 from hullrecon.typing import Array, Ints, Mask
 
 ITERATIONS = 3
+LEAST = 6  # features
 CHI2_MEDIAN = 0.87  # of chi-square over its degrees of freedom, five of them
 OUTLIER_SIGMAS = 3.9  # of a feature's whole residual: 0.9999 of a Gaussian's
 CELLS = (0.1, 0.25)  # ideal units, rad: features nearer than that share blur, light and relief, or what the lens's model lacks
@@ -67,10 +68,11 @@ class AdjustedMotion:
 def adjust_stereo_motion(
     motion: Array, first: NodeObservations, second: NodeObservations, bottom_from_top: Array
 ) -> AdjustedMotion | None:
-    """Return the motion (4, 4) adjusted to the same m features of both nodes; None where too few have a stereo point."""
+    """Return the motion (4, 4) adjusted to the same m features of both nodes; None where too few have a stereo point, or too
+    few agree."""
     known = np.isfinite(first.point[:, 0]) | np.isfinite(second.point[:, 0])
     first, second = first[known], second[known]
-    if len(first.lead) < 6:
+    if len(first.lead) < LEAST:
         return None
     back = (second.point - motion[:3, 3]) @ motion[:3, :3]
     points = np.where(np.isfinite(first.point), first.point, back)
@@ -78,11 +80,15 @@ def adjust_stereo_motion(
     for _ in range(ITERATIONS):
         system = _reduce(motion, points, first, second, bottom_from_top)
         good = _inliers(system)
+        if good.sum() < LEAST:
+            return None
         step = np.asarray(-np.linalg.solve(system.information[good].sum(axis=0), system.gradient[good].sum(axis=0)))
         points = points + system.point_step(step)
         motion = _apply_step(motion, step)
     system = _reduce(motion, points, first, second, bottom_from_top)
     good = _inliers(system)
+    if good.sum() < LEAST:
+        return None
     information = system.information[good].sum(axis=0)
     inverse = np.linalg.inv(information)
     variance = max(float(system.cost[good].sum()) / max(1, int(system.freedom[good].sum()) - 6), 1e-14)
@@ -180,7 +186,9 @@ def _reduce(
 ) -> _ReducedSystem:
     residual, by_point, by_motion = _linearise(motion, points, first, second, bottom_from_top)
     own = by_point.swapaxes(1, 2) @ by_point
-    inverse = np.linalg.inv(own + POINT_DAMPING * np.trace(own, axis1=1, axis2=2)[:, None, None] * np.eye(3))
+    trace = np.trace(own, axis1=1, axis2=2)
+    damping = POINT_DAMPING * np.where(trace > 0, trace, 1.0)  # a point that came to lie behind every camera says nothing
+    inverse = np.asarray(np.linalg.inv(own + damping[:, None, None] * np.eye(3)), float)
     gradient = np.einsum("mri,mr->mi", by_point, residual)
     there = by_motion[:, 4:]  # the first node's residuals do not move
     of_motion = there.swapaxes(1, 2) @ by_point[:, 4:]
