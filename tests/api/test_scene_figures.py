@@ -92,7 +92,7 @@ def test_planes_lay_the_path_on_its_sphere_whatever_the_characteristic_radius(ta
     assert path.max() < 0.2 * before[0, 0]
     assert of_map.max() < 0.5 * before[1, 0]
     assert np.ptp(path) < 0.001
-    assert np.ptp(found) < 0.01
+    assert np.ptp(found) < 0.03
     assert np.abs(found - 10.0).max() < 0.15
 
 

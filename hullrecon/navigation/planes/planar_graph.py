@@ -20,6 +20,9 @@ from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array
 
+# Times the characteristic curvature is one sigma of a patch's, about zero: with once, patches come out too flat, by a fifth where
+# their noise is half of it, and the planes of a whole turn around a hull pull the path along it.
+PRIOR_WIDER = 2.0
 MOST_ROUNDS = 5
 LEAST_TIES = 5
 LEAST_AGREEING = 0.6  # share of the ties offered: on a ship's side 0.9 and more; in a cave or on rocks far fewer
@@ -75,7 +78,8 @@ class PlanarGraph:
         Planes that contradict each other or navigation are left out, all of them: a wrong one is worse than none.
         """
         alone = self.graph.solve(links, before)
-        curvature = curvature_of_patches(self._patches(alone, BROAD)) if self.curvature is None else self.curvature
+        known = curvature_of_patches(self._patches(alone, BROAD)) if self.curvature is None else self.curvature
+        curvature = PRIOR_WIDER * known
         solved, offer = alone, self._offer(alone, alone, curvature, np.ones(3))
         for _ in range(MOST_ROUNDS):
             if offer.planes is None or _refusal(offer, alone) is not None:
