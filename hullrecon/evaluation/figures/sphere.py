@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hullrecon.evaluation.figures.figure_style import COLOURS, GREEN, INK, LIGHT, PublishedFigure, finish_figure, new_canvas
+from hullrecon.evaluation.figures.path_figures import path_length
 from hullrecon.geometry.rigid_fit import fit_rigid
 from hullrecon.typing import Array
 
@@ -107,7 +108,7 @@ def _draw_from_above(axis: Axes, survey: SphereSurvey) -> None:
 
 
 def _draw_off_sphere(axis: Axes, survey: SphereSurvey) -> None:
-    travelled = _travelled_m(survey.truth)
+    travelled = path_length(survey.truth)
     for name, found in survey.drawn.items():
         off = 1e3 * found.off_sphere_m()
         axis.plot(travelled, off, color=PATH_COLOURS[name], linewidth=1.4, label=f"{name}: {_rms(off):.1f} mm rms")
@@ -135,7 +136,7 @@ def _draw_by_radius(axis: Axes, survey: SphereSurvey) -> None:
 
 
 def _draw_sigma(axis: Axes, survey: SphereSurvey) -> None:
-    travelled = _travelled_m(survey.truth)
+    travelled = path_length(survey.truth)
     for name, found in survey.drawn.items():
         axis.plot(travelled, found.sigma, color=PATH_COLOURS[name], linewidth=1.6, label=f"sigma, {name}")
         error = found.error_m(survey.truth)
@@ -150,10 +151,6 @@ def _leave_room(axis: Axes, share: float = 0.25) -> None:
     """Let the ordinate end higher by a share of its range, for the legend."""
     low, high = axis.get_ylim()
     axis.set_ylim(low, high + share * (high - low))
-
-
-def _travelled_m(path: Array) -> Array:
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
 
 
 def _row(name: str, radius: str, found: MappedSphere, truth: Array) -> str:
