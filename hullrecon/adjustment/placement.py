@@ -95,7 +95,9 @@ def stated_attitude_rms(found: RoundResult, settings: native.Options) -> float:
     stated = replace(
         found.problem.tray, sigma=found.problem.tray.sigma * (found.after.measured.rig.tray_sigma / found.weights.tray)
     )
-    cost = native.evaluate(replace(found.problem, tray=stated), replace(settings, method="naive")).cost_by_factor
+    cost = native.evaluate(
+        replace(found.problem, tray=stated), replace(settings, method="naive"), jacobian=False
+    ).cost_by_factor
     rows = len(stated.node) + 3 * len(found.problem.attitude.node)
     return float(np.sqrt(2 * (cost["attitude"] + cost["tray"]) / max(rows, 1)))
 
@@ -125,7 +127,7 @@ def residual_growth(problem: native.Problem, settings: native.Options) -> dict[s
 
 def _squares(problem: native.Problem, settings: native.Options) -> dict[str, float]:
     """Return the sum of the robust squares of each group's whitened residuals."""
-    cost = native.evaluate(problem, settings).cost_by_factor
+    cost = native.evaluate(problem, settings, jacobian=False).cost_by_factor
     return {name: 2 * sum(cost[factor] for factor in factors) for name, factors in GROUPS.items()}
 
 

@@ -93,7 +93,7 @@ def fit_of_positions(
     """Return how positions lie to the path of a problem at its solution; world_covariance (3, 3): of Unknowns.world there."""
     if ties is None:
         return None
-    found = native.evaluate(problem, options)
+    found = native.evaluate(problem, options, jacobian=False)
     rows = found.residual[found.factor == native.FACTORS.index("position")].reshape(-1, 2)
     away = np.linalg.norm(rows, axis=1)
     rms = float(np.median(away)) / MEDIAN_OF_NORM

@@ -179,18 +179,18 @@ py::dict run_solve(const py::object& problem, const py::object& settings) {
   return out;
 }
 
-py::dict run_evaluate(const py::object& problem, const py::object& settings) {
+py::dict run_evaluate(const py::object& problem, const py::object& settings, bool jacobian) {
   const BoundProblem bound(problem, settings);
   std::unique_ptr<Model> model;
   Evaluation e;
   {
     py::gil_scoped_release free;
     model = std::make_unique<Model>(bound.tables, bound.options);
-    e = evaluate(*model);
+    e = evaluate(*model, jacobian);
   }
   py::dict out, columns, cost;
   for (const Block& block : model->blocks()) {
-    if (block.tangent > 0) columns[block.name.c_str()] = py::make_tuple(block.column, block.tangent);
+    if (jacobian && block.tangent > 0) columns[block.name.c_str()] = py::make_tuple(block.column, block.tangent);
   }
   for (size_t k = 0; k < kKindNames.size(); ++k) cost[kKindNames[k]] = e.cost[k];
   out["residual"] = column<double>(e.residual), out["weight"] = column<double>(e.weight);

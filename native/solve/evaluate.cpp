@@ -19,13 +19,14 @@ std::vector<size_t> by_column(const Model& model, const std::vector<int32_t>& bl
   return order;
 }
 
-void lay_out(const Model& model, Evaluation& out, std::vector<int64_t>& first_row) {
+void lay_out(const Model& model, bool with_jacobian, Evaluation& out, std::vector<int64_t>& first_row) {
   out.start.assign(1, 0);
   for (int64_t i = 0; i < model.factors(); ++i) {
     const Factor f = model.factor(i);
     first_row.push_back(static_cast<int64_t>(out.start.size()) - 1);
     int64_t width = 0;
-    for (int32_t b : f.blocks) width += model.blocks()[b].tangent;
+    if (with_jacobian)
+      for (int32_t b : f.blocks) width += model.blocks()[b].tangent;
     for (int r = 0; r < f.cost->num_residuals(); ++r) {
       out.start.push_back(out.start.back() + width);
       out.kind.push_back(static_cast<int32_t>(f.kind));
@@ -36,8 +37,8 @@ void lay_out(const Model& model, Evaluation& out, std::vector<int64_t>& first_ro
   out.column.resize(out.start.back()), out.value.resize(out.start.back());
 }
 
-void write(const Model& model, const LinearFactor& linear, int64_t first, Evaluation& out) {
-  const auto order = by_column(model, linear.blocks);
+void write(const Model& model, const LinearFactor& linear, bool with_jacobian, int64_t first, Evaluation& out) {
+  const auto order = with_jacobian ? by_column(model, linear.blocks) : std::vector<size_t>{};
   for (int r = 0; r < linear.residual.size(); ++r) {
     out.residual[first + r] = linear.residual[r];
     out.weight[first + r] = linear.weight;
@@ -53,16 +54,16 @@ void write(const Model& model, const LinearFactor& linear, int64_t first, Evalua
 
 }  // namespace
 
-Evaluation evaluate(Model& model) {
+Evaluation evaluate(Model& model, bool with_jacobian) {
   model.refresh(false, true);
   Evaluation out;
   std::vector<int64_t> first_row;
-  lay_out(model, out, first_row);
+  lay_out(model, with_jacobian, out, first_row);
   for_slabs(model.factors(), model.options().threads, [&](int64_t begin, int64_t end) {
     LinearFactor linear;
     for (int64_t i = begin; i < end; ++i) {
       linear.at(model, i);
-      write(model, linear, first_row[i], out);
+      write(model, linear, with_jacobian, first_row[i], out);
     }
   });
   out.cost = model.costs();

@@ -8,10 +8,11 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from drafts import Draft, change, evaluate, leaves
+from drafts import Draft, built, change, evaluate, leaves
 from native.test_cores import CASES, problem
 from native.twins import cost, jacobian, moved, normal_equations
 
+from hullrecon import native
 from hullrecon.native import FACTORS, Evaluation, Options
 
 Survey = Callable[..., Draft]
@@ -178,3 +179,16 @@ def test_a_held_block_has_no_column_and_a_free_one_its_width(case: str, make_sur
     starts, counts = zip(*e.columns.values(), strict=True)
     np.testing.assert_array_equal(np.cumsum((0, *counts[:-1])), starts)
     assert e.width == sum(counts)
+
+
+@pytest.mark.parametrize("case", ["everything free, mono", "links, tray held"])
+def test_without_the_jacobian_all_else_is_the_same(case: str, make_survey: Survey, shaken: Survey) -> None:
+    p = built(problem(case, make_survey, shaken))
+    whole, bare = native.evaluate(p, NAIVE), native.evaluate(p, NAIVE, jacobian=False)
+    for name in ("residual", "weight", "factor", "table_row"):
+        np.testing.assert_array_equal(getattr(bare, name), getattr(whole, name))
+    assert bare.cost_by_factor == whole.cost_by_factor
+    assert bare.width == whole.width
+    assert len(bare.jacobian_start) == len(bare.residual) + 1
+    assert not bare.jacobian_start.any()
+    assert (len(bare.jacobian_column), len(bare.jacobian_value), bare.columns) == (0, 0, {})

@@ -259,7 +259,7 @@ def _rejected(problem: native.Problem, count: int) -> Mask:
     as a switch leaves them, which takes the square of a wrong one to nothing."""
     bare = replace(problem.links, kernel=np.full(count, int(native.LinkKernel.NONE), np.int32))
     bare_unknowns = replace(problem.unknowns, link_switch=np.ones(0))
-    found = native.evaluate(replace(problem, links=bare, unknowns=bare_unknowns), OPTIONS)
+    found = native.evaluate(replace(problem, links=bare, unknowns=bare_unknowns), OPTIONS, jacobian=False)
     rows = found.factor == native.FACTORS.index("link")
     square = np.bincount(found.table_row[rows], found.residual[rows] ** 2, minlength=count)
     freedoms = np.bincount(found.table_row[rows], minlength=count)
