@@ -72,6 +72,7 @@ SHAPES: dict[type, dict[str, str | dict[str, str]]] = {
     },
     TiedPlanes: {
         "anchor": "p", "plane": "p 3", "ranges": {}, "first": "m", "second": "m", "difference": "m 3", "information": "m 3 3",
+        "point": "m 3", "place": "m 3", "by_place": "m 3 3",
     },
     Attitude: {"node": "m", "depth": "m", "roll": "m", "pitch": "m", "sigma": "m 3", "tray_direction": "n", "tray_sigma": "n"},
     Tracks: {"landmark": "m", "node": "m", "top": "m 2", "bottom": "m 2", "response": "m", "color": "k 3"},
