@@ -84,7 +84,7 @@ def find_objects(dive: DiveRun, run_context: RunContext) -> None:
 
 def build_step(name: str, chain: Chain, upstream: Workspace, target: Workspace, run_context: RunContext) -> None:
     """Bring one step of a chain up to date in another workspace than that of the steps before it."""
-    stage = next(s for s in chain.stages if s.name == name)
+    stage = chain.stage(name)
     job = make_job(
         stage, chain.sections, inputs_of(stage, chain, upstream, chain.skip_reasons()), chain.package, run_context.hashes
     )

@@ -18,7 +18,6 @@ from hullrecon.api.method_variants import build_step
 from hullrecon.artifacts.execution.runner import RunContext
 from hullrecon.artifacts.graph.chain import inputs_of
 from hullrecon.artifacts.graph.settings import settings_for
-from hullrecon.artifacts.graph.stage import Stage
 from hullrecon.artifacts.storage.claim import COMPARE_FOLDER
 from hullrecon.artifacts.storage.workspace import Workspace
 from hullrecon.evaluation.comparison.comparison import DeadReckoning
@@ -45,6 +44,7 @@ from hullrecon.steps.mosaics import read_mosaic_inputs
 from hullrecon.vision.options import MatchOptions, TwoViewModel
 
 TRUE_POSE_SIGMA = np.r_[1.0, 1.0, 0.3, np.radians([1.0, 1.0, 5.0])]  # m, rad: how far a path may have drifted
+DEVIATION_SIGMA_M, DEVIATION_LENGTH_M, RANGE_SIGMA_M = 0.02, (3.0, 1.5), 0.01  # of a hull and a DVL as packages state them
 TWO_VIEW_MODELS: Mapping[TwoViewModel, str] = {
     "essential": "essential matrix alone", "homography": "homography alone", "automatic": "chosen by the criterion",
 }  # fmt: skip
@@ -89,18 +89,18 @@ def lay_onto_cad_model(path: VehiclePath, start: DeadReckoning, mesh: Mesh, glob
     """Return the DVL's returns on a path, registered to the CAD model from where it truly lies: T_g_M. start: with returns."""
     assert start.returns is not None
     points = start.rig.dvl_points(start.returns, path).points[~start.returns.flagged]
-    model = CadModel(mesh, chart_for_hull(mesh), global_from_hull, TRUE_POSE_SIGMA, 0.02, (3.0, 1.5))
-    in_hull = register(points, model, 0.01).global_from_hull.inverse().apply(points)
+    model = CadModel(mesh, chart_for_hull(mesh), global_from_hull, TRUE_POSE_SIGMA, DEVIATION_SIGMA_M, DEVIATION_LENGTH_M)
+    in_hull = register(points, model, RANGE_SIGMA_M).global_from_hull.inverse().apply(points)
     return ReturnsOnHull(points=in_hull, distance=Scene(mesh).closest(in_hull).distance)
 
 
 def _path_by_planes(dive: DiveRun) -> LinkedPath | None:
     """Return the path that the hull's planes tie, without images; None where they tie none."""
-    inputs, stage = _inputs(dive, "links"), _stage(dive, "links")
+    inputs = _inputs(dive, "links")
     returns = inputs.navigate.returns
     if returns is None:
         return None
-    graph = pose_graph(inputs, inputs.mounted(settings_for(stage, dive.chain.sections)), "scaling")
+    graph = pose_graph(inputs, inputs.mounted(settings_for(dive.chain.stage("links"), dive.chain.sections)), "scaling")
     solved = planar_graph(graph, returns, inputs.ingest.hull).solve(no_links())
     return None if solved.planes is None else solved.record()
 
@@ -136,7 +136,7 @@ def _variances(dive: DiveRun, tracks: Mapping[str, VehicleTrack]) -> dict[str, V
     """Return how the sonar's intensities vary on each path, on one surface; the tracks, in g, are laid onto the delivered path
     by a rigid motion, so that what differs is their form."""
     inputs = _inputs(dive, "mosaic-sonar")
-    settings = inputs.mounted(settings_for(_stage(dive, "mosaic-sonar"), dive.chain.sections))
+    settings = inputs.mounted(settings_for(dive.chain.stage("mosaic-sonar"), dive.chain.sections))
     surface = read_mosaic_inputs(inputs, settings.read("mosaic-sonar", SonarOptions).reach_m)
     pings = inputs.ingest.sonar
     assert pings is not None
@@ -164,10 +164,6 @@ def _variance_map(store: TileStore) -> VarianceMap:
     return VarianceMap(variance=variance, extent=(grid.west, right, bottom, grid.north))
 
 
-def _stage(dive: DiveRun, name: str) -> Stage:
-    return next(stage for stage in dive.chain.stages if stage.name == name)
-
-
 def _inputs(dive: DiveRun, name: str) -> InputArtifacts:
     """Return what a step is handed."""
-    return InputArtifacts(inputs_of(_stage(dive, name), dive.chain, dive.workspace, dive.chain.skip_reasons()))
+    return InputArtifacts(inputs_of(dive.chain.stage(name), dive.chain, dive.workspace, dive.chain.skip_reasons()))

@@ -61,8 +61,7 @@ def criterion_trials() -> dict[str, CriterionTrials]:
     for k, peak_m in enumerate(PEAKS_M):
         for trial in range(PEAKS_TRIALS):
             both = two_view.fit_both(*_views_of_peaks(rng, float(peak_m)), 2 * PIXEL_IDEAL)
-            if both is None:
-                raise AssertionError("neither model fits a hundred matches without outliers")
+            assert both is not None  # a hundred matches without outliers
             for of, (found, size) in enumerate(((both.homography, two_view.HOMOGRAPHY), (both.essential, two_view.ESSENTIAL))):
                 penalty = two_view.criterion(np.zeros(PEAKS_POINTS), *size)
                 full[of, k, trial] = found.squared_error.sum() / PIXEL_IDEAL**2 + penalty

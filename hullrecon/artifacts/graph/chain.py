@@ -28,12 +28,17 @@ class Chain:
     package: Path
     read_before: Mapping[str, FileRecord] = field(default_factory=dict)
 
-    def up_to(self, name: str) -> Chain:
-        """Return the part of the chain that `name` needs. Raises UsageError when there is no such step."""
+    def stage(self, name: str) -> Stage:
+        """Return the stage of that name. Raises UsageError when there is no such step."""
         by_name = {stage.name: stage for stage in self.stages}
         if name not in by_name:
             raise unknown_step(name, tuple(by_name))
-        needed, open_names = set[str](), [name]
+        return by_name[name]
+
+    def up_to(self, name: str) -> Chain:
+        """Return the part of the chain that `name` needs. Raises UsageError when there is no such step."""
+        by_name = {stage.name: stage for stage in self.stages}
+        needed, open_names = set[str](), [self.stage(name).name]
         while open_names:
             needed.add(current := open_names.pop())
             stage = by_name[current]

@@ -20,8 +20,8 @@ from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array
 
-# Times the characteristic curvature is one sigma of a patch's, about zero: with once, patches come out too flat, by a fifth
-# where their noise is half of it, and the planes of a whole turn around a hull pull the path along it.
+# One sigma of a patch's curvature about zero, over the characteristic one: with that itself patches come out too flat, by a
+# fifth where their noise is half of it, and the planes of a whole turn around a hull pull the path along it.
 PRIOR_WIDER = 2.0
 MOST_ROUNDS = 5
 LEAST_TIES = 5
