@@ -103,7 +103,8 @@ struct PlanePair {
       return true;
     }
     const Motion node(x[2]), anchor(x[3]);
-    const Mat3 node_from_global = node.rotation().transpose(), node_from_anchor = (node.q.conjugate() * anchor.q).toRotationMatrix();
+    const Mat3 node_from_global = node.rotation().transpose(),
+               node_from_anchor = (node.q.conjugate() * anchor.q).toRotationMatrix();
     const Vec3 y = node_from_global * (anchor.t - node.t) + node_from_anchor * point;
     out -= by_place * (y - place);
     derive<3, 8>(J, 2, [&](auto& j) {
