@@ -50,7 +50,7 @@ demo: setup
 
 test: setup
 	@bash pipelines/setup.sh browser
-	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile -q
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder -q
 
 check: lint types imports format
 
