@@ -18,15 +18,10 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell's `make test &`
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-RUNS_OF_A_SESSION = {"demo_run", "dive_a_run"}
-
-
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the files of slow tests, so that none is left for one worker at the end while the others have nothing to do;
-    among them those that wait for no run that another worker may be making."""
+    """Begin with the files that hold slow tests: the last of them would else run on one worker while the others have ended."""
     slow = {item.path for item in items if item.get_closest_marker("slow")}
-    waiting = {item.path for item in items if RUNS_OF_A_SESSION & set(getattr(item, "fixturenames", ()))}
-    items.sort(key=lambda item: (item.path not in slow, item.path in waiting))
+    items.sort(key=lambda item: item.path not in slow)
 
 
 @pytest.fixture(autouse=True)
