@@ -15,17 +15,18 @@ from typing import BinaryIO
 
 from hullrecon.errors import StorageError
 
+_ELSEWHERE = "choose another folder (of results: with --runs)"
 _REMEDIES = {
-    errno.ENOSPC: "free some space there, or choose another folder with --runs, and run again: what is finished is kept",
+    errno.ENOSPC: f"free some space there, or {_ELSEWHERE}, and run again: what is finished is kept",
     errno.EDQUOT: "the quota is used up: free some space there and run again, what is finished is kept",
-    errno.EFBIG: "this file system takes no file of that size: choose another folder with --runs",
-    errno.EROFS: "the file system is read-only: choose another folder with --runs",
-    errno.EACCES: "write permission is missing: choose another folder with --runs",
-    errno.EPERM: "write permission is missing: choose another folder with --runs",
-    errno.ENOTDIR: "a file lies where a folder is needed: choose another folder with --runs",
-    errno.EEXIST: "a file lies where a folder is needed: choose another folder with --runs",
+    errno.EFBIG: f"this file system takes no file of that size: {_ELSEWHERE}",
+    errno.EROFS: f"the file system is read-only: {_ELSEWHERE}",
+    errno.EACCES: f"write permission is missing: {_ELSEWHERE}",
+    errno.EPERM: f"write permission is missing: {_ELSEWHERE}",
+    errno.ENOTDIR: f"a file lies where a folder is needed: {_ELSEWHERE}",
+    errno.EEXIST: f"a file lies where a folder is needed: {_ELSEWHERE}",
     errno.ELOOP: "a symbolic link lies where the run keeps a file of its own: remove it",
-    errno.ENAMETOOLONG: "the name is too long: choose another folder with --runs",
+    errno.ENAMETOOLONG: f"the name is too long: {_ELSEWHERE}",
 }
 _AT_FDCWD = -100
 _RENAME_EXCHANGE = 2

@@ -67,6 +67,14 @@ def best_of_pairs(first: Ints, second: Ints, distance: Floats32, ratio: float, m
     return Putative(first=first[chosen], second=second[chosen], distance=distance[chosen])
 
 
+def mutual_best(first: Ints, second: Ints, distance: Floats32) -> Ints:
+    """Return the rows, ascending, of pairs (m,) that are the best of both of their features."""
+    if len(first) == 0:
+        return np.zeros(0, np.int64)
+    forward, backward = (_best_and_next(key, distance)[0] for key in (first, second))
+    return np.sort(forward[np.isin(forward, backward)])
+
+
 def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative:
     """Return the mutual best of all a (n, 128) and b (m, 128) with the ratio test on both sides."""
     if len(a) < 2 or len(b) < 2:

@@ -15,9 +15,10 @@ import numpy as np
 from msgspec import Meta
 
 from hullrecon.dive.config.schema import Positive, Section
-from hullrecon.typing import Floats32, Mask, Pixels
+from hullrecon.typing import Floats32, Ints, Mask, Pixels
 from hullrecon.vision.features.corners import RADIUS_PX, describe_corners, find_corners
 from hullrecon.vision.features.descriptors import WIDTH, root_sift
+from hullrecon.vision.features.places import first_at_place
 
 CORNERS = 0.5  # of features.max_features: as many corners at most
 
@@ -71,6 +72,11 @@ class Features:
     def corner(self) -> Mask:
         """Return which rows (n,) are corners."""
         return np.arange(len(self)) >= len(self) - self.corners
+
+    @property
+    def place(self) -> Ints:
+        """Return by feature (n,) the row that stands for all at its pixel."""
+        return first_at_place(self.keypoints)
 
     def without_corners(self) -> Features:
         """Return the SIFT features alone."""

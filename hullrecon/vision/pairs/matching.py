@@ -12,6 +12,7 @@ from hullrecon.geometry.frames import Camera
 from hullrecon.typing import Array, Ints
 from hullrecon.vision.features.descriptors import Putative, best_of_pairs, sparse_distance
 from hullrecon.vision.features.kinds import best_of_each_kind, like_pairs, limit_corners
+from hullrecon.vision.features.places import match_places
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pair_match import PairMatch, Reason, agrees, failed_match
 from hullrecon.vision.pairs import mono_inliers, pose_from_points, two_view
@@ -104,6 +105,7 @@ class PairMatcher:
             found = Putative(first=rows[found.first], second=among[found.second], distance=found.distance)
         else:
             found = best_of_pairs(*allowed, sparse_distance(first.descriptor, second.descriptor, *allowed), ratio, most)
+        found = match_places(found, first.place, second.place)
         return limit_corners(found, first.corner[found.first], self.options.harris_share)
 
     def _within_ellipses(self, first: NodeView, second: NodeView, motion: Motion, rows: Ints, among: Ints) -> tuple[Ints, Ints]:
@@ -198,6 +200,7 @@ class PairMatcher:
         near = a[good], b[good]
         distance = sparse_distance(first.descriptor, second.descriptor, *near)
         found = best_of_pairs(*near, distance, self.options.guided_ratio, self.options.max_distance)
+        found = match_places(found, first.place, second.place)
         return limit_corners(found, first.corner[found.first], self.options.harris_share)
 
     def _match_two_views(

@@ -11,13 +11,15 @@ import numpy as np
 from hullrecon.typing import Array, Floats32, Ints, Mask
 from hullrecon.vision.features.descriptors import best_of_pairs, sparse_distance
 from hullrecon.vision.features.kinds import like_pairs, limit_corners
+from hullrecon.vision.features.places import match_places
 from hullrecon.vision.pairs.gated_search import in_box
 from hullrecon.vision.stereo.rectification import Rectification, triangulate
 
 
 @dataclass(frozen=True, kw_only=True)
 class StereoMatches:
-    """Rows of the top and of the bottom camera's features that show one point; point (m, 3) in the top camera, metres."""
+    """Rows of the top and of the bottom camera's features that show one point, each standing for all at its pixel; point (m, 3)
+    in the top camera, metres."""
 
     top: Ints
     bottom: Ints
@@ -42,11 +44,13 @@ class StereoLimits:
 
 @dataclass(frozen=True, kw_only=True)
 class StereoSide:
-    """One camera's features: xy (n, 2) ideal coordinates, descriptor (n, 128) unit, corner (n,): which are corners."""
+    """One camera's features: xy (n, 2) ideal coordinates, descriptor (n, 128) unit, corner (n,): which are corners, place (n,):
+    the row that stands for all at its pixel."""
 
     xy: Array
     descriptor: Floats32
     corner: Mask
+    place: Ints
 
 
 def no_matches() -> StereoMatches:
@@ -63,6 +67,7 @@ def match_stereo(rectification: Rectification, top: StereoSide, bottom: StereoSi
     near = like_pairs(*in_box(xy_top - middle, half, xy_bottom), top.corner, bottom.corner)
     distance = sparse_distance(top.descriptor, bottom.descriptor, *near)
     found = best_of_pairs(*near, distance, limits.ratio, limits.max_distance)
+    found = match_places(found, top.place, bottom.place)
     found = limit_corners(found, top.corner[found.first], limits.harris_share)
     points = triangulate(rectification, xy_top[found.first], xy_bottom[found.second])
     ahead = np.isfinite(points).all(axis=1)

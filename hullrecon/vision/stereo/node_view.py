@@ -10,7 +10,7 @@ import numpy as np
 
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.robust import NORMAL_MAD
-from hullrecon.typing import Array, Floats32, Mask
+from hullrecon.typing import Array, Floats32, Ints, Mask
 from hullrecon.vision.features.descriptors import to_unit
 from hullrecon.vision.features.extraction import Features
 from hullrecon.vision.options import MatchOptions
@@ -35,8 +35,9 @@ class DepthPrior:
 class NodeView:
     """A node for pair matching. camera: the leading one, the bottom one where the top has no image.
 
-    xy (n, 2) ideal coordinates in the leading camera, descriptor (n, 128) unit, corner (n,): not of SIFT. other (n, 2): ideal
-    coordinates in the bottom camera of the stereo match, NaN where none; point (n, 3) in the leading camera, NaN where none.
+    xy (n, 2) ideal coordinates in the leading camera, descriptor (n, 128) unit, corner (n,): not of SIFT, place (n,): the row
+    that stands for all at its pixel. other (n, 2): ideal coordinates in the bottom camera of the stereo match, NaN where none;
+    point (n, 3) in the leading camera, NaN where none; both of the place, whichever of its rows was matched.
     depth, depth_sigma (n,): measured, carried over from stereo neighbours, from the prior, or NaN. normal: the prior's, in the
     leading camera's axes.
     """
@@ -45,6 +46,7 @@ class NodeView:
     xy: Array
     descriptor: Floats32
     corner: Mask
+    place: Ints
     other: Array
     point: Array
     depth: Array
@@ -76,7 +78,9 @@ def stereo_of_node(
         harris_share=options.harris_share,
     )
     sides = [
-        StereoSide(xy=rig.model(k).undistort(f.keypoints[:, :2]), descriptor=to_unit(f.descriptors), corner=f.corner)
+        StereoSide(
+            xy=rig.model(k).undistort(f.keypoints[:, :2]), descriptor=to_unit(f.descriptors), corner=f.corner, place=f.place
+        )
         for k, f in zip(Camera, (top, bottom), strict=True)
     ]
     found = match_stereo(rectify(rig.top_from_bottom), sides[0], sides[1], limits)
@@ -111,16 +115,18 @@ def view_of_node(
     if len(stereo):
         other[stereo.top] = rig.model(Camera.BOTTOM).undistort(bottom.keypoints[stereo.bottom, :2])
         point[stereo.top] = stereo.point
+    place = lead.place
     depth, sigma = _depths(rig, xy, point, prior, sigma_px)
     return NodeView(
         camera=camera,
         xy=xy,
         descriptor=to_unit(lead.descriptors),
         corner=lead.corner,
-        other=other,
-        point=point,
-        depth=depth,
-        depth_sigma=sigma,
+        place=place,
+        other=other[place],
+        point=point[place],
+        depth=depth[place],
+        depth_sigma=sigma[place],
         normal=prior.normal if prior else None,
     )
 
