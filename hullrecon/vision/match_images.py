@@ -20,7 +20,7 @@ from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.match_worker import MatchWorker
 from hullrecon.vision.stereo.camera_rig import CameraRig
 from hullrecon.vision.stereo.matching import StereoMatches
-from hullrecon.vision.tracks.landmarks import NodeMatches, build_tracks
+from hullrecon.vision.tracks.landmarks import FeatureMatches, build_tracks, first_numbers
 from hullrecon.vision.tracks.track_verification import Link, contradicted_observations
 
 NO_IMAGES = (
@@ -95,15 +95,13 @@ def join_images(
     """
     if not pairs.joined.any():
         raise StageError("no two images could be matched", where=f"links: {_most_frequent_reason(pairs)}", remedy=NO_IMAGES)
-    size = np.diff(features.start)
+    size, start = np.diff(features.start), first_numbers(stereo.features)
     tracks = build_tracks(
         stereo.features,
         _by_node(stereo),
-        NodeMatches(
-            first_node=np.repeat(links.first, size),
-            first_row=features.first,
-            second_node=np.repeat(links.second, size),
-            second_row=features.second,
+        FeatureMatches(
+            first=np.repeat(start[links.first], size) + features.first,
+            second=np.repeat(start[links.second], size) + features.second,
             distance=features.distance,
         ),
         lambda k: worker.read((int(image[k, 0]), int(image[k, 1]))),

@@ -8,7 +8,9 @@ import pytest
 
 from hullrecon.vision.features.extraction import Features, no_features
 from hullrecon.vision.stereo.matching import StereoMatches, no_matches
-from hullrecon.vision.tracks.landmarks import NodeFeatures, NodeMatches, build_tracks
+from hullrecon.vision.tracks.landmarks import FeatureMatches, NodeFeatures, build_tracks
+
+NODE_FEATURES = 3
 
 
 def features(base, n, color):
@@ -25,9 +27,8 @@ def stereo(*rows):
 def matches(*rows):
     """Rows of first node, first row, second node, second row."""
     a = np.array(rows, np.int64).reshape(-1, 4)
-    return NodeMatches(
-        first_node=a[:, 0], first_row=a[:, 1], second_node=a[:, 2], second_row=a[:, 3], distance=np.zeros(len(a), np.float32)
-    )
+    first, second = (NODE_FEATURES * a[:, k] + a[:, k + 1] for k in (0, 2))
+    return FeatureMatches(first=first, second=second, distance=np.zeros(len(a), np.float32))
 
 
 @pytest.fixture
@@ -39,7 +40,7 @@ def dive():
     ]
     nodes.append(NodeFeatures(top=no_features(), bottom=features(700, 3, 50)))
     pairs = [stereo((0, 2), (2, 1)), stereo((1, 0)), no_matches()]
-    return SimpleNamespace(read=nodes.__getitem__, stereo=pairs, count=np.array([3, 3, 3]))
+    return SimpleNamespace(read=nodes.__getitem__, stereo=pairs, count=np.full(3, NODE_FEATURES))
 
 
 def made(dive, found, single_node=True, find_outliers=None):

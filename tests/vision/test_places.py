@@ -17,7 +17,7 @@ from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.matching import PairMatcher
 from hullrecon.vision.stereo.matching import no_matches
 from hullrecon.vision.stereo.node_view import DepthPrior, stereo_of_node, view_of_node
-from hullrecon.vision.tracks.landmarks import NodeFeatures, NodeMatches, build_tracks
+from hullrecon.vision.tracks.landmarks import FeatureMatches, NodeFeatures, build_tracks
 
 PRIOR = DepthPrior(mean=1.3, sigma=0.2, nearest=0.8, farthest=2.0)
 OPTIONS = MatchOptions()
@@ -87,11 +87,8 @@ def test_a_place_whose_description_changes_along_the_way_is_one_landmark():
     )
     place = features.place
     # the first place by its first description from node 0 to 1, by its second from 1 to 2
-    rows = [(0, 0, 1, 0), (1, 1, 2, 1)]
-    a = np.array([(i, place[r], j, place[s]) for i, r, j, s in rows])
-    found = NodeMatches(
-        first_node=a[:, 0], first_row=a[:, 1], second_node=a[:, 2], second_row=a[:, 3], distance=np.zeros(2, np.float32)
-    )
+    first, second = place[[0, 1]] + len(features) * np.array([0, 1]), place[[0, 1]] + len(features) * np.array([1, 2])
+    found = FeatureMatches(first=first, second=second, distance=np.zeros(2, np.float32))
     node = NodeFeatures(top=features, bottom=no_features())
     tracks = build_tracks(np.full(3, len(features)), [no_matches()] * 3, found, lambda k: node, False)
     np.testing.assert_array_equal(tracks.landmark, [0, 0, 0])

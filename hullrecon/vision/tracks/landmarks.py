@@ -36,20 +36,24 @@ class NodeFeatures:
 
 
 @dataclass(frozen=True, kw_only=True)
-class NodeMatches:
-    """Verified matches of all pairs: node and row (in the node's leading camera) of either side, descriptor distance (m,)."""
+class FeatureMatches:
+    """Verified matches of all pairs, features of the nodes' leading cameras numbered through the dive: first and second (m,),
+    descriptor distance (m,)."""
 
-    first_node: Ints
-    first_row: Ints
-    second_node: Ints
-    second_row: Ints
+    first: Ints
+    second: Ints
     distance: Floats32
+
+
+def first_numbers(count: Ints) -> Ints:
+    """Return the number (n + 1,) of each node's first feature, and that behind the last; count (n,): features of each node."""
+    return np.concatenate([[0], np.cumsum(count)])
 
 
 def build_tracks(
     count: Ints,
     stereo: Sequence[StereoMatches],
-    matches: NodeMatches,
+    matches: FeatureMatches,
     read: Callable[[int], NodeFeatures],
     single_node: bool,
     find_outliers: Callable[[Ints, Ints, Array, Array], Mask] | None = None,
@@ -59,14 +63,15 @@ def build_tracks(
     count (n,): features of each node's leading camera. stereo: matches of each node, rows into its cameras. read: a node's
     features by its number. find_outliers: from node, landmark, top and bottom pixels to the observations to be dropped.
     """
-    start = np.concatenate([[0], np.cumsum(count)])
-    first, second = start[matches.first_node] + matches.first_row, start[matches.second_node] + matches.second_row
-    single = (
-        np.concatenate([np.zeros(0, np.int64), *(start[k] + s.top for k, s in enumerate(stereo))]) if single_node else first
-    )
-    used = np.unique(np.concatenate([first, second, single]))
+    start = first_numbers(count)
+    marked = np.zeros(start[-1], bool)
+    marked[matches.first] = marked[matches.second] = True
+    for k, node_stereo in enumerate(stereo if single_node else ()):
+        marked[start[k] + node_stereo.top] = True
+    used = np.flatnonzero(marked)
     node = np.searchsorted(start, used, side="right") - 1
-    label = join_matches(node, np.searchsorted(used, first), np.searchsorted(used, second), matches.distance)
+    ends = np.searchsorted(used, matches.first), np.searchsorted(used, matches.second)
+    label = join_matches(node, *ends, matches.distance)
     label[label < 0] = label.max(initial=-1) + 1 + np.arange(int((label < 0).sum()))
     top, bottom, response, color = _observations(used - start[node], node, stereo, read)
     keep = np.ones(len(used), bool) if find_outliers is None else ~find_outliers(node, label, top, bottom)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.frames import Camera
-from hullrecon.typing import Array, Ints, Mask
+from hullrecon.typing import Array, Ints, Ints32, Mask
 from hullrecon.vision.options import MatchOptions
 from hullrecon.vision.pairs.gating import Motion, transfer
 from hullrecon.vision.pairs.two_view import essential_of, sampson_squared
@@ -39,26 +39,28 @@ def contradicted_observations(
     """Return which observations (m,) at least as many pairs contradict as confirm, one at least. node (m,) ascending."""
     observations = _Observations(rig, top, bottom)
     bounds = {k: slice(*np.searchsorted(node, [k, k + 1])) for k in {n for link in links for n in (link.first, link.second)}}
-    votes = []
+    votes: list[tuple[Ints32, Ints32, Mask]] = []
     for link in links:
         i, j = bounds[link.first], bounds[link.second]
         _, a, b = np.intersect1d(label[i], label[j], assume_unique=True, return_indices=True)
         a, b = a + i.start, b + j.start
-        votes.append((a, b, observations.agree(link, a, b, options)))
+        votes.append((a.astype(np.int32), b.astype(np.int32), observations.agree(link, a, b, options)))
     return _outvote(len(node), votes)
 
 
-def _outvote(count: int, votes: Sequence[tuple[Ints, Ints, Mask]]) -> Mask:
-    """Return which of the observations are rejected, in rounds: a rejected one no longer counts against the others."""
-    none: list[Ints] = [np.zeros(0, np.int64)]
-    a, b = (np.concatenate(none + [v[k] for v in votes]) for k in (0, 1))
-    good = np.concatenate([np.zeros(0, bool), *(v[2] for v in votes)])
+def _outvote(count: int, votes: Sequence[tuple[Ints32, Ints32, Mask]]) -> Mask:
+    """Return which of the observations are rejected, in rounds: a rejected one no longer counts against the others.
+
+    votes: of each pair its observations a and b, each once, and whether the two agree.
+    """
     out = np.zeros(count, bool)
     for step in range(ROUNDS):
-        counted = ~(out[a] | out[b])
-        both = np.concatenate([a[counted], b[counted]])
-        yes = np.bincount(both, np.tile(good[counted], 2), minlength=count)
-        no = np.bincount(both, np.tile(~good[counted], 2), minlength=count)
+        yes, no = np.zeros(count, np.int32), np.zeros(count, np.int32)
+        for a, b, good in votes:  # pair by pair: those of a long dive together would fill the memory
+            counted = ~(out[a] | out[b])
+            for tally, chosen in ((yes, counted & good), (no, counted & ~good)):
+                tally[a[chosen]] += 1
+                tally[b[chosen]] += 1
         out |= (no > 0) & ((no > 2 * yes) if step == 0 else (no >= yes))
     return out
 
