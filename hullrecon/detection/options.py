@@ -18,7 +18,7 @@ class DetectOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     min_offset_m: Annotated[Positive, Meta(description="m, a feature this far off the hull is part of a structure")] = 0.025
     min_height_m: Annotated[Positive, Meta(description="m, height of the lowest structure that is reported")] = 0.03
     min_area_m2: Annotated[Positive, Meta(description="m2, footprint at half height of the smallest object")] = 0.0025
-    min_landmarks: Annotated[Count, Meta(description="landmarks that must lie on an object")] = 8
+    min_landmarks: Annotated[Count, Meta(description="landmarks that must lie on an object")] = 6
     min_views: Annotated[Count, Meta(description="images whose features must show its shape")] = 3
     min_agreement: Annotated[Positive, Meta(le=1, description="share, of the landmarks on an object that must agree")] = 0.6
     max_p_value: Annotated[

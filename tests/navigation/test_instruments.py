@@ -206,7 +206,7 @@ def test_the_sensor_stands_where_the_pressure_says(rig) -> None:
     found, depth = held(rig, np.full(600, 3.0), [10, 30, 50])
     assert np.allclose(depth, 3.0, atol=1e-9)
     assert np.allclose(found.measured, 3.0, atol=1e-9)
-    assert found.sigma == 1e-3
+    assert (found.sigma == 1e-3).all()
     assert len(found.steps) == 0
 
 
@@ -216,6 +216,28 @@ def test_a_scatter_of_the_pressure_is_smoothed_and_its_sigma_said(rig) -> None:
     assert np.abs(depth - 3.0).max() < 0.012
     assert found.white == pytest.approx(0.02, rel=0.15)
     assert found.sigma == pytest.approx(0.02 * np.sqrt(0.1 / (2 * np.sqrt(np.pi) * 5)), rel=0.15)
+
+
+def test_depth_in_an_outage_of_the_dvl_is_that_of_the_pressure_and_says_how_well_it_is_known(rig) -> None:
+    def true(at_s):  # down by a metre and up again, unheard
+        return 3.0 + 0.5 * (1 - np.cos(2 * np.pi * np.clip(at_s - 20, 0, 20) / 20))
+
+    t_s, heard_s = np.arange(600) / 10, np.arange(0, 60, 0.2)
+    heard = (heard_s < 20) | (heard_s > 40)
+    mount = rig.tray_from_dvl.rotation.as_matrix()[0]
+    every = pings(np.tile(mount.T @ [0.2, 0.0, 0.0], (300, 1)))
+    parts = {name: getattr(every, name)[heard] for name in ("t_ns", "velocity", "velocity_sigma", "ranges")}
+    some = DvlPings(**parts, beams=every.beams)
+    level = AttitudeHistory(stamps([-1, 61]), np.tile([0, 0, 0, 1.0], (2, 1)), 1e-3, 0.0, NO_HOLES, False)
+    path = reckon(usable_velocities(some, ALWAYS, 0.6), level, servo(None, 0), rig)
+    nodes_s = np.arange(2, 58, 0.5)
+    noise = 0.02 * np.random.default_rng(3).standard_normal(600)
+    found = hold_to_pressure(readings(true(t_s) + noise), path, stamps(nodes_s), 0.2)
+    z = path.at(stamps(nodes_s)).poses().translation[:, 2] + found.shift + rig.pressure_origin[2]
+    error, silent = z - true(nodes_s), (nodes_s > 20) & (nodes_s < 40)
+    assert (np.abs(error) < 4 * found.sigma).all()
+    assert np.abs(error[~silent]).max() < 0.01
+    assert np.median(found.sigma[~silent]) < 0.003 < 0.005 < found.sigma[silent].min() < found.sigma.max() < 0.03
 
 
 def test_a_dvl_that_sinks_is_held_to_the_pressure_without_lag(rig) -> None:

@@ -4,7 +4,9 @@
 
 Over a second the DVL knows the vertical step to a millimetre where one pressure reading scatters by centimetres; over minutes
 the pressure is right. So what is smoothed is the difference of the two, over WIDTH_S: ten readings a second of 0.02 m leave
-some 1.5 mm, and a drift that is steady over half a minute (scale, mount) is followed without lag.
+some 1.5 mm, and a drift that is steady over half a minute (scale, mount) is followed without lag. Where the DVL was silent its
+path goes straight on, whatever the vehicle does: there the pressure alone speaks, and no reading from there is smoothed into
+what the DVL saw.
 """
 
 from __future__ import annotations
@@ -18,20 +20,22 @@ from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
 from hullrecon.navigation.sensors.silence import describe_silence, unread_s
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
 from hullrecon.records.sensors import PressureSamples
-from hullrecon.typing import Array, Ints
+from hullrecon.typing import Array, Ints, Mask
 
 WIDTH_S = 5.0
 STEP_M = 0.3  # between two readings, beyond what the DVL saw
+LEAST_SIGMA_M = 1e-3
+AT_AN_EDGE = 2.5  # sigma of a line fitted to one side with Gaussian weights over that of one fitted to both
 
 
 @dataclass(frozen=True, kw_only=True)
 class Depth:
-    """z to add to the DVL's vertical path at the nodes: shift (n,), its sigma (m). measured (n,): depth of the sensor there.
-    steps (k,): stamps where the pressure jumped against the DVL; white: scatter of one reading, m. unread_s (n,): how far in
-    time the next reading is, 0 where the depth was measured; silence: the same in words, "" without any."""
+    """z to add to the DVL's vertical path at the nodes: shift (n,) and its sigma (n,), m. measured (n,): depth of the sensor
+    there. steps (k,): stamps where the pressure jumped against the DVL; white: scatter of one reading, m. unread_s (n,): how
+    far in time the next reading is, 0 where the depth was measured; silence: the same in words, "" without any."""
 
     shift: Array
-    sigma: float
+    sigma: Array
     measured: Array
     steps: Ints
     white: float
@@ -47,19 +51,58 @@ def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints,
     t, at = path_seconds(path, t_ns), path_seconds(path, nodes_ns)
     gap = depth - _sensor(path, t_ns)
     steady = running_median(gap[:, None], 5)[:, 0]
-    slow, _ = local_line(t, steady, np.concatenate([at, t]), WIDTH_S)
-    fitted, unread = slow[len(at) :, 0], unread_s(t_ns, nodes_ns)
-    shift = np.where(unread > 0, np.interp(at, t, fitted), slow[: len(at), 0])  # a line fitted to noise leads far astray there
-    white = robust_sigma(gap - fitted, about=0.0)
     step = float(np.median(np.diff(t)))
-    sigma = max(white * np.sqrt(step / (2 * np.sqrt(np.pi) * WIDTH_S)), 1e-3)
+    widths = WIDTH_S, max(window_s, step)
+    smooth = _smooth(t, steady, np.concatenate([at, t]), path, widths)
+    slow, fitted, unread = smooth[: len(at)], smooth[len(at) :], unread_s(t_ns, nodes_ns)
+    shift = np.where(unread > 0, np.interp(at, t, fitted), slow)  # a line fitted to noise leads far astray there
+    white = robust_sigma(gap - fitted, about=0.0)
+    sigma = np.maximum(white * np.sqrt(step) * _noise_left(path, at, widths), LEAST_SIGMA_M)
     near, _ = local_line(t, steady, at, window_s)
     jumps = np.abs(np.diff(steady)) > max(STEP_M, 6 * white)
     measured = near[:, 0] + _sensor(path, nodes_ns)
     silence = describe_silence(t_ns, nodes_ns)
     return Depth(
-        shift=shift, sigma=float(sigma), measured=measured, steps=t_ns[1:][jumps], white=white, unread_s=unread, silence=silence
+        shift=shift, sigma=sigma, measured=measured, steps=t_ns[1:][jumps], white=white, unread_s=unread, silence=silence
     )
+
+
+def _smooth(t_s: Array, values: Array, at_s: Array, path: Reckoning, widths_s: tuple[float, float]) -> Array:
+    """Return values (m,) at times at_s (m,) of readings (n,), those of each stretch smoothed alone: over the first width where
+    the DVL was heard, over the second where it was silent. A stretch with less than two readings takes all."""
+    out = np.zeros(len(at_s))
+    stretch, stretch_at = _stretch(path, t_s), _stretch(path, at_s)
+    for number in np.unique(stretch_at):
+        inside, width = stretch == number, widths_s[int(_silent(number))]
+        rows = inside if inside.sum() > 1 else np.ones(len(t_s), bool)
+        out[stretch_at == number] = local_line(t_s[rows], values[rows], at_s[stretch_at == number], width)[0][:, 0]
+    return out
+
+
+def _noise_left(path: Reckoning, at_s: Array, widths_s: tuple[float, float]) -> Array:
+    """Return by how much (n,), in 1/sqrt(s), smoothing leaves of a density of white noise; more at the edges of a stretch, to
+    the one side of which there are no readings."""
+    stretch, edges = _stretch(path, at_s), _edges(path)
+    width = np.where(_silent(stretch), widths_s[1], widths_s[0])
+    after = np.clip(np.searchsorted(edges, at_s), 1, len(edges) - 1)
+    gap = np.minimum(np.abs(at_s - edges[after - 1]), np.abs(edges[after] - at_s))
+    return np.asarray((1 + (AT_AN_EDGE - 1) * np.exp(-0.5 * (gap / width) ** 2)) / np.sqrt(2 * np.sqrt(np.pi) * width))
+
+
+def _edges(path: Reckoning) -> Array:
+    """Return the times (m,) between which the DVL was heard and silent by turns, first heard."""
+    pings = path.velocities.t_ns
+    return path_seconds(path, np.concatenate([pings[:1], path.velocities.outages.ravel(), pings[-1:]]))
+
+
+def _stretch(path: Reckoning, t_s: Array) -> Ints:
+    """Return the number of the stretch (n,) in which times lie: before the first velocity, up to the first outage, in it..."""
+    return np.searchsorted(_edges(path), t_s, side="right")
+
+
+def _silent(stretch: Ints) -> Mask:
+    """Return in which stretches the DVL was silent."""
+    return np.asarray(stretch % 2 == 0)
 
 
 def path_seconds(path: Reckoning, t_ns: Ints) -> Array:
