@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""navigate: the vehicle's path by dead reckoning, or by the stereo cameras where there is no DVL."""
+"""navigate: the vehicle's path by dead reckoning, or by the stereo cameras where there is no DVL or it was hardly heard."""
 
 from __future__ import annotations
 
@@ -36,6 +36,7 @@ from hullrecon.vision.odometry import OdometryFrame, StereoOdometer, stereo_odom
 from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
 
 Samples = TypeVar("Samples", bound=Stream)
+LEAST_HEARD = 0.5  # of the images: where the DVL reaches fewer of a stereo rig's, its path would leave out most of the dive
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,16 +73,44 @@ def run(context: Context[NavigateOptions]) -> None:
     for line in describe_mounts(InputArtifacts(context.inputs).mounts(context.settings)):
         context.warn(line)
     _refuse_wrong_rig(context)
-    if ingest.dvl is not None:
-        _write(context, _by_dvl(context), "dvl")
-    elif all(ingest.image_index(camera) is not None for camera in Camera):
-        _write(context, _by_stereo(context), "stereo")
-    else:
+    has_stereo = all(ingest.image_index(camera) is not None for camera in Camera)
+    if ingest.dvl is None and not has_stereo:
         raise StageError(
             "nothing measures how the vehicle moved",
             where="no DVL and no stereo cameras were logged",
             remedy="name the DVL's topic in [topics], or both cameras with their calibration",
         )
+    if ingest.dvl is None:
+        _write(context, _by_stereo(context), "stereo")
+    elif has_stereo and (share := _share_heard(ingest, context.parameters.reach_s)) < LEAST_HEARD:
+        _write(context, *_by_stereo_or_dvl(context, share))
+    else:
+        _write(context, _by_dvl(context), "dvl")
+
+
+def _share_heard(ingest: IngestArtifact, reach_s: float) -> float:
+    """Return the share of the upper camera's images that lie where the DVL's velocities reach."""
+    dvl, index = ingest.dvl, ingest.image_index(Camera.TOP)
+    if dvl is None or index is None or not index.usable.any():
+        return 1.0
+    heard_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
+    if not len(heard_ns):
+        return 0.0
+    t_ns, reach_ns = index.t_ns[index.usable], reach_s * 1e9
+    return float(((t_ns >= heard_ns.min() - reach_ns) & (t_ns <= heard_ns.max() + reach_ns)).mean())
+
+
+def _by_stereo_or_dvl(context: Context[NavigateOptions], share: float) -> tuple[Navigated, str]:
+    """Return the path of the stereo cameras, of whose images the DVL reaches that share, and what gave it; the DVL's part where
+    they give none."""
+    heard = f"The DVL was heard for {100 * share:.0f} % of the stereo pairs"
+    try:
+        found = _by_stereo(context)
+    except StageError as error:
+        context.warn(f"{heard}, and these alone give no path ({error}): the path is the DVL's part of the dive.")
+        return _by_dvl(context), "dvl"
+    context.warn(f"{heard}: the path is theirs, and the DVL's velocities and ranges are left out.")
+    return found, "stereo"
 
 
 def _ingest_and_settings(context: Context[NavigateOptions]) -> tuple[IngestArtifact, StageSettings]:

@@ -129,12 +129,11 @@ def test_neither_dvl_nor_stereo_is_an_error_in_words(ingest: Path, tmp_path: Pat
         run(ingest, tmp_path / "navigate")
 
 
-def test_without_a_dvl_the_stereo_cameras_give_the_path(ingest: Path, tmp_path: Path) -> None:
-    """A camera slides 8 cm a frame over a flat seabed 1 m below, 4 mm a pixel."""
+def slide_over_seabed(ingest: Path, contrast: float = 1.0) -> None:
+    """Add the images of a rig that slides 8 cm a frame over a flat seabed 1 m below, 4 mm a pixel, a frame a second."""
     import cv2
 
-    (ingest / "dvl.npz").unlink()
-    noise = np.random.default_rng(4).integers(0, 255, (100, 200)).astype(np.uint8)
+    noise = (127 + contrast * (np.random.default_rng(4).integers(0, 255, (100, 200)) - 127.0)).astype(np.uint8)
     seabed = cv2.resize(noise, (800, 400), interpolation=cv2.INTER_CUBIC)
     camera = CameraModel(320, 256, 250.0, 250.0, 159.5, 127.5)
     (ingest / "cameras.json").write_text(json.dumps({"top": asdict(camera), "bottom": asdict(camera)}))
@@ -151,12 +150,49 @@ def test_without_a_dvl_the_stereo_cameras_give_the_path(ingest: Path, tmp_path: 
             t_ns=SECOND * np.arange(count), file=np.full(count, ""), offset=start, size=sizes, usable=np.ones(count, bool)
         )
         keep(ingest, f"images_{name}", index)
-    out = run(ingest, tmp_path / "navigate")
+
+
+def lose_velocities(ingest: Path, before_s: float) -> None:
+    """Take the DVL's velocities before a time, and bring it as near to the wall as the images are to the seabed."""
+    dvl = from_arrays(DvlPings, load_arrays(ingest / "dvl.npz"))
+    dvl.ranges[:] = 1 / JANUS[0, 2]
+    dvl.velocity[dvl.t_ns < before_s * SECOND] = np.nan
+    keep(ingest, "dvl", dvl)
+
+
+def source_and_steps(out: Path) -> tuple[str, np.ndarray]:
     path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))
-    step = np.linalg.norm(np.diff(path.translation, axis=0), axis=1)
+    source = json.loads((out / "navigation.json").read_text())["source"]
+    return source, np.linalg.norm(np.diff(path.translation, axis=0), axis=1)
+
+
+def test_without_a_dvl_the_stereo_cameras_give_the_path(ingest: Path, tmp_path: Path) -> None:
+    (ingest / "dvl.npz").unlink()
+    slide_over_seabed(ingest)
+    out = run(ingest, tmp_path / "navigate")
+    source, step = source_and_steps(out)
+    assert source == "stereo"
     assert np.allclose(step, 0.08, atol=2e-3)
+    path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))
     assert path.translation[0].tolist() == [0.0, 0.0, 2.0]
-    assert json.loads((out / "navigation.json").read_text())["source"] == "stereo"
+
+
+@pytest.mark.parametrize(("before_s", "source"), [(0.0, "dvl"), (2.0, "dvl"), (3.6, "stereo"), (30.0, "stereo")])
+def test_stereo_cameras_give_the_path_where_the_dvl_was_hardly_heard(
+    ingest: Path, tmp_path: Path, before_s: float, source: str
+) -> None:
+    slide_over_seabed(ingest)
+    lose_velocities(ingest, before_s)
+    found, step = source_and_steps(run(ingest, tmp_path / "navigate"))
+    assert found == source
+    assert source == "dvl" or np.allclose(step, 0.08, atol=2e-3)
+
+
+def test_where_the_images_give_no_path_the_dvls_part_is_what_there_is(ingest: Path, tmp_path: Path) -> None:
+    slide_over_seabed(ingest, contrast=0.0)
+    lose_velocities(ingest, 3.6)
+    out = run(ingest, tmp_path / "navigate")
+    assert source_and_steps(out)[0] == "dvl"
 
 
 def test_mounts_and_sigmas_reach_navigation_in_radians(tmp_path: Path) -> None:
