@@ -240,6 +240,17 @@ def test_depth_in_an_outage_of_the_dvl_is_that_of_the_pressure_and_says_how_well
     assert np.median(found.sigma[~silent]) < 0.003 < 0.005 < found.sigma[silent].min() < found.sigma.max() < 0.03
 
 
+def test_a_dvl_of_a_ping_a_second_is_not_silent_between_two(rig) -> None:
+    mount = rig.tray_from_dvl.rotation.as_matrix()[0]
+    slow = usable_velocities(pings(np.tile(mount.T @ [0.2, 0.0, 0.0], (60, 1)), hz=1.0), ALWAYS, 0.6)
+    level = AttitudeHistory(stamps([-1, 61]), np.tile([0, 0, 0, 1.0], (2, 1)), 1e-3, 0.0, NO_HOLES, False)
+    noise = 0.02 * np.random.default_rng(4).standard_normal(590)
+    nodes = stamps(np.arange(10, 50, 0.5))
+    found = hold_to_pressure(readings(3.0 + noise), reckon(slow, level, servo(None, 0), rig), nodes, 0.2)
+    assert len(slow.outages) == 59
+    assert found.sigma.max() < 0.002
+
+
 def test_a_dvl_that_sinks_is_held_to_the_pressure_without_lag(rig) -> None:
     _, depth = held(rig, np.full(600, 3.0), [20, 40], down=0.02)
     assert np.allclose(depth, 3.0, atol=1e-6)

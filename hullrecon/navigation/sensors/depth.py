@@ -17,7 +17,7 @@ import numpy as np
 
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
-from hullrecon.navigation.sensors.silence import describe_silence, unread_s
+from hullrecon.navigation.sensors.silence import describe_silence, silent_spans, unread_s
 from hullrecon.navigation.sensors.smoothing import local_line, running_median
 from hullrecon.records.sensors import PressureSamples
 from hullrecon.typing import Array, Ints, Mask
@@ -53,11 +53,13 @@ def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints,
     steady = running_median(gap[:, None], 5)[:, 0]
     step = float(np.median(np.diff(t)))
     widths = WIDTH_S, max(window_s, step)
-    smooth = _smooth(t, steady, np.concatenate([at, t]), path, widths)
+    first_ns, last_ns = min(t_ns[0], nodes_ns[0]), max(t_ns[-1], nodes_ns[-1])
+    edges = path_seconds(path, silent_spans(path.velocities.t_ns, int(first_ns), int(last_ns)).ravel())
+    smooth = _smooth(t, steady, np.concatenate([at, t]), edges, widths)
     slow, fitted, unread = smooth[: len(at)], smooth[len(at) :], unread_s(t_ns, nodes_ns)
     shift = np.where(unread > 0, np.interp(at, t, fitted), slow)  # a line fitted to noise leads far astray there
     white = robust_sigma(gap - fitted, about=0.0)
-    sigma = np.maximum(white * np.sqrt(step) * _noise_left(path, at, widths), LEAST_SIGMA_M)
+    sigma = np.maximum(white * np.sqrt(step) * _noise_left(at, edges, widths), LEAST_SIGMA_M)
     near, _ = local_line(t, steady, at, window_s)
     jumps = np.abs(np.diff(steady)) > max(STEP_M, 6 * white)
     measured = near[:, 0] + _sensor(path, nodes_ns)
@@ -67,11 +69,11 @@ def hold_to_pressure(pressure: PressureSamples, path: Reckoning, nodes_ns: Ints,
     )
 
 
-def _smooth(t_s: Array, values: Array, at_s: Array, path: Reckoning, widths_s: tuple[float, float]) -> Array:
-    """Return values (m,) at times at_s (m,) of readings (n,), those of each stretch smoothed alone: over the first width where
-    the DVL was heard, over the second where it was silent. A stretch with less than two readings takes all."""
+def _smooth(t_s: Array, values: Array, at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> Array:
+    """Return values (m,) at times at_s (m,) of readings (n,), those of each stretch between two edges smoothed alone: over the
+    first width where the DVL was heard, over the second where it was silent. A stretch of less than two readings takes all."""
     out = np.zeros(len(at_s))
-    stretch, stretch_at = _stretch(path, t_s), _stretch(path, at_s)
+    stretch, stretch_at = (np.searchsorted(edges_s, times, side="right") for times in (t_s, at_s))
     for number in np.unique(stretch_at):
         inside, width = stretch == number, widths_s[int(_silent(number))]
         rows = inside if inside.sum() > 1 else np.ones(len(t_s), bool)
@@ -79,30 +81,19 @@ def _smooth(t_s: Array, values: Array, at_s: Array, path: Reckoning, widths_s: t
     return out
 
 
-def _noise_left(path: Reckoning, at_s: Array, widths_s: tuple[float, float]) -> Array:
+def _noise_left(at_s: Array, edges_s: Array, widths_s: tuple[float, float]) -> Array:
     """Return by how much (n,), in 1/sqrt(s), smoothing leaves of a density of white noise; more at the edges of a stretch, to
     the one side of which there are no readings."""
-    stretch, edges = _stretch(path, at_s), _edges(path)
-    width = np.where(_silent(stretch), widths_s[1], widths_s[0])
-    after = np.clip(np.searchsorted(edges, at_s), 1, len(edges) - 1)
-    gap = np.minimum(np.abs(at_s - edges[after - 1]), np.abs(edges[after] - at_s))
+    width = np.where(_silent(np.searchsorted(edges_s, at_s, side="right")), widths_s[1], widths_s[0])
+    far = np.concatenate([[-np.inf], edges_s, [np.inf]])
+    after = np.searchsorted(far, at_s)
+    gap = np.minimum(at_s - far[after - 1], far[after] - at_s)
     return np.asarray((1 + (AT_AN_EDGE - 1) * np.exp(-0.5 * (gap / width) ** 2)) / np.sqrt(2 * np.sqrt(np.pi) * width))
 
 
-def _edges(path: Reckoning) -> Array:
-    """Return the times (m,) between which the DVL was heard and silent by turns, first heard."""
-    pings = path.velocities.t_ns
-    return path_seconds(path, np.concatenate([pings[:1], path.velocities.outages.ravel(), pings[-1:]]))
-
-
-def _stretch(path: Reckoning, t_s: Array) -> Ints:
-    """Return the number of the stretch (n,) in which times lie: before the first velocity, up to the first outage, in it..."""
-    return np.searchsorted(_edges(path), t_s, side="right")
-
-
 def _silent(stretch: Ints) -> Mask:
-    """Return in which stretches the DVL was silent."""
-    return np.asarray(stretch % 2 == 0)
+    """Return in which stretches the DVL was silent: the edges begin and end its silences by turns."""
+    return np.asarray(stretch % 2 == 1)
 
 
 def path_seconds(path: Reckoning, t_ns: Ints) -> Array:
