@@ -356,9 +356,7 @@ def _landmarks(dive, _, count, *share):
     out = unlike("landmarks", count, dive.landmark_count)
     if share and share[0]:
         low, high = dive.share_on_cad_model
-        out += (
-            [] if low <= value(share[0]) <= high else [f"on the CAD model: said {share[0]} %, true {low:.2f} to {high:.2f} %"]
-        )
+        out += unlike("on the CAD model", share[0], 0.5 * (low + high), 0.5 * (high - low))
     return out
 
 
