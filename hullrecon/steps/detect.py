@@ -42,7 +42,7 @@ def run(context: Context[DetectOptions]) -> None:
         frame_spacing_m=settings.read_optional("hull.frame_spacing", float),
         hull_pose=solution.hull_pose,
         depth_known=inputs.ingest.pressure is not None,
-        from_dvl=inputs.ingest.dvl is not None,
+        from_dvl=inputs.ingest.dvl is not None and surface.facts.get("returns") != 0,
         position_sigma=_position_sigma(solution, surface.chart, depth_sigma_m),
         depth_sigma_m=depth_sigma_m,
     )
@@ -119,7 +119,7 @@ STAGE = Stage(
     summary="find structures and remesh the hull as found",
     inputs=("ingest", "adjust", "surface"),
     parameters=DetectOptions,
-    version=10,
+    version=11,
     run=run,
     fails_alone=True,
     uses=(*CAMERA_KEYS, "hull.frame_spacing", "hull.region", *SONAR_KEYS, "sonar.joint", "sonar.elevation_deg"),

@@ -133,7 +133,7 @@ def _dive_facts(context: Context[ReportOptions], artifacts: InputArtifacts, rig:
     return DiveFacts(
         dive=context.settings.read_optional("dive", Dive) or Dive(name="dive"),
         hull=context.settings.read_optional("hull", Hull),
-        dvl=ingest.dvl,
+        dvl=None if artifacts.navigate.facts.get("source") == "stereo" else ingest.dvl,
         returns=artifacts.navigate.returns,
         has_depth=ingest.pressure is not None,
         has_attitude=ingest.imu is not None,
@@ -279,7 +279,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=CHAIN[2:],
     parameters=ReportOptions,
-    version=11,
+    version=12,
     run=run,
     uses=("dive", "logs", "hull", "camera.top.time_offset", "change.earlier", *RIG_KEYS),
     external=files_of_package,
