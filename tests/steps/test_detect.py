@@ -92,6 +92,7 @@ class EarlierSteps:
         self.solution, self.surface = _solution(self.landmarks), _dvl_surface()
         self.hull, self.camera, self.sonar, self.dvl, self.pressure = True, True, False, True, True
         self.regions: tuple[schema.HullRegion, ...] | None = None
+        self.returns = 300
 
     def without_cad_model(self) -> None:
         self.hull = False
@@ -136,6 +137,7 @@ class EarlierSteps:
             np.savez(ingest / "pressure.npz", **to_arrays(PressureSamples(t_ns=none, depth=none)))
         np.savez(adjust / "solution.npz", **to_arrays(self.solution))
         np.savez(surface / "surface.npz", **to_arrays(self.surface))
+        (surface / "surface.json").write_text(json.dumps({"returns": self.returns}))
         origin, axes = (
             (CHART.origin, CHART.axes)
             if self.hull
@@ -209,8 +211,9 @@ def test_coverage_tells_each_sensors_area(earlier: EarlierSteps) -> None:
     assert facts["holes"] == []
 
 
-def test_without_a_dvl_nothing_was_seen_by_one(earlier: EarlierSteps) -> None:
-    earlier.dvl = False
+@pytest.mark.parametrize(("dvl", "returns"), [(False, 0), (True, 0)])
+def test_without_a_dvl_or_returns_of_it_nothing_was_seen_by_one(earlier: EarlierSteps, dvl: bool, returns: int) -> None:
+    earlier.dvl, earlier.returns = dvl, returns
     facts = _json(earlier.run(), "coverage.json")
     assert facts["dvl"] is None
     assert facts["camera"]["area_m2"] > 1
