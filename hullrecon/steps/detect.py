@@ -42,7 +42,7 @@ def run(context: Context[DetectOptions]) -> None:
         frame_spacing_m=settings.read_optional("hull.frame_spacing", float),
         hull_pose=solution.hull_pose,
         depth_known=inputs.ingest.pressure is not None,
-        from_dvl=inputs.ingest.dvl is not None and surface.facts.get("returns") != 0,
+        from_dvl=bool(surface.facts.get("returns")),
         position_sigma=_position_sigma(solution, surface.chart, depth_sigma_m),
         depth_sigma_m=depth_sigma_m,
     )

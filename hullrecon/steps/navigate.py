@@ -103,13 +103,13 @@ def _share_heard(ingest: IngestArtifact, reach_s: float) -> float:
 def _by_stereo_or_dvl(context: Context[NavigateOptions], share: float) -> tuple[Navigated, str]:
     """Return the path of the stereo cameras, of whose images the DVL reaches that share, and what gave it; the DVL's part where
     they give none."""
-    heard = f"The DVL was heard for {100 * share:.0f} % of the stereo pairs"
+    heard = f"The DVL was heard for {100 * share:.0f} % of the images"
     try:
         found = _by_stereo(context)
     except StageError as error:
-        context.warn(f"{heard}, and these alone give no path ({error}): the path is the DVL's part of the dive.")
+        context.warn(f"{heard}, and the stereo pairs alone give no path ({error}): the path is the DVL's part of the dive.")
         return _by_dvl(context), "dvl"
-    context.warn(f"{heard}: the path is theirs, and the DVL's velocities and ranges are left out.")
+    context.warn(f"{heard}: the path is that of the stereo pairs, and the DVL's velocities and ranges are left out.")
     return found, "stereo"
 
 
