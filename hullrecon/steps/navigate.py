@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -80,10 +80,11 @@ def run(context: Context[NavigateOptions]) -> None:
             where="no DVL and no stereo cameras were logged",
             remedy="name the DVL's topic in [topics], or both cameras with their calibration",
         )
+    share = 0.0 if ingest.dvl is None else _share_heard(ingest, context.parameters.reach_s)
     if ingest.dvl is None:
-        _write(context, _by_stereo(context), "stereo")
-    elif has_stereo and (share := _share_heard(ingest, context.parameters.reach_s)) < LEAST_HEARD:
-        _write(context, *_by_stereo_or_dvl(context, share))
+        _write(context, _by_stereo(context, "no DVL"), "stereo")
+    elif has_stereo and share < LEAST_HEARD:
+        _write(context, *_by_stereo_or_dvl(context, f"the DVL was heard for {100 * share:.0f} % of the images"))
     else:
         _write(context, _by_dvl(context), "dvl")
 
@@ -100,17 +101,14 @@ def _share_heard(ingest: IngestArtifact, reach_s: float) -> float:
     return float(((t_ns >= heard_ns.min() - reach_ns) & (t_ns <= heard_ns.max() + reach_ns)).mean())
 
 
-def _by_stereo_or_dvl(context: Context[NavigateOptions], share: float) -> tuple[Navigated, str]:
-    """Return the path of the stereo cameras, of whose images the DVL reaches that share, and what gave it; the DVL's part where
-    they give none."""
-    heard = f"The DVL was heard for {100 * share:.0f} % of the images"
+def _by_stereo_or_dvl(context: Context[NavigateOptions], heard: str) -> tuple[Navigated, str]:
+    """Return the path of the stereo cameras and what gave it; the DVL's part of the dive where they give none."""
     try:
-        found = _by_stereo(context)
+        return _by_stereo(context, f"{heard} and is left out"), "stereo"
     except StageError as error:
-        context.warn(f"{heard}, and the stereo pairs alone give no path ({error}): the path is the DVL's part of the dive.")
-        return _by_dvl(context), "dvl"
-    context.warn(f"{heard}: the path is that of the stereo pairs, and the DVL's velocities and ranges are left out.")
-    return found, "stereo"
+        found = _by_dvl(context)
+        remark = f"{heard}, and the stereo pairs alone give no path ({error}): the path is the DVL's part of the dive"
+        return replace(found, remarks=[remark, *found.remarks]), "dvl"
 
 
 def _ingest_and_settings(context: Context[NavigateOptions]) -> tuple[IngestArtifact, StageSettings]:
@@ -152,7 +150,7 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
     return dead_reckon(logs, rig_from_settings(settings), sigmas_from_settings(settings), context.parameters)
 
 
-def _by_stereo(context: Context[NavigateOptions]) -> Navigated:
+def _by_stereo(context: Context[NavigateOptions], why: str) -> Navigated:
     (ingest, settings), options = _ingest_and_settings(context), context.parameters
     rig = rig_from_settings(settings, ingest.camera_models)
     rig_sigma = np.array(settings.read("camera.bottom.pose_sigma", tuple), float) * [1, 1, 1, *np.radians([1, 1, 1])]
@@ -163,7 +161,7 @@ def _by_stereo(context: Context[NavigateOptions]) -> Navigated:
     def progress(pairs: Sequence[int]) -> Iterable[int]:
         return context.progress(pairs, "stereo pairs")
 
-    return stereo_navigate(
+    found = stereo_navigate(
         Frames(top=usable_frames(top.index), bottom=usable_frames(bottom.index)),
         aids,
         ImagePairMotion(top=top, bottom=bottom, odometer=odometer),
@@ -173,6 +171,8 @@ def _by_stereo(context: Context[NavigateOptions]) -> Navigated:
         np.concatenate([rig_sigma, np.full(DISPARITY, np.nan)]),
         progress,
     )
+    remark = f"{why}: the path is stereo visual odometry; its scale is that of the rig's baseline"
+    return replace(found, remarks=[remark, *found.remarks])
 
 
 def _unless_empty(samples: Samples | None) -> Samples | None:
@@ -210,7 +210,7 @@ STAGE = Stage(
     summary="compute the dead-reckoned trajectory",
     inputs=("ingest",),
     parameters=NavigateOptions,
-    version=10,
+    version=11,
     run=run,
     uses=(*RIG_KEYS, *SIGMA_KEYS, "camera.bottom.pose_sigma", "position.origin", "logs"),
     external=external,

@@ -221,7 +221,6 @@ def _remarks(chain: StereoChain, t_ns: Ints, unpaired: int, aids: Aids, depth: M
     no_depth, no_angle = "" if depth is None else depth.silence, tray.silence(t_ns)
     longest_s = 1e-9 * float(np.diff(t_ns)[chain.lost].max(initial=0))
     sentences = [
-        (True, "no DVL: the path is stereo visual odometry; its scale is that of the rig's baseline"),
         (aids.imu is None, "no IMU: the vehicle is taken to be level at the first pair"),
         (aids.pressure is None, "no pressure: the depth is counted from the first pair"),
         (no_depth, f"pressure: {no_depth}; there the depth is counted on by the cameras"),

@@ -28,7 +28,8 @@ TO_POINT = (
 TO_CHART = (
     "The inverse: find the face, the place on it and the offset for which point plus offset times normal, both interpolated as "
     "above, is the given point (Newton's method from the closest point takes some steps). x = along / along_from_x, "
-    "y = girth / girth_from_y. The closest point itself is up to offset times the angle between neighbouring faces away."
+    "y = girth / girth_from_y. The closest point itself, at which the objects' outlines and deviation.tif lie, is up to offset "
+    "times the angle between neighbouring faces away."
 )
 
 
