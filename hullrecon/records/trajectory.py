@@ -102,8 +102,8 @@ class TrajectoryErrorModel:
 
     Errors are twists about the origin of g, Exp(twist) T_g_v, (translation, rotation): whatever is fixed to the vehicle has the
     same. by_error (n, 6, k): derivative of each node's twist by the k errors that are one unknown for the dive;
-    error_covariance (k, k) of those (k may be 0). walk (n, 6, 6): covariance that has accumulated since the first instant;
-    between two nodes it is the difference. white (n, 6, 6): covariance of what is new at each node.
+    error_covariance (k, k) of those (k may be 0). walk (n, 6, 6): covariance that has accumulated since the start,
+    negative before it; between two nodes it is the difference. white (n, 6, 6): covariance of what is new at each node.
     """
 
     by_error: Array

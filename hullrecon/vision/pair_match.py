@@ -25,6 +25,7 @@ class Reason(IntEnum):
     FEW_INLIERS = 3
     AGAINST_NAVIGATION = 4
     SMALL_OVERLAP = 5
+    NO_MOTION = 6
 
 
 REASON_TEXTS = {
@@ -34,6 +35,7 @@ REASON_TEXTS = {
     Reason.FEW_INLIERS: "too few inliers",
     Reason.AGAINST_NAVIGATION: "inconsistent with navigation",
     Reason.SMALL_OVERLAP: "overlap too small",
+    Reason.NO_MOTION: "one place seen twice: no direction of motion",
 }
 
 

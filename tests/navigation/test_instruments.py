@@ -21,7 +21,7 @@ from hullrecon.navigation.sensors.attitude import (
 )
 from hullrecon.navigation.sensors.depth import hold_to_pressure
 from hullrecon.navigation.sensors.servo import servo
-from hullrecon.navigation.sensors.velocity import Velocities, usable_velocities
+from hullrecon.navigation.sensors.velocity import Agitation, Velocities, usable_velocities
 from hullrecon.records.sensors import DvlPings, ImuSamples, PressureSamples
 
 SECOND = 1_000_000_000
@@ -135,13 +135,16 @@ def test_a_jump_is_a_stray_and_a_steady_acceleration_is_none() -> None:
     assert len(found.t_ns) == 59
 
 
+WALK = Agitation(lag_s=np.array([1.0]), rate=np.array([0.01]))
+
+
 def test_an_outage_adds_its_variance_by_the_share_that_an_interval_has_of_it() -> None:
     v = Velocities(
         t_ns=stamps([0, 10]),
         velocity=np.zeros((2, 3)),
         sigma=np.ones(2),
         outages=np.array([stamps([2, 6])]),
-        agitation=0.01,
+        agitation=WALK,
         outliers=np.zeros(0, np.int64),
     )
     whole, half, none = v.bridged_variance(stamps([0, 4, 7]), stamps([9, 9, 9]))
@@ -150,12 +153,42 @@ def test_an_outage_adds_its_variance_by_the_share_that_an_interval_has_of_it() -
     assert none == 0
 
 
+def test_beyond_the_first_and_the_last_velocity_the_way_is_known_from_one_end_only() -> None:
+    """A velocity that walks from zero, at 0.01 m2/s3: against 4,000 such walks."""
+    v = Velocities(
+        t_ns=stamps([0, 10]),
+        velocity=np.zeros((2, 3)),
+        sigma=np.ones(2),
+        outages=np.zeros((0, 2), np.int64),
+        agitation=WALK,
+        outliers=np.zeros(0, np.int64),
+    )
+    walked = 0.1 * np.random.default_rng(1).normal(0, 0.1, (4000, 600)).cumsum(axis=1).cumsum(axis=1) * np.sqrt(0.01 / 0.1)
+    after, later, before, across, inside = v.bridged_variance(stamps([10, 13, -6, -6, 2]), stamps([16, 16, 0, 16, 8]))
+    assert after == pytest.approx(float(walked[:, 59].var()), rel=0.1)
+    assert later == pytest.approx(after - 0.01 * 3**3 / 3)
+    assert before == pytest.approx(after)
+    assert across == pytest.approx(2 * after)
+    assert inside == 0
+
+
 def test_a_vehicle_that_darts_about_has_a_wider_bridge() -> None:
     t = np.arange(200) / 5
     calm, wild = (np.column_stack([a * np.sin(2 * t), 0 * t, 0 * t]) for a in (0.01, 0.3))
-    agitation = [usable_velocities(pings(v), ALWAYS, 0.6).agitation for v in (calm, wild)]
-    assert agitation[0] == 1e-4
-    assert agitation[1] > 100 * agitation[0]
+    rate = [float(usable_velocities(pings(v), ALWAYS, 0.6).agitation.over(1.0)) for v in (calm, wild)]
+    assert rate[0] < 3e-4
+    assert rate[1] > 100 * rate[0]
+
+
+def test_the_agitation_of_a_walk_is_one_whatever_the_silence_and_that_of_a_swing_grows_with_it() -> None:
+    """A walk of 0.002 m2/s3 on one axis; a swing of 0.3 m/s in a minute hardly changes in a second, wholly in half a minute."""
+    rng, t = np.random.default_rng(2), np.arange(20_000) / 5
+    nothing = np.zeros((len(t), 2))
+    walk = np.column_stack([np.cumsum(rng.normal(0, np.sqrt(0.002 / 5), len(t))), nothing])
+    swing = np.column_stack([0.3 * np.sin(2 * np.pi * t / 60), nothing]) + rng.normal(0, 0.003, (len(t), 3))
+    of_walk, of_swing = (usable_velocities(pings(v), ALWAYS, 0.6).agitation.over(np.array([1, 8, 30])) for v in (walk, swing))
+    assert of_walk == pytest.approx([0.002] * 3, rel=0.25)
+    assert of_swing == pytest.approx([0.3**2 * (1 - np.cos(2 * np.pi * s / 60)) / s for s in (1, 8, 30)], rel=0.25)
 
 
 # a path of one's own making: straight ahead and level

@@ -20,7 +20,7 @@ from hullrecon.navigation.dead_reckoning.returns import returns
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.heading_steps import HeadingSteps
 from hullrecon.navigation.sensors.servo import servo
-from hullrecon.navigation.sensors.velocity import Velocities
+from hullrecon.navigation.sensors.velocity import Agitation, Velocities
 from hullrecon.records.sensors import DvlPings, JointSamples
 from hullrecon.rig import SensorRig
 
@@ -51,7 +51,7 @@ def run(rig: SensorRig, velocity, turn_rad_s: float = 0.0, tray=None, outages: n
         velocity=np.tile(np.asarray(velocity, float), (n, 1)),
         sigma=np.full(n, SIGMA_M_S),
         outages=outages,
-        agitation=0.01,
+        agitation=Agitation(lag_s=np.array([1.0]), rate=np.array([0.01])),
         outliers=np.zeros(0, np.int64),
     )
     joint = None if tray is None else JointSamples(t_ns=stamps(t), angle=np.full(n, tray))

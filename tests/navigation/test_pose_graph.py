@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from navigation.linked_dive import (
+    STEP_S,
     LinkedDive,
     aligned_error_m,
     disturbed,
@@ -24,7 +25,9 @@ from hullrecon import native
 from hullrecon.estimation.rig_priors import Mount
 from hullrecon.geometry.poses import Poses, exp
 from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph, link_table, linked_parts
+from hullrecon.navigation.pose_graph.start import path_along_links
 from hullrecon.records.links import CameraLinks
+from hullrecon.synthetic.vehicle.odometry import reckoned
 
 DRIFT = 1.5e-3  # rad/s: 10 degrees over the two minutes of the dive
 
@@ -106,6 +109,37 @@ def test_links_without_length_take_the_drift_out_and_leave_the_scale_to_the_dvl(
     longer = replace(mono, translation=7 * mono.translation, covariance=scaled_by(mono.covariance, 7.0))
     again = graph_of(dive).solve(longer)
     np.testing.assert_allclose(again.path.poses.translation, found.path.poses.translation, atol=1e-4)
+
+
+def silent_from(dive: LinkedDive, node: int) -> LinkedDive:
+    """The dive with a DVL that says nothing more from a node on: odometry goes on as it went, and knows it badly."""
+    odometry = dive.odometry
+    silent = odometry.first >= node
+    translation, covariance = odometry.translation.copy(), odometry.covariance.copy()
+    translation[silent] = odometry.translation[node - 1]
+    covariance[silent, :3, :3] += np.arange(1, silent.sum() + 1)[:, None, None] ** 2 * 0.1**2 * np.eye(3)
+    odometry = replace(odometry, translation=translation, covariance=covariance)
+    return replace(dive, odometry=odometry, trajectory=reckoned(dive.global_from_vehicle[0], odometry, STEP_S))
+
+
+@pytest.mark.parametrize("every", [1, 2])
+def test_links_without_length_follow_a_vehicle_that_turns_back_unheard(dive: LinkedDive, every: int) -> None:
+    """Also where every second image alone is compared. The steps' lengths are as guessed."""
+    unheard = silent_from(dive, 24)
+    pairs = neighbours()
+    pairs = pairs[(pairs % every == 0).all(axis=1)]
+    found = graph_of(unheard).solve(link(unheard, pairs, np.random.default_rng(2), scaled=False))
+    seen = np.arange(0, 60, every)
+    reckoned_m = aligned_error_m(unheard.trajectory.poses()[seen], unheard.global_from_vehicle[seen])
+    assert reckoned_m > 4
+    assert not found.rejected.any()
+    assert aligned_error_m(found.path.poses[seen], unheard.global_from_vehicle[seen]) < 0.15 * reckoned_m
+
+
+def test_where_odometry_knows_the_way_the_start_is_dead_reckoning(dive: LinkedDive) -> None:
+    mono = link(dive, neighbours(), np.random.default_rng(2), scaled=False)
+    start = path_along_links(dive.trajectory, dive.odometry, mono, dive.rig)
+    np.testing.assert_array_equal(start.translation, dive.trajectory.translation)
 
 
 def scaled_by(covariance: np.ndarray, factor: float) -> np.ndarray:

@@ -69,3 +69,57 @@ def test_neighbouring_edges_compose_to_the_path_in_the_plane(found):
         end = end @ edge[k]
     whole = found.trajectory.poses()[[0]].inverse() @ found.trajectory.poses()[[-1]]
     assert np.allclose(end.translation, whole.translation, atol=5e-3)  # the pressure holds z of the path alone
+
+
+def heard_only(logs, begin_s, end_s):
+    """The logs of a DVL that is heard from one time to another alone, s after the dive's start."""
+    dvl, start = logs.dvl, 1_777_887_000_000_000_000
+    silent = (dvl.t_ns < start + begin_s * 1e9) | (dvl.t_ns > start + end_s * 1e9)
+    velocity = dvl.velocity.copy()
+    velocity[silent] = np.nan
+    return replace(logs, dvl=replace(dvl, velocity=velocity))
+
+
+def test_where_the_dvl_is_silent_at_the_ends_images_get_nodes_as_far_as_they_go_on(perfect, rig):
+    asked = []
+
+    def goes_on(first, second):
+        asked.append((first, second))
+        return 10 <= second < 70
+
+    silent = heard_only(perfect, 15, 25)
+    found = dead_reckon(silent, rig, SIGMAS, NavigateOptions(), goes_on)
+    assert found.trajectory.image[:, 0].tolist()[:1] == [10]
+    assert found.trajectory.image[-1, 0] == 69
+    assert (np.diff(found.trajectory.image[:, 0]) == 1).all()
+    assert all(abs(first - second) == 1 for first, second in asked)
+    assert (9 in dict(asked).values(), 8 in dict(asked).values(), 70 in dict(asked).values()) == (True, False, True)
+    (sentence,) = [remark for remark in found.remarks if "silent" in remark]
+    assert "the first 9.8 s and the last 9.8 s" in sentence
+    without = dead_reckon(silent, rig, SIGMAS, NavigateOptions())
+    assert without.trajectory.image[0, 0] > 25
+    assert without.trajectory.image[-1, 0] < 55
+
+
+def test_images_are_not_followed_across_a_blank(perfect, rig):
+    usable = perfect.top.usable.copy()
+    usable[60:66] = False
+    logs = replace(heard_only(perfect, 0, 25), top=replace(perfect.top, usable=usable))
+    found = dead_reckon(logs, rig, SIGMAS, NavigateOptions(), lambda first, second: True)
+    assert found.trajectory.image[:, 0].max() == 59
+
+
+def test_beyond_the_dvl_the_path_is_off_by_no_more_than_it_says(simulated, perfect, rig):
+    """And before it as after it: the walk counts from the first velocity both ways."""
+    found = dead_reckon(heard_only(perfect, 15, 25), rig, SIGMAS, NavigateOptions(), lambda first, second: True)
+    t = found.trajectory
+    seconds = (t.t_ns - 1_777_887_000_000_000_000) * 1e-9
+    start = np.flatnonzero(seconds >= 15)[0]
+    error = (t.translation - t.translation[start]) - (simulated.place(seconds) - simulated.place(seconds)[start])
+    sigma = np.sqrt(np.diagonal(t.covariance, axis1=1, axis2=2)[:, :2])
+    assert np.abs(error[[0, -1], :2]).max() > 0.5
+    assert (np.abs(error[:, :2]) < 3 * sigma + 0.01).all()
+    walk = found.error_model.walk[:, 0, 0]
+    assert (np.diff(walk) > 0).all()
+    assert walk[0] < 0 < walk[-1]
+    assert np.abs(error[:, 2]).max() < 0.05  # the pressure was heard

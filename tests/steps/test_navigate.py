@@ -183,9 +183,15 @@ def test_stereo_cameras_give_the_path_where_the_dvl_was_hardly_heard(
 ) -> None:
     slide_over_seabed(ingest)
     lose_velocities(ingest, before_s)
-    found, step = source_and_steps(run(ingest, tmp_path / "navigate"))
+    out = run(ingest, tmp_path / "navigate")
+    found, step = source_and_steps(out)
     assert found == source
     assert source == "dvl" or np.allclose(step, 0.08, atol=2e-3)
+    images = from_arrays(Trajectory, load_arrays(out / "trajectory.npz")).image
+    assert sorted(set(images[:, 0]) - {-1}) == [0, 1, 2, 3]
+    (first, *others) = json.loads((out / "navigation.json").read_text())["remarks"]
+    assert first.startswith("the DVL was heard for") == (source == "stereo")
+    assert not any("no DVL" in remark for remark in (first, *others))
 
 
 def test_where_the_images_give_no_path_the_dvls_part_is_what_there_is(ingest: Path, tmp_path: Path) -> None:

@@ -103,6 +103,14 @@ def test_two_mono_nodes_give_a_direction_and_right_matches(rig, two, informed):
     assert (first.top_id[found.first] == second.top_id[found.second]).mean() > 0.97
 
 
+def test_one_image_twice_has_no_direction_of_motion(rig, two):
+    first, _ = two
+    mono = camera_rig(rig.model(Camera.TOP))
+    found = PairMatcher(mono, OPTIONS).match(mono_view(mono, first), mono_view(mono, first), None, (1,), True)
+    assert found.reason is Reason.NO_MOTION
+    assert found.motion is None
+
+
 def test_a_mono_motion_has_the_covariance_of_its_five_numbers(rig, two):
     first, second = two
     mono = camera_rig(rig.model(Camera.TOP))

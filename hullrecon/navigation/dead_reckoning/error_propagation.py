@@ -34,8 +34,7 @@ def dead_reckoning_errors(
     by_error[:, :3] -= pose_by_error(path.at(np.array([path.start_ns])))[:, :3]  # the path is counted from there
     by_error[:, 2, DEPTH_BIAS] = 1.0
     walk, white = np.zeros((2, len(at.t_ns), 6, 6))
-    drift = velocity_variance(path, np.full(len(at.t_ns), path.start_ns), at.t_ns)
-    walk[:, [0, 1, 2], [0, 1, 2]] = np.maximum(drift, 0)[:, None]
+    walk[:, [0, 1, 2], [0, 1, 2]] = _drift_since_start(path, at)[:, None]
     white[:, [0, 1, 2], [0, 1, 2]] = LEAST_SIGMA_M**2
     white[:, [3, 4, 5], [3, 4, 5]] = path.attitude.sigma_rad**2
     walk[:, [0, 1, 2], [0, 1, 2]] += _by_unread_tray(path, at)[:, None]
@@ -54,11 +53,19 @@ def dead_reckoning_errors(
     )
 
 
+def _drift_since_start(path: Reckoning, at: Instant) -> Array:
+    """Return (n,) m2, each axis: variance by the velocities since the first one, less than nothing before it."""
+    start = np.full(len(at.t_ns), path.start_ns)
+    variance = velocity_variance(path, np.minimum(start, at.t_ns), np.maximum(start, at.t_ns))
+    return np.asarray(np.sign(at.t_ns - start) * variance)
+
+
 def _by_unread_tray(path: Reckoning, at: Instant) -> Array:
-    """Return (n,) m2, each axis: where a tray that was not read turns the velocity, the way is off with it."""
+    """Return (n,) m2, each axis, as above: where a tray that was not read turns the velocity, the way is off with it."""
     sigma = path.servo.unread_sigma(at.t_ns)
     step_m = np.linalg.norm(np.diff(at.instrument, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(0.5 * (sigma[1:] + sigma[:-1]) * step_m)]) ** 2
+    way = np.concatenate([[0.0], np.cumsum(0.5 * (sigma[1:] + sigma[:-1]) * step_m)]) ** 2
+    return np.asarray(way - np.interp(0.0, at.t_s, way))
 
 
 def _nearest_depth(at: Instant, depth: Depth) -> Ints:
@@ -74,7 +81,8 @@ def trajectory_covariance(model: TrajectoryErrorModel, poses: Poses) -> Array:
     """Return (n, 6, 6) of T_g_v, (translation in g, rotation perturbed on the right in v), of each node alone."""
     persistent = model.by_error @ model.error_covariance @ np.swapaxes(model.by_error, 1, 2)
     from_twist = np.linalg.inv(twist_by_pose_error(poses))
-    return np.asarray(from_twist @ (persistent + model.walk + model.white) @ np.swapaxes(from_twist, 1, 2))
+    walk = np.where(np.trace(model.walk, axis1=1, axis2=2) < 0, -1, 1)[:, None, None] * model.walk
+    return np.asarray(from_twist @ (persistent + walk + model.white) @ np.swapaxes(from_twist, 1, 2))
 
 
 def twist_by_pose_error(poses: Poses) -> Array:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,8 @@ import numpy as np
 from hullrecon.typing import Array, Ints, Mask
 
 FAR_FROM_FRAME_S = 1.0
+BLANK_S, BLANK_PERIODS = 2.0, 5.0  # between two images: a span longer than both is a blank
+GoesOn = Callable[[int, int], bool]  # whether an image shows what another shows, by their rows in the index
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,41 @@ def choose_nodes(
     table = np.vstack([image, np.full((len(extra), 2), -1, np.int64)])[order]
     lone = len(top[0]) - len(pair) if len(bottom[0]) else 0
     return Nodes(t_ns[order], table, len(unpaired) if len(top[0]) else 0, int((~inside).sum()), lone)
+
+
+def follow_images(
+    frames: tuple[Ints, Ints],
+    span_ns: tuple[int, int],
+    within_ns: tuple[int, int],
+    goes_on: GoesOn,
+    progress: Callable[[range], Iterable[int]],
+) -> tuple[int, int]:
+    """Return a span widened over the frames on both sides of it, as far as each goes on from the one before, without a blank.
+
+    frames: stamps and rows of the usable frames, in time order. within_ns: how far it may grow.
+    """
+    t_ns, row = frames
+    inside = np.flatnonzero((t_ns >= span_ns[0]) & (t_ns <= span_ns[1]))
+    if not len(inside):
+        return span_ns
+    longest_ns = longest_step_ns(t_ns)
+    first, last = int(inside[0]), int(inside[-1])
+    begin, end = np.searchsorted(t_ns, within_ns[0]), np.searchsorted(t_ns, within_ns[1], side="right")
+
+    def follow(at: int, steps: range) -> int:
+        for k in progress(steps):
+            if abs(int(t_ns[k] - t_ns[at])) > longest_ns or not goes_on(int(row[at]), int(row[k])):
+                break
+            at = k
+        return at
+
+    first, last = follow(first, range(first - 1, int(begin) - 1, -1)), follow(last, range(last + 1, int(end)))
+    return min(span_ns[0], int(t_ns[first])), max(span_ns[1], int(t_ns[last]))
+
+
+def longest_step_ns(t_ns: Ints) -> float:
+    """Return the longest step between two images, of at least two stamps, that is none of a blank, ns."""
+    return 1e9 * max(BLANK_S, BLANK_PERIODS * float(np.median(np.diff(t_ns))) * 1e-9)
 
 
 def nearest(sorted_ns: Ints, wanted_ns: Ints) -> Ints:

@@ -6,14 +6,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.navigation.dead_reckoning.nodes import Nodes
+from hullrecon.navigation.dead_reckoning.nodes import BLANK_S, Nodes, longest_step_ns
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
 from hullrecon.navigation.sensors.depth import Depth
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array, Ints
-
-BLANK_S, BLANK_PERIODS = 2.0, 5.0  # between two images: a span longer than both is named
 
 
 def remarks_of(
@@ -36,6 +34,7 @@ def remarks_of(
             len(v.outages),
             f"DVL: {_times(len(v.outages), 'outage')} bridged at constant velocity, {_longest(v.outages)}{_unsure(v)}",
         ),
+        (True, _silent_ends(v, nodes.t_ns)),
         (len(v.outliers), f"DVL: {_times(len(v.outliers), 'velocity')} rejected as outliers"),
         (returns.flagged.any(), f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers"),
         (len(holes), f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"),
@@ -72,7 +71,7 @@ def remarks_of(
         "without_images_s": [since(nodes.t_ns[[first, last]]) for first, last, _ in blank],
         "path_length_m": round(float(way_m[-1]), 3),
     }
-    return [sentence for holds, sentence in sentences if holds], facts
+    return [sentence for holds, sentence in sentences if holds and sentence], facts
 
 
 def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
@@ -83,8 +82,7 @@ def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
     seen = np.flatnonzero((nodes.image >= 0).any(axis=1))
     if len(seen) < 3:
         return []
-    step_s = np.diff(nodes.t_ns[seen]) * 1e-9
-    long = np.flatnonzero(step_s > max(BLANK_S, BLANK_PERIODS * float(np.median(step_s))))
+    long = np.flatnonzero(np.diff(nodes.t_ns[seen]) > longest_step_ns(nodes.t_ns[seen]))
     return [(int(seen[k]), int(seen[k + 1]), float(way_m[seen[k + 1]] - way_m[seen[k]])) for k in long]
 
 
@@ -133,6 +131,20 @@ def _unsure(velocities: Velocities) -> str:
         return ""
     sigma_m = np.sqrt(velocities.bridged_variance(*velocities.outages.T).max())
     return f"; navigation alone knows the way across it to {sigma_m:.2f} m (one sigma, each axis)"
+
+
+def _silent_ends(velocities: Velocities, nodes_ns: Ints) -> str:
+    """Return how long images alone carry the path before the first and after the last velocity; "" where they do not."""
+    heard = velocities.t_ns[[0, -1]]
+    before_s, after_s = (heard[0] - nodes_ns[0]) * 1e-9, (nodes_ns[-1] - heard[1]) * 1e-9
+    ends = [f"{name} {lasts:.1f} s" for name, lasts in (("first", before_s), ("last", after_s)) if lasts > BLANK_S]
+    if not ends:
+        return ""
+    sigma_m = np.sqrt(velocities.bridged_variance(nodes_ns[[0, -1]].clip(max=heard[1]), nodes_ns[[0, -1]].clip(min=heard[0])))
+    return (
+        f"DVL: silent over the {' and the '.join(ends)} of the path, which each image carries on from the one before;"
+        f" navigation alone knows the way there to {sigma_m.max():.2f} m (one sigma, each axis)"
+    )
 
 
 def _first(times: list[float]) -> str:

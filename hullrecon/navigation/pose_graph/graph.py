@@ -26,6 +26,7 @@ from hullrecon.estimation.position_tables import PositionFit, fit_of_positions, 
 from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
 from hullrecon.geometry.rotations import cross_matrix
+from hullrecon.navigation.pose_graph.start import path_along_links
 from hullrecon.records.links import CameraLinks, LinkedPath
 from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Trajectory, VehiclePath
@@ -55,12 +56,14 @@ class PoseGraph:
     def solve(self, links: CameraLinks, before: GraphSolution | None = None) -> GraphSolution:
         """Return the path of least cost. before: a solution with fewer links, to begin with.
 
-        Without one the start is dead reckoning, from which right links look as wrong as wrong ones: the first solve then guards
-        against none. Raises StageError where nothing determines the path.
+        Without one the start is that of `path_along_links`, from which right links look as wrong as wrong ones: the first solve
+        then guards against none. Raises StageError where nothing determines the path.
         """
         if before is None:
-            reckoned = self.trajectory.poses()
-            unknowns = native.solve(self._problem(links, native.LinkKernel.NONE, reckoned), OPTIONS).unknowns
+            begin = path_along_links(self.trajectory, self.odometry, links, self.rig)
+            unguarded = self._problem(links, native.LinkKernel.NONE, begin)
+            pose = np.hstack([begin.vectors(), unguarded.unknowns.pose[:, 7:]])
+            unknowns = native.solve(unguarded.started_from(replace(unguarded.unknowns, pose=pose)), OPTIONS).unknowns
         else:
             unknowns = before.problem.unknowns
         problem = self._problem(links, KERNELS[self.kernel], Poses(unknowns.pose[:, 3:7], unknowns.pose[:, :3]))

@@ -16,28 +16,52 @@ from hullrecon.typing import Array, Ints, Mask
 
 OUTLIER_M_S = 0.25  # no inspection vehicle leaves the median of its neighbours by more in a second
 OUTLIER_SIGMAS = 8.0
+LEAST_AGITATION = 1e-4  # m2/s3: 0.01 m/s in a second
+FIRST_LAG_S = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Agitation:
+    """How a velocity wanders from what it was. rate (k,): variance of its change, each axis, over lag_s (k,) and per second of
+    it, m2/s3; of a walk they are equal, of a vehicle that speeds up steadily or turns back they grow with the lag."""
+
+    lag_s: Array
+    rate: Array
+
+    def over(self, duration_s: Array) -> Array:
+        """Return the rate (m,) for silences of some duration (m,)."""
+        return np.asarray(np.interp(duration_s, self.lag_s, self.rate))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Velocities:
     """Pings with a velocity: t_ns (n,), velocity (n, 3) m/s of the instrument in dvl, sigma (n,) m/s each axis. outages (m, 2):
-    intervals without one that were bridged, ns. agitation: variance of a velocity's change, m2/s3. outliers: pings rejected."""
+    intervals without one that were bridged, ns. agitation: how it changes meanwhile. outliers: pings rejected."""
 
     t_ns: Ints
     velocity: Array
     sigma: Array
     outages: Ints
-    agitation: float
+    agitation: Agitation
     outliers: Ints
 
     def bridged_variance(self, start_ns: Ints, stop_ns: Ints) -> Array:
-        """Return variance (m,) m2 that intervals add where they lie in an outage of length T: that of a velocity that walks
-        between its two known ends adds up to agitation T^3 / 12 over the whole."""
+        """Return variance (m,) m2 that intervals add where no velocity was heard.
+
+        Over an outage of length T a velocity that walks between its two known ends adds agitation T^3 / 12. Before the first
+        and after the last velocity one that walks away from a known end adds agitation T^3 / 3.
+        """
         out = np.zeros(len(start_ns))
         for begin, end in self.outages:
+            lasts_s = (end - begin) * 1e-9
             inside = np.maximum(0, np.minimum(stop_ns, end) - np.maximum(start_ns, begin)) * 1e-9
-            out += self.agitation * ((end - begin) * 1e-9) ** 2 / 12 * inside
-        return out
+            out += self.agitation.over(lasts_s) * lasts_s**2 / 12 * inside
+        before, after = (
+            np.maximum(0, away) * 1e-9
+            for away in (self.t_ns[0] - np.stack([stop_ns, start_ns]), np.stack([start_ns, stop_ns]) - self.t_ns[-1])
+        )
+        walked = sum(self.agitation.over(away) * away**3 for away in (before, after))
+        return np.asarray(out + np.diff(walked, axis=0)[0] / 3)
 
 
 def usable_velocities(dvl: DvlPings, span_ns: tuple[int, int], longest_gap_s: float) -> Velocities:
@@ -65,11 +89,20 @@ def _find_outliers(velocity: Array, count: int = 9) -> Mask:
     return np.asarray(away > max(OUTLIER_M_S, OUTLIER_SIGMAS * NORMAL_MAD * float(np.median(away))))
 
 
-def _agitation(t_ns: Ints, velocity: Array, sigma: Array) -> float:
-    """Return the agitation from the changes over a second or so, less the instrument's noise; at least that of 0.01 m/s in a
-    second."""
-    if len(t_ns) < 12:
-        return 0.01
-    step = (t_ns[5:] - t_ns[:-5]) * 1e-9
-    change = (velocity[5:] - velocity[:-5]) ** 2 - (sigma[5:] ** 2 + sigma[:-5] ** 2)[:, None]
-    return max(float(np.mean(change / step[:, None])), 1e-4)
+def _agitation(t_ns: Ints, velocity: Array, sigma: Array) -> Agitation:
+    """Return the agitation from the changes over a second or so and over twice, four times, ... that, up to half of the record,
+    less the instrument's noise; of the axis that changes most. Over a longer lag it is never less."""
+    lag, rate = [FIRST_LAG_S], [0.01 if len(t_ns) < 12 else LEAST_AGITATION]
+    lasts_ns = int(t_ns[-1] - t_ns[0]) if len(t_ns) else 0
+    while len(t_ns) >= 12 and 2e9 * lag[-1] <= lasts_ns:
+        later = np.searchsorted(t_ns, t_ns + round(1e9 * lag[-1]))
+        first = np.flatnonzero(later < len(t_ns))
+        later = later[first]
+        step_s = (t_ns[later] - t_ns[first]) * 1e-9
+        near = step_s < 1.5 * lag[-1]
+        change = (velocity[later] - velocity[first]) ** 2 - (sigma[later] ** 2 + sigma[first] ** 2)[:, None]
+        if near.any():
+            rate[-1] = max(rate[-1], float((change / step_s[:, None])[near].mean(axis=0).max()))
+        lag.append(2 * lag[-1])
+        rate.append(rate[-1])
+    return Agitation(lag_s=np.array(lag), rate=np.array(rate))

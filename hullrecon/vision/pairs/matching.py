@@ -213,6 +213,9 @@ class PairMatcher:
         possible = [] if found is None else two_view.motions_of(found, *xy)
         if found is None or found.inlier.sum() < self.options.min_inliers or not possible:
             return failed_match(len(seeds), Reason.FEW_INLIERS)
+        possible = [p for p in possible if p.motion[:3, 3].any()]
+        if not possible:
+            return failed_match(len(seeds), Reason.NO_MOTION)
         inlier = found.inlier
         motion = mono_inliers.choose(possible, (xy[0][inlier], xy[1][inlier]), prior, first.normal)
         inlier = inlier & (two_view.sampson_squared(two_view.essential_of(motion.second_from_first), *xy) < tolerance**2)

@@ -119,7 +119,8 @@ def essential_of(second_from_first: Array) -> Array:
 
 
 def motions_of(found: TwoView, first: Array, second: Array) -> list[PossibleMotion]:
-    """Return the motions that the matrix may stand for; points ahead of both cameras."""
+    """Return the motions that the matrix may stand for; points ahead of both cameras. A homography that is a turn alone has no
+    translation."""
     import cv2
 
     a, b = first[found.inlier], second[found.inlier]

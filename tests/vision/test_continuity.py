@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether an image goes on where another ends, on a flat seabed 1 m below the camera."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+import pytest
+
+from hullrecon.geometry.cameras import CameraModel
+from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.poses import identity
+from hullrecon.rig import SensorRig
+from hullrecon.typing import Pixels
+from hullrecon.vision.continuity import continuity
+
+MODEL = CameraModel(320, 256, 250.0, 250.0, 159.5, 127.5)
+RIG = SensorRig(
+    tray_origin=np.zeros(3),
+    pressure_origin=np.zeros(3),
+    tray_from_dvl=identity(1),
+    tray_from_camera=identity(1),
+    camera_models={Camera.TOP: MODEL},
+)
+
+
+def seabed(seed: int = 4) -> Pixels:
+    noise = np.random.default_rng(seed).integers(0, 255, (100, 400), dtype=np.uint8)
+    return np.repeat(cv2.resize(noise, (1600, 400), interpolation=cv2.INTER_CUBIC)[..., None], 3, axis=2)
+
+
+def water() -> Pixels:
+    grey = np.random.default_rng(5).normal(80, 2, (256, 320, 1)).clip(0, 255).astype(np.uint8)
+    return np.repeat(grey, 3, axis=2)
+
+
+def look(along_px: int, ground: Pixels) -> Pixels:
+    return np.ascontiguousarray(ground[50:306, along_px : along_px + 320])
+
+
+def goes_on(images: Sequence[Pixels | None], first: int, second: int) -> bool:
+    return continuity(RIG, lambda row: images[row], 2000, 15)(first, second)
+
+
+@pytest.mark.parametrize(("step_px", "expected"), [(0, True), (40, True), (200, True), (330, False), (1200, False)])
+def test_an_image_goes_on_as_long_as_it_overlaps(step_px: int, expected: bool) -> None:
+    images = [look(10, seabed()), look(10 + step_px, seabed())]
+    assert goes_on(images, 0, 1) is expected
+    assert goes_on(images, 1, 0) is expected
+
+
+@pytest.mark.parametrize("after", [water(), look(10, seabed(6)), None], ids=["water", "another ground", "unreadable"])
+def test_nothing_goes_on_in_open_water_or_elsewhere(after: Pixels | None) -> None:
+    images = [look(10, seabed()), after]
+    assert not goes_on(images, 0, 1)
+    assert not goes_on([water(), water()], 0, 1)
+
+
+def test_each_image_is_read_once_along_a_walk() -> None:
+    read: list[int] = []
+
+    def image(row: int) -> Pixels:
+        read.append(row)
+        return look(40 * row, seabed())
+
+    follow = continuity(RIG, image, 1000, 15)
+    assert all(follow(k, k + 1) for k in range(4))
+    assert read == [0, 1, 2, 3, 4]
