@@ -3,8 +3,9 @@
 """What sensors that fail do to the path: python -m benchmarks.disturbed PACKAGE FOLDER [--only NAME ...] [--free]
 
 PACKAGE is a simulated dive with an MCAP log. Copies of it are made in FOLDER, each disturbed in one way: no images for 50 s, no
-DVL for 60 s, an IMU whose clock jumps by 2 s, a heading that steps by 3 degrees, each from the middle of the dive. Each is run
-to `adjust` and compared with the truth: the vehicle's error in its own sigmas, and what was said of it.
+DVL for 60 s, an IMU whose clock jumps by 2 s, a heading that steps by 3 degrees, each from the middle of the dive, and a DVL
+whose log ends half a minute after it. Each is run to `adjust` and compared with the truth: the vehicle's error in its own
+sigmas, and what was said of it.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ from scipy.spatial.transform import Rotation
 from benchmarks.legs import Figures, figures, hullrecon, without_cad_model
 
 NS = 1_000_000_000
-HEADING_STEP_DEG, CLOCK_JUMP_S, NO_IMAGES_S, NO_DVL_S = 3.0, 2.0, 50.0, 60.0
+HEADING_STEP_DEG, CLOCK_JUMP_S, NO_IMAGES_S = 3.0, 2.0, 50.0
+NO_DVL_S, DVL_ENDS_S = 60.0, 30.0
 ENCAPSULATION = 4  # bytes before a message in CDR
 # From the topic, the time since the dive's middle in s and the message: the message as it is logged, or None where it is lost.
 Disturbance = Callable[[str, float, bytes], bytes | None]
@@ -64,6 +66,10 @@ def no_dvl(topic: str, since_s: float, data: bytes) -> bytes | None:
     return None if topic == "/dvl" and abs(since_s) < NO_DVL_S / 2 else data
 
 
+def dvl_ends(topic: str, since_s: float, data: bytes) -> bytes | None:
+    return None if topic == "/dvl" and since_s >= DVL_ENDS_S else data
+
+
 def clock_jump(topic: str, since_s: float, data: bytes) -> bytes | None:
     return with_stamp(data, stamp(data) + round(CLOCK_JUMP_S * NS)) if topic == "/imu" and since_s >= 0 else data
 
@@ -76,6 +82,7 @@ DISTURBANCES: dict[str, Disturbance] = {
     "undisturbed": undisturbed,
     "no-images": no_images,
     "no-dvl": no_dvl,
+    "dvl-ends": dvl_ends,
     "clock-jump": clock_jump,
     "heading-step": heading_step,
 }
