@@ -3,8 +3,8 @@
 """What sensors that fail do to the path: python -m benchmarks.disturbed PACKAGE FOLDER [--only NAME ...] [--free]
 
 PACKAGE is a simulated dive with an MCAP log. Copies of it are made in FOLDER, each disturbed in one way: no images for 50 s, no
-DVL for 60 s, an IMU whose clock jumps by 2 s, a heading that steps by 3 degrees, each from the middle of the dive, and a DVL
-whose log ends half a minute after it. Each is run to `adjust` and compared with the truth: the vehicle's error in its own
+DVL for 60 s, neither DVL nor hull in the images for 60 s, an IMU whose clock jumps by 2 s, a heading that steps by 3 degrees,
+each from the middle of the dive, and a DVL whose log ends half a minute after it. Each is run to `adjust` and compared with the truth: the vehicle's error in its own
 sigmas, and what was said of it.
 """
 
@@ -19,6 +19,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import cv2
 import numpy as np
 from mcap.reader import make_reader
 from mcap.writer import Writer
@@ -66,6 +67,30 @@ def no_dvl(topic: str, since_s: float, data: bytes) -> bytes | None:
     return None if topic == "/dvl" and abs(since_s) < NO_DVL_S / 2 else data
 
 
+def open_water(topic: str, since_s: float, data: bytes) -> bytes | None:
+    """Lose the DVL, and show water with a little noise in place of the hull."""
+    if "camera" in topic and abs(since_s) < NO_DVL_S / 2:
+        return with_picture(data, water)
+    return no_dvl(topic, since_s, data)
+
+
+def water(width: int, height: int) -> bytes:
+    """Return a JPEG that is darker from below to above, with noise."""
+    grey = np.linspace(60, 100, height)[:, None] + np.random.default_rng(0).normal(0, 2, (height, width))
+    return bytes(cv2.imencode(".jpg", np.clip(grey, 0, 255).astype(np.uint8))[1])
+
+
+def with_picture(data: bytes, size_to_picture: Callable[[int, int], bytes]) -> bytes:
+    """Return a CompressedImage message with another picture of the same size."""
+    at = ENCAPSULATION + 8
+    for _ in range(2):  # frame_id and format
+        (length,) = struct.unpack_from("<I", data, at)
+        at = ENCAPSULATION + (at - ENCAPSULATION + 4 + length + 3) // 4 * 4
+    height, width = cv2.imdecode(np.frombuffer(data, np.uint8, offset=at + 4), cv2.IMREAD_GRAYSCALE).shape
+    picture = size_to_picture(width, height)
+    return data[:at] + struct.pack("<I", len(picture)) + picture
+
+
 def dvl_ends(topic: str, since_s: float, data: bytes) -> bytes | None:
     return None if topic == "/dvl" and since_s >= DVL_ENDS_S else data
 
@@ -83,6 +108,7 @@ DISTURBANCES: dict[str, Disturbance] = {
     "no-images": no_images,
     "no-dvl": no_dvl,
     "dvl-ends": dvl_ends,
+    "open-water": open_water,
     "clock-jump": clock_jump,
     "heading-step": heading_step,
 }

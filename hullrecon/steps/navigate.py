@@ -22,7 +22,7 @@ from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, NavigationLogs, dead_reckon, usable_frames
-from hullrecon.navigation.dead_reckoning.nodes import GoesOn
+from hullrecon.navigation.dead_reckoning.nodes import ImageWalk
 from hullrecon.navigation.dead_reckoning.positions import attach_positions
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sigmas import SIGMA_KEYS, sigmas_from_settings
@@ -149,23 +149,22 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
         top=_unless_empty(ingest.image_index(Camera.TOP)),
         bottom=_unless_empty(ingest.image_index(Camera.BOTTOM)),
     )
-    return dead_reckon(
-        logs,
-        rig_from_settings(settings),
-        sigmas_from_settings(settings),
-        context.parameters,
-        goes_on=_continuity(context),
-        progress=lambda frames: context.progress(frames, "images beyond the DVL"),
-    )
+    rig, sigmas = rig_from_settings(settings), sigmas_from_settings(settings)
+    return dead_reckon(logs, rig, sigmas, context.parameters, _image_walk(context))
 
 
-def _continuity(context: Context[NavigateOptions]) -> GoesOn | None:
-    """Return what tells whether two images of the upper camera show the same; None where there is none that is calibrated."""
+def _image_walk(context: Context[NavigateOptions]) -> ImageWalk | None:
+    """Return how the upper camera's images are followed where the DVL is silent; None where it is not calibrated."""
     (ingest, settings), options = _ingest_and_settings(context), context.parameters
     rig = rig_from_settings(settings, ingest.camera_models)
     if Camera.TOP not in rig.cameras or ingest.image_index(Camera.TOP) is None:
         return None
-    return continuity(rig, ingest.images(Camera.TOP, context.source).read, options.stereo_features, options.stereo_inliers)
+    images = ingest.images(Camera.TOP, context.source)
+    return ImageWalk(
+        frames=usable_frames(images.index),
+        goes_on=continuity(rig, images.read, options.stereo_features, options.stereo_inliers),
+        progress=lambda frames: context.progress(frames, "images beyond the DVL"),
+    )
 
 
 def _by_stereo(context: Context[NavigateOptions], why: str) -> Navigated:

@@ -183,7 +183,7 @@ def test_fixes_before_and_after_the_path_are_counted(dive: LinkedDive) -> None:
     late = replace(fixes, t_ns=fixes.t_ns + np.int64(60_000_000_000))
     found = attach_positions(late, dive.trajectory, ORIGIN)
     assert found.outside == 30
-    assert "30 positions from outside lie more than 5 s from the path" in found.sentences()[0]
+    assert "30 positions from outside lie before or after the path, or more than 5 s from a pose" in found.sentences()[0]
     none = attach_positions(replace(fixes, t_ns=fixes.t_ns + np.int64(10**12)), dive.trajectory, ORIGIN)
     assert none.refusal == "there is none along the path"
 

@@ -11,7 +11,8 @@ from navigation.instruments import SIGMAS
 from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import roll_pitch_yaw
-from hullrecon.navigation.dead_reckoning.dead_reckon import dead_reckon
+from hullrecon.navigation.dead_reckoning.dead_reckon import dead_reckon, usable_frames
+from hullrecon.navigation.dead_reckoning.nodes import ImageWalk
 from hullrecon.navigation.options import NavigateOptions
 
 
@@ -80,6 +81,11 @@ def heard_only(logs, begin_s, end_s):
     return replace(logs, dvl=replace(dvl, velocity=velocity))
 
 
+def walk(logs, goes_on=lambda first, second: True):
+    """The upper camera's images, each of which goes on from the other where goes_on says so, by their rows."""
+    return ImageWalk(frames=usable_frames(logs.top), goes_on=goes_on)
+
+
 def test_where_the_dvl_is_silent_at_the_ends_images_get_nodes_as_far_as_they_go_on(perfect, rig):
     asked = []
 
@@ -88,12 +94,13 @@ def test_where_the_dvl_is_silent_at_the_ends_images_get_nodes_as_far_as_they_go_
         return 10 <= second < 70
 
     silent = heard_only(perfect, 15, 25)
-    found = dead_reckon(silent, rig, SIGMAS, NavigateOptions(), goes_on)
-    assert found.trajectory.image[:, 0].tolist()[:1] == [10]
+    found = dead_reckon(silent, rig, SIGMAS, NavigateOptions(), walk(silent, goes_on))
+    assert found.trajectory.image[0, 0] == 10
     assert found.trajectory.image[-1, 0] == 69
     assert (np.diff(found.trajectory.image[:, 0]) == 1).all()
     assert all(abs(first - second) == 1 for first, second in asked)
-    assert (9 in dict(asked).values(), 8 in dict(asked).values(), 70 in dict(asked).values()) == (True, False, True)
+    assert {9, 70} <= {second for _, second in asked}
+    assert not {8, 71} & {second for _, second in asked}
     (sentence,) = [remark for remark in found.remarks if "silent" in remark]
     assert "the first 9.8 s and the last 9.8 s" in sentence
     without = dead_reckon(silent, rig, SIGMAS, NavigateOptions())
@@ -105,13 +112,44 @@ def test_images_are_not_followed_across_a_blank(perfect, rig):
     usable = perfect.top.usable.copy()
     usable[60:66] = False
     logs = replace(heard_only(perfect, 0, 25), top=replace(perfect.top, usable=usable))
-    found = dead_reckon(logs, rig, SIGMAS, NavigateOptions(), lambda first, second: True)
+    found = dead_reckon(logs, rig, SIGMAS, NavigateOptions(), walk(logs))
     assert found.trajectory.image[:, 0].max() == 59
+
+
+@pytest.mark.parametrize(
+    ("lasts_s", "shown", "gone"),
+    [(20, range(0), range(20, 60)), (20, range(30, 41), range(20, 60)), (20, range(15, 30), range(30, 60)), (1, range(0), ())],
+    ids=["nothing", "an island", "one side", "a short outage"],
+)
+def test_in_an_outage_images_that_go_on_from_neither_side_have_no_pose(perfect, rig, lasts_s, shown, gone):
+    """The DVL is silent from 9.9 s; images 20 to 59 lie in the longer outage. A second leaves the way known to centimetres."""
+    dvl, start = perfect.dvl, 1_777_887_000_000_000_000
+    velocity = dvl.velocity.copy()
+    velocity[(dvl.t_ns > start + 9.9e9) & (dvl.t_ns < start + (9.9 + lasts_s) * 1e9)] = np.nan
+    logs = replace(perfect, dvl=replace(dvl, velocity=velocity))
+    outside = set(range(20)) | set(range(60, 100))
+    found = dead_reckon(
+        logs,
+        rig,
+        SIGMAS,
+        NavigateOptions(),
+        walk(logs, lambda first, second: second in outside or (second in shown and first in {*outside, *shown})),
+    )
+    every = set(perfect_images(perfect, rig))
+    assert every - set(found.trajectory.image[:, 0].tolist()) == set(gone)
+    told = [remark for remark in found.remarks if "no pose" in remark]
+    assert bool(told) == bool(gone)
+
+
+def perfect_images(perfect, rig):
+    """Rows of the images that have a pose where the DVL is never silent."""
+    return dead_reckon(perfect, rig, SIGMAS, NavigateOptions()).trajectory.image[:, 0].tolist()
 
 
 def test_beyond_the_dvl_the_path_is_off_by_no_more_than_it_says(simulated, perfect, rig):
     """And before it as after it: the walk counts from the first velocity both ways."""
-    found = dead_reckon(heard_only(perfect, 15, 25), rig, SIGMAS, NavigateOptions(), lambda first, second: True)
+    logs = heard_only(perfect, 15, 25)
+    found = dead_reckon(logs, rig, SIGMAS, NavigateOptions(), walk(logs))
     t = found.trajectory
     seconds = (t.t_ns - 1_777_887_000_000_000_000) * 1e-9
     start = np.flatnonzero(seconds >= 15)[0]
@@ -119,7 +157,7 @@ def test_beyond_the_dvl_the_path_is_off_by_no_more_than_it_says(simulated, perfe
     sigma = np.sqrt(np.diagonal(t.covariance, axis1=1, axis2=2)[:, :2])
     assert np.abs(error[[0, -1], :2]).max() > 0.5
     assert (np.abs(error[:, :2]) < 3 * sigma + 0.01).all()
-    walk = found.error_model.walk[:, 0, 0]
-    assert (np.diff(walk) > 0).all()
-    assert walk[0] < 0 < walk[-1]
+    along_walk = found.error_model.walk[:, 0, 0]
+    assert (np.diff(along_walk) > 0).all()
+    assert along_walk[0] < 0 < along_walk[-1]
     assert np.abs(error[:, 2]).max() < 0.05  # the pressure was heard

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,7 +12,7 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.error_propagation import dead_reckoning_errors, trajectory_covariance
-from hullrecon.navigation.dead_reckoning.nodes import GoesOn, Nodes, choose_nodes, follow_images
+from hullrecon.navigation.dead_reckoning.nodes import ImageWalk, Nodes, choose_nodes
 from hullrecon.navigation.dead_reckoning.odometry import odometry, widen_for_tray
 from hullrecon.navigation.dead_reckoning.reckoning import Instant, Reckoning, reckon
 from hullrecon.navigation.dead_reckoning.remarks import remarks_of
@@ -31,6 +30,7 @@ from hullrecon.rig import SensorRig
 from hullrecon.typing import Ints
 
 UNKNOWN_SIGMA_M = 1e3  # of a depth that nothing measured
+LOST_SIGMA_M = 0.5  # of the way across an outage: from there on images that show nothing are not worth a pose
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,19 +63,19 @@ def dead_reckon(
     rig: SensorRig,
     sigmas: NavigationSigmas,
     options: NavigateOptions,
-    goes_on: GoesOn | None = None,
-    progress: Callable[[range], Iterable[int]] = iter,
+    walk: ImageWalk | None = None,
 ) -> Navigated:
     """Return the records of a dive reckoned from DVL, IMU, pressure and tray.
 
-    x = y = 0 at the first ping with a velocity, heading as logged. Where the DVL is not heard yet or no more, nodes stand at
-    the upper camera's images as far as each goes on from the one before: goes_on tells, None where nothing does.
+    x = y = 0 at the first ping with a velocity, heading as logged. walk: of the upper camera's images, which get nodes where
+    the DVL is not heard yet, for a while or no more, as far as each goes on from the one before; without it all of an outage
+    do.
 
     Raises StageError where there are fewer than two usable velocities or attitudes, or no node.
     """
     logs, messages = _sort_streams(logs)
     path = _path(logs, rig, sigmas.tilt_rad, options)
-    nodes = _nodes(logs, path, options, goes_on, progress)
+    nodes = _nodes(logs, path, options, walk)
     at = path.at(nodes.t_ns)
     depth = _depth(logs.pressure, path, nodes, options)
     flagged = flag_ranges(logs.dvl, options.beam_window_s, options.beam_jump_m, options.beam_sigmas, sigmas.range_m)
@@ -149,21 +149,17 @@ def _path(logs: NavigationLogs, rig: SensorRig, sigma_tilt_rad: float, options: 
     return reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), rig)
 
 
-def _nodes(
-    logs: NavigationLogs,
-    path: Reckoning,
-    options: NavigateOptions,
-    goes_on: GoesOn | None,
-    progress: Callable[[range], Iterable[int]],
-) -> Nodes:
+def _nodes(logs: NavigationLogs, path: Reckoning, options: NavigateOptions, walk: ImageWalk | None) -> Nodes:
     reach, slack = int(options.reach_s * 1e9), int(options.longest_gap_s * 1e9)
     heard, attitude = path.velocities.t_ns, path.attitude.t_ns
     span = (int(heard[0]) - reach, int(heard[-1]) + reach)
     pings = logs.dvl.t_ns[(logs.dvl.t_ns >= span[0]) & (logs.dvl.t_ns <= span[1])]
-    top, bottom = usable_frames(logs.top), usable_frames(logs.bottom)
-    if goes_on is not None:
-        span = follow_images(top, span, (int(attitude[0]) - slack, int(attitude[-1]) + slack), goes_on, progress)
-    nodes = choose_nodes(top, bottom, pings, span, options.node_spacing_s)
+    lost: list[tuple[int, int]] = []
+    if walk is not None:
+        span = walk.widened(span, (int(attitude[0]) - slack, int(attitude[-1]) + slack))
+        unsure = path.velocities.outages[path.velocities.bridged_variance(*path.velocities.outages.T) > LOST_SIGMA_M**2]
+        lost = [found for begin, end in unsure.tolist() if (found := walk.lost_in((begin, end))) is not None]
+    nodes = choose_nodes(usable_frames(logs.top), usable_frames(logs.bottom), pings, span, options.node_spacing_s, lost)
     if len(nodes.t_ns) < 2:
         raise StageError("fewer than two nodes", remedy="check that camera and DVL ran at the same time")
     return nodes

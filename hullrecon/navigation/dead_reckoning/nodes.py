@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +19,7 @@ GoesOn = Callable[[int, int], bool]  # whether an image shows what another shows
 @dataclass(frozen=True)
 class Nodes:
     """t_ns (n,); image (n, 2): row in the index of camera_top and camera_bottom, -1 where none. unpaired: frames of the bottom
-    camera without a partner; outside: frames before or after the log of navigation; lone: frames of the top camera without a
+    camera without a partner; outside: frames that navigation does not reach; lone: frames of the top camera without a
     partner, where there is a bottom camera."""
 
     t_ns: Ints
@@ -45,11 +45,16 @@ def pair_frames(top_ns: Ints, bottom_ns: Ints) -> Ints:
 
 
 def choose_nodes(
-    top: tuple[Ints, Ints], bottom: tuple[Ints, Ints], pings_ns: Ints, span_ns: tuple[int, int], spacing_s: float
+    top: tuple[Ints, Ints],
+    bottom: tuple[Ints, Ints],
+    pings_ns: Ints,
+    span_ns: tuple[int, int],
+    spacing_s: float,
+    lost_ns: Sequence[tuple[int, int]] = (),
 ) -> Nodes:
     """Return nodes in time order. top, bottom: stamps and rows in the index of the usable frames, in time order. A pair stands
-    at the top camera's stamp. span_ns: what navigation covers; frames outside get no node. spacing_s: least distance between
-    the pings chosen.
+    at the top camera's stamp. span_ns: what navigation covers; frames outside get no node, nor those in
+    the spans lost_ns. spacing_s: least distance between the pings chosen.
     """
     pair = pair_frames(top[0], bottom[0])
     unpaired = np.setdiff1d(np.arange(len(bottom[0])), pair[:, 1])
@@ -59,6 +64,8 @@ def choose_nodes(
     image[len(top[0]) :, 1] = bottom[1][unpaired]
     frame_ns = np.concatenate([top[0], bottom[0][unpaired]])
     inside = (frame_ns >= span_ns[0]) & (frame_ns <= span_ns[1])
+    for begin, end in lost_ns:
+        inside &= (frame_ns < begin) | (frame_ns > end)
     frame_ns, image = frame_ns[inside], image[inside]
     far = pings_ns[_distance(pings_ns, np.sort(frame_ns)) > FAR_FROM_FRAME_S * 1e9]
     extra = far[_thin(far, spacing_s)]
@@ -69,34 +76,46 @@ def choose_nodes(
     return Nodes(t_ns[order], table, len(unpaired) if len(top[0]) else 0, int((~inside).sum()), lone)
 
 
-def follow_images(
-    frames: tuple[Ints, Ints],
-    span_ns: tuple[int, int],
-    within_ns: tuple[int, int],
-    goes_on: GoesOn,
-    progress: Callable[[range], Iterable[int]],
-) -> tuple[int, int]:
-    """Return a span widened over the frames on both sides of it, as far as each goes on from the one before, without a blank.
+@dataclass(frozen=True, kw_only=True)
+class ImageWalk:
+    """Frames of one camera, stamps and rows in time order, followed where nothing else says where they are. goes_on tells
+    whether one frame goes on from another; progress shows how far a walk is."""
 
-    frames: stamps and rows of the usable frames, in time order. within_ns: how far it may grow.
-    """
-    t_ns, row = frames
-    inside = np.flatnonzero((t_ns >= span_ns[0]) & (t_ns <= span_ns[1]))
-    if not len(inside):
-        return span_ns
-    longest_ns = longest_step_ns(t_ns)
-    first, last = int(inside[0]), int(inside[-1])
-    begin, end = np.searchsorted(t_ns, within_ns[0]), np.searchsorted(t_ns, within_ns[1], side="right")
+    frames: tuple[Ints, Ints]
+    goes_on: GoesOn
+    progress: Callable[[range], Iterable[int]] = iter
 
-    def follow(at: int, steps: range) -> int:
-        for k in progress(steps):
-            if abs(int(t_ns[k] - t_ns[at])) > longest_ns or not goes_on(int(row[at]), int(row[k])):
+    def widened(self, span_ns: tuple[int, int], within_ns: tuple[int, int]) -> tuple[int, int]:
+        """Return a span widened on both sides as far as each frame goes on from the one before it. within_ns: how far it may
+        grow."""
+        t_ns = self.frames[0]
+        inside = np.flatnonzero((t_ns >= span_ns[0]) & (t_ns <= span_ns[1]))
+        if not len(inside):
+            return span_ns
+        begin, end = int(np.searchsorted(t_ns, within_ns[0])), int(np.searchsorted(t_ns, within_ns[1], side="right"))
+        first = self._follow(int(inside[0]), range(int(inside[0]) - 1, begin - 1, -1))
+        last = self._follow(int(inside[-1]), range(int(inside[-1]) + 1, end))
+        return min(span_ns[0], int(t_ns[first])), max(span_ns[1], int(t_ns[last]))
+
+    def lost_in(self, outage_ns: tuple[int, int]) -> tuple[int, int] | None:
+        """Return the first and the last stamp in an outage whose frames go on from neither of its sides; None without any."""
+        t_ns = self.frames[0]
+        begin, end = np.searchsorted(t_ns, outage_ns[0], side="right") - 1, np.searchsorted(t_ns, outage_ns[1])
+        if begin < 0 or end >= len(t_ns) or end - begin < 2:
+            return None
+        first = self._follow(int(begin), range(int(begin) + 1, int(end))) + 1
+        last = self._follow(int(end), range(int(end) - 1, first - 1, -1)) - 1
+        return (int(t_ns[first]), int(t_ns[last])) if first <= last else None
+
+    def _follow(self, at: int, steps: range) -> int:
+        """Return the last frame along `steps` that is reached from one without a blank."""
+        t_ns, row = self.frames
+        longest_ns = longest_step_ns(t_ns)
+        for k in self.progress(steps):
+            if abs(int(t_ns[k] - t_ns[at])) > longest_ns or not self.goes_on(int(row[at]), int(row[k])):
                 break
             at = k
         return at
-
-    first, last = follow(first, range(first - 1, int(begin) - 1, -1)), follow(last, range(last + 1, int(end)))
-    return min(span_ns[0], int(t_ns[first])), max(span_ns[1], int(t_ns[last]))
 
 
 def longest_step_ns(t_ns: Ints) -> float:

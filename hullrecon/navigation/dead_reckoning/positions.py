@@ -20,8 +20,8 @@ ONE_PLACE = 0.99  # quantile of what fixes of one place scatter
 
 @dataclass(frozen=True, kw_only=True)
 class AttachedPositions:
-    """ties: None where there are too few, or all of one place; outside: fixes that no node is near to; refusal: why they tell
-    nothing, None where they do."""
+    """ties: None where there are too few, or all of one place; outside: fixes before or after the path, or that no
+    node is near to; refusal: why they tell nothing, None where they do."""
 
     ties: PositionTies | None
     outside: int
@@ -31,7 +31,8 @@ class AttachedPositions:
         """Return what the report warns of."""
         out = []
         if self.outside:
-            out.append(f"{self.outside} positions from outside lie more than {FARTHEST_S:g} s from the path and are not used.")
+            lie = "1 position from outside lies" if self.outside == 1 else f"{self.outside} positions from outside lie"
+            out.append(f"{lie} before or after the path, or more than {FARTHEST_S:g} s from a pose, and cannot be used.")
         if self.refusal is not None:
             out.append(f"Positions from outside tell nothing of this dive: {self.refusal}.")
         return out

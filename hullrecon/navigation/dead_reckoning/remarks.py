@@ -44,13 +44,13 @@ def remarks_of(
             _disagreements(np.degrees(turned.disagreement_rad), since(path.attitude.t_ns[turned.disagreement])),
         ),
         (not path.attitude.fused, "IMU: no rates; the attitude between readings is interpolated"),
-        (len(blank), _without_images(nodes.t_ns, blank)),
+        (len(blank), _without_images(nodes.t_ns, blank, v)),
         (depth is None, "no pressure: the depth is counted from the start and drifts"),
         (len(steps), f"pressure: {_times(len(steps), 'step')} that the DVL did not see, the first at {_first(since(steps))} s"),
         (no_depth, f"pressure: {no_depth}; there the depth is counted on by the DVL"),
         (not path.servo.is_read, "no tray angles: the tray is taken to stand at zero"),
         (no_angle, f"tray: {no_angle}; there it is taken to stand as last read, or to turn evenly between two readings"),
-        (nodes.outside, f"{_times(nodes.outside, 'image')} have no pose: DVL and IMU did not both run then"),
+        (nodes.outside, _without_pose(nodes.outside)),
         (nodes.lone, f"{_times(nodes.lone, 'image')} of the upper camera have no partner in the lower one"),
         (nodes.unpaired, f"{_times(nodes.unpaired, 'image')} of the lower camera have no partner in the upper one"),
     ]
@@ -86,14 +86,16 @@ def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
     return [(int(seen[k]), int(seen[k + 1]), float(way_m[seen[k + 1]] - way_m[seen[k]])) for k in long]
 
 
-def _without_images(nodes_ns: Ints, blank: list[tuple[int, int, float]]) -> str:
-    """Return what the longest of the spans without images means for the path."""
+def _without_images(nodes_ns: Ints, blank: list[tuple[int, int, float]], velocities: Velocities) -> str:
+    """Return what the longest of the spans without images means for the path; its way where the DVL was heard."""
     if not blank:
         return ""
     first, last, way_m = max(blank, key=lambda span: nodes_ns[span[1]] - nodes_ns[span[0]])
     lasts_s = (nodes_ns[last] - nodes_ns[first]) * 1e-9
+    bridged_m2 = velocities.bridged_variance(nodes_ns[[first]], nodes_ns[[last]])[0]
+    way = f" and {way_m:.1f} m of way" if bridged_m2 < (0.1 * way_m) ** 2 else ""
     return (
-        f"camera: {_times(len(blank), 'span')} without images, the longest {lasts_s:.1f} s and {way_m:.1f} m of way; there"
+        f"camera: {_times(len(blank), 'span')} without images that have a pose, the longest {lasts_s:.1f} s{way}; there"
         " navigation and the hull's form alone say where the vehicle went"
     )
 
@@ -131,6 +133,14 @@ def _unsure(velocities: Velocities) -> str:
         return ""
     sigma_m = np.sqrt(velocities.bridged_variance(*velocities.outages.T).max())
     return f"; navigation alone knows the way across it to {sigma_m:.2f} m (one sigma, each axis)"
+
+
+def _without_pose(count: int) -> str:
+    """Return how many images navigation does not reach, and why."""
+    return (
+        f"{_times(count, 'image')} {'has' if count == 1 else 'have'} no pose: DVL and IMU did not both run then, and the images"
+        " do not go on from those that have one"
+    )
 
 
 def _silent_ends(velocities: Velocities, nodes_ns: Ints) -> str:
