@@ -4,8 +4,8 @@
 
 PACKAGE is a simulated dive with an MCAP log. Copies of it are made in FOLDER, each disturbed in one way: no images for 50 s, no
 DVL for 60 s, neither DVL nor hull in the images for 60 s, an IMU whose clock jumps by 2 s, a heading that steps by 3 degrees,
-each from the middle of the dive, and a DVL whose log ends half a minute after it. Each is run to `adjust` and compared with the truth: the vehicle's error in its own
-sigmas, and what was said of it.
+each from the middle of the dive, and a DVL whose log ends half a minute after it. Each is run to `adjust` and compared with the
+truth: the vehicle's error in its own sigmas, and what was said of it.
 """
 
 from __future__ import annotations
