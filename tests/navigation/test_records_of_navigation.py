@@ -81,6 +81,9 @@ def heard_only(logs, begin_s, end_s):
     return replace(logs, dvl=replace(dvl, velocity=velocity))
 
 
+SECOND = 10**9
+
+
 def walk(logs, goes_on=lambda first, second: True):
     """The upper camera's images, each of which goes on from the other where goes_on says so, by their rows."""
     return ImageWalk(frames=usable_frames(logs.top), goes_on=goes_on)
@@ -114,6 +117,21 @@ def test_images_are_not_followed_across_a_blank(perfect, rig):
     logs = replace(heard_only(perfect, 0, 25), top=replace(perfect.top, usable=usable))
     found = dead_reckon(logs, rig, SIGMAS, NavigateOptions(), walk(logs))
     assert found.trajectory.image[:, 0].max() == 59
+
+
+@pytest.mark.parametrize(("blind", "last"), [((), 99), ((40,), 99), (range(40, 44), 99), (range(40, 47), 39)])
+def test_dense_images_are_followed_by_strides_and_one_by_one_where_a_stride_fails(blind, last):
+    """At 10 Hz: five at a time, and around those that show nothing."""
+    asked = []
+
+    def goes_on(first, second):
+        asked.append(second)
+        return second not in blind and second - first <= 5
+
+    t_ns = np.arange(100) * SECOND // 10
+    dense = ImageWalk(frames=(t_ns, np.arange(100)), goes_on=goes_on)
+    assert dense.widened((0, SECOND), (0, 20 * SECOND)) == (0, int(t_ns[last]))
+    assert len(asked) < 40
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from hullrecon.typing import Array, Ints, Mask
 
 FAR_FROM_FRAME_S = 1.0
 BLANK_S, BLANK_PERIODS = 2.0, 5.0  # between two images: a span longer than both is a blank
+STRIDE_S = 0.5  # of images that are compared when they are followed: closer ones overlap as well
 GoesOn = Callable[[int, int], bool]  # whether an image shows what another shows, by their rows in the index
 
 
@@ -108,14 +110,32 @@ class ImageWalk:
         return (int(t_ns[first]), int(t_ns[last])) if first <= last else None
 
     def _follow(self, at: int, steps: range) -> int:
-        """Return the last frame along `steps` that is reached from one without a blank."""
-        t_ns, row = self.frames
-        longest_ns = longest_step_ns(t_ns)
+        """Return the last frame along `steps` that is reached from one without a blank, by strides where frames are dense."""
         for k in self.progress(steps):
-            if abs(int(t_ns[k] - t_ns[at])) > longest_ns or not self.goes_on(int(row[at]), int(row[k])):
+            if (k - at) * steps.step <= 0:
+                continue
+            stride = self._stride(at, k, steps)
+            reached = next((frame for frame in (stride, k) if self._goes_on(at, frame)), None)
+            if reached is None:
                 break
-            at = k
+            at = reached
         return at
+
+    def _stride(self, at: int, following: int, steps: range) -> int:
+        """Return the farthest frame along `steps` within a stride's time of one, at least the following one."""
+        t_ns = self.frames[0]
+        while following + steps.step in steps and abs(int(t_ns[following + steps.step] - t_ns[at])) <= STRIDE_S * 1e9:
+            following += steps.step
+        return following
+
+    @cached_property
+    def _longest_ns(self) -> float:
+        return longest_step_ns(self.frames[0])
+
+    def _goes_on(self, first: int, second: int) -> bool:
+        t_ns, row = self.frames
+        near = abs(int(t_ns[second] - t_ns[first])) <= self._longest_ns
+        return near and self.goes_on(int(row[first]), int(row[second]))
 
 
 def longest_step_ns(t_ns: Ints) -> float:
