@@ -86,17 +86,19 @@ def run(context: Context[NavigateOptions]) -> None:
     if ingest.dvl is None:
         _write(context, _by_stereo(context, "no DVL"), "stereo")
     elif has_stereo and share < LEAST_HEARD:
-        _write(context, *_by_stereo_or_dvl(context, f"the DVL was heard for {100 * share:.0f} % of the images"))
+        _write(context, *_by_stereo_or_dvl(context, f"DVL and IMU were heard together for {100 * share:.0f} % of the images"))
     else:
         _write(context, _by_dvl(context), "dvl")
 
 
 def _share_heard(ingest: IngestArtifact, reach_s: float) -> float:
-    """Return the share of the upper camera's images that lie where the DVL's velocities reach."""
-    dvl, index = ingest.dvl, ingest.image_index(Camera.TOP)
+    """Return the share of the upper camera's images that lie where the DVL's velocities reach while the IMU runs."""
+    dvl, imu, index = ingest.dvl, ingest.imu, ingest.image_index(Camera.TOP)
     if dvl is None or index is None or not index.usable.any():
         return 1.0
     heard_ns = dvl.t_ns[np.isfinite(dvl.velocity).all(axis=1)]
+    if imu is not None and len(imu.t_ns):
+        heard_ns = heard_ns[(heard_ns >= imu.t_ns.min()) & (heard_ns <= imu.t_ns.max())]
     if not len(heard_ns):
         return 0.0
     t_ns, reach_ns = index.t_ns[index.usable], reach_s * 1e9
@@ -106,7 +108,7 @@ def _share_heard(ingest: IngestArtifact, reach_s: float) -> float:
 def _by_stereo_or_dvl(context: Context[NavigateOptions], heard: str) -> tuple[Navigated, str]:
     """Return the path of the stereo cameras and what gave it; the DVL's part of the dive where they give none."""
     try:
-        return _by_stereo(context, f"{heard} and is left out"), "stereo"
+        return _by_stereo(context, f"{heard}, and the DVL is left out"), "stereo"
     except StageError as error:
         found = _by_dvl(context)
         remark = f"{heard}, and the stereo pairs alone give no path ({error}): the path is the DVL's part of the dive"

@@ -80,10 +80,20 @@ def history(fused: bool, walk: float = 1e-8, holes: np.ndarray = NO_HOLES, sigma
 
 
 def test_a_short_turn_is_as_sure_as_the_rates_and_a_long_one_as_two_attitudes() -> None:
-    short, long = history(True).turn_variance(stamps([0, 0]), stamps([0.1, 1e4]))
+    (short,) = history(True).turn_variance(stamps([0]), stamps([0.1]))
+    (long,) = history(True, walk=1e-5).turn_variance(stamps([0]), stamps([100]))
     assert short == pytest.approx(1e-9 + LEAST_SIGMA_RAD**2, rel=1e-3)
     assert long == pytest.approx(2e-6 + LEAST_SIGMA_RAD**2)
     assert history(False).turn_variance(stamps([0]), stamps([0.1]))[0] == pytest.approx(2e-6 + LEAST_SIGMA_RAD**2)
+
+
+def test_beyond_the_readings_the_attitude_turns_as_a_vehicle_does() -> None:
+    """At 0.05 rad/s for seconds, then as a walk: to the square root of the time."""
+    ends = history(True)
+    sigma = ends.unread_sigma(stamps([-64, -2, 50, 102, 164]))
+    assert sigma == pytest.approx([0.8, 0.1, 0, 0.1, 0.8])
+    variance = ends.turn_variance(stamps([100, 110, -20, 40, -64]), stamps([102, 120, -10, 60, 164]))
+    assert variance == pytest.approx([0.01, 0.1, 0.1, 0, 1.28], abs=3e-6)
 
 
 def test_a_turn_across_a_hole_is_as_unsure_as_the_hole_is_long() -> None:

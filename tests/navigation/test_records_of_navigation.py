@@ -14,6 +14,7 @@ from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.dead_reckon import dead_reckon, usable_frames
 from hullrecon.navigation.dead_reckoning.nodes import ImageWalk
 from hullrecon.navigation.options import NavigateOptions
+from hullrecon.records.sensors import ImuSamples
 
 
 @pytest.fixture(scope="session")
@@ -130,7 +131,7 @@ def test_dense_images_are_followed_by_strides_and_one_by_one_where_a_stride_fail
 
     t_ns = np.arange(100) * SECOND // 10
     dense = ImageWalk(frames=(t_ns, np.arange(100)), goes_on=goes_on)
-    assert dense.widened((0, SECOND), (0, 20 * SECOND)) == (0, int(t_ns[last]))
+    assert dense.widened((0, SECOND)) == (0, int(t_ns[last]))
     assert len(asked) < 40
 
 
@@ -179,3 +180,35 @@ def test_beyond_the_dvl_the_path_is_off_by_no_more_than_it_says(simulated, perfe
     assert (np.diff(along_walk) > 0).all()
     assert along_walk[0] < 0 < along_walk[-1]
     assert np.abs(error[:, 2]).max() < 0.05  # the pressure was heard
+
+
+@pytest.mark.parametrize(("begin_s", "end_s"), [(0, 20), (20, 40)])
+def test_beyond_the_imu_the_attitude_is_off_by_no_more_than_it_says(simulated, perfect, rig, begin_s, end_s):
+    """The DVL is heard throughout: the way is of the right length, and turned with the attitude."""
+    start_ns = 1_777_887_000_000_000_000
+    read = (perfect.imu.t_ns >= start_ns + begin_s * SECOND) & (perfect.imu.t_ns <= start_ns + end_s * SECOND)
+    logs = replace(perfect, imu=ImuSamples(**{name: value[read] for name, value in vars(perfect.imu).items()}))
+    found = dead_reckon(logs, rig, SIGMAS, NavigateOptions(), walk(logs))
+    t = found.trajectory
+    assert t.image[:, 0].tolist() == perfect_images(perfect, rig)
+    seconds = (t.t_ns - start_ns) * 1e-9
+    turn = (simulated.attitude(seconds).inv() * t.poses().rotation).magnitude()
+    covariance = np.diagonal(t.covariance, axis1=1, axis2=2)
+    assert turn.max() > 0.1
+    assert (turn < 3 * np.sqrt(covariance[:, 3:].sum(axis=1)) + 0.01).all()
+    start = np.argmin(np.abs(seconds - begin_s))
+    error = (t.translation - t.translation[start]) - (simulated.place(seconds) - simulated.place(seconds)[start])
+    assert np.abs(error).max() > 0.3
+    assert (np.abs(error[:, :2]) < 3 * np.sqrt(covariance[:, :2]) + 0.02).all()
+    known = found.attitude.sigma[:, 1]
+    assert known.min() == pytest.approx(SIGMAS.tilt_rad)
+    assert known.max() == pytest.approx(0.05 * np.sqrt(4 * 19.7), rel=0.05)
+    (sentence,) = [remark for remark in found.remarks if remark.startswith("IMU: silent")]
+    assert f"the {'last' if begin_s == 0 else 'first'} 19." in sentence
+
+
+def test_without_images_the_path_ends_with_the_imu(perfect, rig):
+    read = perfect.imu.t_ns <= 1_777_887_000_000_000_000 + 20 * SECOND
+    imu = ImuSamples(**{name: value[read] for name, value in vars(perfect.imu).items()})
+    found = dead_reckon(replace(perfect, imu=imu, top=None), rig, SIGMAS, NavigateOptions())
+    assert found.trajectory.t_ns[-1] - imu.t_ns[-1] < 2 * SECOND

@@ -190,7 +190,7 @@ def test_stereo_cameras_give_the_path_where_the_dvl_was_hardly_heard(
     images = from_arrays(Trajectory, load_arrays(out / "trajectory.npz")).image
     assert sorted(set(images[:, 0]) - {-1}) == [0, 1, 2, 3]
     (first, *others) = json.loads((out / "navigation.json").read_text())["remarks"]
-    assert first.startswith("the DVL was heard for") == (source == "stereo")
+    assert first.startswith("DVL and IMU were heard together for") == (source == "stereo")
     assert not any("no DVL" in remark for remark in (first, *others))
 
 

@@ -74,8 +74,10 @@ def dead_reckon(
     Raises StageError where there are fewer than two usable velocities or attitudes, or no node.
     """
     logs, messages = _sort_streams(logs)
-    path = _path(logs, rig, sigmas.tilt_rad, options)
-    nodes = _nodes(logs, path, options, walk)
+    heard = _heard(logs, options)
+    span = heard if walk is None else walk.widened(heard)
+    path = _path(logs, rig, sigmas.tilt_rad, heard, span, options)
+    nodes = _nodes(logs, path, span, options, walk)
     at = path.at(nodes.t_ns)
     depth = _depth(logs.pressure, path, nodes, options)
     flagged = flag_ranges(logs.dvl, options.beam_window_s, options.beam_jump_m, options.beam_sigmas, sigmas.range_m)
@@ -136,30 +138,45 @@ def finite_attitude(imu: ImuSamples) -> ImuSamples:
     )
 
 
-def _path(logs: NavigationLogs, rig: SensorRig, sigma_tilt_rad: float, options: NavigateOptions) -> Reckoning:
-    history = attitude_history(logs.imu, sigma_tilt_rad, options.longest_gap_s)
-    slack = int(options.longest_gap_s * 1e9)
-    span = (int(history.t_ns[0]) - slack, int(history.t_ns[-1]) + slack)
-    velocities = usable_velocities(logs.dvl, span, options.longest_gap_s)
-    if len(velocities.t_ns) < 2:
-        where = f"{len(logs.dvl.t_ns)} pings, {len(velocities.t_ns)} with a velocity while the IMU was running"
+def _heard(logs: NavigationLogs, options: NavigateOptions) -> tuple[int, int]:
+    """Return from when to when images have poses by DVL and IMU, which both run then, ns."""
+    slack, reach = int(options.longest_gap_s * 1e9), int(options.reach_s * 1e9)
+    attitude = int(logs.imu.t_ns[0]) - slack, int(logs.imu.t_ns[-1]) + slack
+    heard = usable_velocities(logs.dvl, attitude, options.longest_gap_s).t_ns
+    if len(heard) < 2:
+        where = f"{len(logs.dvl.t_ns)} pings, {len(heard)} with a velocity while the IMU was running"
         raise StageError(
             "the DVL gave no velocity to reckon with", where=where, remedy="check the DVL's bottom lock and the clocks"
         )
-    return reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), rig)
+    return int(heard[0]) - reach, int(heard[-1]) + reach
 
 
-def _nodes(logs: NavigationLogs, path: Reckoning, options: NavigateOptions, walk: ImageWalk | None) -> Nodes:
-    reach, slack = int(options.reach_s * 1e9), int(options.longest_gap_s * 1e9)
-    heard, attitude = path.velocities.t_ns, path.attitude.t_ns
-    span = (int(heard[0]) - reach, int(heard[-1]) + reach)
-    pings = logs.dvl.t_ns[(logs.dvl.t_ns >= span[0]) & (logs.dvl.t_ns <= span[1])]
-    lost: list[tuple[int, int]] = []
-    if walk is not None:
-        span = walk.widened(span, (int(attitude[0]) - slack, int(attitude[-1]) + slack))
-        unsure = path.velocities.outages[path.velocities.bridged_variance(*path.velocities.outages.T) > LOST_SIGMA_M**2]
-        lost = [found for begin, end in unsure.tolist() if (found := walk.lost_in((begin, end))) is not None]
-    nodes = choose_nodes(usable_frames(logs.top), usable_frames(logs.bottom), pings, span, options.node_spacing_s, lost)
+def _path(
+    logs: NavigationLogs,
+    rig: SensorRig,
+    sigma_tilt_rad: float,
+    heard_ns: tuple[int, int],
+    span_ns: tuple[int, int],
+    options: NavigateOptions,
+) -> Reckoning:
+    """Return the path. heard_ns: while DVL and IMU run; span_ns: that, and as far as images go on from there."""
+    history, reach = attitude_history(logs.imu, sigma_tilt_rad, options.longest_gap_s), int(options.reach_s * 1e9)
+    first = span_ns[0] if span_ns[0] < heard_ns[0] else heard_ns[0] + reach
+    last = span_ns[1] if span_ns[1] > heard_ns[1] else heard_ns[1] - reach
+    velocities = usable_velocities(logs.dvl, (first, last), options.longest_gap_s)
+    return reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), rig, heard_ns[0] + reach)
+
+
+def _nodes(
+    logs: NavigationLogs, path: Reckoning, span_ns: tuple[int, int], options: NavigateOptions, walk: ImageWalk | None
+) -> Nodes:
+    heard, reach = path.velocities.t_ns, int(options.reach_s * 1e9)
+    pings = logs.dvl.t_ns[(logs.dvl.t_ns >= heard[0] - reach) & (logs.dvl.t_ns <= heard[-1] + reach)]
+    outages = path.velocities.outages
+    unsure = outages[path.velocities.bridged_variance(*outages.T) > LOST_SIGMA_M**2]
+    lost = [] if walk is None else [walk.lost_in((begin, end)) for begin, end in unsure.tolist()]
+    top, bottom = usable_frames(logs.top), usable_frames(logs.bottom)
+    nodes = choose_nodes(top, bottom, pings, span_ns, options.node_spacing_s, [span for span in lost if span is not None])
     if len(nodes.t_ns) < 2:
         raise StageError("fewer than two nodes", remedy="check that camera and DVL ran at the same time")
     return nodes

@@ -38,6 +38,7 @@ def dead_reckoning_errors(
     white[:, [0, 1, 2], [0, 1, 2]] = LEAST_SIGMA_M**2
     white[:, [3, 4, 5], [3, 4, 5]] = path.attitude.sigma_rad**2
     walk[:, [0, 1, 2], [0, 1, 2]] += _by_unread_tray(path, at)[:, None]
+    turned = _by_unread_attitude(path, at, poses)
     if depth is not None:
         near = _nearest_depth(at, depth)
         by_error[:, 2, :DEPTH_BIAS] -= by_error[near, 2, :DEPTH_BIAS]
@@ -48,7 +49,7 @@ def dead_reckoning_errors(
     return TrajectoryErrorModel(
         by_error=to_twist @ by_error,
         error_covariance=np.diag(_error_sigma(sigmas, depth is not None) ** 2),
-        walk=walk,
+        walk=walk + turned,
         white=to_twist @ white @ np.swapaxes(to_twist, 1, 2),
     )
 
@@ -58,6 +59,17 @@ def _drift_since_start(path: Reckoning, at: Instant) -> Array:
     start = np.full(len(at.t_ns), path.start_ns)
     variance = velocity_variance(path, np.minimum(start, at.t_ns), np.maximum(start, at.t_ns))
     return np.asarray(np.sign(at.t_ns - start) * variance)
+
+
+def _by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -> Array:
+    """Return (n, 6, 6), as above, of twists: beyond the IMU's readings every turn that none tells turns the rest of the path
+    about the place where it was made."""
+    turned = path.attitude.turned_unread(at.t_ns)
+    about = 0.5 * (poses.translation[1:] + poses.translation[:-1])
+    by_turn = np.concatenate([cross_matrix(about), np.tile(np.eye(3), (len(about), 1, 1))], axis=1)
+    steps = np.diff(turned)[:, None, None] * by_turn @ np.swapaxes(by_turn, 1, 2)
+    walk = np.concatenate([np.zeros((1, 6, 6)), np.cumsum(steps, axis=0)])
+    return np.asarray(walk - walk[min(int(np.searchsorted(at.t_ns, path.start_ns)), len(walk) - 1)])
 
 
 def _by_unread_tray(path: Reckoning, at: Instant) -> Array:

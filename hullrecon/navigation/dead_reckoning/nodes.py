@@ -87,16 +87,14 @@ class ImageWalk:
     goes_on: GoesOn
     progress: Callable[[range], Iterable[int]] = iter
 
-    def widened(self, span_ns: tuple[int, int], within_ns: tuple[int, int]) -> tuple[int, int]:
-        """Return a span widened on both sides as far as each frame goes on from the one before it. within_ns: how far it may
-        grow."""
+    def widened(self, span_ns: tuple[int, int]) -> tuple[int, int]:
+        """Return a span widened on both sides as far as each frame goes on from the one before it."""
         t_ns = self.frames[0]
         inside = np.flatnonzero((t_ns >= span_ns[0]) & (t_ns <= span_ns[1]))
         if not len(inside):
             return span_ns
-        begin, end = int(np.searchsorted(t_ns, within_ns[0])), int(np.searchsorted(t_ns, within_ns[1], side="right"))
-        first = self._follow(int(inside[0]), range(int(inside[0]) - 1, begin - 1, -1))
-        last = self._follow(int(inside[-1]), range(int(inside[-1]) + 1, end))
+        first = self._follow(int(inside[0]), range(int(inside[0]) - 1, -1, -1))
+        last = self._follow(int(inside[-1]), range(int(inside[-1]) + 1, len(t_ns)))
         return min(span_ns[0], int(t_ns[first])), max(span_ns[1], int(t_ns[last]))
 
     def lost_in(self, outage_ns: tuple[int, int]) -> tuple[int, int] | None:

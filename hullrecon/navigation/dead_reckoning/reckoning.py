@@ -86,10 +86,12 @@ class Instant:
         return Poses(self.rotation.as_quat(), self.instrument - self.rotation.apply(self.lever))
 
 
-def reckon(velocities: Velocities, attitude: AttitudeHistory, servo: Servo, rig: SensorRig) -> Reckoning:
-    """Return the path of at least two velocities."""
+def reckon(
+    velocities: Velocities, attitude: AttitudeHistory, servo: Servo, rig: SensorRig, start_ns: int | None = None
+) -> Reckoning:
+    """Return the path of at least two velocities, from the first of them, or from one at start_ns."""
     t_ns = velocities.t_ns
-    start = int(t_ns[0])
+    start = int(t_ns[0]) if start_ns is None else start_ns
     t = seconds(t_ns, start)
     R_g_v = attitude.rotation(t_ns).as_matrix()
     R_v_s = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).rotation.as_matrix()

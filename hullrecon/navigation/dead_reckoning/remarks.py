@@ -8,6 +8,7 @@ import numpy as np
 
 from hullrecon.navigation.dead_reckoning.nodes import BLANK_S, Nodes, longest_step_ns
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
+from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.depth import Depth
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.trajectory import Returns
@@ -34,7 +35,8 @@ def remarks_of(
             len(v.outages),
             f"DVL: {_times(len(v.outages), 'outage')} bridged at constant velocity, {_longest(v.outages)}{_unsure(v)}",
         ),
-        (True, _silent_ends(v, nodes.t_ns)),
+        (True, _silent_dvl(v, nodes.t_ns)),
+        (True, _silent_imu(path.attitude, nodes.t_ns)),
         (len(v.outliers), f"DVL: {_times(len(v.outliers), 'velocity')} rejected as outliers"),
         (returns.flagged.any(), f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers"),
         (len(holes), f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"),
@@ -143,18 +145,32 @@ def _without_pose(count: int) -> str:
     )
 
 
-def _silent_ends(velocities: Velocities, nodes_ns: Ints) -> str:
-    """Return how long images alone carry the path before the first and after the last velocity; "" where they do not."""
-    heard = velocities.t_ns[[0, -1]]
-    before_s, after_s = (heard[0] - nodes_ns[0]) * 1e-9, (nodes_ns[-1] - heard[1]) * 1e-9
-    ends = [f"{name} {lasts:.1f} s" for name, lasts in (("first", before_s), ("last", after_s)) if lasts > BLANK_S]
-    if not ends:
-        return ""
-    sigma_m = np.sqrt(velocities.bridged_variance(nodes_ns[[0, -1]].clip(max=heard[1]), nodes_ns[[0, -1]].clip(min=heard[0])))
-    return (
-        f"DVL: silent over the {' and the '.join(ends)} of the path, which each image carries on from the one before;"
-        f" navigation alone knows the way there to {sigma_m.max():.2f} m (one sigma, each axis)"
+def _silent_dvl(velocities: Velocities, nodes_ns: Ints) -> str:
+    """Return where images alone carry the path, before the first and after the last velocity; "" where they do not."""
+    heard_ns, ends_ns = velocities.t_ns[[0, -1]], nodes_ns[[0, -1]]
+    sigma_m = np.sqrt(velocities.bridged_variance(ends_ns.clip(max=heard_ns[1]), ends_ns.clip(min=heard_ns[0])).max())
+    ends = _silent_ends(heard_ns, ends_ns)
+    return ends and (
+        f"DVL: silent over {ends} of the path, which each image carries on from the one before; navigation alone knows the way"
+        f" there to {sigma_m:.2f} m (one sigma, each axis)"
     )
+
+
+def _silent_imu(attitude: AttitudeHistory, nodes_ns: Ints) -> str:
+    """Return where the attitude is held as read first or last; "" where it is not."""
+    ends_ns = nodes_ns[[0, -1]]
+    ends = _silent_ends(attitude.t_ns[[0, -1]], ends_ns)
+    sigma_deg = np.degrees(attitude.unread_sigma(ends_ns).max())
+    return ends and (
+        f"IMU: silent over {ends} of the path, which each image carries on from the one before; navigation alone knows the"
+        f" attitude there to {sigma_deg:.0f} degrees (one sigma, each axis)"
+    )
+
+
+def _silent_ends(heard_ns: Ints, ends_ns: Ints) -> str:
+    """Return for how long nothing was read at the ends (2,) of the path; heard_ns (2,): the first and the last reading."""
+    lasts_s = np.array([heard_ns[0] - ends_ns[0], ends_ns[1] - heard_ns[1]]) * 1e-9
+    return " and ".join(f"the {name} {s:.1f} s" for name, s in zip(("first", "last"), lasts_s, strict=True) if s > BLANK_S)
 
 
 def _first(times: list[float]) -> str:

@@ -23,6 +23,7 @@ from hullrecon.typing import Array, Ints
 
 LEAST_SIGMA_RAD = 1e-4  # of a turn between two nodes: below it lie the stamps' jitter and the mount's give
 BRIDGED_RATE_RAD_S = 0.05  # a vehicle that inspects turns about this fast; where no reading tells
+BRIDGED_FOR_S = 4.0  # and for about as long one way; beyond the readings its turns walk from then on
 
 
 @dataclass(frozen=True)
@@ -60,11 +61,19 @@ class AttitudeHistory:
         for at, apart in zip(self.t_ns[self.steps.disagreement], self.steps.disagreement_rad, strict=True):
             share = np.maximum(0, np.minimum(stop_ns, at + reach) - np.maximum(start_ns, at - reach)) / (2 * reach)
             left += apart**2 * share
-        return np.asarray(bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2 + left)
+        beyond = self.turned_unread(stop_ns) - self.turned_unread(start_ns)
+        return np.asarray(bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2 + left + beyond)
+
+    def turned_unread(self, at_ns: Ints) -> Array:
+        """Return variance (m,) rad2, each axis, of the turn since the last reading, less than nothing before the first one."""
+        after, before = np.maximum(0, at_ns - self.t_ns[-1]) * 1e-9, np.maximum(0, self.t_ns[0] - at_ns) * 1e-9
+        seconds2 = np.minimum(after, BRIDGED_FOR_S) * after - np.minimum(before, BRIDGED_FOR_S) * before
+        return np.asarray(BRIDGED_RATE_RAD_S**2 * seconds2)
 
     def unread_sigma(self, at_ns: Ints) -> Array:
-        """Return (m,) rad, each axis: of an attitude in a hole, by the time to the next reading; 0 where there was one."""
-        out = np.zeros(len(at_ns))
+        """Return (m,) rad, each axis: of an attitude in a hole or beyond the readings, by the time to the next; 0 where there
+        was one."""
+        out = np.sqrt(np.abs(self.turned_unread(at_ns)))
         for begin, end in self.holes:
             inside = (at_ns > begin) & (at_ns < end)
             out[inside] = BRIDGED_RATE_RAD_S * np.minimum(at_ns - begin, end - at_ns)[inside] * 1e-9
