@@ -67,9 +67,9 @@ def dead_reckon(
 ) -> Navigated:
     """Return the records of a dive reckoned from DVL, IMU, pressure and tray.
 
-    x = y = 0 at the first ping with a velocity, heading as logged. walk: of the upper camera's images, which get nodes where
-    the DVL is not heard yet, for a while or no more, as far as each goes on from the one before; without it all of an outage
-    do.
+    x = y = 0 at the first ping with a velocity while the IMU runs, heading as logged. walk: of the upper camera's images, which
+    get nodes where DVL or IMU are not heard yet or no more, or the DVL not for a while, as far as each goes on from the one
+    before; without it there are none at the ends, and in an outage all have.
 
     Raises StageError where there are fewer than two usable velocities or attitudes, or no node.
     """

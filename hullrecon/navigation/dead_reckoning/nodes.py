@@ -55,8 +55,8 @@ def choose_nodes(
     lost_ns: Sequence[tuple[int, int]] = (),
 ) -> Nodes:
     """Return nodes in time order. top, bottom: stamps and rows in the index of the usable frames, in time order. A pair stands
-    at the top camera's stamp. span_ns: what navigation covers; frames outside get no node, nor those in
-    the spans lost_ns. spacing_s: least distance between the pings chosen.
+    at the top camera's stamp. span_ns: what navigation covers; frames outside get no node, nor those in the spans lost_ns.
+    spacing_s: least distance between the pings chosen.
     """
     pair = pair_frames(top[0], bottom[0])
     unpaired = np.setdiff1d(np.arange(len(bottom[0])), pair[:, 1])

@@ -14,58 +14,58 @@ from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.poses import Poses, from_matrix, tray_poses
 from hullrecon.records.links import CameraLinks
 from hullrecon.records.trajectory import Odometry, Trajectory
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Ints, Mask
 
-UNKNOWN_SHARE = 0.3  # sigma of a step over its length: beyond it the images know better where it goes
+# Sigma of a step over its length, and by itself: beyond both the images know better where it goes.
+UNKNOWN_SHARE, UNKNOWN_M = 0.3, 0.02
 
 
 def path_along_links(trajectory: Trajectory, odometry: Odometry, links: CameraLinks, rig: Rig) -> Poses:
     """Return T_g_v (n) of dead reckoning, in which a step that odometry knows badly has the direction and turn of the link
     across it, and its own length."""
     reckoned = trajectory.poses()
-    n = len(reckoned)
-    walked_m2 = np.zeros(n)
-    np.add.at(walked_m2, odometry.second, odometry.covariance[:, [0, 1, 2], [0, 1, 2]].max(axis=1))
-    walked_m2 = np.cumsum(walked_m2)
-    vehicle_from_camera = _vehicle_from_cameras(trajectory, rig, links)
-    if vehicle_from_camera is None:
+    bearings = np.flatnonzero(~links.scaled)
+    if rig.T_s_ct is None or not len(bearings):
         return reckoned
-    from_first, from_second = vehicle_from_camera
-    camera_first, camera_second = reckoned[links.first] @ from_first, reckoned[links.second] @ from_second
-    step = camera_second.inverse() @ camera_first
+    ends = [(links.first[bearings], links.bottom[bearings, 0]), (links.second[bearings], links.bottom[bearings, 1])]
+    from_first, from_second = (_vehicle_from_camera(trajectory, rig, node, is_bottom) for node, is_bottom in ends)
+    first, second = ends[0][0], ends[1][0]
+    step = (reckoned[second] @ from_second).inverse() @ (reckoned[first] @ from_first)
     length = np.linalg.norm(step.translation, axis=1)
-    sigma = np.sqrt(walked_m2[links.second] - walked_m2[links.first])
-    badly = ~links.scaled & (sigma > UNKNOWN_SHARE * length)
+    badly = _sigma_between(odometry, len(reckoned), first, second) > np.maximum(UNKNOWN_SHARE * length, UNKNOWN_M)
     if not badly.any():
         return reckoned
-    direction = links.translation / np.linalg.norm(links.translation, axis=1, keepdims=True)
-    seen = Poses(links.quaternion, direction * length[:, None])  # second_from_first
-    moved = (from_first @ seen.inverse() @ from_second.inverse()).matrix()
-    nearest: dict[int, int] = {}  # row of the link from the nearest node before, by its second node
-    for row in np.flatnonzero(badly)[np.argsort(links.first[badly], kind="stable")]:
-        nearest[int(links.second[row])] = int(row)
-    return from_matrix(_compose(reckoned, moved, links, nearest))
+    direction = links.translation[bearings] / np.linalg.norm(links.translation[bearings], axis=1, keepdims=True)
+    second_from_first = Poses(links.quaternion[bearings], direction * length[:, None])
+    moved = (from_first @ second_from_first.inverse() @ from_second.inverse()).matrix()
+    nearest: dict[int, tuple[int, Array]] = {}  # by node: the nearest node before it that a link joins to it, and the motion
+    for row in np.flatnonzero(badly)[np.argsort(first[badly], kind="stable")]:
+        nearest[int(second[row])] = int(first[row]), moved[row]
+    return from_matrix(_compose(reckoned, nearest))
 
 
-def _compose(reckoned: Poses, moved: Array, links: CameraLinks, nearest: dict[int, int]) -> Array:
-    """Return T_g_v (n, 4, 4): from node to node as reckoned, but along the links (m, 4, 4) of `nearest`."""
+def _sigma_between(odometry: Odometry, nodes: int, first: Ints, second: Ints) -> Array:
+    """Return how well odometry knows the way (m,) m from one node to a later one, the axis that it knows worst."""
+    walked_m2 = np.zeros(nodes)
+    np.add.at(walked_m2, odometry.second, odometry.covariance[:, [0, 1, 2], [0, 1, 2]].max(axis=1))
+    walked_m2 = np.cumsum(walked_m2)
+    return np.sqrt(walked_m2[second] - walked_m2[first])
+
+
+def _compose(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Array:
+    """Return T_g_v (n, 4, 4): from node to node as reckoned, but to the nodes of `along` by its motions (4, 4) from others."""
     steps = (reckoned[:-1].inverse() @ reckoned[1:]).matrix()
     out = reckoned.matrix()
     for k in range(1, len(out)):
-        row = nearest.get(k)
-        out[k] = out[k - 1] @ steps[k - 1] if row is None else out[links.first[row]] @ moved[row]
+        before, motion = along.get(k, (k - 1, steps[k - 1]))
+        out[k] = out[before] @ motion
     return out
 
 
-def _vehicle_from_cameras(trajectory: Trajectory, rig: Rig, links: CameraLinks) -> tuple[Poses, Poses] | None:
-    """Return T_v_c (m) of the leading cameras at the links' first and second nodes; None without a camera."""
-    top, bottom = rig.T_s_ct, rig.T_ct_cb
-    if top is None or len(links) == 0:
-        return None
-    ends = []
-    for k, node in enumerate((links.first, links.second)):
-        mount = np.repeat(top.nominal.matrix(), len(node), axis=0)
-        if bottom is not None:
-            mount[links.bottom[:, k]] = (top.nominal @ bottom.nominal).matrix()[0]
-        ends.append(tray_poses(rig.tray_origin, trajectory.tray[node]) @ from_matrix(mount))
-    return ends[0], ends[1]
+def _vehicle_from_camera(trajectory: Trajectory, rig: Rig, node: Ints, is_bottom: Mask) -> Poses:
+    """Return T_v_c (m) of the leading cameras at nodes (m,), the bottom one where is_bottom (m,)."""
+    assert rig.T_s_ct is not None
+    mount = np.repeat(rig.T_s_ct.nominal.matrix(), len(node), axis=0)
+    if rig.T_ct_cb is not None:
+        mount[is_bottom] = (rig.T_s_ct.nominal @ rig.T_ct_cb.nominal).matrix()[0]
+    return tray_poses(rig.tray_origin, trajectory.tray[node]) @ from_matrix(mount)
