@@ -22,7 +22,7 @@ from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
 from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, NavigationLogs, dead_reckon, usable_frames
-from hullrecon.navigation.dead_reckoning.nodes import ImageWalk
+from hullrecon.navigation.dead_reckoning.image_walk import ImageWalk
 from hullrecon.navigation.dead_reckoning.positions import attach_positions
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.navigation.sigmas import SIGMA_KEYS, sigmas_from_settings
@@ -82,10 +82,9 @@ def run(context: Context[NavigateOptions]) -> None:
             where="no DVL and no stereo cameras were logged",
             remedy="name the DVL's topic in [topics], or both cameras with their calibration",
         )
-    share = 0.0 if ingest.dvl is None else _share_heard(ingest, context.parameters.reach_s)
     if ingest.dvl is None:
         _write(context, _by_stereo(context, "no DVL"), "stereo")
-    elif has_stereo and share < LEAST_HEARD:
+    elif has_stereo and (share := _share_heard(ingest, context.parameters.reach_s)) < LEAST_HEARD:
         _write(context, *_by_stereo_or_dvl(context, f"DVL and IMU were heard together for {100 * share:.0f} % of the images"))
     else:
         _write(context, _by_dvl(context), "dvl")
@@ -156,7 +155,7 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
 
 
 def _image_walk(context: Context[NavigateOptions]) -> ImageWalk | None:
-    """Return how the upper camera's images are followed where the DVL is silent; None where it is not calibrated."""
+    """Return how the upper camera's images are followed where DVL or IMU are silent; None where it is not calibrated."""
     (ingest, settings), options = _ingest_and_settings(context), context.parameters
     rig = rig_from_settings(settings, ingest.camera_models)
     if Camera.TOP not in rig.cameras or ingest.image_index(Camera.TOP) is None:
@@ -165,7 +164,7 @@ def _image_walk(context: Context[NavigateOptions]) -> ImageWalk | None:
     return ImageWalk(
         frames=usable_frames(images.index),
         goes_on=continuity(rig, images.read, options.stereo_features, options.stereo_inliers),
-        progress=lambda frames: context.progress(frames, "images beyond the DVL"),
+        progress=lambda frames: context.progress(frames, "images followed"),
     )
 
 

@@ -12,9 +12,11 @@ from hullrecon.geometry import poses
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.dead_reckon import dead_reckon, usable_frames
-from hullrecon.navigation.dead_reckoning.nodes import ImageWalk
+from hullrecon.navigation.dead_reckoning.image_walk import ImageWalk
 from hullrecon.navigation.options import NavigateOptions
 from hullrecon.records.sensors import ImuSamples
+
+START_NS, SECOND = 1_777_887_000_000_000_000, 10**9
 
 
 @pytest.fixture(scope="session")
@@ -25,8 +27,8 @@ def found(perfect, rig):
 def test_a_return_carries_the_vehicle_from_its_node_to_its_ping(simulated, found, rig):
     """Hung on the true nodes, the beam's start is where the true instrument was at the ping."""
     r, t = found.returns, found.trajectory
-    seconds = (r.t_ns - t.t_ns[0]) * 1e-9 + (t.t_ns[0] - 1_777_887_000_000_000_000) * 1e-9
-    node_s = (t.t_ns - 1_777_887_000_000_000_000) * 1e-9
+    seconds = (r.t_ns - t.t_ns[0]) * 1e-9 + (t.t_ns[0] - START_NS) * 1e-9
+    node_s = (t.t_ns - START_NS) * 1e-9
     at_ping = simulated.poses(node_s)[r.node] @ Poses(r.quaternion, r.translation)
     angle = simulated.tray(node_s)[r.node] + r.tray_offset
     instrument = at_ping @ poses.tray_poses(rig.tray_origin, angle) @ rig.tray_from_dvl
@@ -41,7 +43,7 @@ def test_returns_hang_on_the_nearest_node(found):
 
 
 def test_attitude_has_the_depth_of_the_sensor_and_not_of_the_vehicle(simulated, found, rig):
-    t = (found.trajectory.t_ns - 1_777_887_000_000_000_000) * 1e-9
+    t = (found.trajectory.t_ns - START_NS) * 1e-9
     sensor = simulated.poses(t).apply(rig.pressure_origin)[:, 2]
     assert np.abs(found.attitude.depth - sensor).max() < 3e-3
     rpy = roll_pitch_yaw(simulated.attitude(t))
@@ -75,14 +77,11 @@ def test_neighbouring_edges_compose_to_the_path_in_the_plane(found):
 
 def heard_only(logs, begin_s, end_s):
     """The logs of a DVL that is heard from one time to another alone, s after the dive's start."""
-    dvl, start = logs.dvl, 1_777_887_000_000_000_000
+    dvl, start = logs.dvl, START_NS
     silent = (dvl.t_ns < start + begin_s * 1e9) | (dvl.t_ns > start + end_s * 1e9)
     velocity = dvl.velocity.copy()
     velocity[silent] = np.nan
     return replace(logs, dvl=replace(dvl, velocity=velocity))
-
-
-SECOND = 10**9
 
 
 def walk(logs, goes_on=lambda first, second: True):
@@ -142,7 +141,7 @@ def test_dense_images_are_followed_by_strides_and_one_by_one_where_a_stride_fail
 )
 def test_in_an_outage_images_that_go_on_from_neither_side_have_no_pose(perfect, rig, lasts_s, shown, gone):
     """The DVL is silent from 9.9 s; images 20 to 59 lie in the longer outage. A second leaves the way known to centimetres."""
-    dvl, start = perfect.dvl, 1_777_887_000_000_000_000
+    dvl, start = perfect.dvl, START_NS
     velocity = dvl.velocity.copy()
     velocity[(dvl.t_ns > start + 9.9e9) & (dvl.t_ns < start + (9.9 + lasts_s) * 1e9)] = np.nan
     logs = replace(perfect, dvl=replace(dvl, velocity=velocity))
@@ -170,7 +169,7 @@ def test_beyond_the_dvl_the_path_is_off_by_no_more_than_it_says(simulated, perfe
     logs = heard_only(perfect, 15, 25)
     found = dead_reckon(logs, rig, SIGMAS, NavigateOptions(), walk(logs))
     t = found.trajectory
-    seconds = (t.t_ns - 1_777_887_000_000_000_000) * 1e-9
+    seconds = (t.t_ns - START_NS) * 1e-9
     start = np.flatnonzero(seconds >= 15)[0]
     error = (t.translation - t.translation[start]) - (simulated.place(seconds) - simulated.place(seconds)[start])
     sigma = np.sqrt(np.diagonal(t.covariance, axis1=1, axis2=2)[:, :2])
@@ -185,13 +184,12 @@ def test_beyond_the_dvl_the_path_is_off_by_no_more_than_it_says(simulated, perfe
 @pytest.mark.parametrize(("begin_s", "end_s"), [(0, 20), (20, 40)])
 def test_beyond_the_imu_the_attitude_is_off_by_no_more_than_it_says(simulated, perfect, rig, begin_s, end_s):
     """The DVL is heard throughout: the way is of the right length, and turned with the attitude."""
-    start_ns = 1_777_887_000_000_000_000
-    read = (perfect.imu.t_ns >= start_ns + begin_s * SECOND) & (perfect.imu.t_ns <= start_ns + end_s * SECOND)
+    read = (perfect.imu.t_ns >= START_NS + begin_s * SECOND) & (perfect.imu.t_ns <= START_NS + end_s * SECOND)
     logs = replace(perfect, imu=ImuSamples(**{name: value[read] for name, value in vars(perfect.imu).items()}))
     found = dead_reckon(logs, rig, SIGMAS, NavigateOptions(), walk(logs))
     t = found.trajectory
     assert t.image[:, 0].tolist() == perfect_images(perfect, rig)
-    seconds = (t.t_ns - start_ns) * 1e-9
+    seconds = (t.t_ns - START_NS) * 1e-9
     turn = (simulated.attitude(seconds).inv() * t.poses().rotation).magnitude()
     covariance = np.diagonal(t.covariance, axis1=1, axis2=2)
     assert turn.max() > 0.1
@@ -208,7 +206,7 @@ def test_beyond_the_imu_the_attitude_is_off_by_no_more_than_it_says(simulated, p
 
 
 def test_without_images_the_path_ends_with_the_imu(perfect, rig):
-    read = perfect.imu.t_ns <= 1_777_887_000_000_000_000 + 20 * SECOND
+    read = perfect.imu.t_ns <= START_NS + 20 * SECOND
     imu = ImuSamples(**{name: value[read] for name, value in vars(perfect.imu).items()})
     found = dead_reckon(replace(perfect, imu=imu, top=None), rig, SIGMAS, NavigateOptions())
     assert found.trajectory.t_ns[-1] - imu.t_ns[-1] < 2 * SECOND

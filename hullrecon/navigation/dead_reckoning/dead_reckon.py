@@ -12,7 +12,8 @@ from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses
 from hullrecon.geometry.rotations import roll_pitch_yaw
 from hullrecon.navigation.dead_reckoning.error_propagation import dead_reckoning_errors, trajectory_covariance
-from hullrecon.navigation.dead_reckoning.nodes import ImageWalk, Nodes, choose_nodes
+from hullrecon.navigation.dead_reckoning.image_walk import ImageWalk
+from hullrecon.navigation.dead_reckoning.nodes import Nodes, choose_nodes
 from hullrecon.navigation.dead_reckoning.odometry import odometry, widen_for_tray
 from hullrecon.navigation.dead_reckoning.reckoning import Instant, Reckoning, reckon
 from hullrecon.navigation.dead_reckoning.remarks import remarks_of
@@ -22,7 +23,7 @@ from hullrecon.navigation.sensors.attitude import attitude_history
 from hullrecon.navigation.sensors.clock import in_order
 from hullrecon.navigation.sensors.depth import Depth, hold_to_pressure
 from hullrecon.navigation.sensors.servo import servo
-from hullrecon.navigation.sensors.velocity import usable_velocities
+from hullrecon.navigation.sensors.velocity import Velocities, usable_velocities
 from hullrecon.navigation.sigmas import NavigationSigmas
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, JointSamples, PressureSamples
 from hullrecon.records.trajectory import Attitude, Odometry, Returns, Trajectory, TrajectoryErrorModel
@@ -74,9 +75,9 @@ def dead_reckon(
     Raises StageError where there are fewer than two usable velocities or attitudes, or no node.
     """
     logs, messages = _sort_streams(logs)
-    heard = _heard(logs, options)
-    span = heard if walk is None else walk.widened(heard)
-    path = _path(logs, rig, sigmas.tilt_rad, heard, span, options)
+    velocities, start_ns, span = _velocities(logs, options, walk)
+    history = attitude_history(logs.imu, sigmas.tilt_rad, options.longest_gap_s)
+    path = reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), rig, start_ns)
     nodes = _nodes(logs, path, span, options, walk)
     at = path.at(nodes.t_ns)
     depth = _depth(logs.pressure, path, nodes, options)
@@ -138,33 +139,27 @@ def finite_attitude(imu: ImuSamples) -> ImuSamples:
     )
 
 
-def _heard(logs: NavigationLogs, options: NavigateOptions) -> tuple[int, int]:
-    """Return from when to when images have poses by DVL and IMU, which both run then, ns."""
+def _velocities(
+    logs: NavigationLogs, options: NavigateOptions, walk: ImageWalk | None
+) -> tuple[Velocities, int, tuple[int, int]]:
+    """Return the velocities while the IMU runs and as far as images go on beyond it, the stamp of the first one that the IMU
+    runs at, and from when to when images have a pose, ns."""
     slack, reach = int(options.longest_gap_s * 1e9), int(options.reach_s * 1e9)
     attitude = int(logs.imu.t_ns[0]) - slack, int(logs.imu.t_ns[-1]) + slack
-    heard = usable_velocities(logs.dvl, attitude, options.longest_gap_s).t_ns
-    if len(heard) < 2:
-        where = f"{len(logs.dvl.t_ns)} pings, {len(heard)} with a velocity while the IMU was running"
+    found = usable_velocities(logs.dvl, attitude, options.longest_gap_s)
+    if len(found.t_ns) < 2:
+        where = f"{len(logs.dvl.t_ns)} pings, {len(found.t_ns)} with a velocity while the IMU was running"
         raise StageError(
             "the DVL gave no velocity to reckon with", where=where, remedy="check the DVL's bottom lock and the clocks"
         )
-    return int(heard[0]) - reach, int(heard[-1]) + reach
-
-
-def _path(
-    logs: NavigationLogs,
-    rig: SensorRig,
-    sigma_tilt_rad: float,
-    heard_ns: tuple[int, int],
-    span_ns: tuple[int, int],
-    options: NavigateOptions,
-) -> Reckoning:
-    """Return the path. heard_ns: while DVL and IMU run; span_ns: that, and as far as images go on from there."""
-    history, reach = attitude_history(logs.imu, sigma_tilt_rad, options.longest_gap_s), int(options.reach_s * 1e9)
-    first = span_ns[0] if span_ns[0] < heard_ns[0] else heard_ns[0] + reach
-    last = span_ns[1] if span_ns[1] > heard_ns[1] else heard_ns[1] - reach
-    velocities = usable_velocities(logs.dvl, (first, last), options.longest_gap_s)
-    return reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), rig, heard_ns[0] + reach)
+    heard = int(found.t_ns[0]), int(found.t_ns[-1])
+    reached = heard[0] - reach, heard[1] + reach
+    span = reached if walk is None else walk.widened(reached)
+    if span != reached:
+        first = span[0] if span[0] < reached[0] else heard[0]
+        last = span[1] if span[1] > reached[1] else heard[1]
+        found = usable_velocities(logs.dvl, (first, last), options.longest_gap_s)
+    return found, heard[0], span
 
 
 def _nodes(

@@ -55,7 +55,7 @@ def dead_reckoning_errors(
 
 
 def _drift_since_start(path: Reckoning, at: Instant) -> Array:
-    """Return (n,) m2, each axis: variance by the velocities since the first one, less than nothing before it."""
+    """Return (n,) m2, each axis: variance by the velocities since the path's start, negative before it."""
     start = np.full(len(at.t_ns), path.start_ns)
     variance = velocity_variance(path, np.minimum(start, at.t_ns), np.maximum(start, at.t_ns))
     return np.asarray(np.sign(at.t_ns - start) * variance)

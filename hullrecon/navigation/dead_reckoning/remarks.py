@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from hullrecon.navigation.dead_reckoning.nodes import BLANK_S, Nodes, longest_step_ns
+from hullrecon.navigation.dead_reckoning.nodes import Nodes
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.depth import Depth
+from hullrecon.navigation.sensors.silence import SILENT_S, longest_pause_s
 from hullrecon.navigation.sensors.velocity import Velocities
 from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array, Ints
@@ -30,13 +31,14 @@ def remarks_of(
     steps = np.zeros(0, np.int64) if depth is None else depth.steps
     no_depth = "" if depth is None else depth.silence
     no_angle = path.servo.silence(nodes.t_ns)
+    no_velocity, no_attitude = _silent_dvl(v, nodes.t_ns), _silent_imu(path.attitude, nodes.t_ns)
     sentences = [
         (
             len(v.outages),
             f"DVL: {_times(len(v.outages), 'outage')} bridged at constant velocity, {_longest(v.outages)}{_unsure(v)}",
         ),
-        (True, _silent_dvl(v, nodes.t_ns)),
-        (True, _silent_imu(path.attitude, nodes.t_ns)),
+        (no_velocity, no_velocity),
+        (no_attitude, no_attitude),
         (len(v.outliers), f"DVL: {_times(len(v.outliers), 'velocity')} rejected as outliers"),
         (returns.flagged.any(), f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers"),
         (len(holes), f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"),
@@ -73,7 +75,7 @@ def remarks_of(
         "without_images_s": [since(nodes.t_ns[[first, last]]) for first, last, _ in blank],
         "path_length_m": round(float(way_m[-1]), 3),
     }
-    return [sentence for holds, sentence in sentences if holds and sentence], facts
+    return [sentence for holds, sentence in sentences if holds], facts
 
 
 def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
@@ -84,7 +86,7 @@ def images_missing(nodes: Nodes, way_m: Array) -> list[tuple[int, int, float]]:
     seen = np.flatnonzero((nodes.image >= 0).any(axis=1))
     if len(seen) < 3:
         return []
-    long = np.flatnonzero(np.diff(nodes.t_ns[seen]) > longest_step_ns(nodes.t_ns[seen]))
+    long = np.flatnonzero(np.diff(nodes.t_ns[seen]) > 1e9 * longest_pause_s(nodes.t_ns[seen]))
     return [(int(seen[k]), int(seen[k + 1]), float(way_m[seen[k + 1]] - way_m[seen[k]])) for k in long]
 
 
@@ -140,8 +142,8 @@ def _unsure(velocities: Velocities) -> str:
 def _without_pose(count: int) -> str:
     """Return how many images navigation does not reach, and why."""
     return (
-        f"{_times(count, 'image')} {'has' if count == 1 else 'have'} no pose: DVL and IMU did not both run then, and the images"
-        " do not go on from those that have one"
+        f"{_times(count, 'image')} {'has' if count == 1 else 'have'} no pose: DVL and IMU did not both run then, and they"
+        " could not be followed from images that have one"
     )
 
 
@@ -170,7 +172,7 @@ def _silent_imu(attitude: AttitudeHistory, nodes_ns: Ints) -> str:
 def _silent_ends(heard_ns: Ints, ends_ns: Ints) -> str:
     """Return for how long nothing was read at the ends (2,) of the path; heard_ns (2,): the first and the last reading."""
     lasts_s = np.array([heard_ns[0] - ends_ns[0], ends_ns[1] - heard_ns[1]]) * 1e-9
-    return " and ".join(f"the {name} {s:.1f} s" for name, s in zip(("first", "last"), lasts_s, strict=True) if s > BLANK_S)
+    return " and ".join(f"the {name} {s:.1f} s" for name, s in zip(("first", "last"), lasts_s, strict=True) if s > SILENT_S)
 
 
 def _first(times: list[float]) -> str:

@@ -65,7 +65,7 @@ class AttitudeHistory:
         return np.asarray(bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2 + left + beyond)
 
     def turned_unread(self, at_ns: Ints) -> Array:
-        """Return variance (m,) rad2, each axis, of the turn since the last reading, less than nothing before the first one."""
+        """Return variance (m,) rad2, each axis, of the turn since the last reading, negative before the first one."""
         after, before = np.maximum(0, at_ns - self.t_ns[-1]) * 1e-9, np.maximum(0, self.t_ns[0] - at_ns) * 1e-9
         seconds2 = np.minimum(after, BRIDGED_FOR_S) * after - np.minimum(before, BRIDGED_FOR_S) * before
         return np.asarray(BRIDGED_RATE_RAD_S**2 * seconds2)

@@ -15,10 +15,14 @@ SILENT_S, SILENT_PERIODS = 2.0, 5.0  # without a reading: a span longer than bot
 def silent_spans(t_ns: Ints, start_ns: int, stop_ns: int) -> Ints:
     """Return start and end (k, 2), ns, of the spans between two instants in which a sensor gave no reading; t_ns (n,): its
     stamps in time order."""
-    limit_s = max(SILENT_S, SILENT_PERIODS * float(np.median(np.diff(t_ns))) * 1e-9 if len(t_ns) > 1 else 0.0)
     stamps = np.concatenate([[min(start_ns, t_ns[0])], t_ns, [max(stop_ns, t_ns[-1])]])
-    spans = np.clip(gaps(stamps, limit_s), start_ns, stop_ns)
+    spans = np.clip(gaps(stamps, longest_pause_s(t_ns)), start_ns, stop_ns)
     return np.asarray(spans[spans[:, 1] > spans[:, 0]])
+
+
+def longest_pause_s(t_ns: Ints) -> float:
+    """Return the longest time between two readings, s, that is no silence; t_ns (n,): their stamps in time order."""
+    return max(SILENT_S, SILENT_PERIODS * float(np.median(np.diff(t_ns))) * 1e-9 if len(t_ns) > 1 else 0.0)
 
 
 def unread_s(t_ns: Ints, at_ns: Ints) -> Array:
