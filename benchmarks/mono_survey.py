@@ -6,7 +6,8 @@ Seven legs of 30 m half a metre apart, 1.5 m off, an image every 0.16 m; bare pa
 half of the second leg, a DVL 1 % too long and a heading that drifts [KimEustice2009 IV]. Simulates it into FOLDER (kept for
 next time), runs it to `adjust` and prints JSON with what is asked: the vehicle's error after rigid alignment, links between
 images that share nothing, true revisits that were linked, the sigma at the end over that of dead reckoning, and on bare paint
-over elsewhere. Exit code 1 where one of them is not as asked.
+over elsewhere; besides, where the CAD model was not refused, the NEES of the middle pose. Exit code 1 where one of them is not
+as asked.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.disturbed import disturb
+from benchmarks.dives import nees
 from benchmarks.false_links import read_dive
 from benchmarks.legs import figures, hullrecon, matched, true_revisits
 from benchmarks.links_in_graph import solved_graph
@@ -110,6 +112,7 @@ def measure(package: Path, run: Path) -> dict[str, object]:
         "end_sigma_m": float(after.relative_sigma(*end)[0]),
         "end_sigma_over_dead_reckoning": float(after.relative_sigma(*end)[0] / before.relative_sigma(*end)[0]),
         "sigma_on_bare_paint_over_elsewhere": float(np.median(local[bare]) / np.median(local[textured])),
+        "nees": None if row["cad_model_refused"] else nees(run / "adjust", package),
     }
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
+import msgspec
 import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage
@@ -21,6 +22,8 @@ from hullrecon.dive.package_files import named_images
 from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
+from hullrecon.navigation.clocks.clock_errors import describe_errors
+from hullrecon.navigation.clocks.synchronise import synchronise
 from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, NavigationLogs, dead_reckon, usable_frames
 from hullrecon.navigation.dead_reckoning.image_walk import ImageWalk
 from hullrecon.navigation.dead_reckoning.positions import attach_positions
@@ -34,10 +37,12 @@ from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import IngestArtifact, InputArtifacts
 from hullrecon.steps.stereo_check import find_rig_problem
 from hullrecon.vision.continuity import continuity
+from hullrecon.vision.image_motion import image_motion
 from hullrecon.vision.odometry import OdometryFrame, StereoOdometer, stereo_odometer
 from hullrecon.vision.pairs.stereo_adjustment import DISPARITY
 
 Samples = TypeVar("Samples", bound=Stream)
+CLOCK_FEATURES = 1000  # of an image whose motion tells the clocks
 LEAST_HEARD = 0.5  # of the images: where the DVL reaches fewer of a stereo rig's, its path would leave out most of the dive
 
 
@@ -150,22 +155,20 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
         top=_unless_empty(ingest.image_index(Camera.TOP)),
         bottom=_unless_empty(ingest.image_index(Camera.BOTTOM)),
     )
-    rig, sigmas = rig_from_settings(settings), sigmas_from_settings(settings)
-    return dead_reckon(logs, rig, sigmas, context.parameters, _image_walk(context))
-
-
-def _image_walk(context: Context[NavigateOptions]) -> ImageWalk | None:
-    """Return how the upper camera's images are followed where DVL or IMU are silent; None where it is not calibrated."""
-    (ingest, settings), options = _ingest_and_settings(context), context.parameters
-    rig = rig_from_settings(settings, ingest.camera_models)
-    if Camera.TOP not in rig.cameras or ingest.image_index(Camera.TOP) is None:
-        return None
-    images = ingest.images(Camera.TOP, context.source)
-    return ImageWalk(
-        frames=usable_frames(images.index),
-        goes_on=continuity(rig, images.read, options.stereo_features, options.stereo_inliers),
-        progress=lambda frames: context.progress(frames, "images followed"),
-    )
+    rig, sigmas, options = rig_from_settings(settings, ingest.camera_models), sigmas_from_settings(settings), context.parameters
+    read = ingest.images(Camera.TOP, context.source).read if logs.top is not None and Camera.TOP in rig.cameras else None
+    measure = None if read is None else image_motion(rig, read, CLOCK_FEATURES, options.stereo_inliers)
+    clocks = synchronise(logs, rig, sigmas.tilt_rad, options.longest_gap_s, measure)
+    walk = None
+    if read is not None:
+        walk = ImageWalk(
+            frames=usable_frames(clocks.logs.top),
+            goes_on=continuity(rig, read, options.stereo_features, options.stereo_inliers),
+            progress=lambda frames: context.progress(frames, "images followed"),
+        )
+    found = dead_reckon(clocks.logs, rig, sigmas, options, walk)
+    remarks = [*describe_errors(clocks.errors), *clocks.undecided, *found.remarks]
+    return replace(found, remarks=remarks, facts={"clocks": msgspec.to_builtins(clocks.errors), **found.facts})
 
 
 def _by_stereo(context: Context[NavigateOptions], why: str) -> Navigated:
@@ -228,7 +231,7 @@ STAGE = Stage(
     summary="compute the dead-reckoned trajectory",
     inputs=("ingest",),
     parameters=NavigateOptions,
-    version=11,
+    version=12,
     run=run,
     uses=(*RIG_KEYS, *SIGMA_KEYS, "camera.bottom.pose_sigma", "position.origin", "logs"),
     external=external,

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from navigation.instruments import RIG
+from navigation.wall_dive import AlongWall, late, logs_along_wall
 from scipy.spatial.transform import Rotation
 
 from hullrecon.artifacts.execution.runner import run_stage
@@ -17,6 +19,7 @@ from hullrecon.artifacts.graph.stage import load_arrays
 from hullrecon.dive.config import schema
 from hullrecon.errors import StageError
 from hullrecon.geometry.cameras import CameraModel
+from hullrecon.navigation.clocks.clock_errors import Sensor
 from hullrecon.navigation.sigmas import sigmas_from_settings
 from hullrecon.records.sensors import DvlPings, ImageIndex, ImuSamples, PositionFixes, PressureSamples
 from hullrecon.records.serialisation import from_arrays, to_arrays
@@ -115,6 +118,26 @@ def test_twice_the_same_input_gives_the_same_bytes(ingest: Path, tmp_path: Path)
     a, b = run(ingest, tmp_path / "a"), run(ingest, tmp_path / "b")
     for name in ("trajectory.npz", "error_model.npz", "odometry.npz", "returns.npz", "attitude.npz", "navigation.json"):
         assert (a / name).read_bytes() == (b / name).read_bytes()
+
+
+def test_a_dvl_whose_clock_is_late_is_put_right_and_said(ingest: Path, tmp_path: Path) -> None:
+    logs = logs_along_wall(AlongWall(RIG))
+    for name, record in (("dvl", late(logs, Sensor.DVL, 0.8).dvl), ("imu", logs.imu), ("pressure", logs.pressure)):
+        keep(ingest, name, record)
+    keep(ingest, "tray", logs.tray)
+    mounted = {
+        "tray": schema.Tray(origin=(0.45, 0.0, 0.1)),
+        "pressure": schema.Pressure(origin=(-0.3, 0.1, 0.05)),
+        "dvl": schema.Dvl(mount=(0.02, -0.01, 0.08, 0.5, 89.0, 1.0)),
+    }
+    out = run_stage(STAGE, sections() | mounted, {"ingest": ingest}, tmp_path / "navigate", source=tmp_path)
+    report = json.loads((out / "navigation.json").read_text())
+    (clock,) = report["clocks"]
+    assert clock["sensor"] == "DVL"
+    assert clock["late_s"] == pytest.approx(0.8, abs=4 * clock["sigma_s"])
+    assert report["remarks"][0].startswith(f"DVL: the clock is {clock['late_s']:.2f} s late")
+    path = from_arrays(Trajectory, load_arrays(out / "trajectory.npz"))
+    assert path.t_ns[0] == pytest.approx(logs.dvl.t_ns[0], abs=0.1 * SECOND)
 
 
 def test_a_dvl_without_an_imu_is_an_error_in_words(ingest: Path, tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from hullrecon.geometry.poses import identity
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Pixels
 from hullrecon.vision.continuity import continuity
+from hullrecon.vision.image_motion import image_motion
 
 MODEL = CameraModel(320, 256, 250.0, 250.0, 159.5, 127.5)
 RIG = SensorRig(
@@ -69,3 +70,17 @@ def test_each_image_is_read_once_along_a_walk() -> None:
     follow = continuity(RIG, image, 1000, 15)
     assert all(follow(k, k + 1) for k in range(4))
     assert read == [0, 1, 2, 3, 4]
+
+
+def test_two_images_tell_how_the_camera_moved_but_not_how_far() -> None:
+    images = [look(10, seabed()), look(50, seabed()), water()]
+    between = image_motion(RIG, lambda row: images[row], 1000, 15)
+    found = between(0, 1)
+    assert found is not None
+    motion, sigma = found
+    direction = motion[:3, 3] / np.linalg.norm(motion[:3, 3])
+    assert np.arccos(direction @ [-1.0, 0.0, 0.0]) < 3 * sigma[1]
+    assert np.arccos((np.trace(motion[:3, :3]) - 1) / 2) < 5 * sigma[0]
+    assert 0 < sigma[0] < 0.05
+    assert 0 < sigma[1] < 0.3
+    assert between(1, 2) is None

@@ -60,12 +60,14 @@ def put_in_order(name: str, stamp_ns: ArrayLike, logged_ns: ArrayLike) -> Timeli
 
 def clock_error(stamp: Ints, logged: Ints) -> Ints:
     """Return by how much stamps (n,) are off after jumps of the sensor's clock against the logger's, ns; zeros where nothing
-    shows it, as in logs without a clock of their own.
+    shows it. A log without a clock of its own shows a clock that was set back.
 
     A jump counts that LASTING readings on either side agree on: what was logged late, and then caught up, is none. Right is the
     stretch whose offset is below JUMP_S, as of clocks that were synchronised, else the longest.
     """
     offset = stamp - logged
+    if not offset.any():
+        return _set_back(stamp)
     limits = np.concatenate([[0], 1 + np.flatnonzero(np.abs(np.diff(offset)) >= JUMP_S * NS), [len(stamp)]])
     stretches = [slice(a, b) for a, b in itertools.pairwise(limits.tolist()) if b - a >= LASTING]
     if len(stretches) < 2:
@@ -79,6 +81,23 @@ def clock_error(stamp: Ints, logged: Ints) -> Ints:
     starts = np.array([stretch.start for stretch in stretches])
     of = np.maximum(np.searchsorted(starts, np.arange(len(stamp)), side="right") - 1, 0)
     return np.asarray((moved - moved[right])[of])
+
+
+def _set_back(stamp: Ints) -> Ints:
+    """Return by how much stamps (n,), in the order of the log, are off where the clock was set back while the sensor went on,
+    ns: a later part then begins within the one before and ends after it. Zeros where parts were logged in another order or
+    twice."""
+    out, step = np.zeros_like(stamp), np.diff(stamp)
+    limits = [0, *(1 + np.flatnonzero(step <= -JUMP_S * NS)).tolist(), len(stamp)]
+    for (begin, middle), (_, end) in itertools.pairwise(itertools.pairwise(limits)):
+        before, after = stamp[begin:middle], stamp[middle:end]
+        overlap = after[after <= before[-1]]
+        if min(len(before), len(after)) < LASTING or after[0] <= before[0] or after[-1] <= before[-1]:
+            return np.zeros_like(stamp)
+        if np.isin(overlap, before).mean() > 0.5:
+            return np.zeros_like(stamp)
+        out[middle:] -= before[-1] - after[0] + round(float(np.median(step[step > 0])))
+    return out
 
 
 def _lasting_jump(stamp: Ints, offset: Ints, before: slice, after: slice) -> int:
@@ -107,7 +126,8 @@ def describe_clock_jumps(name: str, stamp: Ints, logged: Ints) -> list[str]:
     at = format_time(int(stamp[first]))
     error = clock_error(stamp, logged)
     wrong = np.count_nonzero(error)
-    done = f"{wrong} stamps were put right by the logger's clock" if wrong else "stamps around it cannot be trusted"
+    by = "as if it had been set back" if np.array_equal(stamp, logged) else "by the logger's clock"
+    done = f"{wrong} stamps were put right {by}" if wrong else "stamps around it cannot be trusted"
     return [f"{name}: the clock jumps by {jump[first]:+.3f} s at {at}{more}; {done}"]
 
 

@@ -74,7 +74,7 @@ def dead_reckon(
 
     Raises StageError where there are fewer than two usable velocities or attitudes, or no node.
     """
-    logs, messages = _sort_streams(logs)
+    logs, messages = sort_streams(logs)
     velocities, start_ns, span = _velocities(logs, options, walk)
     history = attitude_history(logs.imu, sigmas.tilt_rad, options.longest_gap_s)
     path = reckon(velocities, history, servo(logs.tray, int(velocities.t_ns[0])), rig, start_ns)
@@ -106,7 +106,7 @@ def dead_reckon(
     )
 
 
-def _sort_streams(logs: NavigationLogs) -> tuple[NavigationLogs, list[str]]:
+def sort_streams(logs: NavigationLogs) -> tuple[NavigationLogs, list[str]]:
     """Return each stream in time order without repeated stamps, and what was put right."""
     messages: list[str] = []
     dvl, found = in_order(logs.dvl, "dvl")

@@ -52,6 +52,25 @@ def test_a_clock_that_falls_back_is_named_without_a_logger_too():
     assert "jumps by -7.000 s" in words
 
 
+def test_a_clock_that_was_set_back_goes_on_where_no_logger_has_a_clock():
+    true = np.arange(0, 30, 0.1)
+    stamps = ns(*np.where(true >= 15, true - 2.03, true))
+    line = put_in_order("dvl", stamps, stamps)
+    assert line.keep.tolist() == list(range(300))
+    np.testing.assert_allclose(line.t_ns / NS, true, atol=1e-6)
+    assert len(line.remarks) == 1
+    assert "jumps by -1.930 s" in line.remarks[0]
+    assert "150 stamps were put right as if it had been set back" in line.remarks[0]
+
+
+@pytest.mark.parametrize("second", [np.arange(0, 15, 0.1), np.arange(5, 30, 0.1)], ids=["logged later", "logged twice"])
+def test_parts_logged_in_another_order_or_twice_are_sorted_and_not_moved(second):
+    first = np.arange(15, 30, 0.1) if second[0] == 0 else np.arange(0, 20, 0.1)
+    stamps = ns(*np.concatenate([first, second]))
+    line = put_in_order("dvl", stamps, stamps)
+    np.testing.assert_allclose(line.t_ns / NS, np.unique(np.round(stamps / NS, 6)), atol=1e-6)
+
+
 def test_several_jumps_are_counted():
     (words,) = describe_clock_jumps("dvl", ns(0, 5, 0, 5), ns(0, 0.1, 0.2, 0.3))
     assert "and 2 more times" in words

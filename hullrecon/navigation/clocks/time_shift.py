@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""How much later one sensor's clock is than another's: the shift in time at which what both measured agrees best."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hullrecon.geometry.robust import robust_sigma
+from hullrecon.typing import Array, Ints
+
+NEAR_S, FAR_S, GRID_S = 5.0, 60.0, 0.1  # shifts that are looked at; the far ones where no near one explains the dive
+STEP_S = 0.2  # over which residuals are taken to be straight; over less, noise would look like their slope
+TRUSTED = 2.0  # sigmas; what differs by more weighs less
+WILD = 6.0  # sigmas; what differs by more weighs nothing
+ROUNDS = 8
+CONVERGED_S = 1e-4
+LEAST_GAIN = 5.0  # sigmas by which a shift has to explain what was measured better than none does, and than any other
+OTHER_S = 0.5  # from a shift to another one
+
+Residuals = Callable[[float], Array]  # of a shift in s: (n, k) what does not agree, any unit, NaN where nothing is known
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimeShift:
+    """seconds to be added to the one sensor's stamps to ask the other, with their sigma; over_none, over_others: how many
+    sigmas better the shift explains what was measured than none does, and than any other one."""
+
+    seconds: float
+    sigma_s: float
+    over_none: float
+    over_others: float
+
+    def is_unique(self) -> bool:
+        """Return whether no shift elsewhere explains what was measured as well."""
+        return self.over_others >= LEAST_GAIN
+
+    def is_sure(self, least_s: float, sigmas: float) -> bool:
+        """Return whether the shift is no chance: at least so long and so many of its sigmas, and the best explanation."""
+        far = abs(self.seconds) >= max(least_s, sigmas * self.sigma_s)
+        return far and self.is_unique() and self.over_none >= LEAST_GAIN
+
+
+def find_time_shift(residuals: Residuals, block: Ints, reach_s: float = NEAR_S) -> TimeShift | None:
+    """Return the shift that makes residuals smallest; None where none within reach does.
+
+    block (n,): numbers of the rows' blocks; what is wrong in a row is taken to be wrong in its block, and blocks to be
+    independent of each other. The sigma is that of the scatter among them.
+    """
+    steps = round(reach_s / GRID_S)
+    shifts = GRID_S * np.arange(-steps, steps + 1)
+    table = [residuals(float(shift)) for shift in shifts]
+    sigmas = np.array([robust_sigma(found[np.isfinite(found)], about=0.0) for found in table])
+    if not np.isfinite(sigmas).all() or not (sigmas > 0).all():
+        return None
+    sigma = float(sigmas.min())
+    cost = np.array([_cost(found, sigma) for found in table])
+    best = int(np.argmin(cost.sum(axis=1)))
+    if best in (0, len(shifts) - 1):
+        return None
+    refined = _refine(residuals, block, float(shifts[best]))
+    if refined is None or abs(refined.seconds - shifts[best]) > 2 * GRID_S:
+        return None
+    others = np.flatnonzero(np.abs(shifts - refined.seconds) >= OTHER_S)
+    other = int(others[np.argmin(cost[others].sum(axis=1))])
+    own = _cost(residuals(refined.seconds), sigma)
+    return TimeShift(
+        seconds=refined.seconds,
+        sigma_s=refined.sigma_s,
+        over_none=_gain(_cost(residuals(0.0), sigma) - own, refined.together),
+        over_others=_gain(cost[other] - own, refined.together),
+    )
+
+
+def find_far_shift(residuals: Residuals, block: Ints) -> TimeShift | None:
+    """Return the shift as find_time_shift does: that clocks agree, where a near search says so, else the best of far ones."""
+    near = find_time_shift(residuals, block)
+    if near is not None and near.is_unique() and abs(near.seconds) < OTHER_S:
+        return near
+    return find_time_shift(residuals, block, FAR_S)
+
+
+def preference(residuals: Residuals, block: Ints, first_s: float, second_s: float) -> float:
+    """Return how many sigmas better the first shift explains what was measured than the second does; negative where worse."""
+    found = [residuals(shift) for shift in (first_s, second_s)]
+    sigma = min(robust_sigma(one[np.isfinite(one)], about=0.0) for one in found)
+    by_row = _cost(found[1], sigma) - _cost(found[0], sigma)
+    by_block = np.bincount(block, by_row)
+    return _gain(by_row, float(np.square(by_block).sum() / max(np.square(by_row).sum(), 1e-12)))
+
+
+def _gain(saved: Array, together: float) -> float:
+    """Return what is saved (n,), squares of sigmas, as sigmas, where so many rows are wrong together."""
+    total = float(saved.sum()) / max(1.0, together)
+    return float(np.sign(total) * np.sqrt(abs(total)))
+
+
+def _cost(residuals: Array, sigma: float) -> Array:
+    """Return (n,) the squares of residuals (n, k) in sigmas, each at most that of a wild one; what is unknown costs nothing."""
+    return np.asarray(np.square(np.minimum(np.abs(np.nan_to_num(residuals)) / sigma, WILD / 2)).sum(axis=1))
+
+
+@dataclass(frozen=True)
+class _Refined:
+    """together: how many rows are wrong as one, by the scatter among blocks."""
+
+    seconds: float
+    sigma_s: float
+    together: float
+
+
+def _refine(residuals: Residuals, block: Ints, shift: float) -> _Refined | None:
+    """Return the shift by Gauss-Newton with weights, from a shift near it; None where the residuals do not change with it."""
+    start = shift
+    for _ in range(ROUNDS):
+        found = residuals(shift)
+        slope = (residuals(shift + STEP_S) - residuals(shift - STEP_S)) / (2 * STEP_S)
+        known = np.isfinite(found) & np.isfinite(slope)
+        size = np.abs(np.where(known, found, np.inf))
+        sigma = robust_sigma(found[known], about=0.0)
+        weight = np.where(size < WILD * sigma, np.minimum(1.0, TRUSTED * sigma / np.maximum(size, 1e-12)), 0.0)
+        slope, found = np.where(known, slope, 0.0), np.where(known, found, 0.0)
+        curvature, pull = float((weight * slope**2).sum()), (weight * slope * found).sum(axis=1)
+        if curvature <= 0:
+            return None
+        step = -float(pull.sum()) / curvature
+        shift = float(np.clip(shift + step, start - 1.0, start + 1.0))
+        if abs(step) < CONVERGED_S:
+            break
+    by_row, by_block = float(np.square(pull).sum()), float(np.square(np.bincount(block, pull)).sum())
+    if by_row <= 0:
+        return None
+    return _Refined(shift, float(np.sqrt(max(by_row, by_block))) / curvature, max(1.0, by_block / by_row))

@@ -1,0 +1,229 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Clocks that part, of a vehicle that swims along a wall and looks at it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+from navigation.conftest import START_NS
+from navigation.instruments import RIG
+from navigation.wall_dive import STREAMS, AlongWall, late, logs_along_wall, unsteady
+
+from hullrecon.geometry import poses
+from hullrecon.navigation.clocks.clock_errors import ClockError, Sensor, describe_errors, join_errors, put_images_right
+from hullrecon.navigation.clocks.stretches import stretches
+from hullrecon.navigation.clocks.synchronise import Synchronised, choose_runs, synchronise
+from hullrecon.navigation.clocks.time_shift import find_far_shift, find_time_shift, preference
+from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs
+
+
+@pytest.fixture(scope="module")
+def swum() -> AlongWall:
+    return AlongWall(RIG)
+
+
+@pytest.fixture(scope="module")
+def logged(swum) -> NavigationLogs:
+    return logs_along_wall(swum)
+
+
+@pytest.fixture(scope="module")
+def measure(swum, logged):
+    """Motions between images by the truth, with the noise of good pairs, at the times at which they were truly taken."""
+    true_s = (logged.top.t_ns - START_NS) * 1e-9
+    camera, rng = swum.cameras(true_s), np.random.default_rng(5)
+
+    def between(first: int, second: int):
+        found = (camera[second].inverse() @ camera[first]).matrix()[0]
+        found[:3, 3] /= np.linalg.norm(found[:3, 3])
+        found[:3, 3] += 0.01 * rng.standard_normal(3)
+        turn = poses.from_rpy(np.zeros(3), 0.001 * rng.standard_normal(3)).rotation.as_matrix()[0]
+        found[:3, :3] = found[:3, :3] @ turn
+        return found, np.array([0.001, 0.01])
+
+    return between
+
+
+def put_right(logs: NavigationLogs, measure=None) -> Synchronised:
+    return synchronise(logs, RIG, 0.002, 0.6, measure)
+
+
+def off_s(found: Synchronised, true: NavigationLogs, sensor: Sensor) -> float:
+    """By how much the stamps are off in the median."""
+    ours, stamps = (getattr(logs, STREAMS[sensor]).t_ns for logs in (found.logs, true))
+    return float(np.median(np.abs(ours - stamps))) * 1e-9
+
+
+def test_clocks_that_agree_are_left_alone(logged, measure):
+    for found in (put_right(logged), put_right(logged, measure)):
+        assert (found.errors, found.undecided) == ([], [])
+        for name in STREAMS.values():
+            np.testing.assert_array_equal(getattr(found.logs, name).t_ns, getattr(logged, name).t_ns)
+
+
+@pytest.mark.parametrize("seconds", [0.6, -1.5])
+@pytest.mark.parametrize("sensor", [Sensor.DVL, Sensor.IMU, Sensor.PRESSURE])
+def test_without_images_the_hull_and_the_depth_tell_whose_clock_is_wrong(logged, sensor, seconds):
+    found = put_right(late(logged, sensor, seconds))
+    assert [error.sensor for error in found.errors] == [sensor]
+    assert found.errors[0].late_s == pytest.approx(seconds, abs=4 * found.errors[0].sigma_s)
+    assert off_s(found, logged, sensor) < 0.15
+
+
+@pytest.mark.parametrize("seconds", [0.6, -1.5, 37.0])
+@pytest.mark.parametrize("sensor", list(Sensor))
+def test_with_images_every_clock_is_told_by_most_of_the_others(logged, measure, sensor, seconds):
+    found = put_right(late(logged, sensor, seconds), measure)
+    assert [error.sensor for error in found.errors] == [sensor]
+    assert off_s(found, logged, sensor) < 0.2
+    others = [other for other in STREAMS.values() if other != STREAMS[sensor]]
+    for name in others:
+        np.testing.assert_array_equal(getattr(found.logs, name).t_ns, getattr(logged, name).t_ns)
+
+
+@pytest.mark.parametrize("seen", [False, True], ids=["no images", "images"])
+@pytest.mark.parametrize("sensor", [Sensor.DVL, Sensor.IMU])
+def test_a_clock_that_jumps_is_wrong_from_there_on(logged, measure, sensor, seen):
+    found = put_right(late(logged, sensor, 2.0, from_s=120.0), measure if seen else None)
+    (error,) = found.errors
+    assert error.sensor is sensor
+    assert error.late_s == pytest.approx(2.0, abs=0.2)
+    assert (error.from_ns - START_NS) * 1e-9 == pytest.approx(121.0, abs=1.5)
+    assert off_s(found, logged, sensor) < 0.1
+
+
+def test_images_that_start_late_by_a_fifth_of_a_second_are_moved_to_the_hundredth(logged, measure):
+    found = put_right(late(logged, Sensor.IMAGES, 0.2), measure)
+    assert off_s(found, logged, Sensor.IMAGES) < 0.01
+
+
+def test_without_images_and_pressure_the_dvl_is_held_against_the_imu(logged):
+    found = put_right(replace(late(logged, Sensor.DVL, 0.8), pressure=None))
+    assert [(error.sensor, error.beside) for error in found.errors] == [(Sensor.DVL, (Sensor.IMU,))]
+
+
+def test_which_of_two_clocks_is_wrong_is_not_guessed(logged):
+    blind = replace(logged, dvl=replace(logged.dvl, ranges=np.full_like(logged.dvl.ranges, np.nan)))
+    found = put_right(late(blind, Sensor.DVL, 0.8))
+    assert found.errors == []
+    assert len(found.undecided) == 1
+    assert re.search(r"their clocks part by 0\.[6-9]\d s", found.undecided[0])
+    assert "not known" in found.undecided[0]
+
+
+def test_a_vehicle_at_rest_tells_nothing(logged, measure):
+    still = replace(
+        logged,
+        dvl=replace(logged.dvl, velocity=np.zeros_like(logged.dvl.velocity), ranges=np.full_like(logged.dvl.ranges, 1.5)),
+        imu=replace(logged.imu, quaternion=np.tile(logged.imu.quaternion[:1], (len(logged.imu.t_ns), 1))),
+    )
+    assert put_right(late(still, Sensor.DVL, 0.8)).errors == []
+    assert put_right(late(still, Sensor.DVL, 0.8), lambda first, second: None).errors == []
+
+
+def test_images_that_show_nothing_leave_the_clocks_as_they_are(logged):
+    late_dvl = late(logged, Sensor.DVL, 0.8)
+    found = put_right(late_dvl, lambda first, second: None)
+    assert found.errors == []
+    np.testing.assert_array_equal(found.logs.dvl.t_ns, late_dvl.dvl.t_ns)
+
+
+def test_two_clocks_that_are_late_by_the_same_are_told_from_the_other_two(logged, measure):
+    """Two and two: those with the IMU are taken to be right."""
+    both = late(late(logged, Sensor.IMAGES, 0.9), Sensor.PRESSURE, 0.9)
+    found = put_right(both, measure)
+    assert {one.sensor for one in found.errors} == {Sensor.PRESSURE, Sensor.IMAGES}
+    assert off_s(found, logged, Sensor.IMAGES) < 0.05
+    assert off_s(found, logged, Sensor.PRESSURE) < 0.2
+
+
+def test_pauses_without_a_jump_change_nothing(logged, measure):
+    """The DVL loses the bottom for 15 s, the cameras pause."""
+    t_s = (logged.dvl.t_ns - START_NS) * 1e-9
+    kept = (t_s < 90) | (t_s > 105)
+    rows = {name: getattr(logged.dvl, name)[kept] for name in ("t_ns", "velocity", "velocity_sigma", "ranges")}
+    paused = replace(logged, dvl=replace(logged.dvl, **rows))
+    for found in (put_right(paused), put_right(paused, measure)):
+        assert found.errors == []
+
+
+def error(sensor: Sensor, begin_s: float, end_s: float, late_s: float) -> ClockError:
+    return ClockError(
+        sensor=sensor, from_ns=round(begin_s * 1e9), to_ns=round(end_s * 1e9), late_s=late_s, sigma_s=0.01, beside=(Sensor.IMU,)
+    )
+
+
+def test_neighbouring_stretches_with_one_error_are_said_as_one():
+    joined = join_errors([error(Sensor.DVL, 5, 9, 0.5), error(Sensor.DVL, 0, 5, 0.52), error(Sensor.IMU, 0, 9, -0.4)])
+    assert [(one.sensor, one.from_ns, one.to_ns) for one in joined] == [(Sensor.DVL, 0, 9e9), (Sensor.IMU, 0, 9e9)]
+    words = describe_errors(joined)
+    assert words[0].startswith("DVL: the clock is 0.5")
+    assert "s late (sigma 0.010 s) from 1970-01-01T00:00:00.000Z to 1970-01-01T00:00:09.000Z" in words[0]
+    assert words[1].startswith("IMU: the clock is 0.40 s early")
+    assert len(join_errors([error(Sensor.DVL, 0, 5, 0.0), error(Sensor.DVL, 5, 9, 2.0)])) == 2
+
+
+def test_the_lower_camera_goes_along_where_it_shares_the_clock(logged):
+    wrong = [error(Sensor.IMAGES, -1, 4e9, 2.2)]
+    _, bottom = put_images_right(logged.top, logged.top, wrong)
+    assert (logged.top.t_ns - bottom.t_ns == 2_200_000_000).all()
+    on_time = replace(logged.top, t_ns=logged.top.t_ns - 2_200_000_000)
+    _, bottom = put_images_right(logged.top, on_time, wrong)
+    np.testing.assert_array_equal(bottom.t_ns, on_time.t_ns)
+
+
+def test_stretches_lie_between_the_longest_pauses_of_any_stream():
+    even = np.arange(0, 100, 1) * 10**9
+    paused = even[(even < 20 * 10**9) | (even > 30 * 10**9)]
+    assert stretches([even]) == [(0, 99 * 10**9)]
+    assert stretches([even, paused]) == [(0, 25 * 10**9), (25 * 10**9, 99 * 10**9)]
+    often = np.cumsum(np.where(np.arange(60) % 6, 0.1, 3.0))
+    assert len(stretches([np.round(often * 1e9).astype(np.int64)])) == 5
+
+
+def test_runs_of_images_are_spread_and_their_images_apart():
+    t_ns = np.arange(0, 100, 0.1) * 1e9
+    runs = choose_runs(t_ns.astype(np.int64), np.arange(1000), 4)
+    assert [len(run) for run in runs] == [6, 6, 6, 6]
+    assert np.diff([run[0] for run in runs]).min() > 150
+    assert min(np.diff(run).min() for run in runs) >= 5
+    assert choose_runs(t_ns.astype(np.int64), np.arange(1), 4) == []
+
+
+def apart(shift: float) -> np.ndarray:
+    """What a signal differs from a noisy copy of it that is 0.7 s late."""
+    t = np.arange(0, 120, 0.5)
+    noise = 0.1 * np.random.default_rng(1).standard_normal((len(t), 1))
+    return unsteady(t)[:, :1] + noise - unsteady(t + shift - 0.7)[:, :1]
+
+
+def test_the_shift_of_a_signal_is_found_with_its_sigma():
+    block = np.arange(240) // 20
+    found = find_time_shift(apart, block)
+    assert found.seconds == pytest.approx(0.7, abs=4 * found.sigma_s)
+    assert 0.002 < found.sigma_s < 0.03
+    assert found.is_sure(0.2, 5.0)
+    assert not found.is_sure(1.0, 5.0)
+    assert preference(apart, block, 0.7, 0.0) > 5
+    assert preference(apart, block, 0.0, 0.7) < -5
+
+
+def test_a_shift_beyond_reach_is_found_far_away_or_not_at_all():
+    block = np.arange(240) // 20
+    assert find_far_shift(lambda shift: apart(shift - 30), block).seconds == pytest.approx(30.7, abs=0.1)
+    found = find_far_shift(lambda shift: apart(shift - 300), block)
+    assert found is None or not found.is_unique()
+
+
+def test_noise_has_no_shift():
+    noise = np.random.default_rng(2).standard_normal((200, 2))
+    assert find_time_shift(lambda shift: noise, np.arange(200)) is None
+    assert find_time_shift(lambda shift: np.full((200, 2), np.nan), np.arange(200)) is None
+
+
+def test_errors_have_the_fields_that_navigation_json_tells():
+    assert [field.name for field in fields(ClockError)] == ["sensor", "from_ns", "to_ns", "late_s", "sigma_s", "beside"]
