@@ -4,8 +4,8 @@
 
 PACKAGE is a simulated dive with an MCAP log. Copies of it are made in FOLDER, each disturbed in one way: no images for 50 s, no
 DVL for 60 s, neither DVL nor hull in the images for 60 s, an IMU whose clock jumps by 2 s, a heading that steps by 3 degrees,
-each from the middle of the dive, and a DVL whose log ends half a minute after it. Each is run to `adjust` and compared with the
-truth: the vehicle's error in its own sigmas, and what was said of it.
+each from the middle of the dive, a DVL whose log ends half a minute after it, and a sensor whose clock is half a second late
+throughout. Each is run to `adjust` and compared with the truth: the vehicle's error in its own sigmas, and what was said of it.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from benchmarks.legs import Figures, figures, hullrecon, without_cad_model
 NS = 1_000_000_000
 HEADING_STEP_DEG, CLOCK_JUMP_S, NO_IMAGES_S = 3.0, 2.0, 50.0
 NO_DVL_S, DVL_ENDS_S = 60.0, 30.0
+LATE_S = 0.5
 ENCAPSULATION = 4  # bytes before a message in CDR
 # From the topic, the time since the dive's middle in s and the message: the message as it is logged, or None where it is lost.
 Disturbance = Callable[[str, float, bytes], bytes | None]
@@ -103,6 +104,11 @@ def heading_step(topic: str, since_s: float, data: bytes) -> bytes | None:
     return turned(data, HEADING_STEP_DEG) if topic == "/imu" and since_s >= 0 else data
 
 
+def late(part: str) -> Disturbance:
+    """Return what stamps the messages of topics with that in their name LATE_S late, all along."""
+    return lambda topic, since_s, data: with_stamp(data, stamp(data) + round(LATE_S * NS)) if part in topic else data
+
+
 DISTURBANCES: dict[str, Disturbance] = {
     "undisturbed": undisturbed,
     "no-images": no_images,
@@ -111,6 +117,10 @@ DISTURBANCES: dict[str, Disturbance] = {
     "open-water": open_water,
     "clock-jump": clock_jump,
     "heading-step": heading_step,
+    "dvl-late": late("/dvl"),
+    "imu-late": late("/imu"),
+    "images-late": late("camera"),
+    "pressure-late": late("/pressure"),
 }
 
 
