@@ -85,6 +85,12 @@ def test_with_images_every_clock_is_told_by_most_of_the_others(logged, measure, 
         np.testing.assert_array_equal(getattr(found.logs, name).t_ns, getattr(logged, name).t_ns)
 
 
+def test_a_fifth_of_a_second_of_the_dvl_is_told_by_images_and_depth_together(logged, measure):
+    found = put_right(late(logged, Sensor.DVL, 0.2), measure)
+    assert [(one.sensor, one.beside) for one in found.errors] == [(Sensor.DVL, (Sensor.IMU, Sensor.PRESSURE, Sensor.IMAGES))]
+    assert off_s(found, logged, Sensor.DVL) < 0.06
+
+
 @pytest.mark.parametrize("seen", [False, True], ids=["no images", "images"])
 @pytest.mark.parametrize("sensor", [Sensor.DVL, Sensor.IMU])
 def test_a_clock_that_jumps_is_wrong_from_there_on(logged, measure, sensor, seen):
@@ -125,11 +131,10 @@ def test_a_vehicle_at_rest_tells_nothing(logged, measure):
     assert put_right(late(still, Sensor.DVL, 0.8), lambda first, second: None).errors == []
 
 
-def test_images_that_show_nothing_leave_the_clocks_as_they_are(logged):
+def test_where_images_show_nothing_the_hull_and_the_depth_tell(logged):
     late_dvl = late(logged, Sensor.DVL, 0.8)
-    found = put_right(late_dvl, lambda first, second: None)
-    assert found.errors == []
-    np.testing.assert_array_equal(found.logs.dvl.t_ns, late_dvl.dvl.t_ns)
+    assert put_right(late_dvl, lambda first, second: None).errors == put_right(late_dvl).errors
+    assert [one.sensor for one in put_right(late_dvl).errors] == [Sensor.DVL]
 
 
 def test_two_clocks_that_are_late_by_the_same_are_told_from_the_other_two(logged, measure):

@@ -97,6 +97,7 @@ def pressure_beside_dvl(
     of = np.searchsorted(used, rows)
     t_s, sounded_s = seconds(t_ns, int(t_ns[0])), seconds(sounded_ns, int(t_ns[0]))
     velocity = _vehicle_from_dvl(servo, rig, t_ns).apply(dvl.velocity[known])
+    smooth = local_line(sounded_s, pressure.depth[read], sounded_s, SMOOTH_S)[0][:, 0]
     lever = tray_poses(rig.tray_origin, servo.angle_at(t_ns)).apply(rig.tray_from_dvl.translation) - rig.pressure_origin
 
     def sunk(shift_s: float) -> Array:
@@ -112,7 +113,7 @@ def pressure_beside_dvl(
 
     def residuals(shift_s: float) -> Array:
         at_s = t_s[used] + shift_s
-        depth = local_line(sounded_s, pressure.depth[read], at_s, SMOOTH_S)[0][:, 0]
+        depth = np.interp(at_s, sounded_s, smooth)
         depth[(at_s < sounded_s[0]) | (at_s > sounded_s[-1])] = np.nan
         apart = depth - (sunk(shift_s) if known_sunk is None else known_sunk)
         return np.asarray((apart[of[:, 0]] - 2 * apart[of[:, 1]] + apart[of[:, 2]])[:, None])

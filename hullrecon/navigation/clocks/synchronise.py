@@ -24,8 +24,10 @@ from hullrecon.records.sensors import DvlPings
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints, Mask
 
-# An error that is put right, s; smaller ones are not told from none: bumps of the hull and waves look like some.
+# An error that is put right, s; smaller ones are not told from none: bumps of the hull and waves look like some. Of the DVL's
+# clock where one sensor alone tells it, and where images and pressure sensor do, whose own errors have nothing in common.
 LEAST_S: Mapping[Sensor, float] = {Sensor.DVL: 0.25, Sensor.IMU: 0.05, Sensor.PRESSURE: 0.25, Sensor.IMAGES: 0.05}
+LEAST_BY_TWO_S = 0.08
 LEAST_BY_HULL_S = 0.2  # of an IMU that the form of the hull alone is held against
 SIGMAS = 5.0
 KNOWN_S = 0.1  # sigma of a shift that says something though it is none
@@ -93,7 +95,8 @@ class _Look:
         self.sees = measure is not None and len(self._frames[0]) > 1
 
     def by_images(self) -> tuple[list[ClockError], list[str]]:
-        """Return whose clocks are wrong beside those that most share, by what images show of the motion."""
+        """Return whose clocks are wrong beside those that most share, by what images show of the motion; by the hull where they
+        show none."""
         motions = self._motions()
 
         def of_imu(span: Span) -> _Late | None:
@@ -106,6 +109,8 @@ class _Look:
             _ByStretch(self._stretches(Sensor.IMAGES, Sensor.IMU), of_imu),
             _ByStretch(self._stretches(Sensor.IMAGES, Sensor.DVL), of_dvl),
         )
+        if not (imu.is_known or dvl.is_known):
+            return self.by_hull()
         errors: list[ClockError] = []
         for span in self._stretches(*Sensor):
             late = {Sensor.IMAGES: _Late(seconds=0.0, sigma_s=0.0, sure=False)}
@@ -118,7 +123,7 @@ class _Look:
             sunk = self._sunk(span, imu_late_s)
             if sunk is not None:
                 late[Sensor.PRESSURE] = late[Sensor.DVL].and_later(sunk)
-            errors += [_by_depth(error, sunk) for error in _against_most(span, late)]
+            errors += _by_depth_too(span, late, sunk) or _against_most(span, late)
         return errors, []
 
     def by_hull(self) -> tuple[list[ClockError], list[str]]:
@@ -252,6 +257,11 @@ class _ByStretch:
     def __init__(self, spans: Sequence[Span], late: Callable[[Span], _Late | None]) -> None:
         self._spans, self._late = spans, [late(span) for span in spans]
 
+    @property
+    def is_known(self) -> bool:
+        """Return whether anything is known in any stretch."""
+        return any(late is not None for late in self._late)
+
     def at(self, span: Span) -> _Late | None:
         """Return what is known in a span that lies within one of the stretches, or within them all."""
         middle = (span[0] + span[1]) // 2
@@ -298,12 +308,16 @@ def _by_turn_and_depth(span: Span, turned: _Late, sunk: _Late | None) -> ClockEr
     return None
 
 
-def _by_depth(error: ClockError, sunk: _Late | None) -> ClockError:
-    """Return an error of the DVL as the pressure sensor has it, where that one's clock is right: more exactly than by the
-    directions in which the camera went."""
-    if error.sensor is not Sensor.DVL or sunk is None or Sensor.PRESSURE not in error.beside:
-        return error
-    return replace(error, late_s=-sunk.seconds, sigma_s=sunk.sigma_s)
+def _by_depth_too(span: Span, late: Mapping[Sensor, _Late], sunk: _Late | None) -> list[ClockError]:
+    """Return the error of the DVL's clock where images and pressure sensor both tell it and much the same, with images and IMU
+    that agree; none else. The depth tells it more exactly than the directions in which the camera went."""
+    dvl, imu = late[Sensor.DVL], late.get(Sensor.IMU)
+    if sunk is None or not (dvl.sure and sunk.sure) or (imu is not None and abs(imu.seconds) >= LEAST_S[Sensor.IMU]):
+        return []
+    if min(abs(dvl.seconds), abs(sunk.seconds)) < LEAST_BY_TWO_S or abs(dvl.seconds + sunk.seconds) > AGREE_S:
+        return []
+    others = [Sensor.IMU] * (imu is not None) + [Sensor.PRESSURE, Sensor.IMAGES]
+    return [_error(Sensor.DVL, span, -sunk.seconds, sunk.sigma_s, others)]
 
 
 def _error(sensor: Sensor, span: Span, late_s: float, sigma_s: float, beside: Sequence[Sensor]) -> ClockError:
