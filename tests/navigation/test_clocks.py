@@ -169,6 +169,9 @@ def test_neighbouring_stretches_with_one_error_are_said_as_one():
     assert words[0].startswith("DVL: the clock is 0.5")
     assert "s late (sigma 0.010 s) from 1970-01-01T00:00:00.000Z to 1970-01-01T00:00:09.000Z" in words[0]
     assert words[1].startswith("IMU: the clock is 0.40 s early")
+    assert words[1].endswith("beside that of IMU; the stamps were put right")
+    three = replace(joined[0], beside=(Sensor.IMU, Sensor.PRESSURE, Sensor.IMAGES))
+    assert "beside those of IMU, pressure and images;" in describe_errors([three])[0]
     assert len(join_errors([error(Sensor.DVL, 0, 5, 0.0), error(Sensor.DVL, 5, 9, 2.0)])) == 2
 
 

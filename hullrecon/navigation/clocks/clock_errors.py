@@ -95,6 +95,7 @@ def describe_errors(errors: Sequence[ClockError]) -> list[str]:
             f" from {format_time(part.from_ns)} to {format_time(part.to_ns)}"
             for part in found
         )
-        beside = " and ".join(found[0].beside)
-        out.append(f"{sensor}: the clock is {spans}, beside that of {beside}; the stamps were put right")
+        *most, last = found[0].beside
+        beside = f"those of {', '.join(most)} and {last}" if most else f"that of {last}"
+        out.append(f"{sensor}: the clock is {spans}, beside {beside}; the stamps were put right")
     return out
