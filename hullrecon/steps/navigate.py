@@ -22,7 +22,6 @@ from hullrecon.dive.package_files import named_images
 from hullrecon.errors import InputError, StageError
 from hullrecon.geometry.frames import Camera
 from hullrecon.geometry.poses import from_matrix
-from hullrecon.navigation.clocks.clock_errors import describe_errors
 from hullrecon.navigation.clocks.synchronise import synchronise
 from hullrecon.navigation.dead_reckoning.dead_reckon import Navigated, NavigationLogs, dead_reckon, usable_frames
 from hullrecon.navigation.dead_reckoning.image_walk import ImageWalk
@@ -167,8 +166,9 @@ def _by_dvl(context: Context[NavigateOptions]) -> Navigated:
             progress=lambda frames: context.progress(frames, "images followed"),
         )
     found = dead_reckon(clocks.logs, rig, sigmas, options, walk)
-    remarks = [*describe_errors(clocks.errors), *clocks.undecided, *found.remarks]
-    return replace(found, remarks=remarks, facts={"clocks": msgspec.to_builtins(clocks.errors), **found.facts})
+    return replace(
+        found, remarks=[*clocks.remarks, *found.remarks], facts={"clocks": msgspec.to_builtins(clocks.errors), **found.facts}
+    )
 
 
 def _by_stereo(context: Context[NavigateOptions], why: str) -> Navigated:

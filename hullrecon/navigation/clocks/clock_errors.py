@@ -28,9 +28,6 @@ class Sensor(StrEnum):
     IMAGES = "images"
 
 
-SENSORS = tuple(Sensor)
-
-
 @dataclass(frozen=True, kw_only=True)
 class ClockError:
     """The clock of a sensor is late_s late, early where that is negative, on stamps from from_ns to to_ns; beside: the sensors
@@ -71,7 +68,7 @@ def put_images_right(
 def join_errors(errors: Sequence[ClockError]) -> list[ClockError]:
     """Return errors by sensor and time, those of neighbouring stretches that are much the same as one, the surer one."""
     out: list[ClockError] = []
-    for found in sorted(errors, key=lambda one: (SENSORS.index(one.sensor), one.from_ns)):
+    for found in sorted(errors, key=lambda one: (list(Sensor).index(one.sensor), one.from_ns)):
         last = out[-1] if out else None
         if last is not None and (last.sensor, last.to_ns) == (found.sensor, found.from_ns) and _same(last, found):
             surer = min(last, found, key=lambda one: one.sigma_s)

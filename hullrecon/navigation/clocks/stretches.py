@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from hullrecon.dive.logs.timeline import JUMP_S, NS
 from hullrecon.typing import Ints
 
-JUMP_S = 1.0  # a pause longer than the usual period by so much may be a clock that jumped
 MOST_PAUSES = 4  # of a stream, the longest; one with more loses readings all the time
 
 
@@ -24,10 +24,10 @@ def stretches(streams: Sequence[Ints]) -> list[tuple[int, int]]:
 
 
 def _pauses(t_ns: Ints) -> Ints:
-    """Return the middles of a stream's longest pauses."""
+    """Return the middles of a stream's longest pauses: those that a jump of its clock would leave."""
     if len(t_ns) < 2:
         return np.zeros(0, np.int64)
     step = np.diff(t_ns)
-    long = np.flatnonzero(step - np.median(step) >= JUMP_S * 1e9)
+    long = np.flatnonzero(step - np.median(step) >= JUMP_S * NS)
     longest = long[np.argsort(-step[long], kind="stable")[:MOST_PAUSES]]
     return np.asarray(t_ns[longest] + step[longest] // 2, np.int64)

@@ -11,12 +11,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon.geometry.poses import from_matrix
-from hullrecon.navigation.clocks.clock_errors import SENSORS, ClockError, Sensor, join_errors, on_time, put_images_right
+from hullrecon.navigation.clocks.clock_errors import (
+    ClockError,
+    Sensor,
+    describe_errors,
+    join_errors,
+    on_time,
+    put_images_right,
+)
 from hullrecon.navigation.clocks.images import ImageMotions, shift_of_dvl_from_images, shift_of_imu_from_images
 from hullrecon.navigation.clocks.instruments import Disagreement, imu_beside_dvl, pressure_beside_dvl
 from hullrecon.navigation.clocks.stretches import stretches
 from hullrecon.navigation.clocks.time_shift import TimeShift, find_far_shift, find_time_shift, preference
 from hullrecon.navigation.dead_reckoning.dead_reckon import NavigationLogs, sort_streams, usable_frames
+from hullrecon.navigation.dead_reckoning.image_walk import STRIDE_S
 from hullrecon.navigation.sensors.attitude import AttitudeHistory, attitude_history
 from hullrecon.navigation.sensors.servo import Servo, servo
 from hullrecon.navigation.sensors.velocity import Velocities, usable_velocities
@@ -33,7 +41,7 @@ SIGMAS = 5.0
 KNOWN_S = 0.1  # sigma of a shift that says something though it is none
 AGREE_S = 0.2  # shifts by two sensors that differ by less are one
 PREFERRED = 2.0  # sigmas by which one of two explanations has to be the better one
-RUNS, LEAST_RUNS, RUN_FRAMES, STRIDE_S = 6, 3, 6, 0.5  # of images whose motion is looked at, spread over a stretch
+RUNS, LEAST_RUNS, RUN_FRAMES = 6, 3, 6  # of images whose motion is looked at, spread over a stretch
 
 Span = tuple[int, int]  # first and last instant, ns
 # From two rows of the upper camera's images: second_from_first (4, 4), its translation of any length, and the sigmas (2,) rad
@@ -43,11 +51,12 @@ MeasureMotion = Callable[[int, int], tuple[Array, Array] | None]
 
 @dataclass(frozen=True, kw_only=True)
 class Synchronised:
-    """Logs with their clocks put right; what was wrong with them; sentences on what could not be told."""
+    """Logs with their clocks put right, in time order; what was wrong with the clocks; sentences on what was put right, and on
+    what could not be told."""
 
     logs: NavigationLogs
     errors: list[ClockError]
-    undecided: list[str]
+    remarks: list[str]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,11 +82,12 @@ def synchronise(
     what these show of the camera's motion, and the pressure sensor against the DVL; the clocks that most sensors share are
     right. Without images the DVL's ranges to the hull and the pressure sensor tell.
     """
-    logs, _ = sort_streams(logs)
+    logs, messages = sort_streams(logs)
     look = _Look(logs, rig, tilt_rad, longest_gap_s, None if logs.top is None else measure)
     errors, undecided = look.by_images() if look.sees else look.by_hull()
     errors = join_errors(errors)
-    return Synchronised(logs=_put_right(logs, errors), errors=errors, undecided=undecided)
+    remarks = [*messages, *describe_errors(errors), *undecided]
+    return Synchronised(logs=_put_right(logs, errors), errors=errors, remarks=remarks)
 
 
 class _Look:
@@ -247,7 +257,7 @@ def _usable(found: TimeShift | None) -> _Late | None:
     """Return by how much a clock is late, where that is known: surely so, or well enough to say that it is not."""
     if found is None or not found.is_unique():
         return None
-    sure = found.is_sure(0.0, SIGMAS)
+    sure = found.is_sure(SIGMAS)
     return _Late(seconds=found.seconds, sigma_s=found.sigma_s, sure=sure) if sure or found.sigma_s <= KNOWN_S else None
 
 
@@ -292,7 +302,7 @@ def _against_most(span: Span, late: Mapping[Sensor, _Late]) -> list[ClockError]:
     for sensor, own in late.items():
         seconds, sigma_s = own.seconds - best.seconds, float(np.hypot(own.sigma_s, best.sigma_s))
         if sensor not in right and abs(seconds) >= max(LEAST_S[sensor], SIGMAS * sigma_s):
-            out.append(_error(sensor, span, seconds, sigma_s, [other for other in SENSORS if other in right]))
+            out.append(_error(sensor, span, seconds, sigma_s, [other for other in Sensor if other in right]))
     return out
 
 

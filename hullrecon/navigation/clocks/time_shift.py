@@ -38,10 +38,9 @@ class TimeShift:
         """Return whether no shift elsewhere explains what was measured as well."""
         return self.over_others >= LEAST_GAIN
 
-    def is_sure(self, least_s: float, sigmas: float) -> bool:
-        """Return whether the shift is no chance: at least so long and so many of its sigmas, and the best explanation."""
-        far = abs(self.seconds) >= max(least_s, sigmas * self.sigma_s)
-        return far and self.is_unique() and self.over_none >= LEAST_GAIN
+    def is_sure(self, sigmas: float) -> bool:
+        """Return whether the shift is no chance: at least so many of its sigmas, and the best explanation."""
+        return abs(self.seconds) >= sigmas * self.sigma_s and self.is_unique() and self.over_none >= LEAST_GAIN
 
 
 def find_time_shift(residuals: Residuals, block: Ints, reach_s: float = NEAR_S) -> TimeShift | None:
