@@ -130,7 +130,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=13,
+    version=14,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )

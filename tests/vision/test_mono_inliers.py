@@ -7,7 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 from vision.test_mono_motion import SIGMA, TRUE, UNIT, five, matches
 
-from hullrecon.vision.pairs import mono_inliers, mono_motion
+from hullrecon.geometry.poses import exp
+from hullrecon.vision.pairs import mono_inliers, mono_motion, two_view
 from hullrecon.vision.pairs.gating import Motion
 
 SEEDS = range(4)
@@ -30,6 +31,27 @@ def with_wrong_ones(seed):
     corner = np.argsort(-first.sum(axis=1))[:WRONG]
     second[corner, 1] += 12 * SIGMA
     return first, second
+
+
+TOLERANCE = 1.0 / 655.0  # a pixel
+ACROSS = exp([[0.02, 0.5, 0.05, -0.1, 0.05, 0.01]]).matrix()[0]  # to the next leg of a hull whose axis is x
+
+
+def of_a_bilge(seed, radius_m=3.0, n=120):
+    """Matches of a cylinder, 1.5 m ahead, and its radius is that of a bilge."""
+    rng = np.random.default_rng(seed)
+    x, y = rng.uniform(-0.6, 0.6, n), rng.uniform(-0.5, 0.5, n)
+    points = np.column_stack([x, y, 1.5 + radius_m - np.sqrt(radius_m**2 - y**2)])
+    there = points @ ACROSS[:3, :3].T + ACROSS[:3, 3]
+    return tuple(p[:, :2] / p[:, 2:] + 0.4 * TOLERANCE * rng.standard_normal((n, 2)) for p in (points, there))
+
+
+def motion_of_plane(seed, prior):
+    """The motion by the inliers of a plane alone, how many they are, and the matches."""
+    xy = of_a_bilge(seed)
+    found = two_view.fit(*xy, TOLERANCE, "homography")
+    inliers = tuple(view[found.inlier] for view in xy)
+    return mono_inliers.choose(two_view.motions_of(found, *xy), inliers, prior, None), int(found.inlier.sum()), xy
 
 
 def turned_by(found):
@@ -79,3 +101,30 @@ def test_a_motion_is_well_known_by_its_rotation_and_by_its_direction_but_not_by_
     assert mono_inliers.is_well_known(Motion(TRUE, KNOWN + along))
     assert not mono_inliers.is_well_known(Motion(TRUE, KNOWN + np.diag(np.repeat([0.15 * length, 0.0], 3)) ** 2))
     assert not mono_inliers.is_well_known(Motion(TRUE, KNOWN + np.diag(np.repeat([0.0, 0.15], 3)) ** 2))
+
+
+@pytest.mark.parametrize("prior", [Motion(ACROSS, KNOWN), Motion(ACROSS, 100 * KNOWN)], ids=["known", "hardly known"])
+def test_a_bilge_is_not_made_flatter_by_the_inliers_of_a_plane(prior):
+    turns = {"plane": [], "gathered": []}
+    for seed in range(10):
+        of_plane, count, xy = motion_of_plane(seed, prior)
+        gathered, inlier = mono_inliers.gather(of_plane, *xy, prior, TOLERANCE)
+        assert count < 90
+        assert inlier.sum() > 110
+        for name, motion in (("plane", of_plane), ("gathered", gathered)):
+            turns[name].append(five(motion.second_from_first, ACROSS)[:3])
+    assert np.abs(np.mean(turns["plane"], axis=0)).max() > 0.006
+    assert np.abs(np.mean(turns["gathered"], axis=0)).max() < 0.0015
+    assert np.std(turns["gathered"], axis=0).max() < 0.4 * np.std(turns["plane"], axis=0).max()
+
+
+def test_matches_off_their_lines_are_not_gathered():
+    prior = Motion(ACROSS, KNOWN)
+    motion, _, (first, second) = motion_of_plane(0, prior)
+    wrong = second.copy()
+    wrong[:20, 0] += 8 * TOLERANCE  # across the lines, which run with the motion along y
+    expected, whole = mono_inliers.gather(motion, first, second, prior, TOLERANCE)
+    found, inlier = mono_inliers.gather(motion, first, wrong, prior, TOLERANCE)
+    assert not inlier[:20].any()
+    np.testing.assert_array_equal(inlier[20:], whole[20:])
+    np.testing.assert_allclose(found.second_from_first, expected.second_from_first, atol=0.005)

@@ -216,9 +216,8 @@ class PairMatcher:
         possible = [p for p in possible if p.motion[:3, 3].any()]
         if not possible:
             return failed_match(len(seeds), Reason.NO_MOTION)
-        inlier = found.inlier
-        motion = mono_inliers.choose(possible, (xy[0][inlier], xy[1][inlier]), prior, first.normal)
-        inlier = inlier & (two_view.sampson_squared(two_view.essential_of(motion.second_from_first), *xy) < tolerance**2)
+        motion = mono_inliers.choose(possible, (xy[0][found.inlier], xy[1][found.inlier]), prior, first.normal)
+        motion, inlier = mono_inliers.gather(motion, *xy, prior, tolerance)
         if inlier.sum() < self.options.min_inliers:
             return failed_match(len(seeds), Reason.FEW_INLIERS)
         kept = Putative(first=seeds.first[inlier], second=seeds.second[inlier], distance=seeds.distance[inlier])

@@ -15,13 +15,14 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hullrecon.geometry.robust import robust_sigma
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Mask
 from hullrecon.vision.pairs import mono_motion
 from hullrecon.vision.pairs.gating import Motion
 from hullrecon.vision.pairs.stereo_adjustment import OUTLIER_SIGMAS
-from hullrecon.vision.pairs.two_view import PossibleMotion
+from hullrecon.vision.pairs.two_view import PossibleMotion, essential_of, sampson_squared
 
 ITERATIONS = 25
+GATHERINGS = 5
 LEAST_SIGMA = 1e-7  # ideal units, of a match
 LEAST_LENGTH_M = 1e-3
 WELL_KNOWN_RAD = 0.1  # of rotation and direction, one sigma
@@ -44,6 +45,30 @@ def choose(
         possible = [max(possible, key=lambda p: float(np.dot(surface_normal, p.normal)))]  # type: ignore[arg-type]
     found = [mono_motion.with_length(*refine_on_inliers(p.motion, *matches, prior), prior) for p in possible]
     return found[0] if prior is None else min(found, key=lambda motion: mono_motion.navigation_chi2(motion, prior))
+
+
+def gather(motion: Motion, first: Array, second: Array, prior: Motion | None, tolerance: float) -> tuple[Motion, Mask]:
+    """Return the motion refined on all matches (n, 2) within a tolerance of their epipolar lines, and which (n,) they are.
+
+    A plane's inliers will not do: on a curved hull they are those whose noise makes it flatter, and the motion turns by what
+    the flatter hull would mean.
+    """
+    inlier = on_lines(motion, first, second, tolerance)
+    for _ in range(GATHERINGS):
+        if inlier.sum() <= 2 * mono_motion.FREEDOMS:
+            break
+        motion = mono_motion.with_length(
+            *refine_on_inliers(_unit(motion.second_from_first), first[inlier], second[inlier], prior), prior
+        )
+        before, inlier = inlier, on_lines(motion, first, second, tolerance)
+        if (inlier == before).all():
+            break
+    return motion, inlier
+
+
+def on_lines(motion: Motion, first: Array, second: Array, tolerance: float) -> Mask:
+    """Return which matches (n, 2) lie within a tolerance of their epipolar lines."""
+    return np.asarray(sampson_squared(essential_of(motion.second_from_first), first, second) < tolerance**2)
 
 
 def refine_on_inliers(start: Array, first: Array, second: Array, prior: Motion | None) -> tuple[Array, Array]:
