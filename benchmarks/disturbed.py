@@ -5,7 +5,8 @@
 PACKAGE is a simulated dive with an MCAP log. Copies of it are made in FOLDER, each disturbed in one way: no images for 50 s, no
 DVL for 60 s, neither DVL nor hull in the images for 60 s, an IMU whose clock jumps by 2 s, a heading that steps by 3 degrees,
 each from the middle of the dive, a DVL whose log ends half a minute after it, and a sensor whose clock is half a second late
-throughout. Each is run to `adjust` and compared with the truth: the vehicle's error in its own sigmas, and what was said of it.
+throughout. Asked for by name, a stereo calibration that is off: the bottom camera by a tenth of a degree, the baseline by 2 mm.
+Each is run to `adjust` and compared with the truth: the vehicle's error in its own sigmas, and what was said of it.
 """
 
 from __future__ import annotations
@@ -123,6 +124,28 @@ DISTURBANCES: dict[str, Disturbance] = {
     "pressure-late": late("/pressure"),
 }
 
+# What is added to camera.bottom.pose_in_top, m and deg.
+CALIBRATIONS: dict[str, tuple[float, ...]] = {
+    "bottom-turned": (0.0, 0.0, 0.0, 0.1, 0.0, 0.0),
+    "baseline-long": (0.0, 0.002, 0.0, 0.0, 0.0, 0.0),
+}
+NAMES = [*DISTURBANCES, *CALIBRATIONS]
+
+
+def with_bottom_moved(text: str, by: tuple[float, ...]) -> str:
+    """Return dive.toml with another pose of the bottom camera in the top one."""
+    found = re.search(r"(?m)^pose_in_top = \[(.*)\]$", text)
+    if found is None:
+        raise SystemExit("the dive has no second camera")
+    moved = [float(word) + more for word, more in zip(found[1].split(","), by, strict=True)]
+    return f"{text[: found.start()]}pose_in_top = {moved}{text[found.end() :]}"
+
+
+def miscalibrate(package: Path, copy: Path, by: tuple[float, ...]) -> None:
+    """Write a copy of a package with another pose of the bottom camera in the top one."""
+    disturb(package, copy, undisturbed)
+    (copy / "dive.toml").write_text(with_bottom_moved((copy / "dive.toml").read_text(), by))
+
 
 def disturb(package: Path, copy: Path, change: Disturbance, about_ns: int | None = None) -> None:
     """Write a copy of a package whose log is disturbed, about its middle or another time."""
@@ -170,7 +193,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("package", type=Path)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--only", nargs="+", choices=DISTURBANCES, default=list(DISTURBANCES))
+    parser.add_argument("--only", nargs="+", choices=NAMES, default=list(DISTURBANCES))
     parser.add_argument("--free", action="store_true", help="run also without the CAD model")
     parser.add_argument("--json", type=Path)
     args = parser.parse_args()
@@ -183,7 +206,9 @@ def main() -> int:
 
     for name in args.only:
         copy, runs = args.folder / name, args.folder / "runs"
-        if not copy.exists():
+        if not copy.exists() and name in CALIBRATIONS:
+            miscalibrate(args.package, copy, CALIBRATIONS[name])
+        elif not copy.exists():
             disturb(args.package, copy, DISTURBANCES[name])
         measure(name, copy, runs, runs / name)
         if args.free:

@@ -30,6 +30,7 @@ from hullrecon.adjustment.problem.assembly import Selection
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.state import State, Weights
 from hullrecon.adjustment.rounds import Estimate, Report, RoundResult, RoundSolver
+from hullrecon.adjustment.stereo_calibration import StereoContradiction, free_contradicted_rig
 from hullrecon.estimation.rig_priors import Rig
 
 FIRST_MAX_PX = 40.0  # dead-reckoned poses err by centimetres across legs: some tens of pixels at a metre
@@ -40,7 +41,8 @@ log = logging.getLogger(__name__)
 class Adjusted:
     """The adjusted dive. start: the first round's problem as it began; problem and result: of the last round, at its solution;
     rig: with the intrinsics found; evidence: what the hull pose was fitted to, form: whether that has the CAD model's form
-    (None where no round held it); refusal: why the CAD model was left out, None where it was not (or there is none)."""
+    (None where no round held it); refusal: why the CAD model was left out, None where it was not (or there is none); stereo:
+    what contradicts the stereo rig's calibration, None where nothing does."""
 
     state: State
     weights: Weights
@@ -54,15 +56,18 @@ class Adjusted:
     evidence: estimate.HullPoseEvidence | None
     form: Form | None
     refusal: str | None
+    stereo: StereoContradiction | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class FirstPath:
-    """The path from images and navigation: its rounds, the estimate after them, and the solver that goes on from there."""
+    """The path from images and navigation: its rounds, the estimate after them, the solver that goes on from there, and what
+    of it contradicts the stereo rig's calibration."""
 
     solver: RoundSolver
     rounds: tuple[RoundResult, ...]
     straight: Estimate
+    stereo: StereoContradiction | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,9 +87,13 @@ def adjust(measured: Measurements, options: AdjustOptions, report: Report) -> Ad
     Raises StageError when too little agrees to be adjusted.
     """
     path = find_path(measured, options, report)
-    if measured.cad_model is None:
+    return replace(_adjust_from(path, measured.cad_model, options, report), stereo=path.stereo)
+
+
+def _adjust_from(path: FirstPath, cad_model: CadModel | None, options: AdjustOptions, report: Report) -> Adjusted:
+    if cad_model is None:
         return adjust_without_cad_model(path)
-    checked = check_cad_model(path, measured.cad_model, options, report)
+    checked = check_cad_model(path, cad_model, options, report)
     if checked.refusal is not None:
         report(f"the CAD model is left out: {checked.refusal}")
         without = adjust_without_cad_model(path, checked.rounds)
@@ -100,7 +109,11 @@ def find_path(measured: Measurements, options: AdjustOptions, report: Report) ->
     start = _start(measured, options)
     with_cad = measured.cad_model is not None
     rounds = solver.coarse_rounds(start, max(options.rounds - 1, int(with_cad)))
-    return FirstPath(solver=solver, rounds=tuple(rounds), straight=rounds[-1].after if rounds else start)
+    straight = rounds[-1].after if rounds else start
+    freed = free_contradicted_rig(straight, solver) if rounds and not options.as_published else None
+    if freed is None:
+        return FirstPath(solver=solver, rounds=tuple(rounds), straight=straight, stereo=None)
+    return FirstPath(solver=solver, rounds=(*rounds, freed.round), straight=freed.estimate, stereo=freed.contradiction)
 
 
 def check_cad_model(path: FirstPath, cad_model: CadModel, options: AdjustOptions, report: Report) -> CheckedModel:

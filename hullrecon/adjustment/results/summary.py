@@ -19,6 +19,7 @@ from hullrecon.adjustment.results import residual_statistics
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.adjustment.results.legs import LegTies, tie_legs
 from hullrecon.adjustment.results.solution import build_solution, marginal_covariances
+from hullrecon.adjustment.stereo_calibration import stereo_warning
 from hullrecon.estimation.position_tables import fit_of_positions
 from hullrecon.geometry.poses import pose_vector
 from hullrecon.records.solution import Solution
@@ -61,6 +62,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
         "cad_model_refused": adjusted.refusal,
         "legs": [] if ties is None else ties.table(m.trajectory.t_ns),
         **({"intrinsics": seen_with} if seen_with else {}),
+        **({"stereo_contradiction": asdict(adjusted.stereo)} if adjusted.stereo is not None else {}),
         **({"positions": fit.facts()} if fit is not None else {}),
     }
     untied = None if ties is None else ties.describe_untied(m.trajectory.t_ns)
@@ -75,8 +77,17 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
             *([] if untied is None else [untied]),
             *([] if disagreement is None else [disagreement]),
             *intrinsics.intrinsics_warnings(seen_with),
+            *_stereo_warnings(m, adjusted, marginals),
         ],
     )
+
+
+def _stereo_warnings(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> list[str]:
+    """Return what contradicts the stereo rig's calibration: a sentence, or none. m: its rig as calibrated."""
+    if adjusted.stereo is None or adjusted.state.T_ct_cb is None or m.rig.T_ct_cb is None:
+        return []
+    sentence = stereo_warning(adjusted.stereo, m.rig.T_ct_cb.nominal, adjusted.state.T_ct_cb, marginals.T_ct_cb)
+    return [] if sentence is None else [sentence]
 
 
 def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:

@@ -1,0 +1,200 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a dive contradicts the calibration of its stereo rig, and the rig as an unknown where it does (docs/methods.md 6).
+
+The images of a dive tell the bottom camera's rotation and the direction of the baseline better than a calibration does. The
+baseline's length is told by the DVL alone, and either of the two may be wrong.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hullrecon import native
+from hullrecon.adjustment.problem.state import Weights
+from hullrecon.adjustment.rounds import Estimate, RoundResult, RoundSolver
+from hullrecon.errors import StageError
+from hullrecon.estimation.rig_priors import Mount, Rig
+from hullrecon.geometry.poses import Poses
+from hullrecon.typing import Array
+
+TRIAL_TURN_RAD = np.radians(1.0)
+TRIAL_SHARE = 0.1  # of the baseline's length, of each coordinate of the bottom camera
+MAX_CHI2 = 125.0  # of rotation and direction, five degrees of freedom: five sigmas in each
+MAX_LENGTH_SIGMAS = 3.5
+HELD = 1e-6  # m and rad
+REPORTED_TURN_RAD, REPORTED_SHARE = (
+    np.radians(0.03),
+    0.005,
+)  # of the length: what a good calibration may be off by is not spoken of
+DVL_SCALE = 0  # its place among the errors of navigation
+
+
+@dataclass(frozen=True, kw_only=True)
+class StereoContradiction:
+    """What a dive shows of its stereo rig against the calibration.
+
+    by_images: rotation or direction of the baseline are not as calibrated; else only lengths by stereo and by the DVL disagree.
+    turn_rad, shift_m: of the bottom camera; direction_rad: of the baseline; length: share by which it is longer than
+    calibrated.
+    """
+
+    by_images: bool
+    turn_rad: float
+    shift_m: float
+    direction_rad: float
+    length: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class FreedRig:
+    """The round that found the rig, the estimate after it with the rig as an unknown, and what was found."""
+
+    round: RoundResult
+    estimate: Estimate
+    contradiction: StereoContradiction
+
+
+def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | None:
+    """Return a solved path with the stereo rig as an unknown, where the dive contradicts a calibration that is held; None where
+    it does not, or without a rig that is held."""
+    mount = solved.measured.rig.T_ct_cb
+    if mount is None or mount.sqrt_information is not None or solved.measured.rig.bottom is None:
+        return None
+    length_m = float(np.linalg.norm(mount.nominal.translation))
+    loose = np.r_[np.full(3, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)]
+    quiet = replace(solver, report=lambda _: None, history=[])
+    trial = quiet.solve_round(_with_rig(solved, replace(solved.measured.rig, T_ct_cb=_unknown(mount, loose))))
+    found = trial.after.state.T_ct_cb
+    if found is None or not len(trial.problem.stereo.node):
+        return None
+    try:
+        covariance = native.covariance(trial.problem, native.Options(method="naive")).T_ct_cb
+    except StageError:
+        return None  # something is not determined at all; the last round says what
+    contradiction = compare_rigs(mount.nominal, found, covariance)
+    if contradiction is None:
+        return None
+    solver.report(f"the stereo rig is an unknown: {describe_contradiction(contradiction)}")
+    solver.history.append(trial.history)
+    return FreedRig(round=trial, estimate=_adopt(trial.after, solved.measured.rig, contradiction), contradiction=contradiction)
+
+
+def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoContradiction | None:
+    """Return what of a calibrated T_ct_cb is contradicted by one found, None where nothing. covariance (6, 6): of (translation
+    in the top camera's axes, rotation perturbed on the right)."""
+    shift = (found.translation - calibrated.translation)[0]
+    turn = (calibrated.rotation.inv() * found.rotation).as_rotvec()[0]
+    axes, length_m = _axes(calibrated)
+    to_five = np.zeros((5, 6))
+    to_five[:2, :3], to_five[2:, 3:] = axes[1:], np.eye(3)
+    five = to_five @ np.r_[shift, turn]
+    chi2 = float(five @ np.linalg.solve(to_five @ covariance @ to_five.T, five))
+    longer_m, sigma_m = float(axes[0] @ shift), float(np.sqrt(axes[0] @ covariance[:3, :3] @ axes[0]))
+    if chi2 < MAX_CHI2 and abs(longer_m) < MAX_LENGTH_SIGMAS * sigma_m:
+        return None
+    return StereoContradiction(
+        by_images=chi2 >= MAX_CHI2,
+        turn_rad=float(np.linalg.norm(turn)),
+        shift_m=float(np.linalg.norm(shift)),
+        direction_rad=float(np.linalg.norm(five[:2])) / length_m,
+        length=longer_m / length_m,
+    )
+
+
+def describe_contradiction(found: StereoContradiction) -> str:
+    """Return what was found, in words without a full stop."""
+    if found.by_images:
+        return (
+            f"the images fit with the bottom camera {1e3 * found.shift_m:.1f} mm from where its calibration has it, and turned "
+            f"by {np.degrees(found.turn_rad):.2f} degrees"
+        )
+    off = f"{100 * abs(found.length):.1f} % {_longer(found.length)}"
+    return f"for the DVL's velocities the baseline would have to be {off} than calibrated"
+
+
+def stereo_warning(found: StereoContradiction, calibrated: Poses, adjusted: Poses, covariance: Array) -> str | None:
+    """Return a sentence for the report; None where what was found matters to nobody but the solver. calibrated, adjusted:
+    T_ct_cb, the latter with its covariance (6, 6)."""
+    axes, length_m = _axes(calibrated)
+    sigma = float(np.sqrt(axes[0] @ covariance[:3, :3] @ axes[0])) / length_m
+    known = f"lengths are known to {100 * sigma:.2g} % (one sigma)"
+    if not found.by_images:
+        cause = _who_is_wrong(found, float(np.linalg.norm(adjusted.translation)) / length_m - 1, sigma)
+        return (
+            f"Stereo images and the DVL disagree about lengths: {describe_contradiction(found)}. Both were doubted, and "
+            f"{known}; {cause}."
+        )
+    if found.turn_rad < REPORTED_TURN_RAD and found.shift_m < REPORTED_SHARE * length_m:
+        return None
+    return (
+        f"The stereo calibration does not hold: {describe_contradiction(found)}. Where the two cameras are to each other was "
+        f"estimated, and {known}. Calibrate them again, under water, and correct camera.bottom.pose_in_top."
+    )
+
+
+def _who_is_wrong(found: StereoContradiction, longer: float, sigma: float) -> str:
+    """Return which of stereo and DVL is wrong about lengths by what else was measured, depths before all. longer: share by
+    which the baseline came out longer than calibrated, and its sigma."""
+    by_stereo, by_dvl = abs(longer) / sigma, abs(longer - found.length) / sigma
+    if by_stereo > MAX_LENGTH_SIGMAS and by_dvl < MAX_LENGTH_SIGMAS:
+        return f"by the depths it is {100 * abs(longer):.1f} % {_longer(longer)}; correct camera.bottom.pose_in_top"
+    if by_dvl > MAX_LENGTH_SIGMAS and by_stereo < MAX_LENGTH_SIGMAS:
+        return "by the depths it is as calibrated; check the speed of sound that the DVL was set to"
+    return "nothing else tells which is wrong; check camera.bottom.pose_in_top, and the DVL's speed of sound"
+
+
+def _longer(share: float) -> str:
+    return "longer" if share > 0 else "shorter"
+
+
+def _axes(rig: Poses) -> tuple[Array, float]:
+    """Return the direction of the baseline and two across it, rows (3, 3) in the top camera's axes, and its length."""
+    length_m = float(np.linalg.norm(rig.translation))
+    along = rig.translation[0] / length_m
+    across = np.linalg.svd(along[None])[2][1:]
+    return np.vstack([along, across]), length_m
+
+
+def _unknown(mount: Mount, sigma: Array) -> Mount:
+    """Return the mount with a prior; sigma (6,): along the baseline and twice across it, m, and of the rotation, rad."""
+    rows = np.zeros((6, 6))
+    rows[:3, :3], rows[3:, 3:] = _axes(mount.nominal)[0] @ mount.nominal.rotation.as_matrix()[0], np.eye(3)
+    return Mount(mount.nominal, rows / sigma[:, None])
+
+
+def _with_rig(estimate: Estimate, rig: Rig) -> Estimate:
+    return replace(estimate, measured=replace(estimate.measured, rig=rig))
+
+
+def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Estimate:
+    """Return the estimate with what is contradicted as an unknown.
+
+    A baseline whose direction is off may be off along it as much. Where lengths disagree and the images do not say that the
+    calibration is at fault, the DVL may be wrong as the rig may.
+    """
+    mount = calibrated.T_ct_cb
+    assert mount is not None
+    length_m = float(np.linalg.norm(mount.nominal.translation))
+    if found.by_images:
+        length_sigma = max(abs(found.length), found.direction_rad)
+        loose = np.r_[length_sigma * length_m, np.full(2, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)]
+        return _with_rig(after, replace(calibrated, T_ct_cb=_unknown(mount, np.maximum(loose, HELD))))
+    length_sigma = abs(found.length)
+    navigation_sigma = calibrated.navigation_sigma.copy()
+    navigation_sigma[DVL_SCALE] = max(navigation_sigma[DVL_SCALE], length_sigma)
+    only_length = _unknown(mount, np.r_[length_sigma * length_m, np.full(5, HELD)])
+    widened = _with_rig(after, replace(calibrated, T_ct_cb=only_length, navigation_sigma=navigation_sigma))
+    return replace(widened, weights=_widen_ranges(after, length_sigma))
+
+
+def _widen_ranges(after: Estimate, share: float) -> Weights:
+    """Return the weights with which all ranges together tell lengths no better than to that share: a wrong speed of sound
+    scales them as it does the velocities, and n readings do not make it better known."""
+    returns = after.measured.returns
+    if returns is None or not len(returns.range_m):
+        return after.weights
+    together_m = share * float(np.median(returns.range_m)) * np.sqrt(len(returns.range_m))
+    return replace(after.weights, range_sigma=max(after.weights.range_sigma, together_m))

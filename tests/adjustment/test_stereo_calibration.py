@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A stereo calibration that the dive contradicts: found, freed and said; one that holds is left alone."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from adjustment.simulated_dive import NAVIGATION, TOP_FROM_BOTTOM, aligning, motion, moved, records_poses, simulate
+from adjustment.solved_dives import solved
+from scipy.spatial.transform import Rotation
+
+from hullrecon.adjustment.bundle_adjustment import adjust
+from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.results.summary import summarise_adjustment
+from hullrecon.adjustment.stereo_calibration import compare_rigs, stereo_warning
+from hullrecon.estimation.rig_priors import Mount
+
+OPTIONS = AdjustOptions()
+BASELINE = TOP_FROM_BOTTOM[:3, 3]
+LENGTH_M = float(np.linalg.norm(BASELINE))
+
+
+def longer(share):
+    """The true rig with a longer baseline."""
+    out = TOP_FROM_BOTTOM.copy()
+    out[:3, 3] *= 1 + share
+    return out
+
+
+@lru_cache
+def _adjusted(name, cad):
+    dive = simulate(cad=cad)
+    rig, odometry = dive.measured.rig, dive.measured.odometry
+    calibrated = {
+        "DVL too long": TOP_FROM_BOTTOM,
+        "turned": TOP_FROM_BOTTOM @ motion(0.0, 0.0005, 0.0, 0.1, -0.06, 0.08),
+        "too long": longer(0.08),
+        "doubted by its package": TOP_FROM_BOTTOM @ motion(0.0, 0.0005, 0.0, 0.1, -0.06, 0.08),
+    }[name]
+    rows = np.diag(1 / np.r_[np.full(3, 0.01), np.full(3, 0.02)]) if name.startswith("doubted") else None
+    measured = replace(dive.measured, rig=replace(rig, T_ct_cb=Mount(records_poses(calibrated), rows)))
+    if name.startswith("DVL"):
+        by_navigation = odometry.by_navigation * np.r_[np.full(3, 1.08), np.ones(3)][:, None]
+        odometry = replace(odometry, translation=1.08 * odometry.translation, by_navigation=by_navigation)
+        measured = replace(measured, odometry=odometry)
+    adjusted = adjust(measured, OPTIONS, lambda _: None)
+    return dive, adjusted, summarise_adjustment(measured, adjusted, OPTIONS)
+
+
+def position_rms_m(dive, outcome):
+    truth, found = dive.global_from_vehicle[:, :3, 3], outcome.solution.global_from_vehicle.translation
+    return np.sqrt(np.mean(np.sum((moved(aligning(found, truth), found) - truth) ** 2, axis=1)))
+
+
+@pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])
+def test_a_rig_that_was_turned_is_found_and_said(cad):
+    dive, adjusted, outcome = _adjusted("turned", cad)
+    found = adjusted.state.T_ct_cb.matrix()[0]
+    assert adjusted.refusal is None
+    assert adjusted.stereo.by_images
+    assert np.degrees(Rotation.from_matrix(TOP_FROM_BOTTOM[:3, :3].T @ found[:3, :3]).magnitude()) < 0.02
+    assert np.linalg.norm(found[:3, 3] - BASELINE) < 0.01 * LENGTH_M
+    assert position_rms_m(dive, outcome) < 5e-3
+    (sentence,) = [w for w in outcome.warnings if "stereo calibration does not hold" in w]
+    assert "turned by 0.1" in sentence
+    assert outcome.summary["stereo_contradiction"]["by_images"]
+
+
+@pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])
+def test_where_only_lengths_disagree_the_depths_tell_that_the_baseline_is_wrong(cad):
+    _, adjusted, outcome = _adjusted("too long", cad)
+    assert not adjusted.stereo.by_images
+    found, marginal = adjusted.state.T_ct_cb.matrix()[0], outcome.summary["navigation_sigma"]["dvl_scale"]
+    assert np.degrees(Rotation.from_matrix(TOP_FROM_BOTTOM[:3, :3].T @ found[:3, :3]).magnitude()) < 1e-3
+    assert 1e-3 < marginal < 0.01
+    assert abs(adjusted.state.navigation[0] - NAVIGATION[0]) < 2.5 * marginal
+    assert abs(np.linalg.norm(found[:3, 3]) / LENGTH_M - 1) < 2.5 * marginal
+    (sentence,) = [w for w in outcome.warnings if "disagree about lengths" in w]
+    assert "shorter than calibrated" in sentence
+    assert "correct camera.bottom.pose_in_top" in sentence
+
+
+def test_a_dvl_that_stereo_and_depths_contradict_is_not_taken_for_a_wrong_rig():
+    dive, adjusted, outcome = _adjusted("DVL too long", True)
+    assert adjusted.stereo is None
+    sigma = outcome.summary["navigation_sigma"]["dvl_scale"]
+    assert abs(adjusted.state.navigation[0] - ((1 + NAVIGATION[0]) / 1.08 - 1)) < 3 * sigma < 0.01
+    assert position_rms_m(dive, outcome) < 5e-3
+
+
+def test_a_calibration_that_holds_stays_as_it_is():
+    for cad in (True, False):
+        found = solved(cad=cad)
+        assert found.adjusted.stereo is None
+        np.testing.assert_array_equal(found.adjusted.state.T_ct_cb.translation[0], BASELINE)
+        assert "stereo_contradiction" not in found.outcome.summary
+        assert not [w for w in found.outcome.warnings if "stereo" in w.lower()]
+
+
+def test_a_rig_that_its_package_doubts_needs_no_finding():
+    _, adjusted, outcome = _adjusted("doubted by its package", True)
+    assert adjusted.stereo is None
+    found = adjusted.state.T_ct_cb.matrix()[0]
+    assert np.degrees(Rotation.from_matrix(TOP_FROM_BOTTOM[:3, :3].T @ found[:3, :3]).magnitude()) < 0.02
+    assert not [w for w in outcome.warnings if "stereo" in w.lower()]
+
+
+def found_off(shift=(0.0, 0.0, 0.0), turn_deg=(0.0, 0.0, 0.0)):
+    """A rig beside the true one: shift in the top camera's axes."""
+    out = TOP_FROM_BOTTOM.copy()
+    out[:3, 3] += shift
+    out[:3, :3] = out[:3, :3] @ Rotation.from_rotvec(np.radians(turn_deg)).as_matrix()
+    return records_poses(out)
+
+
+SIGMA = np.diag(np.r_[np.full(3, 1e-4), np.full(3, 2e-5)]) ** 2
+TRUE = records_poses(TOP_FROM_BOTTOM)
+
+
+def test_what_lies_within_its_sigma_contradicts_nothing():
+    assert compare_rigs(TRUE, found_off(1e-4 * np.ones(3), (2e-3, -1e-3, 1e-3)), SIGMA) is None
+    along = BASELINE / LENGTH_M
+    assert compare_rigs(TRUE, found_off(3e-4 * along), SIGMA) is None
+    assert not compare_rigs(TRUE, found_off(4e-4 * along), SIGMA).by_images
+    assert compare_rigs(TRUE, found_off(turn_deg=(0.0, 0.02, 0.0)), SIGMA).by_images
+
+
+def test_what_only_the_solver_cares_for_is_not_spoken_of():
+    little, much = (found_off(turn_deg=(0.0, turn, 0.0)) for turn in (0.02, 0.04))
+    assert stereo_warning(compare_rigs(TRUE, little, SIGMA), TRUE, little, SIGMA) is None
+    assert "turned by 0.04 degrees" in stereo_warning(compare_rigs(TRUE, much, SIGMA), TRUE, much, SIGMA)
+
+
+@pytest.mark.parametrize(("share", "word"), [(0.04, "longer"), (0.0, "speed of sound"), (0.02, "nothing else tells")])
+def test_who_is_wrong_about_lengths_is_said_as_far_as_it_is_known(share, word):
+    disagrees = compare_rigs(TRUE, records_poses(longer(0.04)), SIGMA)
+    assert word in stereo_warning(disagrees, TRUE, records_poses(longer(share)), SIGMA)
