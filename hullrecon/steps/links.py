@@ -130,7 +130,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=14,
+    version=15,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )

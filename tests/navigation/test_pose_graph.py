@@ -223,6 +223,19 @@ def test_a_wrong_link_that_comes_in_a_later_round_is_named(dive: LinkedDive, lin
     np.testing.assert_allclose(found.path.poses.translation, before.path.poses.translation, atol=0.01)
 
 
+def test_where_a_path_makes_many_new_links_look_wrong_it_may_be_the_path_that_is(dive: LinkedDive) -> None:
+    """Links that say too much of themselves: from the path of the neighbours alone more of them are rejected than need be."""
+    rng = np.random.default_rng(3)
+    along, across = (link(dive, pairs, rng, scaled=False) for pairs in (neighbours(), opposite()))
+    links = joined(along, replace(across, covariance=0.3**2 * across.covariance))
+    graph = graph_of(dive)
+    before = graph.solve(along)
+    from_before, cost = graph._solve_guarded(links, before.problem.unknowns)
+    found = graph.solve(links, before)
+    assert found.rejected.sum() < from_before.rejected.sum()
+    assert sum(native.evaluate(found.problem, OPTIONS, jacobian=False).cost_by_factor.values()) < cost
+
+
 # how sure it is
 
 

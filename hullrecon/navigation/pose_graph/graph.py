@@ -27,12 +27,14 @@ from hullrecon.estimation.rig_priors import Rig
 from hullrecon.geometry.poses import Poses, pose_from_vector, pose_vector
 from hullrecon.geometry.rotations import cross_matrix
 from hullrecon.navigation.pose_graph.start import path_along_links
+from hullrecon.records.iterations import reached_cost
 from hullrecon.records.links import CameraLinks, LinkedPath
 from hullrecon.records.planes import TiedPlanes
 from hullrecon.records.trajectory import Attitude, Odometry, PositionTies, Trajectory, VehiclePath
 from hullrecon.typing import Array, Ints, Mask
 
 REJECTED_CHI2 = 5.0  # of a link's whitened square in units of its rows: dynamic covariance scaling has all but dropped it
+MAX_REJECTED_SHARE = 0.03  # of the links, beyond which it may be the path that is wrong
 SHARED_IMAGES = 2.0  # links of a node that speak as if alone; more of them share its features' noise
 KERNELS = {"scaling": native.LinkKernel.SCALING, "switch": native.LinkKernel.SWITCH, "none": native.LinkKernel.NONE}
 # Damping holds what little stiffens a long path, its bends, far more than its steps: with a smaller radius these take ten
@@ -57,22 +59,43 @@ class PoseGraph:
         """Return the path of least cost. before: a solution with fewer links, to begin with.
 
         Without one the start is that of `path_along_links`, from which right links look as wrong as wrong ones: the first solve
-        then guards against none. Raises StageError where nothing determines the path.
+        then guards against none. So it is tried where the solution with fewer links makes many look wrong: an error that they
+        share, as of the cameras' mount, may be one that it could not know. Raises StageError where nothing determines the path.
         """
         if before is None:
             begin = path_along_links(self.trajectory, self.odometry, links, self.rig)
-            unguarded = self._problem(links, native.LinkKernel.NONE, begin)
-            pose = np.hstack([begin.vectors(), unguarded.unknowns.pose[:, 7:]])
-            unknowns = native.solve(unguarded.started_from(replace(unguarded.unknowns, pose=pose)), OPTIONS).unknowns
-        else:
-            unknowns = before.problem.unknowns
-        problem = self._problem(links, KERNELS[self.kernel], Poses(unknowns.pose[:, 3:7], unknowns.pose[:, :3]))
-        start = replace(unknowns, link_switch=problem.unknowns.link_switch, plane=problem.unknowns.plane)
-        result = native.solve(problem.started_from(start), OPTIONS)
+            pose = np.hstack([begin.vectors(), self.trajectory.tray[:, None]])
+            return self._solve_guarded(links, self._solve_unguarded(links, begin, pose))[0]
+        known = before.problem.unknowns
+        solved, cost = self._solve_guarded(links, known)
+        if solved.rejected.sum() <= MAX_REJECTED_SHARE * len(links):
+            return solved
+        other, other_cost = self._solve_guarded(links, self._solve_unguarded(links, _vehicle(known), known.pose, known))
+        return other if other_cost < cost else solved
+
+    def _solve_unguarded(
+        self, links: CameraLinks, path: Poses, pose: Array, known: native.Unknowns | None = None
+    ) -> native.Unknowns:
+        """Return the unknowns of least cost when all links are right. path: T_g_v as it is known by now; pose (n, 8): with the
+        tray, to begin with; known: the other unknowns to begin with."""
+        problem = self._problem(links, native.LinkKernel.NONE, path)
+        start = problem.unknowns if known is None else self._started(problem, known)
+        return native.solve(problem.started_from(replace(start, pose=pose)), OPTIONS).unknowns
+
+    def _solve_guarded(self, links: CameraLinks, known: native.Unknowns) -> tuple[GraphSolution, float]:
+        """Return the solution from those unknowns, guarded against wrong links, and its cost."""
+        problem = self._problem(links, KERNELS[self.kernel], _vehicle(known))
+        result = native.solve(problem.started_from(self._started(problem, known)), OPTIONS)
         solved = problem.started_from(result.unknowns)
-        return GraphSolution(
+        found = GraphSolution(
             graph=self, links=links, problem=solved, rejected=_rejected(solved, len(links)), converged=result.converged
         )
+        return found, float(reached_cost(result.iterations.cost, result.iterations.accepted)[-1])
+
+    @staticmethod
+    def _started(problem: native.Problem, known: native.Unknowns) -> native.Unknowns:
+        """Return the unknowns of another problem of the same dive, for this one."""
+        return replace(known, link_switch=problem.unknowns.link_switch, plane=problem.unknowns.plane)
 
     def _problem(self, links: CameraLinks, kernel: native.LinkKernel, path: Poses) -> native.Problem:
         """Return the problem, started from dead reckoning. path: T_g_v as it is known by now."""
@@ -255,6 +278,11 @@ def _whitening(links: CameraLinks) -> Array:
     five = to_five @ covariance[free] @ to_five.swapaxes(1, 2)
     out[free, :5, :5] = np.linalg.inv(np.linalg.cholesky(five))
     return out
+
+
+def _vehicle(unknowns: native.Unknowns) -> Poses:
+    """Return T_g_v (n)."""
+    return Poses(unknowns.pose[:, 3:7], unknowns.pose[:, :3])
 
 
 def _rejected(problem: native.Problem, count: int) -> Mask:
