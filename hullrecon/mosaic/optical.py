@@ -26,6 +26,7 @@ from hullrecon.mosaic.options import OpticalOptions
 from hullrecon.mosaic.output.tile_store import TileStore, make_tiles
 
 Progress = Callable[[Sequence[Any], str], Iterable[Any]]
+MOST_MEDIANS = 3.0  # of an image's distance: past a bilge, or through a gap of the model, a ray may meet it tens of metres away
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +46,7 @@ def optical_mosaic(
     Raises ValueError when no image meets the surface or the raster would be too large.
     """
     image_views = plain_views(cameras)
-    footprints = compute_footprints(surface, image_views)
+    footprints = compute_footprints(surface, image_views, MOST_MEDIANS)
     gsd = ground_sample_distance(cameras, footprints)
     grid = grid_around(footprints.at.reshape(-1, 2), texel_size(gsd, options))
     surface = surface.with_occlusion_horizon(grid, footprints.span_m)

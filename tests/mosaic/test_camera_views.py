@@ -71,6 +71,20 @@ def test_the_footprint_of_an_image_is_where_it_meets_the_surface(
     assert np.isnan(footprints.distance[1])
 
 
+def test_what_an_image_meets_far_beyond_the_rest_is_none_of_its_footprint(
+    flat_surface: Callable[..., MosaicSurface], camera: CameraModel
+) -> None:
+    views = plain_views([images_at(camera, [(0.0, 0.0)])])
+    whole, near = (compute_footprints(flat_surface(), views, most) for most in (1.1, 1.005))
+    assert np.isfinite(whole.at).all()
+    dropped = np.isnan(near.at[0]).any(axis=1)
+    assert 0 < dropped.sum() < len(dropped)
+    radius = np.linalg.norm(whole.at[0], axis=1)
+    assert radius[dropped].min() > radius[~dropped].max()
+    assert near.span_m < whole.span_m
+    np.testing.assert_array_equal(near.distance, whole.distance)
+
+
 def test_the_window_of_an_image_holds_its_footprint_and_a_margin(
     flat_surface: Callable[..., MosaicSurface], camera: CameraModel
 ) -> None:

@@ -68,16 +68,20 @@ def plain_views(cameras: Sequence[CameraImages]) -> list[CameraView]:
     return [CameraView(pose=s.poses[i], camera=s.camera, load=lambda: None) for s in cameras for i in range(len(s.rows))]
 
 
-def compute_footprints(surface: MosaicSurface, image_views: Sequence[ImageView]) -> Footprints:
+def compute_footprints(
+    surface: MosaicSurface, image_views: Sequence[ImageView], most_medians: float = float("inf")
+) -> Footprints:
+    """Return where images meet the surface. most_medians: of a view's median distance, beyond which what it meets is none of
+    its footprint."""
     outlines = [image_view.outline(surface) for image_view in image_views]
-    middle = [np.linalg.norm(o - s.center, axis=1) for o, s in zip(outlines, image_views, strict=True)]
+    ranges = np.array([np.linalg.norm(o - s.center, axis=1) for o, s in zip(outlines, image_views, strict=True)])
+    distance = np.array([float(np.median(r[np.isfinite(r)])) if np.isfinite(r).any() else np.nan for r in ranges])
     points = np.stack(outlines)
+    points[ranges > most_medians * distance[:, None]] = np.nan
     good = np.isfinite(points).all(axis=2)
     at = np.full((*points.shape[:2], 2), np.nan)
     at[good] = surface.chart.to_chart(points[good])[:, :2]
-    distance = [float(np.median(m[np.isfinite(m)])) if np.isfinite(m).any() else np.nan for m in middle]
-    span_m = max((float(m.max(initial=0.0, where=np.isfinite(m))) for m in middle), default=0.0)
-    return Footprints(point=points, at=at, distance=np.array(distance), span_m=span_m)
+    return Footprints(point=points, at=at, distance=distance, span_m=float(ranges.max(initial=0.0, where=good)))
 
 
 def footprint_windows(grid: TexelGrid, footprints: Footprints, margin_share: float = 0.06) -> list[Window]:
