@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import msgspec
 import numpy as np
 
 from hullrecon import native
@@ -20,6 +21,7 @@ from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
+TRIAL_ANCHORS = 5000  # landmarks; six numbers that all images share need no more
 TRIAL_TURN_RAD = np.radians(1.0)
 TRIAL_SHARE = 0.1  # of the baseline's length, of each coordinate of the bottom camera
 MAX_CHI2 = 125.0  # of rotation and direction, five degrees of freedom: five sigmas in each
@@ -65,7 +67,8 @@ def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | N
         return None
     length_m = float(np.linalg.norm(mount.nominal.translation))
     loose = np.r_[np.full(3, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)]
-    quiet = replace(solver, report=lambda _: None, history=[])
+    fewer = msgspec.structs.replace(solver.options, anchors=min(solver.options.anchors, TRIAL_ANCHORS))
+    quiet = replace(solver, options=fewer, report=lambda _: None, history=[])
     trial = quiet.solve_round(_with_rig(solved, replace(solved.measured.rig, T_ct_cb=_unknown(mount, loose))))
     found = trial.after.state.T_ct_cb
     if found is None or not len(trial.problem.stereo.node):
