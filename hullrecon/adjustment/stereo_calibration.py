@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether a dive contradicts the calibration of its stereo rig, and the rig as an unknown where it does (docs/methods.md 6).
 
-The images of a dive tell the bottom camera's rotation and the direction of the baseline better than a calibration does. The
-baseline's length is told by the DVL alone, and either of the two may be wrong.
+The images of a dive tell the bottom camera's rotation and the direction of the baseline better than a calibration does, but not
+the baseline's length: there the DVL and depths speak, and the DVL may be wrong as the calibration may.
 """
 
 from __future__ import annotations
@@ -27,10 +27,9 @@ TRIAL_SHARE = 0.1  # of the baseline's length, of each coordinate of the bottom 
 MAX_CHI2 = 125.0  # of rotation and direction, five degrees of freedom: five sigmas in each
 MAX_LENGTH_SIGMAS = 3.5
 HELD = 1e-6  # m and rad
-REPORTED_TURN_RAD, REPORTED_SHARE = (
-    np.radians(0.03),
-    0.005,
-)  # of the length: what a good calibration may be off by is not spoken of
+# What a good calibration may be off by is not reported: a turn, and a shift as a share of the baseline's length.
+REPORTED_TURN_RAD = np.radians(0.03)
+REPORTED_SHARE = 0.005
 DVL_SCALE = 0  # its place among the errors of navigation
 
 
@@ -139,13 +138,14 @@ def stereo_warning(found: StereoContradiction, calibrated: Poses, adjusted: Pose
 
 
 def _who_is_wrong(found: StereoContradiction, longer: float, sigma: float) -> str:
-    """Return which of stereo and DVL is wrong about lengths by what else was measured, depths before all. longer: share by
+    """Return which of stereo and DVL is wrong about lengths by what else was measured, the depths before all. longer: share by
     which the baseline came out longer than calibrated, and its sigma."""
     by_stereo, by_dvl = abs(longer) / sigma, abs(longer - found.length) / sigma
     if by_stereo > MAX_LENGTH_SIGMAS and by_dvl < MAX_LENGTH_SIGMAS:
-        return f"by the depths it is {100 * abs(longer):.1f} % {_longer(longer)}; correct camera.bottom.pose_in_top"
+        off = f"{100 * abs(longer):.1f} % {_longer(longer)}"
+        return f"by all else that was measured it is {off}; correct camera.bottom.pose_in_top"
     if by_dvl > MAX_LENGTH_SIGMAS and by_stereo < MAX_LENGTH_SIGMAS:
-        return "by the depths it is as calibrated; check the speed of sound that the DVL was set to"
+        return "by all else that was measured it is as calibrated; check the speed of sound that the DVL was set to"
     return "nothing else tells which is wrong; check camera.bottom.pose_in_top, and the DVL's speed of sound"
 
 

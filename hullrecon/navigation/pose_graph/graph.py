@@ -65,26 +65,24 @@ class PoseGraph:
         if before is None:
             begin = path_along_links(self.trajectory, self.odometry, links, self.rig)
             pose = np.hstack([begin.vectors(), self.trajectory.tray[:, None]])
-            return self._solve_guarded(links, self._solve_unguarded(links, begin, pose))[0]
+            return self._solve_guarded(links, self._solve_unguarded(links, pose))[0]
         known = before.problem.unknowns
         solved, cost = self._solve_guarded(links, known)
         if solved.rejected.sum() <= MAX_REJECTED_SHARE * len(links):
             return solved
-        other, other_cost = self._solve_guarded(links, self._solve_unguarded(links, _vehicle(known), known.pose, known))
+        other, other_cost = self._solve_guarded(links, self._solve_unguarded(links, known.pose, known))
         return other if other_cost < cost else solved
 
-    def _solve_unguarded(
-        self, links: CameraLinks, path: Poses, pose: Array, known: native.Unknowns | None = None
-    ) -> native.Unknowns:
-        """Return the unknowns of least cost when all links are right. path: T_g_v as it is known by now; pose (n, 8): with the
-        tray, to begin with; known: the other unknowns to begin with."""
-        problem = self._problem(links, native.LinkKernel.NONE, path)
+    def _solve_unguarded(self, links: CameraLinks, pose: Array, known: native.Unknowns | None = None) -> native.Unknowns:
+        """Return the unknowns of least cost when all links are right. To begin with: pose (n, 8), T_g_v and the tray, and known,
+        the other unknowns."""
+        problem = self._problem(links, native.LinkKernel.NONE, _vehicle(pose))
         start = problem.unknowns if known is None else self._started(problem, known)
         return native.solve(problem.started_from(replace(start, pose=pose)), OPTIONS).unknowns
 
     def _solve_guarded(self, links: CameraLinks, known: native.Unknowns) -> tuple[GraphSolution, float]:
         """Return the solution from those unknowns, guarded against wrong links, and its cost."""
-        problem = self._problem(links, KERNELS[self.kernel], _vehicle(known))
+        problem = self._problem(links, KERNELS[self.kernel], _vehicle(known.pose))
         result = native.solve(problem.started_from(self._started(problem, known)), OPTIONS)
         solved = problem.started_from(result.unknowns)
         found = GraphSolution(
@@ -280,9 +278,9 @@ def _whitening(links: CameraLinks) -> Array:
     return out
 
 
-def _vehicle(unknowns: native.Unknowns) -> Poses:
-    """Return T_g_v (n)."""
-    return Poses(unknowns.pose[:, 3:7], unknowns.pose[:, :3])
+def _vehicle(pose: Array) -> Poses:
+    """Return T_g_v (n) of poses with their trays (n, 8)."""
+    return Poses(pose[:, 3:7], pose[:, :3])
 
 
 def _rejected(problem: native.Problem, count: int) -> Mask:
