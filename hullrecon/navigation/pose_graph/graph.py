@@ -74,8 +74,8 @@ class PoseGraph:
         return other if other_cost < cost else solved
 
     def _solve_unguarded(self, links: CameraLinks, pose: Array, known: native.Unknowns | None = None) -> native.Unknowns:
-        """Return the unknowns of least cost when all links are right. To begin with: pose (n, 8), T_g_v and the tray, and known,
-        the other unknowns."""
+        """Return the unknowns of least cost when all links are right. Starts: pose (n, 8), T_g_v and the tray, and known, the
+        other unknowns."""
         problem = self._problem(links, native.LinkKernel.NONE, _vehicle(pose))
         start = problem.unknowns if known is None else self._started(problem, known)
         return native.solve(problem.started_from(replace(start, pose=pose)), OPTIONS).unknowns
