@@ -51,7 +51,7 @@ VERBS = re.findall(
     """
     Add Answer Append Apply Ask Assign Bring Build Call Carry Check Choose Close Collect Compare Compute Convert Copy
     Count Create Cut Declare Decode Deliver Describe Divide Do Draw Encode End Enter Escape Estimate Exit Export Extract
-    Fill Find Fit Flag Follow Forget Give Guess Hand Have Hide Hold Insert Join Keep Label Learn Leave Let List Load
+    Fill Find Fit Flag Flip Follow Forget Give Guess Hand Have Hide Hold Insert Join Keep Label Learn Leave Let List Load
     Lock Log Look Make Map Mark Match Measure Merge Move Note Open Paint Parse Pick Place Predict Print Publish Put
     Raise Read Reconstruct Record Refine Refuse Reject Remember Remove Rename Render Repeat Replace Report Reset Restore
     Return Rewrite Rotate Run Sample Save Say Scale Score Select Send Serve Set Show Simulate Skip Smooth Solve Sort

@@ -30,6 +30,7 @@ HELD = 1e-6  # m and rad
 # What a good calibration may be off by is not reported: a turn, and a shift as a share of the baseline's length.
 REPORTED_TURN_RAD = np.radians(0.03)
 REPORTED_SHARE = 0.005
+LEAST_SHOWN_MM, LEAST_SHOWN_DEG = 0.05, 0.005  # what does not show in a sentence's digits is left out of it
 DVL_SCALE = 0  # its place among the errors of navigation
 
 
@@ -109,10 +110,11 @@ def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoCo
 def describe_contradiction(found: StereoContradiction) -> str:
     """Return what was found, in words without a full stop."""
     if found.by_images:
-        return (
-            f"the images fit with the bottom camera {1e3 * found.shift_m:.1f} mm from where its calibration has it, and turned "
-            f"by {np.degrees(found.turn_rad):.2f} degrees"
-        )
+        turned = f"{np.degrees(found.turn_rad):.2f} degrees"
+        if 1e3 * found.shift_m < LEAST_SHOWN_MM:
+            return f"the images fit with the bottom camera turned by {turned} from its calibration"
+        moved = f"the images fit with the bottom camera {1e3 * found.shift_m:.1f} mm from where its calibration has it"
+        return moved if np.degrees(found.turn_rad) < LEAST_SHOWN_DEG else f"{moved}, and turned by {turned}"
     off = f"{100 * abs(found.length):.1f} % {_longer(found.length)}"
     return f"for the DVL's velocities the baseline would have to be {off} than calibrated"
 

@@ -218,19 +218,19 @@ def find_holes(
     disc = np.hypot(*np.mgrid[-BRIDGE_CELLS : BRIDGE_CELLS + 1, -BRIDGE_CELLS : BRIDGE_CELLS + 1]) <= BRIDGE_CELLS
     surveyed = ndimage.binary_fill_holes(ndimage.binary_closing(cells.seen, disc))
     label, count = ndimage.label(surveyed & ~cells.seen & cells.on_hull)
-    found = [_hole_facts(cells, np.argwhere(label == k), chart, locate) for k in range(1, count + 1)]
+    found = [_hole_facts(cells, label == k, chart, locate) for k in range(1, count + 1)]
     large = [hole for hole in found if hole["area_m2"] >= min_hole_m2]
     return sorted(large, key=lambda hole: (-hole["area_m2"], hole["address"]))
 
 
 @dataclass(frozen=True, kw_only=True)
 class _ChartCells:
-    """Squares of the chart, CELL_M wide, (a, g). low (2,): number of the first; seen: some patch in it was; area m2 of their
-    patches, of the square itself where there is none; on_hull: there is hull."""
+    """Squares of the chart, CELL_M wide, (a, g). low (2,): number of the first; seen: some patch in it was; unseen: m2 of its
+    patches that were not, of the square itself where there is no patch; on_hull: there is hull."""
 
     low: Ints
     seen: Mask
-    area: Array
+    unseen: Array
     on_hull: Mask
 
 
@@ -241,25 +241,31 @@ def _chart_cells(hull: HullPatches, seen: Mask, chart: Chart) -> _ChartCells:
     size = np.floor(at[known & seen].max(axis=0) / CELL_M).astype(np.int64) + BRIDGE_CELLS + 1 - low
     cell = np.floor(np.where(known[:, None], at, 0.0) / CELL_M).astype(np.int64) - low
     known &= ((cell >= 0) & (cell < size)).all(axis=1)
-    image, area = np.zeros(tuple(size), bool), np.zeros(tuple(size))
+    image, held, unseen = np.zeros(tuple(size), bool), np.zeros(tuple(size), bool), np.zeros(tuple(size))
     image[tuple(cell[known & seen].T)] = True
-    np.add.at(area, tuple(cell[known].T), hull.area[known])
+    held[tuple(cell[known].T)] = True
+    np.add.at(unseen, tuple(cell[known & ~seen].T), hull.area[known & ~seen])
     middle = (np.argwhere(np.ones_like(image)) + low + 0.5) * CELL_M
     # Patches are hardly smaller than cells: a cell that happens to hold none is as the nearest one
     distance, row = nearest(at[known], middle, 1, 0.75 * PATCH_M)
-    near = np.isfinite(distance[:, 0]) & (area.ravel() == 0)
+    near = np.isfinite(distance[:, 0]) & ~held.ravel()
     image.ravel()[near] = seen[known][row[near, 0]]
     on_hull = np.asarray(np.isfinite(chart.from_chart(middle)[0]).all(axis=1)).reshape(image.shape)
-    return _ChartCells(low=low, seen=image, area=np.where(area > 0, area, CELL_M**2), on_hull=on_hull)
+    return _ChartCells(low=low, seen=image, unseen=np.where(held | image, unseen, CELL_M**2), on_hull=on_hull)
 
 
-def _hole_facts(cells: _ChartCells, which: Ints, chart: Chart, locate: Callable[[Array], Facts]) -> Facts:
+def _hole_facts(cells: _ChartCells, hole: Mask, chart: Chart, locate: Callable[[Array], Facts]) -> Facts:
+    """Return a hole (a, g) of cells. Its rim runs through the cells around it: what was not seen of these belongs to it."""
+    from scipy import ndimage
+
+    which = np.argwhere(hole)
     inner = which[np.argmin(np.linalg.norm(which - which.mean(axis=0), axis=1))]
     center = chart.from_chart(((inner + cells.low + 0.5) * CELL_M)[None])[0][0]
+    around = ndimage.binary_dilation(hole, np.ones((3, 3), bool)) & (hole | cells.seen)
     return {
         **locate(center),
         "center": [round(float(v), 3) for v in center],
-        "area_m2": round(float(cells.area[tuple(which.T)].sum()), 4),
+        "area_m2": round(float(cells.unseen[around].sum()), 4),
     }
 
 

@@ -94,9 +94,16 @@ class PositionFacts(StepDocument, frozen=True):
     outliers: int
 
 
+class StereoContradictionFacts(StepDocument, frozen=True):
+    """sentence: what of the stereo rig's calibration the dive contradicts; None where it matters to nobody."""
+
+    sentence: str | None = None
+
+
 class AdjustSummary(StepDocument, frozen=True):
     """adjust.json of adjust. intrinsics: by camera and name, empty where the calibrations were held; cad_model_refused: why the
-    CAD model was left out, None where it was not; positions: None where there were none from outside."""
+    CAD model was left out, None where it was not; stereo_contradiction: None where the rig's calibration holds; positions: None
+    where there were none from outside."""
 
     method: str = "maxmix"
     observations: int = 0
@@ -108,6 +115,7 @@ class AdjustSummary(StepDocument, frozen=True):
     navigation_sigma: SensorErrors = SensorErrors()
     intrinsics: Mapping[str, Mapping[str, RefinedParameter]] = {}
     cad_model_refused: str | None = None
+    stereo_contradiction: StereoContradictionFacts | None = None
     positions: PositionFacts | None = None
 
 

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.results.summary import summarise_adjustment
-from hullrecon.adjustment.stereo_calibration import compare_rigs, stereo_warning
+from hullrecon.adjustment.stereo_calibration import compare_rigs, describe_contradiction, stereo_warning
 from hullrecon.estimation.rig_priors import Mount
 
 OPTIONS = AdjustOptions()
@@ -66,6 +66,7 @@ def test_a_rig_that_was_turned_is_found_and_said(cad):
     (sentence,) = [w for w in outcome.warnings if "stereo calibration does not hold" in w]
     assert "turned by 0.1" in sentence
     assert outcome.summary["stereo_contradiction"]["by_images"]
+    assert outcome.summary["stereo_contradiction"]["sentence"] == sentence
 
 
 @pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])
@@ -131,6 +132,16 @@ def test_what_only_the_solver_cares_for_is_not_spoken_of():
     little, much = (found_off(turn_deg=(0.0, turn, 0.0)) for turn in (0.02, 0.04))
     assert stereo_warning(compare_rigs(TRUE, little, SIGMA), TRUE, little, SIGMA) is None
     assert "turned by 0.04 degrees" in stereo_warning(compare_rigs(TRUE, much, SIGMA), TRUE, much, SIGMA)
+
+
+def test_a_turn_or_a_shift_that_does_not_show_in_its_digits_is_left_out_of_the_sentence():
+    across = np.cross(BASELINE / LENGTH_M, [1.0, 0.0, 0.0])
+    said = [
+        describe_contradiction(compare_rigs(TRUE, found_off(shift, turn), SIGMA))
+        for shift, turn in ((2e-3 * across, (0, 0, 0)), ((0, 0, 0), (0, 0.04, 0)), (2e-3 * across, (0, 0.04, 0)))
+    ]
+    assert ["mm" in sentence for sentence in said] == [True, False, True]
+    assert ["degrees" in sentence for sentence in said] == [False, True, True]
 
 
 @pytest.mark.parametrize(("share", "word"), [(0.04, "longer"), (0.0, "speed of sound"), (0.02, "nothing else tells")])

@@ -125,7 +125,7 @@ def test_a_hole_inside_the_survey_is_reported_with_its_address_and_area(hull, sc
     seen &= np.maximum(np.abs(x - 2.5), np.abs(z - 1.0)) > 0.25
     (hole,) = coverage.find_holes(hull, seen, scenery.chart, _address)
     assert hole["address"] == "x 2.5"
-    assert hole["area_m2"] == pytest.approx(0.25, rel=0.35)
+    assert hole["area_m2"] == pytest.approx(0.25, rel=0.1)
     assert np.allclose(hole["center"], [2.5, 2, 1], atol=0.1)
 
 

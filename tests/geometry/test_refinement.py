@@ -121,3 +121,29 @@ def test_a_mesh_that_is_fine_enough_comes_back_as_it_is() -> None:
     np.testing.assert_array_equal(same.faces, SQUARE.faces)
     assert values.shape == (4, 0)
     assert same.vertices is not SQUARE.vertices
+
+
+def test_a_narrow_face_is_cut_across_and_not_into_as_many_narrow_ones() -> None:
+    needle = Mesh(np.array([[0.0, 0, 0], [10, 0, 0], [10, 0.1, 0]]), np.array([[0, 1, 2]], np.int32))
+    fine, _ = refine(needle, 0.1)
+    assert _lengths(fine).max() <= 0.1
+    assert (_area(fine) > 0).all()
+    assert _area(fine).sum() == pytest.approx(0.5, rel=1e-12)
+    assert len(fine.faces) < 4 * 10 / 0.1
+    wide = fine.vertices[fine.faces].mean(axis=1)[:, 0] > 5
+    assert np.median((_area(fine) / _lengths(fine).max(axis=1) ** 2)[wide]) > 0.2
+
+
+@QUICK
+@given(seed=st.integers(0, 10**6), longest=st.floats(0.05, 0.5))
+def test_the_parts_of_an_old_face_are_delaunay(seed: int, longest: float) -> None:
+    corners = np.random.default_rng(seed).normal(size=(3, 2))
+    if np.linalg.det(corners[1:] - corners[0]) < 0:
+        corners = corners[::-1]
+    fine, _ = refine(Mesh(np.hstack([corners, np.zeros((3, 1))]), np.array([[0, 1, 2]], np.int32)), longest)
+    at = fine.vertices[:, :2]
+    for a, b, c in fine.faces:
+        (ux, uy), (vx, vy) = at[b] - at[a], at[c] - at[a]
+        middle = np.linalg.solve([[ux, uy], [vx, vy]], 0.5 * np.array([ux**2 + uy**2, vx**2 + vy**2]))
+        radius = np.linalg.norm(middle)
+        assert (np.linalg.norm(at - at[a] - middle, axis=1) >= radius * (1 - 1e-6)).all()

@@ -16,7 +16,7 @@ from hullrecon.records.surface import DeviationSplit
 from hullrecon.report.content.frame_words import origin_in_words
 from hullrecon.report.content.headline import headline, key_figures, path_length_m, verdict, weak_sentences
 from hullrecon.report.export.summary import counts
-from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts, PositionFacts
+from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts, PositionFacts, StereoContradictionFacts
 from hullrecon.report.survey import Mosaic, Mosaics, Provenance, Survey
 
 
@@ -62,6 +62,16 @@ def test_positions_from_outside_are_told_with_how_far_they_lie_from_the_path(sur
         "bound its drift; they lie 1.0 sigmas (rms, 2 outliers apart) from the path."
     )
     assert not any("from outside" in line for line in headline(survey))
+
+
+def test_a_stereo_calibration_that_does_not_hold_is_said_on_top(survey: Survey) -> None:
+    assert survey.adjusted is not None
+    said = "The stereo calibration does not hold: the images fit with the bottom camera turned by 0.10 degrees from it."
+    for sentence, lines in ((said, 1), (None, 0)):
+        summary = AdjustSummary(stereo_contradiction=StereoContradictionFacts(sentence=sentence))
+        doubted = replace(survey, adjusted=replace(survey.adjusted, summary=summary))
+        assert headline(doubted)[:4].count(said) == lines
+        assert "" not in headline(doubted)
 
 
 def test_an_adjusted_dive_without_a_cad_model_is_in_g(survey: Survey, solution: Solution) -> None:

@@ -52,6 +52,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
     fit = fit_of_positions(adjusted.problem, m.positions, marginals.world, settings)
     disagreement = None if fit is None else fit.disagreement()
     seen_with = intrinsics.summarise_intrinsics(m.rig, adjusted.rig, marginals, options)
+    stereo = _stereo_sentence(m, adjusted, marginals)
     summary = {
         **_figures(m, adjusted, options),
         "navigation_sigma": _navigation_sigma(marginals),
@@ -62,7 +63,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
         "cad_model_refused": adjusted.refusal,
         "legs": [] if ties is None else ties.table(m.trajectory.t_ns),
         **({"intrinsics": seen_with} if seen_with else {}),
-        **({"stereo_contradiction": asdict(adjusted.stereo)} if adjusted.stereo is not None else {}),
+        **({"stereo_contradiction": asdict(adjusted.stereo) | {"sentence": stereo}} if adjusted.stereo is not None else {}),
         **({"positions": fit.facts()} if fit is not None else {}),
     }
     untied = None if ties is None else ties.describe_untied(m.trajectory.t_ns)
@@ -77,17 +78,16 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
             *([] if untied is None else [untied]),
             *([] if disagreement is None else [disagreement]),
             *intrinsics.intrinsics_warnings(seen_with),
-            *_stereo_warnings(m, adjusted, marginals),
+            *([] if stereo is None else [stereo]),
         ],
     )
 
 
-def _stereo_warnings(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> list[str]:
-    """Return what contradicts the stereo rig's calibration: a sentence, or none. m: its rig as calibrated."""
+def _stereo_sentence(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> str | None:
+    """Return what contradicts the stereo rig's calibration; None where nothing does. m: its rig as calibrated."""
     if adjusted.stereo is None or adjusted.state.T_ct_cb is None or m.rig.T_ct_cb is None:
-        return []
-    sentence = stereo_warning(adjusted.stereo, m.rig.T_ct_cb.nominal, adjusted.state.T_ct_cb, marginals.T_ct_cb)
-    return [] if sentence is None else [sentence]
+        return None
+    return stereo_warning(adjusted.stereo, m.rig.T_ct_cb.nominal, adjusted.state.T_ct_cb, marginals.T_ct_cb)
 
 
 def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:

@@ -11,6 +11,9 @@ import numpy as np
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.typing import Array, Ints, Mask
 
+FLAT = 1e-9  # sine of the sum of two angles opposite an edge, below which they count as half a turn
+MOST_PASSES = 60  # of flips after a split; Lawson's flips end by themselves but for rounding in faces that are all but lines
+
 
 def refine(
     mesh: Mesh, longest_m: float | Callable[[Array], Array], attributes: Array | None = None, spared_m: float = 0.0
@@ -18,21 +21,52 @@ def refine(
     """Return the mesh with edges split at their midpoints until none is longer than wanted.
 
     longest_m: the longest edge allowed, metres; a function gives it at the edges' midpoints (n, 3), inf where the mesh may stay
-    coarse; no edge up to `spared_m` is asked about. Neighbouring faces split their common edge together, so no crack opens;
-    with an edge a face splits its longest edge too, so that triangles do not degenerate. attributes (n, k) of the vertices are
-    averaged along; returned with the mesh. The first vertices are the old ones, unmoved.
+    coarse; no edge up to `spared_m` is asked about. Neighbouring faces split their common edge together, so no crack opens. The
+    longest edges are split first, those of the old faces before those inside them, and inside every old face the new ones are
+    kept a Delaunay triangulation: a long narrow face, as CAD programs export them, is cut across and not into as many narrow
+    ones. attributes (n, k) of the vertices are averaged along; returned with the mesh. The first vertices are the old ones,
+    unmoved.
     """
     table = np.hstack([mesh.vertices, np.zeros((len(mesh.vertices), 0)) if attributes is None else attributes])
-    faces = mesh.faces.astype(np.int64)
+    faces, old_face = mesh.faces.astype(np.int64), np.arange(len(mesh.faces))
+    limits = _Limits(longest_m, spared_m)
     while True:
         edge, of_face = _edges(faces)
-        marked = _mark_edges(table[:, :3], edge, of_face, longest_m, spared_m)
+        marked = _mark_edges(table[:, :3], edge, of_face, old_face, limits)
         if not marked.any():
             return Mesh(table[:, :3].copy(), faces.astype(np.int32)), table[:, 3:].copy()
         middle = np.full(len(edge), -1)
         middle[marked] = len(table) + np.arange(marked.sum())
         table = np.vstack([table, table[edge[marked]].mean(axis=1)])
-        faces = _split_faces(faces, middle[of_face], table[:, :3])
+        split = marked[of_face].any(axis=1)
+        parts, of_part = _split_faces(faces[split], old_face[split], middle[of_face[split]], table[:, :3])
+        faces, old_face = np.vstack([faces[~split], parts]), np.concatenate([old_face[~split], of_part])
+        _flip_edges(faces, old_face, np.isin(old_face, of_part), table[:, :3])
+
+
+class _Limits:
+    """How long edges may be; what was asked about an edge is kept while it stands."""
+
+    def __init__(self, longest_m: float | Callable[[Array], Array], spared_m: float) -> None:
+        self._longest_m, self._spared_m = longest_m, spared_m
+        self._key: Ints = np.zeros(0, np.int64)
+        self._limit: Array = np.zeros(0)
+
+    def exceeded(self, edge: Ints, ends: Array, length: Array) -> Mask:
+        """Mark the edges (e,) that are too long. edge (e, 2), in order; ends (e, 2, 3)."""
+        if not callable(self._longest_m):
+            return np.asarray(length > max(self._longest_m, self._spared_m))
+        asked = np.flatnonzero(length > self._spared_m)
+        key = edge[asked, 0] << 32 | edge[asked, 1]
+        limit = np.full(len(key), np.nan)
+        _, old, new = np.intersect1d(self._key, key, assume_unique=True, return_indices=True)
+        limit[new] = self._limit[old]
+        unknown = np.flatnonzero(np.isnan(limit))
+        limit[unknown] = self._longest_m(ends[asked[unknown]].mean(axis=1))
+        self._key, self._limit = key, limit
+        out = np.zeros(len(edge), bool)
+        out[asked] = length[asked] > limit
+        return out
 
 
 def _edges(faces: Ints) -> tuple[Ints, Ints]:
@@ -43,27 +77,47 @@ def _edges(faces: Ints) -> tuple[Ints, Ints]:
     return np.stack([key // size, key % size], axis=1), back.reshape(-1, 3)
 
 
-def _mark_edges(
-    vertices: Array, edge: Ints, of_face: Ints, longest_m: float | Callable[[Array], Array], spared_m: float
-) -> Mask:
-    """Return the edges to split (e,): the long ones, and the longest edge of every face that splits any."""
+def _mark_edges(vertices: Array, edge: Ints, of_face: Ints, old_face: Ints, limits: _Limits) -> Mask:
+    """Return the edges to split next (e,): of those too long the longest, to a factor of two; of these those of the old faces,
+    where there are any."""
     ends = vertices[edge]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    marked = np.zeros(len(edge), bool)
-    asked = np.flatnonzero(length > spared_m)
-    marked[asked] = length[asked] > (longest_m(ends[asked].mean(axis=1)) if callable(longest_m) else longest_m)
+    marked = limits.exceeded(edge, ends, length)
     if not marked.any():
         return marked
-    longest = of_face[np.arange(len(of_face)), np.argmax(length[of_face], axis=1)]
+    marked &= length >= np.ldexp(1.0, np.frexp(length[marked].max())[1] - 1)
+    inside, _ = _inner_edges(of_face, old_face, len(edge))
+    outer = marked.copy()
+    outer[inside] = False
+    return _close_marks(outer if outer.any() else marked, length[of_face], of_face)
+
+
+def _close_marks(marked: Mask, length: Array, of_face: Ints) -> Mask:
+    """Return the edges marked (e,), with them the longest of each face that is more than twice as long as one that it splits:
+    no fan of narrow faces opens towards where the mesh may stay coarse. length (m, 3): of the faces' edges."""
+    longest = of_face[np.arange(len(of_face)), np.argmax(length, axis=1)]
+    steep = length.max(axis=1)[:, None] > 2 * length
     while True:
-        follow = longest[marked[of_face].any(axis=1)]
+        follow = longest[(marked[of_face] & steep).any(axis=1)]
         if marked[follow].all():
             return marked
         marked[follow] = True
 
 
-def _split_faces(faces: Ints, middle: Ints, vertices: Array) -> Ints:
-    """Return faces (m, 3) split at the new vertices on their edges 0-1, 1-2, 2-0 (m, 3), -1 where an edge stays whole."""
+def _inner_edges(of_face: Ints, old_face: Ints, count: int) -> tuple[Ints, Ints]:
+    """Return the edges (k,) whose two faces are parts of one old face, and where those have them (k, 2): face * 3 + edge."""
+    flat = of_face.ravel()
+    place = np.argsort(flat, kind="stable")
+    start = np.searchsorted(flat[place], np.arange(count))
+    twice = np.flatnonzero(np.bincount(flat, minlength=count) == 2)
+    pair = np.stack([place[start[twice]], place[start[twice] + 1]], axis=1)
+    one = old_face[pair[:, 0] // 3] == old_face[pair[:, 1] // 3]
+    return twice[one], pair[one]
+
+
+def _split_faces(faces: Ints, old_face: Ints, middle: Ints, vertices: Array) -> tuple[Ints, Ints]:
+    """Return the parts (k, 3) of faces (m, 3) split at the new vertices on their edges 0-1, 1-2, 2-0 (m, 3), -1 where an edge
+    stays whole; and the old face (k,) of each."""
     count = (middle >= 0).sum(axis=1)
     one = _turn_faces(faces, middle, count == 1, np.argmax(middle >= 0, axis=1))
     two = _turn_faces(faces, middle, count == 2, np.argmax(middle < 0, axis=1) + 1)
@@ -74,10 +128,58 @@ def _split_faces(faces: Ints, middle: Ints, vertices: Array) -> Ints:
     thirds = [(p, b, q), (a, p, np.where(short, q, c)), (np.where(short, a, p), q, c)]
     a, b, c, p, q, r = _turn_faces(faces, middle, count == 3, np.zeros(len(faces), np.int64))
     quarters = [(a, p, r), (p, b, q), (r, q, c), (p, q, r)]
-    return np.vstack([faces[count == 0], *(np.stack(corner, axis=1) for corner in halves + thirds + quarters)])
+    of = [np.tile(old_face[count == n], n + 1) for n in (1, 2, 3)]
+    return np.vstack([np.stack(corner, axis=1) for corner in halves + thirds + quarters]), np.concatenate(of)
 
 
 def _turn_faces(faces: Ints, middle: Ints, which: Mask, first: Ints) -> Ints:
     """Return corners and middles of some faces, turned so that edge `first` becomes 0-1: (6, k)."""
     turn = (first[which, None] + np.arange(3)) % 3
     return np.hstack([np.take_along_axis(faces[which], turn, 1), np.take_along_axis(middle[which], turn, 1)]).T
+
+
+def _flip_edges(faces: Ints, old_face: Ints, which: Mask, vertices: Array) -> None:
+    """Flip edges of those faces, in place, until the parts of every old face are Delaunay [Lawson1977]. Parts of one face lie
+    in a plane, so that its shape does not change."""
+    for _ in range(MOST_PASSES):
+        active = np.flatnonzero(which)
+        edge, of_face = _edges(faces[active])
+        inside, pair = _inner_edges(of_face, old_face[active], len(edge))
+        face, corner = active[pair // 3], pair % 3
+        opposite = faces[face, (corner + 2) % 3]
+        excess = _angle_excess(vertices, edge[inside], opposite)
+        worst = np.zeros(len(faces))
+        np.maximum.at(worst, face.ravel(), np.repeat(excess, 2))
+        chosen = np.flatnonzero((excess > FLAT) & (excess[:, None] >= worst[face]).all(axis=1))
+        first = _one_by_face(face[chosen], len(faces))
+        chosen = chosen[first]
+        if not len(chosen):
+            return
+        which = np.isin(old_face, old_face[face[chosen, 0]])
+        flipped, (c, d) = face[chosen], opposite[chosen].T
+        a = faces[flipped[:, 0], corner[chosen, 0]]
+        b = faces[flipped[:, 0], (corner[chosen, 0] + 1) % 3]
+        faces[flipped[:, 0]] = np.stack([a, d, c], axis=1)
+        faces[flipped[:, 1]] = np.stack([d, b, c], axis=1)
+
+
+def _angle_excess(vertices: Array, edge: Ints, opposite: Ints) -> Array:
+    """Return minus the sine of the sum of the two angles (k,) that look at each edge: positive where the edge is to flip."""
+    a, b = vertices[edge[:, 0]], vertices[edge[:, 1]]
+    cosine, sine = np.zeros((2, len(edge))), np.zeros((2, len(edge)))
+    for side in (0, 1):
+        at = vertices[opposite[:, side]]
+        to_a, to_b = a - at, b - at
+        size = np.linalg.norm(to_a, axis=1) * np.linalg.norm(to_b, axis=1)
+        size = np.where(size > 0, size, 1.0)
+        cosine[side] = np.einsum("ij,ij->i", to_a, to_b) / size
+        sine[side] = np.linalg.norm(np.cross(to_a, to_b), axis=1) / size
+    return np.asarray(-(cosine[0] * sine[1] + sine[0] * cosine[1]))
+
+
+def _one_by_face(face: Ints, count: int) -> Ints:
+    """Return rows (k,) of pairs of faces (n, 2), no face in two of them."""
+    owner = np.full(count, len(face))
+    for side in (0, 1):
+        np.minimum.at(owner, face[:, side], np.arange(len(face)))
+    return np.flatnonzero((owner[face] == np.arange(len(face))[:, None]).all(axis=1))

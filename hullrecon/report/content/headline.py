@@ -22,6 +22,7 @@ def headline(survey: Survey) -> list[str]:
     lines = [
         _dive(survey),
         _position(survey),
+        _stereo_calibration(survey.adjusted),
         _from_outside(survey.adjusted),
         *weak_sentences(survey)[:2],
         _objects(survey),
@@ -81,6 +82,11 @@ def _position(survey: Survey) -> str:
     why = "the CAD model was left out, see warnings" if survey.adjusted.cad_model_was_refused else "there is no CAD model"
     frame = "the ship's frame (M)" if survey.is_in_hull_frame else f"a local frame (g), as {why}"
     return f"Positions are adjusted by method {survey.method} and given in {frame}; median one sigma in x / y / z: {sigma}."
+
+
+def _stereo_calibration(adjusted: AdjustedDive | None) -> str:
+    found = adjusted.summary.stereo_contradiction if adjusted is not None else None
+    return (found.sentence or "") if found is not None else ""
 
 
 def _from_outside(adjusted: AdjustedDive | None) -> str:
