@@ -17,7 +17,7 @@ from hullrecon.geometry.poses import identity
 WALL_OFFSET_M = -0.012  # of the wall from its CAD model
 
 
-def _objects(scenery, found, with_cad_model: bool = True, **options):
+def reported(scenery, found, with_cad_model: bool = True, **options):
     surveyed = as_found_surface(found, scenery.measured)
     base = BaseSurface(
         cad_model=scenery.base if with_cad_model else None,
@@ -30,12 +30,12 @@ def _objects(scenery, found, with_cad_model: bool = True, **options):
 
 
 def test_the_disc_and_the_recess_are_reported_once_and_nothing_else(scenery, found) -> None:
-    objects, _ = _objects(scenery, found)
+    objects, _ = reported(scenery, found)
     assert [round(o.height, 2) for o in objects] == [0.10, -0.05]
 
 
 def test_the_center_lies_on_the_visible_surface(scenery, found) -> None:
-    disc, recess = _objects(scenery, found)[0]
+    disc, recess = reported(scenery, found)[0]
     # the wall is 12 mm behind its CAD model at y = 2
     assert np.allclose(disc.center, [1.2, 2 - 0.012 + 0.10, 1.0], atol=0.02)
     assert np.allclose(recess.center, [2.2, 2 - 0.012 - 0.05, 1.0], atol=0.02)
@@ -43,7 +43,7 @@ def test_the_center_lies_on_the_visible_surface(scenery, found) -> None:
 
 
 def test_size_area_and_volume_are_those_of_the_structure(scenery, found) -> None:
-    disc, recess = _objects(scenery, found)[0]
+    disc, recess = reported(scenery, found)[0]
     assert np.allclose(disc.extent, [0.24, 0.24], atol=0.025)
     assert np.allclose(recess.extent, [0.20, 0.20], atol=0.025)
     assert disc.area == pytest.approx(np.pi * 0.12**2, rel=0.15)
@@ -53,21 +53,21 @@ def test_size_area_and_volume_are_those_of_the_structure(scenery, found) -> None
 
 
 def test_the_deviation_is_against_the_cad_model_and_absent_without_one(scenery, found) -> None:
-    disc, recess = _objects(scenery, found)[0]
+    disc, recess = reported(scenery, found)[0]
     assert disc.deviation == pytest.approx(0.10 - 0.012, abs=0.005)
     assert recess.deviation == pytest.approx(-0.05 - 0.012, abs=0.005)
-    assert _objects(scenery, found, with_cad_model=False)[0][0].deviation is None
+    assert reported(scenery, found, with_cad_model=False)[0][0].deviation is None
 
 
 def test_images_are_counted_and_the_best_named(scenery, found) -> None:
-    disc, _ = _objects(scenery, found)[0]
+    disc, _ = reported(scenery, found)[0]
     # cameras every 0.25 m from 0.5; the disc's top, 0.09 m in half, fits the footprint within about 0.6 m
     assert disc.views == 5
     assert disc.images[0] == "camera_top/3.jpg"  # at x = 1.25, the nearest to 1.2
 
 
 def test_the_outline_runs_around_the_footprint(scenery, found) -> None:
-    disc, _ = _objects(scenery, found)[0]
+    disc, _ = reported(scenery, found)[0]
     line = np.array(disc.outline)
     radius = np.hypot(line[:, 0] - 1.2, line[:, 2] - 1.0)
     assert len(line) >= 12
@@ -75,17 +75,17 @@ def test_the_outline_runs_around_the_footprint(scenery, found) -> None:
 
 
 def test_both_are_certain(scenery, found) -> None:
-    for item in _objects(scenery, found)[0]:
+    for item in reported(scenery, found)[0]:
         assert item.p_value < 1e-12
         assert 0.0005 < item.height_sigma < 0.006
 
 
 def test_a_top_rougher_than_its_landmarks_are_uncertain_is_less_certain(scenery, found) -> None:
-    (even, _), _ = _objects(scenery, found)
+    (even, _), _ = reported(scenery, found)
     at = scenery.measured.foot
     top = np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.12
     rough = scenery.measured.offset + np.where(top, np.random.default_rng(1).normal(0, 0.01, len(at)), 0.0)
-    (uneven, _), _ = _objects(replace(scenery, measured=replace(scenery.measured, offset=rough)), found)
+    (uneven, _), _ = reported(replace(scenery, measured=replace(scenery.measured, offset=rough)), found)
     assert uneven.height == even.height
     assert uneven.height_sigma == pytest.approx(np.hypot(0.01, even.height_sigma), rel=0.25)
 
@@ -100,19 +100,21 @@ def test_a_top_rougher_than_its_landmarks_are_uncertain_is_less_certain(scenery,
     ],
 )
 def test_what_is_not_certain_is_named_with_its_reason(option: str, value: float, words: str, scenery, found) -> None:
-    objects, rejected = _objects(scenery, found, **{option: value})
+    objects, rejected = reported(scenery, found, **{option: value})
     assert len(objects) < 2
     assert any(words in item.reason for item in rejected)
 
 
 def test_a_height_within_its_own_uncertainty_is_not_reported(scenery, found) -> None:
-    objects, rejected = _objects(scenery, replace(found, sigma=np.full(len(found.sigma), 0.05)))
+    objects, rejected = reported(scenery, replace(found, sigma=np.full(len(found.sigma), 0.05)))
     assert objects == []
     assert "bare hull" in rejected[0].reason
 
 
 def test_on_a_coarsely_drawn_curve_a_structure_must_stand_out_from_the_facets(scenery, found) -> None:
-    objects, rejected = _objects(scenery, replace(found, facet=np.full(len(found.facet), 0.04)))
+    objects, rejected = reported(
+        scenery, replace(found, sagitta=np.full(len(found.sagitta), 0.04), turn=np.ones(len(found.turn)))
+    )
     assert [round(o.height, 2) for o in objects] == [0.10]
     assert "0.070 m needed" in rejected[0].reason
 
@@ -121,7 +123,7 @@ def test_a_structure_on_which_landmarks_disagree_is_not_reported(scenery, found)
     at = scenery.measured.foot
     half = (np.hypot(at[:, 0] - 1.2, at[:, 2] - 1.0) < 0.13) & (np.random.default_rng(0).random(len(at)) < 0.5)
     mixed = replace(scenery.measured, offset=np.where(half, WALL_OFFSET_M, scenery.measured.offset))
-    objects, rejected = _objects(replace(scenery, measured=mixed), found)
+    objects, rejected = reported(replace(scenery, measured=mixed), found)
     assert [round(o.height, 2) for o in objects] == [-0.05]
     assert "agree" in rejected[0].reason
 
@@ -135,23 +137,23 @@ def test_landmarks_on_the_hull_at_the_foot_of_the_edge_are_not_those_of_the_stru
     joined["foot"] = np.concatenate([scenery.measured.foot, foot])
     joined["offset"] = np.concatenate([scenery.measured.offset, np.full(len(angle), WALL_OFFSET_M)])
     beside = replace(scenery, measured=SurfaceLandmarks(**joined))
-    assert [round(o.height, 2) for o in _objects(beside, found)[0]] == [0.10, -0.05]
+    assert [round(o.height, 2) for o in reported(beside, found)[0]] == [0.10, -0.05]
 
 
-@pytest.mark.parametrize(("radius_m", "reported"), [(0.03, True), (0.012, False)])
+@pytest.mark.parametrize(("radius_m", "seen"), [(0.03, True), (0.012, False)])
 def test_enough_views_must_show_as_much_of_a_structure_as_a_height_is_read_from(
-    radius_m: float, reported: bool, scenery, found
+    radius_m: float, seen: bool, scenery, found
 ) -> None:
     """A disc of 28 cm2 holds the 8 cm2 of a top, one of 5 cm2 does not."""
     off = np.hypot(found.base.vertices[:, 0] - 1.2, found.base.vertices[:, 2] - 1.0)
     shown = replace(found, shapes=np.where((off > radius_m) & (off < 0.2), 0, found.shapes))
-    objects, rejected = _objects(scenery, shown)
-    assert (0.10 in [round(o.height, 2) for o in objects]) == reported
-    assert any("images show it" in item.reason for item in rejected) != reported
+    objects, rejected = reported(scenery, shown)
+    assert (0.10 in [round(o.height, 2) for o in objects]) == seen
+    assert any("images show it" in item.reason for item in rejected) != seen
 
 
 def test_objects_are_plain_values_for_json(scenery, found) -> None:
-    row = _objects(scenery, found)[0][0].as_json()
+    row = reported(scenery, found)[0][0].as_json()
     assert {"center", "normal", "height", "height_sigma", "deviation", "extent", "area", "volume", "views", "p_value"} <= set(
         row
     )

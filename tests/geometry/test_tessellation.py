@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.meshes.tessellation import facet_sagitta, tessellation_error
+from hullrecon.geometry.meshes.tessellation import facet_sagitta, facet_turn, tessellation_error
 
 RADIUS_M = 5.0
 
@@ -27,6 +27,7 @@ def cylinder(sides: int, length_m: float = 2.0, radius_m: float = RADIUS_M) -> M
 def test_facets_of_a_cylinder_stand_off_it_by_the_height_of_their_arc(sides: int) -> None:
     exact = RADIUS_M * (1 - np.cos(np.pi / sides))
     np.testing.assert_allclose(facet_sagitta(cylinder(sides)), exact, rtol=0.02)
+    np.testing.assert_allclose(facet_turn(cylinder(sides)), 2 * np.pi / sides, rtol=1e-6)
     near = tessellation_error(cylinder(sides), cylinder(sides).vertices)
     assert near.sigma_m == pytest.approx(exact, rel=0.02)
     assert near.length_m == pytest.approx(2 * RADIUS_M * np.sin(np.pi / sides), rel=0.02)
@@ -34,6 +35,7 @@ def test_facets_of_a_cylinder_stand_off_it_by_the_height_of_their_arc(sides: int
 
 def test_edges_drawn_on_purpose_do_not_count() -> None:
     assert np.allclose(facet_sagitta(cylinder(6)), 0)  # turns of 60 degrees
+    assert np.allclose(facet_turn(cylinder(6)), 0)
     assert tessellation_error(cylinder(6), cylinder(6).vertices).sigma_m == 0
 
 

@@ -17,7 +17,7 @@ from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews, Visibility, find_visibility_by_cell
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
-from hullrecon.geometry.meshes.tessellation import facet_sagitta
+from hullrecon.geometry.meshes.tessellation import facet_sagitta, facet_turn
 from hullrecon.geometry.neighbours import nearest
 from hullrecon.typing import Array, Ints, Mask
 
@@ -30,9 +30,8 @@ class HullAsFound:
     """Vertex by vertex (n): where it is now (mesh) and on the base; normal (n, 3) of the base; hull (n,) m, the smooth offset
     of the hull from the base, and its sigma; height (n,) m above that hull, 0 where not measured; sigma (n,) m of the height;
     measured (n,) bool; agreement (n,) share of landmarks that agree; shapes (n,) views whose shapes show it
-    [Ozog2016 Algorithm 5]; seen: by which views; facet (n,) m, how far the true curve may stand off the CAD model's facet
-    there,
-    at structures."""
+    [Ozog2016 Algorithm 5]; seen: by which views; at structures sagitta (n,) m, how far the true curve may stand off the CAD
+    model's facet there, and turn (n,) rad, by which the facet's neighbours may be turned from it."""
 
     mesh: Mesh
     base: Mesh
@@ -45,7 +44,8 @@ class HullAsFound:
     agreement: Array
     shapes: Ints
     seen: Visibility
-    facet: Array
+    sagitta: Array
+    turn: Array
 
     @property
     def deviation(self) -> Array:
@@ -84,7 +84,7 @@ def estimate_hull_as_found(
     shape = Mesh(moved, mesh.faces)
     cell = np.where(_near_structures(mesh, raised, options), FINE_CELL_M, COARSE_CELL_M)
     seen = find_visibility_by_cell(views, moved, vertex_normals(shape), Scene(shape), cell)
-    facet = _sagitta_at(base, mesh, np.abs(raised) >= options.min_offset_m)
+    sagitta, turn = _facets_at(base, mesh, np.abs(raised) >= options.min_offset_m)
     sigma = np.where(known, heights.sigma, options.min_offset_m)
     return HullAsFound(
         mesh=shape,
@@ -98,15 +98,17 @@ def estimate_hull_as_found(
         agreement=heights.agreement,
         shapes=fused.count,
         seen=seen,
-        facet=facet,
+        sagitta=sagitta,
+        turn=turn,
     )
 
 
-def _sagitta_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
-    """Return the sagitta of the base's face under each of those vertices, 0 elsewhere."""
-    out = np.zeros(len(mesh.vertices))
+def _facets_at(base: Mesh, mesh: Mesh, which: Mask) -> Array:
+    """Return sagitta and turn of the base's face under each of those vertices (2, n), 0 elsewhere."""
+    out = np.zeros((2, len(mesh.vertices)))
     if which.any():
-        out[which] = facet_sagitta(base)[Scene(base).closest(mesh.vertices[which]).face]
+        face = Scene(base).closest(mesh.vertices[which]).face
+        out[:, which] = facet_sagitta(base)[face], facet_turn(base)[face]
     return out
 
 

@@ -195,7 +195,7 @@ def _rejection_reason(
     region, seen, (on, agree) = evidence.region, len(evidence.seen), supporting
     shapes = _showing(found, region, area)
     core = float(area[region.core].sum())
-    least = options.min_height_m + float(np.median(found.facet[region.core]))
+    least = options.min_height_m + _height_of_facets(found, region)
     checks = (
         (abs(region.height) < least, f"only {abs(region.height):.3f} m off the hull around it, of {least:.3f} m needed there"),
         (core < options.min_area_m2, f"only {1e4 * core:.0f} cm2 above half its height"),
@@ -205,6 +205,17 @@ def _rejection_reason(
         (evidence.chance > options.max_p_value, f"bare hull does so with probability {evidence.chance:.2g}"),
     )
     return next((reason for failed, reason in checks if failed), "")
+
+
+def _height_of_facets(found: HullAsFound, region: Region) -> float:
+    """Return how high or deep a curve that the CAD model draws in facets may seem there, m.
+
+    It stands off a facet by no more than the sagitta. And heights are counted from a plane through the ring around: off an edge
+    the curve parts from the facets by half the angle between them, so by that much over the way to the ring at most.
+    """
+    vertices = found.base.vertices
+    reach = np.linalg.norm(vertices[region.ring] - vertices[region.core].mean(axis=0), axis=1).max()
+    return float(np.median(np.minimum(found.sagitta[region.core], 0.5 * found.turn[region.core] * reach)))
 
 
 def _showing(found: HullAsFound, region: Region, area: Array) -> int:

@@ -49,6 +49,15 @@ def facet_sagitta(mesh: Mesh) -> Array:
     return out
 
 
+def facet_turn(mesh: Mesh) -> Array:
+    """Return for each face (m,) the largest angle to a neighbour, rad, beyond which sharp edges are left out."""
+    edges = _smooth_edges(mesh)
+    out = np.zeros(len(mesh.faces))
+    for face in (edges.first, edges.second):
+        np.maximum.at(out, face, edges.angle)
+    return out
+
+
 def tessellation_error(mesh: Mesh, points: Array, reach_m: float = 1.0) -> TessellationError:
     """Return the error of the facets within reach of points (n, 3), in the mesh's frame, weighted by area."""
     part = Mesh(mesh.vertices, mesh.faces[_faces_near(mesh, points, reach_m)])
