@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon import native
+from hullrecon.adjustment.exceeded_priors import widen_exceeded_priors
 from hullrecon.adjustment.hull_pose import estimate, registration
 from hullrecon.adjustment.hull_pose.form import Form
 from hullrecon.adjustment.options import AdjustOptions
@@ -41,8 +42,8 @@ log = logging.getLogger(__name__)
 class Adjusted:
     """The adjusted dive. start: the first round's problem as it began; problem and result: of the last round, at its solution;
     rig: with the intrinsics found; evidence: what the hull pose was fitted to, form: whether that has the CAD model's form
-    (None where no round held it); refusal: why the CAD model was left out, None where it was not (or there is none); stereo:
-    what contradicts the stereo rig's calibration, None where nothing does."""
+    (None where no round held it); refusal: why the CAD model was left out, None where it was not (or there is none); stereo and
+    length_conflict: as of FirstPath."""
 
     state: State
     weights: Weights
@@ -57,17 +58,20 @@ class Adjusted:
     form: Form | None
     refusal: str | None
     stereo: StereoContradiction | None = None
+    length_conflict: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class FirstPath:
-    """The path from images and navigation: its rounds, the estimate after them, the solver that goes on from there, and what
-    of it contradicts the stereo rig's calibration."""
+    """The path from images and navigation: its rounds, the estimate after them, the solver that goes on. stereo: what
+    contradicts the stereo rig's calibration; length_conflict: share by which the DVL's velocities contradict all else about
+    lengths, where one camera cannot tell. Both None where nothing does."""
 
     solver: RoundSolver
     rounds: tuple[RoundResult, ...]
     straight: Estimate
-    stereo: StereoContradiction | None
+    stereo: StereoContradiction | None = None
+    length_conflict: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +91,8 @@ def adjust(measured: Measurements, options: AdjustOptions, report: Report) -> Ad
     Raises StageError when too little agrees to be adjusted.
     """
     path = find_path(measured, options, report)
-    return replace(_adjust_from(path, measured.cad_model, options, report), stereo=path.stereo)
+    adjusted = _adjust_from(path, measured.cad_model, options, report)
+    return replace(adjusted, stereo=path.stereo, length_conflict=path.length_conflict)
 
 
 def _adjust_from(path: FirstPath, cad_model: CadModel | None, options: AdjustOptions, report: Report) -> Adjusted:
@@ -110,10 +115,21 @@ def find_path(measured: Measurements, options: AdjustOptions, report: Report) ->
     with_cad = measured.cad_model is not None
     rounds = solver.coarse_rounds(start, max(options.rounds - 1, int(with_cad)))
     straight = rounds[-1].after if rounds else start
-    freed = free_contradicted_rig(straight, solver) if rounds and not options.as_published else None
-    if freed is None:
-        return FirstPath(solver=solver, rounds=tuple(rounds), straight=straight, stereo=None)
-    return FirstPath(solver=solver, rounds=(*rounds, freed.round), straight=freed.estimate, stereo=freed.contradiction)
+    if not rounds or options.as_published:
+        return FirstPath(solver=solver, rounds=tuple(rounds), straight=straight)
+    freed = free_contradicted_rig(straight, solver)
+    if freed is not None:
+        rounds, straight = [*rounds, freed.round], freed.estimate
+    widened = widen_exceeded_priors(rounds[-1], straight, solver)
+    if widened is not None:
+        rounds, straight = [*rounds, widened.round], widened.round.after
+    return FirstPath(
+        solver=solver,
+        rounds=tuple(rounds),
+        straight=straight,
+        stereo=None if freed is None else freed.contradiction,
+        length_conflict=None if widened is None else widened.length_conflict,
+    )
 
 
 def check_cad_model(path: FirstPath, cad_model: CadModel, options: AdjustOptions, report: Report) -> CheckedModel:

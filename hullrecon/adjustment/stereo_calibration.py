@@ -192,10 +192,10 @@ def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Esti
     navigation_sigma[DVL_SCALE] = max(navigation_sigma[DVL_SCALE], length_sigma)
     only_length = _unknown(mount, np.r_[length_sigma * length_m, np.full(5, HELD)])
     widened = _with_rig(after, replace(calibrated, T_ct_cb=only_length, navigation_sigma=navigation_sigma))
-    return replace(widened, weights=_widen_ranges(after, length_sigma))
+    return replace(widened, weights=widen_ranges(after, length_sigma))
 
 
-def _widen_ranges(after: Estimate, share: float) -> Weights:
+def widen_ranges(after: Estimate, share: float) -> Weights:
     """Return the weights with which all ranges together tell lengths no better than to that share: a wrong speed of sound
     scales them as it does the velocities, and n readings do not make it better known."""
     returns = after.measured.returns

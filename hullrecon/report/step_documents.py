@@ -58,7 +58,7 @@ class AdjustSigmas(StepDocument, frozen=True):
 
 class SensorErrors(StepDocument, frozen=True):
     """Errors of the navigation's sensors that the adjustment estimated, or one sigma of each (zero: not known). dvl_scale and
-    heading_drift_rad_s: what is added to the sensor's velocities, as a share, and to its rate of turn."""
+    heading_drift_rad_s: what is added to the sensor's velocities, as a share of the true ones, and to its rate of turn."""
 
     dvl_scale: float = 0.0
     heading_drift_rad_s: float = 0.0

@@ -87,7 +87,7 @@ def test_a_dvl_that_stereo_and_depths_contradict_is_not_taken_for_a_wrong_rig():
     dive, adjusted, outcome = _adjusted("DVL too long", True)
     assert adjusted.stereo is None
     sigma = outcome.summary["navigation_sigma"]["dvl_scale"]
-    assert abs(adjusted.state.navigation[0] - ((1 + NAVIGATION[0]) / 1.08 - 1)) < 3 * sigma < 0.01
+    assert abs(adjusted.state.navigation[0] - (1 - 1.08 * (1 - NAVIGATION[0]))) < 2.5 * sigma < 0.01
     assert position_rms_m(dive, outcome) < 5e-3
 
 

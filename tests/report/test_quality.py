@@ -85,6 +85,8 @@ def test_errors_are_given_of_sensors_that_were_carried_alone(survey: Survey) -> 
         ("Bias of pitch", "+0.00 ± 0.15°"),
         ("Bias of the depth", "+6 ± 95 mm"),
     ]
+    sound = adjusted(survey, AdjustSummary(navigation=SensorErrors(dvl_scale=-0.05), navigation_sigma=sigma))
+    assert tables(sound)["calibration"].rows[0][1] == "+5.00 ± 0.08 %"  # of the true velocity
     blind = replace(found, facts=replace(found.facts, dvl=None, has_depth=False, has_attitude=False))
     assert "calibration" not in tables(blind)
 

@@ -19,6 +19,7 @@ from hullrecon.adjustment.results import residual_statistics
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.adjustment.results.legs import LegTies, tie_legs
 from hullrecon.adjustment.results.solution import build_solution, marginal_covariances
+from hullrecon.adjustment.results.unexpected_errors import length_warning, mount_warning, navigation_warnings
 from hullrecon.adjustment.stereo_calibration import stereo_warning
 from hullrecon.estimation.position_tables import fit_of_positions
 from hullrecon.geometry.poses import pose_vector
@@ -79,6 +80,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
             *([] if disagreement is None else [disagreement]),
             *intrinsics.intrinsics_warnings(seen_with),
             *([] if stereo is None else [stereo]),
+            *_unexpected_errors(m, adjusted, marginals),
         ],
     )
 
@@ -88,6 +90,20 @@ def _stereo_sentence(m: Measurements, adjusted: Adjusted, marginals: native.Cova
     if adjusted.stereo is None or adjusted.state.T_ct_cb is None or m.rig.T_ct_cb is None:
         return None
     return stereo_warning(adjusted.stereo, m.rig.T_ct_cb.nominal, adjusted.state.T_ct_cb, marginals.T_ct_cb)
+
+
+def _unexpected_errors(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> list[str]:
+    """Return a sentence for each sensor's error and each mount beyond what dive.toml allows."""
+    allowed, state = m.rig.navigation_sigma, adjusted.state
+    if adjusted.stereo is not None or adjusted.length_conflict is not None:  # then another sentence speaks of the DVL's scale
+        allowed = np.r_[np.inf, allowed[1:]]
+    lengths = [] if adjusted.length_conflict is None else [length_warning(adjusted.length_conflict, marginals.navigation)]
+    mounts = [
+        mount_warning("dvl.mount", m.rig.T_s_d, state.T_s_d, marginals.T_s_d),
+        mount_warning("camera.top.mount", m.rig.T_s_ct, state.T_s_ct, marginals.T_s_ct),
+    ]
+    navigation = navigation_warnings(state.navigation, allowed, marginals.navigation)
+    return [*lengths, *navigation, *(sentence for sentence in mounts if sentence)]
 
 
 def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:

@@ -107,7 +107,7 @@ def _sensor_errors(survey: Survey, found: SensorErrors, sigma: SensorErrors) -> 
     error has the other sign. The tray's backlash is left out: its sigma does not hold against truth."""
     rows = []
     if survey.facts.dvl is not None:
-        scale, scale_sigma = 100 * (1 / (1 + found.dvl_scale) - 1), 100 * sigma.dvl_scale
+        scale, scale_sigma = -100 * found.dvl_scale, 100 * sigma.dvl_scale
         rows.append(("Scale error of the DVL's velocities", error_with_sigma(scale, scale_sigma, " %")))
     if survey.facts.has_attitude:
         drift, drift_sigma = (3600 * math.degrees(v) for v in (-found.heading_drift_rad_s, sigma.heading_drift_rad_s))

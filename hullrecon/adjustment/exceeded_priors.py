@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Priors of sensors and mounts that a dive contradicts, widened to what it shows (docs/methods.md 6).
+
+Where a package says that its DVL is right to half a per cent and it is not, by three, the solve ends somewhere between, with a
+sigma that the prior made small. An estimate x with prior sigma p and posterior variance P has the variance p^2 - P if the prior
+is right; without the prior it would have been x / (1 - P / p^2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hullrecon import native
+from hullrecon.adjustment.problem.state import State
+from hullrecon.adjustment.rounds import Estimate, RoundResult, RoundSolver
+from hullrecon.adjustment.stereo_calibration import widen_ranges
+from hullrecon.errors import StageError
+from hullrecon.estimation.rig_priors import Mount, Rig
+from hullrecon.geometry.poses import Poses
+from hullrecon.typing import Array
+
+MANY_SIGMAS = 4.0
+LEAST_INFORMED = 0.2  # of the prior's variance that the dive must take away before it may contradict it
+DVL_SCALE = 0
+JUDGED = 5  # errors of navigation: the tray's backlash, the sixth, is a prior of each swing as well
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Prior:
+    """Deviations (k,) from a prior in its sigmas, and to_sigmas (k, m): from the unknowns' tangent to them."""
+
+    deviation: Array
+    to_sigmas: Array
+
+    def may_be_exceeded(self) -> bool:
+        return bool(np.abs(self.deviation).max() > MANY_SIGMAS * np.sqrt(LEAST_INFORMED))
+
+    def widening(self, covariance: Array) -> Array:
+        """Return by how much each sigma is to grow (k,), 1 where the prior holds. covariance (m, m): of the unknowns."""
+        left = np.diag(self.to_sigmas @ covariance @ self.to_sigmas.T)
+        informed = np.maximum(1 - left, 1e-9)
+        exceeded = (informed > LEAST_INFORMED) & (np.abs(self.deviation) > MANY_SIGMAS * np.sqrt(informed))
+        return np.where(exceeded, np.abs(self.deviation) / informed, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WidenedPriors:
+    """The round with the priors widened. length_conflict: share by which the DVL's velocities contradict all else about
+    lengths, which one camera cannot tell by itself; None where they do not, or there are two cameras."""
+
+    round: RoundResult
+    length_conflict: float | None
+
+
+def widen_exceeded_priors(last: RoundResult, solved: Estimate, solver: RoundSolver) -> WidenedPriors | None:
+    """Return a round from a solved path with the priors widened that it contradicts; None where it contradicts none. last: the
+    round that solved it."""
+    rig, state = solved.measured.rig, solved.state
+    priors = _priors(rig, state)
+    if not any(prior.may_be_exceeded() for prior in priors.values()):
+        return None
+    try:
+        covariance = native.covariance(last.problem, native.Options(method="naive"))
+    except StageError:
+        return None  # something is not determined at all; the last round says what
+    widening = {name: prior.widening(getattr(covariance, name)) for name, prior in priors.items()}
+    if all((factor == 1).all() for factor in widening.values()):
+        return None
+    solver.report(f"priors that the dive contradicts are widened: {_describe(widening)}")
+    widened = replace(solved, measured=replace(solved.measured, rig=_widen(rig, widening)))
+    if widening["navigation"][DVL_SCALE] == 1:
+        return WidenedPriors(round=solver.solve_round(widened), length_conflict=None)
+    # A wrong speed of sound scales the ranges as well: a second camera, depths and the CAD model decide
+    share = float(rig.navigation_sigma[DVL_SCALE] * widening["navigation"][DVL_SCALE])
+    result = solver.solve_round(replace(widened, weights=widen_ranges(widened, share)))
+    return WidenedPriors(round=result, length_conflict=share if rig.bottom is None else None)
+
+
+def _priors(rig: Rig, state: State) -> dict[str, _Prior]:
+    """Return the priors by the unknowns' name, those of mounts that are held left out."""
+    rows = np.diag(1 / rig.navigation_sigma)[:JUDGED]
+    out = {"navigation": _Prior(deviation=rows @ state.navigation, to_sigmas=rows)}
+    for name, mount, found in (("T_s_ct", rig.T_s_ct, state.T_s_ct), ("T_s_d", rig.T_s_d, state.T_s_d)):
+        if mount is not None and mount.sqrt_information is not None and found is not None:
+            out[name] = _prior_of_mount(mount, found)
+    return out
+
+
+def _prior_of_mount(mount: Mount, found: Poses) -> _Prior:
+    assert mount.sqrt_information is not None
+    to_child = mount.nominal.rotation.inv().as_matrix()[0]
+    shift = to_child @ (found.translation - mount.nominal.translation)[0]
+    turn = (mount.nominal.rotation.inv() * found.rotation).as_rotvec()[0]
+    to_prior = np.eye(6)
+    to_prior[:3, :3] = to_child
+    return _Prior(deviation=mount.sqrt_information @ np.r_[shift, turn], to_sigmas=mount.sqrt_information @ to_prior)
+
+
+def _widen(rig: Rig, widening: dict[str, Array]) -> Rig:
+    navigation = rig.navigation_sigma.copy()
+    navigation[:JUDGED] *= widening["navigation"]
+    mounts = {}
+    for name in ("T_s_ct", "T_s_d"):
+        mount = getattr(rig, name)
+        if name in widening:
+            mounts[name] = replace(mount, sqrt_information=mount.sqrt_information / widening[name][:, None])
+    return replace(rig, navigation_sigma=navigation, **mounts)
+
+
+def _describe(widening: dict[str, Array]) -> str:
+    return ", ".join(f"{name} by {factor.max():.1f}" for name, factor in widening.items() if (factor > 1).any())

@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""A sensor or a mount that is far off what its package allows: named, with the sign and the size that are true."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from adjustment.simulated_dive import NAVIGATION, NAVIGATION_SIGMA, TRAY_FROM_TOP, motion, records_poses, simulate
+from adjustment.solved_dives import solved
+from scipy.spatial.transform import Rotation
+
+from hullrecon.adjustment.bundle_adjustment import adjust
+from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.results.summary import summarise_adjustment
+from hullrecon.adjustment.results.unexpected_errors import mount_warning, navigation_warnings
+from hullrecon.estimation.rig_priors import Mount, mount_prior
+
+OPTIONS = AdjustOptions()
+CERTAIN = np.diag(np.r_[1e-3, 1e-5, 1e-4, 1e-4, 0.01, 1e-3]) ** 2
+SAID = ("DVL measures", "heading drifts", "Roll is off", "Pitch is off", "Depths read")
+
+
+@pytest.mark.parametrize(
+    ("place", "correction", "sentence"),
+    [
+        (0, -0.05, "The DVL measures ways 5.0 ± 0.1 % too long, 5 times dvl.scale_sigma"),
+        (0, 0.05, "The DVL measures ways 5.0 ± 0.1 % too short, 5 times dvl.scale_sigma"),
+        (1, -0.005, "The heading drifts by 1031 ± 2 degrees an hour, 5 times imu.heading_drift_deg_per_hour"),
+        (2, 0.0175, "Roll is off by 1.00 ± 0.01 degrees, 6 times imu.bias_sigma_deg"),
+        (3, -0.0175, "Pitch is off by -1.00 ± 0.01 degrees, 6 times imu.bias_sigma_deg"),
+        (4, 0.3, "Depths read 0.30 ± 0.01 m too deep, 6 times pressure.bias_sigma_m"),
+        (4, -0.3, "Depths read 0.30 ± 0.01 m too shallow, 6 times pressure.bias_sigma_m"),
+    ],
+)
+def test_each_error_is_said_with_its_sign_and_what_was_allowed(place, correction, sentence):
+    found = np.zeros(6)
+    found[place] = correction
+    (said,) = navigation_warnings(found, NAVIGATION_SIGMA, CERTAIN)
+    assert said.startswith(sentence)
+    assert navigation_warnings(0.6 * found, NAVIGATION_SIGMA, CERTAIN) == []
+    unsure = np.diag(np.full(6, abs(correction) / 3)) ** 2
+    assert navigation_warnings(found, NAVIGATION_SIGMA, unsure) == []
+
+
+def test_what_lies_within_its_sigmas_is_not_spoken_of():
+    warnings = solved(cad=True).outcome.warnings
+    assert not [w for w in warnings if any(words in w for words in (*SAID, "from where dive.toml has it"))]
+
+
+@pytest.mark.parametrize(
+    ("off", "words"),
+    [
+        (motion(0.05, 0, 0, 0, 0, 0), "moved by 50 mm from"),
+        (motion(0, 0, 0, 0, 2.5, 0), "turned by 2.5 degrees from"),
+        (motion(0, -0.05, 0, 0, 0, -2.5), "moved by 50 mm and turned by 2.5 degrees from"),
+    ],
+)
+def test_a_mount_far_from_its_place_is_said(off, words):
+    six = (0.03, 0.05, -0.05, 90.0, 0.0, 90.0)
+    mount, covariance = mount_prior(six, (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)), np.diag([1e-3] * 3 + [1e-3] * 3) ** 2
+    beside = motion(*six)
+    beside[:3, 3] += off[:3, 3]
+    beside[:3, :3] = off[:3, :3] @ beside[:3, :3]
+    sentence = mount_warning("camera.top.mount", mount, records_poses(beside), covariance)
+    assert words in sentence
+    assert ", 5 times what camera.top.mount_sigma allows" in sentence
+    near = records_poses(motion(0.05, *six[1:5], 91.0))
+    assert mount_warning("camera.top.mount", mount, near, covariance) is None
+    assert mount_warning("camera.top.mount", mount, records_poses(beside), 1e4 * covariance) is None
+    assert mount_warning("camera.top.mount", Mount(mount.nominal, None), records_poses(beside), covariance) is None
+
+
+@lru_cache
+def _with_small_priors(cad):
+    """The simulated dive, whose package allows a tenth of its errors; its camera stands 1.5 degrees off."""
+    dive = simulate(cad=cad)
+    rig = dive.measured.rig
+    off = TRAY_FROM_TOP @ motion(0, 0, 0, 0, 0, 1.5)
+    top = Mount(records_poses(off), np.diag(1 / np.r_[np.full(3, 0.01), np.radians(np.full(3, 0.2))]))
+    measured = replace(dive.measured, rig=replace(rig, navigation_sigma=0.1 * NAVIGATION_SIGMA, T_s_ct=top))
+    adjusted = adjust(measured, OPTIONS, lambda _: None)
+    return measured, adjusted, summarise_adjustment(measured, adjusted, OPTIONS)
+
+
+@pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])
+def test_a_prior_that_the_dive_contradicts_does_not_hold_it_back(cad):
+    """Scale and drift are 8 and 10 of their prior sigmas off; held to these, they came out at 40 and 55 % of what is true."""
+    _, adjusted, outcome = _with_small_priors(cad)
+    sigma = outcome.summary["navigation_sigma"]
+    for place, name in ((0, "dvl_scale"), (1, "heading_drift_rad_s")):
+        assert abs(adjusted.state.navigation[place] - NAVIGATION[place]) < 2.5 * sigma[name] < 0.5 * abs(NAVIGATION[place])
+
+
+@pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])
+def test_what_a_dive_says_of_its_sensors_is_true(cad):
+    _, adjusted, outcome = _with_small_priors(cad)
+    (scale,) = [w for w in outcome.warnings if SAID[0] in w]
+    assert "% too short, 10 times" in scale
+    assert len([w for w in outcome.warnings if SAID[1] in w]) == 1
+    (mount,) = [w for w in outcome.warnings if "camera.top.mount turned by 1." in w]
+    assert "8 times" in mount
+    found = adjusted.state.T_s_ct.rotation.inv() * Rotation.from_matrix(TRAY_FROM_TOP[:3, :3])
+    assert np.degrees(found.magnitude()[0]) < 0.4
+
+
+@lru_cache
+def _fast_sound(stereo):
+    """The simulated dive, without its CAD model; its DVL was set to a speed of sound 8 % too high."""
+    dive = simulate(cad=False, stereo=stereo, landmarks=800)
+    odometry, returns = dive.measured.odometry, dive.measured.returns
+    by_navigation = odometry.by_navigation * np.r_[np.full(3, 1.08), np.ones(3)][:, None]
+    odometry = replace(odometry, translation=1.08 * odometry.translation, by_navigation=by_navigation)
+    measured = replace(dive.measured, odometry=odometry, returns=replace(returns, range_m=1.08 * returns.range_m))
+    adjusted = adjust(measured, OPTIONS, lambda _: None)
+    return dive, adjusted, summarise_adjustment(measured, adjusted, OPTIONS)
+
+
+def test_with_one_camera_a_wrong_speed_of_sound_is_said_and_covered_by_its_sigma():
+    """Velocities and ranges agree, and are wrong; depths know better."""
+    _, adjusted, outcome = _fast_sound(False)
+    assert adjusted.length_conflict == pytest.approx(0.08, abs=0.03)
+    (sentence,) = [w for w in outcome.warnings if "contradict all else" in w]
+    assert "speed of sound" in sentence
+    assert not [w for w in outcome.warnings if SAID[0] in w]
+    sigma = outcome.summary["navigation_sigma"]["dvl_scale"]
+    assert abs(adjusted.state.navigation[0] - (1 - 1.08 * (1 - NAVIGATION[0]))) < 2.5 * sigma < 0.08
+
+
+def test_with_two_cameras_a_wrong_speed_of_sound_is_the_dvls_error():
+    _, adjusted, outcome = _fast_sound(True)
+    assert adjusted.length_conflict is None
+    assert len([w for w in outcome.warnings if SAID[0] in w]) == 1
+    sigma = outcome.summary["navigation_sigma"]["dvl_scale"]
+    assert abs(adjusted.state.navigation[0] - (1 - 1.08 * (1 - NAVIGATION[0]))) < 2.5 * sigma < 0.01
+
+
+def test_priors_that_hold_are_left_alone():
+    for cad in (True, False):
+        np.testing.assert_array_equal(solved(cad=cad).adjusted.problem.priors.navigation_sigma, NAVIGATION_SIGMA)
