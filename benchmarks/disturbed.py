@@ -4,9 +4,10 @@
 
 PACKAGE is a simulated dive with an MCAP log. Copies of it are made in FOLDER, each disturbed in one way: no images for 50 s, no
 DVL for 60 s, neither DVL nor hull in the images for 60 s, an IMU whose clock jumps by 2 s, a heading that steps by 3 degrees,
-each from the middle of the dive, a DVL whose log ends half a minute after it, and a sensor whose clock is half a second late
-throughout. Asked for by name, a stereo calibration that is off: the bottom camera by a tenth of a degree, the baseline by 2 mm.
-Each is run to `adjust` and compared with the truth: the vehicle's error in its own sigmas, and what was said of it.
+each from the middle of the dive, a DVL whose log ends half a minute after it; throughout, a DVL set to a speed of sound 3 %
+too high, and a sensor whose clock is half a second late. Asked for by name, a stereo calibration that is off: the bottom camera
+by a tenth of a degree, the baseline by 2 mm. Each is run to `adjust` and compared with the truth: the vehicle's error in its
+own sigmas, and what was said of it.
 """
 
 from __future__ import annotations
@@ -27,11 +28,14 @@ from mcap.writer import Writer
 from scipy.spatial.transform import Rotation
 
 from benchmarks.legs import Figures, figures, hullrecon, without_cad_model
+from hullrecon.synthetic.output.messages import store
 
 NS = 1_000_000_000
 HEADING_STEP_DEG, CLOCK_JUMP_S, NO_IMAGES_S = 3.0, 2.0, 50.0
 NO_DVL_S, DVL_ENDS_S = 60.0, 30.0
 LATE_S = 0.5
+FAST_SOUND = 1.03  # times the speed of sound that is right
+DVL_TYPE = "marine_acoustic_msgs/msg/Dvl"
 ENCAPSULATION = 4  # bytes before a message in CDR
 # From the topic, the time since the dive's middle in s and the message: the message as it is logged, or None where it is lost.
 Disturbance = Callable[[str, float, bytes], bytes | None]
@@ -97,6 +101,17 @@ def dvl_ends(topic: str, since_s: float, data: bytes) -> bytes | None:
     return None if topic == "/dvl" and since_s >= DVL_ENDS_S else data
 
 
+def fast_sound(topic: str, since_s: float, data: bytes) -> bytes | None:
+    """Stretch what the DVL measures."""
+    if topic != "/dvl":
+        return data
+    message = store().deserialize_cdr(data, DVL_TYPE)
+    for axis in ("x", "y", "z"):
+        setattr(message.velocity, axis, FAST_SOUND * getattr(message.velocity, axis))
+    message.range = FAST_SOUND * message.range
+    return bytes(store().serialize_cdr(message, DVL_TYPE))
+
+
 def clock_jump(topic: str, since_s: float, data: bytes) -> bytes | None:
     return with_stamp(data, stamp(data) + round(CLOCK_JUMP_S * NS)) if topic == "/imu" and since_s >= 0 else data
 
@@ -118,6 +133,7 @@ DISTURBANCES: dict[str, Disturbance] = {
     "open-water": open_water,
     "clock-jump": clock_jump,
     "heading-step": heading_step,
+    "fast-sound": fast_sound,
     "dvl-late": late("/dvl"),
     "imu-late": late("/imu"),
     "images-late": late("camera"),

@@ -23,9 +23,9 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
 MANY_SIGMAS = 4.0
-LEAST_INFORMED = 0.2  # of the prior's variance that the dive must take away before it may contradict it
+LEAST_GAINED = 0.2  # of the prior's variance that the dive must take away before it may contradict it
 DVL_SCALE = 0
-JUDGED = 5  # errors of navigation: the tray's backlash, the sixth, is a prior of each swing as well
+CONSTANT_ERRORS = 5  # errors of navigation: the tray's backlash, the sixth, is a prior of each swing as well
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,14 +36,14 @@ class _Prior:
     to_sigmas: Array
 
     def may_be_exceeded(self) -> bool:
-        return bool(np.abs(self.deviation).max() > MANY_SIGMAS * np.sqrt(LEAST_INFORMED))
+        return bool(np.abs(self.deviation).max() > MANY_SIGMAS * np.sqrt(LEAST_GAINED))
 
     def widening(self, covariance: Array) -> Array:
         """Return by how much each sigma is to grow (k,), 1 where the prior holds. covariance (m, m): of the unknowns."""
         left = np.diag(self.to_sigmas @ covariance @ self.to_sigmas.T)
-        informed = np.maximum(1 - left, 1e-9)
-        exceeded = (informed > LEAST_INFORMED) & (np.abs(self.deviation) > MANY_SIGMAS * np.sqrt(informed))
-        return np.where(exceeded, np.abs(self.deviation) / informed, 1.0)
+        gained = np.maximum(1 - left, 1e-9)
+        exceeded = (gained > LEAST_GAINED) & (np.abs(self.deviation) > MANY_SIGMAS * np.sqrt(gained))
+        return np.where(exceeded, np.abs(self.deviation) / gained, 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +81,7 @@ def widen_exceeded_priors(last: RoundResult, solved: Estimate, solver: RoundSolv
 
 def _priors(rig: Rig, state: State) -> dict[str, _Prior]:
     """Return the priors by the unknowns' name, those of mounts that are held left out."""
-    rows = np.diag(1 / rig.navigation_sigma)[:JUDGED]
+    rows = np.diag(1 / rig.navigation_sigma)[:CONSTANT_ERRORS]
     out = {"navigation": _Prior(deviation=rows @ state.navigation, to_sigmas=rows)}
     for name, mount, found in (("T_s_ct", rig.T_s_ct, state.T_s_ct), ("T_s_d", rig.T_s_d, state.T_s_d)):
         if mount is not None and mount.sqrt_information is not None and found is not None:
@@ -101,7 +101,7 @@ def _prior_of_mount(mount: Mount, found: Poses) -> _Prior:
 
 def _widen(rig: Rig, widening: dict[str, Array]) -> Rig:
     navigation = rig.navigation_sigma.copy()
-    navigation[:JUDGED] *= widening["navigation"]
+    navigation[:CONSTANT_ERRORS] *= widening["navigation"]
     mounts = {}
     for name in ("T_s_ct", "T_s_d"):
         mount = getattr(rig, name)
