@@ -7,7 +7,15 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from adjustment.simulated_dive import NAVIGATION, NAVIGATION_SIGMA, TRAY_FROM_TOP, motion, records_poses, simulate
+from adjustment.simulated_dive import (
+    NAVIGATION,
+    NAVIGATION_SIGMA,
+    TOP_FROM_BOTTOM,
+    TRAY_FROM_TOP,
+    motion,
+    records_poses,
+    simulate,
+)
 from adjustment.solved_dives import solved
 from scipy.spatial.transform import Rotation
 
@@ -106,13 +114,17 @@ def test_what_a_dive_says_of_its_sensors_is_true(cad):
 
 
 @lru_cache
-def _fast_sound(stereo):
-    """The simulated dive, without its CAD model; its DVL was set to a speed of sound 8 % too high."""
+def _fast_sound(stereo, turned_deg=0.0):
+    """The simulated dive, without its CAD model; its DVL was set to a speed of sound 8 % too high, its bottom camera is turned
+    from its calibration."""
     dive = simulate(cad=False, stereo=stereo, landmarks=800)
     odometry, returns = dive.measured.odometry, dive.measured.returns
     by_navigation = odometry.by_navigation * np.r_[np.full(3, 1.08), np.ones(3)][:, None]
     odometry = replace(odometry, translation=1.08 * odometry.translation, by_navigation=by_navigation)
     measured = replace(dive.measured, odometry=odometry, returns=replace(returns, range_m=1.08 * returns.range_m))
+    if stereo:
+        calibrated = Mount(records_poses(TOP_FROM_BOTTOM @ motion(0, 0, 0, turned_deg, 0, 0)), None)
+        measured = replace(measured, rig=replace(measured.rig, T_ct_cb=calibrated))
     adjusted = adjust(measured, OPTIONS, lambda _: None)
     return dive, adjusted, summarise_adjustment(measured, adjusted, OPTIONS)
 
@@ -134,6 +146,15 @@ def test_with_two_cameras_a_wrong_speed_of_sound_is_the_dvls_error():
     assert len([w for w in outcome.warnings if SAID[0] in w]) == 1
     sigma = outcome.summary["navigation_sigma"]["dvl_scale"]
     assert abs(adjusted.state.navigation[0] - (1 - 1.08 * (1 - NAVIGATION[0]))) < 2.5 * sigma < 0.01
+
+
+def test_a_rig_that_is_turned_as_well_does_not_hide_the_dvls_error():
+    _, adjusted, outcome = _fast_sound(True, 0.2)
+    assert adjusted.stereo.by_images
+    assert len([w for w in outcome.warnings if "stereo calibration does not hold" in w]) == 1
+    assert len([w for w in outcome.warnings if SAID[0] in w]) == 1
+    sigma = outcome.summary["navigation_sigma"]["dvl_scale"]
+    assert abs(adjusted.state.navigation[0] - (1 - 1.08 * (1 - NAVIGATION[0]))) < 2.5 * sigma < 0.02
 
 
 def test_priors_that_hold_are_left_alone():

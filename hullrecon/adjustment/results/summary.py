@@ -95,7 +95,8 @@ def _stereo_sentence(m: Measurements, adjusted: Adjusted, marginals: native.Cova
 def _unexpected_errors(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> list[str]:
     """Return a sentence for each sensor's error and each mount beyond what dive.toml allows."""
     allowed, state = m.rig.navigation_sigma, adjusted.state
-    if adjusted.stereo is not None or adjusted.length_conflict is not None:  # then another sentence speaks of the DVL's scale
+    by_lengths = adjusted.stereo is not None and not adjusted.stereo.by_images
+    if by_lengths or adjusted.length_conflict is not None:  # then another sentence speaks of the DVL's scale
         allowed = np.r_[np.inf, allowed[1:]]
     lengths = [] if adjusted.length_conflict is None else [length_warning(adjusted.length_conflict, marginals.navigation)]
     mounts = [
