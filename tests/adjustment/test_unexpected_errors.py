@@ -33,8 +33,8 @@ SAID = ("DVL measures", "heading drifts", "Roll is off", "Pitch is off", "Depths
 @pytest.mark.parametrize(
     ("place", "correction", "sentence"),
     [
-        (0, -0.05, "The DVL measures ways 5.0 ± 0.1 % too long, 5 times dvl.scale_sigma"),
-        (0, 0.05, "The DVL measures ways 5.0 ± 0.1 % too short, 5 times dvl.scale_sigma"),
+        (0, -0.05, "The DVL measures distances 5.0 ± 0.1 % too long, 5 times dvl.scale_sigma"),
+        (0, 0.05, "The DVL measures distances 5.0 ± 0.1 % too short, 5 times dvl.scale_sigma"),
         (1, -0.005, "The heading drifts by 1031 ± 2 degrees an hour, 5 times imu.heading_drift_deg_per_hour"),
         (2, 0.0175, "Roll is off by 1.00 ± 0.01 degrees, 6 times imu.bias_sigma_deg"),
         (3, -0.0175, "Pitch is off by -1.00 ± 0.01 degrees, 6 times imu.bias_sigma_deg"),

@@ -28,7 +28,7 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
         error = -100 * correction[SCALE]
         way = "long" if error > 0 else "short"
         out.append(
-            f"The DVL measures ways {abs(error):.1f} ± {100 * sigma[SCALE]:.1f} % too {way}, "
+            f"The DVL measures distances {abs(error):.1f} ± {100 * sigma[SCALE]:.1f} % too {way}, "
             f"{_times(correction, allowed, SCALE)} dvl.scale_sigma: check the speed of sound that it was set to. "
             "The error was taken out."
         )
