@@ -23,7 +23,9 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
 MANY_SIGMAS = 4.0
-LEAST_GAINED = 0.2  # of the prior's variance that the dive must take away before it may contradict it
+# The share of the prior's variance that the dive must take away before it may contradict it: it knows the error twice as well.
+# What it knows hardly better, as a lever arm along a straight leg, small errors of other sensors may seem to contradict.
+LEAST_GAINED = 0.75
 DVL_SCALE = 0
 CONSTANT_ERRORS = 5  # errors of navigation: the tray's backlash, the sixth, is a prior of each swing as well
 

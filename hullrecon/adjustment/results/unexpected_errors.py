@@ -10,7 +10,8 @@ from hullrecon.estimation.rig_priors import Mount
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
-MANY_SIGMAS = 4.0  # of what dive.toml allows, and of how well the dive tells it
+MANY_SIGMAS = 4.0  # of what dive.toml allows
+LEAST_BETTER = 2.0  # times as well as that the dive must know it
 SCALE, DRIFT, ROLL, PITCH, DEPTH = range(5)  # places among the errors of navigation; the tray's backlash is not judged
 
 
@@ -21,7 +22,7 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
     corrects the sensor (a share of the true velocity): its error has the other sign.
     """
     sigma = np.sqrt(np.maximum(np.diag(covariance), 0))
-    many = np.abs(correction) > MANY_SIGMAS * np.maximum(allowed, sigma)
+    many = (np.abs(correction) > MANY_SIGMAS * allowed) & (LEAST_BETTER * sigma < allowed)
     per_hour, degrees = np.degrees(correction[DRIFT]) * 3600, np.degrees(correction)
     out = []
     if many[SCALE]:
@@ -76,11 +77,13 @@ def mount_warning(key: str, mount: Mount | None, found: Poses | None, covariance
     axes = np.eye(6)
     axes[3:, 3:] = to_parent
     sigma = np.sqrt(np.maximum(np.diag(axes @ covariance @ axes.T), 0))
-    over = np.abs(np.r_[shift, turn]) / np.maximum(allowed, sigma)
+    over = np.where(LEAST_BETTER * sigma < allowed, np.abs(np.r_[shift, turn]) / allowed, 0.0)
     if over.max() <= MANY_SIGMAS:
         return None
-    parts = [f"moved by {1e3 * np.linalg.norm(shift):.0f} mm"] if over[:3].max() > MANY_SIGMAS else []
-    parts += [f"turned by {np.degrees(np.linalg.norm(turn)):.1f} degrees"] if over[3:].max() > MANY_SIGMAS else []
+    shift_sigma, turn_sigma = np.linalg.norm(sigma[:3]), np.degrees(np.linalg.norm(sigma[3:]))
+    moved, turned = 1e3 * np.linalg.norm(shift), np.degrees(np.linalg.norm(turn))
+    parts = [f"moved by {moved:.0f} ± {1e3 * shift_sigma:.0f} mm"] if over[:3].max() > MANY_SIGMAS else []
+    parts += [f"turned by {turned:.1f} ± {max(turn_sigma, 0.1):.1f} degrees"] if over[3:].max() > MANY_SIGMAS else []
     return (
         f"The dive fits with {key} {' and '.join(parts)} from where dive.toml has it, {over.max():.0f} times what {key}_sigma "
         "allows. Where it sits was estimated: correct it there."
