@@ -27,6 +27,7 @@ MANY_SIGMAS = 4.0
 # What it knows hardly better, as a lever arm along a straight leg, small errors of other sensors may seem to contradict.
 LEAST_GAINED = 0.75
 DVL_SCALE = 0
+ROTATION = slice(3, 6)  # rows of a mount's prior
 CONSTANT_ERRORS = 5  # errors of navigation: the tray's backlash, the sixth, is a prior of each swing as well
 
 
@@ -82,7 +83,8 @@ def widen_exceeded_priors(last: RoundResult, solved: Estimate, solver: RoundSolv
 
 
 def _priors(rig: Rig, state: State) -> dict[str, _Prior]:
-    """Return the priors by the unknowns' name, those of mounts that are held left out."""
+    """Return the priors by the unknowns' name, of mounts that are no constants the rotation alone: a focal length that is off
+    looks like a camera that stands nearer or farther."""
     rows = np.diag(1 / rig.navigation_sigma)[:CONSTANT_ERRORS]
     out = {"navigation": _Prior(deviation=rows @ state.navigation, to_sigmas=rows)}
     for name, mount, found in (("T_s_ct", rig.T_s_ct, state.T_s_ct), ("T_s_d", rig.T_s_d, state.T_s_d)):
@@ -98,7 +100,8 @@ def _prior_of_mount(mount: Mount, found: Poses) -> _Prior:
     turn = (mount.nominal.rotation.inv() * found.rotation).as_rotvec()[0]
     to_prior = np.eye(6)
     to_prior[:3, :3] = to_child
-    return _Prior(deviation=mount.sqrt_information @ np.r_[shift, turn], to_sigmas=mount.sqrt_information @ to_prior)
+    rows = mount.sqrt_information[ROTATION]
+    return _Prior(deviation=rows @ np.r_[shift, turn], to_sigmas=rows @ to_prior)
 
 
 def _widen(rig: Rig, widening: dict[str, Array]) -> Rig:
@@ -108,7 +111,8 @@ def _widen(rig: Rig, widening: dict[str, Array]) -> Rig:
     for name in ("T_s_ct", "T_s_d"):
         mount = getattr(rig, name)
         if name in widening:
-            mounts[name] = replace(mount, sqrt_information=mount.sqrt_information / widening[name][:, None])
+            factor = np.r_[np.ones(3), widening[name]]
+            mounts[name] = replace(mount, sqrt_information=mount.sqrt_information / factor[:, None])
     return replace(rig, navigation_sigma=navigation, **mounts)
 
 

@@ -60,9 +60,9 @@ def test_what_lies_within_its_sigmas_is_not_spoken_of():
 @pytest.mark.parametrize(
     ("off", "words"),
     [
-        (motion(0.05, 0, 0, 0, 0, 0), "moved by 50 ± 2 mm from"),
+        (motion(0, 0.05, 0, 0, 0, 0), "moved across by 50 ± 1 mm from"),
         (motion(0, 0, 0, 0, 2.5, 0), "turned by 2.5 ± 0.1 degrees from"),
-        (motion(0, -0.05, 0, 0, 0, -2.5), "moved by 50 ± 2 mm and turned by 2.5 ± 0.1 degrees from"),
+        (motion(0, -0.05, 0, 0, 0, -2.5), "moved across by 50 ± 1 mm and turned by 2.5 ± 0.1 degrees from"),
     ],
 )
 def test_a_mount_far_from_its_place_is_said(off, words):
@@ -74,7 +74,7 @@ def test_a_mount_far_from_its_place_is_said(off, words):
     sentence = mount_warning("camera.top.mount", mount, records_poses(beside), covariance)
     assert words in sentence
     assert ", 5 times what camera.top.mount_sigma allows" in sentence
-    near = records_poses(motion(0.05, *six[1:5], 91.0))
+    near = records_poses(motion(0.13, *six[1:5], 91.0))  # 0.1 m along its axis, and a degree
     assert mount_warning("camera.top.mount", mount, near, covariance) is None
     assert mount_warning("camera.top.mount", mount, records_poses(beside), 1e4 * covariance) is None
     assert mount_warning("camera.top.mount", Mount(mount.nominal, None), records_poses(beside), covariance) is None

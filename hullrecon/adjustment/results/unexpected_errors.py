@@ -65,24 +65,29 @@ def length_warning(conflict: float, covariance: Array) -> str:
 
 
 def mount_warning(key: str, mount: Mount | None, found: Poses | None, covariance: Array) -> str | None:
-    """Return a sentence where a mount came out far from its place; None where it did not or was held. key: of dive.toml;
-    covariance (6, 6): of (translation in the parent's axes, rotation perturbed on the right)."""
+    """Return a sentence where a mount came out far from its place; None where it did not or was held.
+
+    A shift along the instrument's own z is not spoken of: a focal length, or a range, that is off looks the same. key: of
+    dive.toml; covariance (6, 6): of (translation in the parent's axes, rotation perturbed on the right).
+    """
     if mount is None or mount.sqrt_information is None or found is None:
         return None
-    shift = (found.translation - mount.nominal.translation)[0]
+    to_child = mount.nominal.rotation.inv().as_matrix()[0]
+    shift = to_child @ (found.translation - mount.nominal.translation)[0]
     turn = (found.rotation * mount.nominal.rotation.inv()).as_rotvec()[0]
-    to_parent = mount.nominal.rotation.as_matrix()[0]
-    rows = np.kron(np.eye(2), to_parent)
-    allowed = 1 / np.linalg.norm(mount.sqrt_information @ rows.T, axis=1)
-    axes = np.eye(6)
-    axes[3:, 3:] = to_parent
+    to_parent, axes = to_child.T, np.zeros((6, 6))
+    axes[:3, :3], axes[3:, 3:] = to_child, to_parent
     sigma = np.sqrt(np.maximum(np.diag(axes @ covariance @ axes.T), 0))
+    prior = np.linalg.inv(mount.sqrt_information)  # of (translation, rotation), both in the child's axes
+    prior[3:] = to_parent @ prior[3:]
+    allowed = np.linalg.norm(prior, axis=1)
     over = np.where(LEAST_BETTER * sigma < allowed, np.abs(np.r_[shift, turn]) / allowed, 0.0)
+    over[2] = 0.0
     if over.max() <= MANY_SIGMAS:
         return None
-    shift_sigma, turn_sigma = np.linalg.norm(sigma[:3]), np.degrees(np.linalg.norm(sigma[3:]))
-    moved, turned = 1e3 * np.linalg.norm(shift), np.degrees(np.linalg.norm(turn))
-    parts = [f"moved by {moved:.0f} ± {1e3 * shift_sigma:.0f} mm"] if over[:3].max() > MANY_SIGMAS else []
+    shift_sigma, turn_sigma = np.linalg.norm(sigma[:2]), np.degrees(np.linalg.norm(sigma[3:]))
+    moved, turned = 1e3 * np.linalg.norm(shift[:2]), np.degrees(np.linalg.norm(turn))
+    parts = [f"moved across by {moved:.0f} ± {1e3 * shift_sigma:.0f} mm"] if over[:2].max() > MANY_SIGMAS else []
     parts += [f"turned by {turned:.1f} ± {max(turn_sigma, 0.1):.1f} degrees"] if over[3:].max() > MANY_SIGMAS else []
     return (
         f"The dive fits with {key} {' and '.join(parts)} from where dive.toml has it, {over.max():.0f} times what {key}_sigma "
