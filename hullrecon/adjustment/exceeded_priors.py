@@ -16,17 +16,16 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.rounds import Estimate, RoundResult, RoundSolver
-from hullrecon.adjustment.stereo_calibration import widen_ranges
+from hullrecon.adjustment.stereo_calibration import DVL_SCALE, widen_ranges
 from hullrecon.errors import StageError
 from hullrecon.estimation.rig_priors import Mount, Rig
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
-MANY_SIGMAS = 4.0
+MANY_SIGMAS = 4.0  # of what the package allows
 # The share of the prior's variance that the dive must take away before it may contradict it: it knows the error twice as well.
 # What it knows hardly better, as a lever arm along a straight leg, small errors of other sensors may seem to contradict.
 LEAST_GAINED = 0.75
-DVL_SCALE = 0
 ROTATION = slice(3, 6)  # rows of a mount's prior
 CONSTANT_ERRORS = 5  # errors of navigation: the tray's backlash, the sixth, is a prior of each swing as well
 

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS
 from hullrecon.estimation.rig_priors import Mount
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
-MANY_SIGMAS = 4.0  # of what dive.toml allows
 LEAST_BETTER = 2.0  # times as well as that the dive must know it
 SCALE, DRIFT, ROLL, PITCH, DEPTH = range(5)  # places among the errors of navigation; the tray's backlash is not judged
 
@@ -74,13 +74,11 @@ def mount_warning(key: str, mount: Mount | None, found: Poses | None, covariance
         return None
     to_child = mount.nominal.rotation.inv().as_matrix()[0]
     shift = to_child @ (found.translation - mount.nominal.translation)[0]
-    turn = (found.rotation * mount.nominal.rotation.inv()).as_rotvec()[0]
-    to_parent, axes = to_child.T, np.zeros((6, 6))
-    axes[:3, :3], axes[3:, 3:] = to_child, to_parent
+    turn = (mount.nominal.rotation.inv() * found.rotation).as_rotvec()[0]
+    axes = np.eye(6)
+    axes[:3, :3] = to_child
     sigma = np.sqrt(np.maximum(np.diag(axes @ covariance @ axes.T), 0))
-    prior = np.linalg.inv(mount.sqrt_information)  # of (translation, rotation), both in the child's axes
-    prior[3:] = to_parent @ prior[3:]
-    allowed = np.linalg.norm(prior, axis=1)
+    allowed = np.linalg.norm(np.linalg.inv(mount.sqrt_information), axis=1)
     over = np.where(LEAST_BETTER * sigma < allowed, np.abs(np.r_[shift, turn]) / allowed, 0.0)
     over[2] = 0.0
     if over.max() <= MANY_SIGMAS:
