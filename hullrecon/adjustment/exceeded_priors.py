@@ -3,8 +3,8 @@
 """Priors of sensors and mounts that a dive contradicts, widened to what it shows (docs/methods.md 6).
 
 Where a package says that its DVL is right to half a per cent and it is not, by three, the solve ends somewhere between, with a
-sigma that the prior made small. An estimate x with prior sigma p and posterior variance P has the variance p^2 - P if the prior
-is right; without the prior it would have been x / (1 - P / p^2).
+sigma that the prior made small. Of an estimate x with prior sigma p and posterior variance P the dive alone gives x / g, with
+the variance P / g, where g = 1 - P / p^2; if the prior is right, x / g has the variance p^2 + P / g.
 """
 
 from __future__ import annotations
@@ -23,9 +23,10 @@ from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
 MANY_SIGMAS = 4.0  # of what the package allows
-# The share of the prior's variance that the dive must take away before it may contradict it: it knows the error twice as well.
-# What it knows hardly better, as a lever arm along a straight leg, small errors of other sensors may seem to contradict.
-LEAST_GAINED = 0.75
+# Beyond so many of the sigmas with which the dive alone knows it, too, and the dive takes away that share of the prior's
+# variance: what it knows little of, as a lever arm along a straight leg, small errors of other sensors may seem to contradict.
+MANY_OF_ITS_OWN = 8.0
+LEAST_GAINED = 0.25
 ROTATION = slice(3, 6)  # rows of a mount's prior
 CONSTANT_ERRORS = 5  # errors of navigation: the tray's backlash, the sixth, is a prior of each swing as well
 
@@ -38,14 +39,17 @@ class _Prior:
     to_sigmas: Array
 
     def may_be_exceeded(self) -> bool:
-        return bool(np.abs(self.deviation).max() > MANY_SIGMAS * np.sqrt(LEAST_GAINED))
+        """Return whether a covariance is worth its time: no deviation below exceeds a prior, whatever was gained."""
+        return bool(np.abs(self.deviation).max() > MANY_OF_ITS_OWN * np.sqrt(LEAST_GAINED * (1 - LEAST_GAINED)))
 
     def widening(self, covariance: Array) -> Array:
         """Return by how much each sigma is to grow (k,), 1 where the prior holds. covariance (m, m): of the unknowns."""
         left = np.diag(self.to_sigmas @ covariance @ self.to_sigmas.T)
         gained = np.maximum(1 - left, 1e-9)
-        exceeded = (gained > LEAST_GAINED) & (np.abs(self.deviation) > MANY_SIGMAS * np.sqrt(gained))
-        return np.where(exceeded, np.abs(self.deviation) / gained, 1.0)
+        of_the_dive = np.abs(self.deviation) / gained  # as it would be without the prior
+        sigma = np.sqrt(np.maximum(left, 0) / gained)
+        surprising = (of_the_dive > MANY_SIGMAS * np.hypot(1, sigma)) & (of_the_dive > MANY_OF_ITS_OWN * sigma)
+        return np.where(surprising & (gained > LEAST_GAINED), of_the_dive, 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)

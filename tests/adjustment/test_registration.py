@@ -35,6 +35,19 @@ def test_a_cylinder_slides_along_itself_and_says_so():
     assert "along the hull" in weak[0]["sentence"]
 
 
+def test_a_direction_between_two_axes_is_named_by_both():
+    axes = np.eye(6)
+    axes[3:5, 3:5] = np.array([[0.8, -0.6], [0.6, 0.8]])
+    covariance = axes @ np.diag(np.r_[1e-6, 0.2, 1e-6, np.radians([0.9, 2.0, 0.6])]) ** 2 @ axes.T
+    position, *attitude = [w["sentence"] for w in find_weak_directions(covariance)]
+    assert position.startswith("The position across the hull is uncertain by 0.20 m")
+    assert attitude == [
+        "The heel and trim of the hull, against each other, are uncertain by 2.00 degrees (one sigma).",
+        "The heel and trim of the hull, taken together, are uncertain by 0.90 degrees (one sigma).",
+        "The heading of the hull is uncertain by 0.60 degrees (one sigma).",
+    ]
+
+
 def test_thinning_takes_the_mean_of_each_voxel_and_obeys_the_limit():
     points = np.array([[0.1, 0.1, 0.1], [0.3, 0.1, 0.1], [2.5, 0.2, 0.2]])
     np.testing.assert_allclose(thin_points(points, 1.0, 10), [[0.2, 0.1, 0.1], [2.5, 0.2, 0.2]])

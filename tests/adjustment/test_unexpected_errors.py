@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A sensor or a mount that is far off what its package allows: named, with the sign and the size that are true."""
 
+import re
 from dataclasses import replace
 from functools import lru_cache
 
@@ -22,7 +23,7 @@ from scipy.spatial.transform import Rotation
 from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.results.summary import summarise_adjustment
-from hullrecon.adjustment.results.unexpected_errors import mount_warning, navigation_warnings
+from hullrecon.adjustment.results.unexpected_errors import mount_warnings, navigation_warnings
 from hullrecon.estimation.rig_priors import Mount, mount_prior
 
 OPTIONS = AdjustOptions()
@@ -48,13 +49,27 @@ def test_each_error_is_said_with_its_sign_and_what_was_allowed(place, correction
     (said,) = navigation_warnings(found, NAVIGATION_SIGMA, CERTAIN)
     assert said.startswith(sentence)
     assert navigation_warnings(0.6 * found, NAVIGATION_SIGMA, CERTAIN) == []
-    unsure = np.diag(0.6 * NAVIGATION_SIGMA) ** 2
+    unsure = np.diag(0.9 * NAVIGATION_SIGMA) ** 2  # so large an error in a seventh of its size
     assert navigation_warnings(found, NAVIGATION_SIGMA, unsure) == []
 
 
 def test_what_lies_within_its_sigmas_is_not_spoken_of():
     warnings = solved(cad=True).outcome.warnings
     assert not [w for w in warnings if any(words in w for words in (*SAID, "from where dive.toml has it"))]
+
+
+SIX = (0.03, 0.05, -0.05, 90.0, 0.0, 90.0)  # of the camera's mount
+CAMERA, DVL = "camera.top.mount", "dvl.mount"
+MOUNT = mount_prior(SIX, (0.01, 0.01, 0.01, 0.5, 0.5, 0.5))
+KNOWN = np.diag([1e-3] * 3 + [1e-3] * 3) ** 2
+
+
+def displaced(off, six=SIX):
+    """Where a mount was found: moved and turned in the vehicle's axes by off (4, 4)."""
+    found = motion(*six)
+    found[:3, 3] += off[:3, 3]
+    found[:3, :3] = off[:3, :3] @ found[:3, :3]
+    return records_poses(found)
 
 
 @pytest.mark.parametrize(
@@ -66,18 +81,32 @@ def test_what_lies_within_its_sigmas_is_not_spoken_of():
     ],
 )
 def test_a_mount_far_from_its_place_is_said(off, words):
-    six = (0.03, 0.05, -0.05, 90.0, 0.0, 90.0)
-    mount, covariance = mount_prior(six, (0.01, 0.01, 0.01, 0.5, 0.5, 0.5)), np.diag([1e-3] * 3 + [1e-3] * 3) ** 2
-    beside = motion(*six)
-    beside[:3, 3] += off[:3, 3]
-    beside[:3, :3] = off[:3, :3] @ beside[:3, :3]
-    sentence = mount_warning("camera.top.mount", mount, records_poses(beside), covariance)
+    (sentence,) = mount_warnings({CAMERA: (MOUNT, displaced(off), KNOWN), DVL: (None, None, KNOWN)})
     assert words in sentence
+    assert sentence.startswith("The dive fits with camera.top.mount ")
     assert ", 5 times what camera.top.mount_sigma allows" in sentence
-    near = records_poses(motion(0.13, *six[1:5], 91.0))  # 0.1 m along its axis, and a degree
-    assert mount_warning("camera.top.mount", mount, near, covariance) is None
-    assert mount_warning("camera.top.mount", mount, records_poses(beside), 1e4 * covariance) is None
-    assert mount_warning("camera.top.mount", Mount(mount.nominal, None), records_poses(beside), covariance) is None
+    near = records_poses(motion(0.13, *SIX[1:5], 91.0))  # 0.1 m along its axis, and a degree
+    assert mount_warnings({CAMERA: (MOUNT, near, KNOWN)}) == []
+    assert mount_warnings({CAMERA: (MOUNT, displaced(off), 1e4 * KNOWN)}) == []
+    assert mount_warnings({CAMERA: (Mount(MOUNT.nominal, None), displaced(off), KNOWN)}) == []
+
+
+def test_two_mounts_that_are_turned_alike_point_at_the_imu():
+    beside = (0.02, -0.15, 0.0, 0.0, 90.0, 0.0)
+    dvl = mount_prior(beside, (0.01, 0.01, 0.01, 0.5, 0.5, 0.5))
+
+    def said(camera_off, dvl_off):
+        camera_found, dvl_found = displaced(motion(0, 0, 0, *camera_off)), displaced(motion(0, 0, 0, *dvl_off), beside)
+        return mount_warnings({DVL: (dvl, dvl_found, KNOWN), CAMERA: (MOUNT, camera_found, KNOWN)})
+
+    *_, alike = said((3.0, 0.1, 0.2), (2.8, 0.2, 0.0))
+    assert alike.startswith("dvl.mount and camera.top.mount are turned the same way, by 2.9 degrees: ")
+    assert "(imu.mount_deg)." in alike
+    *_, about_the_tray = said((0.1, -3.0, 0.2), (0.2, -2.8, 0.0))
+    assert about_the_tray.endswith("(imu.mount_deg), or the zero of the tray's angles.")
+    assert len(said((3.0, 0, 0), (0, 2.8, 0))) == 2
+    assert len(said((3.0, 0, 0), (0.2, 0, 0))) == 1
+    assert said((1.0, 0, 0), (1.0, 0, 0)) == []
 
 
 @lru_cache
@@ -99,6 +128,20 @@ def test_a_mount_that_the_dive_contradicts_comes_out_as_it_is_and_is_said(cad):
     (mount,) = [w for w in outcome.warnings if "from where dive.toml has it" in w]
     assert "camera.top.mount turned by 1.5 ± 0.1 degrees from" in mount
     assert not [w for w in outcome.warnings if any(words in w for words in SAID)]
+
+
+@pytest.mark.parametrize("cad", [True, False], ids=["CAD", "no CAD"])
+def test_a_heading_that_drifts_more_than_allowed_comes_out_as_it_does_and_is_said(cad):
+    """The dive alone knows the drift little better than a package that allows a seventh of it."""
+    dive = simulate(cad=cad)
+    sigma = NAVIGATION_SIGMA.copy()
+    sigma[1] = NAVIGATION[1] / 7
+    measured = replace(dive.measured, rig=replace(dive.measured.rig, navigation_sigma=sigma))
+    adjusted = adjust(measured, OPTIONS, lambda _: None)
+    outcome = summarise_adjustment(measured, adjusted, OPTIONS)
+    (sentence,) = [w for w in outcome.warnings if any(words in w for words in SAID)]
+    found, known = (float(word) for word in re.findall(r"by (-\d+) ± (\d+) degrees", sentence)[0])
+    assert abs(found + np.degrees(NAVIGATION[1]) * 3600) < 2.5 * known < 100
 
 
 @lru_cache

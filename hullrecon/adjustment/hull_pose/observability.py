@@ -10,6 +10,7 @@ from hullrecon.typing import Array
 
 _DIRECTIONS = ("along the hull", "across the hull", "vertically")  # of M's axes
 _ANGLES = ("heel", "trim", "heading")  # about them
+MAIN = 0.5  # of a unit direction, along each axis that its sentence names: there is always one
 
 
 def find_weak_directions(
@@ -42,10 +43,15 @@ def find_weak_directions(
 
 
 def _sentence(kind: str, direction: Array, sigma: float) -> str:
-    axis = int(np.argmax(np.abs(direction)))
+    axes = np.flatnonzero(np.abs(direction) >= MAIN)
+    opposed = len(np.unique(np.sign(direction[axes]))) > 1
+    together = "" if len(axes) == 1 else ", against each other," if opposed else ", taken together,"
     if kind == "position":
         return (
-            f"The position {_DIRECTIONS[axis]} is uncertain by {sigma:.2f} m (one sigma): "
+            f"The position {' and '.join(_DIRECTIONS[k] for k in axes)}{together} is uncertain by {sigma:.2f} m (one sigma): "
             "the hull's form does not resolve it better."
         )
-    return f"The {_ANGLES[axis]} of the hull is uncertain by {np.degrees(sigma):.2f} degrees (one sigma)."
+    return (
+        f"The {' and '.join(_ANGLES[k] for k in axes)} of the hull{together} {'are' if together else 'is'} uncertain by "
+        f"{np.degrees(sigma):.2f} degrees (one sigma)."
+    )

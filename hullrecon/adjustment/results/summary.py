@@ -19,7 +19,7 @@ from hullrecon.adjustment.results import residual_statistics
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.adjustment.results.legs import LegTies, tie_legs
 from hullrecon.adjustment.results.solution import build_solution, marginal_covariances
-from hullrecon.adjustment.results.unexpected_errors import length_warning, mount_warning, navigation_warnings
+from hullrecon.adjustment.results.unexpected_errors import length_warning, mount_warnings, navigation_warnings
 from hullrecon.adjustment.stereo_calibration import stereo_warning
 from hullrecon.estimation.position_tables import fit_of_positions
 from hullrecon.geometry.poses import pose_vector
@@ -99,12 +99,11 @@ def _unexpected_errors(m: Measurements, adjusted: Adjusted, marginals: native.Co
     if by_lengths or adjusted.length_conflict is not None:  # then another sentence speaks of the DVL's scale
         allowed = np.r_[np.inf, allowed[1:]]
     lengths = [] if adjusted.length_conflict is None else [length_warning(adjusted.length_conflict, marginals.navigation)]
-    mounts = [
-        mount_warning("dvl.mount", m.rig.T_s_d, state.T_s_d, marginals.T_s_d),
-        mount_warning("camera.top.mount", m.rig.T_s_ct, state.T_s_ct, marginals.T_s_ct),
-    ]
-    navigation = navigation_warnings(state.navigation, allowed, marginals.navigation)
-    return [*lengths, *navigation, *(sentence for sentence in mounts if sentence)]
+    mounts = {
+        "dvl.mount": (m.rig.T_s_d, state.T_s_d, marginals.T_s_d),
+        "camera.top.mount": (m.rig.T_s_ct, state.T_s_ct, marginals.T_s_ct),
+    }
+    return [*lengths, *navigation_warnings(state.navigation, allowed, marginals.navigation), *mount_warnings(mounts)]
 
 
 def _ties(m: Measurements, adjusted: Adjusted) -> LegTies | None:

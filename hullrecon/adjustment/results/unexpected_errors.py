@@ -4,14 +4,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 import numpy as np
 
-from hullrecon.adjustment.exceeded_priors import MANY_SIGMAS
+from hullrecon.adjustment.exceeded_priors import MANY_OF_ITS_OWN, MANY_SIGMAS
 from hullrecon.estimation.rig_priors import Mount
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
 
-LEAST_BETTER = 2.0  # times as well as that the dive must know it
+TRAY_AXIS = 0.9  # of a unit turn, along the tray's axis, which is y
+ALIKE = 0.25  # of two turns that are the same: their difference as a share of the greater
 SCALE, DRIFT, ROLL, PITCH, DEPTH = range(5)  # places among the errors of navigation; the tray's backlash is not judged
 
 
@@ -22,7 +26,7 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
     corrects the sensor (a share of the true velocity): its error has the other sign.
     """
     sigma = np.sqrt(np.maximum(np.diag(covariance), 0))
-    many = (np.abs(correction) > MANY_SIGMAS * allowed) & (LEAST_BETTER * sigma < allowed)
+    many = (np.abs(correction) > MANY_SIGMAS * allowed) & (np.abs(correction) > MANY_OF_ITS_OWN * sigma)
     per_hour, degrees = np.degrees(correction[DRIFT]) * 3600, np.degrees(correction)
     out = []
     if many[SCALE]:
@@ -42,7 +46,7 @@ def navigation_warnings(correction: Array, allowed: Array, covariance: Array) ->
         if many[place]:
             out.append(
                 f"{name} is off by {degrees[place]:.2f} ± {np.degrees(sigma[place]):.2f} degrees, "
-                f"{_times(correction, allowed, place)} imu.bias_sigma_deg: check imu.mount. The error was taken out."
+                f"{_times(correction, allowed, place)} imu.bias_sigma_deg: check imu.mount_deg. The error was taken out."
             )
     if many[DEPTH]:
         way = "deep" if correction[DEPTH] > 0 else "shallow"
@@ -64,33 +68,90 @@ def length_warning(conflict: float, covariance: Array) -> str:
     )
 
 
-def mount_warning(key: str, mount: Mount | None, found: Poses | None, covariance: Array) -> str | None:
-    """Return a sentence where a mount came out far from its place; None where it did not or was held.
+def mount_warnings(mounts: Mapping[str, tuple[Mount | None, Poses | None, Array]]) -> list[str]:
+    """Return a sentence for each mount that came out far from its place, those left out that were held, and one more where DVL
+    and camera are turned the same way.
 
-    A shift along the instrument's own z is not spoken of: a focal length, or a range, that is off looks the same. key: of
-    dive.toml; covariance (6, 6): of (translation in the parent's axes, rotation perturbed on the right).
+    mounts: by key of dive.toml the mount, where it was found, and the covariance (6, 6) of (translation in the parent's axes,
+    rotation perturbed on the right). A shift along an instrument's own z is not spoken of: a focal length, or a range, that is
+    off looks the same.
     """
-    if mount is None or mount.sqrt_information is None or found is None:
-        return None
-    to_child = mount.nominal.rotation.inv().as_matrix()[0]
-    shift = to_child @ (found.translation - mount.nominal.translation)[0]
-    turn = (mount.nominal.rotation.inv() * found.rotation).as_rotvec()[0]
-    axes = np.eye(6)
-    axes[:3, :3] = to_child
-    sigma = np.sqrt(np.maximum(np.diag(axes @ covariance @ axes.T), 0))
-    allowed = np.linalg.norm(np.linalg.inv(mount.sqrt_information), axis=1)
-    over = np.where(LEAST_BETTER * sigma < allowed, np.abs(np.r_[shift, turn]) / allowed, 0.0)
-    over[2] = 0.0
-    if over.max() <= MANY_SIGMAS:
-        return None
-    shift_sigma, turn_sigma = np.linalg.norm(sigma[:2]), np.degrees(np.linalg.norm(sigma[3:]))
-    moved, turned = 1e3 * np.linalg.norm(shift[:2]), np.degrees(np.linalg.norm(turn))
-    parts = [f"moved across by {moved:.0f} ± {1e3 * shift_sigma:.0f} mm"] if over[:2].max() > MANY_SIGMAS else []
-    parts += [f"turned by {turned:.1f} ± {max(turn_sigma, 0.1):.1f} degrees"] if over[3:].max() > MANY_SIGMAS else []
-    return (
-        f"The dive fits with {key} {' and '.join(parts)} from where dive.toml has it, {over.max():.0f} times what {key}_sigma "
-        "allows. Where it sits was estimated: correct it there."
-    )
+    found = [
+        _Displacement.of(key, mount, pose, covariance)
+        for key, (mount, pose, covariance) in mounts.items()
+        if mount is not None and mount.sqrt_information is not None and pose is not None
+    ]
+    sentences = [mount.sentence() for mount in found if mount.is_far()]
+    return [*sentences, *_turned_alike(found)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Displacement:
+    """From where dive.toml has a mount, (6,): translation m and rotation rad in the child's axes, its sigma and what is
+    allowed. in_parent (3,): the rotation in the parent's axes."""
+
+    key: str
+    by: Array
+    sigma: Array
+    allowed: Array
+    in_parent: Array
+
+    @staticmethod
+    def of(key: str, mount: Mount, found: Poses, covariance: Array) -> _Displacement:
+        assert mount.sqrt_information is not None
+        to_child = mount.nominal.rotation.inv().as_matrix()[0]
+        shift = to_child @ (found.translation - mount.nominal.translation)[0]
+        turn = (mount.nominal.rotation.inv() * found.rotation).as_rotvec()[0]
+        axes = np.eye(6)
+        axes[:3, :3] = to_child
+        return _Displacement(
+            key=key,
+            by=np.r_[shift, turn],
+            sigma=np.sqrt(np.maximum(np.diag(axes @ covariance @ axes.T), 0)),
+            allowed=np.linalg.norm(np.linalg.inv(mount.sqrt_information), axis=1),
+            in_parent=mount.nominal.rotation.apply(turn)[0],
+        )
+
+    def times_allowed(self) -> Array:
+        """Return (6,) how many times what is allowed, 0 where the dive does not know it, and along the instrument's z."""
+        over = np.where(np.abs(self.by) > MANY_OF_ITS_OWN * self.sigma, np.abs(self.by) / self.allowed, 0.0)
+        over[2] = 0.0
+        return np.asarray(over)
+
+    def is_far(self) -> bool:
+        return bool(self.times_allowed().max() > MANY_SIGMAS)
+
+    def is_turned(self) -> bool:
+        return bool(self.times_allowed()[3:].max() > MANY_SIGMAS)
+
+    def sentence(self) -> str:
+        over = self.times_allowed()
+        moved, turned = 1e3 * np.linalg.norm(self.by[:2]), np.degrees(np.linalg.norm(self.by[3:]))
+        moved_sigma, turned_sigma = 1e3 * np.linalg.norm(self.sigma[:2]), np.degrees(np.linalg.norm(self.sigma[3:]))
+        parts = [f"moved across by {moved:.0f} ± {moved_sigma:.0f} mm"] if over[:2].max() > MANY_SIGMAS else []
+        parts += [f"turned by {turned:.1f} ± {max(turned_sigma, 0.1):.1f} degrees"] if self.is_turned() else []
+        return (
+            f"The dive fits with {self.key} {' and '.join(parts)} from where dive.toml has it, {over.max():.0f} times what "
+            f"{self.key}_sigma allows. Where it sits was estimated: correct it there."
+        )
+
+
+def _turned_alike(found: list[_Displacement]) -> list[str]:
+    """Return a sentence where all mounts, two or more, are turned the same way in their parent's axes: an attitude that is off
+    looks so."""
+    if len(found) < 2 or not any(mount.is_turned() for mount in found):
+        return []
+    turns = np.array([mount.in_parent for mount in found])
+    mean = turns.mean(axis=0)
+    size = float(np.linalg.norm(mean))
+    if np.linalg.norm(turns - mean, axis=1).max() > ALIKE / 2 * size:
+        return []
+    tray = ", or the zero of the tray's angles" if abs(mean[1]) > TRAY_AXIS * size else ""
+    keys = " and ".join(mount.key for mount in found)
+    return [
+        f"{keys} are turned the same way, by {np.degrees(size):.1f} degrees: rather than both, what attitude is measured with "
+        f"may be turned (imu.mount_deg){tray}."
+    ]
 
 
 def _times(correction: Array, allowed: Array, place: int) -> str:
