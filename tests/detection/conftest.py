@@ -12,12 +12,15 @@ from scipy.spatial.transform import Rotation
 from hullrecon.detection.as_found.background import Background, MedianBackground
 from hullrecon.detection.as_found.hull_as_found import HullAsFound, estimate_hull_as_found
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
+from hullrecon.detection.as_found.record import as_found_surface
+from hullrecon.detection.base_surface import BaseSurface
+from hullrecon.detection.objects.find_objects import find_objects
 from hullrecon.detection.options import DetectOptions
 from hullrecon.detection.views import CameraViews
 from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.charts.plane_chart import PlaneChart
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.poses import Poses
+from hullrecon.geometry.poses import Poses, identity
 
 CAMERA = CameraModel(640, 512, 640.0, 640.0, 319.5, 255.5)
 TOWARD_WALL = Rotation.from_matrix(np.array([[-1.0, 0, 0], [0, 0, -1], [0, -1, 0]]).T)
@@ -82,6 +85,18 @@ def landmarks_on_wall(x: np.ndarray, z: np.ndarray, noise: np.ndarray) -> Surfac
         covariance=np.tile(np.diag([0.3, 0.004, 0.05]) ** 2, (n, 1, 1)),
         views=np.full(n, 6),
     )
+
+
+def reported(scenery, found, with_cad_model: bool = True, **options):
+    surveyed = as_found_surface(found, scenery.measured)
+    base = BaseSurface(
+        cad_model=scenery.base if with_cad_model else None,
+        surveyed=surveyed,
+        chart=scenery.chart,
+        result_from_global=identity(),
+        frame_spacing_m=None,
+    )
+    return find_objects(found, scenery.measured, scenery.views, base, DetectOptions(**options))
 
 
 @pytest.fixture(scope="session")

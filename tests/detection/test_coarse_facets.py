@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from detection.conftest import Scenery, landmarks_on_wall, views_along
-from detection.test_find_objects import reported
+from detection.conftest import Scenery, landmarks_on_wall, reported, views_along
 
 from hullrecon.detection.as_found.background import median_background
 from hullrecon.detection.as_found.hull_as_found import estimate_hull_as_found

@@ -6,27 +6,11 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from detection.conftest import reported
 
 from hullrecon.detection.as_found.landmarks import SurfaceLandmarks
-from hullrecon.detection.as_found.record import as_found_surface
-from hullrecon.detection.base_surface import BaseSurface
-from hullrecon.detection.objects.find_objects import find_objects
-from hullrecon.detection.options import DetectOptions
-from hullrecon.geometry.poses import identity
 
 WALL_OFFSET_M = -0.012  # of the wall from its CAD model
-
-
-def reported(scenery, found, with_cad_model: bool = True, **options):
-    surveyed = as_found_surface(found, scenery.measured)
-    base = BaseSurface(
-        cad_model=scenery.base if with_cad_model else None,
-        surveyed=surveyed,
-        chart=scenery.chart,
-        result_from_global=identity(),
-        frame_spacing_m=None,
-    )
-    return find_objects(found, scenery.measured, scenery.views, base, DetectOptions(**options))
 
 
 def test_the_disc_and_the_recess_are_reported_once_and_nothing_else(scenery, found) -> None:

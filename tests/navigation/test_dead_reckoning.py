@@ -258,7 +258,7 @@ def test_roll_and_pitch_in_a_hole_of_the_attitude_are_hardly_known(perfect, rig)
 def test_images_of_the_upper_camera_alone_are_counted(perfect, rig):
     bottom = replace(perfect.top, usable=np.arange(len(perfect.top.t_ns)) < 60)
     found = reckoned(replace(perfect, bottom=bottom), rig)
-    assert "19 images of the upper camera have no partner in the lower one" in found.remarks
+    assert "19 images of the upper camera without a partner in the lower one" in found.remarks
 
 
 def test_a_step_in_depth_is_reported(perfect, rig):

@@ -55,8 +55,8 @@ def remarks_of(
         (not path.servo.is_read, "no tray angles: the tray is taken to stand at zero"),
         (no_angle, f"tray: {no_angle}; there it is taken to stand as last read, or to turn evenly between two readings"),
         (nodes.outside, _without_pose(nodes.outside)),
-        (nodes.lone, f"{_times(nodes.lone, 'image')} of the upper camera have no partner in the lower one"),
-        (nodes.unpaired, f"{_times(nodes.unpaired, 'image')} of the lower camera have no partner in the upper one"),
+        (nodes.lone, f"{_times(nodes.lone, 'image')} of the upper camera without a partner in the lower one"),
+        (nodes.unpaired, f"{_times(nodes.unpaired, 'image')} of the lower camera without a partner in the upper one"),
     ]
     facts: dict[str, object] = {
         "start_ns": path.start_ns,

@@ -225,7 +225,7 @@ def _remarks(chain: StereoChain, t_ns: Ints, unpaired: int, aids: Aids, depth: M
         (aids.pressure is None, "no pressure: the depth is counted from the first pair"),
         (no_depth, f"pressure: {no_depth}; there the depth is counted on by the cameras"),
         (no_angle, f"tray: {no_angle}; there it is taken to stand as last read, or to turn evenly between two readings"),
-        (unpaired, f"{unpaired} images have no partner in the other camera and no pose"),
+        (unpaired, f"images without a partner in the other camera, and without a pose: {unpaired}"),
         (
             len(chain.lost),
             f"{len(chain.lost)} of {len(chain.step)} steps could not be seen and were guessed from the step before, the"
