@@ -10,6 +10,7 @@ with it the wrong ones stand out. It chooses matches; what these say of the moti
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -54,21 +55,25 @@ def gather(motion: Motion, first: Array, second: Array, prior: Motion | None, to
     the flatter hull would mean.
     """
     inlier = on_lines(motion, first, second, tolerance)
+    found: _OnInliers | None = None
     for _ in range(GATHERINGS):
         if inlier.sum() <= 2 * mono_motion.FREEDOMS:
             break
-        motion = mono_motion.with_length(
-            *refine_on_inliers(_unit(motion.second_from_first), first[inlier], second[inlier], prior), prior
-        )
-        before, inlier = inlier, on_lines(motion, first, second, tolerance)
+        start = _unit(motion.second_from_first) if found is None else found.motion
+        found = _fit_on_inliers(start, first[inlier], second[inlier], prior)
+        before, inlier = inlier, _on_lines(found.motion, first, second, tolerance)
         if (inlier == before).all():
             break
-    return motion, inlier
+    return motion if found is None else mono_motion.with_length(found.motion, found.covariance(), prior), inlier
 
 
 def on_lines(motion: Motion, first: Array, second: Array, tolerance: float) -> Mask:
     """Return which matches (n, 2) lie within a tolerance of their epipolar lines."""
-    return np.asarray(sampson_squared(essential_of(motion.second_from_first), first, second) < tolerance**2)
+    return _on_lines(motion.second_from_first, first, second, tolerance)
+
+
+def _on_lines(motion: Array, first: Array, second: Array, tolerance: float) -> Mask:
+    return np.asarray(sampson_squared(essential_of(motion), first, second) < tolerance**2)
 
 
 def refine_on_inliers(start: Array, first: Array, second: Array, prior: Motion | None) -> tuple[Array, Array]:
@@ -79,18 +84,42 @@ def refine_on_inliers(start: Array, first: Array, second: Array, prior: Motion |
     Matches that do not agree are not without meaning: as many more may lie within the limit. In the variance they count as if
     they lay on it.
     """
-    alone = mono_motion.refine(start, first, second)
-    if prior is None or not is_well_known(prior) or not _is_near(alone[0], prior):
+    found = _fit_on_inliers(start, first, second, prior)
+    return found.motion, found.covariance()
+
+
+@dataclass(frozen=True, kw_only=True)
+class _OnInliers:
+    """A motion (4, 4) with |t| = 1 fitted to matches (n, 2), or to the good (n,) of them, those within a limit."""
+
+    motion: Array
+    first: Array
+    second: Array
+    good: Mask | None
+    limit: float
+
+    def covariance(self) -> Array:
+        """Return that of the motion (5, 5)."""
+        if self.good is None:
+            return mono_motion.covariance_of(self.motion, self.first, self.second)
+        covariance = mono_motion.covariance_of(self.motion, self.first[self.good], self.second[self.good])
+        squares = mono_motion.linearise(self.motion, self.first, self.second)[0] ** 2
+        own = max(float(squares[self.good].mean()), LEAST_SIGMA**2)
+        return np.asarray(covariance * max(1.0, float(np.minimum(squares, self.limit**2).mean()) / own))
+
+
+def _fit_on_inliers(start: Array, first: Array, second: Array, prior: Motion | None) -> _OnInliers:
+    """Return what `refine_on_inliers` fits; its covariance, which takes as long, is asked for at the end alone."""
+    motion = mono_motion.fit(start, first, second)
+    alone = _OnInliers(motion=motion, first=first, second=second, good=None, limit=np.inf)
+    if prior is None or not is_well_known(prior) or not _is_near(motion, prior):
         return alone
-    motion, sigma = most_likely_motion(alone[0], first, second, prior)
+    likely, sigma = most_likely_motion(motion, first, second, prior)
     limit = OUTLIER_SIGMAS * sigma
-    good = np.abs(mono_motion.linearise(motion, first, second)[0]) < limit
+    good = np.abs(mono_motion.linearise(likely, first, second)[0]) < limit
     if good.sum() <= 2 * mono_motion.FREEDOMS:
         return alone
-    motion, covariance = mono_motion.refine(motion, first[good], second[good])
-    squares = mono_motion.linearise(motion, first, second)[0] ** 2
-    own = max(float(squares[good].mean()), LEAST_SIGMA**2)
-    return motion, covariance * max(1.0, float(np.minimum(squares, limit**2).mean()) / own)
+    return replace(alone, motion=mono_motion.fit(likely, first[good], second[good]), good=good, limit=limit)
 
 
 def is_well_known(prior: Motion) -> bool:
@@ -122,15 +151,17 @@ def most_likely_motion(start: Array, first: Array, second: Array, prior: Motion)
     """
     motion = start.copy()
     motion[:3, 3] *= np.linalg.norm(prior.second_from_first[:3, 3])
+    whitening = np.linalg.inv(np.linalg.cholesky(prior.covariance + LEAST_SIGMA**2 * np.eye(6)))
+    of_navigation = whitening.T @ whitening
     for _ in range(ITERATIONS):
         length, unit = float(np.linalg.norm(motion[:3, 3])), _unit(motion)
         residual, by = mono_motion.linearise(unit, first, second)
         weight = _biweight(residual)
         jacobian = np.hstack([by[:, 3:] @ mono_motion.tangent_basis(unit[:3, 3]).T / length, by[:, :3]])
-        gap, whitening = _gap(motion, prior)
-        normal = (jacobian * weight[:, None]).T @ jacobian + whitening.T @ whitening
+        weighted = (jacobian * weight[:, None]).T
+        normal = weighted @ jacobian + of_navigation
         normal[:3, :3] += np.eye(3) / length**2  # a direction is never more than unknown, and matches tell no length
-        step = np.asarray(-np.linalg.solve(normal, (jacobian * weight[:, None]).T @ residual + whitening.T @ gap))
+        step = np.asarray(-np.linalg.solve(normal, weighted @ residual + of_navigation @ _gap(motion, prior)))
         step *= min(1.0, LARGEST_STEP / max(float(np.abs(step).max()), 1e-12))
         motion[:3, :3] = motion[:3, :3] @ Rotation.from_rotvec(step[3:]).as_matrix()
         motion[:3, 3] += step[:3]
@@ -149,12 +180,11 @@ def _sigma(residual: Array) -> float:
     return max(float(robust_sigma(residual, about=0.0)), LEAST_SIGMA)
 
 
-def _gap(motion: Array, prior: Motion) -> tuple[Array, Array]:
-    """Return how far a motion (4, 4) is from navigation's, whitened (6,), and what whitens it (6, 6)."""
+def _gap(motion: Array, prior: Motion) -> Array:
+    """Return how far a motion (4, 4) is from navigation's (6,)."""
     wanted = prior.second_from_first
     turn = Rotation.from_matrix(wanted[:3, :3].T @ motion[:3, :3]).as_rotvec()
-    whitening = np.linalg.inv(np.linalg.cholesky(prior.covariance + LEAST_SIGMA**2 * np.eye(6)))
-    return np.asarray(whitening @ np.concatenate([motion[:3, 3] - wanted[:3, 3], turn])), whitening
+    return np.concatenate([motion[:3, 3] - wanted[:3, 3], turn])
 
 
 def _unit(motion: Array) -> Array:
