@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""The typed face of the C++ module: bundle adjustment and mesh queries. Nothing else imports hullrecon._native.
+"""The typed face of the C++ module: bundle adjustment, mesh queries, pairs of features. Nothing else imports hullrecon._native.
 
 The module is built by the (editable) installation and found through it, from whatever folder or PYTHONPATH Python is started;
 a checkout that was never installed has no hullrecon._native. Importing this package does not load it yet.
@@ -8,6 +8,7 @@ a checkout that was never installed has no hullrecon._native. Importing this pac
 
 from hullrecon.native.columns import IDENTITY
 from hullrecon.native.curvature import curvature_difference, curvature_information
+from hullrecon.native.feature_pairs import best_and_next, descriptor_distances, pairs_in_regions
 from hullrecon.native.links import LinkKernel, LinkTable, bearing_basis
 from hullrecon.native.mesh_index import Closest, Hits, MeshIndex
 from hullrecon.native.planes import PlanePairTable, PlaneRangeTable, PlaneSightingTable, PlaneTable
@@ -84,10 +85,13 @@ __all__ = [
     "Unknowns",
     "VelocityTable",
     "bearing_basis",
+    "best_and_next",
     "covariance",
     "curvature_difference",
     "curvature_information",
+    "descriptor_distances",
     "evaluate",
     "pair_covariance",
+    "pairs_in_regions",
     "solve",
 ]

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon import native
 from hullrecon.typing import Floats32, Ints, Pixels
 
 UNIT = 512.0
 WIDTH = 128  # numbers of a descriptor
-_CHUNK = 256  # pairs whose descriptors fit the cache together
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,12 +44,7 @@ def to_unit(descriptors: NDArray[np.uint8]) -> Floats32:
 
 def sparse_distance(a: Floats32, b: Floats32, first: Ints, second: Ints) -> Floats32:
     """Return distances (m,) of the pairs (first into a, second into b)."""
-    out = np.empty(len(first), np.float32)
-    for start in range(0, len(first), _CHUNK):
-        rows = slice(start, start + _CHUNK)
-        gap = a[first[rows]] - b[second[rows]]
-        out[rows] = np.sqrt(np.einsum("ij,ij->i", gap, gap))
-    return out
+    return native.descriptor_distances(a, b, first, second)
 
 
 def best_of_pairs(first: Ints, second: Ints, distance: Floats32, ratio: float, most: float) -> Putative:
@@ -59,8 +54,8 @@ def best_of_pairs(first: Ints, second: Ints, distance: Floats32, ratio: float, m
     """
     if len(first) == 0:
         return _no_matches()
-    forward, forward_next = _best_and_next(first, distance)
-    backward, backward_next = _best_and_next(second, distance)
+    forward, forward_next = native.best_and_next(first, distance)
+    backward, backward_next = native.best_and_next(second, distance)
     chosen = forward[np.isin(forward, backward)]
     limit = np.minimum(forward_next[first[chosen]], backward_next[second[chosen]]) * ratio
     chosen = np.sort(chosen[(distance[chosen] < limit) & (distance[chosen] < most)])
@@ -71,7 +66,7 @@ def mutual_best(first: Ints, second: Ints, distance: Floats32) -> Ints:
     """Return the rows, ascending, of pairs (m,) that are the best of both of their features."""
     if len(first) == 0:
         return np.zeros(0, np.int64)
-    forward, backward = (_best_and_next(key, distance)[0] for key in (first, second))
+    forward, backward = (native.best_and_next(key, distance)[0] for key in (first, second))
     return np.sort(forward[np.isin(forward, backward)])
 
 
@@ -90,23 +85,6 @@ def best_of_all(a: Floats32, b: Floats32, ratio: float, most: float) -> Putative
     good = mutual & (best < ratio**2 * np.minimum(two_a, two_b[second])) & (best < most**2)
     distance = np.sqrt(np.maximum(best[good], 0)).astype(np.float32)
     return Putative(first=first[good], second=second[good], distance=distance)
-
-
-def _best_and_next(key: Ints, distance: Floats32) -> tuple[Ints, Floats32]:
-    """Return the row of the best pair of each key, and by key the distance of the second best (inf where none)."""
-    order = _by_key_and_distance(key, distance)
-    sorted_key = key[order]
-    start = np.concatenate([[True], sorted_key[1:] != sorted_key[:-1]])
-    following = np.full(int(key.max()) + 1, np.inf, np.float32)
-    seconds = np.flatnonzero(~start & np.concatenate([[False], start[:-1]]))
-    following[sorted_key[seconds]] = distance[order[seconds]]
-    return order[start], following
-
-
-def _by_key_and_distance(key: Ints, distance: Floats32) -> Ints:
-    """Return rows by key, the closest first, as one number a row: the bits of floats that are not negative sort as they do."""
-    bits = np.ascontiguousarray(distance, np.float32).view(np.uint32).astype(np.uint64)
-    return np.argsort((key.astype(np.uint64) << np.uint64(32)) | bits, kind="stable")
 
 
 def _no_matches() -> Putative:

@@ -54,7 +54,7 @@ def fit(motion: Array, first: Array, second: Array) -> Array:
 
 
 def covariance_of(motion: Array, first: Array, second: Array) -> Array:
-    """Return the covariance (5, 5) of the unknowns of `fit` at its motion: the information is a bundle adjustment's of two views.
+    """Return the covariance (5, 5) of the unknowns of `fit` at its motion: the information is that of adjusting two views.
 
     It takes its scale from the residuals and from how far neighbours err together, and what the matches' own noise adds to the
     information about the direction is taken off.
