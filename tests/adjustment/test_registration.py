@@ -35,15 +35,17 @@ def test_a_cylinder_slides_along_itself_and_says_so():
     assert "along the hull" in weak[0]["sentence"]
 
 
-def test_a_direction_between_two_axes_is_named_by_both():
+def test_directions_between_two_axes_are_said_of_each_axis_once_with_its_own_sigma():
     axes = np.eye(6)
     axes[3:5, 3:5] = np.array([[0.8, -0.6], [0.6, 0.8]])
     covariance = axes @ np.diag(np.r_[1e-6, 0.2, 1e-6, np.radians([0.9, 2.0, 0.6])]) ** 2 @ axes.T
-    position, *attitude = [w["sentence"] for w in find_weak_directions(covariance)]
+    found = find_weak_directions(covariance)
+    assert [w["sigma"] for w in found] == pytest.approx([0.2, *np.radians([2.0, 0.9, 0.6])])
+    position, *attitude = [w["sentence"] for w in found]
     assert position.startswith("The position across the hull is uncertain by 0.20 m")
     assert attitude == [
-        "The heel and trim of the hull, against each other, are uncertain by 2.00 degrees (one sigma).",
-        "The heel and trim of the hull, taken together, are uncertain by 0.90 degrees (one sigma).",
+        "The trim of the hull is uncertain by 1.69 degrees (one sigma).",  # hypot(0.6 * 0.9, 0.8 * 2.0)
+        "The heel of the hull is uncertain by 1.40 degrees (one sigma).",
         "The heading of the hull is uncertain by 0.60 degrees (one sigma).",
     ]
 

@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from hullrecon.typing import Array
 
 _DIRECTIONS = ("along the hull", "across the hull", "vertically")  # of M's axes
 _ANGLES = ("heel", "trim", "heading")  # about them
-MAIN = 0.5  # of a unit direction, along each axis that its sentence names: there is always one
 
 
 def find_weak_directions(
@@ -19,14 +19,17 @@ def find_weak_directions(
     """Return eigenvectors of T_g_M's covariance (6, 6: translation and rotation in M's axes) beyond the given sigmas, worst
     first.
 
-    Each: `kind` position or attitude, `direction` unit vector in M, `sigma` (m or rad) and a `sentence`.
+    Each: `kind` position or attitude, `direction` unit vector in M, `sigma` (m or rad) and a `sentence` on the axis of M that
+    lies next to it, another one for each, with that axis's own sigma.
     """
     found: list[dict[str, object]] = []
     for kind, block, least in (
         ("position", slice(0, 3), least_sigma_m),
         ("attitude", slice(3, 6), np.radians(least_sigma_deg)),
     ):
-        values, vectors = np.linalg.eigh(covariance_in_hull[block, block])
+        covariance = covariance_in_hull[block, block]
+        values, vectors = np.linalg.eigh(covariance)
+        _, axes = linear_sum_assignment(np.abs(vectors.T), maximize=True)
         for k in np.argsort(values)[::-1]:
             sigma = float(np.sqrt(max(values[k], 0)))
             if sigma >= least:
@@ -36,22 +39,16 @@ def find_weak_directions(
                         "kind": kind,
                         "direction": direction.tolist(),
                         "sigma": sigma,
-                        "sentence": _sentence(kind, direction, sigma),
+                        "sentence": _sentence(kind, axes[k], float(np.sqrt(covariance[axes[k], axes[k]]))),
                     }
                 )
     return found
 
 
-def _sentence(kind: str, direction: Array, sigma: float) -> str:
-    axes = np.flatnonzero(np.abs(direction) >= MAIN)
-    opposed = len(np.unique(np.sign(direction[axes]))) > 1
-    together = "" if len(axes) == 1 else ", against each other," if opposed else ", taken together,"
+def _sentence(kind: str, axis: int, sigma: float) -> str:
     if kind == "position":
         return (
-            f"The position {' and '.join(_DIRECTIONS[k] for k in axes)}{together} is uncertain by {sigma:.2f} m (one sigma): "
+            f"The position {_DIRECTIONS[axis]} is uncertain by {sigma:.2f} m (one sigma): "
             "the hull's form does not resolve it better."
         )
-    return (
-        f"The {' and '.join(_ANGLES[k] for k in axes)} of the hull{together} {'are' if together else 'is'} uncertain by "
-        f"{np.degrees(sigma):.2f} degrees (one sigma)."
-    )
+    return f"The {_ANGLES[axis]} of the hull is uncertain by {np.degrees(sigma):.2f} degrees (one sigma)."
