@@ -237,7 +237,7 @@ def _hull_pose_error(run, package):
     return np.append(places[0] - places[1], (real.inv() * ours).as_rotvec()), np.array(said["covariance"])
 
 
-def hull_pose_errors(run, package):
+def errors_by_axis(run, package):
     """Errors of the hull's pose by kind, position (3,) m and attitude (3,) rad, along and about the ship's axes."""
     real = Rotation.from_quat(json.loads((package / "truth" / "alignment.json").read_text())["T_g_M"]["quaternion"])
     error, _ = _hull_pose_error(run, package)
@@ -246,7 +246,7 @@ def hull_pose_errors(run, package):
 
 def weak_direction_errors(run, package):
     """Error (m or rad) and sigma along each direction that is called weak, by its kind and the ship's axis next to it."""
-    said, parts = document(run, "alignment.json"), hull_pose_errors(run, package)
+    said, parts = document(run, "alignment.json"), errors_by_axis(run, package)
     return {
         (weak["kind"], int(np.argmax(np.abs(weak["direction"])))): (parts[weak["kind"]] @ weak["direction"], weak["sigma"])
         for weak in said["weak_directions"]

@@ -122,7 +122,7 @@ class TrueDive:
 
     def weak_error(self, kind, name):
         axis = {"along the hull": 0, "across the hull": 1, "vertically": 2, "heel": 0, "trim": 1, "heading": 2}[name]
-        return claims.hull_pose_errors(self.run, self.package)[kind][axis]
+        return claims.errors_by_axis(self.run, self.package)[kind][axis]
 
     # objects
 
