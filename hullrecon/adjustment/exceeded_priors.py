@@ -96,15 +96,21 @@ def _priors(rig: Rig, state: State) -> dict[str, _Prior]:
     return out
 
 
+def displacement(mount: Mount, found: Poses) -> tuple[Array, Array]:
+    """Return how far a mount was found from its nominal pose (6,), translation and rotation in the child's axes, and what takes
+    its unknowns' tangent there (6, 6), whose translation is in the parent's axes."""
+    to_child = np.eye(6)
+    to_child[:3, :3] = mount.nominal.rotation.inv().as_matrix()[0]
+    shift = to_child[:3, :3] @ (found.translation - mount.nominal.translation)[0]
+    turn = (mount.nominal.rotation.inv() * found.rotation).as_rotvec()[0]
+    return np.r_[shift, turn], to_child
+
+
 def _prior_of_mount(mount: Mount, found: Poses) -> _Prior:
     assert mount.sqrt_information is not None
-    to_child = mount.nominal.rotation.inv().as_matrix()[0]
-    shift = to_child @ (found.translation - mount.nominal.translation)[0]
-    turn = (mount.nominal.rotation.inv() * found.rotation).as_rotvec()[0]
-    to_prior = np.eye(6)
-    to_prior[:3, :3] = to_child
+    by, to_child = displacement(mount, found)
     rows = mount.sqrt_information[ROTATION]
-    return _Prior(deviation=rows @ np.r_[shift, turn], to_sigmas=rows @ to_prior)
+    return _Prior(deviation=rows @ by, to_sigmas=rows @ to_child)
 
 
 def _widen(rig: Rig, widening: dict[str, Array]) -> Rig:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.adjustment.exceeded_priors import MANY_OF_ITS_OWN, MANY_SIGMAS
+from hullrecon.adjustment.exceeded_priors import MANY_OF_ITS_OWN, MANY_SIGMAS, displacement
 from hullrecon.estimation.rig_priors import Mount
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array
@@ -99,17 +99,13 @@ class _Displacement:
     @staticmethod
     def of(key: str, mount: Mount, found: Poses, covariance: Array) -> _Displacement:
         assert mount.sqrt_information is not None
-        to_child = mount.nominal.rotation.inv().as_matrix()[0]
-        shift = to_child @ (found.translation - mount.nominal.translation)[0]
-        turn = (mount.nominal.rotation.inv() * found.rotation).as_rotvec()[0]
-        axes = np.eye(6)
-        axes[:3, :3] = to_child
+        by, to_child = displacement(mount, found)
         return _Displacement(
             key=key,
-            by=np.r_[shift, turn],
-            sigma=np.sqrt(np.maximum(np.diag(axes @ covariance @ axes.T), 0)),
+            by=by,
+            sigma=np.sqrt(np.maximum(np.diag(to_child @ covariance @ to_child.T), 0)),
             allowed=np.linalg.norm(np.linalg.inv(mount.sqrt_information), axis=1),
-            in_parent=mount.nominal.rotation.apply(turn)[0],
+            in_parent=mount.nominal.rotation.apply(by[3:])[0],
         )
 
     def times_allowed(self) -> Array:
@@ -149,8 +145,8 @@ def _turned_alike(found: list[_Displacement]) -> list[str]:
     tray = ", or the zero of the tray's angles" if abs(mean[1]) > TRAY_AXIS * size else ""
     keys = " and ".join(mount.key for mount in found)
     return [
-        f"{keys} are turned the same way, by {np.degrees(size):.1f} degrees: rather than both, what attitude is measured with "
-        f"may be turned (imu.mount_deg){tray}."
+        f"{keys} are turned the same way, by {np.degrees(size):.1f} degrees: it may be the IMU that is "
+        f"turned instead (imu.mount_deg){tray}."
     ]
 
 

@@ -54,25 +54,21 @@ def gather(motion: Motion, first: Array, second: Array, prior: Motion | None, to
     A plane's inliers will not do: on a curved hull they are those whose noise makes it flatter, and the motion turns by what
     the flatter hull would mean.
     """
-    inlier = on_lines(motion, first, second, tolerance)
+    inlier = on_lines(motion.second_from_first, first, second, tolerance)
     found: _OnInliers | None = None
     for _ in range(GATHERINGS):
         if inlier.sum() <= 2 * mono_motion.FREEDOMS:
             break
         start = _unit(motion.second_from_first) if found is None else found.motion
         found = _fit_on_inliers(start, first[inlier], second[inlier], prior)
-        before, inlier = inlier, _on_lines(found.motion, first, second, tolerance)
+        before, inlier = inlier, on_lines(found.motion, first, second, tolerance)
         if (inlier == before).all():
             break
     return motion if found is None else mono_motion.with_length(found.motion, found.covariance(), prior), inlier
 
 
-def on_lines(motion: Motion, first: Array, second: Array, tolerance: float) -> Mask:
-    """Return which matches (n, 2) lie within a tolerance of their epipolar lines."""
-    return _on_lines(motion.second_from_first, first, second, tolerance)
-
-
-def _on_lines(motion: Array, first: Array, second: Array, tolerance: float) -> Mask:
+def on_lines(motion: Array, first: Array, second: Array, tolerance: float) -> Mask:
+    """Return which matches (n, 2) lie within a tolerance of their epipolar lines, motion (4, 4)."""
     return np.asarray(sampson_squared(essential_of(motion), first, second) < tolerance**2)
 
 
