@@ -13,7 +13,7 @@ from hullrecon.synthetic.output.dive_toml import dive_toml
 from hullrecon.synthetic.output.mcap_log import write_mcap
 from hullrecon.synthetic.output.plain_log import write_plain
 from hullrecon.synthetic.output.truth import write_truth
-from hullrecon.synthetic.sensors.recorder import Track, record, without_progress
+from hullrecon.synthetic.sensors.recorder import Streams, Track, record, without_progress
 from hullrecon.synthetic.spec import DiveSpec
 from hullrecon.synthetic.world.hull_shapes import write_stl
 
@@ -26,17 +26,21 @@ def write_package(folder: Path, spec: DiveSpec, track: Track = without_progress)
     Raises StorageError when the folder is not empty or cannot be written."""
     with new_folder(folder) as partial:
         dive = simulate_dive(spec)
-        write_stl(partial / "hull.stl", dive.cad_model)
-        (partial / "logs").mkdir()
-        streams = record(dive, track)
-        if spec.form == "mcap":
-            write_mcap(partial / "logs" / "dive.mcap", streams)
-        else:
-            write_plain(partial / "logs", streams)
-        for name, camera in cameras_of(dive).items():
-            (partial / "calibration").mkdir(exist_ok=True)
-            (partial / "calibration" / f"{name}.yaml").write_text(camera_info(name, camera))
-        (partial / "truth").mkdir()
-        write_truth(partial / "truth", dive)
-        (partial / "dive.toml").write_text(dive_toml(dive))
+        write_parts(partial, dive, record(dive, track))
     return dive
+
+
+def write_parts(folder: Path, dive: Dive, streams: Streams) -> None:
+    """Write all that a package consists of into an empty folder; streams: what the dive's sensors gave."""
+    write_stl(folder / "hull.stl", dive.cad_model)
+    (folder / "logs").mkdir()
+    if dive.spec.form == "mcap":
+        write_mcap(folder / "logs" / "dive.mcap", streams)
+    else:
+        write_plain(folder / "logs", streams)
+    for name, camera in cameras_of(dive).items():
+        (folder / "calibration").mkdir(exist_ok=True)
+        (folder / "calibration" / f"{name}.yaml").write_text(camera_info(name, camera))
+    (folder / "truth").mkdir()
+    write_truth(folder / "truth", dive)
+    (folder / "dive.toml").write_text(dive_toml(dive))
