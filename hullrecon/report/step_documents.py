@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from hullrecon.records.deliverables import RejectedRegion
 
-Interval = tuple[float, float]  # seconds of the log
+Interval = tuple[float, float]  # seconds since start_ns
 
 
 class StepDocument(Struct, frozen=True, kw_only=True):
@@ -26,8 +26,9 @@ class LogFindings(StepDocument, frozen=True):
 
 
 class NavigationFacts(StepDocument, frozen=True):
-    """navigation.json of navigate."""
+    """navigation.json of navigate. start_ns: of the first velocity; intervals count from it."""
 
+    start_ns: int = 0
     outages_s: tuple[Interval, ...] = ()
     attitude_gaps_s: tuple[Interval, ...] = ()
     remarks: tuple[str, ...] = ()

@@ -93,7 +93,7 @@ def files_of_earlier_dive(settings: StageSettings, package: Path) -> list[Path]:
     return [file for file in files if os.path.isfile(package / file) and os.access(package / file, os.R_OK)]
 
 
-def why_not(settings: StageSettings) -> str | None:
+def why_not(settings: StageSettings, package: Path) -> str | None:
     """Return why a dive is not compared with an earlier one; None where it is."""
     if settings.read("change", EarlierDive).earlier is None:
         return "no earlier dive is named (change.earlier)"

@@ -45,7 +45,7 @@ class Extract:
         return None if picture is None else extract(picture, self.options, self.corners)
 
 
-def applies(settings: Mapping[str, object]) -> str | None:
+def applies(settings: Mapping[str, object], package: Path) -> str | None:
     """Return why a dive cannot have this step; None where it can."""
     return None if settings["camera.top.time_offset"] is not None else "no camera was carried"
 

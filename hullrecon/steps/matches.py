@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.errors import InputError
@@ -18,7 +19,7 @@ from hullrecon.vision.pairs.match_worker import MatchWorker
 from hullrecon.vision.stereo.camera_rig import CameraRig
 
 
-def applies(settings: Mapping[str, object]) -> str | None:
+def applies(settings: Mapping[str, object], package: Path) -> str | None:
     """Return why a dive cannot have this step; None where it can."""
     return None if settings["camera.top.mount"] is not None else "no camera was carried"
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.errors import StageError
@@ -20,7 +21,7 @@ CAMERA_KEYS = ("tray.origin", "camera.top.mount", "camera.bottom.pose_in_top")  
 REMEDY = "check the alignment of the dive with its surface, or set mosaic-optical.resolution_m"
 
 
-def applies(settings: Mapping[str, object]) -> str | None:
+def applies(settings: Mapping[str, object], package: Path) -> str | None:
     """Return None where a camera was carried, else why there is no such mosaic."""
     return None if settings["camera.top.time_offset"] is not None else "no camera was carried"
 

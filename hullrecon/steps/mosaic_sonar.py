@@ -5,13 +5,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.graph.stage_settings import StageSettings
-from hullrecon.dive.config.schema import Topics
+from hullrecon.dive.config.schema import Logs, Topics
+from hullrecon.dive.logs.readers.open import is_of_sonar
 from hullrecon.errors import StageError
 from hullrecon.geometry.poses import Poses, from_mount
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
@@ -26,14 +28,13 @@ from hullrecon.steps.mosaics import read_mosaic_inputs, write_mosaic
 from hullrecon.steps.sonar import SONAR_KEYS, sonar_poses
 
 
-def applies(settings: Mapping[str, object]) -> str | None:
-    """Return None where an imaging sonar was carried and logged, else why there is no such mosaic.
-
-    Plain files have no topics: where none is named, the names of the tables say what was logged.
-    """
-    topics = settings["topics"]
-    is_plain = isinstance(topics, Topics) and not any(getattr(topics, name) for name in topics.__struct_fields__)
-    is_logged = isinstance(topics, Topics) and (is_plain or topics.sonar is not None)
+def applies(settings: Mapping[str, object], package: Path) -> str | None:
+    """Return None where an imaging sonar was carried and logged, in a topic or in a log that has none, else why there is no
+    such mosaic."""
+    topics, logs = settings["topics"], settings["logs"]
+    is_logged = isinstance(topics, Topics) and topics.sonar is not None
+    if not is_logged and isinstance(logs, Logs):
+        is_logged = any(is_of_sonar(package / name) for name in logs.files)
     return None if settings["sonar.mount"] is not None and is_logged else "no imaging sonar was carried"
 
 
@@ -103,6 +104,6 @@ STAGE = Stage(
     version=5,
     run=run,
     fails_alone=True,
-    uses=(*SONAR_KEYS, "sonar.joint", "sonar.mount_sigma", "sonar.elevation_deg", "topics", "hull.frame_spacing"),
+    uses=(*SONAR_KEYS, "sonar.joint", "sonar.mount_sigma", "sonar.elevation_deg", "topics", "logs", "hull.frame_spacing"),
     applies=applies,
 )

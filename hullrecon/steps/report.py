@@ -105,7 +105,7 @@ def read_survey(context: Context[ReportOptions]) -> Survey:
         change=_change(artifacts),
         provenance=Provenance(
             steps=tuple(_step_run(context.inputs[name], name) for name in CHAIN if name in context.inputs),
-            missing=_missing(context, rig, solution, detect, mosaics),
+            missing=_missing(context, artifacts, rig, solution, detect, mosaics),
             copies=_copies(context),
         ),
     )
@@ -220,12 +220,12 @@ def _change(artifacts: InputArtifacts) -> EarlierComparison | None:
 
 
 def _missing(
-    context: Context[ReportOptions], rig: SensorRig, solution: Solution | None, detect: DetectFacts,
+    context: Context[ReportOptions], artifacts: InputArtifacts, rig: SensorRig, solution: Solution | None, detect: DetectFacts,
     mosaics: dict[str, Mosaic | None],
 ) -> dict[str, str]:  # fmt: skip
     carried = Carried(
         camera=rig.tray_from_camera is not None,
-        sonar=context.settings["sonar.mount"] is not None,
+        sonar=context.settings["sonar.mount"] is not None and artifacts.ingest.sonar is not None,
         cad_model=context.settings["hull"] is not None,
         earlier_dive=context.settings["change.earlier"] is not None,
     )

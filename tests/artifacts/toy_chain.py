@@ -53,7 +53,7 @@ def join(context: Context) -> None:
         context.warn("the right side is missing")
 
 
-def no_right(settings: object) -> str | None:
+def no_right(settings: object, package: Path) -> str | None:
     return "no scale was given" if settings["scale"] is None else None  # type: ignore[index]
 
 

@@ -182,5 +182,5 @@ def test_a_heading_that_steps_is_named_with_its_size_and_time(plain) -> None:
     sentences, facts = remarks_on(replace(path, attitude=stepped), pings, nodes, np.zeros((201, 2), bool))
     step, disagreement = [sentence for sentence in sentences if "heading" in sentence]
     assert step.startswith("IMU: 1 step in the heading, by +3.0 degrees at ")
-    assert disagreement.startswith("IMU: heading and rates part 1 time, at most by 1.1 degrees at 2.5 s")
+    assert disagreement.startswith("IMU: heading and rates part 1 time, at most by 1.1 degrees at 1970-01-01T00:00:02.500Z")
     assert facts["heading_steps_deg"] == [3.0]

@@ -207,7 +207,7 @@ def survey(
             dvl=dvl,
             rig=rig,
             images={Camera.TOP: pictures},
-            navigation=NavigationFacts(outages_s=((31.0, 34.2),)),
+            navigation=NavigationFacts(start_ns=1_777_887_000_000_000_000, outages_s=((31.0, 34.2),)),
         ),
         track=track_of(trajectory, solution),
         trajectory=trajectory,

@@ -30,10 +30,16 @@ def test_missing_deliverables_stand_with_their_reason(bare: Survey) -> None:
     assert "objects.json: no camera was carried" in items
 
 
-def test_outages_are_in_seconds_of_the_log(bare: Survey) -> None:
-    navigation = NavigationFacts(outages_s=((1.0, 2.5),), attitude_gaps_s=((3.0, 4.0),), remarks=("one remark",))
+def test_outages_stand_at_the_logs_own_times(bare: Survey) -> None:
+    navigation = NavigationFacts(
+        start_ns=60 * 10**9, outages_s=((1.0, 2.5),), attitude_gaps_s=((3.0, 4.0),), remarks=("one remark",)
+    )
     items = groups_of(replace(bare, facts=replace(bare.facts, navigation=navigation)))["Navigation"]
-    assert items == ["no DVL from 1.0 s to 2.5 s of the log", "no attitude from 3.0 s to 4.0 s of the log", "one remark"]
+    assert items == [
+        "no DVL from 1970-01-01T00:01:01.000Z to 1970-01-01T00:01:02.500Z",
+        "no attitude from 1970-01-01T00:01:03.000Z to 1970-01-01T00:01:04.000Z",
+        "one remark",
+    ]
 
 
 def test_pairs_are_counted_by_reason_singular_and_plural(bare: Survey) -> None:

@@ -226,7 +226,7 @@ def test_where_detect_failed_the_step_says_so(compared: Compared, tmp_path: Path
 def test_it_applies_to_a_dive_with_a_cad_model_that_names_another(
     earlier: str | None, mesh: str | None, reason: str | None
 ) -> None:
-    assert why_not(StageSettings("change", {"change": EarlierDive(earlier=earlier), "hull.mesh": mesh})) == reason
+    assert why_not(StageSettings("change", {"change": EarlierDive(earlier=earlier), "hull.mesh": mesh}), Path()) == reason
 
 
 def test_files_of_a_run_that_is_not_there_are_none(tmp_path: Path) -> None:

@@ -137,8 +137,8 @@ def test_a_camera_that_logged_no_image_is_said_with_what_to_do(made, tmp_path):
 
 
 def test_a_dive_without_camera_has_no_features():
-    assert STAGE.applies({"camera.top.time_offset": None}) == "no camera was carried"
-    assert STAGE.applies({"camera.top.time_offset": 0.0}) is None
+    assert STAGE.applies({"camera.top.time_offset": None}, Path()) == "no camera was carried"
+    assert STAGE.applies({"camera.top.time_offset": 0.0}, Path()) is None
 
 
 def test_image_files_that_a_table_names_are_known_so_that_a_change_is_seen(tmp_path, monkeypatch):

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import json
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -188,4 +189,4 @@ def test_links_that_are_damaged_are_named(dive, matched, tmp_path):
 
 
 def test_a_dive_without_camera_has_no_matches():
-    assert STAGE.applies({"camera.top.mount": None}) == "no camera was carried"
+    assert STAGE.applies({"camera.top.mount": None}, Path()) == "no camera was carried"

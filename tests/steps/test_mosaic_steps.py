@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from hullrecon.artifacts.execution.runner import run_stage
 from hullrecon.dive.config.schema import Cameras, CameraTop, Dive, DiveConfig, Logs, Sonar, Topics
+from hullrecon.dive.logs.readers.sound_metrics import aris_frames
 from hullrecon.errors import StageError
 from hullrecon.geometry.charts.chart import chart_for_points
 from hullrecon.geometry.frames import Frame
@@ -31,6 +32,7 @@ from hullrecon.steps.sonar import sonar_poses
 
 NODES = 9
 CAMERA = {"width": 160, "height": 120, "fx": 160.0, "fy": 160.0, "cx": 79.5, "cy": 59.5}
+BAG = Logs(files=("dive.mcap",))
 TIMES = np.arange(NODES) * 500_000_000
 
 
@@ -168,18 +170,31 @@ def test_a_sonar_that_sees_nothing_of_the_surface_says_how_far_it_reached(passed
         run_stage(mosaic_sonar.STAGE, {**settings(sonar), "camera": Cameras()}, passed, tmp_path / "out")
 
 
-def test_steps_apply_only_where_their_sensor_was_carried() -> None:
-    carried = {"camera.top.time_offset": 0.0, "sonar.mount": Sonar().mount, "topics": Topics(sonar="/s")}
-    assert mosaic_optical.applies(carried) is None
-    assert mosaic_sonar.applies(carried) is None
-    assert mosaic_optical.applies({"camera.top.time_offset": None}) == "no camera was carried"
-    assert mosaic_sonar.applies({"sonar.mount": None, "topics": Topics()}) == "no imaging sonar was carried"
+def test_steps_apply_only_where_their_sensor_was_carried(tmp_path: Path) -> None:
+    carried = {"camera.top.time_offset": 0.0, "sonar.mount": Sonar().mount, "topics": Topics(sonar="/s"), "logs": BAG}
+    assert mosaic_optical.applies(carried, tmp_path) is None
+    assert mosaic_sonar.applies(carried, tmp_path) is None
+    assert mosaic_optical.applies({"camera.top.time_offset": None}, tmp_path) == "no camera was carried"
+    assert mosaic_sonar.applies({**carried, "sonar.mount": None}, tmp_path) == "no imaging sonar was carried"
 
 
-def test_a_plain_package_names_no_topics_and_gets_its_sonar_mosaic_all_the_same() -> None:
-    carried = {"sonar.mount": Sonar().mount}
-    assert mosaic_sonar.applies({**carried, "topics": Topics()}) is None
-    assert mosaic_sonar.applies({**carried, "topics": Topics(dvl="/dvl")}) == "no imaging sonar was carried"
+@pytest.mark.parametrize("topics", [Topics(), Topics(dvl="/dvl")])
+def test_a_sonar_in_a_log_without_topics_gets_its_mosaic_whatever_topics_are_named(topics: Topics, tmp_path: Path) -> None:
+    for folder, table in (("tables", "sonar.csv"), ("others", "dvl.csv")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / table).touch()
+    carried = {"sonar.mount": Sonar().mount, "topics": topics}
+    for beside in ("s.aris", "s.OCULUS", "tables"):
+        assert mosaic_sonar.applies({**carried, "logs": Logs(files=("dive.mcap", beside))}, tmp_path) is None
+    for beside in ("absent", "dvl.pd0", "others"):
+        logs = Logs(files=("dive.mcap", beside))
+        assert mosaic_sonar.applies({**carried, "logs": logs}, tmp_path) == "no imaging sonar was carried"
+
+
+def test_the_file_of_a_sonar_is_known_by_its_first_bytes(tmp_path: Path) -> None:
+    (tmp_path / "pings.dat").write_bytes(aris_frames.MAGIC + bytes(8))
+    carried = {"sonar.mount": Sonar().mount, "topics": Topics(dvl="/dvl"), "logs": Logs(files=("dive.mcap", "pings.dat"))}
+    assert mosaic_sonar.applies(carried, tmp_path) is None
 
 
 def _still_track(nodes: int) -> VehicleTrack:

@@ -49,7 +49,7 @@ class Chain:
         """Return steps that this dive cannot have, with the reason; a step whose needed input is one of them is one too."""
         reasons: dict[str, str] = {}
         for stage in self.stages:
-            own = stage.applies(settings_for(stage, self.sections)) if stage.applies is not None else None
+            own = stage.applies(settings_for(stage, self.sections), self.package) if stage.applies is not None else None
             lost = next((name for name in stage.inputs if name in reasons), None)
             if own is not None:
                 reasons[stage.name] = own

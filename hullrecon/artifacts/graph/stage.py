@@ -81,7 +81,8 @@ class Stage:
     parameters: msgspec Struct (frozen, keyword only, unknown fields forbidden, all fields with defaults).
     version: raised when the function's result changes for the same input.
     external: for stages that read files of the package: from the settings and the package's folder to those files.
-    applies: None, or a function from the settings to None (applies) or the reason why this dive cannot have it.
+    applies: None, or a function from the settings and the package's folder to None (applies) or the reason why this dive cannot
+        have it.
     fails_alone: where it reaches no result, steps that only use it when it is there go on without it.
     """
 
@@ -94,7 +95,7 @@ class Stage:
     uses: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
     external: Callable[[StageSettings, Path], list[Path]] | None = None
-    applies: Callable[[StageSettings], str | None] | None = None
+    applies: Callable[[StageSettings, Path], str | None] | None = None
     fails_alone: bool = False
 
 

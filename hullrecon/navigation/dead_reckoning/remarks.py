@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hullrecon.dive.logs.timeline import format_time
 from hullrecon.navigation.dead_reckoning.nodes import Nodes
 from hullrecon.navigation.dead_reckoning.reckoning import Reckoning
 from hullrecon.navigation.sensors.attitude import AttitudeHistory
@@ -19,7 +20,8 @@ from hullrecon.typing import Array, Ints
 def remarks_of(
     pings_ns: Ints, path: Reckoning, nodes: Nodes, depth: Depth | None, returns: Returns
 ) -> tuple[list[str], dict[str, object]]:
-    """Return sentences, and the numbers behind them for navigation.json; times are seconds since the first velocity."""
+    """Return sentences, and the numbers behind them for navigation.json, whose times are seconds since the first velocity, that
+    of start_ns."""
 
     def since(t_ns: Ints) -> list[float]:
         """Return seconds since the first velocity."""
@@ -42,15 +44,15 @@ def remarks_of(
         (len(v.outliers), f"DVL: {_times(len(v.outliers), 'velocity')} rejected as outliers"),
         (returns.flagged.any(), f"{returns.flagged.sum()} of {len(returns.flagged)} DVL ranges rejected as outliers"),
         (len(holes), f"IMU: {_times(len(holes), 'gap')} in the attitude, {_longest(holes)}"),
-        (len(turned.row), _heading_steps(np.degrees(turned.size), since(path.attitude.t_ns[turned.row]))),
+        (len(turned.row), _heading_steps(np.degrees(turned.size), path.attitude.t_ns[turned.row])),
         (
             len(turned.disagreement),
-            _disagreements(np.degrees(turned.disagreement_rad), since(path.attitude.t_ns[turned.disagreement])),
+            _disagreements(np.degrees(turned.disagreement_rad), path.attitude.t_ns[turned.disagreement]),
         ),
         (not path.attitude.fused, "IMU: no rates; the attitude between readings is interpolated"),
         (len(blank), _without_images(nodes.t_ns, blank, v)),
         (depth is None, "no pressure: the depth is counted from the start and drifts"),
-        (len(steps), f"pressure: {_times(len(steps), 'step')} that the DVL did not see, the first at {_first(since(steps))} s"),
+        (len(steps), f"pressure: {_times(len(steps), 'step')} that the DVL did not see, the first at {_first(steps)}"),
         (no_depth, f"pressure: {no_depth}; there the depth is counted on by the DVL"),
         (not path.servo.is_read, "no tray angles: the tray is taken to stand at zero"),
         (no_angle, f"tray: {no_angle}; there it is taken to stand as last read, or to turn evenly between two readings"),
@@ -109,22 +111,22 @@ def _times(count: int, noun: str) -> str:
     return f"{count} {noun if count == 1 else plural}"
 
 
-def _heading_steps(size_deg: Array, at_s: list[float]) -> str:
+def _heading_steps(size_deg: Array, at_ns: Ints) -> str:
     """Return what was taken off the heading, and where."""
     if len(size_deg) == 0:
         return ""
     largest = int(np.argmax(np.abs(size_deg)))
-    what = f"{_times(len(size_deg), 'step')} in the heading, by {size_deg[largest]:+.1f} degrees at {at_s[largest]:.1f} s"
+    what = f"{_times(len(size_deg), 'step')} in the heading, by {size_deg[largest]:+.1f} degrees at {format_time(int(at_ns[largest]))}"
     return f"IMU: {what}{' the largest' if len(size_deg) > 1 else ''}, that no turn of the vehicle made; taken off what follows"
 
 
-def _disagreements(apart_deg: Array, at_s: list[float]) -> str:
+def _disagreements(apart_deg: Array, at_ns: Ints) -> str:
     """Return where heading and rates contradict each other."""
     if len(apart_deg) == 0:
         return ""
     largest = int(np.argmax(apart_deg))
     what = f"heading and rates part {_times(len(apart_deg), 'time')}, at most by {apart_deg[largest]:.1f} degrees"
-    return f"IMU: {what} at {at_s[largest]:.1f} s; the turn there is known no better than that"
+    return f"IMU: {what} at {format_time(int(at_ns[largest]))}; the turn there is known no better than that"
 
 
 def _longest(spans_ns: Ints) -> str:
@@ -175,5 +177,5 @@ def _silent_ends(heard_ns: Ints, ends_ns: Ints) -> str:
     return " and ".join(f"the {name} {s:.1f} s" for name, s in zip(("first", "last"), lasts_s, strict=True) if s > SILENT_S)
 
 
-def _first(times: list[float]) -> str:
-    return f"{times[0]:.1f}" if times else ""
+def _first(t_ns: Ints) -> str:
+    return format_time(int(t_ns[0])) if len(t_ns) else ""

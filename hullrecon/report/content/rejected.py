@@ -6,9 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from hullrecon.dive.logs.timeline import NS, format_time
 from hullrecon.records.deliverables import RejectedRegion
 from hullrecon.report.content.phrases import count, with_sigma
-from hullrecon.report.step_documents import AdjustSummary
+from hullrecon.report.step_documents import AdjustSummary, Interval, NavigationFacts
 from hullrecon.report.survey import StepRun, Survey
 
 
@@ -16,13 +17,14 @@ def rejected_groups(survey: Survey) -> list[tuple[str, list[str]]]:
     """Return what was lost, rejected or not delivered, by heading; headings without an item are left out."""
     facts = survey.facts
     pairs = [f"{reason}: {count(number, 'pair')}" for reason, number in sorted(facts.pairs.failed.items())]
-    outages = [f"no DVL from {a:.1f} s to {b:.1f} s of the log" for a, b in facts.navigation.outages_s]
-    gaps = [f"no attitude from {a:.1f} s to {b:.1f} s of the log" for a, b in facts.navigation.attitude_gaps_s]
+    navigation = facts.navigation
+    outages = [f"no DVL {_between(navigation, interval)}" for interval in navigation.outages_s]
+    gaps = [f"no attitude {_between(navigation, interval)}" for interval in navigation.attitude_gaps_s]
     groups = [
         ("Deliverables that this dive cannot give", [f"{name}: {why}" for name, why in survey.provenance.missing.items()]),
         ("Lost data", list(facts.log.lost)),
         ("CAD model, as checked", list(facts.log.hull)),
-        ("Navigation", [*outages, *gaps, *facts.navigation.remarks]),
+        ("Navigation", [*outages, *gaps, *navigation.remarks]),
         ("Image pairs without a relative pose", pairs),
         ("Observations", _observations(survey.adjusted.summary) if survey.adjusted is not None else []),
         ("Regions examined and not reported as objects", [_region(r) for r in survey.findings.not_reported]),
@@ -30,6 +32,11 @@ def rejected_groups(survey: Survey) -> list[tuple[str, list[str]]]:
         ("Remarks on the log", list(facts.log.remarks)),
     ]
     return [(heading, items) for heading, items in groups if items]
+
+
+def _between(navigation: NavigationFacts, interval_s: Interval) -> str:
+    first, last = (format_time(navigation.start_ns + round(NS * t_s)) for t_s in interval_s)
+    return f"from {first} to {last}"
 
 
 def _observations(summary: AdjustSummary) -> list[str]:

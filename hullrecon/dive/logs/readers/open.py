@@ -36,6 +36,7 @@ BY_SUFFIX: dict[str, Callable[[Path], Log]] = {
     ".mcap": McapLog, ".bag": Rosbag1Log, ".db3": SqliteLog, ".pd0": Pd0Log, ".ad2cp": Ad2cpLog,
     ".aris": ArisLog, ".oculus": OculusLog,
 }  # fmt: skip
+SONAR_SUFFIXES = (".aris", ".oculus")
 TELLING = (mcap_records.MAGIC, bag_records.MAGIC, aris_frames.MAGIC, log_items.MAGIC)  # not sqlite's: others use it too
 MOST_LOOKED_AT = 50  # files of a folder without a log, for what they are
 FORMS = (
@@ -124,6 +125,14 @@ def _is_log(path: Path) -> bool:
 def is_log_of_any_name(start: bytes) -> bool:
     """Return whether the first bytes alone tell a log, whatever its name: a PD0 file is often called .000, .ENR or .bin."""
     return pd0_ensemble.is_pd0(start) or is_ad2cp(start) or any(start.startswith(magic) for magic in TELLING)
+
+
+def is_of_sonar(path: Path) -> bool:
+    """Return whether a log holds an imaging sonar without a topic: the file of one, or a folder of CSVs with a table of its
+    pings. A log that is not there holds none."""
+    if path.is_dir():
+        return (path / "sonar.csv").exists()
+    return path.suffix.lower() in SONAR_SUFFIXES or _peek(path).startswith((aris_frames.MAGIC, log_items.MAGIC))
 
 
 def _describe(inside: Sequence[Path]) -> tuple[str, str]:
