@@ -157,8 +157,9 @@ def ingest(
         window = time_window(request.start, request.end, logs)
     frames = FrameListener(topics)
     spool = PingSpool(None if pings is None else pings.spool)
+    offsets = {**request.offset_ns, "sonar": request.sonar_offset_ns, "position": request.position_offset_ns}
     found = read_streams(
-        logs, sensors, take_image, lambda m: frames.watch(logged.watch(watch(m))), problems, window, spool.keep
+        logs, sensors, take_image, lambda m: frames.watch(logged.watch(watch(m))), problems, window, spool.keep, offsets
     )
     _check_topics(topics, found, problems)
     logged.check_constant(problems)

@@ -76,6 +76,31 @@ def test_a_window_with_one_limit_is_open_at_its_other_end(package):
     np.testing.assert_array_equal(part, whole[whole >= whole[0] + 15 * 10**8])
 
 
+def write_tables(folder: Path, **first_s: float) -> None:
+    """Write 20 rows of each sensor's table, one a second, from seconds after START on."""
+    rows = {"imu": "0,0,0,1", "dvl": "0.1,0,0", "position": "1,2,-3"}
+    heads = {"imu": "qx,qy,qz,qw", "dvl": "vx,vy,vz", "position": "x,y,z"}
+    folder.mkdir()
+    for name, first in first_s.items():
+        stamps = START.timestamp() + first + np.arange(20)
+        (folder / f"{name}.csv").write_text(f"t,{heads[name]}\n" + "".join(f"{t:.0f},{rows[name]}\n" for t in stamps))
+
+
+def test_the_window_holds_stamps_as_they_are_corrected(tmp_path):
+    write_tables(tmp_path / "logs", imu=0, dvl=0, position=7200)
+    limits = {"start": START + timedelta(seconds=5), "end": START + timedelta(seconds=10)}
+    off = {"logs": ("logs",), "topics": {}, "calibration": {}, "position_offset_ns": offset_ns(-7200.0)}
+    found, _ = run(tmp_path, **off, **limits)
+    expected = [int(START.timestamp() + k) * 10**9 for k in range(5, 11)]
+    assert found.records.position.t_ns.tolist() == found.records.dvl.t_ns.tolist() == expected
+
+
+def test_seconds_of_a_window_count_from_the_earliest_table(tmp_path):
+    write_tables(tmp_path / "logs", imu=0, dvl=6)
+    found, _ = run(tmp_path, logs=("logs",), topics={}, calibration={}, start=10.0)
+    assert found.records.dvl.t_ns[0] == found.records.imu.t_ns[0] == int(START.timestamp() + 10) * 10**9
+
+
 def test_a_window_in_which_nothing_was_measured_is_an_input_error(package):
     with pytest.raises(InputError, match=r"nothing was measured from 2026-05-04T10:30:00\.000Z") as caught:
         run(package, start=START + timedelta(hours=1))

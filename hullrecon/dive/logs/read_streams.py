@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 
@@ -55,11 +56,13 @@ def read_streams(
     problems: Problems | None = None,
     window: TimeWindow | None = None,
     keep_ping: KeepPing = lambda ping: ping,
+    offset_ns: Mapping[str, int] = MappingProxyType({}),
 ) -> LogContents:
     """Return what the logs hold, or what of it lies in the time window, read once.
 
     topics: sensors by topic (a pose has attitude and depth); a sensor named there comes from that topic, not from a log beside
-    it that gives samples (tables, the file of one instrument). Only small samples are kept; of a sonar's ping what `keep_ping`
+    it that gives samples (tables, the file of one instrument). offset_ns: by sensor, what its stamps have to be corrected by
+    before they are held against the window; the samples are left as they are. Only small samples are kept; of a sonar's ping what `keep_ping`
     returns. `watch` sees every message pass (progress). Raises InputError for a topic of a type that is not read and for a log
     of which nothing is, unless `problems` takes it.
     """
@@ -73,7 +76,7 @@ def read_streams(
                     continue
                 count = len(problems.found)
                 with problems.collect():
-                    _sort(message, topics, take_image, out, window, keep_ping)
+                    _sort(message, topics, take_image, out, window, keep_ping, offset_ns)
                 if len(problems.found) > count:
                     refused.add(message.channel)
         name = printable(log.path.name)
@@ -98,10 +101,11 @@ def _sort(
     out: LogContents,
     window: TimeWindow | None,
     keep_ping: KeepPing,
+    offset_ns: Mapping[str, int],
 ) -> None:
     """Put the samples of a message where those of their sensor go; those outside the time window are counted."""
     for sensor, sample in _samples(message, topics, out):
-        if window is not None and not window.holds(sample.t_ns):
+        if window is not None and not window.holds(sample.t_ns + offset_ns.get(sensor, 0)):
             out.outside += 1
         elif isinstance(sample, ImageSample):
             take_image(sample, message.t_ns)

@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
-from hullrecon.dive.logs.readers.protocol import Log
+from hullrecon.dive.logs.readers.plain import PlainLog
+from hullrecon.dive.logs.readers.protocol import Log, Message
 from hullrecon.dive.logs.timeline import NS, format_time
 from hullrecon.errors import InputError
 
@@ -36,7 +38,7 @@ class TimeWindow:
 def time_window(start: Instant, end: Instant, logs: Sequence[Log]) -> TimeWindow | None:
     """Return the window of a dive; None where it has no limits. Raises InputError where it ends before it begins.
 
-    Seconds count from the first message of all logs, as it was logged.
+    Seconds count from the first message of all logs, as it was logged; of tables, from the earliest first row.
     """
     if start is None and end is None:
         return None
@@ -58,7 +60,11 @@ def _limit_ns(limit: Instant, origin_ns: int) -> int | None:
 
 def _first_message_ns(logs: Sequence[Log]) -> int:
     """Return when the earliest of the logs' first messages was logged, ns. Raises InputError where there is none."""
-    first = [message.t_ns for log in logs for message in [next(iter(log.messages()), None)] if message is not None]
+    first = [message.t_ns for log in logs for message in _first_messages(log)]
     if not first:
         raise InputError("the logs hold no message from which seconds could be counted", where="logs.files")
     return min(first)
+
+
+def _first_messages(log: Log) -> list[Message]:
+    return log.first_messages() if isinstance(log, PlainLog) else [*itertools.islice(log.messages(), 1)]

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
 
 import numpy as np
 
@@ -80,7 +81,7 @@ def page_context(
         "layers": [(image_id(layer), image_uri(layer)) for layer in layers] + ([(BLOCK, scene.block)] if scene else []),
         "table": object_rows(survey),
         "address_of": {o.id: o.address for o in survey.findings.objects or ()},
-        "date": dive.date.strftime("%d %B %Y, %H:%M UTC") if dive.date else "",
+        "date": _date_words(dive.date) if dive.date is not None else "",
         "lines": headline(survey),
         "weak": weak_sentences(survey),
         "plan": draw_plan(survey, view) if view else None,
@@ -100,6 +101,12 @@ def page_context(
         "has_scene": data["scene"] is not None,
         "version": __version__,
     }
+
+
+def _date_words(date: datetime) -> str:
+    """Return a date in UTC; one that names no zone as it stands."""
+    in_utc = date if date.tzinfo is None else date.astimezone(UTC)
+    return f"{in_utc:%d %B %Y, %H:%M}{'' if date.tzinfo is None else ' UTC'}"
 
 
 def _change_context(survey: Survey) -> PageContext:

@@ -75,6 +75,11 @@ class PlainLog:
         for table in self.tables():
             yield from self._table(table.removesuffix(".csv"))
 
+    def first_messages(self) -> list[Message]:
+        """Return the first row of each table that can be read."""
+        first = (next(self._table(table.removesuffix(".csv")), None) for table in self.tables())
+        return [message for message in first if message is not None]
+
     def losses(self) -> list[Loss]:
         """Return what the last pass could not read."""
         return list(self._losses)
