@@ -107,7 +107,7 @@ def retrieval(dive: Dive, scene: LinkedScene, keyframes: Ints) -> Figures:
 
 def closed(dive: Dive, scene: LinkedScene, keyframes: Ints, solved: GraphSolution) -> Figures:
     """Return what the step would take, and how much of that is false."""
-    track = scene.track(solved.path, solved.relative_errors())
+    track = scene.track(solved.path, solved.relative_errors(scene.bottom))
     found = recognise_places(scene, track, keyframes, np.zeros(0, np.int64), here)
     if found is None:
         return {"asked": False}
@@ -152,7 +152,8 @@ def main() -> int:
         trajectory=navigate.trajectory, errors=navigate.error_model, returns=navigate.returns, tray_sigma_rad=0.0
     )
     nodes = [replace(node, stereo=MatchStereo(dive.worker)(node)[1]) for node in dive.nodes]
-    scene = LinkedScene(worker=dive.worker, dive=navigated, nodes=nodes, depth_m=dive.depth_m)
+    bottom = dive.worker.bottom_leads(navigated.trajectory.image)
+    scene = LinkedScene(worker=dive.worker, dive=navigated, nodes=nodes, depth_m=dive.depth_m, bottom=bottom)
     pairs = links.pairs
     keyframes = np.unique(np.r_[pairs.first[~pairs.across], pairs.second[~pairs.across]])
     keyframes = keyframes[[dive.worker.saliency(scene.nodes[k]) >= dive.worker.options.min_saliency for k in keyframes]]

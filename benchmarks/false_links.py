@@ -88,7 +88,9 @@ def read_dive(package: Path, run: Path) -> Dive:
     assert isinstance(tray, Tray)
     worker = MatchWorker(features=run / "features", rig=CameraRig(rig), options=options)
     reckoned, returns = navigate.trajectory, navigate.returns
-    track = track_cameras(reckoned, navigate.error_model, worker.rig, float(np.radians(tray.sigma_deg)))
+    track = track_cameras(
+        reckoned, navigate.error_model, worker.rig, float(np.radians(tray.sigma_deg)), worker.bottom_leads(reckoned.image)
+    )
     depths = [None] * len(track) if returns is None else depth_priors(track, reckoned, returns, rig, options.range_margin)
     images = [(int(top), int(bottom)) for top, bottom in reckoned.image]
     bare = [MatchNode(image=i, depth=d, stereo=no_matches()) for i, d in zip(images, depths, strict=True)]
@@ -188,8 +190,9 @@ def row_of(matches: Sequence[PairMatch]) -> dict[str, object]:
 
 def as_run(dive: Dive, offer: Offer, solved: GraphSolution) -> Offer:
     """Return the pairs with what the path that images and navigation give says of them."""
-    poses = leading_cameras(dive.worker.rig, solved.path, NavigateArtifact(dive.run / "navigate").trajectory.image)
-    track = CameraTrack(global_from_camera=poses, errors=solved.relative_errors())
+    bottom = dive.worker.bottom_leads(NavigateArtifact(dive.run / "navigate").trajectory.image)
+    poses = leading_cameras(dive.worker.rig, solved.path, bottom)
+    track = CameraTrack(global_from_camera=poses, errors=solved.relative_errors(bottom))
     return replace(offer, expected=track.motions(offer.first, offer.second))
 
 

@@ -32,18 +32,17 @@ def run(context: Context[LinkOptions]) -> None:
     graph = pose_graph(inputs, inputs.mounted(context.settings), context.parameters.kernel)
     returns = inputs.navigate.returns if context.parameters.planes else None
     planar = None if returns is None else planar_graph(graph, returns, inputs.ingest.hull)
-    solved: list[GraphSolution] = []  # one a round; the last is delivered
 
     def solve(links: CameraLinks, before: GraphSolution | None) -> GraphSolution:
-        solved.append((planar or graph).solve(links, before))
-        return solved[-1]
+        return (planar or graph).solve(links, before)
 
     facts: dict[str, object] = {}
     if "features" in context.inputs:
-        facts = _link_images(context, solve)
+        facts, solved = _link_images(context, solve)
     else:
-        context.out.arrays("path.npz", to_arrays(solve(no_links(), None).record()))
-    facts = facts | _write_planes(context, solved[-1]) | _describe_positions(context, solved[-1])
+        solved = solve(no_links(), None)
+        context.out.arrays("path.npz", to_arrays(solved.record()))
+    facts |= {"converged": solved.converged} | _write_planes(context, solved) | _describe_positions(context, solved)
     context.out.json("links.json", facts)
 
 
@@ -60,8 +59,8 @@ def pose_graph(inputs: InputArtifacts, settings: StageSettings, kernel: str) -> 
     )
 
 
-def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]) -> dict[str, object]:
-    """Write what the images tie, and return its numbers."""
+def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]) -> tuple[dict[str, object], GraphSolution]:
+    """Write what the images tie, and return its numbers and the path as solved with it."""
     inputs = InputArtifacts(context.inputs)
     settings = inputs.mounted(context.settings)
     rig = rig_from_settings(_rig_values(settings), inputs.ingest.camera_models)
@@ -75,7 +74,7 @@ def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]
         returns=navigate.returns,
         tray_sigma_rad=float(np.radians(settings.read("tray", Tray).sigma_deg)),
     )
-    found = link_images(worker, dive, solve, context.map, context.parameters.max_rounds, context.parameters.appearance)
+    found, solved = link_images(worker, dive, solve, context.map, context.parameters.max_rounds, context.parameters.appearance)
     context.out.arrays("pairs.npz", to_arrays(found.pairs))
     context.out.arrays("features.npz", to_arrays(found.features))
     context.out.arrays("links.npz", to_arrays(found.links))
@@ -92,7 +91,9 @@ def _link_images(context: Context[LinkOptions], solve: PathSolver[GraphSolution]
     if found.appearance and found.appearance[-1].refusal is not None:
         context.warn(f"How images look does not say what lies where: {found.appearance[-1].refusal}.")
     facts: dict[str, object] = {"keyframes": len(found.keyframes), "rounds": found.rounds(), "look_alikes": found.look_alikes}
-    return facts | ({"appearance": [asked.facts() for asked in found.appearance]} if found.appearance else {})
+    if found.appearance:
+        facts["appearance"] = [asked.facts() for asked in found.appearance]
+    return facts, solved
 
 
 def _write_planes(context: Context[LinkOptions], solved: GraphSolution) -> dict[str, object]:
@@ -130,7 +131,7 @@ STAGE = Stage(
     inputs=("ingest", "navigate"),
     optional=("features",),
     parameters=LinkOptions,
-    version=15,
+    version=16,
     run=run,
     uses=(*RIG_SECTIONS, "matches"),
 )

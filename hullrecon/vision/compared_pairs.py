@@ -17,7 +17,7 @@ from hullrecon.records.links import CameraLinks
 from hullrecon.records.trajectory import Returns, Trajectory, TrajectoryErrorModel, VehiclePath
 from hullrecon.typing import Array, Ints, Mask
 from hullrecon.vision.pair_match import PairMatch
-from hullrecon.vision.pairs.camera_track import CameraTrack, RelativeErrors, bottom_leads, leading_cameras
+from hullrecon.vision.pairs.camera_track import CameraTrack, RelativeErrors, leading_cameras
 from hullrecon.vision.pairs.match_worker import MatchNode, MatchPairs, MatchWorker, NodePair
 from hullrecon.vision.pairs.selection import Proposal
 
@@ -44,12 +44,13 @@ class NavigatedDive:
 
 @dataclass(frozen=True, kw_only=True)
 class LinkedScene:
-    """What every round works on. depth_m (n,): of the scene at each node."""
+    """What every round works on. depth_m (n,): of the scene at each node; bottom (n,): nodes where the bottom camera leads."""
 
     worker: MatchWorker
     dive: NavigatedDive
     nodes: list[MatchNode]
     depth_m: Array
+    bottom: Mask
 
     @property
     def camera(self) -> CameraModel:
@@ -57,7 +58,7 @@ class LinkedScene:
 
     def track(self, path: VehiclePath, errors: RelativeErrors) -> CameraTrack:
         """Return the leading cameras on a path."""
-        poses = leading_cameras(self.worker.rig, path, self.dive.trajectory.image)
+        poses = leading_cameras(self.worker.rig, path, self.bottom)
         return CameraTrack(global_from_camera=poses, errors=errors)
 
     def match(self, track: CameraTrack, proposal: Proposal, map_items: Map, anywhere: bool = False) -> list[PairMatch]:
@@ -131,7 +132,6 @@ class ComparedPairs:
         motions = [pair.motion for pair in (self.found[k] for k in rows) if pair.motion is not None]
         first, second = self.proposal.first[rows], self.proposal.second[rows]
         relative = from_matrix(np.array([m.second_from_first for m in motions]).reshape(-1, 4, 4))
-        leads = bottom_leads(scene.worker.rig, scene.dive.trajectory.image)
         return CameraLinks(
             first=first,
             second=second,
@@ -139,7 +139,7 @@ class ComparedPairs:
             quaternion=relative.quaternion,
             covariance=np.array([m.covariance for m in motions]).reshape(-1, 6, 6),
             scaled=np.array([self.found[k].scaled for k in rows], bool),
-            bottom=np.column_stack([leads[first], leads[second]]),
+            bottom=np.column_stack([scene.bottom[first], scene.bottom[second]]),
         )
 
     def sorted(self) -> ComparedPairs:

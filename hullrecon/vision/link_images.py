@@ -55,8 +55,9 @@ class SolvedPath(Protocol):
         """Return which links contradict the rest."""
         ...
 
-    def relative_errors(self) -> RelativeErrors:
-        """Return how well nodes are known relative to each other."""
+    def relative_errors(self, bottom: Mask) -> RelativeErrors:
+        """Return how well the nodes' leading cameras are known relative to each other; bottom (n,): where that is the bottom
+        one."""
         ...
 
     def record(self) -> LinkedPath:
@@ -100,13 +101,15 @@ class LinkedImages:
 
 def link_images(
     worker: MatchWorker, dive: NavigatedDive, solve_path: PathSolver[Solved], map_items: Map, max_rounds: int, appearance: bool
-) -> LinkedImages:
-    """Return the images of a dive linked, with the path that the links and navigation give. max_rounds: across legs;
+) -> tuple[LinkedImages, Solved]:
+    """Return the images of a dive linked, and the solution that the links and navigation give. max_rounds: across legs;
     appearance: whether it is asked where the path is known too badly for these."""
-    track = track_cameras(dive.trajectory, dive.errors, worker.rig, dive.tray_sigma_rad)
+    bottom = worker.bottom_leads(dive.trajectory.image)
+    track = track_cameras(dive.trajectory, dive.errors, worker.rig, dive.tray_sigma_rad, bottom)
     usable = np.asarray((dive.trajectory.image >= 0).any(axis=1))
     nodes, count = _match_stereo(worker, _nodes(worker, dive, track), np.flatnonzero(usable), map_items)
-    scene = LinkedScene(worker=worker, dive=dive, nodes=nodes, depth_m=np.array([_scene_depth(node) for node in nodes]))
+    depth_m = np.array([_scene_depth(node) for node in nodes])
+    scene = LinkedScene(worker=worker, dive=dive, nodes=nodes, depth_m=depth_m, bottom=bottom)
     keyframes = select_keyframes(track, usable, scene.depth_m, scene.camera, worker.options)
     neighbours = propose_neighbours(track, keyframes, scene.depth_m, scene.camera, worker.options)
     compared = ComparedPairs.none().joined_with(neighbours, scene.match(track, neighbours, map_items), number=0)
@@ -124,7 +127,8 @@ def link_images(
         compared, solved, asked = rounds.close_loops(compared, solved, max_rounds)
     if compared.across().any():
         compared, solved = rounds.link_overlapping(compared, solved)
-    return replace(_collect_links(scene, keyframes, count, compared, solved), appearance=tuple(asked), look_alikes=look_alikes)
+    linked = _collect_links(scene, keyframes, count, compared, solved)
+    return replace(linked, appearance=tuple(asked), look_alikes=look_alikes), solved
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -187,7 +191,7 @@ class _Rounds(Generic[Solved]):
         return compared, solved
 
     def _track(self, solved: Solved) -> CameraTrack:
-        return self.scene.track(solved.path, solved.relative_errors())
+        return self.scene.track(solved.path, solved.relative_errors(self.scene.bottom))
 
     def _try_pairs(
         self, track: CameraTrack, proposal: Proposal, compared: ComparedPairs, solved: Solved

@@ -23,7 +23,7 @@ from scipy.spatial.transform import Rotation
 
 from hullrecon import native
 from hullrecon.estimation.rig_priors import Mount
-from hullrecon.geometry.poses import Poses, exp
+from hullrecon.geometry.poses import Poses, exp, pose_from_vector
 from hullrecon.navigation.pose_graph.graph import OPTIONS, GraphSolution, PoseGraph, link_table, linked_parts
 from hullrecon.navigation.pose_graph.start import path_along_links
 from hullrecon.records.links import CameraLinks
@@ -168,7 +168,7 @@ def test_the_cameras_mount_is_found_where_it_has_a_prior(dive: LinkedDive, links
     wrong = true_mount @ exp([[0, 0, 0, *np.radians([0.8, -0.5, 0.6])]])
     prior = Mount(wrong, np.diag(1 / np.r_[np.full(3, 0.01), np.full(3, np.radians(1.0))]))
     found = replace(graph_of(dive), rig=replace(dive.rig, T_s_ct=prior)).solve(links)
-    off = (true_mount.inverse() @ found.tray_from_camera).rotation.magnitude()[0]
+    off = (true_mount.inverse() @ pose_from_vector(found.problem.unknowns.T_s_ct)).rotation.magnitude()[0]
     assert np.degrees(off) < 0.4 < np.degrees((true_mount.inverse() @ wrong).rotation.magnitude()[0])
     assert error_m(found, dive) < 0.04
 
@@ -239,24 +239,32 @@ def test_where_a_path_makes_many_new_links_look_wrong_it_may_be_the_path_that_is
 # how sure it is
 
 
-def relative_cameras(pose: np.ndarray, tray: np.ndarray, dive: LinkedDive, first: int, second: int) -> Poses:
-    """second_from_first of the top cameras, of vehicles `pose` (n, 7) with their trays."""
+def relative_cameras(
+    pose: np.ndarray, tray: np.ndarray, dive: LinkedDive, first: int, second: int, bottom: int | None = None
+) -> Poses:
+    """second_from_first of the top cameras, of vehicles `pose` (n, 7) with their trays; bottom: the node whose bottom camera
+    leads."""
     chain = []
     for k in (first, second):
         hinge = Poses(Rotation.from_euler("y", [tray[k]]).as_quat(), dive.rig.tray_origin[None])
-        chain.append(Poses(pose[[k], 3:7], pose[[k], :3]) @ hinge @ dive.rig.T_s_ct.nominal)
+        mount = dive.rig.T_s_ct.nominal if k != bottom else dive.rig.T_s_ct.nominal @ dive.rig.T_ct_cb.nominal
+        chain.append(Poses(pose[[k], 3:7], pose[[k], :3]) @ hinge @ mount)
     return chain[1].inverse() @ chain[0]
 
 
+ALL_TOP = np.zeros(60, bool)
+
+
+@pytest.mark.parametrize("bottom", [None, 7, 41])
 def test_the_relative_covariance_is_that_of_poses_moved_as_their_joint_covariance_says(
-    dive: LinkedDive, links: CameraLinks
+    dive: LinkedDive, links: CameraLinks, bottom: int | None
 ) -> None:
     """Central differences of the cameras' relative pose by all fourteen numbers of the two vehicles."""
     found = graph_of(dive).solve(links)
     pair = (7, 41)
     pose = found.problem.unknowns.pose
     joint = native.pair_covariance(found.problem, np.array([pair], np.int32), OPTIONS).pose[0]
-    middle = relative_cameras(pose[:, :7], pose[:, 7], dive, *pair)
+    middle = relative_cameras(pose[:, :7], pose[:, 7], dive, *pair, bottom)
     jacobian = np.zeros((6, 14))
     for column in range(14):
         ends = []
@@ -269,16 +277,17 @@ def test_the_relative_covariance_is_that_of_poses_moved_as_their_joint_covarianc
                 moved[k, 3:7] = (Rotation.from_quat(moved[k, 3:7]) * turn).as_quat()
             else:
                 moved[k, 7] += sign
-            at = relative_cameras(moved[:, :7], moved[:, 7], dive, *pair)
+            at = relative_cameras(moved[:, :7], moved[:, 7], dive, *pair, bottom)
             ends.append(np.r_[at.translation[0], (middle.rotation.inv() * at.rotation).as_rotvec()[0]])
         jacobian[:, column] = (ends[0] - ends[1]) / 2e-6
-    predicted = found.relative_errors().relative_covariance(np.array([7]), np.array([41]))[0]
+    errors = found.relative_errors(np.arange(60) == bottom)
+    predicted = errors.relative_covariance(np.array([7]), np.array([41]))[0]
     np.testing.assert_allclose(predicted, jacobian @ joint @ jacobian.T, rtol=1e-4, atol=1e-12)
 
 
 def test_no_pairs_have_no_covariances(dive: LinkedDive, links: CameraLinks) -> None:
     none = np.zeros(0, np.int64)
-    assert graph_of(dive).solve(links).relative_errors().relative_covariance(none, none).shape == (0, 6, 6)
+    assert graph_of(dive).solve(links).relative_errors(ALL_TOP).relative_covariance(none, none).shape == (0, 6, 6)
 
 
 def test_relative_poses_err_as_their_covariance_says() -> None:
@@ -290,7 +299,7 @@ def test_relative_poses_err_as_their_covariance_says() -> None:
         found = graph_of(dive, "none").solve(
             link(dive, np.vstack([neighbours(), opposite(every=3)]), np.random.default_rng(seed))
         )
-        covariance = found.relative_errors().relative_covariance(first, second)
+        covariance = found.relative_errors(ALL_TOP).relative_covariance(first, second)
         pose = found.problem.unknowns.pose
         camera = dive.cameras()
         for k, (a, b) in enumerate(zip(first, second, strict=True)):
@@ -304,7 +313,7 @@ def test_relative_poses_err_as_their_covariance_says() -> None:
 
 def test_what_links_tie_is_known_better_than_what_they_do_not(dive: LinkedDive, links: CameraLinks) -> None:
     ends = np.array([0]), np.array([59])
-    loose, tied = (graph_of(dive).solve(x).relative_errors() for x in (no_links(dive), links))
+    loose, tied = (graph_of(dive).solve(x).relative_errors(ALL_TOP) for x in (no_links(dive), links))
     sigma = [np.sqrt(np.trace(e.relative_covariance(*ends)[0, :3, :3])) for e in (loose, tied)]
     assert sigma[1] < 0.02 < 0.1 * sigma[0]
 

@@ -124,6 +124,25 @@ def test_the_relative_covariance_of_two_nodes_is_that_of_paths_reckoned_anew(per
         assert np.abs((predicted[p] - wanted[p]) / np.outer(scale, scale)).max() < 0.02
 
 
+def test_a_dvl_whose_sigma_changes_from_ping_to_ping_is_known_ever_less_well(perfect, rig) -> None:
+    """What two nodes gained between them is what its parts gained, of each axis, whatever the pings' sigmas."""
+    sigma = 0.004 * np.exp(0.5 * np.random.default_rng(1).standard_normal(len(perfect.dvl.t_ns)))
+    logs = replace(perfect, dvl=replace(perfect.dvl, velocity_sigma=sigma))
+    at = path_of(logs, rig, np.zeros(error_propagation.ERRORS)).at(logs.dvl.t_ns[3:-3:7])
+    path = path_of(logs, rig, np.zeros(error_propagation.ERRORS))
+    model = error_propagation.dead_reckoning_errors(path, at, at.poses(), None, certain())
+    gained = np.diff(model.walk[:, 0, 0])
+    period_s = float(np.median(np.diff(logs.dvl.t_ns))) * 1e-9
+    assert (gained > 0).all()
+    # A ping's noise holds until the next one: seven pings to a step.
+    steps = np.array([(sigma[k : k + 7] ** 2).mean() for k in range(3, len(sigma) - 10, 7)])[: len(gained)]
+    assert np.median(np.abs(gained / (steps * 7 * period_s**2) - 1)) < 0.3
+    assert gained.sum() == pytest.approx(steps.sum() * 7 * period_s**2, rel=0.05)
+    errors = NavigationErrors(global_from_camera=at.poses(), model=model)
+    apart = errors.relative_covariance(np.arange(len(gained)), np.arange(len(gained)) + 1)
+    assert np.linalg.eigvalsh(apart).min() > -1e-12
+
+
 def test_an_error_of_a_pose_and_its_twist_are_one_motion() -> None:
     rng = np.random.default_rng(1)
     true = poses.exp(rng.normal(0, 1, (4, 6)) + np.array([5, 9, 2, 0, 0, 0]))

@@ -130,13 +130,18 @@ def link(drift, *, max_rounds=12, wrong=(), saliency=1.0, turn_sigma=LINK_SIGMA[
     """The dive linked; and its matcher."""
     dive = simulate(11, PER_LEG, drift=drift)
     rig = camera_rig(CAMERA, CAMERA, TOP_FROM_BOTTOM, TRAY_ORIGIN_M, TRAY_FROM_TOP)
-    worker = SimpleNamespace(rig=rig, options=MatchOptions(**{"sequential": 2} | options), saliency=lambda node: saliency)
+    worker = SimpleNamespace(
+        rig=rig,
+        options=MatchOptions(**{"sequential": 2} | options),
+        saliency=lambda node: saliency,
+        bottom_leads=lambda images: np.zeros(len(images), bool),
+    )
     navigated = NavigatedDive(
         trajectory=dive.trajectory, errors=error_model(dive, max(abs(drift), 1e-4)), returns=None, tray_sigma_rad=1e-3
     )
     matcher = KnowingMatcher(dive, wrong, turn_sigma)
     graph = PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig)
-    found = link_images(worker, navigated, graph.solve, matcher, max_rounds, appearance=False)
+    found, _ = link_images(worker, navigated, graph.solve, matcher, max_rounds, appearance=False)
     return SimpleNamespace(dive=dive, found=found, matcher=matcher, error_m=path_error_m(found, dive))
 
 

@@ -53,6 +53,23 @@ def test_work_on_a_node_survives_the_way_to_another_process(worker, nodes):
     np.testing.assert_array_equal(nodes[1].top_id[stereo.top], nodes[1].bottom_id[stereo.bottom])
 
 
+def test_the_bottom_camera_leads_where_the_top_one_saw_nothing(tmp_path, rig):
+    """Be it that it has no image or that its image shows nothing."""
+    index = {}
+    for camera, count in (("top", (5, 0, 0)), ("bottom", (4, 6, 0))):
+        index[f"camera_{camera}_start"] = np.concatenate([[0], np.cumsum(count)])
+        index[f"camera_{camera}_saliency"] = np.zeros(3)
+        for kind, width, dtype in (("keypoints", 4, np.float32), ("descriptors", 128, np.uint8), ("color", 3, np.uint8)):
+            with GrowingArray(tmp_path / f"{kind}_camera_{camera}.npy", width, dtype) as file:
+                file.append(np.zeros((sum(count), width), dtype))
+    np.savez(tmp_path / "index.npz", **index)
+    images = np.array([[0, 0], [1, 1], [2, 2], [-1, 0], [0, -1], [-1, 2], [-1, -1], [1, 2]])
+    worker = MatchWorker(features=tmp_path, rig=rig, options=MatchOptions())
+    assert worker.bottom_leads(images).tolist() == [False, True, False, True, False, False, False, False]
+    alone = MatchWorker(features=tmp_path, rig=camera_rig(rig.model(Camera.TOP)), options=MatchOptions())
+    assert not alone.bottom_leads(images).any()
+
+
 def test_a_block_gives_each_pair_what_it_gets_alone(worker, rig, nodes):
     members = {k: filled(worker, k) for k in range(3)}
     pairs = [

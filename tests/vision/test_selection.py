@@ -104,6 +104,15 @@ def test_a_neighbour_that_was_never_lost_from_sight_is_not_across_a_leg():
     assert pairs(revisits(slow, MatchOptions(sequential=1, across=3))) == set()
 
 
+def test_nodes_without_depth_on_the_way_do_not_make_a_neighbour_one_of_another_leg():
+    slow = lawnmower(step=0.05, leg=41)
+    depths = np.where(np.arange(len(slow)) % 5 < 3, np.nan, DEPTH)  # a DVL that is slower than the camera
+    options = MatchOptions(sequential=1, across=3)
+    found = propose_revisits(track(slow), np.arange(len(slow)), depths, CAMERA, options, 0.2, np.zeros(0, np.int64))
+    assert len(found) > 0
+    assert all(a < 41 <= b for a, b in pairs(found))
+
+
 def test_legs_too_far_apart_are_compared_only_when_navigation_is_unsure():
     far = lawnmower(apart=0.9)
     assert pairs(revisits(far, MatchOptions(sequential=1), min_probability=0.05)) == set()

@@ -62,9 +62,9 @@ def read_streams(
 
     topics: sensors by topic (a pose has attitude and depth); a sensor named there comes from that topic, not from a log beside
     it that gives samples (tables, the file of one instrument). offset_ns: by sensor, what its stamps have to be corrected by
-    before they are held against the window; the samples are left as they are. Only small samples are kept; of a sonar's ping what `keep_ping`
-    returns. `watch` sees every message pass (progress). Raises InputError for a topic of a type that is not read and for a log
-    of which nothing is, unless `problems` takes it.
+    before they are held against the window; the samples are left as they are. Only small samples are kept; of a sonar's ping
+    what `keep_ping` returns. `watch` sees every message pass (progress). Raises InputError for a topic of a type that is not
+    read and for a log of which nothing is, unless `problems` takes it.
     """
     out, problems = LogContents(), problems or Problems()
     refused: set[Channel] = set()

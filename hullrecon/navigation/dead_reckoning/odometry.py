@@ -81,12 +81,20 @@ def white_covariance(path: Reckoning, at: Instant, step: Poses) -> Array:
 
 
 def velocity_variance(path: Reckoning, start_ns: Ints, stop_ns: Ints) -> Array:
-    """Return (m,) m2, each axis: a velocity's noise holds until the next ping, and outages add their own."""
+    """Return (m,) m2, each axis: a velocity's noise holds until the next ping, and outages add their own. An interval has the
+    sum of its parts, whatever sigma each ping has."""
     v = path.velocities
     period = float(np.median(np.diff(v.t_ns))) * 1e-9
-    middle = (0.5 * (start_ns + stop_ns) - path.start_ns).astype(float)
-    sigma = np.interp(middle, (v.t_ns - path.start_ns).astype(float), v.sigma)
-    return np.asarray(sigma**2 * period * (stop_ns - start_ns) * 1e-9 + v.bridged_variance(start_ns, stop_ns))
+    heard_s = (v.t_ns - path.start_ns) * 1e-9
+    gained = np.concatenate([[0.0], np.cumsum(0.5 * (v.sigma[1:] ** 2 + v.sigma[:-1] ** 2) * np.diff(heard_s))])
+
+    def gained_until(t_ns: Ints) -> Array:
+        """Return the integral of sigma^2 from the first velocity on, before and after the velocities as at their ends."""
+        t_s = (t_ns - path.start_ns) * 1e-9
+        early, late = np.minimum(t_s - heard_s[0], 0), np.maximum(t_s - heard_s[-1], 0)
+        return np.asarray(np.interp(t_s, heard_s, gained) + v.sigma[0] ** 2 * early + v.sigma[-1] ** 2 * late)
+
+    return np.asarray(period * (gained_until(stop_ns) - gained_until(start_ns)) + v.bridged_variance(start_ns, stop_ns))
 
 
 def _into(rotation: Array, vectors: Array) -> Array:

@@ -116,7 +116,8 @@ def _heading_steps(size_deg: Array, at_ns: Ints) -> str:
     if len(size_deg) == 0:
         return ""
     largest = int(np.argmax(np.abs(size_deg)))
-    what = f"{_times(len(size_deg), 'step')} in the heading, by {size_deg[largest]:+.1f} degrees at {format_time(int(at_ns[largest]))}"
+    when = format_time(int(at_ns[largest]))
+    what = f"{_times(len(size_deg), 'step')} in the heading, by {size_deg[largest]:+.1f} degrees at {when}"
     return f"IMU: {what}{' the largest' if len(size_deg) > 1 else ''}, that no turn of the vehicle made; taken off what follows"
 
 

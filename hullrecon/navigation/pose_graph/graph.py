@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -141,14 +142,10 @@ class GraphSolution:
         pose = self.problem.unknowns.pose
         return VehiclePath(poses=Poses(pose[:, 3:7].copy(), pose[:, :3].copy()), tray=pose[:, 7].copy())
 
-    @property
-    def tray_from_camera(self) -> Poses:
-        """Return T_s_ct as found."""
-        return pose_from_vector(self.problem.unknowns.T_s_ct)
-
-    def relative_errors(self) -> GraphErrors:
-        """Return how well nodes are known relative to each other."""
-        return GraphErrors(problem=self.problem)
+    def relative_errors(self, bottom: Mask) -> GraphErrors:
+        """Return how well the nodes' leading cameras are known relative to each other; bottom (n,): where that is the bottom
+        one."""
+        return GraphErrors(problem=self.problem, bottom=bottom)
 
     def record(self) -> LinkedPath:
         """Return the path with its covariance, and the parts that links tie together."""
@@ -172,10 +169,12 @@ class GraphSolution:
 
     def _sigma_of_parts(self, part: Ints) -> Array:
         """Return the sigma (parts,) m of the middle of each part relative to that of the largest."""
-        middle = np.array([np.median(np.flatnonzero(part == k)) for k in range(part.max(initial=-1) + 1)], np.int64)
-        if len(middle) == 0:
+        rows = [np.flatnonzero(part == k) for k in range(part.max(initial=-1) + 1)]
+        if not rows:
             return np.zeros(0)
-        covariance = self.relative_errors().relative_covariance(np.full(len(middle), middle[0]), middle)[:, :3, :3]
+        middle = np.array([nodes[len(nodes) // 2] for nodes in rows], np.int64)
+        errors = self.relative_errors(np.zeros(len(part), bool))
+        covariance = errors.relative_covariance(np.full(len(middle), middle[0]), middle)[:, :3, :3]
         sigma = np.sqrt(np.maximum(np.trace(covariance, axis1=1, axis2=2), 0))
         sigma[0] = 0.0  # to itself, where what is left of a difference of equal covariances depends on rounding
         return np.asarray(sigma)
@@ -183,9 +182,11 @@ class GraphSolution:
 
 @dataclass(frozen=True, kw_only=True)
 class GraphErrors:
-    """Relative covariances of the leading cameras from the joint marginals of a solved graph."""
+    """Relative covariances of the leading cameras from the joint marginals of a solved graph. bottom (n,): nodes where the
+    bottom camera leads."""
 
     problem: native.Problem
+    bottom: Mask
 
     def relative_covariance(self, first: Ints, second: Ints) -> Array:
         """Return the covariance (m, 6, 6) of second_from_first: (translation in second's axes, rotation perturbed on its
@@ -196,7 +197,7 @@ class GraphErrors:
         pairs = np.column_stack([first, second]).astype(np.int32)
         joint = native.pair_covariance(self.problem, pairs, OPTIONS).pose
         by_first, by_second = self._by_vehicle(first), self._by_vehicle(second)
-        rotation, position = self._cameras()
+        rotation, position = self._cameras
         back = rotation[second].swapaxes(1, 2)
         relative = back @ rotation[first]
         shift = np.einsum("mij,mj->mi", back, position[first] - position[second])
@@ -207,33 +208,39 @@ class GraphErrors:
         jacobian[:, 3:, 7:] = -relative.swapaxes(1, 2) @ by_second[:, 3:]
         return np.asarray(jacobian @ joint @ jacobian.swapaxes(1, 2))
 
+    @cached_property
     def _cameras(self) -> tuple[Array, Array]:
-        """Return rotation (n, 3, 3) and position (n, 3) of the top camera in g."""
-        vehicle, tray, mount = self._chain()
-        lever = self.problem.lever_arms.tray + np.einsum("nij,j->ni", tray, mount[:3, 3])
+        """Rotation (n, 3, 3) and position (n, 3) of the leading camera in g."""
+        vehicle, tray, mount = self._chain
+        lever = self.problem.lever_arms.tray + np.einsum("nij,nj->ni", tray, mount[:, :3, 3])
         position = self.problem.unknowns.pose[:, :3] + np.einsum("nij,nj->ni", vehicle, lever)
-        return np.asarray(vehicle @ tray @ mount[:3, :3]), np.asarray(position)
+        return np.asarray(vehicle @ tray @ mount[:, :3, :3]), np.asarray(position)
 
+    @cached_property
     def _chain(self) -> tuple[Array, Array, Array]:
-        """Return R_g_v (n, 3, 3), R_v_s (n, 3, 3) and T_s_ct (4, 4)."""
+        """R_g_v (n, 3, 3), R_v_s (n, 3, 3) and T_s_c of the leading camera (n, 4, 4)."""
         pose = self.problem.unknowns.pose
         vehicle = Poses(pose[:, 3:7], pose[:, :3]).rotation.as_matrix()
         cos, sin, zero, one = np.cos(pose[:, 7]), np.sin(pose[:, 7]), np.zeros(len(pose)), np.ones(len(pose))
         tray = np.stack([cos, zero, sin, zero, one, zero, -sin, zero, cos], axis=1).reshape(-1, 3, 3)
-        return vehicle, tray, pose_from_vector(self.problem.unknowns.T_s_ct).matrix()[0]
+        top = pose_from_vector(self.problem.unknowns.T_s_ct)
+        mount = np.tile(top.matrix(), (len(pose), 1, 1))
+        if self.bottom.any():
+            mount[self.bottom] = (top @ pose_from_vector(self.problem.unknowns.T_ct_cb)).matrix()
+        return vehicle, tray, mount
 
     def _by_vehicle(self, nodes: Ints) -> Array:
         """Return the derivative (m, 6, 7) of the camera's (position in g, rotation on the right) by the vehicle's (translation,
         rotation, tray)."""
-        vehicle, tray, mount = (x[nodes] if x.ndim == 3 else x for x in self._chain())
+        vehicle, tray, mount = (x[nodes] for x in self._chain)
         axis = np.array([0.0, 1.0, 0.0])
-        arm = np.einsum("nij,j->ni", tray, mount[:3, 3])
+        arm = np.einsum("nij,nj->ni", tray, mount[:, :3, 3])
         out = np.zeros((len(nodes), 6, 7))
         out[:, :3, :3] = np.eye(3)
         out[:, :3, 3:6] = -vehicle @ cross_matrix(self.problem.lever_arms.tray + arm)
         out[:, :3, 6] = np.einsum("nij,nj->ni", vehicle, np.cross(axis, arm))
-        out[:, 3:, 3:6] = (tray @ mount[:3, :3]).swapaxes(1, 2)
-        out[:, 3:, 6] = mount[:3, :3].T @ axis
+        out[:, 3:, 3:6] = (tray @ mount[:, :3, :3]).swapaxes(1, 2)
+        out[:, 3:, 6] = mount[:, :3, :3].swapaxes(1, 2) @ axis
         return out
 
 

@@ -20,6 +20,7 @@ BESIDE_S = 1.0  # of readings on either side that tell a step's size
 LEAST_STEP_RAD = np.radians(0.5)
 STEP_SIGMAS = 8.0  # of such differences along the dive
 SUDDEN_S, SUDDEN = 0.15, 0.6  # the share of a step that comes within that time; what comes slower may be the rates' fault
+MEDIAN_VALUES = 1_000_000  # copied at a time: each reading lies in as many windows as a window has readings
 FASTEST_RAD_S = 1.0  # of a vehicle that inspects, where no rates are logged
 
 
@@ -53,7 +54,9 @@ def find_heading_steps(t_s: Array, gap: Array, least_rad: float = LEAST_STEP_RAD
     count = round(BESIDE_S / float(np.median(np.diff(t_s)))) if len(t_s) > 2 else 0
     if count < 3 or len(t_s) < 4 * count:
         return NO_STEPS
-    level = np.median(np.lib.stride_tricks.sliding_window_view(gap, count), axis=-1)
+    windows = np.lib.stride_tricks.sliding_window_view(gap, count)
+    block = max(1, MEDIAN_VALUES // count)
+    level = np.concatenate([np.median(windows[k : k + block], axis=-1) for k in range(0, len(windows), block)])
     size = np.zeros(len(gap))  # by which the level after a reading exceeds that before it
     size[count : len(gap) - count + 1] = level[count:] - level[:-count]
     sigma = robust_sigma(size[count : len(gap) - count + 1], about=0.0)

@@ -60,6 +60,11 @@ class FeatureStore:
     def __len__(self) -> int:
         return len(self._open().start) - 1
 
+    def counts(self, images: Ints) -> Ints:
+        """Return the number of features (n,) of those rows of the camera's ImageIndex; 0 for -1."""
+        size = np.append(np.diff(self._open().start), 0)
+        return np.asarray(size[images])
+
     def read(self, image: int) -> Features:
         """Return the features of that row of the camera's ImageIndex, views into the mapped files; none for -1."""
         mapped = self._open()

@@ -23,7 +23,8 @@ from hullrecon.vision.stereo.node_view import DepthPrior
 WHITE_TRANSLATION_M = 0.01
 WHITE_ROTATION_RAD = np.radians(0.2)
 LEAST_SPREAD_M = 0.05  # of the returns across the direction in which they spread most: less is a line, not a plane
-WINDOW = 4  # nodes to either side whose returns count: some seconds, a footprint's width
+WINDOW = 4  # nodes to either side whose returns count: a footprint's width
+WINDOW_S = 1.0  # to either side, at least: a DVL may give a ping a second where a camera gives fifteen images
 MOST_RELIEF = 0.5  # scatter off the plane over that spread: more has no normal
 
 
@@ -90,30 +91,23 @@ class CameraTrack:
 
 
 def track_cameras(
-    trajectory: Trajectory, errors: TrajectoryErrorModel, cameras: CameraRig, tray_sigma_rad: float
+    trajectory: Trajectory, errors: TrajectoryErrorModel, cameras: CameraRig, tray_sigma_rad: float, bottom: Mask
 ) -> CameraTrack:
-    """Return the leading camera of every node as dead reckoning has it."""
+    """Return the leading camera of every node as dead reckoning has it. bottom (n,): where that is the bottom one."""
     path = trajectory.track().path
-    leading = leading_cameras(cameras, path, trajectory.image)
+    leading = leading_cameras(cameras, path, bottom)
     backlash = _backlash_twist(path.poses, cameras.rig.tray_origin, tray_sigma_rad)
     model = replace(errors, white=errors.white + backlash)
     return CameraTrack(global_from_camera=leading, errors=NavigationErrors(global_from_camera=leading, model=model))
 
 
-def bottom_leads(cameras: CameraRig, image: Ints) -> Mask:
-    """Return at which nodes (n,) the bottom camera alone has an image. image (n, 2): rows in the cameras' indices, or -1."""
-    return np.asarray(cameras.stereo & (image[:, 0] < 0) & (image[:, 1] >= 0))
-
-
-def leading_cameras(cameras: CameraRig, path: VehiclePath, image: Ints) -> Poses:
-    """Return T_g_c of the leading camera of every node: the top one, or the bottom one at nodes that have no top image."""
-    leading = cameras.rig.camera_poses(path, Camera.TOP)
-    if not cameras.stereo:
-        return leading
-    bottom, leads = cameras.rig.camera_poses(path, Camera.BOTTOM), bottom_leads(cameras, image)[:, None]
-    return Poses(
-        np.where(leads, bottom.quaternion, leading.quaternion), np.where(leads, bottom.translation, leading.translation)
-    )
+def leading_cameras(cameras: CameraRig, path: VehiclePath, bottom: Mask) -> Poses:
+    """Return T_g_c of the leading camera of every node: the top one, or the bottom one where `bottom` (n,) says so."""
+    top = cameras.rig.camera_poses(path, Camera.TOP)
+    if not bottom.any():
+        return top
+    lower, leads = cameras.rig.camera_poses(path, Camera.BOTTOM), bottom[:, None]
+    return Poses(np.where(leads, lower.quaternion, top.quaternion), np.where(leads, lower.translation, top.translation))
 
 
 def _backlash_twist(global_from_vehicle: Poses, tray_origin: Array, sigma_rad: float) -> Array:
@@ -133,8 +127,11 @@ def depth_priors(
     points, node = rig.dvl_points(returns, trajectory.track().path).points[good], returns.node[good]
     order = np.argsort(node, kind="stable")
     points, node = points[order], node[order]
-    start = np.searchsorted(node, np.arange(len(track)) - WINDOW)
-    stop = np.searchsorted(node, np.arange(len(track)) + WINDOW, side="right")
+    t_ns, row, span_ns = trajectory.t_ns, np.arange(len(track)), round(1e9 * WINDOW_S)
+    start = np.searchsorted(node, np.minimum(row - WINDOW, np.searchsorted(t_ns, t_ns - span_ns)))
+    stop = np.searchsorted(
+        node, np.maximum(row + WINDOW, np.searchsorted(t_ns, t_ns + span_ns, side="right") - 1), side="right"
+    )
     camera_from_global = track.global_from_camera.inverse()
     return [_prior(camera_from_global[k].apply(points[a:b]), margin) if b > a else None
             for k, (a, b) in enumerate(zip(start, stop, strict=True))]  # fmt: skip

@@ -7,7 +7,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from hullrecon.geometry.frames import Camera
+from hullrecon.typing import Ints, Mask
 from hullrecon.vision.features.extraction import no_features
 from hullrecon.vision.features.store import FeatureStore
 from hullrecon.vision.options import MatchOptions
@@ -51,6 +54,14 @@ class MatchWorker:
         """Return the features of both cameras; none for a camera that was not carried."""
         bottom = FeatureStore(self.features, Camera.BOTTOM).read(image[1]) if self.rig.stereo else no_features()
         return NodeFeatures(top=FeatureStore(self.features, Camera.TOP).read(image[0]), bottom=bottom)
+
+    def bottom_leads(self, images: Ints) -> Mask:
+        """Return at which nodes (n,) the bottom camera saw something and the top one nothing. images (n, 2): rows in the
+        cameras' indices, or -1."""
+        if not self.rig.stereo:
+            return np.zeros(len(images), bool)
+        top, bottom = (FeatureStore(self.features, camera).counts(images[:, k]) for k, camera in enumerate(Camera))
+        return np.asarray((top == 0) & (bottom > 0))
 
     def saliency(self, node: MatchNode) -> float:
         """Return the local saliency of the image that leads."""

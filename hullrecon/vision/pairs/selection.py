@@ -21,7 +21,9 @@ RETURN = 0.2  # of overlap: the vehicle had gone and come back, it did not just 
 GRID = 8  # cells of the footprint along each side
 FINE_GRID = 32  # where small steps count
 QUANTILES = 6  # of a relative position along each axis
-BLOCK = 1000  # pairs at a time
+BLOCK = 1000  # pairs whose quantiles are laid onto each other at a time
+COVARIANCE_BLOCK = 20_000  # pairs whose covariances are asked for at a time: each time the graph is factored anew
+GRID_POINTS = 1_000_000  # of footprints, at a time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,10 +92,12 @@ def _revisits(
     """Return the pairs of keyframes to which the vehicle came back: first, second, overlap, probability of min_overlap."""
     first, second = _near(track, keyframes, depth_m, camera, options.sequential)
     overlap = footprint_overlap(track, first, second, depth_m, camera)
-    probability = overlap_probability(track, first, second, depth_m, camera, options.min_overlap)
     ranks = np.searchsorted(keyframes, first), np.searchsorted(keyframes, second)
     lowest = _lowest_between(track, keyframes, *ranks, depth_m, camera, options.min_overlap)
-    keep = (probability >= min_probability) & ((lowest == 0) | (overlap > lowest + RETURN))
+    came_back = (lowest == 0) | (overlap > lowest + RETURN)
+    first, second, overlap = first[came_back], second[came_back], overlap[came_back]
+    probability = overlap_probability(track, first, second, depth_m, camera, options.min_overlap)
+    keep = probability >= min_probability
     return first[keep], second[keep], overlap[keep], probability[keep]
 
 
@@ -110,11 +114,15 @@ def overlap_probability(
 ) -> Array:
     """Return the probability (m,) that the middle of the first node's scene lies where the second's footprint covers
     min_overlap of the first's, by quantiles of the relative pose; 0 where depth is unknown."""
-    out = np.zeros(len(first))
-    for start in range(0, len(first), BLOCK):
-        rows = slice(start, start + BLOCK)
-        out[rows] = _overlap_probability(track, first[rows], second[rows], depth_m, camera, min_overlap)
-    return out
+    parts = [np.zeros(0)]
+    for start in range(0, len(first), COVARIANCE_BLOCK):
+        source, target = (nodes[start : start + COVARIANCE_BLOCK] for nodes in (first, second))
+        depth = np.nan_to_num(depth_m[source], nan=1.0)
+        relative, covariance = scene_in_target(track, source, target, depth)
+        for k in range(0, len(source), BLOCK):
+            rows = slice(k, k + BLOCK)
+            parts.append(_share_of_quantiles(relative[rows], covariance[rows], depth[rows], camera, min_overlap))
+    return np.where(np.isfinite(depth_m[first]), np.concatenate(parts), 0.0)
 
 
 def scene_in_target(track: CameraTrack, source: Ints, target: Ints, depth: Array) -> tuple[Array, Array]:
@@ -128,11 +136,8 @@ def scene_in_target(track: CameraTrack, source: Ints, target: Ints, depth: Array
     return relative, by_motion @ track.errors.relative_covariance(source, target) @ by_motion.swapaxes(1, 2)
 
 
-def _overlap_probability(
-    track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, min_overlap: float
-) -> Array:
-    depth = np.nan_to_num(depth_m[source], nan=1.0)
-    relative, covariance = scene_in_target(track, source, target, depth)
+def _share_of_quantiles(relative: Array, covariance: Array, depth: Array, camera: CameraModel, min_overlap: float) -> Array:
+    """Return the share (m,) of quantiles of the relative pose at which the target's footprint covers min_overlap."""
     values, vectors = np.linalg.eigh(covariance[:, :2, :2])
     root = vectors * np.sqrt(np.maximum(values, 0))[:, None]
     quantile = ndtri((np.arange(QUANTILES) + 0.5) / QUANTILES)
@@ -142,7 +147,7 @@ def _overlap_probability(
     low, high = camera.undistort([[-0.5, -0.5], [camera.width - 0.5, camera.height - 0.5]])
     moved = image[:, None] + shift[:, :, None]
     share = ((moved >= low) & (moved <= high)).all(axis=3).mean(axis=2)
-    return np.asarray(np.where(np.isfinite(depth_m[source]), (share >= min_overlap).mean(axis=1), 0.0))
+    return np.asarray((share >= min_overlap).mean(axis=1))
 
 
 def _ideal_in_target(relative: Array, depth: Array, camera: CameraModel, grid: int) -> Array:
@@ -162,11 +167,12 @@ def footprint_overlap(
 ) -> Array:
     """Return the share (m,) of a grid on each image that falls into the other, the smaller of both ways; NaN where depth is
     unknown."""
-    if len(first) == 0:
-        return np.zeros(0)
-    one = _share(track, first, second, depth_m, camera, grid)
-    other = _share(track, second, first, depth_m, camera, grid)
-    return np.minimum(one, other)
+    out, block = np.zeros(len(first)), max(1, GRID_POINTS // grid**2)
+    for start in range(0, len(first), block):
+        a, b = (nodes[start : start + block] for nodes in (first, second))
+        both = (_share(track, *ends, depth_m, camera, grid) for ends in ((a, b), (b, a)))
+        out[start : start + block] = np.minimum(*both)
+    return out
 
 
 def _share(track: CameraTrack, source: Ints, target: Ints, depth_m: Array, camera: CameraModel, grid: int) -> Array:
@@ -224,19 +230,19 @@ def _lowest_between(
     track: CameraTrack, nodes: Ints, first: Ints, second: Ints, depth_m: Array, camera: CameraModel, least: float
 ) -> Array:
     """Return the smallest overlap (m,) with the first node that the vehicle had on its way to the second; 0 once it fell
-    below `least`.
+    below `least`. Nodes of unknown depth say nothing of it.
 
     first, second: ranks among the nodes.
     """
     lowest, running = np.zeros(len(first)), np.ones(len(nodes))
-    inside = np.arange(len(nodes))
-    for step in range(1, len(nodes)):
+    inside = np.flatnonzero(np.isfinite(depth_m[nodes]))
+    for step in range(1, int((second - first).max(initial=0)) + 1):
         asked = (second - first == step) & np.isin(first, inside)
         lowest[asked] = running[first[asked]]
         inside = inside[inside + step < len(nodes)]
         overlap = footprint_overlap(track, nodes[inside], nodes[inside + step], depth_m, camera)
-        running[inside] = np.minimum(running[inside], overlap)
-        inside = inside[overlap >= least]
+        running[inside] = np.fmin(running[inside], overlap)
+        inside = inside[~(overlap < least)]
         if len(inside) == 0:
             break
     return lowest

@@ -33,7 +33,7 @@ class DepthPrior:
 
 @dataclass(frozen=True, kw_only=True)
 class NodeView:
-    """A node for pair matching. camera: the leading one, the bottom one where the top has no image.
+    """A node for pair matching. camera: the leading one, the bottom one where the top has no feature.
 
     xy (n, 2) ideal coordinates in the leading camera, descriptor (n, 128) unit, corner (n,): not of SIFT, place (n,): the row
     that stands for all at its pixel. other (n, 2): ideal coordinates in the bottom camera of the stereo match, NaN where none;

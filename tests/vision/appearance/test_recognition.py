@@ -120,14 +120,20 @@ def link(dive, *, repeats_m=None, appearance=True, rig_of=2, looking=LookingMatc
         asked.append(image)
         return SimpleNamespace(leading=features[image[0]])
 
-    worker = SimpleNamespace(rig=rig, options=MatchOptions(sequential=2), saliency=lambda node: 1.0, read=read)
+    worker = SimpleNamespace(
+        rig=rig,
+        options=MatchOptions(sequential=2),
+        saliency=lambda node: 1.0,
+        read=read,
+        bottom_leads=lambda images: np.zeros(len(images), bool),
+    )
     errors = error_model(dive, 1e-4)
     walk = errors.walk.copy()
     walk[BLANK.start :, :3, :3] += OUTAGE_SIGMA_M**2 * np.eye(3)
     navigated = NavigatedDive(trajectory=dive.trajectory, errors=replace(errors, walk=walk), returns=None, tray_sigma_rad=1e-3)
     graph = PoseGraph(trajectory=dive.trajectory, odometry=dive.odometry, attitude=dive.attitude, rig=dive.rig)
     matcher = looking(dive, repeats_m=repeats_m)
-    found = link_images(worker, navigated, graph.solve, matcher, 12, appearance)
+    found, _ = link_images(worker, navigated, graph.solve, matcher, 12, appearance)
     return SimpleNamespace(found=found, error_m=path_error_m(found, dive), asked=asked)
 
 
