@@ -174,7 +174,7 @@ def _shifts(reliefs: tuple[Relief, Relief], fit: _Fit) -> list[Poses]:
     flat = [_without_form(relief.height)[::2, ::2] for relief in reliefs]
     along, girth = (axis[0] for axis in tangents_at(fit.chart, fit.center[None]))
     sigma = np.array([np.sqrt(axis @ fit.prior[:3, :3] @ axis) for axis in (along, girth)])
-    reach = np.ceil(GATE_SIGMAS * sigma / step).astype(int)
+    reach = np.minimum(np.ceil(GATE_SIGMAS * sigma / step).astype(int), np.array(flat[0].shape) - 1)
     most = min(int(np.isfinite(h).sum()) for h in flat)
     tried = []
     for i, j in np.ndindex(*(2 * reach + 1)):

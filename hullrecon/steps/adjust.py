@@ -136,6 +136,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=22,
+    version=23,
     run=run,
 )

@@ -42,6 +42,8 @@ def run(context: Context[LinkOptions]) -> None:
     else:
         solved = solve(no_links(), None)
         context.out.arrays("path.npz", to_arrays(solved.record()))
+    if not solved.converged:
+        context.warn("The path that links and navigation give was still changing when its iterations ended.")
     facts |= {"converged": solved.converged} | _write_planes(context, solved) | _describe_positions(context, solved)
     context.out.json("links.json", facts)
 

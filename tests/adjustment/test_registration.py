@@ -1,9 +1,12 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from adjustment.scenes import ERROR, TRUTH, cad_model, side, survey
 
+from hullrecon.adjustment.hull_pose import registration
 from hullrecon.adjustment.hull_pose.cad_error import matern32
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
 from hullrecon.adjustment.hull_pose.registration import frame_at, perturb_pose, register, thin_points
@@ -20,6 +23,24 @@ def test_a_curved_side_is_found_from_a_wrong_guess():
     assert step @ np.linalg.solve(found.covariance, step) < 16.8  # 99 % of chi-square with six degrees of freedom
     assert np.sqrt(np.mean(found.residual**2)) < 0.015
     assert found.fitness > 0.95
+
+
+def test_a_hull_that_only_the_wider_search_finds_is_known_by_the_packages_own_guess(monkeypatch):
+    mesh = side(1.0)
+    points = TRUTH.apply(survey(mesh, np.random.default_rng(0)))
+    given = cad_model(mesh, TRUTH, ERROR)
+    near, asked = registration._register_from, []
+
+    def poor_at_first(*words):
+        asked.append(words[2].guess_sigma)
+        return replace(near(*words), fitness=0.5 if len(asked) == 1 else 1.0)
+
+    monkeypatch.setattr(registration, "_register_from", poor_at_first)
+    found = register(points, given, 0.01)
+    assert (asked[1] > asked[0]).all()
+    assert found.fitness > 0.95
+    assert found.sigmas_off == 1.0
+    np.testing.assert_array_equal(found.cad_model.guess_sigma, given.guess_sigma)
 
 
 def test_a_cylinder_slides_along_itself_and_says_so():

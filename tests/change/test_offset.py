@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from change.simulated_surveys import BEFORE, NONE, SIGMAS, Errors, _about_center, chart, drawn, survey
@@ -36,6 +38,16 @@ def shifted():
 def test_a_shift_along_the_hull_is_found_to_millimetres(shifted) -> None:
     offset, true = shifted
     assert np.abs(error_of(offset, true)[:3]).max() < 0.003
+
+
+def test_hull_poses_that_are_known_less_well_than_the_patch_is_long_give_the_same_shift() -> None:
+    loose = np.array([1.5, *SIGMAS[1:]]) ** 2  # four sigmas of both are more than the four metres of the patch
+    there = Errors(pose=np.array([0.4, 0.0, 0.03, 0, 0, 0]), seed=0, noise_m=0.0)
+    first, second = (
+        replace(found, hull_pose=replace(found.hull_pose, covariance=np.diag(loose)))
+        for found in (survey(BEFORE, NONE), survey(BEFORE, there))
+    )
+    assert np.abs(error_of(offset_of(first, second), _about_center(there.pose).inverse())[:3]).max() < 0.003
 
 
 def test_its_chi_square_counts_sigmas_of_both_hull_poses(shifted) -> None:

@@ -99,12 +99,16 @@ def _distant_starts(points: Array, cad_model: CadModel, center: Array, index: Me
 def _with_wider_guess(
     found: Registration, points: Array, cad_model: CadModel, index: MeshIndex, sigma_range: float
 ) -> Registration:
-    """Return the registration; where it lies farther from the guess than its sigmas allow, with these scaled so that it lies
-    within one: a guess that is wrong in one direction is not to be believed in the others."""
+    """Return the registration about the guess of `cad_model`, whatever guess it was found with. Where it lies farther from it
+    than its sigmas allow, these are scaled so that it lies within one: a guess that is wrong in one direction is not to be
+    believed in the others."""
     step = prior_step(found.global_from_hull, cad_model, found.center)
     off = float(np.abs(step / cad_model.guess_sigma).max())
     if off <= GUESS_SIGMAS:
-        return found
+        same_guess = found.cad_model is cad_model
+        return (
+            found if same_guess else fit_correlated(points, found.global_from_hull, cad_model, found.center, index, sigma_range)
+        )
     wider = replace(cad_model, guess_sigma=cad_model.guess_sigma * off, contradicted=True)
     again = fit_correlated(points, found.global_from_hull, wider, found.center, index, sigma_range)
     return replace(again, sigmas_off=off)
