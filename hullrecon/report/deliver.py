@@ -142,7 +142,13 @@ def _write_surfaces(writer: DeliverableWriter, survey: Survey) -> None:
         if surface is not None:
             writer.write(name, surface_ply(survey, surface, surfaces.deviation))
     if surfaces.as_found is not None and (surfaces.as_found.support > 0).any():
-        points = las_bytes(surfaces.as_found, surfaces.deviation, survey.track.frame, int(survey.track.t_ns[-1]))
+        points = las_bytes(
+            surfaces.as_found,
+            surfaces.deviation,
+            survey.track.frame,
+            int(survey.track.t_ns[-1]),
+            by_images=surfaces.found_by_images,
+        )
         writer.write("as_found.las", points)
     for name, document in survey.findings.documents.items():
         writer.write_json(name, document)

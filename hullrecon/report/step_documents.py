@@ -126,10 +126,21 @@ class SurfaceFacts(StepDocument, frozen=True):
     comparison: str | None = None
 
 
+class DetectSettings(StepDocument, frozen=True):
+    """What of the options of detect says which objects are reported."""
+
+    min_height_m: float
+    min_area_m2: float
+    min_views: int
+    max_p_value: float
+
+
 class DetectFacts(StepDocument, frozen=True):
-    """detect.json of detect. objects: why objects were not looked for; None where they were."""
+    """detect.json of detect. objects: why objects were not looked for; None where they were. as_found: what the hull as found
+    was made of where that is not landmarks."""
 
     objects: str | None = None
+    as_found: str | None = None
     not_reported: tuple[RejectedRegion, ...] = ()
 
 

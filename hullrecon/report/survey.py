@@ -87,7 +87,8 @@ class AdjustedDive:
 class Surfaces:
     """The hull chart, the surveyed surface (the DVL's, of landmarks where there is none) and the hull as found with the parts
     of its deviation. outside: the map in which rasters and vector layers lie. comparison: how far a comparison of the DVL's
-    surface with the CAD model is circular, in a sentence. cad_model: as given, in M."""
+    surface with the CAD model is circular, in a sentence. cad_model: as given, in M. found_by_images: whether images are what
+    supports the hull as found, not returns of the DVL."""
 
     chart: Chart | None = None
     outside: OutsideMap | None = None
@@ -96,6 +97,7 @@ class Surfaces:
     deviation: DeviationSplit | None = None
     comparison: str = ""
     cad_model: Mesh | None = None
+    found_by_images: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,6 +161,11 @@ class Provenance:
     steps: tuple[StepRun, ...] = ()
     missing: Mapping[str, str] = field(default_factory=dict)
     copies: Mapping[str, Path] = field(default_factory=dict)
+
+    def settings_of(self, step: str) -> Mapping[str, object]:
+        """Return the options of a step as it ran; nothing where it did not, or its manifest is not there."""
+        found = next((run.settings.get(step) for run in self.steps if run.name == step), None)
+        return found if isinstance(found, Mapping) else {}
 
     def warnings(self) -> list[str]:
         """Return what the steps warned of, with the step's name, in the order of the chain."""

@@ -99,7 +99,7 @@ def read_survey(context: Context[ReportOptions]) -> Survey:
         track=track,
         trajectory=artifacts.navigate.trajectory,
         adjusted=adjusted,
-        surfaces=_surfaces(context, artifacts, track.frame),
+        surfaces=_surfaces(context, artifacts, track.frame, found_by_images=detect.as_found is None),
         findings=_findings(artifacts.detect, detect),
         mosaics=Mosaics(optical=mosaics.get("optical"), sonar=mosaics.get("sonar")),
         change=_change(artifacts),
@@ -166,12 +166,16 @@ def files_of_package(settings: StageSettings, package: Path) -> list[Path]:
     return [*external(settings, package), *([Path(logo)] if logo is not None else [])]
 
 
-def _surfaces(context: Context[ReportOptions], artifacts: InputArtifacts, frame: str) -> Surfaces:
+def _surfaces(context: Context[ReportOptions], artifacts: InputArtifacts, frame: str, *, found_by_images: bool) -> Surfaces:
     surface = artifacts.surface if "surface" in context.inputs else None
     detect = artifacts.detect
     as_found = detect.as_found if detect is not None else None
     if surface is None:
-        return Surfaces(chart=artifacts.adjust.chart if artifacts.adjust is not None else None, as_found=as_found)
+        return Surfaces(
+            chart=artifacts.adjust.chart if artifacts.adjust is not None else None,
+            as_found=as_found,
+            found_by_images=found_by_images,
+        )
     chart, surveyed = surface.chart, surface.surface
     return Surfaces(
         chart=chart,
@@ -181,6 +185,7 @@ def _surfaces(context: Context[ReportOptions], artifacts: InputArtifacts, frame:
         deviation=detect.deviation if detect is not None else None,
         comparison=msgspec.convert(surface.facts, SurfaceFacts).comparison or "",
         cad_model=artifacts.ingest.hull,
+        found_by_images=found_by_images,
     )
 
 

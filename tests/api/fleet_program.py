@@ -36,12 +36,15 @@ def main(command: str, package: Path, options: dict[str, str]) -> int:
     if do == "read outside" and "--allow-outside" not in options:
         print(json.dumps({"error": {"message": "it lies outside the package"}}))
         return 2
-    if do.startswith("fail"):
+    if do.startswith("fail") and do != "fail in one step":
         print(json.dumps({"error": {"message": "too few\x1b[31m matches"}}))
         return 4
     deliver = Path(options["--runs"]) / name / "deliver"
     deliver.mkdir(parents=True, exist_ok=True)
     (deliver / "report.txt").write_text(f"{name} {options.get('--scheduler')}")
+    if do == "fail in one step":
+        print(json.dumps({"error": {"message": "no ping meets the surface"}}))
+        return 4
     return 0
 
 

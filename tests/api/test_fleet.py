@@ -132,6 +132,26 @@ def test_failures_of_all_kinds_leave_the_others(dive: Dive, dives: Path, runs: P
     ]
 
 
+def test_what_a_dive_delivered_of_which_one_step_failed_is_shown(dive: Dive, dives: Path, runs: Path, trace: Path) -> None:
+    dive("kestrel", "fail in one step")
+    for ran in (True, False):  # known by the second call
+        result = run_fleet(dives, runs)
+        (found,) = result.dives
+        assert (found.state, found.ran, found.delivered, result.exit_code) == ("failed", ran, True, 4)
+        assert [d["deliver_files"] for d in result.document()["dives"]] == [["report.txt"]]
+
+
+def test_what_an_earlier_run_delivered_is_not_shown_of_a_dive_whose_run_did_not_end(
+    dive: Dive, dives: Path, runs: Path, trace: Path
+) -> None:
+    package = dive("kestrel")
+    run_fleet(dives, runs)
+    for do, limit_s in (("kill", None), ("wait", 1.0)):
+        (package / "do.txt").write_text(do)
+        (found,) = run_fleet(dives, runs, time_limit_s=limit_s).dives
+        assert (found.state, found.ran, found.delivered) == ("failed", True, False)
+
+
 def test_a_failure_is_kept_in_mind_until_its_package_changes_or_a_day_has_passed_or_one_asks(
     dive: Dive, dives: Path, runs: Path, trace: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -23,11 +23,11 @@ OBJECTS = [
 ]
 
 
-def fleet_dive(name: str, state: State = "up to date", reason: str = "") -> FleetDive:
+def fleet_dive(name: str, state: State = "up to date", reason: str = "", *, delivered: bool | None = None) -> FleetDive:
     code = {"failed": 4, "to do": None}.get(state, 0)
     return FleetDive(
         package=Path("/dives") / name, name=name, state=state, exit_code=code, reason=reason, ran=False, known=True, files=(),
-        log=None,
+        log=None, delivered=state == "up to date" if delivered is None else delivered,
     )  # fmt: skip
 
 
@@ -88,6 +88,15 @@ def test_a_refused_cad_model_comes_first_and_the_direction_known_worst_after_the
     assert found.sentences == (
         "The CAD model was refused: it does not fit the survey.", "No object was found.", "Up is uncertain by 0.50 m.",
     )  # fmt: skip
+
+
+def test_a_dive_of_which_one_step_failed_is_shown_with_what_it_delivered(tmp_path: Path) -> None:
+    result(tmp_path, "a")
+    FleetIndex(tmp_path).write([fleet_dive("a", "failed", "no sonar mosaic: no ping meets the surface", delivered=True)])
+    (row,) = table(tmp_path).rows[1:]
+    assert "delivered, but for a step that failed no sonar mosaic: no ping meets the surface" in row
+    assert "depth 0.110" in row
+    assert row.endswith(" report")
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"absent": 3}', "\x00"])

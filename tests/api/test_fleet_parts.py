@@ -202,7 +202,7 @@ def test_a_document_lists_the_deliverables_of_what_is_up_to_date_alone(tmp_path:
     for state, code in (("delivered", 0), ("up to date", 0), ("failed", 4), ("to do", None)):
         dive = FleetDive(
             package=dives / state, name="kestrel", state=state, exit_code=code, reason="", ran=False, known=False, files=(),
-            log=None,
+            log=None, delivered=state in ("delivered", "up to date"),
         )  # fmt: skip
         rows.append(dive)
     skipped = (Skipped(path=dives / "x", reason="a FIFO, not opened"),)

@@ -23,7 +23,8 @@ from hullrecon.artifacts.execution.executor import choose_executor
 from hullrecon.artifacts.execution.progress import Progress, Silent
 from hullrecon.artifacts.storage.disk import make_folder
 from hullrecon.artifacts.storage.lock import hold_lock
-from hullrecon.errors import LockedError, UsageError
+from hullrecon.artifacts.storage.workspace import PUBLISHED
+from hullrecon.errors import LockedError, StageError, UsageError
 
 log = logging.getLogger(__name__)
 
@@ -133,7 +134,8 @@ def _outcome(dive: PlannedDive, ended: Ended, runs: Path) -> FleetDive:
     if dive.name is None and code == 0:
         code, reason = UsageError.exit_code, "its dive.toml changed while it was read"
     known = dive.record is not None and (dive.record.exit_code, dive.record.reason) == (code, reason)
-    return _dive(dive, runs, "failed" if code else "delivered", code, reason, ran=True, known=known)
+    state: State = "failed" if code else "delivered"
+    return _dive(dive, runs, state, code, reason, ran=True, known=known, ended_early=ended.timed_out)
 
 
 def _fleet_dive(dive: PlannedDive, runs: Path) -> FleetDive:
@@ -146,16 +148,22 @@ def _fleet_dive(dive: PlannedDive, runs: Path) -> FleetDive:
     if dive.to_do or record is None:
         return _dive(dive, runs, "to do", None, dive.to_do)
     state: State = "failed" if record.exit_code else "up to date"
-    return _dive(dive, runs, state, record.exit_code, record.reason, known=True)
+    ended_early = record.refused or record.time_limit_s is not None
+    return _dive(dive, runs, state, record.exit_code, record.reason, known=True, ended_early=ended_early)
 
 
 def _dive(
-    dive: PlannedDive, runs: Path, state: State, code: int | None, reason: str, *, ran: bool = False, known: bool = False
-) -> FleetDive:
+    dive: PlannedDive, runs: Path, state: State, code: int | None, reason: str, *, ran: bool = False, known: bool = False,
+    ended_early: bool = False,
+) -> FleetDive:  # fmt: skip
+    """Return how a dive stands. ended_early: its run did not come to its end; one that fails there withdraws what was delivered
+    before, but for a step that fails alone."""
     path = _log_file(dive, runs)
+    is_whole = state in ("delivered", "up to date") or (code == StageError.exit_code and not ended_early)
     return FleetDive(
         package=dive.package, name=dive.name, state=state, exit_code=code, reason=reason, ran=ran, known=known,
         files=dive.listing.files, log=path if dive.name is not None and path.is_file() else None,
+        delivered=is_whole and dive.name is not None and (runs / dive.name / PUBLISHED).is_dir(),
     )  # fmt: skip
 
 

@@ -98,7 +98,7 @@ def _state(dive: FleetDive, running: bool) -> tuple[str, str, bool]:
     if running:
         return "running", "running", False
     if dive.state == "failed":
-        return "failed", "failed", False
+        return ("failed", "delivered, but for a step that failed", True) if dive.delivered else ("failed", "failed", False)
     if dive.state == "to do":
         return ("waiting", "not run yet", False) if dive.reason == "new" else ("stale", "out of date", False)
     return "done", "done", True

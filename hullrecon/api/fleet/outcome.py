@@ -22,7 +22,8 @@ State = Literal["delivered", "up to date", "failed", "to do"]
 class FleetDive:
     """How one dive stands. name: of the dive, None where unknown; exit_code: of its run, None where it is to do; reason: why
     it failed or is to do; ran: in this call; known: the last call found the same failure; files: of the package, relative to
-    it; log: of its last run, None without one."""
+    it; log: of its last run, None without one; delivered: its deliverables are of its last run, which may have failed in a step
+    that the others do without."""
 
     package: Path
     name: str | None
@@ -33,6 +34,7 @@ class FleetDive:
     known: bool
     files: tuple[str, ...]
     log: Path | None
+    delivered: bool
 
     def line(self) -> str:
         """Return a failed dive in one line, whatever its names and messages hold."""
@@ -77,7 +79,7 @@ class FleetResult:
         }
 
     def _dive(self, dive: FleetDive) -> dict[str, object]:
-        deliver = None if dive.name is None or dive.state in ("failed", "to do") else self.runs / dive.name / PUBLISHED
+        deliver = self.runs / dive.name / PUBLISHED if dive.name is not None and dive.delivered else None
         return {
             "package": as_utf8(dive.package),
             "name": dive.name,

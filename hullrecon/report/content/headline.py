@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 
 from hullrecon.records.deliverables import SensorCoverage
 from hullrecon.report.content.deviation import deviation_figures
 from hullrecon.report.content.phrases import area_words, count, duration, join, length, lengths, signed_range, with_sigma
+from hullrecon.report.step_documents import DetectSettings
 from hullrecon.report.survey import AdjustedDive, Survey
 
 _AXES = {
@@ -118,7 +120,7 @@ def _objects(survey: Survey) -> str:
     if objects is None:
         return ""
     if not objects:
-        return "No object was found that protrudes from the hull, or is recessed into it, by more than its uncertainty."
+        return " ".join(["No object was found.", *_looked_for(survey), *_examined(survey)])
     recessed = sum(o.height < 0 for o in objects)
     protruding = len(objects) - recessed
     highest = max(objects, key=lambda o: abs(o.height))
@@ -127,6 +129,23 @@ def _objects(survey: Survey) -> str:
     size = with_sigma(highest.height, highest.height_sigma, "m")
     found = f"{count(len(objects), 'object')} found on the hull ({join(kinds)})"
     return f"{found}; the largest, no. {highest.id}, has a height of {size}."
+
+
+def _looked_for(survey: Survey) -> list[str]:
+    """Return what a place of the hull has to show to be reported as an object; nothing where the settings are not known."""
+    settings = survey.provenance.settings_of("detect")
+    if not settings:
+        return []
+    options = msgspec.convert(settings, DetectSettings)
+    return [
+        f"Looked for: what is at least {1000 * options.min_height_m:g} mm high or deep, {1e4 * options.min_area_m2:g} cm²"
+        f" large, shown by {count(options.min_views, 'image')}, and bare hull with a probability below {options.max_p_value:g}."
+    ]
+
+
+def _examined(survey: Survey) -> list[str]:
+    examined = len(survey.findings.not_reported)
+    return [f"{count(examined, 'region')} examined and not reported."] if examined else []
 
 
 def _change(survey: Survey) -> str:

@@ -12,6 +12,7 @@ from hullrecon.records.solution import Solution
 
 OF_OBJECTS = ("objects.json", "objects.csv", "objects.geojson", "objects.gpkg", "objects/")
 OF_DEVIATION = ("deviation.tif", "deviation_sigma.tif", "form.tif", "form_sigma.tif")
+OF_SUPPORT = "support.tif"
 _BY_STEP = {
     "adjust": ("colmap/", "landmarks.ply"),
     "surface": ("surface.ply", "chart.json", "chart.ply"),
@@ -53,6 +54,9 @@ def missing_deliverables(
         reason = "" if step in steps or not asked else failures.get(step) or _reason(step, carried)
         if reason:
             reasons.update(dict.fromkeys(names, reason))
+    if not {"mosaic-optical", "mosaic-sonar"} & set(steps):
+        rasters = (*OF_DEVIATION, OF_SUPPORT)
+        reasons = {**dict.fromkeys(rasters, "they lie on a mosaic's grid, and there is none"), **reasons}
     if carried.camera and solution is not None and not len(solution.landmarks):
         reasons["landmarks.ply"] = "no landmark was adjusted"
     if not carried.camera:

@@ -66,6 +66,7 @@ def page_context(
         "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
         "frame_words": frame_in_words(survey),
         "on_ship": survey.is_in_hull_frame,
+        "by_images": survey.surfaces.found_by_images,
         "origin_words": origin_in_words(survey),
         "deviation_rows": deviation_rows(figures),
         "offset_words": figures.offset_words if figures is not None else "",

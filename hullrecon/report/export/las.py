@@ -15,9 +15,10 @@ STEP_M = 0.0001  # of the whole numbers that LAS stores: a twentieth of the best
 POINT_FORMAT = 6  # the least that carries its coordinate system as WKT
 
 
-def las_bytes(surface: Surface, split: DeviationSplit | None, frame: str, t_ns: int) -> bytes:
+def las_bytes(surface: Surface, split: DeviationSplit | None, frame: str, t_ns: int, *, by_images: bool = True) -> bytes:
     """Return as_found.las (docs/deliverables.md): the seen vertices in frame M or g. split: the deviation's parts, None without
-    a CAD model; then there is no deviation. t_ns: time of the dive's last pose, which stands for that of the file."""
+    a CAD model; then there is no deviation. t_ns: time of the dive's last pose, which stands for that of the file. by_images:
+    what the support counts, else returns of the DVL."""
     import laspy
 
     seen = surface.support > 0
@@ -26,7 +27,10 @@ def las_bytes(surface: Surface, split: DeviationSplit | None, frame: str, t_ns: 
     header.scales, header.offsets = np.full(3, STEP_M), np.floor(points.min(axis=0))
     header.creation_date = datetime.fromtimestamp(t_ns / 1e9, UTC).date()
     header.generating_software, header.system_identifier = "hullrecon", "hullrecon"
-    values = {"sigma": (surface.sigma, "m, one sigma along the normal"), "support": (surface.support, "images that saw it")}
+    values = {
+        "sigma": (surface.sigma, "m, one sigma along the normal"),
+        "support": (surface.support, "images that saw it" if by_images else "DVL returns near"),
+    }
     if split is not None:
         values |= {
             "deviation": (surface.deviation, "m from the CAD model, outward"),

@@ -28,6 +28,8 @@ from hullrecon.report.figures.style import (
 from hullrecon.report.step_documents import FactorResiduals
 from hullrecon.typing import Array, Arrays, Ints
 
+HEARD_S = 2.0  # from a ping of the DVL: beyond it nothing is known of the distance
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -164,7 +166,7 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
         axes[-1].plot((dvl.t_ns - start) * 1e-9, gap, color=GREEN, linewidth=1)
         axes[-1].set(ylabel="distance to hull (m)")
         good = np.isfinite(gap)
-        table["standoff_m"] = numbers(np.interp(t_ns, dvl.t_ns[good], gap[good]), ".4f")
+        table["standoff_m"] = numbers(_while_heard(t_ns, dvl.t_ns[good], gap[good]), ".4f")
         parts.append(f"distance to the hull {np.nanmedian(gap):.2f} m (median)")
     axes[-1].set(xlabel="time since the first pose (s)")
     names = {"depth": depth_m is not None, "distance to the hull": gap is not None}
@@ -176,6 +178,13 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
         png=png_bytes(figure),
         table=table,
     )
+
+
+def _while_heard(t_ns: Ints, heard_ns: Ints, value: Array) -> Array:
+    """Return values at times (n,), NaN where none was heard within HEARD_S; heard_ns (m,) ascending."""
+    after = np.clip(np.searchsorted(heard_ns, t_ns), 1, max(len(heard_ns) - 1, 1))
+    near_ns = np.min([np.abs(heard_ns[np.clip(k, 0, len(heard_ns) - 1)] - t_ns) for k in (after - 1, after)], axis=0)
+    return np.where(near_ns <= 1e9 * HEARD_S, np.interp(t_ns, heard_ns, value), np.nan)
 
 
 def sigmas(track: VehicleTrack) -> Plot:

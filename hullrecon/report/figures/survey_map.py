@@ -84,7 +84,11 @@ def survey_layers(survey: Survey, view: ChartView) -> list[MapLayer]:
     ]
     if view.found is None or survey.surfaces.as_found is None:
         return layers
-    return [*layers, *_deviation_layers(survey, view, view.found), *_coverage_layer(view, view.found)]
+    return [
+        *layers,
+        *_deviation_layers(survey, view, view.found),
+        *_coverage_layer(view, view.found, survey.surfaces.found_by_images),
+    ]
 
 
 def _deviation_layers(survey: Survey, view: ChartView, found: ChartedSurface) -> list[MapLayer]:
@@ -112,11 +116,14 @@ def _deviation_layers(survey: Survey, view: ChartView, found: ChartedSurface) ->
     return [field_layer("sigma", "Sigma of the surface", found, values, shading, view.extent, note)]
 
 
-def _coverage_layer(view: ChartView, found: ChartedSurface) -> list[MapLayer]:
+def _coverage_layer(view: ChartView, found: ChartedSurface, by_images: bool) -> list[MapLayer]:
     support = found.surface.support.astype(float)
     if not (support > 0).any():
         return []
     most = max(4.0, float(np.percentile(support[support > 0], 95)))
-    shading = Shading(colours="YlGnBu", low=0, high=most, label="images that show a place", extend="max")
-    note = "Without colour: no image shows it."
-    return [field_layer("coverage", "Coverage by the cameras", found, support, shading, view.extent, note)]
+    label = "images that show a place" if by_images else "DVL returns within reach"
+    title, none = (
+        ("Coverage by the cameras", "no image shows it") if by_images else ("Coverage by the DVL", "no return is near")
+    )
+    shading = Shading(colours="YlGnBu", low=0, high=most, label=label, extend="max")
+    return [field_layer("coverage", title, found, support, shading, view.extent, f"Without colour: {none}.")]
