@@ -50,7 +50,7 @@ def clean(target: Path, steps: tuple[str, ...], runs: Path, dry_run: bool, yes: 
 
 
 def _ask(root: Path, names: list[str]) -> None:
-    """Ask on a terminal; raise click.Abort for no, UsageError where nobody can be asked."""
+    """Ask on a terminal; raise UsageError for no, and where nobody can be asked."""
     listed = ", ".join(names)
     if not sys.stdin.isatty():
         remedy = "name the steps, or give --yes; --dry-run lists them"

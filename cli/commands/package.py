@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -35,6 +36,7 @@ def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
     logs = find_logs(log)
     for path in logs if log.is_dir() else ():
         check_log(path, log, allow_outside=allow_outside)
+    _require_utf8([log, *logs])
     found = summarise_logs([open_log(path) for path in logs])
     if not found.topics:
         raise InputError(found.why_nothing(), where=str(log), remedy=A_RUN_NEEDS)
@@ -63,6 +65,18 @@ def init(log: Path, out: Path | None, force: bool, allow_outside: bool) -> None:
         f"next: read it through, then `hullrecon check {folder}`",
     ]
     state_of().emit({**found.document(), "wrote": str(path), "to_fill_in": unknown}, lines)
+
+
+def _require_utf8(paths: list[Path]) -> None:
+    """Raise InputError for a name that dive.toml, which is UTF-8, cannot hold."""
+    for path in paths:
+        try:
+            str(path).encode()
+        except UnicodeEncodeError:
+            shown = os.fsencode(path).decode(errors="replace")
+            raise InputError(
+                "the name is not UTF-8, and dive.toml could not tell it", where=shown, remedy="rename it"
+            ) from None
 
 
 @click.command("check")
@@ -130,7 +144,8 @@ class _Check(click.Command):
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         super().format_options(ctx, formatter)
         known = {parameter.name for parameter in self.get_params(ctx)}
-        more = [parameter.get_help_record(ctx) for parameter in check_of_package.params if parameter.name not in known]
+        options = [p for p in check_of_package.params if isinstance(p, click.Option) and p.name not in known]
+        more = [option.get_help_record(ctx) for option in options]
         with formatter.section("Options for a dive package"):
             formatter.write_dl([record for record in more if record is not None])
 

@@ -3,6 +3,7 @@
 """check and init as a user calls them: what is said, where, and the exit code."""
 
 import json
+import os
 import re
 import shutil
 from pathlib import Path
@@ -241,6 +242,15 @@ def test_init_does_not_replace_a_configuration_unasked(capsys, package):
     assert (package / "dive.toml").read_text() == before
     assert call(capsys, "init", package / "logs", "--out", package, "--force")[0] == 0
     assert (package / "dive.toml").read_text() != before
+
+
+def test_init_of_a_log_whose_name_is_not_utf8_is_an_input_error(capsys, package, tmp_path):
+    named = tmp_path / os.fsdecode(b"Log \xe9")
+    shutil.copytree(package / "logs", named)
+    code, line = complaint(capsys, "init", named, "--out", tmp_path / "new")
+    assert code == 3
+    assert "the name is not UTF-8" in line
+    assert not (tmp_path / "new").exists()
 
 
 def test_init_of_what_is_no_log_is_an_input_error(capsys, tmp_path):

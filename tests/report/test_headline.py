@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from msgspec.structs import replace as replace_struct
 
-from hullrecon.records.deliverables import ReportedObject
+from hullrecon.records.deliverables import RejectedRegion, ReportedObject
 from hullrecon.records.solution import Solution
 from hullrecon.records.surface import DeviationSplit
 from hullrecon.report.content.frame_words import origin_in_words
 from hullrecon.report.content.headline import headline, key_figures, path_length_m, verdict, weak_sentences
 from hullrecon.report.export.summary import counts
 from hullrecon.report.step_documents import AdjustSummary, LogFindings, MosaicFacts, PositionFacts, StereoContradictionFacts
-from hullrecon.report.survey import Mosaic, Mosaics, Provenance, Survey
+from hullrecon.report.survey import Mosaic, Mosaics, Provenance, StepRun, Survey
 
 
 def line_with(survey: Survey, text: str) -> str:
@@ -164,9 +164,26 @@ def test_the_verdict_says_why_nothing_was_looked_for(survey: Survey, bare: Surve
     nothing = replace(bare, provenance=Provenance())
     assert verdict(nothing) == "Objects were not looked for: the step did not run."
     clean = replace(survey, findings=replace(survey.findings, objects=()))
-    assert verdict(clean).startswith("No object was found that protrudes from the hull")
+    assert verdict(clean) == "No object was found."
     assert verdict(clean) in headline(clean)
     assert verdict(survey) in headline(survey)
+
+
+def test_where_no_object_was_found_the_page_says_what_was_looked_for_and_what_was_examined(survey: Survey) -> None:
+    options = {"min_height_m": 0.03, "min_area_m2": 0.0025, "min_views": 3, "max_p_value": 0.001, "fusion": "heights"}
+    detect = StepRun(name="detect", version=1, settings={"detect": options, "hull.region": []}, inputs={}, warnings=(), run={})
+    region = RejectedRegion(
+        center=(0.0, 0.0, 0.0), reason="only 0.025 m off the hull around it", height=0.025, height_sigma=0.003
+    )
+    clean = replace(
+        survey,
+        findings=replace(survey.findings, objects=(), not_reported=(region,)),
+        provenance=replace(survey.provenance, steps=(*survey.provenance.steps, detect)),
+    )
+    assert verdict(clean) == (
+        "No object was found. Looked for: what is at least 30 mm high or deep, 25 cm² large, shown by 3 images, and bare hull"
+        " with a probability below 0.001. 1 region examined and not reported."
+    )
 
 
 def test_a_figure_is_given_where_it_was_measured(survey: Survey, bare: Survey) -> None:

@@ -43,6 +43,17 @@ def test_sigma_deviation_and_form_go_with_the_points(partly_seen: Surface, split
         np.testing.assert_array_equal(cloud[name], values[1:].astype(np.float32))
 
 
+def test_the_support_says_what_it_counts(partly_seen: Surface) -> None:
+    said = [
+        {
+            d.name: d.description
+            for d in read(las_bytes(partly_seen, None, "M", T_NS, by_images=by)).point_format.extra_dimensions
+        }
+        for by in (True, False)
+    ]
+    assert [words["support"] for words in said] == ["images that saw it", "DVL returns near"]
+
+
 def test_without_a_cad_model_there_is_no_deviation(partly_seen: Surface) -> None:
     names = list(read(las_bytes(partly_seen, None, "g", T_NS)).point_format.extra_dimension_names)
     assert names == ["sigma", "support"]

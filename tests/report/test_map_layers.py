@@ -137,6 +137,16 @@ def test_a_dive_has_the_layers_that_it_gives(survey: Survey, bare: Survey, ortho
     assert names(bare) == []
 
 
+def test_coverage_by_the_dvl_is_not_called_the_cameras(survey: Survey) -> None:
+    view = chart_view(survey)
+    assert view is not None
+    of_dvl = replace(survey, surfaces=replace(survey.surfaces, found_by_images=False))
+    layers = [survey_layers(dive, view)[-1] for dive in (survey, of_dvl)]
+    assert [layer.title for layer in layers] == ["Coverage by the cameras", "Coverage by the DVL"]
+    assert "image" in layers[0].note
+    assert "image" not in layers[1].note
+
+
 def test_the_note_of_the_form_says_what_it_leaves_out(survey: Survey) -> None:
     form = survey_layers(survey, chart_view(survey))[0]
     assert "as a whole the patch lies 6 mm outside it (one sigma 20 mm, not significantly different from zero)" in form.note

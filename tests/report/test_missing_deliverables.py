@@ -38,6 +38,13 @@ def test_without_a_sonar_its_mosaic_is_absent(solution: Solution) -> None:
     assert set(reasons.values()) == {"no imaging sonar was carried"}
 
 
+def test_rasters_that_lie_on_a_mosaics_grid_are_named_where_there_is_none(solution: Solution) -> None:
+    carried = Carried(camera=False, sonar=False, cad_model=True)
+    reasons = missing_deliverables(carried, CHAIN[:-2], solution)
+    assert {reasons[name] for name in (*OF_DEVIATION, "support.tif")} == {"they lie on a mosaic's grid, and there is none"}
+    assert "support.tif" not in missing_deliverables(ALL, CHAIN[:-1], solution)
+
+
 def test_a_step_that_left_nothing_is_named() -> None:
     reasons = missing_deliverables(ALL, ("ingest", "navigate"), None)
     assert reasons["surface.ply"] == "the step surface left no result"
@@ -63,7 +70,7 @@ def test_without_a_cad_model_the_rasters_of_the_deviation_are_named() -> None:
         reasons["deviation.tif"] == reasons["form_sigma.tif"] == "no CAD model was given, so there is nothing to deviate from"
     )
     assert reasons["objects.gpkg"] == "the step detect left no result"
-    with_cad = missing_deliverables(Carried(camera=True, sonar=True, cad_model=True), ("adjust",), None)
+    with_cad = missing_deliverables(Carried(camera=True, sonar=True, cad_model=True), ("adjust", "mosaic-sonar"), None)
     assert "form.tif" not in with_cad
 
 

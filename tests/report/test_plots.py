@@ -95,6 +95,17 @@ def test_without_depth_and_dvl_there_is_nothing_to_draw_of_them(dvl: DvlPings) -
     assert plot.title == "Distance to the hull"
 
 
+def test_a_distance_is_given_only_while_the_dvl_was_heard(dvl: DvlPings) -> None:
+    heard = np.r_[np.arange(11.0), np.arange(70.0, 81.0)]
+    ranges = np.repeat(np.where(heard < 20, 1.0, 3.0)[:, None], dvl.ranges.shape[1], axis=1)
+    pings = replace(dvl, t_ns=(1e9 * heard).astype(np.int64), ranges=ranges)
+    plot = depth_and_standoff(10**9 * np.array([0, 5, 10, 11, 75, 100]), None, pings)
+    assert plot is not None
+    given = plot.table["standoff_m"]
+    assert [bool(cell) for cell in given] == [True, True, True, False, True, False]
+    assert given[0] == given[1] == given[2] != given[4]
+
+
 def test_the_histogram_weighs_a_surface_by_its_area(plate: Surface, split: DeviationSplit) -> None:
     deviation = np.where(plate.vertices[:, 0] < 0.5, 0.048, 0.0)
     plot = deviation_histogram(None, replace(plate, deviation=deviation), replace(split, form=deviation - 0.02))

@@ -28,7 +28,7 @@ from hullrecon.report.figures.style import (
 from hullrecon.report.step_documents import FactorResiduals
 from hullrecon.typing import Array, Arrays, Ints
 
-HEARD_S = 2.0  # from a ping of the DVL: beyond it nothing is known of the distance
+HEARD_S = 2.0  # between pings of the DVL: over more nothing is known of the distance
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -181,10 +181,13 @@ def depth_and_standoff(t_ns: Ints, depth_m: Array | None, dvl: DvlPings | None) 
 
 
 def _while_heard(t_ns: Ints, heard_ns: Ints, value: Array) -> Array:
-    """Return values at times (n,), NaN where none was heard within HEARD_S; heard_ns (m,) ascending."""
-    after = np.clip(np.searchsorted(heard_ns, t_ns), 1, max(len(heard_ns) - 1, 1))
-    near_ns = np.min([np.abs(heard_ns[np.clip(k, 0, len(heard_ns) - 1)] - t_ns) for k in (after - 1, after)], axis=0)
-    return np.where(near_ns <= 1e9 * HEARD_S, np.interp(t_ns, heard_ns, value), np.nan)
+    """Return values at times (n,), NaN where the next that were heard, at heard_ns (m,) ascending, lie more than HEARD_S apart
+    or away."""
+    after = np.searchsorted(heard_ns, t_ns)
+    before = np.clip(after - 1, 0, len(heard_ns) - 1)
+    apart_ns = heard_ns[np.clip(after, 0, len(heard_ns) - 1)] - heard_ns[before]
+    away_ns = np.maximum(heard_ns[0] - t_ns, t_ns - heard_ns[-1])
+    return np.where(np.maximum(apart_ns, away_ns) <= 1e9 * HEARD_S, np.interp(t_ns, heard_ns, value), np.nan)
 
 
 def sigmas(track: VehicleTrack) -> Plot:
