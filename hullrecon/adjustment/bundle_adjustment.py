@@ -23,6 +23,7 @@ from hullrecon.adjustment.placement import (
     RegisteredModel,
     estimate_hull_pose,
     form_against,
+    nothing_on_it,
     reason_against,
     register_cad_model,
 )
@@ -135,8 +136,9 @@ def find_path(measured: Measurements, options: AdjustOptions, report: Report) ->
 def check_cad_model(path: FirstPath, cad_model: CadModel, options: AdjustOptions, report: Report) -> CheckedModel:
     """Return the CAD model laid under that path, and whether what follows from it may be believed."""
     registered = register_cad_model(path.straight, cad_model, options, report)
-    rounds = [] if registered.refusal else path.solver.coarse_rounds(registered.estimate, min(1, options.rounds - 1))
-    refusal = registered.refusal or (reason_against(rounds[-1], options) if rounds else None)
+    refusal = registered.refusal or nothing_on_it(path.straight.measured, options)
+    rounds = [] if refusal else path.solver.coarse_rounds(registered.estimate, min(1, options.rounds - 1))
+    refusal = refusal or (reason_against(rounds[-1], options) if rounds else None)
     laid = None if refusal or not rounds else estimate_hull_pose(rounds[-1], options)
     if laid is not None and laid.form is not None:
         refusal = form_against(laid.form, registered.registration.sigmas_off)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hullrecon import native
+from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.problem.state import State
 from hullrecon.adjustment.rounds import Estimate, RoundResult, RoundSolver
 from hullrecon.adjustment.stereo_calibration import DVL_SCALE, widen_ranges
@@ -69,7 +70,7 @@ def widen_exceeded_priors(last: RoundResult, solved: Estimate, solver: RoundSolv
     if not any(prior.may_be_exceeded() for prior in priors.values()):
         return None
     try:
-        covariance = native.covariance(last.problem, native.Options(method="naive"))
+        covariance = native.covariance(last.problem, replace(native_settings(solver.options), method="naive"))
     except StageError:
         return None  # something is not determined at all; the last round says what
     widening = {name: prior.widening(getattr(covariance, name)) for name, prior in priors.items()}

@@ -32,7 +32,9 @@ class AdjustOptions(Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     rounds: Annotated[int, Meta(ge=1, le=10, description="solves between which outliers and sigmas are updated")] = 3
     max_iterations: Annotated[int, Meta(ge=1, le=1000, description="iterations of one solve at most")] = 60
     function_tolerance: Annotated[Positive, Meta(description="ratio, relative change of cost that ends a solve")] = 1e-6
-    anchors: Annotated[int, Meta(ge=1000, description="landmarks at most in the rounds before the last")] = 20000
+    anchors: Annotated[
+        int, Meta(ge=1000, description="landmarks of the rounds before the last: about so many, of each image one at least")
+    ] = 20000
     min_sigma_px: Annotated[Positive, Meta(description="px, lower bound of the estimated pixel sigmas")] = 0.03
     outlier_sigmas: Annotated[Positive, Meta(description="sigmas, observations with larger residuals are left out")] = 5.0
     threads: Annotated[int, Meta(ge=1, le=64, description="threads of the solve; any number gives the same bytes")] = 2

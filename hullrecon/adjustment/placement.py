@@ -16,6 +16,7 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate, registration
 from hullrecon.adjustment.hull_pose.form import Form, compare_form
+from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import selection
 from hullrecon.adjustment.problem.deviation_field import grid_over
@@ -64,6 +65,14 @@ def register_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOpt
     return RegisteredModel(estimate=replace(solved, state=state), registration=found, refusal=refusal)
 
 
+def nothing_on_it(measured: Measurements, options: AdjustOptions) -> str | None:
+    """Return why nothing of the measurements can lie on a CAD model, None where something may."""
+    ranges = 0 if measured.returns is None else int((~measured.returns.flagged).sum())
+    if options.method != "naive" or ranges:
+        return None
+    return "the method naive lays no landmark onto it, and there is no range of a DVL"
+
+
 def reason_against(found: RoundResult, options: AdjustOptions) -> str | None:
     """Return why a solution with the CAD model is not to be believed, None where it may be: it misses the hull, or it explains
     images and navigation worse than the same measurements without the CAD model do."""
@@ -75,7 +84,7 @@ def reason_against(found: RoundResult, options: AdjustOptions) -> str | None:
         return f"only {100 * float(np.mean(label == 1)):.0f} % of the landmarks lie on its surface"
     if not len(found.problem.stereo.node) + len(found.problem.mono.node):
         return None  # without images the path is navigation's own: its residuals are nil, and whatever bends it makes them grow
-    settings = native.Options(method=options.method, sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m)
+    settings = native_settings(options)
     growth = residual_growth(found.problem, settings)
     worse = [name for name, ratio in growth.items() if ratio > MAX_GROWTH[name]]
     if "attitude" in worse and stated_attitude_rms(found, settings) <= 1:

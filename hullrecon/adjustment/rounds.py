@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from hullrecon import native
+from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import hard_em, intrinsics, iteration_history, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection, assemble, state_from_unknowns
@@ -145,14 +146,11 @@ def choose_measurements(measured: Measurements, state: State, max_px: Array, opt
 
 def _solve(problem: native.Problem, options: AdjustOptions, final: bool) -> native.Result:
     solve = hard_em.solve if options.labels == "outer" and options.method == "maxmix" else native.solve
-    settings = native.Options(
-        method=options.method,
-        sigma_on=options.on_hull_sigma_m,
-        sigma_off=options.off_hull_sigma_m,
+    settings = replace(
+        native_settings(options),
         max_iterations=options.max_iterations,
         function_tolerance=options.function_tolerance if final else 10 * options.function_tolerance,
         initial_radius=INITIAL_RADIUS,
-        threads=options.threads,
     )
     return solve(problem, settings)
 

@@ -14,6 +14,7 @@ import msgspec
 import numpy as np
 
 from hullrecon import native
+from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.problem.state import Weights
 from hullrecon.adjustment.rounds import Estimate, RoundResult, RoundSolver
 from hullrecon.errors import StageError
@@ -60,10 +61,10 @@ class FreedRig:
 
 
 def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | None:
-    """Return a solved path with the stereo rig as an unknown, where the dive contradicts a calibration that is held; None where
-    it does not, or without a rig that is held."""
+    """Return a solved path with the stereo rig as an unknown, where the dive contradicts its calibration by more than the
+    package says that may be off; None where it does not, or without a second camera."""
     mount = solved.measured.rig.T_ct_cb
-    if mount is None or mount.sqrt_information is not None or solved.measured.rig.bottom is None:
+    if mount is None or solved.measured.rig.bottom is None:
         return None
     length_m = float(np.linalg.norm(mount.nominal.translation))
     loose = np.r_[np.full(3, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)]
@@ -74,10 +75,10 @@ def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | N
     if found is None or not len(trial.problem.stereo.node):
         return None
     try:
-        covariance = native.covariance(trial.problem, native.Options(method="naive")).T_ct_cb
+        covariance = native.covariance(trial.problem, replace(native_settings(solver.options), method="naive")).T_ct_cb
     except StageError:
         return None  # something is not determined at all; the last round says what
-    contradiction = compare_rigs(mount.nominal, found, covariance)
+    contradiction = compare_rigs(mount.nominal, found, covariance + _prior_covariance(mount))
     if contradiction is None:
         return None
     solver.report(f"the stereo rig is an unknown: {describe_contradiction(contradiction)}")
@@ -86,8 +87,8 @@ def free_contradicted_rig(solved: Estimate, solver: RoundSolver) -> FreedRig | N
 
 
 def compare_rigs(calibrated: Poses, found: Poses, covariance: Array) -> StereoContradiction | None:
-    """Return what of a calibrated T_ct_cb is contradicted by one found, None where nothing. covariance (6, 6): of (translation
-    in the top camera's axes, rotation perturbed on the right)."""
+    """Return what of a calibrated T_ct_cb is contradicted by one found, None where nothing. covariance (6, 6): of how far they
+    may lie apart, (translation in the top camera's axes, rotation perturbed on the right)."""
     shift = (found.translation - calibrated.translation)[0]
     turn = (calibrated.rotation.inv() * found.rotation).as_rotvec()[0]
     axes, length_m = _axes(calibrated)
@@ -170,6 +171,23 @@ def _unknown(mount: Mount, sigma: Array) -> Mount:
     return Mount(mount.nominal, rows / sigma[:, None])
 
 
+def _prior_covariance(mount: Mount) -> Array:
+    """Return how well the package knows a mount (6, 6): (translation in the top camera's axes, rotation perturbed on the
+    right); zeros where it is held."""
+    if mount.sqrt_information is None:
+        return np.zeros((6, 6))
+    to_parent = np.eye(6)
+    to_parent[:3, :3] = mount.nominal.rotation.as_matrix()[0]
+    in_child = np.linalg.inv(mount.sqrt_information.T @ mount.sqrt_information)
+    return np.asarray(to_parent @ in_child @ to_parent.T)
+
+
+def _prior_sigma(mount: Mount) -> Array:
+    """Return the same as sigmas (6,), of the translation along the baseline and twice across it."""
+    covariance, axes = _prior_covariance(mount), _axes(mount.nominal)[0]
+    return np.asarray(np.sqrt(np.r_[np.diag(axes @ covariance[:3, :3] @ axes.T), np.diag(covariance[3:, 3:])]))
+
+
 def _with_rig(estimate: Estimate, rig: Rig) -> Estimate:
     return replace(estimate, measured=replace(estimate.measured, rig=rig))
 
@@ -182,15 +200,15 @@ def _adopt(after: Estimate, calibrated: Rig, found: StereoContradiction) -> Esti
     """
     mount = calibrated.T_ct_cb
     assert mount is not None
-    length_m = float(np.linalg.norm(mount.nominal.translation))
+    length_m, least = float(np.linalg.norm(mount.nominal.translation)), np.maximum(_prior_sigma(mount), HELD)
     if found.by_images:
         length_sigma = max(abs(found.length), found.direction_rad)
         loose = np.r_[length_sigma * length_m, np.full(2, TRIAL_SHARE * length_m), np.full(3, TRIAL_TURN_RAD)]
-        return _with_rig(after, replace(calibrated, T_ct_cb=_unknown(mount, np.maximum(loose, HELD))))
+        return _with_rig(after, replace(calibrated, T_ct_cb=_unknown(mount, np.maximum(loose, least))))
     length_sigma = abs(found.length)
     navigation_sigma = calibrated.navigation_sigma.copy()
     navigation_sigma[DVL_SCALE] = max(navigation_sigma[DVL_SCALE], length_sigma)
-    only_length = _unknown(mount, np.r_[length_sigma * length_m, np.full(5, HELD)])
+    only_length = _unknown(mount, np.maximum(np.r_[length_sigma * length_m, np.zeros(5)], least))
     widened = _with_rig(after, replace(calibrated, T_ct_cb=only_length, navigation_sigma=navigation_sigma))
     return replace(widened, weights=widen_ranges(after, length_sigma))
 

@@ -23,6 +23,7 @@ from adjustment.solved_dives import solved
 
 from hullrecon.adjustment.bundle_adjustment import adjust
 from hullrecon.adjustment.options import AdjustOptions
+from hullrecon.adjustment.results.summary import summarise_adjustment
 
 SCALE, DRIFT, ROLL, PITCH, DEPTH, BACKLASH = range(6)
 # scene and options, then bounds after alignment: RMSE of positions and of turns, median of landmarks
@@ -131,6 +132,13 @@ def test_the_distance_of_the_boxs_face_is_its_height():
     x, _, z = moved(np.linalg.inv(TRUTH), found.landmark_truth[~found.on_hull_truth]).T
     expected = BOX_M[4] + true_deviation(x, z)
     np.testing.assert_allclose(found.outcome.solution.landmarks.deviation[~found.on_hull_truth], expected, atol=0.015)
+
+
+def test_a_model_onto_which_nothing_is_laid_is_left_out():
+    measured = replace(simulate(cad=True).measured, returns=None)
+    found = adjust(measured, AdjustOptions(method="naive"), lambda _: None)
+    assert found.refusal == "the method naive lays no landmark onto it, and there is no range of a DVL"
+    assert summarise_adjustment(measured, found, AdjustOptions(method="naive")).solution.hull_pose is None
 
 
 def test_naive_draws_no_landmark_to_the_hull_and_geva_draws_all():

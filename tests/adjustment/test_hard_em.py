@@ -65,6 +65,22 @@ def test_the_cost_never_rises_from_turn_to_turn(wall) -> None:
     assert all(len(values) == len(record.cost) for values in record.cost_by_factor.values())
 
 
+def test_every_turn_keeps_the_intrinsics_prior_about_the_calibration(wall, monkeypatch) -> None:
+    begun, solve = [], native.solve
+
+    def watched(problem, options):
+        begun.append(problem.unknowns.intrinsics_top[0])
+        done = solve(problem, options)
+        moved = dataclasses.replace(done.unknowns, intrinsics_top=done.unknowns.intrinsics_top + 1.0)
+        return dataclasses.replace(done, unknowns=moved)
+
+    monkeypatch.setattr(native, "solve", watched)
+    found = hard_em.solve(wall[0], OPTIONS)
+    assert len(begun) > 1
+    assert set(begun) == {500.0}
+    assert found.unknowns.intrinsics_top[0] == 501.0
+
+
 def test_seconds_run_on_from_turn_to_turn(wall, monkeypatch) -> None:
     turns, solve = [], native.solve
 

@@ -72,13 +72,18 @@ def test_both_ways_of_fusion_find_the_top_of_the_disc(fusion: str, scenery) -> N
     assert np.median(found.height[top]) == pytest.approx(0.10, abs=0.004)
 
 
-def test_the_mesh_is_coarser_rather_than_too_large(scenery) -> None:
+def test_the_mesh_is_coarser_rather_than_too_large(scenery, found) -> None:
+    """The limit is held as far as areas tell how many vertices an edge needs."""
     few = DetectOptions(max_vertices=2000)
-    found = estimate_hull_as_found(scenery.base, scenery.measured, scenery.background, scenery.views, few)
-    plain = replace(scenery.measured)
-    assert len(found.mesh.vertices) < 0.5 * len(
-        estimate_hull_as_found(scenery.base, plain, scenery.background, scenery.views, DetectOptions()).mesh.vertices
-    )
+    coarse = estimate_hull_as_found(scenery.base, scenery.measured, scenery.background, scenery.views, few)
+    assert len(coarse.mesh.vertices) < 2 * few.max_vertices < 0.5 * len(found.mesh.vertices)
+
+
+def test_where_all_is_high_the_mesh_is_not_refined_beyond_its_limit(scenery) -> None:
+    raised = replace(scenery.measured, offset=scenery.measured.offset + 0.2)
+    few = DetectOptions(max_vertices=2000)
+    coarse = estimate_hull_as_found(scenery.base, raised, scenery.background, scenery.views, few)
+    assert len(coarse.mesh.vertices) < 2 * few.max_vertices
 
 
 def test_the_same_input_gives_the_same_bytes(scenery, found) -> None:

@@ -27,14 +27,21 @@ def solve(problem: native.Problem, options: native.Options, most_turns: int = MO
     `max_iterations` bounds each turn. converged: the last turn did, and no label wants to change.
     """
     held, turns, changes = replace(options, labels_in_solve=False), list[native.Result](), list[int]()
+    start = problem.unknowns
     for _ in range(most_turns):
         turns.append(native.solve(problem, held))
-        problem = problem.started_from(turns[-1].unknowns)
+        problem = problem.started_from(_calibrated(turns[-1].unknowns, start))
         label = likelier_labels(problem, turns[-1].distance, options)
         changes.append(int((label != turns[-1].label).sum()))
         if not changes[-1]:
             break
     return _join_turns(turns, changes, label)
+
+
+def _calibrated(unknowns: native.Unknowns, start: native.Unknowns) -> native.Unknowns:
+    """Return the unknowns with the intrinsics of the start: their prior is about those that a solve starts from, and would
+    follow them from turn to turn."""
+    return replace(unknowns, intrinsics_top=start.intrinsics_top, intrinsics_bottom=start.intrinsics_bottom)
 
 
 def likelier_labels(problem: native.Problem, distance: NDArray[np.float64], options: native.Options) -> NDArray[np.int32]:

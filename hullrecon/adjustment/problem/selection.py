@@ -43,8 +43,8 @@ def select_measurements(m: Measurements, state: State, max_px: Array | float) ->
 
 
 def choose_anchors(m: Measurements, chosen: Selection, most: int) -> Selection:
-    """Return the landmarks seen best, at most `most`, spread evenly over the nodes that first saw them: enough to find poses
-    and sigmas in the rounds before the last, at a fraction of its cost."""
+    """Return the landmarks seen best, about `most` and one at least of each node that first saw some, spread evenly over these:
+    enough to find poses and sigmas in the rounds before the last, at a fraction of its cost."""
     if m.tracks is None or len(chosen.landmarks) <= most:
         return chosen
     rays = np.bincount(m.tracks.landmark, chosen.top.astype(float) + chosen.bottom, minlength=landmark_count(m))

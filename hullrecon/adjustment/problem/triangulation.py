@@ -15,6 +15,8 @@ from hullrecon.records.trajectory import VehiclePath
 from hullrecon.rig import SensorRig
 from hullrecon.typing import Array, Ints
 
+OBSERVATIONS = 1_000_000  # whose rays are laid at a time
+
 
 def camera_poses(nodes: Poses, tray_angle: Array, rig: Rig, T_s_ct: Poses, T_ct_cb: Poses | None) -> tuple[Poses, Poses | None]:
     """Return T_g_ct and T_g_cb at the nodes; None for a camera without a mount."""
@@ -41,14 +43,15 @@ def triangulate(tracks: Tracks, n_landmarks: int, top: Poses, bottom: Poses | No
     for pixels, camera, pose in ((tracks.top, rig.top, top), (tracks.bottom, rig.bottom, bottom)):
         if camera is None or pose is None:
             continue
-        seen = np.isfinite(pixels[:, 0])
-        origin, ray = rays_in_global(pixels[seen], tracks.node[seen], camera, pose)
-        owner = tracks.landmark[seen]
-        across = np.eye(3) - ray[:, :, None] * ray[:, None, :]
-        np.add.at(normal, owner, across)
-        np.add.at(right, owner, np.einsum("nij,nj->ni", across, origin))
-        np.add.at(mean_ray, owner, ray)
-        np.add.at(count, owner, 1.0)
+        seen = np.flatnonzero(np.isfinite(pixels[:, 0]))
+        for some in (seen[k : k + OBSERVATIONS] for k in range(0, len(seen), OBSERVATIONS)):
+            origin, ray = rays_in_global(pixels[some], tracks.node[some], camera, pose)
+            owner = tracks.landmark[some]
+            across = np.eye(3) - ray[:, :, None] * ray[:, None, :]
+            np.add.at(normal, owner, across)
+            np.add.at(right, owner, np.einsum("nij,nj->ni", across, origin))
+            np.add.at(mean_ray, owner, ray)
+            np.add.at(count, owner, 1.0)
     spread = _ray_spread(mean_ray, count)
     good = (count >= 2) & (spread > np.radians(0.3))
     position = np.full((n_landmarks, 3), np.nan)

@@ -11,6 +11,7 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.bundle_adjustment import Adjusted
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
+from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import intrinsics, iteration_history, weighting
 from hullrecon.adjustment.problem.measurements import Measurements
@@ -44,7 +45,7 @@ class Outcome:
 
 def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOptions) -> Outcome:
     """Return all that the step writes. m: as measured, its rig as calibrated."""
-    settings = native.Options(method=options.method, sigma_on=options.on_hull_sigma_m, sigma_off=options.off_hull_sigma_m)
+    settings = native_settings(options)
     marginals = marginal_covariances(m, adjusted, options, settings)
     solution = build_solution(m, adjusted, marginals)
     hull = adjusted.state.hull

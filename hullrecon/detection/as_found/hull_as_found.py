@@ -68,7 +68,9 @@ def estimate_hull_as_found(
     coarse = _regress(mesh.vertices, vertex_normals(mesh), measured, height, options)
     high = np.abs(coarse.value) >= options.min_offset_m
     old = len(mesh.vertices)
-    mesh = refine_near(mesh, mesh.vertices[high], min(edge, options.max_fine_edge_m), 2 * options.max_fine_edge_m)
+    left = max(options.max_vertices - old, 1)
+    fine = min(edge, affordable_edge(mesh.vertices[high], options.max_fine_edge_m, left))
+    mesh = refine_near(mesh, mesh.vertices[high], fine, 2 * options.max_fine_edge_m)
     normal = vertex_normals(mesh)
     heights = coarse.append(_regress(mesh.vertices[old:], normal[old:], measured, height, options))
     hull, hull_sigma = background.at(mesh.vertices)
