@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,7 @@ from hullrecon.geometry.robust import robust_sigma
 from hullrecon.typing import Array, Mask
 
 CELL_SIGMAS = 3.0  # by which a cell of a region must have changed
+RING_M = 0.15  # width of the ring of hull around a structure
 RING_CELLS = 8  # of the hull around a structure count as independent, at most
 TOP_SHARE = 0.8  # of the largest change: what reaches so much is its top
 
@@ -22,7 +24,8 @@ TOP_SHARE = 0.8  # of the largest change: what reaches so much is its top
 class Difference:
     """Cells (a, g). first, second: the reliefs, the second in the first's frame. total m: second minus first; form: its part
     wider than a structure; local: the rest; beyond: of that, what no cell of the first survey within an edge's reach reaches,
-    0 where one does; sigma m of local; both: both surveys looked at the cell well enough. NaN where not both saw it."""
+    0 where one does; sigma m of local; both: both surveys looked at it well enough; bare: no structure of the first survey. NaN
+    where not both saw it."""
 
     first: Relief
     second: Relief
@@ -32,16 +35,19 @@ class Difference:
     beyond: Array
     sigma: Array
     both: Mask
+    bare: Mask
 
 
 def difference(first: Relief, second: Relief, options: ChangeOptions) -> Difference:
     """Return the second survey minus the first, whose cells are the same places."""
-    total = second.height - first.height
-    form = local_median(total, round(options.smooth_m / options.cell_m))
+    total, width = second.height - first.height, round(options.smooth_m / options.cell_m)
+    form = local_median(total, width)
     local = total - form
     seen = well_seen(first, options) & well_seen(second, options) & np.isfinite(local)
     own = np.hypot(first.sigma, second.sigma)
     rough = robust_sigma(local[seen], about=0.0) if seen.any() else np.nan
+    with np.errstate(invalid="ignore"):
+        bare = np.abs(first.height - local_median(first.height, width)) < options.min_change_m
     return Difference(
         first=first,
         second=second,
@@ -51,6 +57,7 @@ def difference(first: Relief, second: Relief, options: ChangeOptions) -> Differe
         beyond=_beyond(second.height - form, first.height, round(options.edge_m / options.cell_m)),
         sigma=np.hypot(own, rough),
         both=seen,
+        bare=bare,
     )
 
 
@@ -97,9 +104,11 @@ def changed_regions(found: Difference, places: int, options: ChangeOptions) -> l
         with np.errstate(invalid="ignore"):
             off = found.both & (side * found.beyond > threshold)
         label, count = ndimage.label(ndimage.binary_closing(off, near), near)
-        for number in range(1, count + 1):
-            cells = (label == number) & found.both
-            if cells.sum() * options.cell_m**2 >= options.min_area_m2:
+        for number, window in enumerate(ndimage.find_objects(label, count), start=1):
+            part = (label[window] == number) & found.both[window]
+            if part.sum() * options.cell_m**2 >= options.min_area_m2:
+                cells = np.zeros(label.shape, bool)
+                cells[window] = part
                 regions.append(measure(found, cells, _most(side * found.local, cells), places, options, off))
     good = [r for r in regions if r.p_value <= options.max_p_value and abs(r.change) >= options.min_change_m]
     return sorted(good, key=lambda region: -abs(region.change))
@@ -151,11 +160,21 @@ def ring_around(cells: Mask, off: Mask, found: Difference, options: ChangeOption
     """Return the cells of hull around a region: beyond what edges blur, seen by both, unchanged, and no structure's."""
     from scipy.ndimage import distance_transform_edt
 
-    distance = np.asarray(distance_transform_edt(~cells)) * options.cell_m
-    flat = np.abs(found.first.height - local_median(found.first.height, round(options.smooth_m / options.cell_m)))
-    with np.errstate(invalid="ignore"):
-        bare = flat < options.min_change_m
-    return (distance > 2 * options.edge_m) & (distance < 2 * options.edge_m + 0.15) & found.both & ~off & bare
+    within_m, reach_m = 2 * options.edge_m, 2 * options.edge_m + RING_M
+    window = _window(cells, math.ceil(reach_m / options.cell_m))
+    distance = np.asarray(distance_transform_edt(~cells[window])) * options.cell_m
+    ring = np.zeros(cells.shape, bool)
+    ring[window] = (distance > within_m) & (distance < reach_m)
+    return ring & found.both & ~off & found.bare
+
+
+def _window(cells: Mask, margin: int) -> tuple[slice, slice]:
+    """Return the part of the lattice that holds those cells and so many around them; all of it without any."""
+    rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        return slice(None), slice(None)
+    along, girth = (slice(max(0, int(k[0]) - margin), int(k[-1]) + margin + 1) for k in (rows, columns))
+    return along, girth
 
 
 def corrected_p_value(value: float, sigma: float, places: int) -> float:

@@ -46,9 +46,17 @@ def fit(kernel: Kernel, at: Array, values: Array, noise: Array) -> Regression:
 
     Raises NotPositiveDefiniteError when the kernel is no covariance on these points, even if noise would hide it.
     """
+    return _condition(kernel, _covariance(kernel, at), at, values, noise)
+
+
+def _covariance(kernel: Kernel, at: Array) -> sparse.csr_array:
     covariance = kernel.matrix(at, at)
     if kernel.form == "radial":
         _require_covariance(kernel, covariance)
+    return covariance
+
+
+def _condition(kernel: Kernel, covariance: sparse.csr_array, at: Array, values: Array, noise: Array) -> Regression:
     solver = factorise(covariance + sparse.diags_array(noise**2).tocsr())
     return Regression(kernel=kernel, at=at, noise=noise, weights=solver.solve(values), factor=solver)
 
@@ -58,10 +66,11 @@ def fit_robust(kernel: Kernel, at: Array, values: Array, noise: Array, threshold
 
     Beyond `threshold` sigmas of the surface an observation loses weight by the square of how much farther it lies.
     """
-    result = fit(kernel, at, values, noise)
+    covariance = _covariance(kernel, at)
+    result = _condition(kernel, covariance, at, values, noise)
     for _ in range(rounds):
-        off = np.abs(values - result.mean(at)) / noise
-        result = fit(kernel, at, values, noise * np.maximum(1.0, off / threshold))
+        off = np.abs(values - covariance @ result.weights) / noise
+        result = _condition(kernel, covariance, at, values, noise * np.maximum(1.0, off / threshold))
     return result
 
 

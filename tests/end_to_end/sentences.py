@@ -11,6 +11,8 @@ import re
 
 import numpy as np
 
+from hullrecon.detection.options import DetectOptions
+
 NUMBER = r"[−+-]?\d[\d,]*(?:\.\d+)?"
 N = f"({NUMBER})"
 WITH_SIGMA = rf"{N} ± {N}"
@@ -431,6 +433,17 @@ def _not_reported(dive, _, height, sigma, address):
     return [] if near > 0.15 else [f"a structure {near:.2f} m from {address} is called none"]
 
 
+def _looked_for(_, __, height_mm, area_cm2, views, p_value):
+    least = DetectOptions()
+    wanted = (1e3 * least.min_height_m, 1e4 * least.min_area_m2, least.min_views, least.max_p_value)
+    said = zip((height_mm, area_cm2, views, p_value), wanted, strict=True)
+    return [complaint for number, true in said for complaint in unlike("looked for", number, true)]
+
+
+def _examined(dive, _, count):
+    return unlike("regions examined", count, len(dive.regions_refused))
+
+
 def _title(dive, _, number, title):
     return unlike(title, number, dive.titles.index(title) + 1)
 
@@ -479,6 +492,12 @@ TABLE = (
     (rf"one sigma of the vehicle: {N} m along, {N} m (?:in girth|across)", _vehicle_place_m),
     (rf"A pixel's position on the hull is known to {N} mm \(one sigma\)", _pixels_place),
     (rf"(\d+) objects? found on the hull \(([^)]*)\); the largest, no\. (\d+), has a height of {WITH_SIGMA} m", _objects),
+    (
+        rf"Looked for: what is at least {N} mm high or deep, {N} cm² large, shown by {N} images?, and bare hull with a probability"
+        rf" below {N}",
+        _looked_for,
+    ),
+    (r"(\d+) regions? examined and not reported", _examined),
     (r"^(\d+) on the hull$", _count_of_objects),
     (r"hull seen, (\d+) objects?", _count_of_objects),
     (r"(\d+) of (\d+) shown", _shown),
