@@ -493,8 +493,8 @@ TABLE = (
     (rf"A pixel's position on the hull is known to {N} mm \(one sigma\)", _pixels_place),
     (rf"(\d+) objects? found on the hull \(([^)]*)\); the largest, no\. (\d+), has a height of {WITH_SIGMA} m", _objects),
     (
-        rf"Looked for: what is at least {N} mm high or deep, {N} cm² large, shown by {N} images?, and bare hull with a probability"
-        rf" below {N}",
+        rf"Looked for: what is at least {N} mm high or deep, {N} cm² large, shown by {N} images?, and bare hull with a"
+        rf" probability below {N}",
         _looked_for,
     ),
     (r"(\d+) regions? examined and not reported", _examined),
