@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,11 +22,13 @@ from hullrecon.surface.lattice import supported_lattice
 from hullrecon.surface.linear import interpolate, scatter_sigma
 from hullrecon.surface.options import SurfaceOptions
 from hullrecon.surface.thinning import Observations, cell_means
+from hullrecon.surface.tiles import MOST, regress
 from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, object]
 MIN_FACING = 0.2  # cosine between the chart's normal and the datum's below which a height places nothing
 STRUCTURE_SIGMAS = 3.0  # off a smooth surface beyond which an observation is of a structure
+WIDE_CELL = 0.05  # of the kernel's lengths: side of a cell where there are more observations than one regression takes
 LIKELIHOOD_POINTS = 400  # observations that the marginal likelihood looks at: a step of the search takes some 10 ms
 
 
@@ -74,19 +76,23 @@ def build_surface(
 def _by_gaussian_process(
     charted: Array, observed: SurfacePoints, wanted: Array, options: SurfaceOptions
 ) -> tuple[Array, Array, Facts]:
-    seen = cell_means(charted[:, :2], charted[:, 2], np.hypot(observed.noise, options.roughness_sigma_m), options.cell_m)
+    noise = np.hypot(observed.noise, options.roughness_sigma_m)
+    seen = cell_means(charted[:, :2], charted[:, 2], noise, options.cell_m)
     kernel, scale = Kernel(options.kernel, (options.length_along_m, options.length_girth_m), options.offset_sigma_m), 1.0
     middle = float(np.median(seen.offset))
     if options.fit:
         few = _on_smooth_hull(kernel, _sample(seen), middle)
         limit = (4 * options.cell_m, 60.0)
         kernel, scale = maximise_likelihood(kernel, few.at, few.offset - middle, few.noise, limit)
-    result = fit_robust(kernel, seen.at, seen.offset - middle, seen.noise * scale)
+    if len(seen.at) > MOST:  # a smooth hull is seen as well by means over a fraction of the kernel's lengths
+        seen = cell_means(charted[:, :2], charted[:, 2], noise, np.maximum(options.cell_m, WIDE_CELL * np.array(kernel.length)))
+    seen = replace(seen, offset=seen.offset - middle, noise=seen.noise * scale)
+    found = regress(kernel, seen, wanted)
     facts: Facts = {
         "method": "gp", "kernel": kernel.form, "lengths_m": [round(x, 4) for x in kernel.length], "sigma_m": kernel.sigma,
-        "noise_scale": scale, "observations": len(seen.at), "mean_offset_m": middle,
+        "noise_scale": scale, "observations": len(seen.at), "mean_offset_m": middle, "tiles": found.tiles,
     }  # fmt: skip
-    return middle + result.mean(wanted), result.sigma(wanted), facts
+    return middle + found.mean, found.sigma, facts
 
 
 def _by_triangles(

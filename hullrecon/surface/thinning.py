@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
-"""Weighted means over square cells of the chart."""
+"""Weighted means over cells of the chart."""
 
 from __future__ import annotations
 
@@ -24,8 +24,9 @@ class Observations:
         return Observations(at=self.at[which], offset=self.offset[which], noise=self.noise[which], count=self.count[which])
 
 
-def cell_means(at: Array, offset: Array, noise: Array, cell_m: float) -> Observations:
-    """Return weighted means over the cells of a grid, in the grid's order; noise (n,) is white, so means have less of it."""
+def cell_means(at: Array, offset: Array, noise: Array, cell_m: float | Array) -> Observations:
+    """Return weighted means over the cells of a grid, in the grid's order; noise (n,) is white, so means have less of it.
+    cell_m: side of a cell, or its two sides along and in girth."""
     corner = np.floor(at / cell_m).astype(np.int64)
     _, cell = np.unique(corner, axis=0, return_inverse=True)
     cell = cell.reshape(-1)

@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 the hullrecon authors
+# SPDX-License-Identifier: Apache-2.0
+"""Regression in tiles against the one regression that it stands for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hullrecon.surface import tiles
+from hullrecon.surface.gaussian import fit_robust
+from hullrecon.surface.kernels import Kernel
+from hullrecon.surface.thinning import Observations
+
+KERNEL = Kernel("product", (6.0, 2.0), 0.03)
+NOISE_M = 0.006
+
+
+@pytest.fixture(scope="module")
+def seen() -> Observations:
+    """Six legs of 30 m, three beams each, over a field drawn from the kernel."""
+    rng = np.random.default_rng(3)
+    at = np.array([(x, 0.6 * leg + beam) for leg in range(6) for beam in (-0.3, 0.0, 0.3) for x in np.arange(0, 30, 0.5)])
+    at += rng.normal(0, 0.03, at.shape)
+    field = np.linalg.cholesky(KERNEL.matrix(at, at).toarray() + 1e-10 * np.eye(len(at))) @ rng.normal(size=len(at))
+    offset = field + NOISE_M * rng.normal(size=len(at))
+    return Observations(at=at, offset=offset, noise=np.full(len(at), NOISE_M), count=np.ones(len(at), np.int64))
+
+
+@pytest.fixture(scope="module")
+def wanted() -> np.ndarray:
+    return np.array([(x, y) for x in np.arange(0, 30, 0.3) for y in np.arange(0, 3, 0.2)])
+
+
+def test_few_observations_are_one_regression(seen: Observations, wanted: np.ndarray) -> None:
+    found, exact = tiles.regress(KERNEL, seen, wanted), fit_robust(KERNEL, seen.at, seen.offset, seen.noise)
+    assert found.tiles == 1
+    np.testing.assert_array_equal(found.mean, exact.mean(wanted))
+    np.testing.assert_array_equal(found.sigma, exact.sigma(wanted))
+
+
+def test_tiles_give_what_one_regression_gives_within_a_fraction_of_its_sigma(seen: Observations, wanted: np.ndarray) -> None:
+    exact = fit_robust(KERNEL, seen.at, seen.offset, seen.noise)
+    found = tiles.regress(KERNEL, seen, wanted, most=350)
+    assert found.tiles >= 8
+    off = np.abs(found.mean - exact.mean(wanted)) / exact.sigma(wanted)
+    assert np.percentile(off, 95) < 0.4
+    assert off.max() < 1.2
+    assert np.abs(found.sigma / exact.sigma(wanted) - 1).max() < 0.08
+
+
+def test_where_tiles_meet_there_is_no_step(seen: Observations) -> None:
+    line = np.column_stack([np.arange(0.5, 29.5, 0.01), np.full(2900, 1.5)])
+    found = tiles.regress(KERNEL, seen, line, most=350)
+    one = fit_robust(KERNEL, seen.at, seen.offset, seen.noise).mean(line)
+    assert np.abs(np.diff(found.mean)).max() < 1.5 * np.abs(np.diff(one)).max()
+
+
+def test_no_tile_takes_more_than_it_may(seen: Observations, wanted: np.ndarray, monkeypatch: pytest.MonkeyPatch) -> None:
+    taken = []
+
+    def counted(kernel, at, values, noise):
+        taken.append(len(at))
+        return fit_robust(kernel, at, values, noise)
+
+    monkeypatch.setattr(tiles, "fit_robust", counted)
+    tiles.regress(KERNEL, seen, wanted, most=350)
+    assert len(taken) >= 8
+    assert max(taken) <= 350
+
+
+def test_far_from_all_observations_a_tile_says_what_the_kernel_says(seen: Observations) -> None:
+    far = np.array([[500.0, 1.0], [1000.0, 1.0]])
+    found = tiles.regress(KERNEL, seen, far, most=350)
+    np.testing.assert_array_equal(found.mean, 0.0)
+    np.testing.assert_allclose(found.sigma, KERNEL.sigma)
