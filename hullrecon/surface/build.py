@@ -16,13 +16,13 @@ from hullrecon.geometry.meshes.refinement import refine
 from hullrecon.geometry.neighbours import count_within, nearest
 from hullrecon.geometry.robust import robust_sigma
 from hullrecon.records.surface import Surface
-from hullrecon.surface.gaussian import fit_robust, maximise_likelihood
-from hullrecon.surface.kernels import Kernel
 from hullrecon.surface.lattice import supported_lattice
-from hullrecon.surface.linear import interpolate, scatter_sigma
 from hullrecon.surface.options import SurfaceOptions
-from hullrecon.surface.thinning import Observations, cell_means
-from hullrecon.surface.tiles import MOST, regress
+from hullrecon.surface.regression.gaussian import fit_robust, maximise_likelihood
+from hullrecon.surface.regression.kernels import Kernel
+from hullrecon.surface.regression.linear import interpolate, scatter_sigma
+from hullrecon.surface.regression.thinning import Observations, cell_means
+from hullrecon.surface.regression.tiles import MOST, regress
 from hullrecon.typing import Array, Ints, Mask
 
 Facts = dict[str, object]

@@ -38,7 +38,7 @@ def toy(name: str, inputs: list[str], optional: list[str], needs_camera: bool) -
         if name == "report":
             context.out.text("deliver/report.txt", "done")
 
-    def no_camera(settings: Any) -> str | None:
+    def no_camera(settings: Any, package: Path) -> str | None:
         return "there is no camera" if settings["camera.top"] is None else None
 
     def files(settings: Any, source: Path) -> list[Path]:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from hullrecon.surface import factor as module
-from hullrecon.surface.factor import NotPositiveDefiniteError, factorise
+from hullrecon.surface.regression import factor as module
+from hullrecon.surface.regression.factor import NotPositiveDefiniteError, factorise
 
 
 def _banded(n: int) -> sparse.csr_array:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.surface.factor import NotPositiveDefiniteError
-from hullrecon.surface.gaussian import fit, fit_robust, maximise_likelihood
-from hullrecon.surface.kernels import Kernel
+from hullrecon.surface.regression.factor import NotPositiveDefiniteError
+from hullrecon.surface.regression.gaussian import fit, fit_robust, maximise_likelihood
+from hullrecon.surface.regression.kernels import Kernel
 
 KERNEL = Kernel("product", (2.0, 1.0), 0.1)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hullrecon.surface.kernels import Form, Kernel, compact, wendland
+from hullrecon.surface.regression.kernels import Form, Kernel, compact, wendland
 
 FORMS: tuple[Form, ...] = ("product", "radial", "wendland")
 

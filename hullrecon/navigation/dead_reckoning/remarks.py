@@ -20,8 +20,7 @@ from hullrecon.typing import Array, Ints
 def remarks_of(
     pings_ns: Ints, path: Reckoning, nodes: Nodes, depth: Depth | None, returns: Returns
 ) -> tuple[list[str], dict[str, object]]:
-    """Return sentences, and the numbers behind them for navigation.json, whose times are seconds since the first velocity, that
-    of start_ns."""
+    """Return sentences, and the numbers behind them for navigation.json: times there are seconds since start_ns."""
 
     def since(t_ns: Ints) -> list[float]:
         """Return seconds since the first velocity."""

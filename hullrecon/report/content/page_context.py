@@ -66,7 +66,6 @@ def page_context(
         "number": {name: k for k, (name, _) in enumerate(sections, start=1)},
         "frame_words": frame_in_words(survey),
         "on_ship": survey.is_in_hull_frame,
-        "by_images": survey.surfaces.found_by_images,
         "origin_words": origin_in_words(survey),
         "deviation_rows": deviation_rows(figures),
         "offset_words": figures.offset_words if figures is not None else "",
@@ -125,6 +124,7 @@ def _coverage_context(survey: Survey) -> PageContext:
     """Return the template's variables of what was seen of the hull."""
     coverage = survey.findings.coverage
     return {
+        "by_images": survey.surfaces.found_by_images,
         "coverage": coverage_rows(coverage, seen_words(survey)),
         "regions": region_rows(coverage),
         "min_hole": f"{coverage.min_hole_m2:g} m²" if coverage is not None else "",

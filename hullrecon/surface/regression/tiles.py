@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hullrecon.surface.gaussian import fit_robust
-from hullrecon.surface.kernels import Kernel
-from hullrecon.surface.thinning import Observations
+from hullrecon.surface.regression.gaussian import fit_robust
+from hullrecon.surface.regression.kernels import Kernel
+from hullrecon.surface.regression.thinning import Observations
 from hullrecon.typing import Array, Ints
 
 MOST = 6000  # observations of a tile, those around it among them: the regression is cubic in them

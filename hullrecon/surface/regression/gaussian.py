@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from hullrecon.surface.factor import Factor, NotPositiveDefiniteError, factorise
-from hullrecon.surface.kernels import Kernel
+from hullrecon.surface.regression.factor import Factor, NotPositiveDefiniteError, factorise
+from hullrecon.surface.regression.kernels import Kernel
 from hullrecon.typing import Array
 
 CHUNK = 2000  # columns of a variance solved at once: bounds memory at n x 2000
