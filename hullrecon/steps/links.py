@@ -15,7 +15,7 @@ from hullrecon.estimation.rig_priors import RIG_SECTIONS, rig_priors_from_settin
 from hullrecon.navigation.planes.planar_graph import PlanarSolution, planar_graph
 from hullrecon.navigation.pose_graph.graph import GraphSolution, PoseGraph
 from hullrecon.navigation.pose_graph.ties import describe_parts
-from hullrecon.records.links import CameraLinks, no_links
+from hullrecon.records.links import no_links
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.rig import RIG_KEYS, rig_from_settings
 from hullrecon.steps.artifacts import InputArtifacts
@@ -32,10 +32,7 @@ def run(context: Context[LinkOptions]) -> None:
     graph = pose_graph(inputs, inputs.mounted(context.settings), context.parameters.kernel)
     returns = inputs.navigate.returns if context.parameters.planes else None
     planar = None if returns is None else planar_graph(graph, returns, inputs.ingest.hull)
-
-    def solve(links: CameraLinks, before: GraphSolution | None) -> GraphSolution:
-        return (planar or graph).solve(links, before)
-
+    solve: PathSolver[GraphSolution] = (planar or graph).solve
     facts: dict[str, object] = {}
     if "features" in context.inputs:
         facts, solved = _link_images(context, solve)

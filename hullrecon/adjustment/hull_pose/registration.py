@@ -104,11 +104,10 @@ def _with_wider_guess(
     believed in the others."""
     step = prior_step(found.global_from_hull, cad_model, found.center)
     off = float(np.abs(step / cad_model.guess_sigma).max())
+    if off <= GUESS_SIGMAS and found.cad_model is cad_model:
+        return found
     if off <= GUESS_SIGMAS:
-        same_guess = found.cad_model is cad_model
-        return (
-            found if same_guess else fit_correlated(points, found.global_from_hull, cad_model, found.center, index, sigma_range)
-        )
+        return fit_correlated(points, found.global_from_hull, cad_model, found.center, index, sigma_range)
     wider = replace(cad_model, guess_sigma=cad_model.guess_sigma * off, contradicted=True)
     again = fit_correlated(points, found.global_from_hull, wider, found.center, index, sigma_range)
     return replace(again, sigmas_off=off)

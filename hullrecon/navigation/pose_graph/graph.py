@@ -210,7 +210,7 @@ class GraphErrors:
 
     @cached_property
     def _cameras(self) -> tuple[Array, Array]:
-        """Rotation (n, 3, 3) and position (n, 3) of the leading camera in g."""
+        """Return rotation (n, 3, 3) and position (n, 3) of the leading camera in g."""
         vehicle, tray, mount = self._chain
         lever = self.problem.lever_arms.tray + np.einsum("nij,nj->ni", tray, mount[:, :3, 3])
         position = self.problem.unknowns.pose[:, :3] + np.einsum("nij,nj->ni", vehicle, lever)
@@ -218,7 +218,7 @@ class GraphErrors:
 
     @cached_property
     def _chain(self) -> tuple[Array, Array, Array]:
-        """R_g_v (n, 3, 3), R_v_s (n, 3, 3) and T_s_c of the leading camera (n, 4, 4)."""
+        """Return R_g_v (n, 3, 3), R_v_s (n, 3, 3) and T_s_c of the leading camera (n, 4, 4)."""
         pose = self.problem.unknowns.pose
         vehicle = Poses(pose[:, 3:7], pose[:, :3]).rotation.as_matrix()
         cos, sin, zero, one = np.cos(pose[:, 7]), np.sin(pose[:, 7]), np.zeros(len(pose)), np.ones(len(pose))
