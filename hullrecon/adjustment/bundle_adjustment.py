@@ -17,6 +17,7 @@ from hullrecon import native
 from hullrecon.adjustment.exceeded_priors import widen_exceeded_priors
 from hullrecon.adjustment.hull_pose import estimate, registration
 from hullrecon.adjustment.hull_pose.form import Form
+from hullrecon.adjustment.hull_pose.stretches import Stretches
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.placement import (
     LaidModel,
@@ -26,6 +27,7 @@ from hullrecon.adjustment.placement import (
     nothing_on_it,
     reason_against,
     register_cad_model,
+    stretches_of_path,
 )
 from hullrecon.adjustment.problem import iteration_history, pruning, selection, weighting
 from hullrecon.adjustment.problem.assembly import Selection
@@ -43,8 +45,8 @@ log = logging.getLogger(__name__)
 class Adjusted:
     """The adjusted dive. start: the first round's problem as it began; problem and result: of the last round, at its solution;
     rig: with the intrinsics found; evidence: what the hull pose was fitted to, form: whether that has the CAD model's form
-    (None where no round held it); refusal: why the CAD model was left out, None where it was not (or there is none); stereo and
-    length_conflict: as of FirstPath."""
+    (None where no round held it); stretches: into which outages cut the path, each laid onto the CAD model for itself; refusal:
+    why the CAD model was left out, None where it was not (or there is none); stereo and length_conflict: as of FirstPath."""
 
     state: State
     weights: Weights
@@ -58,6 +60,7 @@ class Adjusted:
     evidence: estimate.HullPoseEvidence | None
     form: Form | None
     refusal: str | None
+    stretches: Stretches | None = None
     stereo: StereoContradiction | None = None
     length_conflict: float | None = None
 
@@ -135,7 +138,8 @@ def find_path(measured: Measurements, options: AdjustOptions, report: Report) ->
 
 def check_cad_model(path: FirstPath, cad_model: CadModel, options: AdjustOptions, report: Report) -> CheckedModel:
     """Return the CAD model laid under that path, and whether what follows from it may be believed."""
-    registered = register_cad_model(path.straight, cad_model, options, report)
+    stretches = stretches_of_path(path.rounds[-1], options) if path.rounds else None
+    registered = register_cad_model(path.straight, cad_model, options, report, stretches)
     refusal = registered.refusal or nothing_on_it(path.straight.measured, options)
     rounds = [] if refusal else path.solver.coarse_rounds(registered.estimate, min(1, options.rounds - 1))
     refusal = refusal or (reason_against(rounds[-1], options) if rounds else None)
@@ -150,7 +154,14 @@ def adjust_with_cad_model(path: FirstPath, checked: CheckedModel) -> Adjusted:
     laid = checked.laid or LaidModel(ready=checked.registered.estimate)
     last = path.solver.solve_round(laid.ready, final=True, hold_hull_pose=laid.evidence is not None)
     adjusted = _drop_lost_landmarks([*path.rounds, *checked.rounds, last])
-    return replace(adjusted, registration=checked.registered.registration, evidence=laid.evidence, form=laid.form)
+    registered = checked.registered
+    return replace(
+        adjusted,
+        registration=registered.registration,
+        stretches=registered.stretches,
+        evidence=laid.evidence,
+        form=laid.form,
+    )
 
 
 def adjust_without_cad_model(path: FirstPath, refused: tuple[RoundResult, ...] = ()) -> Adjusted:

@@ -16,6 +16,7 @@ import numpy as np
 from hullrecon import native
 from hullrecon.adjustment.hull_pose import estimate, registration
 from hullrecon.adjustment.hull_pose.form import Form, compare_form
+from hullrecon.adjustment.hull_pose.stretches import Stretches, find_stretches, lay_stretches
 from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import selection
@@ -24,6 +25,7 @@ from hullrecon.adjustment.problem.measurements import CadModel, Measurements, be
 from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.rounds import Estimate, Report, RoundResult
 from hullrecon.errors import StageError
+from hullrecon.records.trajectory import Returns
 from hullrecon.typing import Array
 
 MIN_POINTS = 30
@@ -40,29 +42,69 @@ FREED_QUANTILE = 0.999  # of the chi-square that unknowns give back which the CA
 
 @dataclass(frozen=True, kw_only=True)
 class RegisteredModel:
-    """The estimate with the CAD model laid onto it; refusal: why it may not be believed, None where it may."""
+    """The estimate with the CAD model laid onto it; stretches: into which an outage cuts the path, each then laid onto the CAD
+    model for itself (None where it holds together); refusal: why it may not be believed, None where it may."""
 
     estimate: Estimate
     registration: registration.Registration
+    stretches: Stretches | None
     refusal: str | None
 
 
-def register_cad_model(solved: Estimate, cad_model: CadModel, options: AdjustOptions, report: Report) -> RegisteredModel:
+def register_cad_model(
+    solved: Estimate, cad_model: CadModel, options: AdjustOptions, report: Report, stretches: Stretches | None = None
+) -> RegisteredModel:
     """Return the CAD model registered to a solved path. Raises StageError where there is nothing to register."""
-    measured = solved.measured
-    points = _points_to_register(measured, solved.state)
-    found = registration.register(points, cad_model, measured.rig.sigma_range)
+    measured, state = solved.measured, solved.state
+    if stretches is None:
+        points = _points_to_register(measured, state)
+        found = registration.register(points, cad_model, measured.rig.sigma_range)
+    else:
+        found, state = _register_stretches(solved, cad_model, stretches)
+        points = _points_to_register(measured, state)
     report(f"registered {len(points)} points to the CAD model, {100 * found.fitness:.0f} % within three sigma")
-    state = replace(solved.state, hull=_hull_state(found, points, options))
+    hull = _hull_state(found, points, options)
+    if stretches is not None:
+        hull = replace(hull, placed_by=stretches.of_node == stretches.reference)
     refusal = None
     if found.fitness < registration.GOOD_FITNESS:
+        laid = (
+            "it is laid"
+            if stretches is None
+            else f"it and the {len(stretches)} stretches that outages leave of the path are laid"
+        )
         refusal = (
-            f"only {100 * found.fitness:.0f} % of the surveyed points lie within three sigma of it, wherever it is laid: it is "
+            f"only {100 * found.fitness:.0f} % of the surveyed points lie within three sigma of it, wherever {laid}: it is "
             "another ship's, in other units, or far from where hull.pose says"
         )
     elif found.sigmas_off > MAX_SIGMAS_OFF:
         refusal = f"it fits only {found.sigmas_off:.0f} times farther from hull.pose than hull.pose_sigma says"
-    return RegisteredModel(estimate=replace(solved, state=state), registration=found, refusal=refusal)
+    return RegisteredModel(
+        estimate=replace(solved, state=replace(state, hull=hull)), registration=found, stretches=stretches, refusal=refusal
+    )
+
+
+def stretches_of_path(solved: RoundResult, options: AdjustOptions) -> Stretches | None:
+    """Return the stretches into which outages cut a path that was solved without the CAD model; None where it holds together,
+    or carries no ranges."""
+    measured = solved.after.measured
+    if measured.returns is None or options.as_published:
+        return None
+    node = measured.returns.node[~measured.returns.flagged]
+    return find_stretches(solved.problem, native_settings(options), measured.odometry, node)
+
+
+def _register_stretches(solved: Estimate, cad_model: CadModel, stretches: Stretches) -> tuple[registration.Registration, State]:
+    """Return the CAD model registered to the longest stretch, with the share of all points that then lie on it, and the state
+    whose path has the other stretches laid onto it."""
+    measured, state = solved.measured, solved.state
+    assert measured.returns is not None
+    sigma_range, node = measured.rig.sigma_range, measured.returns.node[~measured.returns.flagged]
+    points = _returns_in_global(measured.returns, measured, state)
+    laid = lay_stretches(stretches, state.nodes, points, node, cad_model, sigma_range)
+    found, state = laid.registration, replace(state, nodes=laid.nodes)
+    fitness = registration.share_within(_returns_in_global(measured.returns, measured, state), found, sigma_range)
+    return replace(found, fitness=fitness), state
 
 
 def nothing_on_it(measured: Measurements, options: AdjustOptions) -> str | None:
@@ -170,8 +212,7 @@ def _hull_state(found: registration.Registration, points: Array, options: Adjust
 def _points_to_register(measured: Measurements, state: State) -> Array:
     """Return what is laid onto the CAD model, in g: DVL returns, or stereo landmarks where no ranges were carried."""
     if measured.returns is not None and (~measured.returns.flagged).sum() >= MIN_POINTS:
-        points, _ = beam_ends(measured.returns, state.nodes, state.tray, measured.rig.tray_origin, state.T_s_d)
-        return points[~measured.returns.flagged]
+        return _returns_in_global(measured.returns, measured, state)
     landmarks = selection.triangulate_landmarks(measured, state)
     landmarks = landmarks[np.isfinite(landmarks[:, 0])]
     if len(landmarks) < MIN_POINTS:
@@ -180,6 +221,12 @@ def _points_to_register(measured: Measurements, state: State) -> Array:
             remedy="check topics.dvl and the cameras, or remove [hull] to run without a CAD model",
         )
     return landmarks
+
+
+def _returns_in_global(returns: Returns, measured: Measurements, state: State) -> Array:
+    """Return the DVL's returns that are not flagged, in g."""
+    points, _ = beam_ends(returns, state.nodes, state.tray, measured.rig.tray_origin, state.T_s_d)
+    return points[~returns.flagged]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -136,6 +136,14 @@ class Odometry:
     def __len__(self) -> int:
         return len(self.first)
 
+    def sigma_between(self, first: Ints, second: Ints) -> Array:
+        """Return how well the motions tell the way (m,) m from a node to a later one, of the axis that they tell worst."""
+        nodes = 1 + max(int(rows.max(initial=0)) for rows in (self.second, first, second))
+        walked_m2 = np.zeros(nodes)
+        np.add.at(walked_m2, self.second, self.covariance[:, [0, 1, 2], [0, 1, 2]].max(axis=1))
+        walked_m2 = np.cumsum(walked_m2)
+        return np.asarray(np.sqrt(walked_m2[second] - walked_m2[first]))
+
     def without(self, rows: Mask) -> Odometry:
         """Return the motions but for some (m,)."""
         return Odometry(**{field.name: getattr(self, field.name)[~rows] for field in fields(self)})

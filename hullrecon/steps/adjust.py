@@ -136,6 +136,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=23,
+    version=24,
     run=run,
 )

@@ -43,15 +43,19 @@ class HullPoseEvidence:
 
 def collect_hull_points(m: Measurements, state: State, chosen: Selection, label: Ints32) -> Array:
     """Return points (n, 3) in g that lie on the hull: landmarks labelled so, and DVL returns; thinned to some hundreds.
+    Those of nodes that say where the CAD model lies.
 
     Raises ValueError without a CAD model in the state."""
     if state.hull is None:
         raise ValueError("points on the hull are known by a CAD model")
-    landmarks = state.landmark[chosen.landmarks][label == 1] if len(chosen.landmarks) == len(label) else np.zeros((0, 3))
-    parts = [landmarks]
+    on_hull = chosen.landmarks[label == 1] if len(chosen.landmarks) == len(label) else chosen.landmarks[:0]
+    placed_by = state.hull.placed_by
+    if placed_by is not None and m.tracks is not None:
+        on_hull = on_hull[np.isin(on_hull, m.tracks.landmark[placed_by[m.tracks.node]])]
+    parts = [state.landmark[on_hull]]
     if m.returns is not None:
         ends, _ = beam_ends(m.returns, state.nodes, state.tray, m.rig.tray_origin, state.T_s_d)
-        parts.append(ends[chosen.returns])
+        parts.append(ends[chosen.returns if placed_by is None else chosen.returns & placed_by[m.returns.node]])
     return thin_over_surface(np.vstack(parts), state.hull.global_from_hull, state.hull.cad_model)
 
 

@@ -191,6 +191,17 @@ def _gicp(points: Array, target: Array, start: Poses) -> Poses:
     return poses.from_matrix(np.round(result.transformation, 6)).inverse()
 
 
+def share_within(points: Array, found: Registration, sigma_range: float) -> float:
+    """Return the share of points (n, 3) in g that lie within three sigma of a CAD model as it is registered."""
+    index = MeshIndex(found.cad_model.mesh.vertices, found.cad_model.mesh.faces)
+    distance = index.closest(found.global_from_hull.inverse().apply(points)).distance
+    return _share_within(distance, found.cad_model, sigma_range)
+
+
+def _share_within(distance: Array, cad_model: CadModel, sigma_range: float) -> float:
+    return float(np.mean(np.abs(distance) < 3 * np.hypot(sigma_range, cad_model.deviation_sigma)))
+
+
 def prior_step(global_from_hull: Poses, cad_model: CadModel, center: Array) -> Array:
     """Return the error (6,) against the guess in M's axes about the centre: what `guess_sigma` whitens."""
     return np.asarray(((cad_model.guess @ frame_at(center)).inverse() @ global_from_hull @ frame_at(center)).log()[0])
@@ -219,7 +230,6 @@ def fit_correlated(
     )
     found = minimise_over_pose(start, cost.linearise, cost.update, max_iterations=iterations, min_relative_decrease=1e-6)
     distance, _ = signed_distances(points, found.pose, center, index)
-    within = float(np.mean(np.abs(distance) < 3 * np.hypot(sigma_range, cad_model.deviation_sigma)))
     return Registration(
         cad_model=cad_model,
         sigmas_off=1.0,
@@ -227,7 +237,7 @@ def fit_correlated(
         covariance=np.asarray(np.linalg.inv(found.at_minimum.information)),
         center=center,
         residual=distance,
-        fitness=within,
+        fitness=_share_within(distance, cad_model, sigma_range),
     )
 
 

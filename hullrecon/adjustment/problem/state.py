@@ -12,19 +12,21 @@ from hullrecon.adjustment.problem.deviation_field import DeviationGrid
 from hullrecon.adjustment.problem.measurements import CadModel
 from hullrecon.geometry.poses import Poses
 from hullrecon.native import MeshIndex
-from hullrecon.typing import Array
+from hullrecon.typing import Array, Mask
 
 
 @dataclass(frozen=True, kw_only=True)
 class HullState:
     """The hull as it is estimated: global_from_hull T_g_M (a batch of one), survey_center (3,) in M, and the field (size,) m
-    of its deviation from the CAD model on `grid` (None: no field)."""
+    of its deviation from the CAD model on `grid` (None: no field). placed_by (n,): the nodes whose points say where the CAD
+    model lies (None: all); what others see was itself laid onto it."""
 
     cad_model: CadModel
     global_from_hull: Poses
     survey_center: Array
     grid: DeviationGrid | None
     field: Array
+    placed_by: Mask | None = None
 
     def to_hull(self, points: Array) -> Array:
         """Return points (n, 3) of g in M."""

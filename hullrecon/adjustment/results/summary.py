@@ -180,12 +180,25 @@ def _placement_warnings(adjusted: Adjusted) -> list[str]:
             "frame g: positions are relative to where the dive began. Check [hull] mesh, units and pose in dive.toml."
         ]
     found = adjusted.registration
+    told = [*_form_warnings(adjusted), *_stretch_warnings(adjusted)]
     if found is None or found.sigmas_off <= 1:
-        return _form_warnings(adjusted)
+        return told
     return [
-        *_form_warnings(adjusted),
+        *told,
         f"The hull lies {found.sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma says; the sigmas of that pose "
         "were widened as much. Where the hull's form does not tell, positions are no better than that.",
+    ]
+
+
+def _stretch_warnings(adjusted: Adjusted) -> list[str]:
+    """Return what the CAD model alone ties together."""
+    stretches = adjusted.stretches
+    if stretches is None:
+        return []
+    return [
+        f"Outages cut the path into {len(stretches)} stretches, known to {stretches.loosest_m:.2f} m relative to each other "
+        "(one sigma, the worst axis) before each was laid onto the CAD model for itself. Where the hull's form does not tell, "
+        "what one shows lies no better to what another shows than that."
     ]
 
 

@@ -32,7 +32,7 @@ def path_along_links(trajectory: Trajectory, odometry: Odometry, links: CameraLi
     first, second = ends[0][0], ends[1][0]
     step = (reckoned[second] @ from_second).inverse() @ (reckoned[first] @ from_first)
     length = np.linalg.norm(step.translation, axis=1)
-    badly = _sigma_between(odometry, len(reckoned), first, second) > np.maximum(UNKNOWN_SHARE * length, UNKNOWN_M)
+    badly = odometry.sigma_between(first, second) > np.maximum(UNKNOWN_SHARE * length, UNKNOWN_M)
     if not badly.any():
         return reckoned
     direction = links.translation[bearings] / np.linalg.norm(links.translation[bearings], axis=1, keepdims=True)
@@ -42,14 +42,6 @@ def path_along_links(trajectory: Trajectory, odometry: Odometry, links: CameraLi
     for row in np.flatnonzero(badly)[np.argsort(first[badly], kind="stable")]:
         nearest[int(second[row])] = int(first[row]), moved[row]
     return from_matrix(_compose(reckoned, nearest))
-
-
-def _sigma_between(odometry: Odometry, nodes: int, first: Ints, second: Ints) -> Array:
-    """Return how well odometry knows the way (m,) m from one node to a later one, the axis that it knows worst."""
-    walked_m2 = np.zeros(nodes)
-    np.add.at(walked_m2, odometry.second, odometry.covariance[:, [0, 1, 2], [0, 1, 2]].max(axis=1))
-    walked_m2 = np.cumsum(walked_m2)
-    return np.sqrt(walked_m2[second] - walked_m2[first])
 
 
 def _compose(reckoned: Poses, along: dict[int, tuple[int, Array]]) -> Array:
