@@ -87,11 +87,16 @@ def velocity_table(odometry: Odometry, t_ns: Ints) -> native.VelocityTable:
     )
 
 
-def gauge_prior(nodes: Poses, levelled: bool) -> native.PosePriors:
+def gauge_prior(nodes: Poses, attitude: Attitude) -> native.PosePriors:
     """Return the prior that fixes g: x, y and heading are those of the first pose; depth, roll and pitch are left to their
-    sensors where there are any (levelled)."""
+    sensors where there are any.
+
+    A depth that nothing measured is part of the gauge: held loosely beside links of a tenth of a millimetre, it is undetermined
+    as far as double precision can tell."""
     tight_m, tight_rad = 1e-4, 1e-5
-    free = (10.0, 1.0, 1.0) if levelled else (tight_m, tight_rad, tight_rad)  # m, rad, rad
+    free_m = 10.0 if attitude.has_depth.any() else tight_m
+    free_rad = 1.0 if len(attitude.node) else tight_rad
+    free = (free_m, free_rad, free_rad)
     sigma_in_global = np.array([tight_m, tight_m, *free, tight_rad])
     to_global = nodes.rotation.as_matrix()[0]
     rows = np.asarray(np.kron(np.eye(2), to_global) / sigma_in_global[:, None])

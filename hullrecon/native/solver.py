@@ -181,10 +181,11 @@ def covariance(problem: Problem, options: Options = DEFAULTS) -> Covariance:
 def pair_covariance(problem: Problem, pairs: Ints32, options: Options = DEFAULTS) -> PairCovariance:
     """Return the joint covariance of any pairs (m, 2) of poses, from the information at the start as `covariance` has it.
 
-    Pairs need no factor between them and may be many: each pose that is named costs one sparse solve along its path in the
-    elimination tree, each pair one product. A candidate link's innovation: add it to the problem's links without a kernel,
-    take its rows J and r from `evaluate`; then r' (J S J' + 1)^-1 r is chi-square with as many degrees of freedom as rows, S
-    being the joint covariance here of the problem without it. Raises as `covariance`; InputError naming "pairs".
+    Pairs need no factor between them and may be many: each pose to which pairs are given, that end which more pairs have, costs
+    one sparse solve along its path in the elimination tree, each pair one product. A candidate link's innovation: add it to the
+    problem's links without a kernel, take its rows J and r from `evaluate`; then r' (J S J' + 1)^-1 r is chi-square with as
+    many degrees of freedom as rows, S being the joint covariance here of the problem without it. Raises as `covariance`;
+    InputError naming "pairs".
     """
     import hullrecon._native as _native
 

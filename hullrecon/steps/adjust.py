@@ -16,7 +16,6 @@ from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem.intrinsics import camera_fields
 from hullrecon.adjustment.problem.measurements import CadModel, Measurements
 from hullrecon.adjustment.problem.triangulation import camera_poses
-from hullrecon.adjustment.problem.weighting import UNKNOWN_DEPTH_M
 from hullrecon.adjustment.results.colmap_export import SparseModel, write_model
 from hullrecon.adjustment.results.summary import summarise_adjustment
 from hullrecon.artifacts.execution.memory_limit import refuse_small_address_space
@@ -55,7 +54,7 @@ def run(context: Context[AdjustOptions]) -> None:
 
 def guess_without_depth(cad_model: CadModel | None, attitude: Attitude) -> list[str]:
     """Return what `hull.pose` means where no depth was measured: a sentence, or none."""
-    if cad_model is None or (attitude.sigma[:, 0] <= UNKNOWN_DEPTH_M).any():
+    if cad_model is None or attitude.has_depth.any():
         return []
     return [
         "No depth was measured, so z of hull.pose counts from the depth of the first pose. If it was given from the water "

@@ -8,11 +8,13 @@
 #include "common/parallel.h"
 #include "solve/scaled_information.h"
 #include "sparse/inverse_columns.h"
+#include "sparse/selected_inversion.h"
 
 namespace hullrecon {
 namespace {
 
-constexpr int kTogether = 8;  // poses whose columns are solved for side by side: neighbours in the tree share the way up
+constexpr int kColumnsCost = 16;  // poses per column: from so many on, the inverse on the factor's pattern costs less
+constexpr int kTogether = 8;      // poses whose columns are solved for side by side: neighbours in the tree share the way up
 
 using Pairs = std::vector<std::array<int32_t, 2>>;
 
@@ -35,24 +37,56 @@ struct Scalars {
   }
 };
 
-// Each pair is given to that end which more pairs have; every pose that is named is a hub, in the order of the tree.
-std::vector<Hub> hubs_of(const Pairs& pairs, int64_t poses, const Information& information, const SupernodalFactor& factor) {
+// In how many pairs each pose is named.
+std::vector<int32_t> times_named(const Pairs& pairs, int64_t poses) {
   std::vector<int32_t> met(poses, 0);
   for (const auto& [i, j] : pairs) ++met[i], ++met[j];
+  return met;
+}
+
+int64_t count_named(const std::vector<int32_t>& named) {
+  return std::count_if(named.begin(), named.end(), [](int32_t times) { return times > 0; });
+}
+
+// Each pair is given to that end which more pairs have. Poses that are named and are given none are hubs too where they are
+// few: columns for all would cost the square of their number where one pose is paired with all others, and the inverse on the
+// factor's pattern, which holds their own blocks as well, costs as much as some columns a hundred poses. In the tree's order.
+std::vector<Hub> hubs_of(const Pairs& pairs, const std::vector<int32_t>& named, const Information& information,
+                         const SupernodalFactor& factor) {
   std::vector<Hub> hubs;
-  std::vector<int32_t> at(poses, -1);
-  for (int32_t i = 0; i < poses; ++i) {
-    if (met[i] > 0) at[i] = static_cast<int32_t>(hubs.size()), hubs.push_back({i, {}});
-  }
+  std::vector<int32_t> at(named.size(), -1);
   for (size_t k = 0; k < pairs.size(); ++k) {
     const auto [i, j] = pairs[k];
-    hubs[at[met[j] > met[i] ? j : i]].pairs.push_back(static_cast<int64_t>(k));
+    const int32_t hub = named[j] > named[i] ? j : i;
+    if (at[hub] < 0) at[hub] = static_cast<int32_t>(hubs.size()), hubs.push_back({hub, {}});
+    hubs[at[hub]].pairs.push_back(static_cast<int64_t>(k));
+  }
+  if (kColumnsCost * (count_named(named) - static_cast<int64_t>(hubs.size())) <= static_cast<int64_t>(named.size())) {
+    for (size_t i = 0; i < named.size(); ++i) {
+      if (named[i] > 0 && at[i] < 0) hubs.push_back({static_cast<int32_t>(i), {}});
+    }
   }
   const auto place = [&](const Hub& hub) {
     return factor.position(information.reduced().offset(information.position(hub.pose)));
   };
   std::sort(hubs.begin(), hubs.end(), [&](const Hub& a, const Hub& b) { return place(a) < place(b); });
   return hubs;
+}
+
+// Own blocks (7, 7) of all poses that are named, from the inverse on the factor's pattern.
+std::vector<double> own_blocks(const Lower& lower, const Scalars& scalars, const std::vector<int32_t>& named) {
+  std::vector<double> own(named.size() * 49, 0.0);
+  const SelectedInverse inverse(lower);
+  for (size_t i = 0; i < named.size(); ++i) {
+    if (named[i] == 0) continue;
+    const auto rows = scalars.of(static_cast<int>(i));
+    for (size_t r = 0; r < rows.size(); ++r) {
+      for (size_t c = 0; c < rows.size(); ++c) {
+        own[49 * i + 7 * r + c] = inverse(rows[r], rows[c]) * scalars.scale[rows[r]] * scalars.scale[rows[c]];
+      }
+    }
+  }
+  return own;
 }
 
 // Writes what a solve holds of rows i by the columns of j, `first` being the number of j's first column.
@@ -80,20 +114,28 @@ PairCovariance pair_covariance(Model& model, const Pairs& pairs) {
     scaled.refuse(model, information);
   }
   const Scalars scalars{information, scaled.scale};
-  const auto hubs = hubs_of(pairs, model.poses(), information, *factor);
+  const auto named = times_named(pairs, model.poses());
+  const auto hubs = hubs_of(pairs, named, information, *factor);
   PairCovariance out;
   out.pose.assign(pairs.size() * 196, 0.0), out.pose_mount.assign(pairs.size() * 84, 0.0), out.mount.assign(36, 0.0);
-  std::vector<double> own(model.poses() * 49, 0.0), with_mount(model.poses() * 42, 0.0);
+  const bool all_are_hubs = static_cast<int64_t>(hubs.size()) == count_named(named);
+  std::vector<double> own(model.poses() * 49, 0.0);
+  if (!all_are_hubs) own = own_blocks(scaled.lower, scalars, named);
+  std::vector<double> with_mount(model.poses() * 42, 0.0);
   const auto append = [](std::vector<int>& to, const std::vector<int>& more) { to.insert(to.end(), more.begin(), more.end()); };
 
   // Columns of T_s_ct at every pose that is named.
   if (const int mount = model.block("T_s_ct"); information.position(mount) >= 0) {
     InverseColumns inverse(*factor);
     std::vector<int> rows;
-    for (const Hub& hub : hubs) append(rows, scalars.of(hub.pose));
+    for (int32_t i = 0; i < model.poses(); ++i) {
+      if (named[i] > 0) append(rows, scalars.of(i));
+    }
     inverse.solve(scalars.of(mount), rows);
     put(inverse, scalars, mount, mount, 0, out.mount.data(), 6, false);
-    for (const Hub& hub : hubs) put(inverse, scalars, hub.pose, mount, 0, &with_mount[42 * hub.pose], 6, false);
+    for (int32_t i = 0; i < model.poses(); ++i) {
+      if (named[i] > 0) put(inverse, scalars, i, mount, 0, &with_mount[42 * i], 6, false);
+    }
   }
   // Columns of the poses, at the other ends of their pairs.
   const auto batches = static_cast<int64_t>((hubs.size() + kTogether - 1) / kTogether);
@@ -111,7 +153,7 @@ PairCovariance pair_covariance(Model& model, const Pairs& pairs) {
       inverse.solve(columns, rows);
       for (size_t h = from; h < to; ++h) {
         const int32_t hub = hubs[h].pose;
-        put(inverse, scalars, hub, hub, first[h - from], &own[49 * hub], 7, false);
+        if (all_are_hubs) put(inverse, scalars, hub, hub, first[h - from], &own[49 * hub], 7, false);
         for (int64_t k : hubs[h].pairs) {
           const auto [i, j] = pairs[k];
           const int32_t other = i == hub ? j : i;

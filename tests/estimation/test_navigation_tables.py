@@ -19,6 +19,7 @@ from hullrecon.estimation.navigation_tables import (
 )
 from hullrecon.estimation.rig_priors import Mount, mount_prior
 from hullrecon.geometry.poses import Poses, exp, from_mount
+from hullrecon.records.trajectory import Attitude
 
 
 @pytest.fixture(scope="module")
@@ -82,21 +83,36 @@ def whitened(prior, start, step):
     return np.linalg.norm(prior.sqrt_information[0] @ local)
 
 
-@pytest.mark.parametrize("levelled", [True, False])
-def test_the_gauge_fixes_place_and_heading_and_leaves_the_rest_to_sensors(levelled):
+def attitude(nodes, depth_sigma_m=0.01):
+    """As an IMU and a pressure sensor measure it at that many nodes."""
+    return Attitude(
+        node=np.arange(nodes),
+        depth=np.zeros(nodes),
+        roll=np.zeros(nodes),
+        pitch=np.zeros(nodes),
+        sigma=np.tile([depth_sigma_m, 1e-3, 1e-3], (nodes, 1)),
+        tray_direction=np.ones(5),
+        tray_sigma=np.zeros(5),
+    )
+
+
+@pytest.mark.parametrize("measured", ["depth and attitude", "attitude", "nothing"])
+def test_the_gauge_fixes_place_and_heading_and_what_no_sensor_measures(measured):
     start = exp([[5.0, -3.0, 2.0, 0.3, -0.2, 1.1]])
-    prior = gauge_prior(start, levelled)
+    levels = {"depth and attitude": attitude(5), "attitude": attitude(5, depth_sigma_m=1e3), "nothing": attitude(0)}
+    prior = gauge_prior(start, levels[measured])
     assert prior.node.tolist() == [0]
     np.testing.assert_allclose(prior.value[0, :3], start.translation[0])
     for axis in (0, 1):
         assert whitened(prior, start, 1e-4 * np.eye(6)[axis]) == pytest.approx(1, rel=1e-6)
     assert whitened(prior, start, 1e-5 * np.eye(6)[5]) == pytest.approx(1, rel=1e-4)
     depth, roll = (whitened(prior, start, step * np.eye(6)[axis]) for axis, step in ((2, 1e-4), (3, 1e-5)))
-    assert (depth, roll) == pytest.approx((1e-5, 1e-5) if levelled else (1, 1), rel=1e-3)
+    assert depth == pytest.approx(1e-5 if measured == "depth and attitude" else 1, rel=1e-3)
+    assert roll == pytest.approx(1 if measured == "nothing" else 1e-5, rel=1e-3)
 
 
 def test_only_the_first_of_many_poses_is_held():
-    prior = gauge_prior(exp(np.zeros((5, 6))), levelled=True)
+    prior = gauge_prior(exp(np.zeros((5, 6))), attitude(5))
     assert prior.value.shape == (1, 7)
     assert prior.sqrt_information.shape == (1, 6, 6)
 

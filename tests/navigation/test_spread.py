@@ -22,11 +22,17 @@ from hullrecon.navigation.sensors.attitude import AttitudeHistory
 from hullrecon.navigation.sensors.servo import servo
 from hullrecon.navigation.sensors.velocity import usable_velocities
 from hullrecon.navigation.sigmas import NavigationSigmas
+from hullrecon.records.sensors import ImuSamples
+from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.rig import SensorRig
 from hullrecon.vision.pairs.camera_track import CameraTrack, NavigationErrors
 
 NO_HOLES = np.zeros((0, 2), np.int64)
+
+
+def imu_rows(imu: ImuSamples, rows: np.ndarray) -> ImuSamples:
+    return ImuSamples(**{name: values[rows] for name, values in to_arrays(imu).items()})
 
 
 def path_of(logs: NavigationLogs, rig: SensorRig, error: np.ndarray) -> Reckoning:
@@ -185,3 +191,51 @@ def test_velocity_noise_accumulates_and_is_no_smaller_later(noisy, rig) -> None:
     walk = dead_reckon(noisy, rig, SIGMAS, NavigateOptions()).error_model.walk
     assert (np.diff(walk[:, 0, 0]) > 0).all()
     assert walk[-1, 0, 0] == pytest.approx(0.003**2 * 0.05 * 39.5, rel=0.05)  # sigma^2 period duration
+
+
+def test_a_path_through_a_hole_of_the_imu_is_known_as_badly_as_it_is(perfect, rig) -> None:
+    """Twelve seconds around a turn without a reading: the attitude there is a guess, and the way is off with it."""
+    t = (perfect.imu.t_ns - perfect.imu.t_ns[0]) * 1e-9
+    there = (t < 20.0) | (t > 32.0)
+    silent = replace(perfect, imu=imu_rows(perfect.imu, there))
+    whole, found = (dead_reckon(logs, rig, SIGMAS, NavigateOptions()) for logs in (perfect, silent))
+    assert len(whole.trajectory.t_ns) == len(found.trajectory.t_ns)
+    turn = (whole.trajectory.poses().rotation.inv() * found.trajectory.poses().rotation).magnitude()
+    shift = np.linalg.norm(found.trajectory.translation - whole.trajectory.translation, axis=1)
+    sigma = np.sqrt(np.einsum("nii->ni", found.trajectory.covariance))
+    assert turn.max() > np.radians(2.0)
+    assert (turn < 3 * np.linalg.norm(sigma[:, 3:], axis=1) + 1e-3).all()
+    assert (shift < 3 * np.linalg.norm(sigma[:, :3], axis=1) + 1e-3).all()
+    outside = np.linalg.norm(sigma[:, 3:], axis=1)[(turn < 1e-4)]
+    assert np.median(outside) < np.radians(0.5)
+
+
+def test_two_holes_are_two_errors(perfect, rig) -> None:
+    t = (perfect.imu.t_ns - perfect.imu.t_ns[0]) * 1e-9
+
+    def end_variance(*spans: tuple[float, float]) -> float:
+        there = np.all([(t < begin) | (t > end) for begin, end in spans], axis=0)
+        logs = replace(perfect, imu=imu_rows(perfect.imu, there))
+        return float(dead_reckon(logs, rig, SIGMAS, NavigateOptions()).error_model.walk[-1, 0, 0])
+
+    first, second, none = end_variance((20.0, 26.0)), end_variance((40.0, 46.0)), end_variance((-2.0, -1.0))
+    assert first > 2 * none
+    np.testing.assert_allclose(end_variance((20.0, 26.0), (40.0, 46.0)) - none, first + second - 2 * none, rtol=0.02)
+
+
+def test_a_heading_that_parts_from_the_rates_turns_the_rest_of_the_path(perfect, rig) -> None:
+    """Five degrees within a second, which no rate tells: either may be wrong, so heading and place after it may be too."""
+    t = (perfect.imu.t_ns - perfect.imu.t_ns[0]) * 1e-9
+    off = np.radians(5.0) * np.clip(t - 30.0, 0.0, 1.0)
+    turned = (Rotation.from_euler("z", off[:, None]) * Rotation.from_quat(perfect.imu.quaternion)).as_quat()
+    whole = dead_reckon(perfect, rig, SIGMAS, NavigateOptions()).trajectory
+    found = dead_reckon(
+        replace(perfect, imu=replace(perfect.imu, quaternion=turned)), rig, SIGMAS, NavigateOptions()
+    ).trajectory
+    sigma = np.sqrt(np.einsum("nii->ni", found.covariance))
+    turn = (whole.poses().rotation.inv() * found.poses().rotation).magnitude()
+    assert turn[-1] > np.radians(4.0)
+    assert turn[-1] < 3 * np.linalg.norm(sigma[-1, 3:])
+    before = whole.t_ns < perfect.imu.t_ns[0] + 28 * 10**9
+    assert np.linalg.norm(sigma[before, 3:], axis=1).max() < np.radians(0.5)
+    assert np.linalg.norm(found.translation[-1] - whole.translation[-1]) < 3 * np.linalg.norm(sigma[-1, :3])

@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hullrecon.records.links import CameraLinks
+from hullrecon.vision.pairs import cycles
 from hullrecon.vision.pairs.cycles import MAX_CHI2, contradicted_links
 
 SIGMA_RAD = 0.004
@@ -136,3 +137,24 @@ def test_a_sigma_that_differs_by_axis_is_carried_into_the_axes_of_the_cycle():
 
 def test_no_links_contradict_nothing():
     assert contradicted_links(links([]), np.zeros(0, bool)).shape == (0,)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_cycles_are_counted_anew_after_each_link_that_goes(seed):
+    """Against the definition: all cycles counted again for every link."""
+    pairs, across = two_legs(20)
+    rng = np.random.default_rng(seed)
+    asked = links(pairs, seed, wrong=rng.choice(np.flatnonzero(across), 12, replace=False))
+    cycle = cycles._cycles(asked)
+    closed = cycles._chi2(asked, cycle) < MAX_CHI2
+    out, alive = np.zeros(len(asked), bool), np.ones(len(cycle), bool)
+    while True:
+        bad, good = (np.bincount(cycle[alive & which].ravel(), minlength=len(asked)) for which in (~closed, closed))
+        excess = np.where(across & ~out, bad - good, 0)
+        worst = int(np.argmax(excess))
+        if excess[worst] <= 0:
+            break
+        out[worst] = True
+        alive &= ~(cycle == worst).any(axis=1)
+    assert out.sum() >= 12
+    assert (contradicted_links(asked, across) == out).all()

@@ -7,6 +7,7 @@ from hullrecon.geometry.cameras import CameraModel
 from hullrecon.geometry.poses import Poses, exp
 from hullrecon.records.trajectory import TrajectoryErrorModel
 from hullrecon.vision.options import MatchOptions
+from hullrecon.vision.pairs import selection
 from hullrecon.vision.pairs.camera_track import CameraTrack, NavigationErrors
 from hullrecon.vision.pairs.selection import (
     footprint_overlap,
@@ -267,3 +268,14 @@ def test_many_pairs_give_what_each_gives_alone():
     for k in (0, 1000, 1001, 2499):
         rows = slice(k, k + 1)
         assert together[k] == overlap_probability(at, first[rows], second[rows], np.ones(50), CAMERA, 0.15)[0]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_pairs_within_reach_are_those_of_all_pairs(seed):
+    """One node that is known badly widens the search for its own pairs, not for all."""
+    rng = np.random.default_rng(seed)
+    middle, more = rng.uniform(0, 8, (2300, 3)) * [1, 1, 0.1], np.where(rng.uniform(size=2300) < 0.01, 0.9, 0.02)
+    first, second = selection._within_reach(middle, 0.4, more)
+    apart = np.linalg.norm(middle[:, None] - middle, axis=2)
+    wanted = np.argwhere(np.triu(apart <= 0.4 + more[:, None] + more, 1))
+    np.testing.assert_array_equal(np.column_stack([first, second]), wanted)

@@ -153,7 +153,7 @@ def _priors(m: Measurements, state: State) -> native.Priors:
         T_s_d=mount_prior_table(m.rig.T_s_d, state.T_s_d),
         T_s_ct=mount_prior_table(m.rig.T_s_ct, state.T_s_ct),
         T_ct_cb=mount_prior_table(m.rig.T_ct_cb, state.T_ct_cb if m.rig.bottom is not None else None),
-        pose=gauge_prior(state.nodes, levelled=len(m.attitude.node) > 0),
+        pose=gauge_prior(state.nodes, m.attitude),
         navigation_sigma=m.rig.navigation_sigma,
     )
     if state.hull is None:

@@ -19,7 +19,6 @@ from hullrecon.typing import Array, Ints
 
 LEAST_LENGTHS = 100  # residuals from which a sigma is estimated
 RESPONSE_GROUPS = 12
-UNKNOWN_DEPTH_M = 1.0  # sigma beyond which no pressure was logged
 
 
 def initial_weights(m: Measurements, options: AdjustOptions) -> Weights:
@@ -123,7 +122,7 @@ def _depth_weight(m: Measurements, state: State) -> float:
     """Return the sigma of the depths from their residuals, in the sigma that navigation gave them. The water's density scales
     all of them: n readings do not tell the dive's scale better than it is known."""
     rows = _measured_depths(m)
-    if not len(rows) or np.median(m.attitude.sigma[rows, 0]) > UNKNOWN_DEPTH_M:
+    if not m.attitude.has_depth.any():
         return 1.0
     z = state.nodes[m.attitude.node[rows]].apply(m.rig.pressure_origin)[:, 2]
     given = float(np.median(m.attitude.sigma[rows, 0]))
@@ -134,5 +133,5 @@ def _depth_weight(m: Measurements, state: State) -> float:
 
 def _measured_depths(m: Measurements) -> Ints:
     """Return the rows at which the pressure sensor was read; all where it was nowhere."""
-    rows = np.flatnonzero(m.attitude.sigma[:, 0] <= UNKNOWN_DEPTH_M)
+    rows = np.flatnonzero(m.attitude.has_depth)
     return rows if len(rows) else np.arange(len(m.attitude.sigma))

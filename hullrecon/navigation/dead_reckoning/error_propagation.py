@@ -36,8 +36,12 @@ def dead_reckoning_errors(
     walk, white = np.zeros((2, len(at.t_ns), 6, 6))
     walk[:, [0, 1, 2], [0, 1, 2]] = _drift_since_start(path, at)[:, None]
     white[:, [0, 1, 2], [0, 1, 2]] = LEAST_SIGMA_M**2
-    white[:, [3, 4, 5], [3, 4, 5]] = path.attitude.sigma_rad**2
-    walk[:, [0, 1, 2], [0, 1, 2]] += _by_unread_tray(path, at)[:, None]
+    in_hole = path.attitude.hole_sigma(at.t_ns)
+    white[:, [3, 4, 5], [3, 4, 5]] = (path.attitude.sigma_rad**2 + in_hole**2)[:, None]
+    walk[:, [0, 1, 2], [0, 1, 2]] += _by_direction(at, path.servo.unread_sigma(at.t_ns), np.zeros(len(at.t_ns), np.int64))[
+        :, None
+    ]
+    walk[:, [0, 1, 2], [0, 1, 2]] += _by_direction(at, in_hole, path.attitude.holes_before(at.t_ns))[:, None]
     turned = _by_unread_attitude(path, at, poses)
     if depth is not None:
         near = _nearest_depth(at, depth)
@@ -62,22 +66,26 @@ def _drift_since_start(path: Reckoning, at: Instant) -> Array:
 
 
 def _by_unread_attitude(path: Reckoning, at: Instant, poses: Poses) -> Array:
-    """Return (n, 6, 6), as above, of twists: beyond the IMU's readings every turn that none tells turns the rest of the path
-    about the place where it was made."""
-    turned = path.attitude.turned_unread(at.t_ns)
+    """Return (n, 6, 6), as above, of twists: every turn that no reading tells, beyond the IMU's readings or where its heading
+    stepped, turns the rest of the path about the place where it was made."""
+    turned, stepped = path.attitude.turned_unread(at.t_ns), path.attitude.turned_by_steps(at.t_ns)
     about = 0.5 * (poses.translation[1:] + poses.translation[:-1])
     by_turn = np.concatenate([cross_matrix(about), np.tile(np.eye(3), (len(about), 1, 1))], axis=1)
-    steps = np.diff(turned)[:, None, None] * by_turn @ np.swapaxes(by_turn, 1, 2)
+    variance = np.diff(turned)[:, None] + np.diff(stepped)[:, None] * UP_DOWN**2
+    steps = (by_turn * variance[:, None]) @ np.swapaxes(by_turn, 1, 2)
     walk = np.concatenate([np.zeros((1, 6, 6)), np.cumsum(steps, axis=0)])
     return np.asarray(walk - walk[min(int(np.searchsorted(at.t_ns, path.start_ns)), len(walk) - 1)])
 
 
-def _by_unread_tray(path: Reckoning, at: Instant) -> Array:
-    """Return (n,) m2, each axis, as above: where a tray that was not read turns the velocity, the way is off with it."""
-    sigma = path.servo.unread_sigma(at.t_ns)
+def _by_direction(at: Instant, sigma_rad: Array, stretch: Ints) -> Array:
+    """Return (n,) m2, each axis, as above: where a tray or an attitude that was not read turns the velocity by some sigma_rad
+    (n,), the way is off with it. stretch (n,) ascending: over which that is one error."""
     step_m = np.linalg.norm(np.diff(at.instrument, axis=0), axis=1)
-    way = np.concatenate([[0.0], np.cumsum(0.5 * (sigma[1:] + sigma[:-1]) * step_m)]) ** 2
-    return np.asarray(way - np.interp(0.0, at.t_s, way))
+    way = np.concatenate([[0.0], np.cumsum(0.5 * (sigma_rad[1:] + sigma_rad[:-1]) * step_m)])
+    begin = np.maximum(np.searchsorted(stretch, stretch) - 1, 0)  # of each node's stretch: the step to its first node counts
+    whole = np.where(np.diff(stretch, prepend=stretch[0]) > 0, np.roll(way - way[begin], 1) ** 2, 0.0)
+    variance = np.cumsum(whole) + (way - way[begin]) ** 2
+    return np.asarray(variance - np.interp(0.0, at.t_s, variance))
 
 
 def _nearest_depth(at: Instant, depth: Depth) -> Ints:

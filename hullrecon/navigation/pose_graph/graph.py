@@ -114,7 +114,7 @@ class PoseGraph:
                 T_s_d=priors["T_s_d"],
                 T_s_ct=priors["T_s_ct"],
                 T_ct_cb=priors["T_ct_cb"],
-                pose=gauge_prior(start.poses, levelled=len(self.attitude.node) > 0),
+                pose=gauge_prior(start.poses, self.attitude),
                 navigation_sigma=rig.navigation_sigma,
             ),
             attitude=attitude_table(self.attitude),

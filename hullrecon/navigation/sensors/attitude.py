@@ -53,14 +53,7 @@ class AttitudeHistory:
         hole = np.zeros(len(start_ns))
         for begin, end in self.holes:
             hole += np.maximum(0, np.minimum(stop_ns, end) - np.maximum(start_ns, begin)) * 1e-9
-        stepped = np.zeros(len(start_ns))
-        for at in self.t_ns[self.steps.row]:
-            stepped += (start_ns < at) & (stop_ns >= at)
-        left = stepped * self.steps.sigma_rad**2
-        reach = round(BESIDE_S * 1e9)
-        for at, apart in zip(self.t_ns[self.steps.disagreement], self.steps.disagreement_rad, strict=True):
-            share = np.maximum(0, np.minimum(stop_ns, at + reach) - np.maximum(start_ns, at - reach)) / (2 * reach)
-            left += apart**2 * share
+        left = self.turned_by_steps(stop_ns) - self.turned_by_steps(start_ns)
         beyond = self.turned_unread(stop_ns) - self.turned_unread(start_ns)
         return np.asarray(bound + LEAST_SIGMA_RAD**2 + (BRIDGED_RATE_RAD_S * hole) ** 2 + left + beyond)
 
@@ -70,14 +63,31 @@ class AttitudeHistory:
         seconds2 = np.minimum(after, BRIDGED_FOR_S) * after - np.minimum(before, BRIDGED_FOR_S) * before
         return np.asarray(BRIDGED_RATE_RAD_S**2 * seconds2)
 
-    def unread_sigma(self, at_ns: Ints) -> Array:
-        """Return (m,) rad, each axis: of an attitude in a hole or beyond the readings, by the time to the next; 0 where there
-        was one."""
-        out = np.sqrt(np.abs(self.turned_unread(at_ns)))
+    def turned_by_steps(self, at_ns: Ints) -> Array:
+        """Return variance (m,) rad2, about z of g, of the heading's steps before those times: what is left of those that were
+        taken off, and what heading and rates disagree about."""
+        out = self.steps.sigma_rad**2 * np.searchsorted(self.t_ns[self.steps.row], at_ns, side="right").astype(float)
+        reach = round(BESIDE_S * 1e9)
+        for at, apart in zip(self.t_ns[self.steps.disagreement], self.steps.disagreement_rad, strict=True):
+            out += apart**2 * np.clip((at_ns - at + reach) / (2 * reach), 0.0, 1.0)
+        return np.asarray(out)
+
+    def holes_before(self, at_ns: Ints) -> Ints:
+        """Return how many holes (m,) have begun by those times."""
+        return np.asarray(np.searchsorted(self.holes[:, 0], at_ns)) if len(self.holes) else np.zeros(len(at_ns), np.int64)
+
+    def hole_sigma(self, at_ns: Ints) -> Array:
+        """Return (m,) rad, each axis: of an attitude in a hole, by the time to the nearest reading; 0 elsewhere."""
+        out = np.zeros(len(at_ns))
         for begin, end in self.holes:
             inside = (at_ns > begin) & (at_ns < end)
             out[inside] = BRIDGED_RATE_RAD_S * np.minimum(at_ns - begin, end - at_ns)[inside] * 1e-9
         return out
+
+    def unread_sigma(self, at_ns: Ints) -> Array:
+        """Return (m,) rad, each axis: of an attitude in a hole or beyond the readings, by the time to the next; 0 where there
+        was one."""
+        return np.hypot(np.sqrt(np.abs(self.turned_unread(at_ns))), self.hole_sigma(at_ns))
 
 
 def attitude_history(imu: ImuSamples, sigma_tilt_rad: float, longest_gap_s: float) -> AttitudeHistory:

@@ -24,16 +24,20 @@ def contradicted_links(links: CameraLinks, across: Mask) -> Mask:
     if len(cycle) == 0:
         return out
     closed = _chi2(links, cycle) < MAX_CHI2
+    vote = np.where(closed, -1, 1)
+    excess = np.bincount(cycle.ravel(), np.repeat(vote, 3), minlength=len(links)).astype(np.int64)
+    by_link = np.argsort(cycle.ravel(), kind="stable")
+    start = np.searchsorted(cycle.ravel()[by_link], np.arange(len(links) + 1))
     alive = np.ones(len(cycle), bool)
     while True:
-        bad = np.bincount(cycle[alive & ~closed].ravel(), minlength=len(links))
-        good = np.bincount(cycle[alive & closed].ravel(), minlength=len(links))
-        excess = np.where(across & ~out, bad - good, 0)
-        worst = int(np.argmax(excess))
-        if excess[worst] <= 0:
+        worst = int(np.argmax(np.where(across & ~out, excess, 0)))
+        if not across[worst] or out[worst] or excess[worst] <= 0:
             return out
         out[worst] = True
-        alive &= ~(cycle == worst).any(axis=1)
+        own = by_link[start[worst] : start[worst + 1]] // 3
+        own = own[alive[own]]
+        alive[own] = False
+        np.subtract.at(excess, cycle[own], vote[own, None])
 
 
 def _cycles(links: CameraLinks) -> Ints:

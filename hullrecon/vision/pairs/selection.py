@@ -22,7 +22,7 @@ GRID = 8  # cells of the footprint along each side
 FINE_GRID = 32  # where small steps count
 QUANTILES = 6  # of a relative position along each axis
 BLOCK = 1000  # pairs whose quantiles are laid onto each other at a time
-COVARIANCE_BLOCK = 20_000  # pairs whose covariances are asked for at a time: each time the graph is factored anew
+COVARIANCE_BLOCK = 60_000  # pairs whose covariances are asked for at a time: each time the graph is factored anew
 GRID_POINTS = 1_000_000  # of footprints, at a time
 
 
@@ -210,20 +210,38 @@ def _sequential(nodes: Ints, reach: int) -> tuple[Ints, Ints]:
 
 def _near(track: CameraTrack, nodes: Ints, depth_m: Array, camera: CameraModel, reach: int) -> tuple[Ints, Ints]:
     """Return pairs of nodes beyond the sequential ones whose footprints' middles are within a diagonal and 3 sigma."""
-    from scipy.spatial import cKDTree
-
     known = np.flatnonzero(np.isfinite(depth_m[nodes]))
+    none = np.zeros(0, np.int64)
     if len(known) < 2:
-        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+        return none, none
     at = nodes[known]
     middle = track.global_from_camera[at].apply(np.stack([0 * depth_m[at], 0 * depth_m[at], depth_m[at]], axis=1))
     size = float(np.median(depth_m[at])) * np.hypot(camera.width / camera.fx, camera.height / camera.fy)
     # Two nodes' relative sigma is at most the sum of theirs relative to a third one.
-    reach_sigma_m = 3 * 2 * float(track.relative_sigma(at, np.full(len(at), at[len(at) // 2])).max())
-    pairs = cKDTree(middle).query_pairs(size + min(reach_sigma_m, 3 * size), output_type="ndarray")
-    pairs = pairs[known[pairs[:, 1]] - known[pairs[:, 0]] > reach]
+    sigma_m = np.minimum(track.relative_sigma(at, np.full(len(at), at[len(at) // 2])), 0.5 * size)
+    first, second = _within_reach(middle, size, 3 * sigma_m)
+    apart = known[second] - known[first] > reach
+    return at[first[apart]].astype(np.int64), at[second[apart]].astype(np.int64)
+
+
+def _within_reach(middle: Array, size: float, more: Array) -> tuple[Ints, Ints]:
+    """Return the pairs first < second of points (n, 3) that are no farther apart than size and what either has more (n,),
+    sorted."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(middle)
+    parts = [np.zeros((0, 2), np.int64)]
+    for start in range(0, len(middle), BLOCK):
+        rows = np.arange(start, min(start + BLOCK, len(middle)))
+        # twice its own: the pair is found from that end which has more
+        found = tree.query_ball_point(middle[rows], size + 2 * more[rows])
+        one, other = np.repeat(rows, [len(near) for near in found]), np.concatenate([*found]).astype(np.int64)
+        near = np.linalg.norm(middle[one] - middle[other], axis=1) <= size + more[one] + more[other]
+        keep = near & ((more[one] > more[other]) | ((more[one] == more[other]) & (one < other)))
+        parts.append(np.sort(np.column_stack([one, other])[keep], axis=1))
+    pairs = np.concatenate(parts)
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
-    return at[pairs[:, 0]].astype(np.int64), at[pairs[:, 1]].astype(np.int64)
+    return pairs[:, 0], pairs[:, 1]
 
 
 def _lowest_between(
