@@ -180,11 +180,11 @@ def _placement_warnings(adjusted: Adjusted) -> list[str]:
             "frame g: positions are relative to where the dive began. Check [hull] mesh, units and pose in dive.toml."
         ]
     found = adjusted.registration
-    told = [*_form_warnings(adjusted), *_stretch_warnings(adjusted)]
+    sentences = [*_form_warnings(adjusted), *_stretch_warnings(adjusted)]
     if found is None or found.sigmas_off <= 1:
-        return told
+        return sentences
     return [
-        *told,
+        *sentences,
         f"The hull lies {found.sigmas_off:.1f} times farther from hull.pose than hull.pose_sigma says; the sigmas of that pose "
         "were widened as much. Where the hull's form does not tell, positions are no better than that.",
     ]
