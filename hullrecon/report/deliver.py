@@ -148,6 +148,7 @@ def _write_surfaces(writer: DeliverableWriter, survey: Survey) -> None:
             survey.track.frame,
             int(survey.track.t_ns[-1]),
             by_images=surfaces.found_by_images,
+            up=(0.0, 0.0, 1.0) if surfaces.chart is None else surfaces.chart.ship_axes[2],
         )
         writer.write("as_found.las", points)
     for name, document in survey.findings.documents.items():

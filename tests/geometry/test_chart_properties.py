@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hullrecon.geometry.charts.chart import Chart, chart_for_hull, chart_for_points, chart_from_arrays
-from hullrecon.geometry.charts.viewing_side import UP, flips
+from hullrecon.geometry.charts.viewing_side import flips
 from hullrecon.geometry.meshes.casting import Scene
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import exp
@@ -99,7 +99,7 @@ def test_unknown_places_on_a_plane_have_no_normal() -> None:
 @pytest.mark.parametrize(("side", "expected"), [(1.0, (True, False)), (-1.0, (False, True))])
 def test_a_real_hull_is_turned_as_its_side_asks(chart: Chart, side: float, expected: tuple[bool, bool]) -> None:
     at = np.random.default_rng(2).uniform([1.0, 0.5], [19.0, 4.2], (50, 2)) * [1.0, side]
-    assert flips(chart, at, UP["M"]) == expected
+    assert flips(chart, at) == expected
 
 
 @QUICK
@@ -109,9 +109,9 @@ def test_as_turned_the_hull_is_seen_from_outside_with_its_deck_up(chart: Chart, 
     at = np.abs(on_hull(seed)) * [1.0, side]
     at[:, 1] += side * (np.abs(at[:, 1]) < 0.1) * 0.1
     at[:, 1] = np.clip(at[:, 1], -4.4, 4.4)
-    left, down = flips(chart, at, UP["M"])
+    left, down = flips(chart, at)
     along, girth, normal = directions(chart, at)
     right, upward = (-1 if left else 1) * along, (-1 if down else 1) * girth
     # to a viewer outside, right x up points at the viewer
     assert (np.einsum("ni,ni->n", np.cross(right, upward), normal) > 0.9).all()
-    assert (upward @ UP["M"] > 0).all()
+    assert (upward @ chart.ship_axes[2] > 0).all()

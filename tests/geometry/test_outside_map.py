@@ -53,3 +53,22 @@ def test_tangents_are_unit_vectors_on_the_surface() -> None:
     along, girth = tangents_at(plane, np.array([[3.0, 4.0, 0.2]]))
     np.testing.assert_allclose(along, [[1, 0, 0]], atol=1e-12)
     np.testing.assert_allclose(girth, [[0, 1, 0]], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("up", "turn"),
+    [
+        ((0, 1, 0), [[1, 0, 0], [0, 0, 1], [0, -1, 0]]),
+        ((1, 0, 0), [[0, 0, 1], [1, 0, 0], [0, 1, 0]]),
+        ((0, 0, -1), [[1, 0, 0], [0, -1, 0], [0, 0, -1]]),
+    ],
+)
+def test_the_map_stands_upright_whichever_axis_of_the_model_is_up(
+    steel: Mesh, up: tuple[int, int, int], turn: list[list[int]]
+) -> None:
+    points = np.array([[5.0, 3.0, 2.7], [6.0, 3.0, 2.5]])
+    to_file = np.array(turn, float)
+    chart = chart_for_hull(Mesh(steel.vertices @ to_file.T, steel.faces), up)
+    turned, plain = outside_map(chart, points @ to_file.T, "M"), outside_map(chart_for_hull(steel), points, "M")
+    assert (turned.x_sign, turned.y_sign) == (plain.x_sign, plain.y_sign)
+    np.testing.assert_array_equal(chart.ship_axes @ to_file, np.eye(3))

@@ -24,6 +24,8 @@ DOWN = np.array([1.0, 0.0, 0.0, 0.0])  # quaternion of a camera that looks along
 class FlatChart:
     """along is x, girth is y, outward is z."""
 
+    ship_axes = np.eye(3)
+
     def to_chart(self, points: Array) -> Array:
         return np.asarray(points, float).copy()
 

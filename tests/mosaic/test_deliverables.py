@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from io import BytesIO
 
 import numpy as np
 import pytest
+import trimesh
+from mosaic.conftest import FlatChart
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
 from hullrecon.geometry.frames import Frame
@@ -70,6 +73,17 @@ def test_a_mosaic_comes_with_a_preview_and_a_mesh(flat_surface: Callable[..., Mo
     assert made.preview.startswith(b"\x89PNG")
     assert made.textured_mesh is not None
     assert made.textured_mesh.startswith(b"glTF")
+
+
+def test_the_mesh_stands_upright_by_the_axes_of_its_chart(flat_surface: Callable[..., MosaicSurface]) -> None:
+    class Lying(FlatChart):
+        ship_axes = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+
+    made = make_deliverables(replace(flat_surface(), chart=Lying()), tiles(2), SHOWN)
+    assert made.textured_mesh is not None
+    scene = trimesh.load(BytesIO(made.textured_mesh), file_type="glb")
+    turn, _ = scene.graph[scene.graph.nodes_geometry[0]]
+    np.testing.assert_array_equal(turn, np.eye(4))  # y is up in the file of this model, as in glTF
 
 
 def test_frame_numbers_are_shown_in_the_ships_frame_only(flat_surface: Callable[..., MosaicSurface]) -> None:

@@ -14,8 +14,9 @@ import trimesh
 
 from hullrecon.mosaic.grid import TexelGrid
 from hullrecon.mosaic.mosaic_surface import MosaicSurface
-from hullrecon.mosaic.output.textured_mesh import UPRIGHT, TexturedMesh, build_textured_mesh, encode_glb
+from hullrecon.mosaic.output.textured_mesh import TexturedMesh, build_textured_mesh, encode_glb
 
+UP, DOWN = np.array([0.0, 0, 1]), np.array([0.0, 0, -1])
 GRID = TexelGrid(west=-0.8, north=0.6, step_m=0.01, height=120, width=160)
 
 
@@ -59,19 +60,18 @@ def test_the_glb_opens_upright_with_its_texture_and_the_same_bytes_each_time(
     flat_surface: Callable[..., MosaicSurface],
 ) -> None:
     mesh = build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, max_faces=2000)
-    data = encode_glb(mesh, checks(), upright=True)
-    assert data == encode_glb(mesh, checks(), upright=True)
+    data = encode_glb(mesh, checks(), UP)
+    assert data == encode_glb(mesh, checks(), UP)
     scene = trimesh.load(BytesIO(data), file_type="glb")
     (mesh,) = scene.geometry.values()
     assert len(mesh.faces) == len(mesh.faces)
     assert mesh.visual.material.baseColorTexture.size == (160, 120)
     turn, _ = scene.graph[scene.graph.nodes_geometry[0]]
-    np.testing.assert_allclose(turn, UPRIGHT)
-    np.testing.assert_allclose(UPRIGHT[:3, :3] @ [0, 0, 1], [0, 1, 0])  # up in M is up in glTF
+    np.testing.assert_allclose(turn, [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # z, up, is y in glTF
 
 
 def test_the_glb_has_the_normals_of_its_surface(flat_surface: Callable[..., MosaicSurface]) -> None:
-    data = encode_glb(build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, max_faces=500), checks(), upright=True)
+    data = encode_glb(build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, max_faces=500), checks(), UP)
     size = int.from_bytes(data[12:16], "little")
     document = json.loads(data[20 : 20 + size])
     accessor = document["accessors"][document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]]
@@ -100,7 +100,7 @@ def test_a_mesh_in_g_is_turned_so_that_down_is_down() -> None:
         faces=np.array([[0, 1, 2]]),
         uv=np.array([[0.0, 0], [1, 0], [0, 1]]),
     )
-    scene = trimesh.load(BytesIO(encode_glb(mesh, checks(), upright=False)), file_type="glb")
+    scene = trimesh.load(BytesIO(encode_glb(mesh, checks(), DOWN)), file_type="glb")
     turn, _ = scene.graph[scene.graph.nodes_geometry[0]]
     np.testing.assert_allclose(turn[:3, :3] @ [0, 0, 1], [0, -1, 0], atol=1e-12)  # z of g is down, y of glTF is up
     assert np.linalg.det(turn[:3, :3]) > 0
@@ -108,7 +108,7 @@ def test_a_mesh_in_g_is_turned_so_that_down_is_down() -> None:
 
 def test_a_gray_mosaic_is_a_texture_too(flat_surface: Callable[..., MosaicSurface]) -> None:
     mesh = build_textured_mesh(flat_surface(), GRID, checks()[..., 3], 1, max_faces=300)
-    scene = trimesh.load(BytesIO(encode_glb(mesh, checks()[..., 2:], upright=True)), file_type="glb")
+    scene = trimesh.load(BytesIO(encode_glb(mesh, checks()[..., 2:], UP)), file_type="glb")
     (loaded,) = scene.geometry.values()
     texture = np.asarray(loaded.visual.material.baseColorTexture.convert("RGB")).astype(int)
     assert np.abs(texture[..., 0] - texture[..., 2]).max() <= 2

@@ -37,6 +37,8 @@ CAMERA = CameraModel(width=400, height=320, fx=500.0, fy=500.0, cx=199.5, cy=159
 class FlatChart:
     """along is x, girth is y, outward is -z: with along to the right and girth up it is seen from inside."""
 
+    ship_axes = np.eye(3)
+
     def to_chart(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(points, float) * [1, 1, -1]
 

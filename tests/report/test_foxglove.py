@@ -16,7 +16,7 @@ import pytest
 import trimesh
 from end_to_end.json_schema import violations
 from mcap.reader import make_reader
-from report.conftest import NODES, START
+from report.conftest import NODES, START, FlatChart
 
 from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import Poses, from_mount, from_rpy
@@ -204,3 +204,15 @@ def test_dead_reckoning_alone_stands_upright_in_a_viewer(bare: Survey) -> None:
 
 def test_equal_surveys_give_equal_bytes(whole: Survey) -> None:
     assert dive_result_mcap(whole) == dive_result_mcap(whole)
+
+
+def test_a_cad_model_with_y_up_has_a_frame_that_stands_upright_in_a_viewer(whole: Survey) -> None:
+    class Lying(FlatChart):
+        ship_axes = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+
+    assert not any(tf["parent_frame_id"] == "hull_z_up" for tf in read(dive_result_mcap(whole))["/tf"])
+    found = read(dive_result_mcap(replace(whole, surfaces=replace(whole.surfaces, chart=Lying()))))
+    np.testing.assert_allclose(chain(found["/tf"], "hull_z_up", "hull", t_ns=START).apply([[1.0, 2, 3]]), [[1, -3, 2]])
+    (model,) = found["/hull/cad_model"][0]["entities"][0]["models"]
+    seen = foxglove_sees(base64.b64decode(model["data"]))  # in the frame `hull`, as all else
+    np.testing.assert_allclose(np.sort(seen, axis=0), np.sort(CAD_MODEL.vertices, axis=0), atol=1e-6)

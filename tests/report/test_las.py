@@ -81,3 +81,17 @@ def test_the_coordinate_system_is_a_local_one_in_metres(partly_seen: Surface, fr
 
 def test_equal_surfaces_give_equal_bytes(partly_seen: Surface, split: DeviationSplit) -> None:
     assert las_bytes(partly_seen, split, "M", T_NS) == las_bytes(partly_seen, split, "M", T_NS)
+
+
+@pytest.mark.parametrize(
+    ("up", "ways"),
+    [
+        ((0, 1, 0), "EAST UP SOUTH"),
+        ((0, 0, -1), "EAST SOUTH DOWN"),
+        ((-1, 0, 0), "DOWN EAST SOUTH"),
+        ((0, 0, 1), "EAST NORTH UP"),
+    ],
+)
+def test_the_coordinate_system_names_the_axis_that_is_up(up: tuple[int, int, int], ways: str) -> None:
+    x, y, z = ways.split()
+    assert f'AXIS["x",{x}],AXIS["y",{y}],AXIS["z",{z}]' in frame_wkt("M", up)

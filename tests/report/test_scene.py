@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from report.conftest import FlatChart
 
 from hullrecon.report.figures.survey_map import chart_view
 from hullrecon.report.scene import parts
@@ -91,7 +92,16 @@ def test_objects_and_path_are_in_the_frame_of_the_survey(survey: Survey) -> None
     document = scene_of(survey).document
     assert document["objects"][0]["at"] == [1.0, -1.2, -0.1]  # type: ignore[index]
     np.testing.assert_allclose(document["path"], survey.track.poses.translation, atol=1e-4)  # type: ignore[arg-type]
-    assert (document["up"], document["forward"]) == ([0.0, 0.0, 1.0], "bow")
+    assert (document["up"], document["forward"]) == ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
+    assert document["forward_name"] == "bow"
+
+
+def test_the_view_stands_upright_whichever_axis_of_the_model_is_up(survey: Survey) -> None:
+    class Lying(FlatChart):
+        ship_axes = np.array([[0.0, 0, -1], [1, 0, 0], [0, -1, 0]])
+
+    document = scene_of(replace(survey, surfaces=replace(survey.surfaces, chart=Lying()))).document
+    assert (document["up"], document["forward"]) == ([0.0, -1.0, 0.0], [0.0, 0.0, -1.0])
 
 
 def wavy(n: int = 120) -> tuple[np.ndarray, np.ndarray]:

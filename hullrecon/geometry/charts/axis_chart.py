@@ -32,6 +32,11 @@ class AxisChart:
     mesh: Mesh
     sections: Sections
 
+    @property
+    def ship_axes(self) -> Array:
+        """Return rows forward, port, up (3, 3) in M; see `Chart`."""
+        return self.axes
+
     @cached_property
     def _index(self) -> MeshIndex:
         return MeshIndex(self.mesh.vertices, self.mesh.faces)

@@ -21,6 +21,10 @@ from hullrecon.typing import Array
 class Chart(Protocol):
     """Coordinates on a surface. `along` grows forward, `girth` from the keel up, port positive (metres of arc)."""
 
+    @property
+    def ship_axes(self) -> Array:
+        """Return rows forward, port, up (3, 3) in the chart's frame. Those of a plane are x, -y and -z of g."""
+
     def to_chart(self, points: Array) -> Array:
         """Return (n, 3) points near the surface, in the chart's frame (M, or g without a CAD model), to (n, 3):
         along, girth, offset (metres, outward positive). NaN rows where the chart is not defined."""

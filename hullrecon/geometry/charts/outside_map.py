@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.charts.chart import Chart
-from hullrecon.geometry.charts.viewing_side import UP, flips
+from hullrecon.geometry.charts.viewing_side import flips
 from hullrecon.typing import Array
 
 
@@ -56,5 +56,5 @@ class OutsideMap:
 def outside_map(chart: Chart, points: Array, frame: str) -> OutsideMap:
     """Return the map of a chart for viewers of those points (n, 3). All layers of a dive take the same points: the surface of
     the survey."""
-    left, down = flips(chart, chart.to_chart(points)[:, :2], UP[frame])
+    left, down = flips(chart, chart.to_chart(points)[:, :2])
     return OutsideMap(x_sign=-1 if left else 1, y_sign=-1 if down else 1, frame=str(frame))

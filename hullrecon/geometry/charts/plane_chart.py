@@ -24,6 +24,11 @@ class PlaneChart:
     origin: Array
     axes: Array
 
+    @property
+    def ship_axes(self) -> Array:
+        """Return rows forward, port, up (3, 3) in g, whose z is down; see `Chart`."""
+        return np.diag([1.0, -1.0, -1.0])
+
     def to_chart(self, points: Array) -> Array:
         """Return chart coordinates (n, 3) of points (n, 3); see `Chart`."""
         return np.asarray((np.atleast_2d(points) - self.origin) @ self.axes.T)

@@ -9,11 +9,9 @@ import numpy as np
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.typing import Array
 
-UP = {"M": np.array([0.0, 0.0, 1.0]), "g": np.array([0.0, 0.0, -1.0])}  # the hull frame has z up, the level one down
 
-
-def flips(chart: Chart, along_girth: Array, up: Array, step_m: float = 0.05) -> tuple[bool, bool]:
-    """Return whether along has to grow to the left, and girth downwards, for a CAD model of these chart points (n, 2); up (3,).
+def flips(chart: Chart, along_girth: Array, step_m: float = 0.05) -> tuple[bool, bool]:
+    """Return whether along has to grow to the left, and girth downwards, for a CAD model of these chart points (n, 2).
 
     With along to the right and girth up a hull is seen from inside. On its port side, where girth rises, the CAD model is
     mirrored along; on the starboard side, where girth falls towards the deck, it is mirrored in girth.
@@ -21,7 +19,7 @@ def flips(chart: Chart, along_girth: Array, up: Array, step_m: float = 0.05) -> 
     good = along_girth[np.isfinite(along_girth).all(axis=1)]
     _, normal = chart.from_chart(good)
     along, girth = (chart.from_chart(good + step)[0] - chart.from_chart(good - step)[0] for step in np.eye(2) * step_m)
-    turn, rise = (np.cross(along, girth) * normal).sum(axis=1), girth @ up
+    turn, rise = (np.cross(along, girth) * normal).sum(axis=1), girth @ chart.ship_axes[2]
     known = np.isfinite(turn) & np.isfinite(rise)
     if not known.any():
         return False, False

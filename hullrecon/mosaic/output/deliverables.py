@@ -59,7 +59,7 @@ def make_deliverables(surface: MosaicSurface, store: TileStore, presentation: Pr
     return MosaicDeliverables(
         document={**document, "along_from_x": presentation.outside.x_sign, "girth_from_y": presentation.outside.y_sign},
         preview=preview_png(store.small, grid.west, grid.north, grid.step_m * store.reduction, caption),
-        textured_mesh=encode_glb(mesh, store.small, upright=frame is Frame.HULL) if len(mesh.faces) else None,
+        textured_mesh=encode_glb(mesh, store.small, surface.chart.ship_axes[2]) if len(mesh.faces) else None,
     )
 
 

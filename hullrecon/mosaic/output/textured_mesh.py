@@ -10,12 +10,11 @@ from io import BytesIO
 import numpy as np
 from numpy.typing import NDArray
 
+from hullrecon.geometry.meshes.gltf_axes import gltf_from
 from hullrecon.geometry.meshes.mesh import Mesh, face_cross_products, vertex_normals
 from hullrecon.mosaic.grid import TexelGrid, Window
 from hullrecon.mosaic.mosaic_surface import MosaicSurface, SurfacePatch, sample_surface
 from hullrecon.typing import Array, Ints, Mask
-
-UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # M has z up, glTF has y up
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,9 +65,9 @@ def _outward(faces: Ints, patch: SurfacePatch) -> Ints:
     return faces if outward.sum() >= 0 else faces[:, ::-1]
 
 
-def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], upright: bool) -> bytes:
+def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], up: Array) -> bytes:
     """Return a GLB file with normals, without which a viewer shades each triangle flat. texture: (h, w, 4) RGBA or (h, w, 2).
-    upright: the frame has z up (M); else z is down (g)."""
+    up (3,): the axis of the frame that points up."""
     import trimesh
     from PIL import Image
 
@@ -86,8 +85,7 @@ def encode_glb(mesh: TexturedMesh, texture: NDArray[np.uint8], upright: bool) ->
         visual=trimesh.visual.TextureVisuals(uv=mesh.uv, material=material),
         process=False,
     )
-    turn = UPRIGHT if upright else np.diag([1.0, -1.0, -1.0, 1.0]) @ UPRIGHT
     scene = trimesh.Scene()
-    scene.add_geometry(mesh, node_name="hull", geom_name="hull", transform=turn)
+    scene.add_geometry(mesh, node_name="hull", geom_name="hull", transform=gltf_from(up))
     data: bytes = scene.export(file_type="glb", include_normals=True)
     return bytes(data)

@@ -4,21 +4,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from io import BytesIO
 
 import numpy as np
 
+from hullrecon.geometry.meshes.gltf_axes import gltf_from
 from hullrecon.records.surface import DeviationSplit, Surface
+from hullrecon.typing import Array
 
 STEP_M = 0.0001  # of the whole numbers that LAS stores: a twentieth of the best sigma, and 200 km in reach
 POINT_FORMAT = 6  # the least that carries its coordinate system as WKT
 
 
-def las_bytes(surface: Surface, split: DeviationSplit | None, frame: str, t_ns: int, *, by_images: bool = True) -> bytes:
+def las_bytes(
+    surface: Surface,
+    split: DeviationSplit | None,
+    frame: str,
+    t_ns: int,
+    *,
+    by_images: bool = True,
+    up: Sequence[float] | Array = (0.0, 0.0, 1.0),
+) -> bytes:
     """Return as_found.las (docs/deliverables.md): the seen vertices in frame M or g. split: the deviation's parts, None without
     a CAD model; then there is no deviation. t_ns: time of the dive's last pose, which stands for that of the file. by_images:
-    what the support counts, else returns of the DVL."""
+    what the support counts, else returns of the DVL. up (3,): the axis that points up in M."""
     import laspy
 
     seen = surface.support > 0
@@ -39,7 +50,7 @@ def las_bytes(surface: Surface, split: DeviationSplit | None, frame: str, t_ns: 
         }
     types = {name: np.int32 if name == "support" else np.float32 for name in values}
     header.add_extra_dims([laspy.ExtraBytesParams(name, types[name], text) for name, (_, text) in values.items()])
-    header.vlrs.append(laspy.vlrs.known.WktCoordinateSystemVlr(frame_wkt(frame)))
+    header.vlrs.append(laspy.vlrs.known.WktCoordinateSystemVlr(frame_wkt(frame, up)))
     header.global_encoding.wkt = True
     cloud = laspy.LasData(header)
     cloud.xyz = points
@@ -51,10 +62,19 @@ def las_bytes(surface: Surface, split: DeviationSplit | None, frame: str, t_ns: 
     return file.getvalue()
 
 
-def frame_wkt(frame: str) -> str:
-    """Return a local engineering system of three axes in WKT 1, as LAS asks for: metres, tied to no place on Earth."""
-    name, datum, down = ("hull frame of the ship (M)", "the ship", "UP")
+def frame_wkt(frame: str, up: Sequence[float] | Array = (0.0, 0.0, 1.0)) -> str:
+    """Return a local engineering system of three axes in WKT 1, as LAS asks for: metres, tied to no place on Earth. up (3,): in
+    M; the level axes have the names that a chart on paper gives them."""
+    name, datum, ways = "hull frame of the ship (M)", "the ship", _ways(np.asarray(up, float))
     if frame != "M":
-        name, datum, down = ("local level frame (g), z down", "start of the dive", "DOWN")
-    axes = f'AXIS["x",EAST],AXIS["y",NORTH],AXIS["z",{down}]'
+        name, datum, ways = "local level frame (g), z down", "start of the dive", ("EAST", "NORTH", "DOWN")
+    axes = ",".join(f'AXIS["{axis}",{way}]' for axis, way in zip("xyz", ways, strict=True))
     return f'LOCAL_CS["{name}",LOCAL_DATUM["{datum}",32767],UNIT["metre",1],{axes}]'
+
+
+def _ways(up: Array) -> tuple[str, ...]:
+    """Return where x, y, z of a right-handed frame point, of which one is level to the right (east)."""
+    turn = gltf_from(up)[:3, :3]  # rows east, up, south
+    names = (("EAST", "WEST"), ("UP", "DOWN"), ("SOUTH", "NORTH"))
+    row = np.argmax(np.abs(turn), axis=0)
+    return tuple(names[k][0 if turn[k, axis] > 0 else 1] for axis, k in enumerate(row))

@@ -11,7 +11,7 @@ import numpy as np
 
 from hullrecon.geometry.charts.chart import Chart
 from hullrecon.geometry.charts.tangents import tangents_at
-from hullrecon.geometry.charts.viewing_side import UP, flips
+from hullrecon.geometry.charts.viewing_side import flips
 from hullrecon.geometry.meshes.mesh import vertex_areas
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.report.content.deviation import deviation_figures
@@ -58,7 +58,7 @@ def chart_view(survey: Survey) -> ChartView | None:
     if not np.isfinite(corners).all(axis=1).any():
         return None
     outside = survey.surfaces.outside
-    extent = extent_of(corners, outside.flips if outside is not None else flips(chart, path, UP[survey.track.frame]))
+    extent = extent_of(corners, outside.flips if outside is not None else flips(chart, path))
     return ChartView(chart=chart, extent=extent, path=path, objects=objects, found=found)
 
 

@@ -13,15 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.meshes.gltf_axes import gltf_from
 from hullrecon.geometry.meshes.mesh import Mesh
-from hullrecon.geometry.poses import from_rpy, tray_poses
+from hullrecon.geometry.poses import from_matrix, from_rpy, tray_poses
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.records.surface import Surface
 from hullrecon.report.content.frame_words import frame_in_words
 from hullrecon.report.export.geometry_export import landmarks_in_hull
 from hullrecon.report.foxglove import messages, schemas
 from hullrecon.report.foxglove.messages import Message
-from hullrecon.report.foxglove.ship_model import ship_glb
+from hullrecon.report.foxglove.ship_model import Z_UP, ship_glb
 from hullrecon.report.survey import Survey
 from hullrecon.typing import Array
 
@@ -85,16 +86,21 @@ def survey_messages(survey: Survey) -> Iterator[TimedMessage]:
 
 
 def _fixed_frames(survey: Survey, t_ns: int, frame: str) -> Iterator[Message]:
-    """Yield where the sensors sit on the tray, and how hull and global frame lie to each other. A viewer's z is up, that of the
-    global frame down: `global_z_up` is it turned over."""
+    """Yield where the sensors sit on the tray, and how hull and global frame lie to each other. A viewer's z is up: where that
+    of the frame is not, `global_z_up` or `hull_z_up` is the frame turned upright."""
     rig = survey.facts.rig
     yield messages.frame_transform(t_ns, "tray", "dvl", rig.tray_from_dvl)
     for camera in rig.cameras:
         yield messages.frame_transform(t_ns, "tray", camera.key, rig.tray_from(Camera(camera)))
     if frame == "global":
         yield messages.frame_transform(t_ns, "global_z_up", frame, from_rpy(np.zeros((1, 3)), np.array([[np.pi, 0, 0]])))
-    elif survey.adjusted is not None:
+        return
+    if survey.adjusted is not None:
         yield messages.frame_transform(t_ns, frame, "global", survey.adjusted.solution.result_from_global())
+    chart = survey.surfaces.chart
+    if chart is not None and chart.ship_axes[2, 2] < 1:
+        upright = from_matrix(gltf_from(Z_UP).T @ gltf_from(chart.ship_axes[2]))
+        yield messages.frame_transform(t_ns, "hull_z_up", frame, upright)
 
 
 def _standing(survey: Survey, t_ns: int, frame: str) -> Iterator[tuple[str, Message]]:

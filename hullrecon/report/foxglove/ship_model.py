@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from hullrecon.geometry.meshes.gltf_axes import gltf_from
 from hullrecon.geometry.meshes.mesh import Mesh, vertex_normals
 
 MAX_FACES = 200_000  # what a viewer still turns smoothly; of a finer model shape is all that is kept
-Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # M has z up, glTF has y up
+Z_UP = np.array([0.0, 0.0, 1.0])  # Foxglove turns glTF's y to the z of the frame, whichever axis of M is up
 STEEL = (150, 160, 170, 255)
 
 
@@ -29,7 +30,7 @@ def ship_glb(mesh: Mesh) -> bytes:
         process=False,
     )
     scene = trimesh.Scene()
-    scene.add_geometry(ship, node_name="ship", geom_name="ship", transform=Y_UP)
+    scene.add_geometry(ship, node_name="ship", geom_name="ship", transform=gltf_from(Z_UP))
     return bytes(scene.export(file_type="glb", include_normals=True))
 
 

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from hullrecon.geometry.charts.outside_map import OutsideMap
-from hullrecon.geometry.charts.viewing_side import UP
 from hullrecon.records.deliverables import ReportedObject
 from hullrecon.report.figures.survey_map import ChartView
 from hullrecon.report.scene.parts import ScenePart, scene_parts
@@ -49,8 +48,9 @@ def make_scene(survey: Survey, view: ChartView | None) -> SceneView | None:
     document: SceneDocument = {
         "block": BLOCK,
         "frame": str(survey.track.frame),
-        "up": UP[survey.track.frame].tolist(),
-        "forward": "bow" if survey.is_in_hull_frame else "x",
+        "up": view.chart.ship_axes[2].tolist(),
+        "forward": view.chart.ship_axes[0].tolist(),
+        "forward_name": "bow" if survey.is_in_hull_frame else "x",
         "surveyed": _pack(surveyed, outside, block),
         "rest": None if rest is None else _pack(rest, outside, block),
         "has_form": surveyed.has_form,

@@ -9,7 +9,7 @@ export function makeGizmo(document_) {
   const scene = new Scene();
   const camera = new OrthographicCamera(-2, 2, 2, -2, 0.1, 10);
   const arrows = [
-    [new Vector3(1, 0, 0), document_.forward, "#b3261e"],
+    [new Vector3(...document_.forward), document_.forward_name, "#b3261e"],
     [new Vector3(...document_.up), "up", "#174a7c"],
   ];
   for (const [direction, name, colour] of arrows) {
