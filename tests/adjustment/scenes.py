@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A ship's side to lay points onto."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from hullrecon.adjustment.problem.measurements import CadModel
@@ -11,6 +13,8 @@ from hullrecon.geometry.meshes.mesh import Mesh
 
 class SideChart:
     """Along and height of a hull's port side; enough for correlation."""
+
+    ship_axes = np.eye(3)
 
     def to_chart(self, points):
         return np.c_[points[:, 0], points[:, 2], np.zeros(len(points))]
@@ -36,6 +40,17 @@ def cad_model(mesh, truth, error):
     guess = truth @ poses.exp(error)
     sigma = np.r_[1.0, 0.3, 0.3, np.radians([1, 1, 5])]
     return CadModel(mesh, SideChart(), guess, sigma, 0.02, (3.0, 1.5))
+
+
+def lying(model):
+    """Return a CAD model with z up as its file would have it with y up and the ship along z, and that turn (3, 3)."""
+    turn = np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])
+    chart = SideChart()
+    chart.to_chart, chart.ship_axes = (lambda points: SideChart().to_chart(points @ turn)), turn.T
+    in_hull = np.r_[turn @ model.guess_sigma[:3], turn @ model.guess_sigma[3:]]
+    guess = model.guess @ poses.from_matrix(np.block([[turn.T, np.zeros((3, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]))
+    return replace(model, mesh=Mesh(model.mesh.vertices @ turn.T, model.mesh.faces), chart=chart, guess=guess,
+                   guess_sigma=in_hull), turn  # fmt: skip
 
 
 TRUTH = poses.from_rpy([10.0, 30.0, 3.0], np.radians([-179.0, 0.5, -95.0]))

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from adjustment.scenes import TRUTH, cad_model, side, survey
+from adjustment.scenes import TRUTH, cad_model, lying, side, survey
 from adjustment.solved_dives import solved
 
 from hullrecon import native
@@ -67,11 +67,23 @@ def test_a_cylinder_leaves_the_place_along_it_where_the_guess_had_it():
 
 def test_along_a_cylinder_is_named_as_weak_and_across_it_is_not():
     evidence, _, found = placed(CYLINDER)
-    weak = find_weak_directions(along_axes(evidence, found))
+    weak = find_weak_directions(along_axes(evidence, found), np.eye(3))
     positions = [w for w in weak if w["kind"] == "position"]
     assert len(positions) == 1
     assert abs(positions[0]["direction"][0]) > 0.98
     assert "along the hull" in positions[0]["sentence"]
+
+
+def test_along_a_cylinder_is_profiled_whichever_axis_of_the_models_file_it_is():
+    evidence, _, found = placed(CYLINDER)
+    model, turn = lying(evidence.cad_model)
+    turned = poses.from_matrix(np.block([[turn.T, np.zeros((3, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]))
+    there = replace(evidence, cad_model=model, center=turn @ evidence.center)
+    sigma, plain = (np.sqrt(np.diag(c)[:3]) for c in (along_axes(there, found @ turned), along_axes(evidence, found)))
+    np.testing.assert_allclose(turn.T @ sigma, plain, rtol=0.02)
+    at = np.array([[6.0, 3.0, 2.0], [-4.0, 2.0, 1.0]])
+    mean = estimate.profile_mean_pose(there, found @ turned)
+    np.testing.assert_allclose(mean.apply(at @ turn.T), estimate.profile_mean_pose(evidence, found).apply(at), atol=0.01)
 
 
 def test_curvature_makes_the_place_along_the_hull_surer():

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from adjustment.scenes import ERROR, TRUTH, cad_model, side, survey
+from adjustment.scenes import ERROR, TRUTH, cad_model, lying, side, survey
 
+from hullrecon import native
 from hullrecon.adjustment.hull_pose import registration
 from hullrecon.adjustment.hull_pose.cad_error import matern32
 from hullrecon.adjustment.hull_pose.observability import find_weak_directions
@@ -49,7 +50,7 @@ def test_a_cylinder_slides_along_itself_and_says_so():
     found = register(TRUTH.apply(survey(mesh, rng)), cad_model(mesh, TRUTH, ERROR), 0.01)
     turn = np.kron(np.eye(2), np.eye(3))
     turn[:3, :3] = found.global_from_hull.rotation.as_matrix()[0].T
-    weak = find_weak_directions(turn @ found.covariance @ turn.T)
+    weak = find_weak_directions(turn @ found.covariance @ turn.T, np.eye(3))
     assert weak[0]["kind"] == "position"
     assert np.abs(weak[0]["direction"][0]) > 0.99
     assert weak[0]["sigma"] == pytest.approx(1.0, abs=0.1)  # what the guess said, no more
@@ -60,7 +61,7 @@ def test_directions_between_two_axes_are_said_of_each_axis_once_with_its_own_sig
     axes = np.eye(6)
     axes[3:5, 3:5] = np.array([[0.8, -0.6], [0.6, 0.8]])
     covariance = axes @ np.diag(np.r_[1e-6, 0.2, 1e-6, np.radians([0.9, 2.0, 0.6])]) ** 2 @ axes.T
-    found = find_weak_directions(covariance)
+    found = find_weak_directions(covariance, np.eye(3))
     assert [w["sigma"] for w in found] == pytest.approx([0.2, *np.radians([2.0, 0.9, 0.6])])
     position, *attitude = [w["sentence"] for w in found]
     assert position.startswith("The position across the hull is uncertain by 0.20 m")
@@ -69,6 +70,47 @@ def test_directions_between_two_axes_are_said_of_each_axis_once_with_its_own_sig
         "The heel of the hull is uncertain by 1.40 degrees (one sigma).",
         "The heading of the hull is uncertain by 0.60 degrees (one sigma).",
     ]
+
+
+@pytest.mark.parametrize(
+    "ship_axes",
+    [
+        [[1, 0, 0], [0, 0, -1], [0, 1, 0]],  # y up
+        [[0, 1, 0], [-1, 0, 0], [0, 0, 1]],  # along y
+        [[0, -1, 0], [0, 0, 1], [-1, 0, 0]],  # x down, the bow against y
+    ],
+)
+def test_sentences_are_on_the_ships_axes_whichever_the_models_file_has(ship_axes):
+    in_hull = np.kron(np.eye(2), np.array(ship_axes, float).T)
+    sigma = np.r_[0.3, 0.2, 0.1, np.radians([3.0, 2.0, 1.0])]
+    found = find_weak_directions(in_hull @ np.diag(sigma**2) @ in_hull.T, np.array(ship_axes, float))
+    assert [w["sentence"].partition(" (one")[0] for w in found] == [
+        "The position along the hull is uncertain by 0.30 m",
+        "The position across the hull is uncertain by 0.20 m",
+        "The position vertically is uncertain by 0.10 m",
+        "The heel of the hull is uncertain by 3.00 degrees",
+        "The trim of the hull is uncertain by 2.00 degrees",
+        "The heading of the hull is uncertain by 1.00 degrees",
+    ]
+    for weak, axis in zip(found, [*ship_axes, *ship_axes], strict=True):
+        np.testing.assert_allclose(weak["direction"], np.abs(axis))  # in M
+
+
+def test_starts_lie_along_the_hull_and_in_heading_whichever_axes_the_models_file_has():
+    model, center = cad_model(side(1.0), TRUTH, ERROR), np.array([6.0, 3.0, 2.0])
+    turned, turn = lying(model)
+    points = TRUTH.apply(survey(side(1.0), np.random.default_rng(0)))[:400]
+    plain_index, index = (native.MeshIndex(m.mesh.vertices, m.mesh.faces) for m in (model, turned))
+    for plain, found in (
+        (registration._starts(model, center), registration._starts(turned, turn @ center)),
+        (
+            registration._distant_starts(points, model, center, plain_index),
+            registration._distant_starts(points, turned, turn @ center, index),
+        ),
+    ):
+        at = np.array([[6.0, 3.0, 2.0], [-4.0, 2.0, 1.0], [0.0, 0.0, 5.0]])
+        for one, other in zip(plain, found, strict=True):
+            np.testing.assert_allclose(other.apply(at @ turn.T), one.apply(at), atol=1e-9)
 
 
 def test_thinning_takes_the_mean_of_each_voxel_and_obeys_the_limit():

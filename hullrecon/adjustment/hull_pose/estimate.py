@@ -25,7 +25,6 @@ from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.geometry.poses import Poses
 from hullrecon.typing import Array, CholeskyFactor, Ints, Ints32
 
-ALONG = np.array([1.0, 0.0, 0.0])
 MAX_PASSES = 3
 CELL_M, MAX_POINTS = 0.15, 800  # of the surface that one point stands for, at least; of all, at most
 
@@ -89,9 +88,9 @@ def _middle_half_means(points: Array, distance: Array, owner: Ints, count: Ints)
 
 def fit_hull_pose(points: Array, pose: Poses, cad_model: CadModel, center: Array) -> tuple[HullPoseEvidence, Poses]:
     """Return points (n, 3) in g without their outliers as evidence, and T_g_M fitted to it from `pose`."""
-    evidence, index = _evidence(points, cad_model, center), _index(cad_model)
+    evidence, index, along = _evidence(points, cad_model, center), _index(cad_model), cad_model.chart.ship_axes[0]
     for _ in range(MAX_PASSES):
-        valley = _valley(evidence, pose, ALONG, index)
+        valley = _valley(evidence, pose, along, index)
         pose, _ = profile_likelihood.minimise_cost(valley, pose)
         distance, _ = registration.signed_distances(evidence.points, pose, center, index)
         outlier = cad_error.find_outliers(valley.cost.factor, distance)
@@ -103,15 +102,16 @@ def fit_hull_pose(points: Array, pose: Poses, cad_model: CadModel, center: Array
 
 def profile_mean_pose(evidence: HullPoseEvidence, pose: Poses) -> Poses:
     """Return T_g_M at the mean of its profile along the hull."""
-    return _profile(evidence, pose, ALONG).global_from_hull
+    return _profile(evidence, pose, evidence.cad_model.chart.ship_axes[0]).global_from_hull
 
 
 def hull_pose_covariance(evidence: HullPoseEvidence, pose: Poses) -> Array:
     """Return the covariance (6, 6) of T_g_M about the centre, given the points: what the CAD model's error, its facets and the
     package's prior leave open; with the variances along the hull and along its weak directions from their profiles, taken as
     the posterior's second moment about the delivered pose."""
-    out = profile_likelihood.posterior_covariance(_valley(evidence, pose, ALONG, _index(evidence.cad_model)), pose)
-    for direction in _directions(hull_axes(out, pose)):
+    ship_axes, index = evidence.cad_model.chart.ship_axes, _index(evidence.cad_model)
+    out = profile_likelihood.posterior_covariance(_valley(evidence, pose, ship_axes[0], index), pose)
+    for direction in _directions(hull_axes(out, pose), ship_axes):
         found = _profile(evidence, pose, direction)
         out = profile_likelihood.inflate_covariance(out, replace(found, sigma=float(np.hypot(found.sigma, found.mean))), pose)
     return np.asarray(out + _contradiction(evidence, pose))
@@ -161,7 +161,7 @@ def _index(cad_model: CadModel) -> native.MeshIndex:
     return native.MeshIndex(cad_model.mesh.vertices, cad_model.mesh.faces)
 
 
-def _directions(hull_in_axes: Array) -> list[Array]:
+def _directions(hull_in_axes: Array, ship_axes: Array) -> list[Array]:
     """Return along the hull, and the weak directions of position (unit vectors in M) that point elsewhere."""
-    weak = [np.array(w["direction"]) for w in find_weak_directions(hull_in_axes) if w["kind"] == "position"]
-    return [ALONG, *(d for d in weak if abs(d[0]) < 0.9)]
+    weak = [np.array(w["direction"]) for w in find_weak_directions(hull_in_axes, ship_axes) if w["kind"] == "position"]
+    return [ship_axes[0], *(d for d in weak if abs(d @ ship_axes[0]) < 0.9)]

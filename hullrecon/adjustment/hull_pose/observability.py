@@ -9,17 +9,17 @@ from scipy.optimize import linear_sum_assignment
 
 from hullrecon.typing import Array
 
-_DIRECTIONS = ("along the hull", "across the hull", "vertically")  # of M's axes
+_DIRECTIONS = ("along the hull", "across the hull", "vertically")  # of the ship's axes
 _ANGLES = ("heel", "trim", "heading")  # about them
 
 
 def find_weak_directions(
-    covariance_in_hull: Array, least_sigma_m: float = 0.05, least_sigma_deg: float = 0.5
+    covariance_in_hull: Array, ship_axes: Array, least_sigma_m: float = 0.05, least_sigma_deg: float = 0.5
 ) -> list[dict[str, object]]:
     """Return eigenvectors of T_g_M's covariance (6, 6: translation and rotation in M's axes) beyond the given sigmas, worst
-    first.
+    first. ship_axes (3, 3): rows forward, port, up in M, of which a model's file may have any order.
 
-    Each: `kind` position or attitude, `direction` unit vector in M, `sigma` (m or rad) and a `sentence` on the axis of M that
+    Each: `kind` position or attitude, `direction` unit vector in M, `sigma` (m or rad) and a `sentence` on the ship's axis that
     lies next to it, another one for each, with that axis's own sigma.
     """
     found: list[dict[str, object]] = []
@@ -27,13 +27,14 @@ def find_weak_directions(
         ("position", slice(0, 3), least_sigma_m),
         ("attitude", slice(3, 6), np.radians(least_sigma_deg)),
     ):
-        covariance = covariance_in_hull[block, block]
+        covariance = ship_axes @ covariance_in_hull[block, block] @ ship_axes.T
         values, vectors = np.linalg.eigh(covariance)
         _, axes = linear_sum_assignment(np.abs(vectors.T), maximize=True)
         for k in np.argsort(values)[::-1]:
             sigma = float(np.sqrt(max(values[k], 0)))
             if sigma >= least:
-                direction = vectors[:, k] * np.sign(vectors[np.argmax(np.abs(vectors[:, k])), k])
+                direction = vectors[:, k] @ ship_axes
+                direction = direction * np.sign(direction[np.argmax(np.abs(direction))])
                 found.append(
                     {
                         "kind": kind,

@@ -27,7 +27,7 @@ from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, CholeskyFactor
 
 GOOD_FITNESS = 0.6  # share of points within three sigma of the CAD model, from which it is the hull that was surveyed
-DISTANT_SIGMA = np.r_[5.0, 2.0, 0.5, np.radians([2.0, 2.0, 15.0])]  # m, rad: how far a wrong guess may be off
+DISTANT_SIGMA = np.r_[5.0, 2.0, 0.5, np.radians([2.0, 2.0, 15.0])]  # m, rad in the ship's axes: how far a guess may be off
 DISTANT_STARTS = 8
 GUESS_SIGMAS = 3.5  # beyond which the package's guess is contradicted
 
@@ -58,7 +58,9 @@ def register(points: Array, cad_model: CadModel, sigma_range: float, seed: int =
     if found.fitness >= GOOD_FITNESS:
         return _with_wider_guess(found, kept, cad_model, index, sigma_range)
     starts = _distant_starts(kept, cad_model, center, index)
-    loose = replace(cad_model, guess_sigma=cad_model.guess_sigma + DISTANT_SIGMA)
+    in_hull = np.abs(cad_model.chart.ship_axes.T)
+    distant_sigma = np.r_[in_hull @ DISTANT_SIGMA[:3], in_hull @ DISTANT_SIGMA[3:]]
+    loose = replace(cad_model, guess_sigma=cad_model.guess_sigma + distant_sigma)
     distant = _register_from(starts, kept, loose, center, index, sigma_range, seed)
     if distant.fitness < max(GOOD_FITNESS, found.fitness + 0.1):
         return found
@@ -85,11 +87,12 @@ def _register_from(
 def _distant_starts(points: Array, cad_model: CadModel, center: Array, index: MeshIndex) -> list[Poses]:
     """Return the poses of a coarse grid around the guess, metres and degrees wide, on which points lie nearest to the CAD
     model."""
-    rotate = cad_model.guess.rotation.as_matrix()[0]
+    hull_from_ship = cad_model.chart.ship_axes.T
+    rotate = cad_model.guess.rotation.as_matrix()[0] @ hull_from_ship
     few = points[:: max(1, len(points) // 400)]
     found: list[tuple[float, int, Poses]] = []
     for along, across, yaw in product(np.arange(-8.0, 8.1, 1.0), (-2.0, 0.0, 2.0), np.radians(np.arange(-25, 26, 5.0))):
-        step = np.r_[rotate @ np.array([along, across, 0.0]), 0.0, 0.0, yaw]
+        step = np.r_[rotate @ np.array([along, across, 0.0]), hull_from_ship @ [0.0, 0.0, yaw]]
         pose = perturb_pose(cad_model.guess, center, step)
         distance = np.sort(np.abs(index.closest(pose.inverse().apply(few)).distance))
         found.append((float(np.mean(distance[: int(0.8 * len(distance))])), len(found), pose))
@@ -137,13 +140,14 @@ def perturb_pose(global_from_hull: Poses, center: Array, step: Array) -> Poses:
 
 
 def _starts(cad_model: CadModel, center: Array) -> list[Poses]:
-    """Return the guess, and what lies one sigma along the hull and in yaw around it, in M's axes."""
+    """Return the guess, and what lies one sigma along the hull and in yaw around it."""
     rotate = cad_model.guess.rotation.as_matrix()[0]
+    forward, _, up = cad_model.chart.ship_axes
     starts = []
     for along in (0.0, -1.0, 1.0):
         for yaw in (0.0, -1.0, 1.0):
-            shift = rotate @ (np.array([along, 0, 0]) * cad_model.guess_sigma[:3])
-            turn = np.array([0, 0, yaw]) * cad_model.guess_sigma[3:]
+            shift = rotate @ (along * forward * cad_model.guess_sigma[:3])
+            turn = yaw * up * cad_model.guess_sigma[3:]
             starts.append(perturb_pose(cad_model.guess, center, np.r_[shift, turn]))
     return starts
 

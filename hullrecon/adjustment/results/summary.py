@@ -15,7 +15,7 @@ from hullrecon.adjustment.native_settings import native_settings
 from hullrecon.adjustment.options import AdjustOptions
 from hullrecon.adjustment.problem import intrinsics, iteration_history, weighting
 from hullrecon.adjustment.problem.measurements import Measurements
-from hullrecon.adjustment.problem.state import State
+from hullrecon.adjustment.problem.state import HullState, State
 from hullrecon.adjustment.results import residual_statistics
 from hullrecon.adjustment.results.covariance import hull_axes
 from hullrecon.adjustment.results.legs import LegTies, tie_legs
@@ -50,7 +50,7 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
     solution = build_solution(m, adjusted, marginals)
     hull = adjusted.state.hull
     ties = _ties(m, adjusted)
-    weak = [] if hull is None else find_weak_directions(hull_axes(marginals.T_g_M, hull.global_from_hull))
+    weak = [] if hull is None else find_weak_directions(*_covariance_in_hull(marginals, hull))
     fit = fit_of_positions(adjusted.problem, m.positions, marginals.world, settings)
     disagreement = None if fit is None else fit.disagreement()
     seen_with = intrinsics.summarise_intrinsics(m.rig, adjusted.rig, marginals, options)
@@ -84,6 +84,11 @@ def summarise_adjustment(m: Measurements, adjusted: Adjusted, options: AdjustOpt
             *_unexpected_errors(m, adjusted, marginals),
         ],
     )
+
+
+def _covariance_in_hull(marginals: native.Covariance, hull: HullState) -> tuple[Array, Array]:
+    """Return the covariance (6, 6) of T_g_M in M's axes, and the ship's axes (3, 3) there."""
+    return hull_axes(marginals.T_g_M, hull.global_from_hull), hull.cad_model.chart.ship_axes
 
 
 def _stereo_sentence(m: Measurements, adjusted: Adjusted, marginals: native.Covariance) -> str | None:
