@@ -87,7 +87,7 @@ def _cad_model(mesh: Mesh | None, hull: schema.Hull | None) -> CadModel | None:
     guess = poses.from_mount(hull.pose)
     return CadModel(
         mesh=mesh,
-        chart=chart_for_hull(mesh, poses.up_in(guess)),
+        chart=chart_for_hull(mesh, poses.up_in(guess), hull.bow, hull.aft_perpendicular),
         guess=guess,
         guess_sigma=np.maximum(sigma, 1e-6),
         deviation_sigma=hull.deviation_sigma,

@@ -9,6 +9,7 @@ import numpy as np
 
 from hullrecon.artifacts.graph.stage import Context, Stage
 from hullrecon.artifacts.graph.stage_settings import StageSettings
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.geometry.poses import from_mount, up_in
 from hullrecon.records.serialisation import to_arrays
 from hullrecon.records.trajectory import VehicleTrack
@@ -33,10 +34,8 @@ def run(context: Context[SurfaceOptions]) -> None:
         track, source = adjust.solution.track(), "adjusted"
     else:
         track, source = _dead_reckoned_track(inputs, settings)
-    pose = settings.read_optional("hull.pose", tuple)
-    up = (0.0, 0.0, 1.0) if pose is None else up_in(from_mount(pose))
     survey = SurfaceInputs(
-        hull=UnknownHull() if cad_model is None else CadHull(mesh=cad_model, up=up),
+        hull=UnknownHull() if cad_model is None else _cad_hull(cad_model, settings),
         track=track,
         rig=rig if adjust is None else rig.with_mounts(adjust.solution.mounts),
         returns=inputs.navigate.returns,
@@ -48,6 +47,17 @@ def run(context: Context[SurfaceOptions]) -> None:
     context.out.arrays("surface.npz", to_arrays(result.surface))
     context.out.arrays("chart.npz", result.chart.to_arrays())
     context.out.json("surface.json", {**result.facts, "poses": source})
+
+
+def _cad_hull(mesh: Mesh, settings: StageSettings) -> CadHull:
+    """Return the CAD model with its axes as dive.toml says."""
+    pose = settings.read_optional("hull.pose", tuple)
+    return CadHull(
+        mesh=mesh,
+        up=(0.0, 0.0, 1.0) if pose is None else up_in(from_mount(pose)),
+        bow=settings.read_optional("hull.bow", str),
+        aft_perpendicular_m=settings.read_optional("hull.aft_perpendicular", float) or 0.0,
+    )
 
 
 def _dead_reckoned_track(inputs: InputArtifacts, settings: StageSettings) -> tuple[VehicleTrack, str]:
@@ -68,5 +78,5 @@ STAGE = Stage(
     version=7,
     run=run,
     fails_alone=True,
-    uses=(*DVL_KEYS, "dvl.sigma_range", "hull.pose", "hull.pose_sigma"),
+    uses=(*DVL_KEYS, "dvl.sigma_range", "hull.pose", "hull.pose_sigma", "hull.bow", "hull.aft_perpendicular"),
 )

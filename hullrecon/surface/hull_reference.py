@@ -26,14 +26,16 @@ class Comparison:
 
 @dataclass(frozen=True, kw_only=True)
 class CadHull:
-    """A hull with a CAD model, in M; up (3,): roughly up there."""
+    """A hull with a CAD model, in M; up (3,): roughly up there; bow and aft_perpendicular_m: as `chart_for_hull` has them."""
 
     mesh: Mesh
     up: Sequence[float] | Array = (0.0, 0.0, 1.0)
+    bow: str | None = None
+    aft_perpendicular_m: float = 0.0
 
     def chart(self, points: Array, sensors: Array) -> Chart:
         """Return the ship's own chart; it depends on neither the points nor the sensors."""
-        return chart_for_hull(self.mesh, self.up)
+        return chart_for_hull(self.mesh, self.up, self.bow, self.aft_perpendicular_m)
 
     def on_hull(self, label: Ints) -> Mask:
         """Return which landmarks (n,) were labelled as lying on the CAD model's surface."""

@@ -295,6 +295,18 @@ def test_a_hull_in_millimetres_is_one_line_and_code_three(capsys, package):
     assert "looks like millimetres" in line
 
 
+def test_a_bow_across_the_ship_is_one_line_and_code_three(capsys, package):
+    (package / "hull.off").write_text(TETRAHEDRON.format(20).replace("0 20 0", "0 5 0"))
+    _, out, _ = call(capsys, "check", package)
+    assert "bow: at x = +20.0 m of the CAD model" in out
+    (package / "dive.toml").write_text(TOML.replace("[hull]", '[hull]\nbow = "+y"'))
+    code, line = complaint(capsys, "check", package)
+    assert code == 3
+    assert 'the bow cannot lie at +y: the CAD model is 20.0 m along x, 5.0 m along y (hull.bow): give "+x" or "-x"' in line
+    (package / "dive.toml").write_text(TOML.replace("[hull]", '[hull]\nbow = "x"'))
+    assert complaint(capsys, "check", package)[0] == 2
+
+
 def test_a_calibration_of_another_size_is_one_line_with_both_sizes_and_code_three(capsys, package):
     (package / "top.yaml").write_text(YAML.replace("32", "640").replace("24", "480"))
     code, line = complaint(capsys, "check", package)

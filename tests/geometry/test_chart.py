@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from hullrecon.errors import InputError
 from hullrecon.geometry.charts.address import address
 from hullrecon.geometry.charts.chart import Chart, chart_for_hull, chart_for_points, chart_from_arrays
+from hullrecon.geometry.charts.region import chart_limits
 from hullrecon.geometry.meshes.mesh import Mesh
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True)
@@ -226,3 +227,31 @@ def test_real_hulls_are_charted_without_garbage(data: Path, name: str) -> None:
     assert np.median(np.abs(lifted[:, 2] - 0.002 * length)) < 1e-6 * length
     assert np.mean(lifted[:, 2] > 0) > 0.99
     assert np.nanpercentile(metric(chart, at[charted, :2], length / 1000), 99) < 3.0
+
+
+def test_a_model_whose_bow_points_to_the_negative_axis_has_the_same_addresses(steel: Mesh) -> None:
+    plain = chart_for_hull(steel)
+    turn = np.diag([-1.0, -1.0, 1.0])
+    turned = chart_for_hull(Mesh(steel.vertices @ turn, steel.faces), bow="-x")
+    points = np.array([[5.0, 3.0, 2.7], [7.0, -3.0, 2.5]])
+    np.testing.assert_allclose(turned.to_chart(points @ turn), plain.to_chart(points), atol=1e-9)
+    assert address(turned, points @ turn, 0.6) == address(plain, points, 0.6)
+    assert address(turned, points @ turn)[0].startswith("5.0 m from AP, port")
+
+
+@pytest.mark.parametrize(("bow", "sign"), [("+x", 1.0), ("-x", -1.0)])
+def test_stations_count_from_the_aft_perpendicular(steel: Mesh, bow: str, sign: float) -> None:
+    turn = np.diag([sign, sign, 1.0])
+    amidships = Mesh((steel.vertices - [10.0, 0, 0]) @ turn, steel.faces)  # a file whose zero lies 10 m ahead of it
+    chart = chart_for_hull(amidships, bow=bow, aft_perpendicular_m=-10.0 * sign)
+    points = np.array([[5.0, 3.0, 2.7], [7.0, -3.0, 2.5]])
+    at, plain = (points - [10.0, 0, 0]) @ turn, chart_for_hull(steel)
+    found = chart.to_chart(at)
+    np.testing.assert_allclose(found, plain.to_chart(points), atol=1e-9)
+    on_skin = plain.from_chart(found[:, :2])[0]
+    np.testing.assert_allclose(chart.from_chart(found[:, :2])[0], (on_skin - [10.0, 0, 0]) @ turn, atol=1e-9)
+    assert address(chart, at, 0.6) == address(plain, points, 0.6)
+    again = chart_from_arrays(chart.to_arrays())
+    np.testing.assert_array_equal(again.to_chart(at), found)
+    np.testing.assert_allclose(chart_limits(chart, amidships), chart_limits(plain, steel), atol=0.1)
+    assert "aft_perpendicular" not in plain.to_arrays()  # artifacts made before are read as they were

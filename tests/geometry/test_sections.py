@@ -172,3 +172,26 @@ def test_forward_port_and_up_are_axes_of_the_mesh_in_a_right_hand(vertical: int,
     along = int(np.argmax(np.abs(axes[0])))
     assert axes[0, along] == 1.0
     assert size[along] == max(size[k] for k in range(3) if k != vertical)
+
+
+@pytest.mark.parametrize(("up", "bow"), [((0, 0, 1), "-x"), ((0, 1, 0), "+x"), ((0, 0, -1), "-x")])
+def test_the_bow_lies_where_it_is_said_to(up: tuple[int, int, int], bow: str) -> None:
+    size = [np.zeros(3), np.array([20.0, 4.0, 5.0])]
+    axes, plain = hull_axes(np.array(size), np.array(up), bow), hull_axes(np.array(size), np.array(up))
+    turned = -1.0 if bow == "-x" else 1.0
+    np.testing.assert_array_equal(axes, np.diag([turned, turned, 1.0]) @ plain)  # port is on the other side, too
+
+
+@pytest.mark.parametrize(
+    ("bow", "words"),
+    [
+        (
+            "+y",
+            r"the bow cannot lie at \+y: the CAD model is 20.0 m along x, 4.0 m along y \(hull.bow\): give \"\+x\" or \"-x\"",
+        ),
+        ("-z", r"the bow cannot lie at -z: z is up or down by hull.pose, and the CAD model is 20.0 m along x"),
+    ],
+)
+def test_a_bow_that_the_model_does_not_have_is_refused(bow: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        hull_axes(np.array([np.zeros(3), [20.0, 4.0, 5.0]]), np.array([0.0, 0.0, 1.0]), bow)

@@ -34,7 +34,7 @@ from hullrecon.records.sensors import ImageIndex
 from hullrecon.records.serialisation import from_arrays, to_arrays
 from hullrecon.records.solution import Solution
 from hullrecon.records.trajectory import Attitude
-from hullrecon.steps.adjust import STAGE, guess_without_depth
+from hullrecon.steps.adjust import STAGE, _cad_model, guess_without_depth
 
 TO_DEGREES = np.r_[np.ones(3), np.full(3, 180 / np.pi)]
 
@@ -167,6 +167,16 @@ def test_the_chart_is_the_hulls(stereo):
     _, out = stereo
     at = cad_hull().vertices[5000:5200]
     np.testing.assert_allclose(chart_from_arrays(load_arrays(out / "chart.npz")).to_chart(at), hull_chart().to_chart(at))
+
+
+def test_the_chart_has_the_bow_and_the_stations_of_dive_toml():
+    mesh, turned = cad_hull(), schema.Hull(mesh="h.stl", bow="-x", aft_perpendicular=50.0)
+    chart, plain = _cad_model(mesh, turned).chart, hull_chart()
+    at = mesh.vertices[5000:5200]
+    found, along = chart.to_chart(at), plain.to_chart(at)[:, 0]
+    known = np.isfinite(found[:, 0]) & np.isfinite(along)
+    assert known.any()
+    np.testing.assert_allclose(found[known, 0], 50.0 - along[known], atol=1e-6)
 
 
 def test_pycolmap_opens_the_model_and_finds_images_and_points_in_the_hull_frame(stereo):

@@ -170,6 +170,15 @@ def test_without_an_adjustment_the_first_guess_places_the_dive(earlier: EarlierS
     assert "hull.pose" in str(facts["poses"])
 
 
+def test_without_an_adjustment_the_chart_has_the_bow_and_the_stations_of_dive_toml(earlier: EarlierSteps) -> None:
+    earlier.sections["hull"] = schema.Hull(mesh="hull.stl", pose=TURN, bow="-x", aft_perpendicular=11.0)
+    chart = chart_from_arrays(load_arrays(earlier.run(adjusted=False) / "chart.npz"))
+    at, plain = np.array([[5.0, 2.9, 3.0]]), chart_for_hull(earlier.hull)
+    along, girth, _ = chart.to_chart(at)[0]
+    assert along == pytest.approx(6.0)
+    assert girth == pytest.approx(-plain.to_chart(at)[0, 1], abs=0.01)
+
+
 def test_without_a_cad_model_the_surface_is_in_g_and_has_no_deviation(earlier: EarlierSteps) -> None:
     earlier.without_cad_model()
     surface, _ = _read(earlier.run())

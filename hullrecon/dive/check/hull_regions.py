@@ -19,7 +19,7 @@ def describe_regions(hull: Hull | None, mesh: Mesh | None) -> tuple[list[str], l
     if not regions or hull is None or mesh is None:
         return [], []
     try:
-        chart = chart_for_hull(mesh, up_in(from_mount(hull.pose)))
+        chart = chart_for_hull(mesh, up_in(from_mount(hull.pose)), hull.bow, hull.aft_perpendicular)
     except InputError as error:
         return [], [f"{count_noun(len(regions), 'hull.region')} cannot be counted: {error.what}"]
     areas = {region: float(region_cells(chart, mesh, region.along, region.girth).area.sum()) for region in regions}

@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 from msgspec import Struct
 
+from hullrecon.dive.check.bow import describe_bow
 from hullrecon.dive.check.consistency_checks import check_consistency, check_mount_of_attitude, describe_start_offset
 from hullrecon.dive.check.hull_regions import describe_regions
 from hullrecon.dive.check.messages import Stream
@@ -20,7 +21,7 @@ from hullrecon.dive.check.to_fill_in import to_fill_in
 from hullrecon.dive.config.config_errors import shorten
 from hullrecon.dive.config.load import LoadedConfig
 from hullrecon.dive.config.mounts import DEFAULTS, choose_mounts, describe_mounts, filled_in
-from hullrecon.dive.config.schema import DiveConfig
+from hullrecon.dive.config.schema import DiveConfig, Hull
 from hullrecon.dive.ingest import IngestRequest, IngestResult, ingest
 from hullrecon.dive.logs.messages.samples import TYPES
 from hullrecon.dive.logs.read_streams import Watch
@@ -29,6 +30,7 @@ from hullrecon.dive.logs.timeline import rate_hz
 from hullrecon.dive.package_files import earlier_dive_of, logo_of
 from hullrecon.dive.problems import Problems
 from hullrecon.geometry.frames import Camera
+from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.records.sensors import DvlPings, ImageIndex
 
 VEHICLE_SECTIONS = ("tray", "imu", "pressure", "dvl", *(camera.section for camera in Camera), "sonar", "hull")
@@ -41,8 +43,9 @@ CheckImages = Callable[[LoadedConfig, IngestResult, Mapping[str, SampledImages]]
 class PackageCheck:
     """What `check` reports about a package. missing_files: those that dive.toml names and that are not there, with their keys;
     unusable: what is there but cannot be used, and what to do; needs: sensors without which nothing can be computed; missing:
-    what the absence of sensors means; warnings: contradictions; regions: how much hull each of dive.toml holds; mounts: those
-    that the log gave; defaults: values by key that nobody gave."""
+    what the absence of sensors means; warnings: contradictions; bow: which end of the CAD model is taken for it, None without
+    a model; regions: how much hull each of dive.toml holds; mounts: those that the log gave; defaults: values by key that
+    nobody gave."""
 
     name: str
     vessel: str
@@ -53,6 +56,7 @@ class PackageCheck:
     missing: list[str]
     to_fill_in: list[str]
     warnings: list[str]
+    bow: str | None
     regions: list[str]
     mounts: list[str]
     defaults: dict[str, object]
@@ -82,7 +86,8 @@ class PackageCheck:
         defaults = ", ".join(f"{key} = {_toml(value)}" for key, value in sorted(self.defaults.items()))
         return [
             f"{self.name}: {self.vessel}" if self.vessel else self.name,
-            *findings["spans"], *describe_start_offset(self.found.records, self.found.images), *findings["hull"], *self.regions,
+            *findings["spans"], *describe_start_offset(self.found.records, self.found.images), *findings["hull"],
+            *([] if self.bow is None else [self.bow]), *self.regions,
             *(f"missing: {file}" for file in self.missing_files), *(f"not usable: {line}" for line in self.unusable),
             *(f"lost: {line}" for line in findings["lost"]),
             *(f"note: {line}" for line in (*findings["remarks"], *self.mounts, *self.found.unused)), *self.missing,
@@ -97,8 +102,8 @@ class PackageCheck:
             "name": self.name, "vessel": self.vessel,
             "streams": {name: _describe_stream(stream) for name, stream in streams.items() if len(stream.t_ns)},
             **self.found.findings(), "missing_files": self.missing_files, "unusable": self.unusable, "missing": self.missing,
-            "to_fill_in": self.to_fill_in, "warnings": self.warnings, "regions": self.regions, "mounts": self.mounts,
-            "topics": self.found.counts, "unused": self.found.unused,
+            "to_fill_in": self.to_fill_in, "warnings": self.warnings, "bow": self.bow, "regions": self.regions,
+            "mounts": self.mounts, "topics": self.found.counts, "unused": self.found.unused,
             "offset": describe_start_offset(self.found.records, self.found.images), "defaults": self.defaults,
             "run_is_possible": self.run_is_possible, "verdict": self.verdict,
         }  # fmt: skip
@@ -125,7 +130,8 @@ def check_package(
     named = {sensor for sensor, topic in request.topics.items() if topic in found.counts}
     logged = named | (TYPES.keys() & found.counts.keys())
     known = present | logged if problems.found else present  # of what cannot be used it is said why
-    regions, empty_regions = describe_regions(loaded.config.hull, found.hull)
+    bow, not_aft = _bow(loaded.config.hull, found.hull, problems)
+    regions, empty_regions = describe_regions(loaded.config.hull, found.hull if bow is not None else None)
     return PackageCheck(
         name=loaded.config.dive.name,
         vessel=loaded.config.dive.vessel,
@@ -139,9 +145,11 @@ def check_package(
             *check_consistency(loaded.config, found.records, found.images),
             *(check_mount_of_attitude(loaded.config, found.records.tray) if found.attitude_is_dvls else []),
             *(check_images(loaded, found, sampled) if check_images is not None else []),
+            *not_aft,
             *empty_regions,
             *_no_earlier_dive(loaded),
         ],
+        bow=bow,
         regions=regions,
         mounts=describe_mounts(taken),
         defaults={
@@ -150,6 +158,14 @@ def check_package(
             if key not in taken
         },
     )
+
+
+def _bow(hull: Hull | None, mesh: Mesh | None, problems: Problems) -> tuple[str | None, list[str]]:
+    """Return what `describe_bow` says; nothing without a CAD model, or for a bow that it does not have, which is a problem."""
+    if hull is not None and mesh is not None:
+        with problems.collect():
+            return describe_bow(hull, mesh)
+    return None, []
 
 
 def _no_earlier_dive(loaded: LoadedConfig) -> list[str]:

@@ -260,6 +260,14 @@ class Hull(Section, frozen=True):
     pose_sigma: Annotated[
         Six, Meta(description="m and deg, of the guess, in M's axes: the translation is that of the middle of the survey")
     ] = (1.0, 1.0, 0.3, 1.0, 1.0, 5.0)
+    bow: Annotated[
+        Literal["+x", "-x", "+y", "-y", "+z", "-z"] | None,
+        Meta(description="where along the mesh's long axis the bow lies; absent: where that axis grows"),
+    ] = None
+    aft_perpendicular: Annotated[
+        Offset,
+        Meta(description="m, where on the mesh's long axis the aft perpendicular lies: stations and frames count from it"),
+    ] = 0.0
     frame_spacing: Annotated[Positive | None, Meta(description="m, between frames, for addresses by frame number")] = None
     deviation_sigma: Annotated[Positive, Meta(description="m, sigma of the hull's deviation from the CAD model")] = 0.02
     deviation_length: Annotated[

@@ -26,16 +26,22 @@ from hullrecon.typing import Array
 @dataclass(frozen=True)
 class AxisChart:
     """axes (3, 3): rows forward, port, up in M (a turn, no shift). The rest is in turned coordinates, metres: the mesh
-    (outward) and the sections."""
+    (outward), the sections and the aft perpendicular, from which `along` counts."""
 
     axes: Array
     mesh: Mesh
     sections: Sections
+    aft_perpendicular: float = 0.0
 
     @property
     def ship_axes(self) -> Array:
         """Return rows forward, port, up (3, 3) in M; see `Chart`."""
         return self.axes
+
+    @property
+    def along_of_origin(self) -> float:
+        """Return along of the origin of M, m; see `Chart`."""
+        return -self.aft_perpendicular
 
     @cached_property
     def _index(self) -> MeshIndex:
@@ -49,12 +55,13 @@ class AxisChart:
         if known.any():
             near = self._index.closest(turned[known])
             girth = self.sections.girth_at(near.point)
-            out[known] = np.stack([np.where(np.isnan(girth), np.nan, near.point[:, 0]), girth, near.distance], axis=1)
+            along = near.point[:, 0] - self.aft_perpendicular
+            out[known] = np.stack([np.where(np.isnan(girth), np.nan, along), girth, near.distance], axis=1)
         return out
 
     def from_chart(self, along_girth: Array) -> tuple[Array, Array]:
         """Return points and normals (n, 3) of chart coordinates (n, 2); see `Chart`."""
-        at = np.atleast_2d(np.asarray(along_girth, float))
+        at = np.atleast_2d(np.asarray(along_girth, float)) + np.array([self.aft_perpendicular, 0.0])
         angle, radius = self.sections.angle_of(at)
         points, normals = np.full((len(at), 3), np.nan), np.full((len(at), 3), np.nan)
         known = np.isfinite(radius)
@@ -88,6 +95,7 @@ class AxisChart:
             "radius": s.radius,
             "girth": s.girth,
             "whole": s.whole,
+            **({"aft_perpendicular": np.asarray(self.aft_perpendicular)} if self.aft_perpendicular else {}),
         }
 
     @classmethod
@@ -106,16 +114,17 @@ class AxisChart:
             girth=number["girth"],
             whole=whole,
         )
-        return cls(number["axes"], Mesh(number["vertices"], np.asarray(arrays["faces"], np.int32)), sections)
+        mesh = Mesh(number["vertices"], np.asarray(arrays["faces"], np.int32))
+        return cls(number["axes"], mesh, sections, float(arrays.get("aft_perpendicular", np.zeros(()))))
 
 
-def build_axis_chart(mesh: Mesh, up: Array) -> AxisChart:
+def build_axis_chart(mesh: Mesh, up: Array, bow: str | None = None, aft_perpendicular_m: float = 0.0) -> AxisChart:
     """Return the chart that `chart_for_hull` describes."""
-    axes = hull_axes(mesh.vertices, up)
+    axes = hull_axes(mesh.vertices, up, bow)
     turned = Mesh(mesh.vertices @ axes.T, mesh.faces)
     index = MeshIndex(turned.vertices, turned.faces)
     height = choose_axis_height(turned, index)
     sections = cast_sections(turned, index, height)
     if not sections.whole.any():
         raise InputError("the CAD model has no skin that a chart can follow", remedy="check the mesh: which axis is up?")
-    return AxisChart(axes, outward_faces(turned, sections, index), sections)
+    return AxisChart(axes, outward_faces(turned, sections, index), sections, float(axes[0].sum()) * aft_perpendicular_m)

@@ -25,6 +25,10 @@ class Chart(Protocol):
     def ship_axes(self) -> Array:
         """Return rows forward, port, up (3, 3) in the chart's frame. Those of a plane are x, -y and -z of g."""
 
+    @property
+    def along_of_origin(self) -> float:
+        """Return along of the origin of the chart's frame, m."""
+
     def to_chart(self, points: Array) -> Array:
         """Return (n, 3) points near the surface, in the chart's frame (M, or g without a CAD model), to (n, 3):
         along, girth, offset (metres, outward positive). NaN rows where the chart is not defined."""
@@ -36,15 +40,18 @@ class Chart(Protocol):
         """Return what an artifact stores; `chart_from_arrays` reads it back."""
 
 
-def chart_for_hull(mesh: Mesh, up: ArrayLike = (0.0, 0.0, 1.0)) -> Chart:
+def chart_for_hull(
+    mesh: Mesh, up: ArrayLike = (0.0, 0.0, 1.0), bow: str | None = None, aft_perpendicular_m: float = 0.0
+) -> Chart:
     """Return the chart of a CAD model: stations along the ship and girth from the keel.
 
     up (3,): roughly up in the mesh's frame; the nearest axis of the frame is taken. The ship lies along the longer of the two
-    other axes, its bow where that grows. Raises InputError when no ray from inside meets the mesh.
+    other axes, its bow where that grows, or where `bow` ("+x" to "-z") says. aft_perpendicular_m: where on that axis along is
+    zero. Raises InputError for a bow along another axis, and when no ray from inside meets the mesh.
     """
     from hullrecon.geometry.charts.axis_chart import build_axis_chart
 
-    return build_axis_chart(mesh, np.asarray(up, float))
+    return build_axis_chart(mesh, np.asarray(up, float), bow, aft_perpendicular_m)
 
 
 def chart_for_points(points: ArrayLike, toward: ArrayLike, up: ArrayLike = (0.0, 0.0, -1.0)) -> Chart:

@@ -29,6 +29,11 @@ class PlaneChart:
         """Return rows forward, port, up (3, 3) in g, whose z is down; see `Chart`."""
         return np.diag([1.0, -1.0, -1.0])
 
+    @property
+    def along_of_origin(self) -> float:
+        """Return along of the origin of g, m; see `Chart`."""
+        return float(-self.origin @ self.axes[0])
+
     def to_chart(self, points: Array) -> Array:
         """Return chart coordinates (n, 3) of points (n, 3); see `Chart`."""
         return np.asarray((np.atleast_2d(points) - self.origin) @ self.axes.T)

@@ -56,6 +56,7 @@ def chart_limits(chart: Chart, mesh: Mesh) -> Array:
         return np.zeros((2, 2))
     farthest, around = np.linalg.norm(mesh.vertices, axis=1).max(), 2 * np.linalg.norm(np.ptp(mesh.vertices, axis=0))
     limits = np.array([[-farthest, farthest], [-around, around]])
+    limits[0] += chart.along_of_origin
     for _ in range(2):  # the second time closer, where the first one saw a hull
         step = np.diff(limits) / (LOOK - 1)
         at = _grid(*(np.linspace(low, high, LOOK) for low, high in limits)).reshape(-1, 2)

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from hullrecon.errors import InputError
@@ -12,21 +14,37 @@ from hullrecon.geometry.meshes.mesh import Mesh
 from hullrecon.native import MeshIndex
 from hullrecon.typing import Array, Mask
 
+AXES = "xyz"
 GRAZING = 0.12  # cosine: a stretch of skin steeper than 83 degrees to the ray is believed only when its middle is on the mesh
 OFF_SKIN = 0.1  # of a stretch's length: farther from the mesh than that, its middle hangs in the air
 
 
-def hull_axes(vertices: Array, up: Array) -> Array:
+def hull_axes(vertices: Array, up: Array, bow: str | None = None) -> Array:
     """Return rows forward, port, up in the mesh's frame (3, 3): up is its axis nearest to `up`, forward the longer of the
-    others."""
+    others, where it grows or, by `bow` ("-x"), where it falls. Raises InputError for a bow along another axis."""
     size = np.ptp(vertices, axis=0)
     vertical = int(np.argmax(np.abs(up)))
     level = [i for i in range(3) if i != vertical]
     forward = level[int(np.argmax(size[level]))]
+    if bow is not None and bow[1] != AXES[forward]:
+        raise _wrong_bow(bow, AXES[forward], dict(zip(AXES, size, strict=True)), AXES[vertical])
     rows = np.zeros((3, 3))
-    rows[0, forward], rows[2, vertical] = 1.0, 1.0 if up[vertical] > 0 else -1.0
+    rows[0, forward], rows[2, vertical] = -1.0 if bow is not None and bow[0] == "-" else 1.0, 1.0 if up[vertical] > 0 else -1.0
     rows[1] = np.cross(rows[2], rows[0])
     return rows
+
+
+def _wrong_bow(bow: str, forward: str, size: Mapping[str, float], vertical: str) -> InputError:
+    """Return the error for a bow along an axis that the ship does not lie along; size: m, of the CAD model by axis."""
+    other = bow[1]
+    is_vertical = f"{other} is up or down by hull.pose, and " if other == vertical else ""
+    what = f"the bow cannot lie at {bow}: {is_vertical}the CAD model is {size[forward]:.1f} m along {forward}"
+    shorter = "" if is_vertical else f", {size[other]:.1f} m along {other}"
+    return InputError(
+        what + shorter,
+        where="hull.bow",
+        remedy=f'give "+{forward}" or "-{forward}", or correct hull.pose, which says what is up',
+    )
 
 
 def outward_faces(mesh: Mesh, sections: Sections, index: MeshIndex) -> Mesh:

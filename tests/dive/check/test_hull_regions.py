@@ -42,3 +42,13 @@ def test_without_a_hull_nothing_is_counted(mesh):
     lines, warnings = describe_regions(hull(BOW), mesh)
     assert lines == []
     assert len(warnings) == (mesh is not None)
+
+
+def test_a_region_lies_on_the_side_that_the_bow_says():
+    mesh = barge()
+    turned = Mesh(mesh.vertices @ np.diag([-1.0, -1.0, 1.0]), mesh.faces)
+    lines, warnings = describe_regions(hull(BOW, bow="-x"), turned)
+    assert (lines, warnings) == (["region bow: 8.0 m2 of the CAD model"], [])
+    assert describe_regions(hull(BOW), turned)[0] == []
+    astern = HullRegion(name="bow", along=(19.0, 23.0), girth=(0.0, 2.0))
+    assert describe_regions(hull(astern, bow="-x", aft_perpendicular=4.0), turned)[0] == lines
