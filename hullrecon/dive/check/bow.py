@@ -31,6 +31,6 @@ def describe_bow(hull: Hull, mesh: Mesh) -> tuple[str, list[str]]:
     if abs(ahead) <= AFT_SHARE * (bow - aft):
         return line, []
     return line, [
-        f"stations and frames count from {axis} = {zero:g} m of the CAD model, {end}: if its aft perpendicular lies elsewhere, "
-        "give hull.aft_perpendicular"
+        f"stations and frames count from {axis} = {zero:g} m of the CAD model, {end}: if its bow is the other end, give "
+        "hull.bow; if its aft perpendicular lies elsewhere, hull.aft_perpendicular"
     ]
