@@ -135,6 +135,6 @@ STAGE = Stage(
     optional=("links", "matches"),
     uses=(*RIG_SECTIONS, "hull"),
     parameters=AdjustOptions,
-    version=24,
+    version=25,
     run=run,
 )

@@ -172,12 +172,13 @@ def _lay(points: Array, beams: Array, cad_model: CadModel, sigma_range: float) -
 
 
 def _search(points: Array, beams: Array, cad_model: CadModel, center: Array, index: native.MeshIndex) -> Poses:
-    """Return the pose of a grid over M's horizontal plane at which points lie best on the CAD model's outside."""
-    rotate, sigma = cad_model.guess.rotation.as_matrix()[0], cad_model.guess_sigma
-    axes = [_grid(sigma[axis]) for axis in (0, 1)]
+    """Return the pose of a grid over the ship's horizontal plane at which points lie best on the CAD model's outside."""
+    rotate, level = cad_model.guess.rotation.as_matrix()[0], cad_model.chart.ship_axes[:2]
+    sigma = np.abs(level) @ cad_model.guess_sigma[:3]
     costs: list[tuple[float, int, Poses]] = []
-    for along, across in product(*axes):
-        pose = registration.perturb_pose(cad_model.guess, center, np.r_[rotate @ [along, across, 0.0], 0.0, 0.0, 0.0])
+    for along, across in product(_grid(sigma[0]), _grid(sigma[1])):
+        step = np.r_[rotate @ (np.array([along, across]) @ level), 0.0, 0.0, 0.0]
+        pose = registration.perturb_pose(cad_model.guess, center, step)
         distance = np.abs(index.closest(pose.inverse().apply(points)).distance)
         distance = np.sort(np.where(_from_within(points, beams, pose, index), np.maximum(distance, WRONG_SIDE_M), distance))
         trimmed = distance[: max(1, int(0.8 * len(distance)))]
