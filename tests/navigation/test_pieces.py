@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -62,6 +64,19 @@ def test_a_long_gap_is_joined_by_a_line() -> None:
     t = np.concatenate([np.arange(0, 10, 0.1), np.arange(100, 110, 0.1)])
     value, _ = local_line(t, np.where(t < 50, 1.0, 3.0), np.array([55.0]), 1.0)
     assert value[0, 0] == pytest.approx(2.0, abs=0.05)
+
+
+def test_smoothing_across_months_takes_no_memory_for_the_time_between() -> None:
+    t = np.arange(0, 20, 0.02)
+    both = np.concatenate([t - 200 * 86400.0, t])
+    tracemalloc.start()
+    value, rate = local_line(both, np.sin(both), t, 0.5)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    alone = local_line(t, np.sin(t), t, 0.5)
+    np.testing.assert_allclose(value, alone[0], atol=1e-3)  # bins are counted from another start
+    np.testing.assert_allclose(rate, alone[1], atol=1e-2)
+    assert peak < 2e6
 
 
 def test_the_running_median_forgives_a_spike_and_a_missing_value() -> None:

@@ -18,19 +18,21 @@ REACH = 4  # widths of the Gaussian that count
 def local_line(t_s: Array, values: Array, at_s: Array, width_s: float) -> tuple[Array, Array]:
     """Return value (m, k) and slope (m, k) at times at_s (m,) of samples (n, k) at t_s (n,); width_s: sigma of the weights.
 
-    Samples are gathered into bins of a sixth of the width, their first two moments kept. Where a gap leaves no sample in reach
-    the neighbours are joined linearly.
+    Samples are gathered into bins of a sixth of the width, their first two moments kept; there are bins where samples are near,
+    so that memory grows with these and not with the time that they span. Where a gap leaves no sample in reach the neighbours
+    are joined linearly.
     """
     step = width_s / BINS_A_WIDTH
     start = min(t_s.min(), at_s.min())
-    size = int((max(t_s.max(), at_s.max()) - start) / step) + 2
     cell = np.floor((t_s - start) / step + 0.5).astype(np.int64)
     off = t_s - start - cell * step
     values = values.reshape(len(t_s), -1)
-    weight = [_bin(cell, off**power, size) for power in range(3)]
-    moment = [np.stack([_bin(cell, off**power * v, size) for v in values.T], axis=1) for power in range(2)]
+    bins = _bins_near(cell)
+    of = np.searchsorted(bins, cell)
+    weight = [_bin(of, off**power, len(bins)) for power in range(3)]
+    moment = [np.stack([_bin(of, off**power * v, len(bins)) for v in values.T], axis=1) for power in range(2)]
     level, slope = _lines(weight, moment, step, width_s)
-    node = start + step * np.arange(size)
+    node = start + step * bins
     return _between(node, level, at_s), _between(node, slope, at_s)
 
 
@@ -42,6 +44,16 @@ def running_median(values: Array, count: int) -> Array:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # a window of nothing but NaN gives NaN
         return np.asarray(np.nanmedian(np.lib.stride_tricks.sliding_window_view(padded, count, axis=0), axis=-1))
+
+
+def _bins_near(cell: Ints) -> Ints:
+    """Return the bins (g,), ascending, that have a sample's bin (n,) in reach. Those of two runs reach no sample of the other,
+    though they stand beside each other in tables."""
+    reach = REACH * BINS_A_WIDTH
+    used = np.unique(cell)
+    first = np.concatenate([[0], 1 + np.flatnonzero(np.diff(used) > 2 * reach)])
+    low, high = used[first] - reach, used[np.concatenate([first[1:], [len(used)]]) - 1] + reach
+    return np.concatenate([np.arange(a, b + 1) for a, b in zip(low.tolist(), high.tolist(), strict=True)])
 
 
 def _bin(cell: Ints, weight: Array, size: int) -> Array:
