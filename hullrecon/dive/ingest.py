@@ -147,9 +147,9 @@ def ingest(
         for name, c in out.cameras.items()
     }
 
-    def take_image(sample: ImageSample, logged_ns: int) -> None:
+    def take_image(sample: ImageSample, logged_ns: int, log: int) -> None:
         if sample.camera in sinks:
-            sinks[sample.camera].take(sample, logged_ns)
+            sinks[sample.camera].take(sample, logged_ns, log)
 
     sensors = {topic: [sensor for sensor, named in topics.items() if named == topic] for topic in topics.values()}
     window = None
@@ -329,13 +329,20 @@ def _sort_samples(
     remarks: list[str],
     joint: str | None = None,
 ) -> list[Kind]:
-    """Return the samples of a sensor, of one joint where it is named, in order of time without duplicates."""
+    """Return the samples of a sensor, of one joint where it is named, in order of time without duplicates. Those by the DVL's
+    own sensors are left aside where others were logged."""
     rows = [
-        (s, logged)
-        for s, logged in zip(found.samples[sensor], found.logged_ns[sensor], strict=True)
+        (s, logged, log)
+        for s, logged, log in zip(found.samples[sensor], found.logged_ns[sensor], found.log[sensor], strict=True)
         if isinstance(s, kind) and (joint is None or (isinstance(s, JointSample) and s.name == joint))
     ]
-    line = put_in_order(sensor if joint is None else f"joint {joint}", [s.t_ns for s, _ in rows], [t for _, t in rows])
+    # before they are put in order: two sensors are two clocks
+    own = [row for row in rows if not streams.is_of_dvl(row[0])]
+    if own and len(own) < len(rows):
+        remarks.append(streams.describe_left_aside(sensor, len(rows) - len(own)))
+        rows = own
+    stamp_ns, logged_ns, log_of = ([s.t_ns for s, *_ in rows], [t for _, t, _ in rows], [n for *_, n in rows])
+    line = put_in_order(sensor if joint is None else f"joint {joint}", stamp_ns, logged_ns, log_of)
     remarks += line.remarks
     sorted_rows = ((rows[i][0], int(t_ns)) for i, t_ns in zip(line.keep, line.t_ns, strict=True))
     return [s if s.t_ns == t_ns else replace(s, t_ns=t_ns) for s, t_ns in sorted_rows]

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 the hullrecon authors
 # SPDX-License-Identifier: Apache-2.0
 import dataclasses
+import json
 from datetime import UTC, datetime, timedelta
 from io import BytesIO
 from pathlib import Path
@@ -265,6 +266,21 @@ def test_a_nortek_file_beside_the_log_gives_the_dvl_with_ranges_along_its_beams(
     assert found.records.dvl.ranges[0] == pytest.approx(np.array([3.0, 3.1, 3.2, 3.3]) / np.cos(np.radians(25)))
     assert found.records.dvl.velocity[0] == pytest.approx([0.1, -0.2, 0.035])
     assert len(found.records.imu.t_ns) == 40
+
+
+@pytest.mark.parametrize("order", [("dvl.json", "tables"), ("tables", "dvl.json")])
+def test_a_dvl_s_own_attitude_and_another_start_do_not_move_the_imu(tmp_path, order):
+    start_s = START.timestamp()
+    write_tables(tmp_path / "tables", imu=3)
+    lines = [
+        json.dumps({"type": "position_local", "ts": start_s + 0.1 * k, "roll": 0, "pitch": 0, "yaw": 9}) for k in range(210)
+    ]
+    (tmp_path / "dvl.json").write_text("\n".join(lines) + "\n")
+    found, _ = run(tmp_path, logs=order, topics={}, calibration={})
+    assert found.records.imu.t_ns.tolist() == [int(start_s + 3 + k) * 10**9 for k in range(20)]
+    assert found.remarks.count("imu: 210 attitudes by the DVL's own sensors were left aside for those of the IMU") == 1
+    assert not found.attitude_is_dvls
+    assert not [remark for remark in found.remarks if "jumps" in remark]
 
 
 def test_a_dvl_topic_wins_over_a_pd0_file_and_that_is_said(package):

@@ -31,18 +31,18 @@ class ImageSink:
         self._camera, self._size, self._offset_ns, self._package = camera, size, offset_ns, package
         self._open_file, self._at = open_file, 0
         self._file: BinaryIO | None = None
-        self._rows: list[tuple[int, int, str, int, int, bool]] = []
+        self._rows: list[tuple[int, int, int, str, int, int, bool]] = []
         self._sizes: Counter[tuple[int, int]] = Counter()
 
-    def take(self, sample: ImageSample, logged_ns: int) -> None:
-        """Check one image and keep its bytes, unless they lie in a file of the package."""
+    def take(self, sample: ImageSample, logged_ns: int, log: int) -> None:
+        """Check one image of the log of that number and keep its bytes, unless they lie in a file of the package."""
         encoded = self._bytes(sample)
         size = size_of(encoded, self._size)
         if size is not None:
             self._sizes[size] += 1
         offset, kept = (0, 0) if sample.file else (self._keep(encoded), len(encoded))
         stamp = sample.t_ns + self._offset_ns
-        self._rows.append((stamp, logged_ns + self._offset_ns, sample.file, offset, kept, size == self._size))
+        self._rows.append((stamp, logged_ns + self._offset_ns, log, sample.file, offset, kept, size == self._size))
         if len(self._rows) == PATIENCE:
             self._check_size()
 
@@ -57,8 +57,8 @@ class ImageSink:
         if not any(row[-1] for row in self._rows):
             many = f"none of the {len(self._rows)} images" if len(self._rows) > 1 else "the only image"
             raise InputError(f"{many} of {self._camera} can be read", remedy="see that the files are there and whole")
-        stamp, logged, file, offset, size, usable = (list(column) for column in zip(*self._rows, strict=True))
-        line = put_in_order(self._camera, stamp, logged)
+        stamp, logged, log, file, offset, size, usable = (list(column) for column in zip(*self._rows, strict=True))
+        line = put_in_order(self._camera, stamp, logged, log)
         remarks += line.remarks + self._bad(usable)
         rows = line.keep
         return ImageIndex(

@@ -20,7 +20,7 @@ from hullrecon.dive.logs.time_window import TimeWindow
 from hullrecon.dive.problems import Problems
 from hullrecon.errors import InputError
 
-TakeImage = Callable[[ImageSample, int], None]  # the sample and when it was logged, ns
+TakeImage = Callable[[ImageSample, int, int], None]  # the sample, when it was logged, ns, and the number of its log
 KeepPing = Callable[[SonarSample], SonarSample]
 Watch = Callable[[Iterable[Message]], Iterable[Message]]
 LIMIT_NS = 1 << 62  # the year 2116; differences of such stamps are int64 too
@@ -31,12 +31,13 @@ SENSORS = tuple(TYPES)
 
 @dataclass(kw_only=True)
 class LogContents:
-    """What the logs held. samples and logged_ns by sensor ("dvl", ...; images go to their sinks); counts by topic; used: topics
-    of which a message could be used; outside: samples that lie outside the time window; definitions: the channels by which a
-    topic was decoded."""
+    """What the logs held. samples, logged_ns and log (the number of the log that holds it) by sensor ("dvl", ...; images go to
+    their sinks); counts by topic; used: topics of which a message could be used; outside: samples that lie outside the time
+    window; definitions: the channels by which a topic was decoded."""
 
     samples: dict[str, list[Sample]] = field(default_factory=lambda: {name: [] for name in SENSORS})
     logged_ns: dict[str, list[int]] = field(default_factory=lambda: {name: [] for name in SENSORS})
+    log: dict[str, list[int]] = field(default_factory=lambda: {name: [] for name in SENSORS})
     counts: Counter[Channel] = field(default_factory=Counter)
     undecoded: Counter[tuple[str, str]] = field(default_factory=Counter)
     unstamped: Counter[str] = field(default_factory=Counter)
@@ -68,7 +69,7 @@ def read_streams(
     """
     out, problems = LogContents(), problems or Problems()
     refused: set[Channel] = set()
-    for log in logs:
+    for number, log in enumerate(logs):
         with problems.collect():
             for message in watch(log.messages()):
                 out.counts[message.channel] += 1
@@ -76,7 +77,7 @@ def read_streams(
                     continue
                 count = len(problems.found)
                 with problems.collect():
-                    _sort(message, topics, take_image, out, window, keep_ping, offset_ns)
+                    _sort(message, number, topics, take_image, out, window, keep_ping, offset_ns)
                 if len(problems.found) > count:
                     refused.add(message.channel)
         name = printable(log.path.name)
@@ -96,6 +97,7 @@ def read_streams(
 
 def _sort(
     message: Message,
+    log: int,
     topics: Mapping[str, Sequence[str]],
     take_image: TakeImage,
     out: LogContents,
@@ -103,15 +105,16 @@ def _sort(
     keep_ping: KeepPing,
     offset_ns: Mapping[str, int],
 ) -> None:
-    """Put the samples of a message where those of their sensor go; those outside the time window are counted."""
+    """Put the samples of a message of that log where those of their sensor go; those outside the time window are counted."""
     for sensor, sample in _samples(message, topics, out):
         if window is not None and not window.holds(sample.t_ns + offset_ns.get(sensor, 0)):
             out.outside += 1
         elif isinstance(sample, ImageSample):
-            take_image(sample, message.t_ns)
+            take_image(sample, message.t_ns, log)
         else:
             out.samples[sensor].append(keep_ping(sample) if isinstance(sample, SonarSample) else sample)
             out.logged_ns[sensor].append(message.t_ns)
+            out.log[sensor].append(log)
 
 
 def _samples(message: Message, topics: Mapping[str, Sequence[str]], out: LogContents) -> Iterator[tuple[str, Sample]]:

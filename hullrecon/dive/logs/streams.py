@@ -68,17 +68,11 @@ def imu_samples(
     samples: Sequence[ImuSample], frame: str, remarks: list[str], mount_deg: tuple[float, float, float] | None = None
 ) -> ImuSamples:
     """Return attitudes and rates. frame: "ned" for body forward-starboard-down in north-east-down, "enu" for body
-    forward-port-up in east-north-up; mount_deg: of the IMU in the vehicle. Rows without an attitude are left out; those of a
-    DVL's own sensors where an IMU was logged.
+    forward-port-up in east-north-up; mount_deg: of the IMU in the vehicle. Rows without an attitude are left out. All samples
+    are those of an IMU, or all of a DVL's own sensors.
 
     Raises InputError when no row has an attitude, and for a DVL's attitude without mount_deg.
     """
-    own = [s for s in samples if not s.of_dvl]
-    if own and len(own) < len(samples):
-        remarks.append(
-            f"imu: {len(samples) - len(own)} attitudes by the DVL's own sensors were left aside for those of the IMU"
-        )
-    of_dvl, samples = not own, own or samples
     quaternion = np.array([s.quaternion for s in samples]).reshape(-1, 4)
     length = np.linalg.norm(quaternion, axis=1)
     good = np.abs(length - 1) < 0.05
@@ -89,7 +83,7 @@ def imu_samples(
     rotation = Rotation.from_quat(quaternion[good])
     rates = np.array([s.rates for s in samples]).reshape(-1, 3)[good]
     acceleration = np.array([s.acceleration for s in samples]).reshape(-1, 3)[good]
-    if of_dvl and len(samples):
+    if any(s.of_dvl for s in samples):
         mount_deg = _mount_of_dvl(mount_deg, remarks)
     elif frame == "enu":
         rotation = NED_FROM_ENU * rotation * FRD_FROM_FLU.inv()
@@ -119,23 +113,34 @@ def _mount_of_dvl(mount_deg: tuple[float, float, float] | None, remarks: list[st
     return mount_deg
 
 
+def is_of_dvl(sample: object) -> bool:
+    """Return whether a sample is an attitude or a depth by sensors inside of the DVL."""
+    return isinstance(sample, ImuSample | DepthSample) and sample.of_dvl
+
+
+def describe_left_aside(sensor: str, count: int) -> str:
+    """Return a sentence on samples by the DVL's own sensors where the sensor ("imu", "pressure") was logged too."""
+    what, other = ("attitudes", "the IMU") if sensor == "imu" else ("depths", "the pressure sensor")
+    return f"{sensor}: {count} {what} by the DVL's own sensors were left aside for those of {other}"
+
+
 @np.errstate(all="ignore")
 def pressure_samples(
     samples: Sequence[PressureSample | DepthSample], model: PressureModel, remarks: list[str]
 ) -> PressureSamples:
-    """Return the depth of the sensor, positive down; readings that are not finite are left out, and those of a DVL's own
-    sensor where another was logged."""
-    own = [s for s in samples if not (isinstance(s, DepthSample) and s.of_dvl)]
-    if not own and samples:
+    """Return the depth of the sensor, positive down; readings that are not finite are left out. All samples are those of one
+    sensor."""
+    if any(is_of_dvl(s) for s in samples):
         remarks.append("pressure: depth comes from the DVL's own sensor; pressure.origin is that sensor's")
-    kept = own or samples
-    depth = np.array([_depth(s, model) for s in kept])
+    depth = np.array([_depth(s, model) for s in samples])
     good = np.isfinite(depth)
     depth = depth[good]
     if len(depth) and np.median(depth) < -1.0:
-        advice = "is pressure.z_axis right?" if isinstance(kept[0], DepthSample) else "is the pressure absolute and in pascal?"
+        advice = (
+            "is pressure.z_axis right?" if isinstance(samples[0], DepthSample) else "is the pressure absolute and in pascal?"
+        )
         remarks.append(f"pressure: the median depth is {np.median(depth):.1f} m, above the water: {advice}")
-    return PressureSamples(t_ns=_times(kept)[good], depth=depth)
+    return PressureSamples(t_ns=_times(samples)[good], depth=depth)
 
 
 def _depth(sample: PressureSample | DepthSample, model: PressureModel) -> float:

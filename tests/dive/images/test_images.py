@@ -31,7 +31,7 @@ def sink(tmp_path, size=(64, 48), offset_ns=0):
 
 def take(sink: ImageSink, *samples: ImageSample):
     for sample in samples:
-        sink.take(sample, sample.t_ns)
+        sink.take(sample, sample.t_ns, 0)
     remarks = []
     return sink.finish(remarks), remarks
 
@@ -72,9 +72,9 @@ def test_an_image_of_another_size_among_good_ones_is_unusable_and_counted(tmp_pa
 def test_images_of_another_size_than_the_calibration_are_refused_with_both_sizes_early(tmp_path, jpegs):
     store, _ = sink(tmp_path, (640, 480))
     for t in range(4):
-        store.take(image(t, jpegs[0]), t)
+        store.take(image(t, jpegs[0]), t, 0)
     with pytest.raises(InputError, match="64 x 48 pixels, its calibration is for 640 x 480"):
-        store.take(image(4, jpegs[0]), 4)
+        store.take(image(4, jpegs[0]), 4, 0)
 
 
 def test_few_images_of_another_size_are_refused_at_the_end(tmp_path, jpegs):

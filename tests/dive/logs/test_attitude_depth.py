@@ -15,7 +15,7 @@ from hullrecon.dive.logs.read_streams import read_streams
 from hullrecon.dive.logs.readers.mcap import McapLog
 from hullrecon.dive.logs.readers.protocol import Channel
 from hullrecon.dive.logs.readers.unpack import DamagedError
-from hullrecon.dive.logs.samples import DepthSample, ImuSample, PressureSample
+from hullrecon.dive.logs.samples import DepthSample, ImuSample
 from hullrecon.errors import InputError
 
 T = 1_777_887_000_123_456_789
@@ -124,15 +124,7 @@ def test_a_dvl_s_own_attitude_needs_its_mount_and_is_said_to_be_one():
     assert "compass beside a steel hull" in remarks[0]
 
 
-def test_a_dvl_s_own_sensors_yield_to_others():
+def test_a_depth_by_the_dvl_s_own_sensor_is_said_to_be_one():
     remarks = []
-    own = Rotation.from_euler("z", 20, degrees=True)
-    found = streams.imu_samples([attitude(Rotation.identity(), of_dvl=True), attitude(own)], "ned", remarks)
-    assert len(found.quaternion) == 1
-    assert Rotation.from_quat(found.quaternion[0]).magnitude() == pytest.approx(np.radians(20))
-    assert remarks == ["imu: 1 attitudes by the DVL's own sensors were left aside for those of the IMU"]
-    remarks.clear()
-    depths = [DepthSample(T, 9.0, is_up=False, of_dvl=True), PressureSample(T, 101325.0)]
-    assert streams.pressure_samples(depths, MODEL, []).depth.tolist() == [0.0]
-    assert streams.pressure_samples(depths[:1], MODEL, remarks).depth.tolist() == [9.0]
+    assert streams.pressure_samples([DepthSample(T, 9.0, is_up=False, of_dvl=True)], MODEL, remarks).depth.tolist() == [9.0]
     assert "the DVL's own sensor" in remarks[-1]

@@ -21,7 +21,7 @@ TOPICS = {
 
 def run(path, topics=TOPICS):
     images = []
-    return read_streams([McapLog(path)], topics, lambda sample, logged: images.append((sample, logged))), images
+    return read_streams([McapLog(path)], topics, lambda sample, *_: images.append(sample)), images
 
 
 def test_samples_are_sorted_by_sensor_and_images_are_handed_on(kit, tmp_path):
@@ -30,8 +30,8 @@ def test_samples_are_sorted_by_sensor_and_images_are_handed_on(kit, tmp_path):
         "imu": 40, "pressure": 20, "joints": 40, "dvl": 8,
     }  # fmt: skip
     assert len(images) == 8
-    assert images[1][0].encoded == kit.jpeg(5)
-    assert images[1][0].camera == "camera_top"
+    assert images[1].encoded == kit.jpeg(5)
+    assert images[1].camera == "camera_top"
     assert found.logged_ns["imu"][3] == kit.start_ns + 300_000_000
     assert {c.topic: n for c, n in found.counts.items()}["/imu"] == 40
 

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from hullrecon.dive.logs.timeline import (
     NS,
-    describe_clock_jumps,
     describe_ends,
     describe_gaps,
     format_time,
@@ -42,13 +41,13 @@ def test_of_duplicate_stamps_the_first_stays():
 
 
 def test_a_clock_that_jumps_against_the_loggers_is_named_with_its_size_and_moment():
-    (words,) = describe_clock_jumps("dvl", ns(0, 1, 2, 12.5, 13.5), ns(0, 1, 2, 3, 4))
+    (words,) = put_in_order("dvl", ns(0, 1, 2, 12.5, 13.5), ns(0, 1, 2, 3, 4)).remarks
     assert "jumps by +9.500 s at 1970-01-01T00:00:02.000Z" in words
 
 
 def test_a_clock_that_falls_back_is_named_without_a_logger_too():
     stamps = ns(10, 11, 12, 5, 6)
-    (words,) = describe_clock_jumps("dvl", stamps, stamps)
+    (words,) = put_in_order("dvl", stamps, stamps).remarks
     assert "jumps by -7.000 s" in words
 
 
@@ -71,14 +70,81 @@ def test_parts_logged_in_another_order_or_twice_are_sorted_and_not_moved(second)
     np.testing.assert_allclose(line.t_ns / NS, np.unique(np.round(stamps / NS, 6)), atol=1e-6)
 
 
+def test_two_recordings_that_overlap_are_sorted_and_not_moved():
+    first, second = np.arange(0, 330, 0.1), np.arange(300.02, 600, 0.1)
+    stamps = ns(*first, *second)
+    line = put_in_order("pressure", stamps, stamps, [0] * len(first) + [1] * len(second))
+    np.testing.assert_array_equal(line.t_ns, np.sort(stamps))
+    (words,) = line.remarks
+    assert (
+        "logs were read in another order than they were recorded, or overlap: 29.9 s back to 1970-01-01T00:05:00.020Z" in words
+    )
+
+
+def test_logs_that_are_listed_in_another_order_show_no_clock_that_jumps():
+    stamps = ns(*np.arange(300, 600, 0.1), *np.arange(0, 300, 0.1))
+    line = put_in_order("dvl", stamps, stamps + 2_000_000, np.repeat([0, 1], 3000))
+    assert (np.diff(line.t_ns) == NS // 10).all()
+    assert [remark for remark in line.remarks if "jump" in remark] == []
+    assert "read in another order" in line.remarks[0]
+
+
+@pytest.mark.parametrize("delay_ms", [0, 3], ids=["no logger's clock", "logged by that computer"])
+def test_a_computer_s_clock_that_was_set_back_mixes_no_two_times(delay_ms):
+    true = np.arange(0, 600, 0.1)
+    jitter_s = np.random.default_rng(0).uniform(-0.003, 0.003, len(true))
+    stamps = ns(*(np.where(true >= 300, true - 30, true) + jitter_s))
+    delay_ns = np.random.default_rng(1).integers(0, delay_ms * 1_000_000 + 1, len(true))
+    line = put_in_order("dvl", stamps, stamps + delay_ns)
+    assert line.keep.tolist() == list(range(6000))
+    np.testing.assert_allclose(line.t_ns / NS, true, atol=0.02)
+    assert "3000 stamps were put right as if it had been set back" in line.remarks[0]
+
+
+def test_a_computer_s_clock_set_back_by_whole_periods_drops_no_reading():
+    true = np.arange(0, 600, 0.1)
+    stamps = ns(*np.where(true >= 300, true - 30, true))
+    line = put_in_order("dvl", stamps, stamps + np.random.default_rng(1).integers(1_000_000, 4_000_000, len(true)))
+    np.testing.assert_allclose(line.t_ns / NS, true, atol=1e-6)
+
+
+@pytest.mark.parametrize("count", [1, 19, 900])
+def test_a_few_stamps_of_another_day_are_left_out_and_counted(count):
+    stamps = ns(*(1_777_887_000 + np.arange(0, 400, 0.02)))
+    stamps[:count] -= ns(200 * 86400)[0]
+    line = put_in_order("imu", stamps, stamps + 2_000_000)
+    assert line.keep.tolist() == list(range(count, 20_000))
+    assert f"imu: {count} reading" in line.remarks[0]
+    assert "stamped a day or more from all others" in line.remarks[0]
+    assert "2025-10-16T09:30:00.000Z" in line.remarks[0]
+
+
+def test_another_day_s_dive_and_the_few_readings_of_a_joint_are_kept():
+    days = ns(*np.arange(0, 100, 0.1), *np.arange(100_000, 100_010, 0.1))
+    assert len(put_in_order("camera_top", days, days).keep) == 1100
+    twice = ns(5, 1_777_887_000)
+    assert len(put_in_order("joint tray", twice, twice).keep) == 2
+
+
+def test_what_a_logger_that_stalled_wrote_late_is_no_jump():
+    stamps = ns(*np.arange(0, 600, 0.1))
+    logged = stamps + 3_000_000
+    logged[3000:3050] = stamps[3050] - 30_000_000 + 10_000 * np.arange(50)
+    line = put_in_order("dvl", stamps, logged)
+    np.testing.assert_array_equal(line.t_ns, stamps)
+    assert line.remarks == [
+        "dvl: 40 readings were logged late, by up to 5.0 s, the first at 1970-01-01T00:05:00.000Z; their stamps were kept"
+    ]
+
+
 def test_several_jumps_are_counted():
-    (words,) = describe_clock_jumps("dvl", ns(0, 5, 0, 5), ns(0, 0.1, 0.2, 0.3))
+    words = put_in_order("dvl", ns(0, 5, 0, 5), ns(0, 0.1, 0.2, 0.3)).remarks[0]
     assert "and 2 more times" in words
 
 
 def test_a_dropout_is_a_gap_not_a_jump():
     stamps = ns(0, 1, 2, 60, 61)
-    assert describe_clock_jumps("dvl", stamps, stamps) == []
+    assert put_in_order("dvl", stamps, stamps).remarks == []
     assert describe_gaps("dvl", stamps) == ["dvl: nothing for 58.0 s from 1970-01-01T00:00:02.000Z to 1970-01-01T00:01:00.000Z"]
 
 
